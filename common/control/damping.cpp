@@ -1,0 +1,63 @@
+#include "forcebound/control/damping.hpp"
+
+#include <Eigen/Cholesky>
+#include <sstream>
+#include <stdexcept>
+
+namespace forcebound::control {
+namespace {
+
+// Below this a direction is not credited at all rather than divided by: 1 uN s/m dissipates nothing a person could
+// feel.
+constexpr double kDampingLeast = 1e-6;
+// Keeps the mobility invertible in singular configurations: no direction is credited with more than 1e6 N s/m.
+constexpr double kMobilityLeast = 1e-6;
+
+[[noreturn]] void refuse(const Matrix& b, const char* what) {
+  std::ostringstream text;
+  text << "damping must be symmetric, positive definite and finite, with 1 to " << kDofMax << " rows: " << what
+       << ", got [" << b.format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols, ",", ";")) << "]";
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace
+
+Damping Damping::from_matrix(const Matrix& b) {
+  if (b.rows() != b.cols() || b.rows() < 1) refuse(b, "it is not square");
+  if (!b.allFinite()) refuse(b, "it is not finite");
+  if ((b - b.transpose()).cwiseAbs().maxCoeff() > 1e-12 * b.cwiseAbs().maxCoeff()) refuse(b, "it is not symmetric");
+  const Eigen::LLT<Matrix> factor(b);
+  if (factor.info() != Eigen::Success || !(factor.matrixLLT().diagonal().minCoeff() > 0)) {
+    refuse(b, "it is not positive definite");
+  }
+  return {b, factor.matrixL()};
+}
+
+Damping Damping::from_joints(const Matrix& jacobian, const Matrix& joint_damping) noexcept {
+  const Eigen::Index dof = jacobian.rows();
+  const Matrix unit = Matrix::Identity(dof, dof);
+  const Eigen::LLT<Matrix> joints(joint_damping);
+  if (joints.info() == Eigen::Success && jacobian.allFinite()) {
+    const Matrix mobility = jacobian * joints.solve(jacobian.transpose()) + kMobilityLeast * unit;
+    const Eigen::LLT<Matrix> tip(mobility);
+    if (tip.info() == Eigen::Success) {
+      const Matrix solved = tip.solve(unit);
+      const Matrix b = 0.5 * (solved + solved.transpose());
+      const Eigen::LLT<Matrix> factor(b);
+      if (factor.info() == Eigen::Success && b.allFinite()) return {b, factor.matrixL()};
+    }
+  }
+  return {kDampingLeast * unit, std::sqrt(kDampingLeast) * unit};
+}
+
+Vector Damping::factor_transpose_times(const Vector& v) const noexcept {
+  return factor_.transpose().triangularView<Eigen::Upper>() * v;
+}
+
+Vector Damping::factor_solve(const Vector& v) const noexcept { return factor_.triangularView<Eigen::Lower>().solve(v); }
+
+double Damping::dissipation(const Vector& v) const noexcept { return factor_transpose_times(v).squaredNorm(); }
+
+double Damping::mobility(const Vector& f) const noexcept { return factor_solve(f).squaredNorm(); }
+
+}  // namespace forcebound::control

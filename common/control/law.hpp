@@ -1,0 +1,60 @@
+#pragma once
+
+#include <string_view>
+
+#include "forcebound/control/damping.hpp"
+#include "forcebound/control/vector.hpp"
+
+namespace forcebound::control {
+
+/// What a tick measured before it chooses a force. All vectors finite, `dof` rows.
+struct Motion {
+  double interval_s = 0;             ///< measured length of the interval that ended with this reading (h_n), 0 at first
+  double latency_s = 0;              ///< from the previous reading until the force chosen on it took effect (delta_n)
+  double held_s = 0;                 ///< how long that force was held: less than the interval if the device released it
+  Vector position;                   ///< task space [m], device frame
+  Vector joint;                      ///< joint readings; equal to `position` for a Cartesian device
+  Matrix jacobian;                   ///< d position / d joint at this reading
+  const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
+};
+
+/// Bounds the force on the device so that the device never returns more energy than its own damping takes.
+///
+/// Sign: `f` [N] is the force **on the device**, the way haptics APIs mean it; a wall at x >= 0 gives f = -K x. The
+/// paper [Kim, Baek, Ryu 2015] writes F_d = -f, so its `+F dx` is our `-f'd`.
+///
+/// A tick calls, in this order: `credit` with the motion since the last one, `bound` with what the environment asks
+/// for, `commit` with what the device was really told after rounding. PassivityController does that; laws hold no
+/// policy of their own for saturation, rounding or faulty input.
+///
+/// Real time: every member is noexcept, allocates nothing and is O(dof^2). Not thread-safe; owned by the tick.
+class PassivityLaw {
+ public:
+  virtual ~PassivityLaw() = default;
+
+  [[nodiscard]] virtual std::string_view name() const noexcept = 0;
+
+  /// Notes the motion under the force committed last.
+  virtual void credit(const Motion& motion) noexcept = 0;
+
+  /// The reading was lost: nothing can be credited, and the force committed last is charged its worst case. The next
+  /// `credit` starts afresh from its own position.
+  virtual void charge_worst_case(double interval_s) noexcept = 0;
+
+  /// The force nearest to `request_N` that the law allows now.
+  [[nodiscard]] virtual Vector bound(const Vector& request_N) const noexcept = 0;
+
+  /// Whether this very force, say after rounding, is allowed now.
+  [[nodiscard]] virtual bool allows(const Vector& force_N) const noexcept = 0;
+
+  /// What the device was told, and holds until the next tick.
+  virtual void commit(const Vector& force_N) noexcept = 0;
+
+  /// Energy that the law may spend now [J].
+  [[nodiscard]] virtual double energy_J() const noexcept = 0;
+
+  /// Share of the coming interval's dissipation that the law will credit (the paper's xi), 0 to 1.
+  [[nodiscard]] virtual double xi() const noexcept { return 1.0; }
+};
+
+}  // namespace forcebound::control

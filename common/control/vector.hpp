@@ -1,0 +1,17 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace forcebound::control {
+
+inline constexpr int kDofMax = 6;
+
+/// A position [m], displacement [m], force [N] or their generalized counterparts (rotation vector [rad], torque [N m],
+/// joint angle [rad]). The number of rows is the number of degrees of freedom, 1 to 6, and a fact of run time; the
+/// storage is inside the object, so none of these ever touches the heap.
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kDofMax, 1>;
+
+/// A square or Jacobian matrix over such vectors, likewise without heap.
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kDofMax, kDofMax>;
+
+}  // namespace forcebound::control

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace forcebound::net {
+
+/// No datagram of ours is larger: it fits an Ethernet frame, so it is never fragmented.
+inline constexpr std::size_t kDatagramBytesMax = 1400;
+
+/// A UDP endpoint as a value: IPv6, or IPv4 mapped into it. A simulated network uses any distinct values.
+struct Address {
+  std::array<std::uint8_t, 16> ip{};
+  std::uint16_t port = 0;
+  auto operator<=>(const Address&) const = default;
+};
+
+/// "127.0.0.1:47800" or "[::1]:47800".
+std::string to_string(const Address& address);
+
+struct Received {
+  std::size_t bytes;  ///< the datagram's whole size; larger than the buffer if it was cut
+  Address from;
+};
+
+/// Unreliable datagrams: what the core knows of a network.
+///
+/// Real time: both calls return at once and allocate nothing.
+class DatagramLink {
+ public:
+  virtual ~DatagramLink() = default;
+
+  /// False if the datagram could not even be handed to the network; the caller counts, nobody retries.
+  virtual bool send(std::span<const std::byte> datagram, const Address& to) noexcept = 0;
+
+  /// The oldest waiting datagram, or nothing. Oversize datagrams are cut to the buffer, `bytes` tells.
+  virtual std::optional<Received> receive(std::span<std::byte> buffer) noexcept = 0;
+};
+
+}  // namespace forcebound::net

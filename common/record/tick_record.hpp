@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+
+#include "forcebound/control/vector.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/wire/messages.hpp"
+
+/// What a client writes down about each tick and each force: enough to print its summary again from the recording
+/// alone.
+namespace forcebound::record {
+
+using time::Nanoseconds;
+
+enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting };
+
+/// What the late-force policy made of the newest force.
+enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
+
+struct TickRecord {
+  std::uint64_t tick = 0;   ///< 1, 2, 3, ...
+  Nanoseconds time{0};      ///< of the reading, client's clock
+  Nanoseconds interval{0};  ///< since the previous reading
+  Nanoseconds latency{0};   ///< from the reading to the command
+  SessionState state = SessionState::connecting;
+  ForcePolicy policy = ForcePolicy::none;
+  std::uint64_t motion_sequence = 0;  ///< sent on this tick, 0: none
+  std::uint64_t force_sequence = 0;   ///< of the motion that the force used answers, 0: none
+  Nanoseconds force_age{0};           ///< time since that motion's reading
+  control::Vector position;           ///< reading, task space [m]
+  control::Vector joint;              ///< reading, joints
+  control::Vector request;            ///< force asked for, after the late-force policy [N]
+  control::Vector applied;            ///< force commanded [N]
+  double penetration_m = 0;           ///< below the surface last reported, extrapolated as a plane; <= 0: no contact
+  double displayed_N = 0;             ///< component of `applied` out of that surface
+  double energy_J = 0;                ///< what the law may spend
+  double xi = 1;
+  double audit_J = 0;  ///< P at the reading (simulated devices)
+  double audit_minimum_J = 0;
+};
+
+/// One environment force as it arrived.
+struct ForceRecord {
+  Nanoseconds receive_time{0};  ///< client's clock
+  Nanoseconds round_trip{0};    ///< since the reading of the motion it answers
+  wire::EnvironmentForce force;
+};
+
+/// Receives what the tick writes down. Called by the tick: noexcept, no allocation, never waits.
+class TickSink {
+ public:
+  virtual ~TickSink() = default;
+  virtual void on_tick(const TickRecord& tick) noexcept = 0;
+  virtual void on_force(const ForceRecord& force) noexcept = 0;
+};
+
+}  // namespace forcebound::record

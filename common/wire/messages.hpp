@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <variant>
+
+#include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/vector.hpp"
+#include "forcebound/time/clock.hpp"
+
+/// What travels between client and server, as plain values. Text is a view: into the caller's string when encoding,
+/// into the decoder's storage, until its next use, when decoding.
+namespace forcebound::wire {
+
+using time::Nanoseconds;
+
+inline constexpr std::uint32_t kProtocolVersion = 1;
+
+/// Client to server: let me in. Sent again until answered; the same nonce always means the same session. Padded on the
+/// wire so that no answer is larger than its question.
+struct Hello {
+  std::uint32_t protocol_version = kProtocolVersion;
+  std::uint64_t client_nonce = 0;
+  std::uint32_t degrees_of_freedom = 0;
+  std::string_view device;  ///< the device's name, for the server's log
+  double period_s = 0;      ///< how often motion will come
+  double force_N_max = 0;   ///< more than this the device cannot show
+  std::string_view scene;   ///< wanted scene, empty: whatever the server runs
+};
+
+struct Welcome {
+  std::uint64_t client_nonce = 0;
+  std::uint64_t session = 0;
+  std::uint64_t scene_hash = 0;
+  std::string_view scene;
+  std::string_view simulated;  ///< what is simulated, for people
+};
+
+enum class RefusalReason : std::uint8_t {
+  unspecified,
+  version_mismatch,
+  unknown_scene,
+  wrong_degrees_of_freedom,
+  server_full,
+  unknown_session,  ///< the answer to motion of a session this server does not know: it restarted, or forgot
+};
+
+struct Refusal {
+  std::uint64_t client_nonce = 0;  ///< of the Hello refused, or
+  std::uint64_t session = 0;       ///< the session refused
+  RefusalReason reason = RefusalReason::unspecified;
+  std::string_view text;  ///< what, and what would be accepted, for people
+};
+
+/// Client to server, each tick.
+struct MotionSample {
+  std::uint64_t session = 0;
+  std::uint64_t sequence = 0;  ///< 1, 2, 3, ... per client process, across sessions
+  Nanoseconds device_time{0};  ///< client's clock at the reading
+  control::Vector position;    ///< [m], scene frame, dof rows
+};
+
+/// Server to client: the answer to one motion.
+struct EnvironmentForce {
+  std::uint64_t session = 0;
+  std::uint64_t sequence = 0;            ///< of this force: 1, 2, 3, ... per session
+  std::uint64_t motion_sequence = 0;     ///< which motion it answers
+  Nanoseconds motion_device_time{0};     ///< echoed
+  control::Vector force;                 ///< [N], then torque [N m]; dof rows
+  control::Vector position;              ///< [m] where it was computed
+  control::Vector contact_normal;        ///< unit, out of the surface touched (deepest one); no rows: no contact
+  double penetration_m = 0;              ///< depth below that surface at `position`, > 0 in contact
+  Nanoseconds server_receive_time{0};    ///< server's clock
+  Nanoseconds server_send_time{0};       ///< server's clock
+  Nanoseconds compute_time{0};           ///< spent on the scene
+  std::uint64_t motions_received = 0;    ///< distinct motions of this session that reached the server so far
+  std::uint64_t motions_duplicated = 0;  ///< further copies of them
+  std::uint64_t motions_reordered = 0;   ///< of the received, those overtaken by a newer one and so not answered
+};
+
+/// Either way: this session ends. The server's answer carries its final counts.
+struct Bye {
+  std::uint64_t session = 0;
+  std::uint64_t motions_received = 0;
+  std::uint64_t motions_duplicated = 0;
+  std::uint64_t motions_reordered = 0;
+  std::uint64_t forces_sent = 0;
+};
+
+using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye>;
+
+}  // namespace forcebound::wire

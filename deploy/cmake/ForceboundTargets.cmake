@@ -1,0 +1,59 @@
+include(GNUInstallDirs)
+
+# Headers are included as <forcebound/control/law.hpp>, installed or not. In the build tree these links make it so.
+set(FORCEBOUND_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
+file(MAKE_DIRECTORY ${FORCEBOUND_INCLUDE_DIR}/forcebound)
+foreach(concept control time wire net record)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/common/${concept} ${FORCEBOUND_INCLUDE_DIR}/forcebound/${concept} SYMBOLIC)
+endforeach()
+foreach(side client server)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${side} ${FORCEBOUND_INCLUDE_DIR}/forcebound/${side} SYMBOLIC)
+endforeach()
+
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  find_program(FORCEBOUND_CCACHE ccache)
+  if(FORCEBOUND_CCACHE)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${FORCEBOUND_CCACHE})
+  endif()
+endif()
+
+# How we build ourselves; never reaches a consumer.
+add_library(forcebound_options INTERFACE)
+target_compile_options(forcebound_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off)
+if(PROJECT_IS_TOP_LEVEL)
+  target_compile_options(forcebound_options INTERFACE -Werror)
+endif()
+
+# forcebound_library(NAME SOURCES ... [LINK ...]): the library of one concept, as forcebound::NAME.
+function(forcebound_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK;LINK_PRIVATE")
+  add_library(forcebound_${name} STATIC ${arg_SOURCES})
+  add_library(forcebound::${name} ALIAS forcebound_${name})
+  set_target_properties(forcebound_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(forcebound_${name} PUBLIC cxx_std_20)
+  target_include_directories(forcebound_${name} PUBLIC $<BUILD_INTERFACE:${FORCEBOUND_INCLUDE_DIR}>
+                                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(forcebound_${name} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE}
+                                           $<BUILD_INTERFACE:forcebound_options>)
+endfunction()
+
+# forcebound_program(NAME SOURCES ... LINK ...): the executable NAME, in bin/ of the build tree.
+function(forcebound_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
+  add_executable(${name} ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_options)
+endfunction()
+
+# forcebound_test(NAME SOURCES ... LINK ... [LABELS ...]): GoogleTest executable NAME; every TEST is a CTest of its own.
+# Tests see the source root, for "tests/support/...".
+function(forcebound_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LINK;LABELS")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gmock_main forcebound_options)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+endfunction()
