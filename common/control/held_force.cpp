@@ -1,0 +1,40 @@
+#include "forcebound/control/held_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace forcebound::control {
+
+HeldForce::HeldForce(int degrees_of_freedom, double period_s) : period_s_(period_s) {
+  if (degrees_of_freedom < 1 || degrees_of_freedom > kDofMax) {
+    throw std::invalid_argument("degrees of freedom must be 1 to " + std::to_string(kDofMax) + ", got " +
+                                std::to_string(degrees_of_freedom));
+  }
+  if (!(period_s > 0) || !std::isfinite(period_s)) {
+    throw std::invalid_argument("period must be > 0 s, got " + std::to_string(period_s));
+  }
+  force_ = Vector::Zero(degrees_of_freedom);
+}
+
+double HeldForce::worst_case_J(double interval_s) const noexcept {
+  return reserve_J(force_) * std::max(interval_s / period_s_, 1.0);
+}
+
+bool HeldForce::affords(const Vector& force_N, double energy_J) const noexcept {
+  constexpr double kRounding = 1e-12;
+  return force_N.isZero(0) || reserve_J(force_N) <= energy_J * (1 + kRounding);
+}
+
+Vector HeldForce::bounded(const Vector& request_N, double energy_J) const noexcept {
+  const double length = request_N.stableNorm();
+  if (!(length > 0) || !(energy_J > 0) || !known()) return Vector::Zero(request_N.rows());
+  // Through the unit vector, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
+  const Vector direction = request_N / length;
+  const double length_max = std::sqrt(energy_J / reserve_J(direction));
+  if (length <= length_max) return request_N;
+  return direction * length_max;
+}
+
+}  // namespace forcebound::control

@@ -1,0 +1,45 @@
+#include "forcebound/control/more_conservative_law.hpp"
+
+#include <cmath>
+
+namespace forcebound::control {
+
+MoreConservativeLaw::MoreConservativeLaw(int degrees_of_freedom, double period_s)
+    : held_(degrees_of_freedom, period_s) {}
+
+void MoreConservativeLaw::credit(const Motion& motion) noexcept {
+  available_J_ = 0;
+  if (const auto d = held_.displacement(motion)) {
+    Vector psi = std::sqrt(xi_ / held_.period_s()) * held_.damping().factor_transpose_times(*d);
+    if (reserved_J_ > 0) {
+      const Vector w = held_.damping().factor_solve(held_.force() / held_.force().stableNorm());
+      psi -= std::sqrt(reserved_J_) / w.norm() * w;
+    }
+    available_J_ = psi.squaredNorm();
+  }
+  held_.begin(motion);
+}
+
+void MoreConservativeLaw::charge_worst_case(double) noexcept {
+  // The reserve is just what the worst motion takes, so after it nothing is left and nothing is owed.
+  available_J_ = 0;
+  reserved_J_ = 0;
+  xi_ = 1;
+  held_.lose();
+}
+
+Vector MoreConservativeLaw::bound(const Vector& request_N) const noexcept {
+  return held_.bounded(request_N, available_J_);
+}
+
+bool MoreConservativeLaw::allows(const Vector& force_N) const noexcept { return held_.affords(force_N, available_J_); }
+
+void MoreConservativeLaw::commit(const Vector& force_N) noexcept {
+  held_.hold(force_N);
+  const double needed_J = held_.reserve_J(force_N);
+  const bool forget = force_N.isZero(0) || !(available_J_ > 0);
+  reserved_J_ = forget ? 0 : available_J_;
+  xi_ = !forget && needed_J < available_J_ ? needed_J / available_J_ : 1;
+}
+
+}  // namespace forcebound::control

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/law.hpp"
+
+namespace forcebound::control {
+
+/// A law at work on a device: everything between what the environment asks for and what the device is told.
+///
+///     request -> finite? -> saturate at f_max along u -> law -> round to the actuator -> commit the same number
+///
+/// A request that is not finite is zero force. A reading that is not finite is zero force too; the interval credits
+/// nothing and the force held over it is charged its worst case. Rounding is toward zero in the joints, where motors
+/// are; a rounded force that the law would not allow (a coupled damping matrix can make it so) becomes zero.
+///
+/// Real time: `tick` is noexcept, allocates nothing, O(dof^3). Not thread-safe; owned by the tick.
+class PassivityController {
+ public:
+  struct Counts {
+    std::uint64_t requests_not_finite = 0;
+    std::uint64_t readings_not_finite = 0;
+    std::uint64_t saturated = 0;
+  };
+
+  /// @throws std::invalid_argument if `law` is null or the facts' vectors disagree in their number of rows.
+  PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
+
+  /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.
+  [[nodiscard]] Vector tick(const Motion& motion, const Vector& request_N) noexcept;
+
+  [[nodiscard]] const PassivityLaw& law() const noexcept { return *law_; }
+  [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
+
+ private:
+  [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
+  [[nodiscard]] Vector rounded(const Vector& force_N, const Matrix& jacobian) const noexcept;
+
+  std::unique_ptr<PassivityLaw> law_;
+  Vector actuator_step_;
+  bool cartesian_;
+  double force_N_max_;
+  Counts counts_;
+};
+
+}  // namespace forcebound::control
