@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+namespace forcebound::time {
+
+/// What the system granted of what a real-time thread asks for.
+struct RealTimeGrant {
+  bool first_in_first_out = false;  ///< SCHED_FIFO
+  bool memory_locked = false;
+  std::string text;  ///< for people: what was granted, and why the rest was not
+};
+
+/// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for all memory of the process, present and
+/// future, to stay in RAM. A refusal is no error: what counts is the wake-up jitter that is measured afterwards.
+RealTimeGrant ask_for_real_time(int priority);
+
+/// Touches the stack of the calling thread, so that the tick does not meet a page fault there.
+void touch_stack() noexcept;
+
+}  // namespace forcebound::time
