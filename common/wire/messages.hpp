@@ -22,18 +22,18 @@ struct Hello {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint64_t client_nonce = 0;
   std::uint32_t degrees_of_freedom = 0;
-  std::string_view device;  ///< the device's name, for the server's log
-  double period_s = 0;      ///< how often motion will come
-  double force_N_max = 0;   ///< more than this the device cannot show
-  std::string_view scene;   ///< wanted scene, empty: whatever the server runs
+  std::string_view device{};  ///< the device's name, for the server's log
+  double period_s = 0;        ///< how often motion will come
+  double force_N_max = 0;     ///< more than this the device cannot show
+  std::string_view scene{};   ///< wanted scene, empty: whatever the server runs
 };
 
 struct Welcome {
   std::uint64_t client_nonce = 0;
   std::uint64_t session = 0;
   std::uint64_t scene_hash = 0;
-  std::string_view scene;
-  std::string_view simulated;  ///< what is simulated, for people
+  std::string_view scene{};
+  std::string_view simulated{};  ///< what is simulated, for people
 };
 
 enum class RefusalReason : std::uint8_t {
@@ -49,7 +49,7 @@ struct Refusal {
   std::uint64_t client_nonce = 0;  ///< of the Hello refused, or
   std::uint64_t session = 0;       ///< the session refused
   RefusalReason reason = RefusalReason::unspecified;
-  std::string_view text;  ///< what, and what would be accepted, for people
+  std::string_view text{};  ///< what, and what would be accepted, for people
 };
 
 /// Client to server, each tick.
@@ -57,7 +57,7 @@ struct MotionSample {
   std::uint64_t session = 0;
   std::uint64_t sequence = 0;  ///< 1, 2, 3, ... per client process, across sessions
   Nanoseconds device_time{0};  ///< client's clock at the reading
-  control::Vector position;    ///< [m], scene frame, dof rows
+  control::Vector position{};  ///< [m], scene frame, dof rows
 };
 
 /// Server to client: the answer to one motion.
@@ -66,9 +66,9 @@ struct EnvironmentForce {
   std::uint64_t sequence = 0;            ///< of this force: 1, 2, 3, ... per session
   std::uint64_t motion_sequence = 0;     ///< which motion it answers
   Nanoseconds motion_device_time{0};     ///< echoed
-  control::Vector force;                 ///< [N], then torque [N m]; dof rows
-  control::Vector position;              ///< [m] where it was computed
-  control::Vector contact_normal;        ///< unit, out of the surface touched (deepest one); no rows: no contact
+  control::Vector force{};               ///< [N], then torque [N m]; dof rows
+  control::Vector position{};            ///< [m] where it was computed
+  control::Vector contact_normal{};      ///< unit, out of the surface touched (deepest one); no rows: no contact
   double penetration_m = 0;              ///< depth below that surface at `position`, > 0 in contact
   Nanoseconds server_receive_time{0};    ///< server's clock
   Nanoseconds server_send_time{0};       ///< server's clock

@@ -1,0 +1,205 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <zlib.h>
+
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "forcebound/wire/codec.hpp"
+#include "tests/unit/wire/sample_messages.hpp"
+
+namespace forcebound::wire {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+Bytes copy(std::span<const std::byte> datagram) { return {datagram.begin(), datagram.end()}; }
+
+std::optional<Malformed> refused(Codec& codec, std::span<const std::byte> datagram) {
+  const auto decoded = codec.decode(datagram);
+  const auto* reason = std::get_if<Malformed>(&decoded);
+  return reason == nullptr ? std::nullopt : std::optional{*reason};
+}
+
+/// A frame of ours around anything, as an attacker can make it.
+Bytes framed(unsigned kind, const Bytes& body) {
+  Bytes bytes{std::byte{'F'}, std::byte{'B'}, std::byte{1}, std::byte(kind)};
+  Bytes covered{std::byte(kind)};
+  covered.insert(covered.end(), body.begin(), body.end());
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(covered.data()), static_cast<uInt>(covered.size()));
+  for (int i = 0; i < 4; ++i) bytes.push_back(std::byte(sum >> (8 * i) & 0xff));
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
+Bytes body_of(const Bytes& datagram) { return {datagram.begin() + 8, datagram.end()}; }
+
+TEST(CodecAbuse, TruncationAtEveryLengthIsCaught) {
+  Codec codec;
+  for (const Message& message : one_of_each()) {
+    const Bytes whole = copy(codec.encode(message));
+    for (std::size_t bytes = 0; bytes < whole.size(); ++bytes) {
+      EXPECT_EQ(refused(codec, std::span{whole}.first(bytes)), bytes < 8 ? Malformed::truncated : Malformed::corrupt)
+          << "kind " << message.index() << " cut to " << bytes;
+    }
+  }
+}
+
+TEST(CodecAbuse, EveryFlippedBitIsCaught) {
+  Codec codec;
+  for (const Message& message : one_of_each()) {
+    Bytes bytes = copy(codec.encode(message));
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      const std::byte flip{static_cast<unsigned char>(1U << bit % 8)};
+      bytes[bit / 8] ^= flip;
+      EXPECT_EQ(refused(codec, bytes), bit < 24 ? Malformed::foreign : Malformed::corrupt)
+          << "kind " << message.index() << " bit " << bit;
+      bytes[bit / 8] ^= flip;
+    }
+  }
+}
+
+TEST(CodecAbuse, OversizeIsCaughtBeforeItIsRead) {
+  Codec codec;
+  Bytes bytes = copy(codec.encode(Hello{}));
+  bytes.push_back(std::byte{0});
+  EXPECT_EQ(refused(codec, bytes), Malformed::oversize);
+  EXPECT_EQ(refused(codec, Bytes(65507)), Malformed::oversize);
+}
+
+TEST(CodecAbuse, ForeignDatagramsAreCaught) {
+  Codec codec;
+  EXPECT_EQ(refused(codec, Bytes(100)), Malformed::foreign);
+  Bytes newer = copy(codec.encode(Bye{}));
+  newer[2] = std::byte{2};
+  EXPECT_EQ(refused(codec, newer), Malformed::foreign);
+}
+
+TEST(CodecAbuse, UnknownKindsAreUnreadable) {
+  Codec codec;
+  for (const unsigned kind : {0U, 7U, 8U, 255U}) EXPECT_EQ(refused(codec, framed(kind, {})), Malformed::unreadable);
+}
+
+TEST(CodecAbuse, ShortHelloIsUnreadableAsItsAnswerWouldBeLarger) {
+  Codec codec;
+  const Bytes body = body_of(copy(codec.encode(Hello{.client_nonce = 3, .device = "omni"})));
+  EXPECT_EQ(refused(codec, framed(1, body)), std::nullopt);
+  const std::size_t without_padding = 2 + 9 + 6;
+  EXPECT_EQ(refused(codec, framed(1, {body.begin(), body.begin() + without_padding})), Malformed::unreadable);
+}
+
+TEST(CodecAbuse, MotionWithoutPositionIsUnreadable) {
+  Codec codec;
+  EXPECT_EQ(refused(codec, copy(codec.encode(MotionSample{.session = 1, .sequence = 1}))), Malformed::unreadable);
+}
+
+TEST(CodecAbuse, MoreThanSixRowsAreRefused) {
+  Codec codec;
+  // Two positions in one body: the lists of a repeated field are joined.
+  const Bytes four = body_of(copy(codec.encode(MotionSample{.position = vector_of({1, 2, 3, 4})})));
+  Bytes eight = four;
+  eight.insert(eight.end(), four.begin(), four.end());
+  EXPECT_EQ(refused(codec, framed(4, four)), std::nullopt);
+  EXPECT_EQ(refused(codec, framed(4, eight)), Malformed::non_finite);
+}
+
+TEST(CodecAbuse, NonFiniteNumbersAreRefusedInEveryField) {
+  Codec codec;
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()}) {
+    const auto expect_refused = [&codec](const Message& message) {
+      EXPECT_EQ(refused(codec, copy(codec.encode(message))), Malformed::non_finite);
+    };
+    expect_refused(Hello{.period_s = bad});
+    expect_refused(Hello{.force_N_max = bad});
+    expect_refused(MotionSample{.position = vector_of({0, bad})});
+    expect_refused(EnvironmentForce{.force = vector_of({bad})});
+    expect_refused(EnvironmentForce{.position = vector_of({bad, 0})});
+    expect_refused(EnvironmentForce{.contact_normal = vector_of({0, 0, bad})});
+    expect_refused(EnvironmentForce{.penetration_m = bad});
+  }
+}
+
+TEST(CodecAbuse, TextThatIsNotUtf8IsUnreadableAndSilent) {
+  Codec codec;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refused(codec, copy(codec.encode(Hello{.device = "\xff\xfe"}))), Malformed::unreadable);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(CodecAbuse, AnUnknownReasonOfANewerServerIsUnspecified) {
+  Codec codec;
+  const auto decoded = codec.decode(framed(3, {std::byte{0x18}, std::byte{99}}));
+  EXPECT_EQ(std::get<Refusal>(std::get<Message>(decoded)).reason, RefusalReason::unspecified);
+}
+
+TEST(CodecAbuse, UnknownFieldsOfANewerVersionAreSkipped) {
+  Codec codec;
+  Bytes body = body_of(copy(codec.encode(Bye{.session = 9, .forces_sent = 4})));
+  body.insert(body.end(), {std::byte{0xf8}, std::byte{0x01}, std::byte{5}});  // field 31, varint
+  const auto decoded = codec.decode(framed(6, body));
+  EXPECT_EQ(std::get<Bye>(std::get<Message>(decoded)).forces_sent, 4u);
+}
+
+TEST(CodecAbuse, ADecodedMessageLeavesNothingInTheNext) {
+  Codec codec;
+  const auto messages = one_of_each();
+  (void)codec.decode(copy(codec.encode(messages[4])));
+  const auto decoded = codec.decode(copy(codec.encode(EnvironmentForce{.session = 1})));
+  const auto& force = std::get<EnvironmentForce>(std::get<Message>(decoded));
+  EXPECT_EQ(force.force.rows(), 0);
+  EXPECT_EQ(force.contact_normal.rows(), 0);
+  EXPECT_EQ(force.penetration_m, 0);
+}
+
+// Whatever a stranger sends comes out as a message of finite numbers or as a reason.
+TEST(CodecAbuse, RandomBytesAreHarmless) {
+  Codec codec;
+  constexpr unsigned kSeed = 20150301;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random(kSeed);
+  std::uniform_int_distribution<std::size_t> length(0, 200);
+  std::uniform_int_distribution<int> byte(0, 255);
+  int messages = 0;
+  for (int trial = 0; trial < 60000; ++trial) {
+    Bytes body(length(random));
+    for (std::byte& b : body) b = static_cast<std::byte>(byte(random));
+    EXPECT_TRUE(refused(codec, body).has_value());
+    const auto decoded = codec.decode(framed(static_cast<unsigned>(trial % 7), body));
+    if (const auto* message = std::get_if<Message>(&decoded)) {
+      ++messages;
+      if (const auto* motion = std::get_if<MotionSample>(message)) {
+        EXPECT_TRUE(motion->position.allFinite());
+      }
+    }
+  }
+  EXPECT_GT(messages, 0) << "the bodies never parse, so that this test shows nothing";
+}
+
+// Real bodies with one byte replaced, in a valid frame: what a stranger's fuzzer would find first.
+TEST(CodecAbuse, RealBodiesWithChangedBytesAreHarmless) {
+  Codec codec;
+  int messages = 0;
+  for (const Message& message : one_of_each()) {
+    const Bytes body = body_of(copy(codec.encode(message)));
+    for (std::size_t at = 0; at < std::min<std::size_t>(body.size(), 200); ++at) {
+      for (const unsigned value : {0x00U, 0x7fU, 0x80U, 0xffU}) {
+        Bytes changed = body;
+        changed[at] = static_cast<std::byte>(value);
+        const auto decoded = codec.decode(framed(static_cast<unsigned>(message.index() + 1), changed));
+        const auto* decoded_message = std::get_if<Message>(&decoded);
+        if (decoded_message == nullptr) continue;
+        ++messages;
+        if (const auto* force = std::get_if<EnvironmentForce>(decoded_message)) {
+          EXPECT_TRUE(force->force.allFinite() && force->position.allFinite() && force->contact_normal.allFinite());
+          EXPECT_TRUE(std::isfinite(force->penetration_m));
+        }
+      }
+    }
+  }
+  EXPECT_GT(messages, 0);
+}
+
+}  // namespace
+}  // namespace forcebound::wire

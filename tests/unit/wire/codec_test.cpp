@@ -1,0 +1,230 @@
+#include "forcebound/wire/codec.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include "tests/unit/wire/sample_messages.hpp"
+
+namespace forcebound::wire {
+namespace {
+
+std::string hex(std::span<const std::byte> bytes) {
+  std::string text;
+  char pair[3];
+  for (const std::byte byte : bytes) {
+    std::snprintf(pair, sizeof pair, "%02x", std::to_integer<unsigned>(byte));
+    text += pair;
+  }
+  return text;
+}
+
+template <class T>
+T round_trip(Codec& codec, const T& message) {
+  const auto decoded = codec.decode(codec.encode(message));
+  if (const auto* malformed = std::get_if<Malformed>(&decoded)) {
+    throw std::runtime_error("malformed " + std::to_string(static_cast<int>(*malformed)));
+  }
+  return std::get<T>(std::get<Message>(decoded));
+}
+
+rc::Gen<double> finite_number() {
+  return rc::gen::suchThat(rc::gen::map(rc::gen::arbitrary<std::uint64_t>(),
+                                        [](std::uint64_t bits) {
+                                          double value = 0;
+                                          std::memcpy(&value, &bits, sizeof value);
+                                          return value;
+                                        }),
+                           [](double value) { return std::isfinite(value); });
+}
+
+control::Vector any_vector(int rows_min) {
+  control::Vector v(*rc::gen::inRange(rows_min, control::kDofMax + 1));
+  for (Eigen::Index i = 0; i < v.rows(); ++i) v[i] = *finite_number();
+  return v;
+}
+
+Nanoseconds any_time() { return Nanoseconds{*rc::gen::arbitrary<std::int64_t>()}; }
+std::uint64_t any_count() { return *rc::gen::arbitrary<std::uint64_t>(); }
+
+void expect_same(const control::Vector& a, const control::Vector& b) {
+  RC_ASSERT(a.rows() == b.rows());
+  RC_ASSERT((a.array() == b.array()).all());
+}
+
+// The format in bytes. If this test fails, programs of different versions no longer understand each other: raise
+// kProtocolVersion instead of changing the bytes here.
+TEST(Codec, KeepsItsBytes) {
+  Codec codec;
+  EXPECT_EQ(hex(codec.encode(MotionSample{.session = 0x1122334455667788,
+                                          .sequence = 300,
+                                          .device_time = Nanoseconds{1000000},
+                                          .position = vector_of({0.25, -2})})),
+            "46420104"
+            "e19b093b"
+            "098877665544332211"
+            "10ac02"
+            "18c0843d"
+            "2210000000000000d03f00000000000000c0");
+}
+
+TEST(Codec, NumbersItsKindsAsTheyStandInMessage) {
+  Codec codec;
+  const auto messages = one_of_each();
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    ASSERT_EQ(messages[i].index(), i);
+    EXPECT_EQ(std::to_integer<std::size_t>(codec.encode(messages[i])[3]), i + 1);
+  }
+}
+
+TEST(Codec, GivesHelloBack) {
+  Codec codec;
+  const auto back = round_trip(codec, std::get<Hello>(one_of_each()[0]));
+  EXPECT_EQ(back.protocol_version, 1u);
+  EXPECT_EQ(back.client_nonce, 0x0123456789abcdefu);
+  EXPECT_EQ(back.degrees_of_freedom, 3u);
+  EXPECT_EQ(back.device, "omni");
+  EXPECT_EQ(back.period_s, 1e-3);
+  EXPECT_EQ(back.force_N_max, 3.3);
+  EXPECT_EQ(back.scene, "sphere");
+}
+
+TEST(Codec, GivesWelcomeBack) {
+  Codec codec;
+  const auto back = round_trip(codec, std::get<Welcome>(one_of_each()[1]));
+  EXPECT_EQ(back.client_nonce, 0x0123456789abcdefu);
+  EXPECT_EQ(back.session, 0xfedcba9876543210u);
+  EXPECT_EQ(back.scene_hash, 77u);
+  EXPECT_EQ(back.scene, "sphere");
+  EXPECT_EQ(back.simulated, "ball: surface");
+}
+
+TEST(Codec, GivesEveryRefusalBack) {
+  Codec codec;
+  for (const auto reason :
+       {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
+        RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full, RefusalReason::unknown_session}) {
+    const auto back = round_trip(codec, Refusal{.client_nonce = 1, .session = 2, .reason = reason, .text = "why"});
+    EXPECT_EQ(back.client_nonce, 1u);
+    EXPECT_EQ(back.session, 2u);
+    EXPECT_EQ(back.reason, reason);
+    EXPECT_EQ(back.text, "why");
+  }
+}
+
+TEST(Codec, GivesAnyMotionBackBitForBit) {
+  Codec codec;
+  ASSERT_TRUE(rc::check([&codec] {
+    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1)};
+    const MotionSample back = round_trip(codec, sent);
+    RC_ASSERT(back.session == sent.session);
+    RC_ASSERT(back.sequence == sent.sequence);
+    RC_ASSERT(back.device_time == sent.device_time);
+    expect_same(back.position, sent.position);
+  }));
+}
+
+TEST(Codec, GivesAnyForceBackBitForBit) {
+  Codec codec;
+  ASSERT_TRUE(rc::check([&codec] {
+    const EnvironmentForce sent{.session = any_count(),
+                                .sequence = any_count(),
+                                .motion_sequence = any_count(),
+                                .motion_device_time = any_time(),
+                                .force = any_vector(0),
+                                .position = any_vector(0),
+                                .contact_normal = any_vector(0),
+                                .penetration_m = *finite_number(),
+                                .server_receive_time = any_time(),
+                                .server_send_time = any_time(),
+                                .compute_time = any_time(),
+                                .motions_received = any_count(),
+                                .motions_duplicated = any_count(),
+                                .motions_reordered = any_count()};
+    const EnvironmentForce back = round_trip(codec, sent);
+    RC_ASSERT(back.session == sent.session);
+    RC_ASSERT(back.sequence == sent.sequence);
+    RC_ASSERT(back.motion_sequence == sent.motion_sequence);
+    RC_ASSERT(back.motion_device_time == sent.motion_device_time);
+    expect_same(back.force, sent.force);
+    expect_same(back.position, sent.position);
+    expect_same(back.contact_normal, sent.contact_normal);
+    RC_ASSERT(back.penetration_m == sent.penetration_m);
+    RC_ASSERT(back.server_receive_time == sent.server_receive_time);
+    RC_ASSERT(back.server_send_time == sent.server_send_time);
+    RC_ASSERT(back.compute_time == sent.compute_time);
+    RC_ASSERT(back.motions_received == sent.motions_received);
+    RC_ASSERT(back.motions_duplicated == sent.motions_duplicated);
+    RC_ASSERT(back.motions_reordered == sent.motions_reordered);
+  }));
+}
+
+TEST(Codec, GivesAnyByeBack) {
+  Codec codec;
+  ASSERT_TRUE(rc::check([&codec] {
+    const Bye sent{any_count(), any_count(), any_count(), any_count(), any_count()};
+    const Bye back = round_trip(codec, sent);
+    RC_ASSERT(back.session == sent.session);
+    RC_ASSERT(back.motions_received == sent.motions_received);
+    RC_ASSERT(back.motions_duplicated == sent.motions_duplicated);
+    RC_ASSERT(back.motions_reordered == sent.motions_reordered);
+    RC_ASSERT(back.forces_sent == sent.forces_sent);
+  }));
+}
+
+TEST(Codec, AnswersAreNeverLargerThanHello) {
+  Codec codec;
+  const std::string endless(5000, 'x');
+  const std::size_t empty = codec.encode(Hello{}).size();
+  EXPECT_EQ(empty, kFrameBytesMax);
+  EXPECT_EQ(codec
+                .encode(Hello{.protocol_version = ~0u,
+                              .client_nonce = ~0ull,
+                              .degrees_of_freedom = ~0u,
+                              .device = endless,
+                              .period_s = 1,
+                              .force_N_max = 1,
+                              .scene = endless})
+                .size(),
+            kFrameBytesMax);
+  EXPECT_LE(
+      codec
+          .encode(Welcome{
+              .client_nonce = ~0ull, .session = ~0ull, .scene_hash = ~0ull, .scene = endless, .simulated = endless})
+          .size(),
+      kFrameBytesMax);
+  EXPECT_LE(codec
+                .encode(Refusal{.client_nonce = ~0ull,
+                                .session = ~0ull,
+                                .reason = RefusalReason::wrong_degrees_of_freedom,
+                                .text = endless})
+                .size(),
+            kFrameBytesMax);
+}
+
+TEST(Codec, RefusingASessionTakesLessThanTheMotionThatNamedIt) {
+  Codec codec;
+  ASSERT_TRUE(rc::check([&codec] {
+    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1)};
+    const std::size_t question = codec.encode(motion).size();
+    RC_ASSERT(codec.encode(Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}).size() <
+              question);
+  }));
+}
+
+TEST(Codec, CutsTextBetweenCharacters) {
+  Codec codec;
+  // One byte, then characters of two: byte 64 falls into the middle of one.
+  std::string name = "x";
+  while (name.size() < 2 * kNameBytesMax) name += "\xc3\xa4";
+  const auto back = round_trip(codec, Hello{.device = name});
+  EXPECT_EQ(back.device, name.substr(0, kNameBytesMax - 1));
+}
+
+}  // namespace
+}  // namespace forcebound::wire

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+
+#include "forcebound/wire/codec.hpp"
+
+namespace forcebound::wire {
+
+inline control::Vector vector_of(std::initializer_list<double> values) {
+  control::Vector v(static_cast<Eigen::Index>(values.size()));
+  Eigen::Index i = 0;
+  for (const double value : values) v[i++] = value;
+  return v;
+}
+
+/// One of each kind, every field set.
+inline std::array<Message, 6> one_of_each() {
+  return {Hello{.protocol_version = 1,
+                .client_nonce = 0x0123456789abcdef,
+                .degrees_of_freedom = 3,
+                .device = "omni",
+                .period_s = 1e-3,
+                .force_N_max = 3.3,
+                .scene = "sphere"},
+          Welcome{.client_nonce = 0x0123456789abcdef,
+                  .session = 0xfedcba9876543210,
+                  .scene_hash = 77,
+                  .scene = "sphere",
+                  .simulated = "ball: surface"},
+          Refusal{.client_nonce = 0x0123456789abcdef,
+                  .session = 5,
+                  .reason = RefusalReason::unknown_scene,
+                  .text = "no scene 'spere'"},
+          MotionSample{.session = 0xfedcba9876543210,
+                       .sequence = 1000,
+                       .device_time = Nanoseconds{123456789},
+                       .position = vector_of({0.01, -0.02, 0.03})},
+          EnvironmentForce{.session = 0xfedcba9876543210,
+                           .sequence = 999,
+                           .motion_sequence = 1000,
+                           .motion_device_time = Nanoseconds{123456789},
+                           .force = vector_of({1, 2, -3}),
+                           .position = vector_of({0.01, -0.02, 0.03}),
+                           .contact_normal = vector_of({0, 0, 1}),
+                           .penetration_m = 0.002,
+                           .server_receive_time = Nanoseconds{-5},
+                           .server_send_time = Nanoseconds{7},
+                           .compute_time = Nanoseconds{300},
+                           .motions_received = 990,
+                           .motions_duplicated = 3,
+                           .motions_reordered = 2},
+          Bye{.session = 0xfedcba9876543210,
+              .motions_received = 990,
+              .motions_duplicated = 3,
+              .motions_reordered = 2,
+              .forces_sent = 988}};
+}
+
+}  // namespace forcebound::wire
