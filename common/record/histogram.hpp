@@ -1,0 +1,82 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace forcebound::record {
+
+/// Percentiles of non-negative integers, such as nanoseconds, in memory that does not grow.
+///
+/// Buckets are log-linear: 256 to each power of two, so a percentile is off by less than 0.2 % of itself; values below
+/// 256 are exact. Counts of values from 2^46 up (19.5 h in nanoseconds) share the last bucket, negative values the
+/// first; `max` is exact always.
+///
+/// Real time: `add` and `merge` are noexcept and allocate nothing; the constructor allocates 80 kB.
+class Histogram {
+ public:
+  Histogram() : counts_(kBuckets) {}
+
+  void add(std::int64_t value) noexcept {
+    ++counts_[bucket_of(value)];
+    ++count_;
+    max_ = std::max(max_, value);
+  }
+
+  void merge(const Histogram& other) noexcept {
+    for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
+    count_ += other.count_;
+    max_ = std::max(max_, other.max_);
+  }
+
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+
+  /// The largest value, exactly; NaN when there is none.
+  [[nodiscard]] double max() const noexcept { return count_ == 0 ? kNone : static_cast<double>(max_); }
+
+  /// The smallest value that at least `fraction` of all values do not exceed (nearest rank); NaN when there is none.
+  /// @param fraction 0 to 1.
+  [[nodiscard]] double percentile(double fraction) const noexcept {
+    if (count_ == 0) return kNone;
+    const double rank = std::max(1.0, std::ceil(fraction * static_cast<double>(count_)));
+    double seen = 0;
+    for (std::size_t i = 0; i < kBuckets; ++i) {
+      seen += static_cast<double>(counts_[i]);
+      if (seen >= rank) return std::min(middle_of(i), static_cast<double>(max_));
+    }
+    return static_cast<double>(max_);
+  }
+
+ private:
+  static constexpr int kBits = 8;
+  static constexpr int kBitsMax = 46;
+  static constexpr std::size_t kPerOctave = std::size_t{1} << kBits;
+  static constexpr std::size_t kBuckets = (kBitsMax - kBits + 1) * kPerOctave;
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  static std::size_t bucket_of(std::int64_t value) noexcept {
+    if (value < static_cast<std::int64_t>(kPerOctave))
+      return static_cast<std::size_t>(std::max<std::int64_t>(value, 0));
+    const auto bits = static_cast<std::uint64_t>(value);
+    const int octave = static_cast<int>(std::bit_width(bits)) - 1 - kBits;
+    const auto bucket = static_cast<std::size_t>(octave) * kPerOctave + (bits >> octave);
+    return std::min(bucket, kBuckets - 1);
+  }
+
+  static double middle_of(std::size_t bucket) noexcept {
+    if (bucket < kPerOctave) return static_cast<double>(bucket);
+    const std::size_t octave = bucket / kPerOctave - 1;
+    const std::size_t low = (bucket - octave * kPerOctave) << octave;
+    return static_cast<double>(low) + 0.5 * static_cast<double>((std::size_t{1} << octave) - 1);
+  }
+
+  std::vector<std::uint64_t> counts_;
+  std::uint64_t count_ = 0;
+  std::int64_t max_ = std::numeric_limits<std::int64_t>::min();
+};
+
+}  // namespace forcebound::record

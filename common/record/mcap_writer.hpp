@@ -1,0 +1,89 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/record/mcap_format.hpp"
+
+namespace forcebound::record::mcap {
+
+/// Writes an indexed, uncompressed MCAP file with CRC-32 over chunks, data and summary.
+///
+/// Messages are collected in chunks of up to one second of log time (or 4 MB), each handed to the stream and flushed
+/// when it is full. The first write that fails ends the file there: everything before is readable, everything after is
+/// counted.
+///
+/// Allocates and blocks. Not thread-safe.
+class Writer {
+ public:
+  /// @param out must outlive the writer; writing starts at its present position, taken as offset 0.
+  Writer(std::ostream& out, std::string_view library);
+
+  /// Declares a topic whose messages are of one schema; returns the channel's number.
+  std::uint16_t add_channel(std::string_view topic, std::string_view schema_name, std::string_view schema_encoding,
+                            std::string_view schema, std::string_view message_encoding);
+
+  void add_metadata(std::string_view name, const std::map<std::string, std::string>& values);
+
+  /// @param log_time nanoseconds since 1970; need not be in order.
+  void write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t log_time, std::string_view data);
+
+  /// Ends the chunk and hands it to the operating system.
+  void flush();
+
+  /// Flushes and writes the index. Nothing can be written afterwards.
+  void close();
+
+  /// The system's number (errno) of the write that failed; 0 if none did.
+  [[nodiscard]] int error() const noexcept { return error_; }
+  [[nodiscard]] bool failed() const noexcept { return error_ != 0; }
+
+  /// Messages that did not reach the stream.
+  [[nodiscard]] std::uint64_t unwritten() const noexcept { return unwritten_; }
+
+  /// Messages that did.
+  [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
+
+ private:
+  struct Entry {
+    std::uint64_t log_time;
+    std::uint64_t offset;
+  };
+  struct Chunk {
+    std::string records;
+    std::uint64_t messages = 0;
+    std::uint64_t start = 0;
+    std::uint64_t end = 0;
+    std::map<std::uint16_t, std::vector<Entry>> index;
+  };
+
+  bool emit(std::string_view bytes);
+  void note_chunk(std::uint64_t offset, std::uint64_t chunk_bytes,
+                  const std::map<std::uint16_t, std::uint64_t>& index_offsets, std::uint64_t index_bytes);
+  [[nodiscard]] std::string statistics() const;
+
+  std::ostream& out_;
+  int error_ = 0;
+  bool closed_ = false;
+  std::uint64_t offset_ = 0;
+  std::uint32_t crc_ = 0;
+  std::uint64_t written_ = 0;
+  std::uint64_t unwritten_ = 0;
+  Chunk chunk_;
+
+  std::string schemas_, channels_, chunk_indexes_, metadata_indexes_;  // records of the summary section
+  std::uint16_t schema_count_ = 0;
+  std::uint16_t channel_count_ = 0;
+  std::uint32_t chunk_count_ = 0;
+  std::uint32_t metadata_count_ = 0;
+  std::uint64_t start_ = 0;
+  std::uint64_t end_ = 0;
+  std::map<std::uint16_t, std::uint64_t> message_counts_;
+};
+
+}  // namespace forcebound::record::mcap

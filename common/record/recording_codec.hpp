@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "forcebound/record/recording_writer.hpp"
+#include "forcebound/record/tick_record.hpp"
+
+/// Records as Protocol Buffers messages of proto/forcebound/v1. Private to this folder.
+namespace forcebound::record {
+
+inline constexpr std::string_view kTickSchema = "forcebound.v1.TickRecord";
+inline constexpr std::string_view kForceSchema = "forcebound.v1.ForceRecord";
+inline constexpr std::string_view kMotionSchema = "forcebound.v1.MotionSample";
+inline constexpr std::string_view kSentForceSchema = "forcebound.v1.EnvironmentForce";
+
+inline constexpr std::string_view kProtobufEncoding = "protobuf";
+inline constexpr const char* kInfoMetadata = "forcebound.run";
+inline constexpr const char* kTotalsMetadata = "forcebound.totals";
+
+/// The serialized FileDescriptorSet that a reader needs to understand this message.
+std::string schema_of(std::string_view message_name);
+
+std::string encode(const TickRecord& tick);
+std::string encode(const ForceRecord& force);
+std::string encode(const wire::MotionSample& motion);
+std::string encode(const wire::EnvironmentForce& force);
+
+/// @throws std::invalid_argument saying what is wrong: not that message, a vector of more than six rows, a time beyond
+/// 73
+///   years, an unknown state.
+void decode(std::string_view bytes, TickRecord& tick);
+void decode(std::string_view bytes, ForceRecord& force);
+void decode(std::string_view bytes, wire::MotionSample& motion);
+void decode(std::string_view bytes, wire::EnvironmentForce& force);
+
+}  // namespace forcebound::record

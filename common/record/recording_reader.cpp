@@ -1,0 +1,84 @@
+#include "forcebound/record/recording_reader.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include "forcebound/record/mcap_reader.hpp"
+#include "forcebound/record/recording_codec.hpp"
+
+namespace forcebound::record {
+namespace {
+
+struct Dispatcher {
+  RecordingSink& sink;
+  Nanoseconds epoch{0};
+  bool started = false;
+
+  void metadata(const std::string& name, const KeyValues& values) {
+    if (name == kInfoMetadata) {
+      const RunInfo info = run_info_from(values);
+      epoch = info.epoch;
+      started = true;
+      sink.on_start(info);
+    } else if (name == kTotalsMetadata) {
+      sink.on_end(run_totals_from(values));
+    }
+  }
+
+  void message(const mcap::Schema& schema, const mcap::Message& message) {
+    if (!started)
+      throw std::invalid_argument("a message before the metadata 'forcebound.run': not a Forcebound recording");
+    if (schema.name == kTickSchema) {
+      TickRecord tick;
+      decode(message.data, tick);
+      sink.on_tick(tick);
+    } else if (schema.name == kForceSchema) {
+      ForceRecord force;
+      decode(message.data, force);
+      sink.on_force(force);
+    } else if (schema.name == kMotionSchema) {
+      MotionRecord motion{Nanoseconds{static_cast<Nanoseconds::rep>(message.log_time)} - epoch, {}};
+      decode(message.data, motion.motion);
+      sink.on_motion(motion);
+    } else if (schema.name == kSentForceSchema) {
+      SentForceRecord force;
+      decode(message.data, force.force);
+      sink.on_sent(force);
+    }
+  }
+};
+
+}  // namespace
+
+bool read_recording(const std::filesystem::path& file, RecordingSink& sink) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file)) {
+    throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(in ? EISDIR : errno));
+  }
+  Dispatcher dispatcher{sink};
+  mcap::Visitor visitor;
+  visitor.metadata = [&](const std::string& name, const KeyValues& values) {
+    try {
+      dispatcher.metadata(name, values);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(file.string() + ": metadata '" + name + "': " + error.what());
+    }
+  };
+  visitor.message = [&](const mcap::Schema& schema, const mcap::Channel& channel, const mcap::Message& message) {
+    try {
+      dispatcher.message(schema, message);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(file.string() + ": byte " + std::to_string(message.offset) + ": topic '" +
+                               channel.topic + "': " + error.what());
+    }
+  };
+  const bool complete = mcap::read(in, file.string(), visitor);
+  if (!dispatcher.started) {
+    throw std::runtime_error(file.string() + ": not a Forcebound recording: it has no metadata 'forcebound.run'");
+  }
+  return complete;
+}
+
+}  // namespace forcebound::record

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+#include "forcebound/record/recording_writer.hpp"
+#include "forcebound/record/run_info.hpp"
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::record {
+
+/// Receives a recording in the order in which it was written: `on_start`, then records, then `on_end` unless the
+/// recording was cut off. A client's recording has ticks and received forces, a server's motions and sent forces.
+class RecordingSink : public TickSink {
+ public:
+  virtual void on_start(const RunInfo& info) = 0;
+  virtual void on_end(const RunTotals& totals) = 0;
+  virtual void on_motion(const MotionRecord&) {}
+  virtual void on_sent(const SentForceRecord&) {}
+};
+
+/// Reads what RecordingWriter wrote; topics of others are passed over.
+///
+/// @returns whether the file is complete; one that a killed process left ends early.
+/// @throws std::runtime_error naming the file, the byte in it and what is wrong there.
+bool read_recording(const std::filesystem::path& file, RecordingSink& sink);
+
+}  // namespace forcebound::record

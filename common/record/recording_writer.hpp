@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "forcebound/record/run_info.hpp"
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::record {
+
+/// One motion as a server received it.
+struct MotionRecord {
+  Nanoseconds receive_time{0};  ///< server's clock
+  wire::MotionSample motion;
+};
+
+/// One environment force as a server sent it, at its `server_send_time`.
+struct SentForceRecord {
+  wire::EnvironmentForce force;
+};
+
+/// Writes a recording: an MCAP file with Protocol Buffers messages, which Foxglove, PlotJuggler and the official
+/// readers open. A client's has the topics /tick and /force, a server's /motion and /force.
+///
+/// What is written reaches the operating system every second of log time, so a killed process loses at most that. Log
+/// times are the record's own, moved by `RunInfo::epoch` to wall-clock time.
+///
+/// A failing disk ends the recording, not the run: what cannot be written is counted, and `problem` says why.
+///
+/// Allocates and blocks: not for the tick's thread. Not thread-safe.
+class RecordingWriter {
+ public:
+  /// Creates the file, replacing one that is there.
+  /// @throws std::runtime_error naming the file and the system's reason if it cannot be created.
+  RecordingWriter(const std::filesystem::path& file, const RunInfo& info);
+  ~RecordingWriter();
+  RecordingWriter(RecordingWriter&&) noexcept;
+  RecordingWriter& operator=(RecordingWriter&&) noexcept;
+
+  void write(const TickRecord& tick);
+  void write(const ForceRecord& force);
+  void write(const MotionRecord& motion);
+  void write(const SentForceRecord& force);
+
+  /// Hands all that was written to the operating system.
+  void flush();
+
+  /// Writes what is left, the totals and the index. Nothing can be written afterwards.
+  void finish(const RunTotals& totals);
+
+  /// Records that are known not to be in the file, all of them after `flush`; for RunTotals::recording_unwritten.
+  [[nodiscard]] std::uint64_t unwritten() const noexcept;
+
+  /// What went wrong and since when, for RunTotals::notes; empty if all is well.
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  struct Storage;
+  std::unique_ptr<Storage> storage_;
+};
+
+}  // namespace forcebound::record

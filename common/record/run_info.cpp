@@ -1,0 +1,154 @@
+#include "forcebound/record/run_info.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <stdexcept>
+#include <string_view>
+
+namespace forcebound::record {
+namespace {
+
+constexpr std::array<const char*, wire::kMalformedReasons> kMalformedNames{"oversize", "truncated",  "foreign",
+                                                                           "corrupt",  "unreadable", "non_finite"};
+
+// The fields by name, once, for writing and for reading.
+template <class Info, class Visit>
+void each_field(Info& info, Visit&& visit) {
+  visit("program", info.program);
+  visit("law", info.law);
+  visit("device", info.device);
+  visit("facts", info.facts);
+  visit("operator", info.operator_name);
+  visit("hand", info.hand);
+  visit("scene", info.scene);
+  visit("simulated", info.simulated);
+  visit("network", info.network);
+  visit("seed", info.seed);
+  visit("period_ns", info.period);
+  visit("hold_ns", info.hold);
+  visit("drop_ns", info.drop);
+  visit("epoch_ns", info.epoch);
+  visit("audited", info.audited);
+  visit("settle_s", info.settle_s);
+  visit("stiffness_depth_m_min", info.stiffness_depth_m_min);
+  visit("rounding_N", info.rounding_N);
+}
+
+template <class Totals, class Visit>
+void each_total(Totals& totals, Visit&& visit) {
+  visit("sent", totals.sent);
+  visit("received", totals.received);
+  visit("lost_up", totals.lost_up);
+  visit("lost_down", totals.lost_down);
+  visit("duplicated", totals.duplicated);
+  visit("reordered", totals.reordered);
+  for (std::size_t i = 0; i < kMalformedNames.size(); ++i) {
+    visit(std::string("malformed_") + kMalformedNames[i], totals.malformed[i]);
+  }
+  visit("foreign_session", totals.foreign_session);
+  visit("non_finite_requests", totals.non_finite_requests);
+  visit("non_finite_readings", totals.non_finite_readings);
+  visit("released_by_device", totals.released_by_device);
+  visit("reconnects", totals.reconnects);
+  visit("send_failures", totals.send_failures);
+  visit("tick_allocations", totals.tick_allocations);
+  visit("recording_dropped", totals.recording_dropped);
+  visit("recording_unwritten", totals.recording_unwritten);
+}
+
+struct Writer {
+  KeyValues& out;
+  void operator()(const std::string& name, const std::string& value) { out[name] = value; }
+  void operator()(const std::string& name, std::uint64_t value) { out[name] = std::to_string(value); }
+  void operator()(const std::string& name, Nanoseconds value) { out[name] = std::to_string(value.count()); }
+  void operator()(const std::string& name, bool value) { out[name] = value ? "true" : "false"; }
+  void operator()(const std::string& name, double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    out[name] = text;
+  }
+};
+
+template <class Number>
+Number parse(const std::string& name, const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw std::invalid_argument("field '" + name + "' must be a number, got '" + text + "'");
+  }
+  return value;
+}
+
+struct Reader {
+  const KeyValues& in;
+  template <class Value>
+  void operator()(const std::string& name, Value& value) {
+    const auto found = in.find(name);
+    if (found != in.end()) assign(name, found->second, value);
+  }
+  static void assign(const std::string&, const std::string& text, std::string& value) { value = text; }
+  static void assign(const std::string&, const std::string& text, bool& value) { value = text == "true"; }
+  static void assign(const std::string& name, const std::string& text, Nanoseconds& value) {
+    value = Nanoseconds{parse<Nanoseconds::rep>(name, text)};
+  }
+  template <class Number>
+  static void assign(const std::string& name, const std::string& text, Number& value) {
+    value = parse<Number>(name, text);
+  }
+};
+
+constexpr std::string_view kNotePrefix = "note_";
+
+}  // namespace
+
+KeyValues to_key_values(const RunInfo& info) {
+  KeyValues values;
+  each_field(info, Writer{values});
+  return values;
+}
+
+KeyValues to_key_values(const RunTotals& totals) {
+  KeyValues values;
+  each_total(totals, Writer{values});
+  for (std::size_t i = 0; i < totals.notes.size(); ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "note_%06zu", i);  // sorts as it counts
+    values[name] = totals.notes[i];
+  }
+  return values;
+}
+
+RunInfo run_info_from(const KeyValues& values) {
+  RunInfo info;
+  each_field(info, Reader{values});
+  return info;
+}
+
+RunTotals run_totals_from(const KeyValues& values) {
+  RunTotals totals;
+  each_total(totals, Reader{values});
+  for (const auto& [name, text] : values) {
+    if (name.starts_with(kNotePrefix)) totals.notes.push_back(text);
+  }
+  return totals;
+}
+
+std::vector<Fault> faults_of(const RunTotals& t) {
+  return {{"malformed_oversize", t.malformed[0], "datagrams longer than ours may be"},
+          {"malformed_truncated", t.malformed[1], "datagrams shorter than a frame header"},
+          {"malformed_foreign", t.malformed[2], "datagrams that are not ours, or of another version"},
+          {"malformed_corrupt", t.malformed[3], "datagrams whose checksum disagrees"},
+          {"malformed_unreadable", t.malformed[4], "datagrams whose body cannot be read"},
+          {"malformed_non_finite", t.malformed[5], "datagrams with numbers that are not finite"},
+          {"foreign_session", t.foreign_session, "datagrams of another session or sender"},
+          {"non_finite_requests", t.non_finite_requests, "forces asked for that were not finite, shown as zero"},
+          {"non_finite_readings", t.non_finite_readings, "failed device readings, shown as zero force"},
+          {"released_by_device", t.released_by_device, "ticks so late that the device let go of the force"},
+          {"reconnects", t.reconnects, "times the session was lost and asked for again"},
+          {"send_failures", t.send_failures, "datagrams the system did not take"},
+          {"tick_allocations", t.tick_allocations, "heap allocations inside the tick"},
+          {"recording_dropped", t.recording_dropped, "records missing: the recorder's queue was full"},
+          {"recording_unwritten", t.recording_unwritten, "records missing: they could not be written"}};
+}
+
+}  // namespace forcebound::record

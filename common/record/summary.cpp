@@ -1,0 +1,99 @@
+#include "forcebound/record/summary.hpp"
+
+#include <cmath>
+
+namespace forcebound::record {
+namespace {
+
+constexpr Nanoseconds kLate{500'000};
+constexpr double kRelativeRounding = 1e-12;
+
+bool was_bounded(const TickRecord& tick, double rounding_N) noexcept {
+  if (tick.applied.size() != tick.request.size()) return tick.applied.size() != 0;
+  const double difference = (tick.applied - tick.request).norm();
+  return !(difference <= std::max(rounding_N, kRelativeRounding * tick.request.norm()));
+}
+
+}  // namespace
+
+void Summary::on_tick(const TickRecord& tick) noexcept {
+  note_period(tick);
+  note_force_stream(tick);
+  note_contact(tick);
+  note_energy(tick);
+}
+
+void Summary::note_period(const TickRecord& tick) noexcept {
+  if (ticks_ == 0) {
+    first_ = tick.time;
+  } else {
+    period_ns_.add(tick.interval.count());
+    if (tick.interval > info_.period + kLate) ++late_ticks_;
+  }
+  ++ticks_;
+  last_ = tick.time;
+  tick_latency_ns_.add(tick.latency.count());
+  if (tick.motion_sequence != 0) ++sent_;
+}
+
+void Summary::note_force_stream(const TickRecord& tick) noexcept {
+  if (tick.force_sequence != 0) age_ns_.add(tick.force_age.count());
+  if (waiting_ && tick.force_sequence == arrived_motion_) {
+    wait_ns_.add((tick.force_age - arrived_round_trip_).count());
+    waiting_ = false;
+  }
+  if (tick.policy == ForcePolicy::fading) ++fading_ticks_;
+  if (tick.policy == ForcePolicy::dropped) ++dropped_ticks_;
+  if (ticks_ > 1 && tick.policy != policy_) ++policy_changes_;
+  policy_ = tick.policy;
+
+  if (forces_ == 0) return;
+  const Nanoseconds silent = tick.time - arrival_;
+  const bool blackout = silent > info_.hold;
+  if (blackout && !blackout_) ++blackouts_;
+  blackout_ = blackout;
+  if (blackout) blackout_longest_ = std::max(blackout_longest_, silent);
+}
+
+void Summary::note_contact(const TickRecord& tick) noexcept {
+  const double force_N = tick.applied.norm();
+  force_N_max_ = std::max(force_N_max_, force_N);
+  penetration_m_max_ = std::max(penetration_m_max_, tick.penetration_m);
+  if (was_bounded(tick, info_.rounding_N)) ++bounded_ticks_;
+  if (!(tick.penetration_m > 0)) return;
+  ++contact_ticks_;
+  if (!contact_) contact_ = tick.time;
+  if (time::to_seconds(tick.time - *contact_) < info_.settle_s) return;
+  force_N_.add(force_N);
+  penetration_m_.add(tick.penetration_m);
+  if (!(tick.penetration_m > info_.stiffness_depth_m_min)) return;
+  const double stiffness = tick.displayed_N / tick.penetration_m;
+  stiffness_.add(stiffness);
+  stiffness_mN_per_m_.add(time::from_seconds(stiffness * 1e-6).count());  // N/m to mN/m, saturating
+}
+
+void Summary::note_energy(const TickRecord& tick) noexcept {
+  // Written so that a minimum that is not a number stays one: it must not be mistaken for passivity.
+  if (!(tick.audit_minimum_J >= passivity_minimum_J_) && !std::isnan(passivity_minimum_J_)) {
+    passivity_minimum_J_ = tick.audit_minimum_J;
+  }
+  passivity_final_J_ = tick.audit_J;
+  ledger_final_J_ = tick.energy_J;
+}
+
+void Summary::on_force(const ForceRecord& record) noexcept {
+  const wire::EnvironmentForce& force = record.force;
+  const Nanoseconds at_server = force.server_send_time - force.server_receive_time;
+  round_trip_ns_.add(record.round_trip.count());
+  compute_ns_.add(force.compute_time.count());
+  network_ns_.add((record.round_trip - at_server).count());
+  server_ns_.add((at_server - force.compute_time).count());
+  ++forces_;
+  arrival_ = record.receive_time;
+  if (force.motion_sequence <= arrived_motion_) return;  // overtaken: no tick will use it
+  arrived_motion_ = force.motion_sequence;
+  arrived_round_trip_ = record.round_trip;
+  waiting_ = true;
+}
+
+}  // namespace forcebound::record

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "forcebound/record/histogram.hpp"
+#include "forcebound/record/run_info.hpp"
+#include "forcebound/record/running_statistics.hpp"
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::record {
+
+/// What a run came to: a fold over what its ticks wrote down. The live client and a report from its recording use this
+/// same fold, so they say the same.
+///
+/// The numbers, by their JSON key:
+///
+/// - `duration_s`: from the first tick's reading to the last one's. `ticks`: how many.
+/// - `period_us`: time between readings. `late_ticks`: those more than 0.5 ms above the nominal period.
+/// - `sent received lost duplicated reordered`: datagrams of motion and force, both directions together, as the session
+///   counted them; `lost_up` and `lost_down` apart. When a killed process left no totals (`complete` is false), `sent`
+///   and `received` are counted from the records, and the rest is unknown.
+/// - `stale_ticks`: ticks on which the late-force policy faded or dropped the force; `late_force` says which, and how
+///   often the policy changed.
+/// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.
+/// - `blackouts`: times without any new force for longer than the policy's hold time, after the first force.
+/// - `rtt_us`: from the reading of a motion to the arrival of its answer. `compute_us`: the server's time on the scene.
+///   `stages_us` attributes the rest without synchronised clocks: `network` is the round trip less the server's time,
+///   both ways together; `server` what the server took beside computing; `wait` from arrival until a tick used the
+///   force.
+/// - `tick_latency_us`: from the reading to the command.
+/// - `force_N`: of the applied force's magnitude: `mean` and (population) `variance` over the ticks in contact, those
+/// with
+///   penetration_m > 0, and `max` over all ticks. `penetration_m` likewise.
+/// - `displayed_stiffness_N_per_m`: component of the applied force out of the surface over the penetration, on ticks in
+///   contact deeper than `stiffness_depth_m_min`, where an encoder's step does not dominate. `median` takes negative
+///   values as zero and is exact to 0.2 %.
+/// - All three leave out the first `settle_s` after the first contact (but `max` does not).
+/// - `bounded_fraction`: share of the ticks on which the applied force differs from the request by more than 1e-12 of
+/// it
+///   and by more than the actuator's rounding.
+/// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; `ok` if the minimum
+/// is not
+///   below -1e-9 J. Unknown for a device without audit. `ledger.final_J`: what the law may still spend.
+/// - `faults`: counts of what should not happen, and `notes` in words.
+///
+/// A number that is unknown or not finite is null.
+///
+/// Real time: `on_tick` and `on_force` are noexcept and allocate nothing. Not thread-safe.
+class Summary final : public TickSink {
+ public:
+  explicit Summary(RunInfo info) : info_(std::move(info)) {}
+
+  void on_tick(const TickRecord& tick) noexcept override;
+  void on_force(const ForceRecord& force) noexcept override;
+
+  /// The end of the run; without it the counts that only the session knows are missing.
+  void finish(RunTotals totals) { totals_ = std::move(totals); }
+
+  /// One JSON object with the keys above, numbers in full.
+  [[nodiscard]] std::string to_json() const;
+
+  /// One screen for a person.
+  [[nodiscard]] std::string to_text() const;
+
+  [[nodiscard]] const RunInfo& info() const noexcept { return info_; }
+
+ private:
+  friend struct SummaryView;  // reads everything, to print it
+
+  void note_period(const TickRecord& tick) noexcept;
+  void note_force_stream(const TickRecord& tick) noexcept;
+  void note_contact(const TickRecord& tick) noexcept;
+  void note_energy(const TickRecord& tick) noexcept;
+
+  RunInfo info_;
+  std::optional<RunTotals> totals_;
+
+  std::uint64_t ticks_ = 0;
+  Nanoseconds first_{0};
+  Nanoseconds last_{0};
+  Histogram period_ns_;
+  Histogram tick_latency_ns_;
+  std::uint64_t late_ticks_ = 0;
+  std::uint64_t sent_ = 0;
+
+  std::uint64_t forces_ = 0;
+  Nanoseconds arrival_{0};  ///< of the last force
+  Histogram round_trip_ns_, compute_ns_, network_ns_, server_ns_, wait_ns_, age_ns_;
+  std::uint64_t arrived_motion_ = 0;  ///< which motion the last force answers ...
+  Nanoseconds arrived_round_trip_{0};
+  bool waiting_ = false;  ///< ... and whether a tick has used it yet
+  std::uint64_t fading_ticks_ = 0;
+  std::uint64_t dropped_ticks_ = 0;
+  std::uint64_t policy_changes_ = 0;
+  ForcePolicy policy_ = ForcePolicy::none;
+  std::uint64_t blackouts_ = 0;
+  bool blackout_ = false;
+  Nanoseconds blackout_longest_{0};
+
+  std::optional<Nanoseconds> contact_;  ///< the first one
+  std::uint64_t contact_ticks_ = 0;
+  RunningStatistics force_N_, penetration_m_, stiffness_;
+  Histogram stiffness_mN_per_m_;
+  double force_N_max_ = 0;
+  double penetration_m_max_ = 0;
+  std::uint64_t bounded_ticks_ = 0;
+
+  double passivity_minimum_J_ = 0;
+  double passivity_final_J_ = 0;
+  double ledger_final_J_ = 0;
+};
+
+}  // namespace forcebound::record

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "forcebound/record/summary.hpp"
+
+namespace forcebound::record {
+
+/// Reads a summary's fold for printing; not for use outside of it.
+struct SummaryView {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kPassiveLeast_J = -1e-9;  // what rounding may take from a sum of energies
+
+  const Summary& s;
+
+  [[nodiscard]] double duration_s() const { return time::to_seconds(s.last_ - s.first_); }
+  [[nodiscard]] double minimum_J() const { return s.info_.audited ? s.passivity_minimum_J_ : kNone; }
+  [[nodiscard]] double final_J() const { return s.info_.audited ? s.passivity_final_J_ : kNone; }
+  [[nodiscard]] bool passive() const { return minimum_J() >= kPassiveLeast_J; }
+  [[nodiscard]] double bounded_fraction() const { return share(s.bounded_ticks_); }
+  [[nodiscard]] double share(std::uint64_t ticks) const {
+    return s.ticks_ == 0 ? kNone : static_cast<double>(ticks) / static_cast<double>(s.ticks_);
+  }
+  [[nodiscard]] std::uint64_t stale_ticks() const { return s.fading_ticks_ + s.dropped_ticks_; }
+  [[nodiscard]] double stiffness_median() const { return s.stiffness_mN_per_m_.percentile(0.5) * 1e-3; }
+
+  /// A count of the session's, if the run got as far as telling it.
+  [[nodiscard]] std::optional<std::uint64_t> total(std::uint64_t RunTotals::*count) const {
+    return s.totals_ ? std::optional((*s.totals_).*count) : std::nullopt;
+  }
+  [[nodiscard]] std::uint64_t sent() const { return total(&RunTotals::sent).value_or(s.sent_); }
+  [[nodiscard]] std::uint64_t received() const { return total(&RunTotals::received).value_or(s.forces_); }
+  [[nodiscard]] std::optional<std::uint64_t> lost() const {
+    return s.totals_ ? std::optional(s.totals_->lost_up + s.totals_->lost_down) : std::nullopt;
+  }
+
+  void add_run(nlohmann::ordered_json& json) const;
+  void add_network(nlohmann::ordered_json& json) const;
+  void add_times(nlohmann::ordered_json& json) const;
+  void add_contact(nlohmann::ordered_json& json) const;
+  void add_faults(nlohmann::ordered_json& json) const;
+
+  void print_run(std::string& out) const;
+  void print_network(std::string& out) const;
+  void print_contact(std::string& out) const;
+  void print_energy(std::string& out) const;
+  void print_faults(std::string& out) const;
+};
+
+}  // namespace forcebound::record
