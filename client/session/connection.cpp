@@ -1,0 +1,71 @@
+#include "forcebound/client/session/connection.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace forcebound::client {
+namespace {
+
+constexpr Nanoseconds kPauseFirst = std::chrono::milliseconds{100};
+constexpr Nanoseconds kPauseMax = std::chrono::seconds{2};
+
+}  // namespace
+
+Connection::Connection(Facts facts, std::uint64_t seed)
+    : facts_(std::move(facts)), random_(seed), nonce_(random_()), pause_(kPauseFirst) {}
+
+void Connection::on_silence(Nanoseconds silence, Nanoseconds hold, Nanoseconds drop) noexcept {
+  if (session_ == 0) return;
+  const SessionState before = state_;
+  if (silence <= hold) {
+    state_ = SessionState::active;
+  } else {
+    state_ = silence < drop ? SessionState::stale : SessionState::reconnecting;
+  }
+  if (state_ != before) pause_ = kPauseFirst;
+}
+
+bool Connection::on_welcome(const wire::Welcome& welcome) noexcept {
+  if (welcome.client_nonce != nonce_ || welcome.session == 0 || welcome.session == session_) return false;
+  session_ = welcome.session;
+  ++sessions_;
+  state_ = SessionState::active;
+  pause_ = kPauseFirst;
+  return true;
+}
+
+bool Connection::on_refusal(const wire::Refusal& refusal) noexcept {
+  if (refusal.reason == wire::RefusalReason::unknown_session) {
+    if (session_ == 0 || refusal.session != session_) return false;
+    lose_session();
+    return true;
+  }
+  return session_ == 0 && refusal.client_nonce == nonce_;
+}
+
+void Connection::lose_session() noexcept {
+  session_ = 0;
+  nonce_ = random_();
+  state_ = SessionState::reconnecting;
+  next_hello_ = Nanoseconds::min();
+  pause_ = kPauseFirst;
+}
+
+bool Connection::hello_due(Nanoseconds now) noexcept {
+  const bool wanted = session_ == 0 || state_ == SessionState::reconnecting;
+  if (!wanted || now < next_hello_) return false;
+  next_hello_ = now + pause_;
+  pause_ = std::min(pause_ + pause_ / 2, kPauseMax);
+  return true;
+}
+
+wire::Hello Connection::hello() const noexcept {
+  return {.client_nonce = nonce_,
+          .degrees_of_freedom = static_cast<std::uint32_t>(facts_.degrees_of_freedom),
+          .device = facts_.device,
+          .period_s = facts_.period_s,
+          .force_N_max = facts_.force_N_max,
+          .scene = facts_.scene};
+}
+
+}  // namespace forcebound::client

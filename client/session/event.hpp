@@ -1,0 +1,45 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::client {
+
+/// Something a person should be told about. Fixed size: the tick hands it to another thread for printing.
+struct Event {
+  enum class Kind : std::uint8_t {
+    welcomed,         ///< text: scene, and what is simulated
+    refused,          ///< text: the server's reason
+    session_unknown,  ///< the server restarted or forgot us
+    server_left,      ///< the server said goodbye
+    force_fading,     ///< forces are older than the hold time; `duration` is the age
+    force_dropped,    ///< ... than the drop time
+    force_fresh,      ///< forces are fresh again; `duration` is how long they were not
+  };
+
+  Kind kind = Kind::welcomed;
+  time::Nanoseconds time{0};
+  time::Nanoseconds duration{0};
+  std::array<char, 1024> text{};
+  std::size_t text_bytes = 0;
+
+  void set_text(std::string_view words) noexcept {
+    text_bytes = std::min(words.size(), text.size());
+    std::copy_n(words.begin(), text_bytes, text.begin());
+  }
+  [[nodiscard]] std::string_view words() const noexcept { return {text.data(), text_bytes}; }
+};
+
+/// Called by the tick: noexcept, no allocation, never waits.
+class EventSink {
+ public:
+  virtual ~EventSink() = default;
+  virtual void on_event(const Event& event) noexcept = 0;
+};
+
+}  // namespace forcebound::client

@@ -1,0 +1,89 @@
+#include "forcebound/client/session/force_stream.hpp"
+
+#include <algorithm>
+
+namespace forcebound::client {
+namespace {
+
+// At 1 kHz the last 65 s of motion: longer than any force can be of use.
+constexpr std::size_t kSentRing = 65536;
+
+}  // namespace
+
+ForceStream::ForceStream(int degrees_of_freedom) : degrees_of_freedom_(degrees_of_freedom), sent_(kSentRing) {}
+
+void ForceStream::begin_session(std::uint64_t session) noexcept {
+  ended_ = counts();
+  session_ = session;
+  arrivals_ = {};
+  server_ = {};
+  sent_here_ = 0;
+  received_ = 0;
+}
+
+std::uint64_t ForceStream::note_sent(Nanoseconds reading_time) noexcept {
+  ++sequence_;
+  ++sent_here_;
+  sent_[sequence_ % kSentRing] = {sequence_, reading_time};
+  return sequence_;
+}
+
+ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) noexcept {
+  if (session_ == 0 || force.session != session_) {
+    ++ended_.foreign;
+    return Verdict::foreign;
+  }
+  const Sent& motion = sent_[force.motion_sequence % kSentRing];
+  const bool genuine = force.motion_sequence != 0 && motion.sequence == force.motion_sequence &&
+                       motion.time == force.motion_device_time && force.force.rows() == degrees_of_freedom_ &&
+                       force.position.rows() == degrees_of_freedom_ &&
+                       (force.contact_normal.rows() == 0 || force.contact_normal.rows() == degrees_of_freedom_);
+  if (!genuine) {
+    ++ended_.implausible;
+    return Verdict::implausible;
+  }
+  if (arrivals_.note(force.sequence) == wire::SequenceWindow::Arrival::duplicate) {
+    ++ended_.duplicated;
+    return Verdict::duplicate;
+  }
+  ++received_;
+  note_server_counts({.session = force.session,
+                      .motions_received = force.motions_received,
+                      .motions_duplicated = force.motions_duplicated,
+                      .motions_reordered = force.motions_reordered,
+                      .forces_sent = force.sequence});
+  if (newest_ && newest_->motion_sequence >= force.motion_sequence) {
+    ++ended_.overtaken;
+    return Verdict::overtaken;
+  }
+  newest_ = force;
+  return Verdict::newest;
+}
+
+bool ForceStream::accept(const wire::Bye& bye) noexcept {
+  if (session_ == 0 || bye.session != session_) return false;
+  note_server_counts(bye);
+  return true;
+}
+
+void ForceStream::note_server_counts(const wire::Bye& counts) noexcept {
+  // Cumulative, so that it does not matter which of them are lost: the largest is the latest.
+  server_.motions_received = std::max(server_.motions_received, counts.motions_received);
+  server_.motions_duplicated = std::max(server_.motions_duplicated, counts.motions_duplicated);
+  server_.motions_reordered = std::max(server_.motions_reordered, counts.motions_reordered);
+  server_.forces_sent = std::max(server_.forces_sent, counts.forces_sent);
+}
+
+ForceStream::Counts ForceStream::counts() const noexcept {
+  const auto missing = [](std::uint64_t all, std::uint64_t seen) { return all > seen ? all - seen : 0; };
+  Counts all = ended_;
+  all.sent += sent_here_;
+  all.received += received_;
+  all.lost_up += missing(sent_here_, server_.motions_received);
+  all.lost_down += missing(server_.forces_sent, received_);
+  all.motions_duplicated += server_.motions_duplicated;
+  all.motions_overtaken += server_.motions_reordered;
+  return all;
+}
+
+}  // namespace forcebound::client

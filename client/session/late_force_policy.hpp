@@ -1,0 +1,34 @@
+#pragma once
+
+#include "forcebound/record/tick_record.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::client {
+
+using time::Nanoseconds;
+
+/// What to make of a force, by the age of the motion it answers: up to `hold` as it is, then fading linearly, from
+/// `drop` on zero.
+///
+/// Hold, do not extrapolate: a guessed position can create energy.
+struct LateForcePolicy {
+  Nanoseconds hold = std::chrono::milliseconds{250};
+  Nanoseconds drop = std::chrono::seconds{1};
+
+  /// @throws std::invalid_argument unless 0 <= hold <= drop.
+  void validate() const;
+
+  /// Factor for the force, 0 to 1.
+  [[nodiscard]] double scale(Nanoseconds age) const noexcept {
+    if (age <= hold) return 1;
+    if (age >= drop) return 0;
+    return static_cast<double>((drop - age).count()) / static_cast<double>((drop - hold).count());
+  }
+
+  [[nodiscard]] record::ForcePolicy verdict(Nanoseconds age) const noexcept {
+    if (age <= hold) return record::ForcePolicy::fresh;
+    return age < drop ? record::ForcePolicy::fading : record::ForcePolicy::dropped;
+  }
+};
+
+}  // namespace forcebound::client

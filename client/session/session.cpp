@@ -1,0 +1,248 @@
+#include "forcebound/client/session/session.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace forcebound::client {
+namespace {
+
+// A burst of more than this waits for the next tick: the tick's work is bounded.
+constexpr int kDatagramsPerTickMax = 64;
+constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
+constexpr int kAnswersWithoutNews = 5;
+
+Connection::Facts connection_facts(const control::DeviceFacts& device, const std::string& scene) {
+  return {.device = device.name,
+          .scene = scene,
+          .degrees_of_freedom = device.degrees_of_freedom(),
+          .period_s = device.period_s,
+          .force_N_max = device.force_N_max};
+}
+
+}  // namespace
+
+Session::Session(Options options, HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
+                 net::DatagramLink& link, const time::Clock& clock, Sinks sinks)
+    : options_(std::move(options)),
+      device_(device),
+      link_(link),
+      clock_(clock),
+      sinks_(sinks),
+      controller_(device.facts(), std::move(law)),
+      connection_(connection_facts(device.facts(), options_.scene), options_.seed),
+      forces_(device.facts().degrees_of_freedom()) {
+  options_.policy.validate();
+}
+
+void Session::tick(Nanoseconds now) noexcept {
+  const Reading reading = device_.read(now);
+  send_motion(reading.position, now);
+  receive_all(now);
+  keep_connected(now);
+
+  const control::Motion motion = motion_at(reading, now);
+  if (motion.held_s < motion.interval_s) ++totals_.released_by_device;
+  const Vector request = request_at(now);
+  const Vector applied = controller_.tick(motion, request);
+  const Nanoseconds commanded = clock_.now();
+  device_.apply(commanded, applied);
+
+  record_.interval = previous_reading_ ? now - *previous_reading_ : Nanoseconds::zero();
+  record_.latency = commanded - now;
+  previous_reading_ = now;
+  previous_command_ = commanded;
+  record_.request = request;
+  write_down(reading, applied, now);
+}
+
+control::Motion Session::motion_at(const Reading& reading, Nanoseconds now) const noexcept {
+  control::Motion motion{
+      .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
+  if (previous_reading_) {
+    motion.interval_s = time::to_seconds(now - *previous_reading_);
+    motion.latency_s = time::to_seconds(*previous_command_ - *previous_reading_) + device_.facts().latency_s;
+    const auto released = device_.released_at();
+    motion.held_s = released ? time::to_seconds(*released - *previous_command_) : motion.interval_s;
+  }
+  return motion;
+}
+
+Vector Session::request_at(Nanoseconds now) noexcept {
+  const auto& newest = forces_.newest();
+  if (!newest) {
+    record_.policy = record::ForcePolicy::none;
+    record_.force_sequence = 0;
+    record_.force_age = {};
+    return Vector::Zero(device_.facts().degrees_of_freedom());
+  }
+  const Nanoseconds age = now - ForceStream::reading_time(*newest);
+  note_policy(options_.policy.verdict(age), age, now);
+  record_.force_sequence = newest->motion_sequence;
+  record_.force_age = age;
+  return options_.policy.scale(age) * newest->force;
+}
+
+void Session::note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept {
+  using record::ForcePolicy;
+  if (policy == record_.policy) return;
+  const ForcePolicy before = std::exchange(record_.policy, policy);
+  if (policy == ForcePolicy::fresh) {
+    if (before != ForcePolicy::none) tell(Event::Kind::force_fresh, now, {}, now - not_fresh_since_);
+    return;
+  }
+  if (before == ForcePolicy::fresh || before == ForcePolicy::none) not_fresh_since_ = now;
+  tell(policy == ForcePolicy::fading ? Event::Kind::force_fading : Event::Kind::force_dropped, now, {}, age);
+}
+
+void Session::send_motion(const Vector& position, Nanoseconds now) noexcept {
+  record_.motion_sequence = 0;
+  if (connection_.session() == 0 || !position.allFinite()) return;
+  record_.motion_sequence = forces_.note_sent(now);
+  send(wire::MotionSample{
+      .session = connection_.session(), .sequence = record_.motion_sequence, .device_time = now, .position = position});
+}
+
+void Session::send(const wire::Message& message) noexcept {
+  if (!link_.send(codec_.encode(message), options_.server)) ++totals_.send_failures;
+}
+
+void Session::receive_all(Nanoseconds now) noexcept {
+  for (int i = 0; i < kDatagramsPerTickMax; ++i) {
+    const auto received = link_.receive(buffer_);
+    if (!received) return;
+    if (received->from != options_.server) {
+      ++totals_.foreign_session;
+      continue;
+    }
+    const auto decoded = codec_.decode(std::span(buffer_).first(std::min(received->bytes, buffer_.size())));
+    if (const auto* reason = std::get_if<wire::Malformed>(&decoded)) {
+      ++totals_.malformed[static_cast<std::size_t>(*reason)];
+    } else {
+      receive(std::get<wire::Message>(decoded), now);
+    }
+  }
+}
+
+void Session::receive(const wire::Message& message, Nanoseconds now) noexcept {
+  if (const auto* force = std::get_if<wire::EnvironmentForce>(&message)) {
+    receive_force(*force, now);
+  } else if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
+    if (!connection_.on_welcome(*welcome)) return;
+    forces_.begin_session(welcome->session);
+    silent_since_ = now;
+    tell(Event::Kind::welcomed, now, welcome->simulated);
+  } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
+    if (!connection_.on_refusal(*refusal)) return;
+    const bool unknown = refusal->reason == wire::RefusalReason::unknown_session;
+    refused_ = refused_ || !unknown;
+    tell(unknown ? Event::Kind::session_unknown : Event::Kind::refused, now, refusal->text);
+  } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
+    receive_bye(*bye, now);
+  } else {
+    ++totals_.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)];
+  }
+}
+
+void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now) noexcept {
+  switch (forces_.accept(force)) {
+    case ForceStream::Verdict::newest:
+      silent_since_ = now;
+      [[fallthrough]];
+    case ForceStream::Verdict::overtaken:
+      answers_without_news_ = 0;
+      force_record_.receive_time = now;
+      force_record_.round_trip = now - ForceStream::reading_time(force);
+      force_record_.force = force;
+      for (record::TickSink* sink : sinks_.ticks) sink->on_force(force_record_);
+      break;
+    case ForceStream::Verdict::duplicate:
+    case ForceStream::Verdict::foreign:
+    case ForceStream::Verdict::implausible:
+      break;  // counted there
+  }
+}
+
+void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
+  const ForceStream::Counts before = forces_.counts();
+  if (!forces_.accept(bye)) {
+    ++totals_.foreign_session;
+    return;
+  }
+  if (!closing_) {
+    connection_.on_bye();
+    tell(Event::Kind::server_left, now, {});
+  } else if (const auto after = forces_.counts();
+             before.lost_up == after.lost_up && before.lost_down == after.lost_down) {
+    ++answers_without_news_;
+  } else {
+    answers_without_news_ = 0;
+  }
+}
+
+void Session::keep_connected(Nanoseconds now) noexcept {
+  connection_.on_silence(now - silent_since_, options_.policy.hold, options_.policy.drop);
+  if (connection_.hello_due(now)) send(connection_.hello());
+}
+
+void Session::write_down(const Reading& reading, const Vector& applied, Nanoseconds now) noexcept {
+  ++record_.tick;
+  record_.time = now;
+  record_.state = connection_.state();
+  record_.position = reading.position;
+  record_.joint = reading.joint;
+  record_.applied = applied;
+  record_.energy_J = law().energy_J();
+  record_.xi = law().xi();
+  record_.penetration_m = 0;
+  record_.displayed_N = 0;
+  if (const auto& force = forces_.newest(); force && force->contact_normal.rows() == applied.rows()) {
+    // The surface as a plane: exact for a flat one, close for a round one as long as the force is fresh.
+    record_.penetration_m = force->penetration_m - force->contact_normal.dot(reading.position - force->position);
+    record_.displayed_N = applied.dot(force->contact_normal);
+  }
+  if (const auto audit = device_.audit()) {
+    record_.audit_J = audit->energy_J;
+    record_.audit_minimum_J = audit->minimum_J;
+  }
+  for (record::TickSink* sink : sinks_.ticks) sink->on_tick(record_);
+}
+
+bool Session::close(Nanoseconds now) noexcept {
+  closing_ = true;
+  device_.apply(now, Vector::Zero(device_.facts().degrees_of_freedom()));
+  receive_all(now);
+  if (connection_.session() == 0 || answers_without_news_ >= kAnswersWithoutNews) return true;
+  if (now >= next_bye_) {
+    next_bye_ = now + kByePause;
+    send(wire::Bye{.session = connection_.session()});
+  }
+  return false;
+}
+
+void Session::tell(Event::Kind kind, Nanoseconds now, std::string_view words, Nanoseconds duration) noexcept {
+  if (sinks_.events == nullptr) return;
+  event_.kind = kind;
+  event_.time = now;
+  event_.duration = duration;
+  event_.set_text(words);
+  sinks_.events->on_event(event_);
+}
+
+record::RunTotals Session::totals() const {
+  const ForceStream::Counts network = forces_.counts();
+  record::RunTotals totals = totals_;
+  totals.sent = network.sent;
+  totals.received = network.received;
+  totals.lost_up = network.lost_up;
+  totals.lost_down = network.lost_down;
+  totals.duplicated = network.duplicated + network.motions_duplicated;
+  totals.reordered = network.overtaken + network.motions_overtaken;
+  totals.foreign_session += network.foreign;
+  totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
+  totals.non_finite_requests = controller_.counts().requests_not_finite;
+  totals.non_finite_readings = controller_.counts().readings_not_finite;
+  totals.reconnects = connection_.sessions() > 0 ? connection_.sessions() - 1 : 0;
+  return totals;
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "forcebound/client/device/haptic_device.hpp"
+
+namespace forcebound::test {
+
+/// A Cartesian device that stands where the test puts it and remembers what it was told.
+class FakeDevice final : public client::HapticDevice {
+ public:
+  explicit FakeDevice(int degrees_of_freedom, double damping_N_s_per_m = 30)
+      : damping_(control::Damping::from_matrix(damping_N_s_per_m *
+                                               control::Matrix::Identity(degrees_of_freedom, degrees_of_freedom))) {
+    facts_.name = "fake";
+    facts_.damping = damping_.matrix();
+    facts_.friction = facts_.encoder_step = facts_.actuator_step = control::Vector::Zero(degrees_of_freedom);
+    facts_.force_N_max = 30;
+    facts_.hold_s_max = 1;
+    position = control::Vector::Zero(degrees_of_freedom);
+  }
+
+  [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
+
+  client::Reading read(time::Nanoseconds) noexcept override {
+    const Eigen::Index dof = position.rows();
+    return {
+        .joint = position, .position = position, .jacobian = control::Matrix::Identity(dof, dof), .damping = &damping_};
+  }
+
+  void apply(time::Nanoseconds now, const control::Vector& force_N) noexcept override {
+    applied = force_N;
+    applied_at = now;
+  }
+
+  [[nodiscard]] std::optional<time::Nanoseconds> released_at() const noexcept override { return released; }
+
+  control::Vector position;
+  control::Vector applied;
+  time::Nanoseconds applied_at{0};
+  std::optional<time::Nanoseconds> released;
+
+ private:
+  control::DeviceFacts facts_;
+  control::Damping damping_;
+};
+
+}  // namespace forcebound::test

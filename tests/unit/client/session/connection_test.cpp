@@ -1,0 +1,91 @@
+#include "forcebound/client/session/connection.hpp"
+
+#include <gtest/gtest.h>
+
+namespace forcebound::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ConnectionTest : public ::testing::Test {
+ protected:
+  wire::Welcome welcome(std::uint64_t session) {
+    return {.client_nonce = connection.hello().client_nonce, .session = session};
+  }
+
+  Connection connection{{.device = "wall-1dof", .scene = "wall"}, 1};
+};
+
+TEST_F(ConnectionTest, AsksWithGrowingPauses) {
+  EXPECT_TRUE(connection.hello_due(0ms));
+  EXPECT_FALSE(connection.hello_due(99ms));
+  EXPECT_TRUE(connection.hello_due(100ms));
+  EXPECT_FALSE(connection.hello_due(249ms));
+  EXPECT_TRUE(connection.hello_due(250ms));
+  for (auto t = 250ms; t < 20s; t += 1ms) (void)connection.hello_due(t);
+  int hellos = 0;
+  for (auto t = 20'000ms; t < 40'000ms; t += 1ms) hellos += connection.hello_due(t) ? 1 : 0;
+  EXPECT_EQ(hellos, 10) << "one in 2 s in the end";
+}
+
+TEST_F(ConnectionTest, BeginsASessionOnceHoweverOftenWelcomed) {
+  EXPECT_EQ(connection.state(), SessionState::connecting);
+  EXPECT_TRUE(connection.on_welcome(welcome(5)));
+  EXPECT_FALSE(connection.on_welcome(welcome(5)));
+  EXPECT_EQ(connection.session(), 5U);
+  EXPECT_EQ(connection.state(), SessionState::active);
+  EXPECT_FALSE(connection.hello_due(1h));
+}
+
+TEST_F(ConnectionTest, IgnoresAWelcomeMeantForAnother) {
+  auto other = welcome(5);
+  ++other.client_nonce;
+  EXPECT_FALSE(connection.on_welcome(other));
+  EXPECT_FALSE(connection.on_welcome({.client_nonce = connection.hello().client_nonce, .session = 0}));
+  EXPECT_EQ(connection.session(), 0U);
+}
+
+TEST_F(ConnectionTest, GoesStaleThenReconnectsWithTheSameNonce) {
+  connection.on_welcome(welcome(5));
+  const auto nonce = connection.hello().client_nonce;
+  connection.on_silence(300ms, 250ms, 1s);
+  EXPECT_EQ(connection.state(), SessionState::stale);
+  EXPECT_FALSE(connection.hello_due(10s));
+  connection.on_silence(1s, 250ms, 1s);
+  EXPECT_EQ(connection.state(), SessionState::reconnecting);
+  EXPECT_EQ(connection.session(), 5U) << "it may still be alive";
+  EXPECT_TRUE(connection.hello_due(10s));
+  EXPECT_EQ(connection.hello().client_nonce, nonce);
+  connection.on_silence(0s, 250ms, 1s);
+  EXPECT_EQ(connection.state(), SessionState::active);
+}
+
+TEST_F(ConnectionTest, TakesAnotherNonceWhenTheServerForgotTheSession) {
+  connection.on_welcome(welcome(5));
+  const auto old = welcome(6);
+  EXPECT_FALSE(connection.on_refusal({.session = 4, .reason = wire::RefusalReason::unknown_session}));
+  EXPECT_TRUE(connection.on_refusal({.session = 5, .reason = wire::RefusalReason::unknown_session}));
+  EXPECT_EQ(connection.session(), 0U);
+  EXPECT_EQ(connection.state(), SessionState::reconnecting);
+  EXPECT_TRUE(connection.hello_due(0s));
+  EXPECT_FALSE(connection.on_welcome(old)) << "an answer to the old question";
+  EXPECT_TRUE(connection.on_welcome(welcome(7)));
+  EXPECT_EQ(connection.sessions(), 2U);
+}
+
+TEST_F(ConnectionTest, KeepsAskingAfterARefusal) {
+  EXPECT_TRUE(connection.hello_due(0s));
+  EXPECT_TRUE(connection.on_refusal(
+      {.client_nonce = connection.hello().client_nonce, .reason = wire::RefusalReason::unknown_scene}));
+  EXPECT_TRUE(connection.hello_due(10s));
+}
+
+TEST_F(ConnectionTest, ARefusalOutOfTheBlueDoesNotEndASession) {
+  connection.on_welcome(welcome(5));
+  EXPECT_FALSE(connection.on_refusal(
+      {.client_nonce = connection.hello().client_nonce, .reason = wire::RefusalReason::server_full}));
+  EXPECT_EQ(connection.session(), 5U);
+}
+
+}  // namespace
+}  // namespace forcebound::client
