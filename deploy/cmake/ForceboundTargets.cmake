@@ -1,4 +1,5 @@
 include(GNUInstallDirs)
+include(ForceboundInstall)
 
 # Headers are included as <forcebound/control/law.hpp>, installed or not. In the build tree these links make it so.
 set(FORCEBOUND_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
@@ -24,36 +25,64 @@ if(PROJECT_IS_TOP_LEVEL)
   target_compile_options(forcebound_options INTERFACE -Werror)
 endif()
 
-# forcebound_library(NAME SOURCES ... [LINK ...]): the library of one concept, as forcebound::NAME.
+# forcebound_library(NAME [SOURCES ...] [LINK ...] [LINK_PRIVATE ...]): the library of one concept, as forcebound::NAME,
+# installed as find_package component NAME. Without sources it is headers only.
 function(forcebound_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK;LINK_PRIVATE")
-  add_library(forcebound_${name} STATIC ${arg_SOURCES})
-  add_library(forcebound::${name} ALIAS forcebound_${name})
-  set_target_properties(forcebound_${name} PROPERTIES EXPORT_NAME ${name})
-  target_compile_features(forcebound_${name} PUBLIC cxx_std_20)
-  target_include_directories(forcebound_${name} PUBLIC $<BUILD_INTERFACE:${FORCEBOUND_INCLUDE_DIR}>
-                                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(forcebound_${name} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE}
-                                           $<BUILD_INTERFACE:forcebound_options>)
+  set(target forcebound_${name})
+  set(headers_from $<BUILD_INTERFACE:${FORCEBOUND_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(arg_SOURCES)
+    add_library(${target} STATIC ${arg_SOURCES})
+    set(reach PUBLIC)
+    # A stranger may put us into a plugin.
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_link_libraries(${target} PRIVATE ${arg_LINK_PRIVATE} $<BUILD_INTERFACE:forcebound_options>)
+  else()
+    add_library(${target} INTERFACE)
+    set(reach INTERFACE)
+  endif()
+  add_library(forcebound::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(${target} ${reach} cxx_std_20)
+  target_include_directories(${target} ${reach} ${headers_from})
+  target_link_libraries(${target} ${reach} ${arg_LINK})
+
+  forcebound_is_for_others(installed)
+  if(installed)
+    forcebound_install_headers(${name})
+    forcebound_component(${name} LINKED ${arg_LINK} ${arg_LINK_PRIVATE})
+  endif()
 endfunction()
 
-# forcebound_program(NAME SOURCES ... LINK ...): the executable NAME, in bin/ of the build tree.
+# forcebound_program(NAME SOURCES ... LINK ...): the executable NAME, in bin/ of the build tree and of an installation.
 function(forcebound_program name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
   add_executable(${name} ${arg_SOURCES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_options)
+  set_property(GLOBAL APPEND PROPERTY FORCEBOUND_PROGRAMS ${name})
+  if(FORCEBOUND_INSTALL)
+    install(TARGETS ${name} RUNTIME COMPONENT programs)
+  endif()
 endfunction()
 
-# forcebound_test(NAME SOURCES ... LINK ... [LABELS ...]): GoogleTest executable NAME; every TEST is a CTest of its own.
-# Tests see the source root, for "tests/support/...".
+# forcebound_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT S] [SERIAL]): GoogleTest executable NAME; every TEST is
+# a CTest of its own. Tests see the source root, for "tests/support/...". SERIAL: nothing else runs beside it, for tests
+# that measure time. The label `long` keeps a test out of deploy/test unless --long is given; `threads` runs it under
+# ThreadSanitizer as well.
 function(forcebound_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LINK;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "TIMEOUT" "SOURCES;LINK;LABELS")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gmock_main forcebound_options)
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+  set(properties TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL})
+  if(arg_LABELS)
+    # A list would fall apart on its way through the discovery.
+    string(REPLACE ";" "\\;" labels "${arg_LABELS}")
+    list(APPEND properties LABELS "${labels}")
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
 endfunction()

@@ -1,0 +1,70 @@
+# What the commands in this folder share. Sourced, never run.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+say() { printf '%s\n' "$*"; }
+
+# fail [STATUS] TEXT: one line on stderr, then the end. Status 2 means wrong use.
+fail() {
+  local status=1
+  if [[ $1 =~ ^[0-9]+$ ]]; then status=$1; shift; fi
+  printf '%s: %s\n' "${0##*/}" "$*" >&2
+  exit "$status"
+}
+
+# The comment at the head of the calling script is its help.
+show_help() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "$0"; }
+
+# logged NAME COMMAND...: runs it silently; shows the end of what it said only if it failed.
+logged() {
+  local log=$root/build/log/$1.log; shift
+  mkdir -p "${log%/*}"
+  if "$@" >"$log" 2>&1 </dev/null; then return; fi
+  tail -n 40 "$log" >&2
+  fail "failed: $* (all of it: ${log#"$root"/})"
+}
+
+# As many compilers as there are processors, but no more than memory holds: some sources take most of a GB.
+jobs_that_fit() {
+  local jobs kB
+  jobs=$(nproc)
+  kB=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo 2>/dev/null) || true
+  if [[ -n $kB ]] && ((kB / 1000000 < jobs)); then
+    jobs=$((kB / 1000000 > 1 ? kB / 1000000 : 1))
+    say "Little memory ($((kB / 1000)) MB): $jobs compiler(s) at a time" >&2
+  fi
+  printf '%s' "$jobs"
+}
+
+# On a terminal ninja's own line shows how far it is; a log gets a line for every tenth part.
+show_tenths() {
+  local line shown=0
+  while IFS= read -r line; do
+    if [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] && ((10 * BASH_REMATCH[1] / BASH_REMATCH[2] > shown)); then
+      shown=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+      say "  ${BASH_REMATCH[1]} of ${BASH_REMATCH[2]}"
+    fi
+  done
+}
+
+# build PRESET [TARGET...]: configures if need be and builds the targets, or everything.
+build() {
+  local preset=$1 start=$SECONDS jobs; shift
+  local log=$root/build/log/build-$preset.log
+  jobs=$(jobs_that_fit)
+  cd "$root"
+  logged "configure-$preset" cmake --preset "$preset"
+  local command=(cmake --build --preset "$preset" -j "$jobs")
+  if (($#)); then command+=(--target "$@"); fi
+  if [[ -t 1 ]]; then
+    "${command[@]}" || fail "the $preset build failed, see above"
+  else
+    say "Building $preset with $jobs jobs"
+    if ! "${command[@]}" 2>&1 | tee "$log" | show_tenths; then
+      grep -E -m 3 -A 30 '^FAILED:|error:' "$log" >&2 || tail -n 40 "$log" >&2
+      fail "the $preset build failed (all of it: ${log#"$root"/})"
+    fi
+  fi
+  say "Built $preset in $((SECONDS - start)) s"
+}

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// The rule of who may include whom, and of which code may touch the operating system.
+namespace forcebound::architecture {
+
+struct Violation {
+  std::string file;  ///< relative to the source root
+  int line = 0;
+  std::string what;  ///< the offending text and what would be accepted
+};
+
+std::string to_string(const Violation& violation);
+
+/// All that is wrong with one source of ours.
+///
+/// @param file path relative to the source root, with '/': decides which rules hold for `text`.
+/// A file in a folder of common, client or server that no rule names is a violation as well: a new concept says first
+/// whom it knows.
+std::vector<Violation> violations(std::string_view file, std::string_view text);
+
+}  // namespace forcebound::architecture

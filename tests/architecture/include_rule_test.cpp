@@ -1,0 +1,110 @@
+#include "tests/architecture/include_rule.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace forcebound::architecture {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::string only_violation(std::string_view file, std::string_view text) {
+  const auto found = violations(file, text);
+  EXPECT_THAT(found, SizeIs(1)) << file << ": " << text;
+  return found.empty() ? "" : to_string(found.front());
+}
+
+TEST(IncludeRule, LetsEachConceptIncludeItselfAndWhatItKnows) {
+  EXPECT_THAT(violations("common/control/law.cpp", "#include \"forcebound/control/law.hpp\"\n#include <Eigen/Core>\n"),
+              IsEmpty());
+  EXPECT_THAT(violations("common/wire/codec.hpp", "#include \"forcebound/control/vector.hpp\"\n"), IsEmpty());
+  EXPECT_THAT(violations("server/scene/plan.cpp", "#include \"forcebound/server/effects/surface.hpp\"\n"), IsEmpty());
+  EXPECT_THAT(
+      violations("client/app/main.cpp", "#include <thread>\n#include \"forcebound/client/session/session.hpp\""),
+      IsEmpty());
+}
+
+TEST(IncludeRule, FindsAForbiddenConceptAndSaysWhereAndWhatIsAllowed) {
+  EXPECT_EQ(only_violation("server/effects/surface.cpp",
+                           "#include \"forcebound/control/vector.hpp\"\n#include \"forcebound/wire/messages.hpp\"\n"),
+            "server/effects/surface.cpp:2: server/effects must not include 'forcebound/wire/messages.hpp', only "
+            "server/effects, control");
+}
+
+TEST(IncludeRule, KeepsClientAndServerApart) {
+  EXPECT_THAT(only_violation("client/session/session.cpp", "#include \"forcebound/server/scene/plan.hpp\"\n"),
+              HasSubstr("must not include"));
+  EXPECT_THAT(only_violation("server/session/server.cpp", "#include \"forcebound/client/device/haptic_device.hpp\"\n"),
+              HasSubstr("must not include"));
+}
+
+TEST(IncludeRule, DoesNotTakeAFolderForOneWhoseNameItBegins) {
+  EXPECT_THAT(only_violation("common/net/address.cpp", "#include \"forcebound/timeline/x.hpp\"\n"),
+              HasSubstr("must not include"));
+}
+
+TEST(IncludeRule, LeavesControlOnlyTheStandardLibraryAndEigen) {
+  EXPECT_THAT(only_violation("common/control/ledger.cpp", "#include <toml++/toml.h>\n"), HasSubstr("Eigen"));
+  EXPECT_THAT(only_violation("common/control/ledger.cpp", "#include <unistd.h>\n"), HasSubstr("Eigen"));
+}
+
+TEST(IncludeRule, KeepsGeneratedCodeOutOfHeaders) {
+  constexpr std::string_view kText = "#include \"forcebound/v1/session.pb.h\"\n";
+  EXPECT_THAT(violations("common/wire/codec.cpp", kText), IsEmpty());
+  EXPECT_THAT(only_violation("common/wire/codec.hpp", kText), HasSubstr(".cpp files of common/wire"));
+}
+
+TEST(IncludeRule, KeepsAsioInTheFilesOfUdp) {
+  EXPECT_THAT(violations("common/net/udp_link.cpp", "#include <asio.hpp>\n"), IsEmpty());
+  EXPECT_THAT(only_violation("common/net/impairment.cpp", "#include <asio/ip/udp.hpp>\n"), HasSubstr("Asio"));
+}
+
+TEST(IncludeRule, KeepsClockThreadsAndRandomnessOutOfTheCore) {
+  EXPECT_THAT(only_violation("client/session/session.cpp", "auto t = std::chrono::steady_clock::now();\n"),
+              HasSubstr("clock"));
+  EXPECT_THAT(only_violation("server/session/server.cpp", "std::jthread worker;\n"), HasSubstr("threads"));
+  EXPECT_THAT(only_violation("server/scene/state.cpp", "#include <sys/socket.h>\n"), HasSubstr("sockets"));
+  EXPECT_THAT(only_violation("client/device/operator.cpp", "std::random_device entropy;\n"), HasSubstr("random"));
+  EXPECT_THAT(only_violation("client/session/session.cpp", "#include \"forcebound/time/steady_clock.hpp\"\n"),
+              HasSubstr("clock"));
+}
+
+TEST(IncludeRule, KeepsTestCodeOutOfPrograms) {
+  EXPECT_THAT(only_violation("client/app/main.cpp", "#include \"tests/sim/virtual_clock.hpp\"\n"),
+              HasSubstr("test code"));
+}
+
+TEST(IncludeRule, IgnoresComments) {
+  EXPECT_THAT(violations("common/control/law.hpp", "// not std::thread, not steady_clock\n"), IsEmpty());
+}
+
+TEST(IncludeRule, RefusesAFolderThatNobodyGaveARule) {
+  EXPECT_THAT(only_violation("common/audio/horn.cpp", ""), HasSubstr("no rule"));
+}
+
+TEST(SourceTree, ObeysTheIncludeRule) {
+  namespace fs = std::filesystem;
+  const fs::path root = FORCEBOUND_SOURCE_DIR;
+  int files = 0;
+  for (const char* side : {"common", "client", "server"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / side)) {
+      const fs::path& path = entry.path();
+      if (path.extension() != ".cpp" && path.extension() != ".hpp") continue;
+      ++files;
+      std::ifstream stream(path);
+      const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+      for (const auto& violation : violations(path.lexically_relative(root).generic_string(), text)) {
+        ADD_FAILURE() << to_string(violation);
+      }
+    }
+  }
+  EXPECT_GT(files, 10) << "the sources were not found under " << root;
+}
+
+}  // namespace
+}  // namespace forcebound::architecture
