@@ -1,0 +1,288 @@
+#include "forcebound/client/session/session.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "forcebound/control/law_registry.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/fake_device.hpp"
+#include "tests/support/fake_link.hpp"
+
+namespace forcebound::client {
+namespace {
+
+using namespace std::chrono_literals;
+using control::Vector;
+
+constexpr std::uint64_t kSession = 4711;
+const net::Address kServer{.ip = {1}, .port = 47800};
+const net::Address kStranger{.ip = {2}, .port = 47800};
+
+class ManualClock final : public time::Clock {
+ public:
+  [[nodiscard]] Nanoseconds now() const noexcept override { return time; }
+  Nanoseconds time{0};
+};
+
+class LastRecord final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override { last = tick; }
+  void on_force(const record::ForceRecord& force) noexcept override {
+    last_force = force;
+    ++forces;
+  }
+  record::TickRecord last;
+  record::ForceRecord last_force;
+  int forces = 0;
+};
+
+class Events final : public EventSink {
+ public:
+  void on_event(const Event& event) noexcept override { kinds.push_back(event.kind); }
+  std::vector<Event::Kind> kinds;
+};
+
+/// The test is the server: it sees each motion and answers by hand.
+class SessionTest : public ::testing::Test {
+ protected:
+  explicit SessionTest(std::string_view law = "none")
+      : session({.server = kServer, .scene = "wall"}, device, control::published_laws().make(law, device.facts()), link,
+                clock, {.ticks = sinks, .events = &events}) {}
+
+  void tick() {
+    clock.time += 1ms;
+    session.tick(clock.time);
+  }
+
+  template <typename Message>
+  std::vector<Message> sent() {
+    std::vector<Message> messages;
+    for (const auto& datagram : link.sent) {
+      const auto decoded = codec.decode(datagram.bytes);
+      const auto* message = std::get_if<wire::Message>(&decoded);
+      if (message != nullptr && std::holds_alternative<Message>(*message))
+        messages.push_back(std::get<Message>(*message));
+    }
+    link.sent.clear();
+    return messages;
+  }
+
+  void arrive(const wire::Message& message, const net::Address& from = kServer) {
+    link.arrive(codec.encode(message), from);
+  }
+
+  void connect() {
+    tick();
+    const auto hellos = sent<wire::Hello>();
+    ASSERT_EQ(hellos.size(), 1U);
+    arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession, .simulated = "a wall"});
+    tick();
+    ASSERT_EQ(session.state(), SessionState::active);
+    link.sent.clear();
+  }
+
+  wire::EnvironmentForce answer(const wire::MotionSample& motion, double force_N) {
+    wire::EnvironmentForce force;
+    force.session = kSession;
+    force.sequence = ++force_sequence;
+    force.motion_sequence = motion.sequence;
+    force.motion_device_time = motion.device_time;
+    force.force = Vector::Constant(1, force_N);
+    force.position = motion.position;
+    force.contact_normal = Vector::Constant(1, -1.0);
+    force.penetration_m = 1e-3;
+    force.motions_received = motion.sequence;
+    return force;
+  }
+
+  test::FakeDevice device{1};
+  test::FakeLink link;
+  ManualClock clock;
+  LastRecord records;
+  Events events;
+  std::array<record::TickSink*, 1> sinks{&records};
+  wire::Codec codec;
+  std::uint64_t force_sequence = 0;
+  Session session;
+};
+
+TEST_F(SessionTest, AppliesNothingBeforeTheServerHasSpoken) {
+  for (int i = 0; i < 50; ++i) tick();
+  EXPECT_EQ(device.applied, Vector::Zero(1));
+  EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
+  EXPECT_EQ(records.last.state, SessionState::connecting);
+}
+
+TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
+  connect();
+  device.position[0] = 0.25;
+  tick();
+  const auto motions = sent<wire::MotionSample>();
+  ASSERT_EQ(motions.size(), 1U);
+  EXPECT_EQ(motions[0].position[0], 0.25);
+  EXPECT_EQ(motions[0].device_time, clock.time);
+  arrive(answer(motions[0], -2.5));
+  tick();
+  EXPECT_EQ(device.applied[0], -2.5);
+  EXPECT_EQ(records.last.force_age, 1ms);
+  EXPECT_EQ(records.last_force.round_trip, 1ms);
+  EXPECT_EQ(records.last.displayed_N, 2.5);
+}
+
+TEST_F(SessionTest, HoldsTheForceThenFadesItThenLetsGo) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  tick();
+  for (int i = 0; i < 249; ++i) tick();
+  EXPECT_EQ(device.applied[0], -2.0);
+  for (int i = 0; i < 375; ++i) tick();
+  EXPECT_NEAR(device.applied[0], -1.0, 1e-12);
+  for (int i = 0; i < 376; ++i) tick();
+  EXPECT_EQ(device.applied[0], 0.0);
+  EXPECT_EQ(records.last.policy, record::ForcePolicy::dropped);
+  EXPECT_EQ(session.state(), SessionState::reconnecting);
+  using K = Event::Kind;
+  EXPECT_EQ(events.kinds, (std::vector{K::welcomed, K::force_fading, K::force_dropped}));
+}
+
+TEST_F(SessionTest, TakesTheForceForTheNewestMotionWhateverTheOrderOfArrival) {
+  connect();
+  for (int i = 0; i < 3; ++i) tick();
+  const auto motions = sent<wire::MotionSample>();
+  arrive(answer(motions.at(2), -3));
+  arrive(answer(motions.at(1), -2));
+  tick();
+  EXPECT_EQ(device.applied[0], -3);
+  EXPECT_EQ(records.forces, 2) << "the late one is written down all the same";
+  EXPECT_EQ(session.totals().reordered, 1U);
+}
+
+TEST_F(SessionTest, CountsWhatDoesNotBelongByReason) {
+  connect();
+  tick();
+  const auto motion = sent<wire::MotionSample>().at(0);
+  arrive(answer(motion, -1), kStranger);
+  auto other = answer(motion, -1);
+  other.session = kSession + 1;
+  arrive(other);
+  const std::array<std::byte, 3> noise{};
+  link.arrive(noise, kServer);
+  arrive(wire::MotionSample{.session = kSession, .sequence = 1, .position = Vector::Zero(1)});
+  tick();
+  EXPECT_EQ(device.applied[0], 0);
+  const auto totals = session.totals();
+  EXPECT_EQ(totals.foreign_session, 2U);
+  EXPECT_EQ(totals.malformed[static_cast<std::size_t>(wire::Malformed::truncated)], 1U);
+  EXPECT_EQ(totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)], 1U);
+}
+
+TEST_F(SessionTest, GetsAnotherSessionFromAServerThatRestarted) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  tick();
+  arrive(wire::Refusal{.session = kSession, .reason = wire::RefusalReason::unknown_session});
+  tick();
+  EXPECT_EQ(device.applied[0], -2.0) << "the force does not jump";
+  const auto hellos = sent<wire::Hello>();
+  ASSERT_EQ(hellos.size(), 1U);
+  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
+  tick();
+  tick();
+  const auto motions = sent<wire::MotionSample>();
+  ASSERT_FALSE(motions.empty());
+  EXPECT_EQ(motions.back().session, kSession + 1);
+  EXPECT_EQ(session.totals().reconnects, 1U);
+}
+
+TEST_F(SessionTest, AFailedReadingIsZeroForceAndNoMotion) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  tick();
+  link.sent.clear();
+  device.position[0] = std::numeric_limits<double>::quiet_NaN();
+  tick();
+  EXPECT_EQ(device.applied[0], 0);
+  EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
+  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  device.position[0] = 0;
+  tick();
+  EXPECT_EQ(device.applied[0], -2.0);
+}
+
+TEST_F(SessionTest, ALinkThatIsDownIsCountedAndHarmless) {
+  connect();
+  link.up = false;
+  for (int i = 0; i < 10; ++i) tick();
+  EXPECT_EQ(session.totals().send_failures, 10U);
+}
+
+TEST_F(SessionTest, ClosesWithZeroForceWhenTheServersAnswersBringNoNews) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  tick();
+  ASSERT_EQ(device.applied[0], -2.0);
+  bool closed = false;
+  int byes = 0;
+  for (int ms = 0; ms < 1000 && !closed; ++ms) {
+    clock.time += 1ms;
+    closed = session.close(clock.time);
+    for (const auto& bye : sent<wire::Bye>()) {
+      ++byes;
+      arrive(wire::Bye{.session = bye.session, .motions_received = 3, .forces_sent = 2});
+    }
+  }
+  EXPECT_TRUE(closed);
+  EXPECT_GE(byes, 5);
+  EXPECT_EQ(device.applied[0], 0);
+  EXPECT_EQ(session.totals().lost_down, 1U);
+}
+
+TEST_F(SessionTest, ADeviceThatLetGoIsCounted) {
+  connect();
+  tick();
+  device.released = clock.time + 500us;
+  tick();
+  EXPECT_EQ(session.totals().released_by_device, 1U);
+}
+
+TEST_F(SessionTest, TickDoesNotAllocate) {
+  connect();
+  std::vector<std::vector<std::byte>> answers;
+  for (int i = 0; i < 200; ++i) tick();
+  for (const auto& motion : sent<wire::MotionSample>()) {
+    const auto bytes = codec.encode(answer(motion, -1));
+    answers.emplace_back(bytes.begin(), bytes.end());
+  }
+  for (const auto& bytes : answers) link.arrive(bytes, kServer);
+  // The fake link allocates for what is sent; a link that is down does not.
+  link.up = false;
+  test::expect_no_allocation([&] {
+    for (int i = 0; i < 10; ++i) tick();
+  });
+}
+
+TEST_F(SessionTest, RandomDatagramsNeverReachTheDevice) {
+  connect();
+  std::mt19937_64 random(20151);
+  for (int i = 0; i < 20'000; ++i) {
+    std::vector<std::byte> noise(random() % 200);
+    for (auto& byte : noise) byte = static_cast<std::byte>(random());
+    if (noise.size() > 2 && i % 2 == 0) {
+      noise[0] = std::byte{'F'};
+      noise[1] = std::byte{'B'};
+    }
+    link.arrive(noise, kServer);
+    if (i % 32 == 0) tick();
+  }
+  EXPECT_EQ(device.applied[0], 0);
+  EXPECT_EQ(records.forces, 0);
+}
+
+}  // namespace
+}  // namespace forcebound::client
