@@ -1,6 +1,7 @@
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "forcebound/net/datagram_link.hpp"
 
@@ -9,17 +10,11 @@ namespace forcebound::net {
 std::string to_string(const Address& address) {
   constexpr std::array<std::uint8_t, 12> kMappedPrefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
   const auto& ip = address.ip;
-  char text[64];
-  if (std::equal(kMappedPrefix.begin(), kMappedPrefix.end(), ip.begin())) {
-    std::snprintf(text, sizeof text, "%u.%u.%u.%u:%u", ip[12], ip[13], ip[14], ip[15], address.port);
-    return text;
-  }
-  std::string result = "[";
-  for (std::size_t i = 0; i < ip.size(); i += 2) {
-    std::snprintf(text, sizeof text, i == 0 ? "%x" : ":%x", unsigned{ip[i]} << 8U | ip[i + 1]);
-    result += text;
-  }
-  return result + "]:" + std::to_string(address.port);
+  const std::string port = ":" + std::to_string(address.port);
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (std::equal(kMappedPrefix.begin(), kMappedPrefix.end(), ip.begin()))
+    return inet_ntop(AF_INET, &ip[kMappedPrefix.size()], text.data(), text.size()) + port;
+  return "[" + std::string(inet_ntop(AF_INET6, ip.data(), text.data(), text.size())) + "]" + port;
 }
 
 }  // namespace forcebound::net

@@ -1,0 +1,33 @@
+#include "forcebound/net/endpoint.hpp"
+
+#include <charconv>
+#include <stdexcept>
+
+namespace forcebound::net {
+namespace {
+
+[[noreturn]] void refuse(std::string_view text) {
+  throw std::invalid_argument("'" + std::string(text) +
+                              "' is no HOST:PORT: expected such as 127.0.0.1:47800, localhost:47800 or [::1]:47800, "
+                              "with a port from 0 to 65535");
+}
+
+}  // namespace
+
+Endpoint parse_endpoint(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) refuse(text);
+  std::string_view host = text.substr(0, colon);
+  const std::string_view port_text = text.substr(colon + 1);
+  const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  if (bracketed) host = host.substr(1, host.size() - 2);
+  // Without brackets, nobody knows whether the last part of ::1 is a port.
+  if (host.empty() || (!bracketed && host.find_first_of(":[] \t") != std::string_view::npos)) refuse(text);
+  Endpoint endpoint{std::string(host), 0};
+  const char* const end = port_text.data() + port_text.size();
+  const auto [stopped, error] = std::from_chars(port_text.data(), end, endpoint.port);
+  if (error != std::errc{} || stopped != end) refuse(text);
+  return endpoint;
+}
+
+}  // namespace forcebound::net

@@ -1,0 +1,159 @@
+#include "forcebound/net/udp_link.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <asio/buffer.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/udp.hpp>
+#include <asio/ip/v6_only.hpp>
+#include <ctime>
+#include <stdexcept>
+#include <string>
+
+#include "forcebound/net/endpoint.hpp"
+
+namespace forcebound::net {
+namespace {
+
+using asio::ip::udp;
+
+// One tick's worth of delay at 1 kHz must never overflow the socket, not even for many clients.
+constexpr int kSocketBufferBytes = 1 << 20;
+
+// An absent peer's refusals, each reported once instead of data, must not keep a call busy.
+constexpr int kRefusalsSkippedMax = 16;
+
+udp::endpoint to_asio(const Address& address) noexcept {
+  const asio::ip::address_v6 v6(address.ip);
+  if (!v6.is_v4_mapped()) return {v6, address.port};
+  const auto& ip = address.ip;
+  return {asio::ip::address_v4({ip[12], ip[13], ip[14], ip[15]}), address.port};
+}
+
+Address from_asio(const udp::endpoint& endpoint) noexcept {
+  Address result;
+  result.port = endpoint.port();
+  if (endpoint.address().is_v6()) {
+    result.ip = endpoint.address().to_v6().to_bytes();
+    return result;
+  }
+  const auto bytes = endpoint.address().to_v4().to_bytes();
+  result.ip[10] = result.ip[11] = 0xff;
+  std::copy(bytes.begin(), bytes.end(), result.ip.begin() + 12);
+  return result;
+}
+
+std::string reason(const asio::error_code& error) {
+  if (error == asio::error::address_in_use)
+    return "the address is already in use, by another program or a copy of this one";
+  if (error == asio::error::access_denied) return "not permitted; ports below 1024 are for the administrator";
+  if (error.value() == EADDRNOTAVAIL) return "no interface of this machine has that address";
+  if (error == asio::error::address_family_not_supported) return "this machine does not speak that kind of address";
+  return error.message();
+}
+
+}  // namespace
+
+struct UdpLink::Socket {
+  asio::io_context context;
+  udp::socket socket{context};
+  UdpCounters counters;
+  udp::endpoint sender;
+
+  void open(const udp& protocol) {
+    socket.open(protocol);
+    socket.non_blocking(true);
+    // Larger buffers help, smaller ones work.
+    asio::error_code ignored;
+    socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
+    socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
+    if (protocol == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
+  }
+};
+
+UdpLink::UdpLink(std::unique_ptr<Socket> socket) noexcept : socket_(std::move(socket)) {}
+UdpLink::UdpLink(UdpLink&&) noexcept = default;
+UdpLink& UdpLink::operator=(UdpLink&&) noexcept = default;
+UdpLink::~UdpLink() = default;
+
+UdpLink UdpLink::listen(const Address& local) try {
+  const udp::endpoint endpoint = to_asio(local);
+  auto socket = std::make_unique<Socket>();
+  socket->open(endpoint.protocol());
+  socket->socket.bind(endpoint);
+  return UdpLink(std::move(socket));
+} catch (const asio::system_error& error) {
+  throw std::runtime_error("cannot listen on " + to_string(local) + ": " + reason(error.code()));
+}
+
+UdpLink UdpLink::towards(const Address& peer) try {
+  const udp::endpoint endpoint = to_asio(peer);
+  auto socket = std::make_unique<Socket>();
+  socket->open(endpoint.protocol());
+  socket->socket.connect(endpoint);
+  return UdpLink(std::move(socket));
+} catch (const asio::system_error& error) {
+  throw std::runtime_error("cannot send to " + to_string(peer) + ": " + reason(error.code()));
+}
+
+bool UdpLink::send(std::span<const std::byte> datagram, const Address& to) noexcept {
+  const udp::endpoint endpoint = to_asio(to);
+  asio::error_code error;
+  for (int i = 0; i < kRefusalsSkippedMax; ++i) {
+    socket_->socket.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint, 0, error);
+    // That is about an earlier datagram; this one was not sent yet.
+    if (error != asio::error::connection_refused) break;
+    ++socket_->counters.refused;
+  }
+  if (error) ++socket_->counters.send_failed;
+  return !error;
+}
+
+std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
+  asio::error_code error;
+  for (int i = 0; i < kRefusalsSkippedMax; ++i) {
+    // MSG_TRUNC: the result is the datagram's whole size, also if it was cut.
+    const std::size_t bytes =
+        socket_->socket.receive_from(asio::buffer(buffer.data(), buffer.size()), socket_->sender, MSG_TRUNC, error);
+    if (!error) return Received{bytes, from_asio(socket_->sender)};
+    if (error != asio::error::connection_refused) break;
+    ++socket_->counters.refused;
+  }
+  return std::nullopt;
+}
+
+Address UdpLink::local_address() const noexcept {
+  asio::error_code error;
+  return from_asio(socket_->socket.local_endpoint(error));
+}
+
+const UdpCounters& UdpLink::counters() const noexcept { return socket_->counters; }
+
+int UdpLink::descriptor() const noexcept { return socket_->socket.native_handle(); }
+
+bool wait_readable(std::span<const int> descriptors, time::Nanoseconds timeout) noexcept {
+  std::array<pollfd, kWaitableMax> polled;
+  const std::size_t count = std::min(descriptors.size(), polled.size());
+  for (std::size_t i = 0; i < count; ++i) polled[i] = {descriptors[i], POLLIN, 0};
+  const auto positive = std::max(timeout, time::Nanoseconds{0}).count();
+  const timespec duration{positive / 1'000'000'000, positive % 1'000'000'000};
+  return ppoll(polled.data(), count, &duration, nullptr) > 0;
+}
+
+Address resolve(const Endpoint& endpoint) {
+  asio::io_context context;
+  asio::error_code error;
+  const auto found = udp::resolver(context).resolve(endpoint.host, std::to_string(endpoint.port),
+                                                    udp::resolver::numeric_service, error);
+  if (error || found.empty())
+    throw std::runtime_error("cannot find the address of host '" + endpoint.host +
+                             "': " + (error ? error.message() : "it has none"));
+  const auto v4 = std::find_if(found.begin(), found.end(),
+                               [](const auto& entry) { return entry.endpoint().protocol() == udp::v4(); });
+  return from_asio((v4 == found.end() ? found.begin() : v4)->endpoint());
+}
+
+}  // namespace forcebound::net

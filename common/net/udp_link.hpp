@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::net {
+
+/// What a UDP socket reported besides datagrams.
+struct UdpCounters {
+  std::uint64_t refused = 0;      ///< the other end's machine said that nobody listens there
+  std::uint64_t send_failed = 0;  ///< the system did not take a datagram: no route, no memory, too large
+};
+
+/// A UDP socket, IPv4 or IPv6.
+///
+/// Real time: send and receive return at once and allocate nothing. Not thread-safe.
+class UdpLink final : public DatagramLink {
+ public:
+  /// A server's end: bound to `local`; port 0 takes any free one. "::" also takes IPv4.
+  ///
+  /// @throws std::runtime_error saying plainly why not: in use, not an address of this machine, not permitted.
+  static UdpLink listen(const Address& local);
+
+  /// A client's end: any free port, connected, so that only `peer` is heard and its absence is noticed (`refused`).
+  ///
+  /// @throws std::runtime_error saying plainly why not, such as no route.
+  static UdpLink towards(const Address& peer);
+
+  UdpLink(UdpLink&&) noexcept;
+  UdpLink& operator=(UdpLink&&) noexcept;
+  ~UdpLink() override;
+
+  bool send(std::span<const std::byte> datagram, const Address& to) noexcept override;
+  std::optional<Received> receive(std::span<std::byte> buffer) noexcept override;
+
+  [[nodiscard]] Address local_address() const noexcept;
+  [[nodiscard]] const UdpCounters& counters() const noexcept;
+
+  /// The file descriptor, for waiting.
+  [[nodiscard]] int descriptor() const noexcept;
+
+ private:
+  struct Socket;
+  explicit UdpLink(std::unique_ptr<Socket> socket) noexcept;
+  std::unique_ptr<Socket> socket_;
+};
+
+/// Sleeps until one of the descriptors can be read or `timeout` has passed, to the nanosecond where the system can;
+/// a signal wakes it too. True if something can be read. At most kWaitableMax descriptors.
+bool wait_readable(std::span<const int> descriptors, time::Nanoseconds timeout) noexcept;
+inline constexpr std::size_t kWaitableMax = 1024;
+
+}  // namespace forcebound::net
