@@ -20,7 +20,7 @@ namespace forcebound::record {
 /// Real time: the `on_` functions are noexcept, allocate nothing and never wait.
 class Recorder final : public TickSink {
  public:
-  /// About 8 s of a client's ticks and forces in 8 MB: what a disk may hesitate.
+  /// About 8 s of a client's ticks and forces, in 6 MB: so long a disk may hesitate.
   static constexpr std::size_t kCapacity = 16384;
 
   explicit Recorder(std::size_t capacity = kCapacity) : queue_(capacity) {}

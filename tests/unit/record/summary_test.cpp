@@ -1,0 +1,271 @@
+#include "forcebound/record/summary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/unit/record/sample_run.hpp"
+
+namespace forcebound::record {
+namespace {
+
+using nlohmann::json;
+using record::test::vector_of;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+json json_of(const Summary& summary) { return json::parse(summary.to_json()); }
+
+/// One axis; tick n at n ms.
+TickRecord tick_at(std::uint64_t n) {
+  TickRecord tick;
+  tick.tick = n;
+  tick.time = Nanoseconds{static_cast<std::int64_t>(n) * 1'000'000};
+  tick.interval = Nanoseconds{1'000'000};
+  tick.position = tick.joint = tick.request = tick.applied = vector_of({0});
+  return tick;
+}
+
+TickRecord contact_at(std::uint64_t n, double force_N, double penetration_m) {
+  TickRecord tick = tick_at(n);
+  tick.request = tick.applied = vector_of({-force_N});
+  tick.displayed_N = force_N;
+  tick.penetration_m = penetration_m;
+  return tick;
+}
+
+ForceRecord force_at(std::uint64_t n, std::uint64_t answers) {
+  ForceRecord force;
+  force.receive_time = Nanoseconds{static_cast<std::int64_t>(n) * 1'000'000};
+  force.force.sequence = force.force.motion_sequence = answers;
+  return force;
+}
+
+TEST(Summary, HasEveryPromisedKey) {
+  Summary summary(test::sample_info());
+  test::play_sample_run(summary, 3000);
+  summary.finish(test::sample_totals());
+  const json object = json_of(summary);
+  for (const char* pointer : {"/law",
+                              "/device",
+                              "/operator",
+                              "/scene",
+                              "/duration_s",
+                              "/ticks",
+                              "/period_us/p50",
+                              "/period_us/p99",
+                              "/period_us/p999",
+                              "/period_us/max",
+                              "/late_ticks",
+                              "/sent",
+                              "/received",
+                              "/lost",
+                              "/duplicated",
+                              "/reordered",
+                              "/stale_ticks",
+                              "/force_age_ms/p50",
+                              "/force_age_ms/p99",
+                              "/force_age_ms/max",
+                              "/rtt_us/p50",
+                              "/rtt_us/p99",
+                              "/rtt_us/max",
+                              "/compute_us/p50",
+                              "/compute_us/p99",
+                              "/force_N/mean",
+                              "/force_N/variance",
+                              "/force_N/max",
+                              "/penetration_m/mean",
+                              "/penetration_m/max",
+                              "/displayed_stiffness_N_per_m/mean",
+                              "/displayed_stiffness_N_per_m/median",
+                              "/bounded_fraction",
+                              "/passivity/minimum_J",
+                              "/passivity/final_J",
+                              "/passivity/ok",
+                              "/ledger/final_J",
+                              "/faults/malformed_corrupt"}) {
+    const json::json_pointer key(pointer);
+    ASSERT_TRUE(object.contains(key)) << pointer;
+    EXPECT_FALSE(object[key].is_null()) << pointer;
+  }
+  EXPECT_EQ(object["lost"], 270);
+  EXPECT_EQ(object["faults"]["malformed_corrupt"], 2);
+  EXPECT_EQ(object["run"]["seed"], 18446744073709551615U);
+}
+
+TEST(Summary, TakesForceAndStiffnessInContactOnly) {
+  Summary summary(RunInfo{});
+  summary.on_tick(tick_at(1));
+  summary.on_tick(contact_at(2, 1, 1e-3));
+  summary.on_tick(contact_at(3, 3, 1e-3));
+  TickRecord apart = tick_at(4);
+  apart.applied = vector_of({9});
+  summary.on_tick(apart);
+  const json object = json_of(summary);
+  EXPECT_DOUBLE_EQ(object["force_N"]["mean"], 2);
+  EXPECT_DOUBLE_EQ(object["force_N"]["variance"], 1);
+  EXPECT_DOUBLE_EQ(object["force_N"]["max"], 9);
+  EXPECT_DOUBLE_EQ(object["displayed_stiffness_N_per_m"]["mean"], 2000);
+  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["median"], 1000, 2);
+  EXPECT_DOUBLE_EQ(object["bounded_fraction"], 0.25);
+  EXPECT_DOUBLE_EQ(object["duration_s"], 0.003);
+}
+
+TEST(Summary, LeavesOutShallowContactAndTheTimeToSettle) {
+  RunInfo info;
+  info.settle_s = 0.010;
+  info.stiffness_depth_m_min = 1e-4;
+  Summary summary(info);
+  for (std::uint64_t n = 1; n <= 10; ++n) summary.on_tick(contact_at(n, 100, 1e-3));
+  for (std::uint64_t n = 11; n <= 20; ++n) summary.on_tick(contact_at(n, 2, n % 2 == 0 ? 1e-3 : 1e-5));
+  const json object = json_of(summary);
+  EXPECT_DOUBLE_EQ(object["force_N"]["mean"], 2);
+  EXPECT_DOUBLE_EQ(object["force_N"]["max"], 100);
+  EXPECT_DOUBLE_EQ(object["displayed_stiffness_N_per_m"]["mean"], 2000);
+}
+
+TEST(Summary, DoesNotTakeRoundingForBounding) {
+  RunInfo info;
+  info.rounding_N = 0.01;
+  Summary summary(info);
+  TickRecord tick = tick_at(1);
+  tick.request = vector_of({1.0});
+  tick.applied = vector_of({0.992});
+  summary.on_tick(tick);
+  tick.applied = vector_of({0.98});
+  summary.on_tick(tick);
+  EXPECT_DOUBLE_EQ(json_of(summary)["bounded_fraction"], 0.5);
+}
+
+TEST(Summary, CountsTicksLateByMoreThanHalfAMillisecond) {
+  Summary summary(RunInfo{});
+  for (const std::int64_t us : {5000, 1000, 1500, 1501, 2700}) {  // the first tick has no interval yet
+    TickRecord tick = tick_at(1);
+    tick.interval = std::chrono::microseconds{us};
+    summary.on_tick(tick);
+  }
+  const json object = json_of(summary);
+  EXPECT_EQ(object["late_ticks"], 2);
+  EXPECT_DOUBLE_EQ(object["period_us"]["max"], 2700);
+}
+
+TEST(Summary, CountsBlackoutsLongerThanTheHoldTime) {
+  Summary summary(RunInfo{});
+  summary.on_tick(tick_at(1));  // no force yet: not a blackout
+  for (std::uint64_t n = 2; n < 2000; ++n) {
+    const bool silent = (n > 500 && n < 700) || (n > 1000 && n < 1400);
+    if (!silent) summary.on_force(force_at(n, n));
+    summary.on_tick(tick_at(n));
+  }
+  const json object = json_of(summary);
+  EXPECT_EQ(object["blackouts"]["count"], 1);
+  EXPECT_DOUBLE_EQ(object["blackouts"]["longest_s"], 0.399);
+}
+
+TEST(Summary, AttributesTheRoundTripToStages) {
+  Summary summary(RunInfo{});
+  ForceRecord force = force_at(100, 50);
+  force.round_trip = std::chrono::milliseconds{50};
+  force.force.server_receive_time = std::chrono::seconds{7};  // another clock altogether
+  force.force.server_send_time = force.force.server_receive_time + std::chrono::microseconds{300};
+  force.force.compute_time = std::chrono::microseconds{100};
+  summary.on_force(force);
+  TickRecord tick = tick_at(101);
+  tick.force_sequence = 50;
+  tick.force_age = std::chrono::milliseconds{51};
+  summary.on_tick(tick);
+  const json stages = json_of(summary)["stages_us"];
+  EXPECT_DOUBLE_EQ(stages["network"]["max"], 49'700);
+  EXPECT_DOUBLE_EQ(stages["server"]["max"], 200);
+  EXPECT_DOUBLE_EQ(stages["wait"]["max"], 1000);
+}
+
+TEST(Summary, CallsPassiveOnlyWhatNeverFellBelowTheRounding) {
+  for (const auto& [minimum, ok] : {std::pair{0.0, true}, {-0.9e-9, true}, {-1.1e-9, false}, {-0.004, false}}) {
+    Summary summary(RunInfo{});
+    TickRecord tick = tick_at(1);
+    tick.audit_minimum_J = minimum;
+    summary.on_tick(tick);
+    tick.audit_minimum_J = 0;  // a later tick cannot make it good
+    summary.on_tick(tick);
+    const json passivity = json_of(summary)["passivity"];
+    EXPECT_EQ(passivity["ok"], ok) << minimum;
+    EXPECT_EQ(passivity["minimum_J"], minimum);
+    EXPECT_EQ(summary.to_text().find("NOT PASSIVE") == std::string::npos, ok);
+  }
+}
+
+TEST(Summary, NeverTakesAnAuditThatIsNotANumberForPassive) {
+  Summary summary(RunInfo{});
+  TickRecord tick = tick_at(1);
+  tick.audit_minimum_J = std::numeric_limits<double>::quiet_NaN();
+  summary.on_tick(tick);
+  summary.on_tick(tick_at(2));
+  const json passivity = json_of(summary)["passivity"];
+  EXPECT_TRUE(passivity["minimum_J"].is_null());
+  EXPECT_EQ(passivity["ok"], false);
+}
+
+TEST(Summary, DoesNotJudgeADeviceWithoutAudit) {
+  RunInfo info;
+  info.audited = false;
+  Summary summary(info);
+  summary.on_tick(tick_at(1));
+  EXPECT_TRUE(json_of(summary)["passivity"]["ok"].is_null());
+  EXPECT_THAT(summary.to_text(), HasSubstr("no audit"));
+}
+
+TEST(Summary, SaysWhatACutOffRunDoesNotKnow) {
+  Summary summary(test::sample_info());
+  test::play_sample_run(summary, 100);
+  const json object = json_of(summary);
+  EXPECT_EQ(object["complete"], false);
+  EXPECT_TRUE(object["lost"].is_null());
+  EXPECT_EQ(object["sent"], 100);
+  EXPECT_EQ(object["received"], 91);
+  EXPECT_THAT(summary.to_text(), HasSubstr("cut off"));
+}
+
+TEST(Summary, IsReadableAfterARunOfNothing) {
+  Summary summary(RunInfo{});
+  const json object = json_of(summary);
+  EXPECT_EQ(object["ticks"], 0);
+  EXPECT_TRUE(object["force_N"]["mean"].is_null());
+  EXPECT_TRUE(object["bounded_fraction"].is_null());
+  EXPECT_FALSE(summary.to_text().empty());
+}
+
+TEST(Summary, SurvivesTextThatIsNotUtf8AndLongerThanALine) {
+  RunInfo info;
+  info.device = "\xff\xfe";
+  info.law = std::string(5000, 'l');
+  info.simulated = std::string(5000, 's');
+  const Summary summary(info);
+  EXPECT_NO_THROW(json_of(summary));
+  EXPECT_THAT(summary.to_text(), HasSubstr(info.simulated));
+}
+
+TEST(Summary, FitsOneScreenAndNamesEachFault) {
+  Summary summary(test::sample_info());
+  test::play_sample_run(summary, 3000);
+  summary.finish(test::sample_totals());
+  const std::string text = summary.to_text();
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 24);
+  EXPECT_THAT(text, HasSubstr("2 datagrams whose checksum disagrees"));
+  EXPECT_THAT(text, HasSubstr("server restarted at 1.234 s"));
+  EXPECT_THAT(text, Not(HasSubstr("nan")));
+}
+
+TEST(Summary, AddingDoesNotAllocate) {
+  if (!forcebound::time::counts_allocations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  Summary summary(test::sample_info());
+  const auto before = forcebound::time::allocations_of_this_thread();
+  test::play_sample_run(summary, 2000);
+  EXPECT_EQ(forcebound::time::allocations_of_this_thread(), before);
+}
+
+}  // namespace
+}  // namespace forcebound::record
