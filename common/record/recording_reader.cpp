@@ -23,6 +23,7 @@ struct Dispatcher {
       started = true;
       sink.on_start(info);
     } else if (name == kTotalsMetadata) {
+      if (!started) throw std::invalid_argument("it comes before 'forcebound.run'");
       sink.on_end(run_totals_from(values));
     }
   }
@@ -39,7 +40,9 @@ struct Dispatcher {
       decode(message.data, force);
       sink.on_force(force);
     } else if (schema.name == kMotionSchema) {
-      MotionRecord motion{Nanoseconds{static_cast<Nanoseconds::rep>(message.log_time)} - epoch, {}};
+      // Unsigned, so that no file can make it overflow.
+      const auto since_start = message.log_time - static_cast<std::uint64_t>(epoch.count());
+      MotionRecord motion{Nanoseconds{static_cast<Nanoseconds::rep>(since_start)}, {}};
       decode(message.data, motion.motion);
       sink.on_motion(motion);
     } else if (schema.name == kSentForceSchema) {

@@ -1,0 +1,201 @@
+#include "tests/lab/figure.hpp"
+
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace forcebound::lab {
+namespace {
+
+constexpr int kWidth = 1400;
+constexpr int kPanelHeight = 330;
+constexpr int kHeadHeight = 84;
+constexpr int kFootHeight = 66;
+constexpr const char* kInk = "#24292f";
+constexpr const char* kGrid = "#e3e6ea";
+
+/// A string as gnuplot reads it, whatever is in it.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "'";
+}
+
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() {
+    std::string name = (std::filesystem::temp_directory_path() / "forcebound-figure-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create a directory like '" + name + "'");
+    path_ = name;
+  }
+  ~TemporaryDirectory() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void write_data(std::ostream& out, const Figure& figure) {
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    const auto& all = figure.panels[p].series;
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      out << "$data_" << p << '_' << s << " << EOD\n";
+      for (std::size_t i = 0; i < all[s].x.size(); ++i) {
+        if (std::isfinite(all[s].y[i])) {
+          out << all[s].x[i] << ' ' << all[s].y[i] << '\n';
+        } else {
+          out << '\n';  // an empty line breaks the curve
+        }
+      }
+      out << "EOD\n";
+    }
+  }
+}
+
+bool has_points(const Panel& panel) {
+  for (const Series& series : panel.series) {
+    for (const double y : series.y) {
+      if (std::isfinite(y)) return true;
+    }
+  }
+  return false;
+}
+
+void write_y_axis(std::ostream& out, const Panel& panel) {
+  // An axis from a constant needs some height; '*' leaves the end to the data.
+  out << "set yrange [";
+  panel.y_min ? out << *panel.y_min : out << '*';
+  out << ':';
+  panel.y_max ? out << *panel.y_max : out << '*';
+  out << "]\nset ylabel " << quoted(panel.y_label) << " offset -1,0\n";
+}
+
+void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int height) {
+  const Panel& panel = figure.panels[index];
+  const auto y_of = [height](double pixels) { return 1 - pixels / height; };
+  const double top = kHeadHeight + static_cast<double>(index) * kPanelHeight + 34;
+  const double bottom = kHeadHeight + static_cast<double>(index + 1) * kPanelHeight - 30;
+  const bool last = index + 1 == figure.panels.size();
+  out << "set tmargin at screen " << y_of(top) << "\nset bmargin at screen " << y_of(bottom) << '\n';
+  out << "set label 1 " << quoted(panel.title)
+      << " at graph 0,1 left offset 0,0.8 font 'DejaVu Sans Bold,12' textcolor rgb '" << kInk << "'\n";
+  write_y_axis(out, panel);
+  out << (last ? "set xlabel " + quoted(figure.x_label) : std::string("unset xlabel")) << '\n';
+  if (!has_points(panel)) {
+    out << "unset key\nset label 2 'nothing to show' at graph 0.5,0.5 center textcolor rgb '#8a929a'\n"
+        << "set yrange [0:1]\nplot nothing notitle\n";
+    return;
+  }
+  out << "set key at graph 1,1.03 right bottom horizontal maxrows 1 Left reverse samplen 2 spacing 1 textcolor rgb '"
+      << kInk << "'\n";
+  const char* separator = "plot ";
+  for (const Reference& reference : panel.references) {
+    out << separator << reference.y << " with lines dashtype 2 linewidth 1.5 linecolor rgb '" << colour::kDanger
+        << "' title " << quoted(reference.label);
+    separator = ", ";
+  }
+  for (std::size_t s = 0; s < panel.series.size(); ++s) {
+    const Series& series = panel.series[s];
+    if (series.x.empty()) continue;
+    out << separator << "$data_" << index << '_' << s << " using 1:2 with lines linewidth " << series.width
+        << " linecolor rgb '" << series.colour << "' title " << quoted(series.label);
+    separator = ", ";
+  }
+  out << '\n';
+}
+
+/// The panels share one x axis, so its ends are found here, not by gnuplot.
+std::array<double, 2> x_range(const Figure& figure) {
+  double least = INFINITY;
+  double most = -INFINITY;
+  for (const Panel& panel : figure.panels) {
+    for (const Series& series : panel.series) {
+      for (const double x : series.x) {
+        least = std::min(least, x);
+        most = std::max(most, x);
+      }
+    }
+  }
+  if (!(least <= most)) return {0, 1};
+  return least == most ? std::array{least, least + 1} : std::array{least, most};
+}
+
+std::string script_of(const Figure& figure, const std::filesystem::path& png) {
+  const int height = kHeadHeight + kFootHeight - 30 + kPanelHeight * static_cast<int>(figure.panels.size());
+  const auto [x_least, x_most] = x_range(figure);
+  std::ostringstream out;
+  out.precision(12);
+  out << "set encoding utf8\nset terminal pngcairo noenhanced rounded size " << kWidth << ',' << height
+      << " font 'DejaVu Sans,12' background rgb '#ffffff'\nset output " << quoted(png.string()) << '\n';
+  write_data(out, figure);
+  out << "set multiplot\n"
+      << "set lmargin at screen 0.085\nset rmargin at screen 0.975\n"
+      << "set border 3 linecolor rgb '#8a929a'\nset tics nomirror out scale 0.6 textcolor rgb '" << kInk << "'\n"
+      << "set offsets 0, 0, graph 0.06, graph 0.03\nset grid xtics ytics back linetype 1 linewidth 1 linecolor rgb '"
+      << kGrid << "'\n"
+      << "set format y '%g'\nset xrange [" << x_least << ':' << x_most << "]\n"
+      << "nothing = NaN\n";
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    if (p == 0) {
+      out << "set label 10 " << quoted(figure.title) << " at screen 0.5,screen " << 1 - 30.0 / height
+          << " center font 'DejaVu Sans Bold,16' textcolor rgb '" << kInk << "'\nset label 11 "
+          << quoted(figure.subtitle) << " at screen 0.5,screen " << 1 - 58.0 / height
+          << " center font ',11' textcolor rgb '#57606a'\n";
+    }
+    write_panel(out, figure, p, height);
+    out << "unset label\n";
+  }
+  out << "unset multiplot\nset output\n";
+  return out.str();
+}
+
+}  // namespace
+
+const char* colour::of_law(const std::string& law) {
+  if (law == "none") return kDanger;
+  if (law == "fba-less") return kNetwork;
+  if (law == "fba-more") return kApplied;
+  if (law == "fba-exact") return kAudit;
+  return kLedger;
+}
+
+void draw(const Figure& figure, const std::filesystem::path& png) {
+  const TemporaryDirectory directory;
+  const auto script = directory.path() / "figure.gnuplot";
+  std::ofstream(script) << script_of(figure, png);
+  const std::string command = "gnuplot '" + script.string() + "' 2>&1";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("cannot start gnuplot");
+  std::string said;
+  std::array<char, 512> part{};
+  while (std::fgets(part.data(), static_cast<int>(part.size()), pipe) != nullptr) said += part.data();
+  const int status = ::pclose(pipe);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) {
+    throw std::runtime_error(
+        "gnuplot is needed to draw figures and is not installed (Debian: apt-get install gnuplot-nox)");
+  }
+  std::error_code ignored;
+  if (status != 0 || std::filesystem::file_size(png, ignored) == 0 || ignored) {
+    for (char& c : said) {
+      if (c == '\n') c = ' ';
+    }
+    throw std::runtime_error("gnuplot could not draw '" + png.string() + "': " + said);
+  }
+}
+
+}  // namespace forcebound::lab
