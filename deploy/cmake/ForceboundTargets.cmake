@@ -21,6 +21,7 @@ endif()
 # How we build ourselves; never reaches a consumer.
 add_library(forcebound_options INTERFACE)
 target_compile_options(forcebound_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off)
+target_compile_definitions(forcebound_options INTERFACE FORCEBOUND_VERSION="${PROJECT_VERSION}")
 if(PROJECT_IS_TOP_LEVEL)
   target_compile_options(forcebound_options INTERFACE -Werror)
 endif()
@@ -54,14 +55,14 @@ function(forcebound_library name)
   endif()
 endfunction()
 
-# forcebound_program(NAME SOURCES ... LINK ...): the executable NAME, in bin/ of the build tree and of an installation.
+# forcebound_program(NAME SOURCES ... LINK ...): the executable NAME, in bin/ of the build tree; installed if it is called
+# forcebound-something.
 function(forcebound_program name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
   add_executable(${name} ${arg_SOURCES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_options)
-  set_property(GLOBAL APPEND PROPERTY FORCEBOUND_PROGRAMS ${name})
-  if(FORCEBOUND_INSTALL)
+  if(FORCEBOUND_INSTALL AND name MATCHES "^forcebound-")
     install(TARGETS ${name} RUNTIME COMPONENT programs)
   endif()
 endfunction()
