@@ -53,7 +53,7 @@ const std::vector<Privilege>& privileges() {
            R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|stop_token|)"
            R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
        std::regex("common/time/real_time\\.cpp|(client|server)/app/.*"), "common/time/real_time.cpp and */app"},
-      {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*|arpa/.*)(\.h)?>)"),
+      {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        std::regex("common/net/udp.*|(client|server)/app/.*"), "common/net/udp* and */app"},
       {"the system's clock",
        std::regex(
