@@ -9,11 +9,12 @@ int main(int argc, char** argv) {
       "Experiments with Forcebound: the same laws, client and server as on the network, here in virtual time."};
   app.name("forcebound-lab");
   app.set_version_flag("--version", "forcebound-lab " FORCEBOUND_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.get_formatter()->column_width(34);
   forcebound::lab::add_report(app);
   try {
     app.parse(argc, argv);
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("an experiment");
     return 0;
   } catch (const CLI::Success& asked) {
     return app.exit(asked);

@@ -1,0 +1,109 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "forcebound/record/recording_writer.hpp"
+#include "forcebound/record/summary.hpp"
+#include "tests/unit/record/sample_run.hpp"
+
+// These run the program itself: its path comes from the build.
+namespace forcebound::lab {
+namespace {
+
+using record::test::TemporaryFile;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Outcome {
+  int code;
+  std::string out;
+};
+
+/// stdout of forcebound-lab, or its stderr.
+Outcome lab(const std::string& arguments, bool errors = false) {
+  const std::string command =
+      std::string(FORCEBOUND_LAB) + " " + arguments + (errors ? " 2>&1 >/dev/null" : " 2>/dev/null");
+  FILE* pipe = ::popen(command.c_str(), "r");
+  Outcome outcome{-1, {}};
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) outcome.out += static_cast<char>(c);
+  outcome.code = WEXITSTATUS(::pclose(pipe));
+  return outcome;
+}
+
+class LabReport : public ::testing::Test {
+ protected:
+  LabReport() : live_(record::test::sample_info()) {
+    record::RecordingWriter writer(recording_.path(), record::test::sample_info());
+    record::test::DirectSink sink(writer);
+    record::test::play_sample_run(sink, 3000);
+    writer.finish(record::test::sample_totals());
+    record::test::play_sample_run(live_, 3000);
+    live_.finish(record::test::sample_totals());
+  }
+
+  TemporaryFile recording_{"report.mcap"};
+  record::Summary live_;
+};
+
+TEST_F(LabReport, PrintsTheLiveSummaryFromTheRecordingAlone) {
+  const Outcome outcome = lab("report " + recording_.path().string());
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out, live_.to_text());
+}
+
+TEST_F(LabReport, WritesTheLiveSummaryAsJson) {
+  EXPECT_EQ(lab("report --json - " + recording_.path().string()).out, live_.to_json());
+  const TemporaryFile json("report.json");
+  EXPECT_EQ(lab("report --json " + json.path().string() + " " + recording_.path().string()).code, 0);
+  std::ifstream in(json.path());
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), live_.to_json());
+}
+
+TEST_F(LabReport, DrawsItsFigures) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const std::filesystem::path directory = recording_.path().string() + ".figures";
+  EXPECT_EQ(lab("report --figures " + directory.string() + " " + recording_.path().string()).code, 0);
+  for (const char* name : {"motion.png", "force.png", "energy.png", "timing.png"}) {
+    EXPECT_GT(std::filesystem::file_size(directory / name), 10'000U) << name;
+  }
+  std::filesystem::remove_all(directory);
+}
+
+TEST_F(LabReport, SaysOnOneLineWhatIsWrong) {
+  const TemporaryFile text("text.mcap");
+  std::ofstream(text.path()) << "not a recording at all";
+  for (const auto& [arguments, code, what] :
+       {std::tuple{"report " + text.path().string(), 1, "text.mcap: byte 0"},
+        {std::string("report /nowhere.mcap"), 1, "No such file"},
+        {"report --json /dev/full " + recording_.path().string(), 1, "No space left on device"},
+        {"report --figures /dev/null " + recording_.path().string(), 1, "'/dev/null'"},
+        {std::string("report"), 2, "recording is required"},
+        {std::string("report --nonsense x"), 2, "--nonsense"},
+        {std::string("nonsense"), 2, "nonsense"},
+        {std::string(), 2, "an experiment is required"}}) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = lab(arguments, true);
+    EXPECT_EQ(outcome.code, code);
+    EXPECT_THAT(outcome.out, AllOf(StartsWith("forcebound-lab: "), HasSubstr(what)));
+    EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
+  }
+}
+
+TEST_F(LabReport, RefusesAServersRecordingSayingWhatItNeeds) {
+  const TemporaryFile file("server.mcap");
+  record::RecordingWriter writer(file.path(), {});
+  writer.write(record::MotionRecord{});
+  writer.finish({});
+  const Outcome outcome = lab("report " + file.path().string(), true);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("/tick"), HasSubstr("client")));
+}
+
+}  // namespace
+}  // namespace forcebound::lab
