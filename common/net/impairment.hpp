@@ -21,8 +21,8 @@ inline constexpr std::size_t kEthernetHeaderBytes = 14;
 inline constexpr std::size_t kIpUdpHeaderBytes = 28;
 
 struct ImpairmentSettings {
-  NetemParameters netem;
-  std::optional<NetworkTrace> trace;  ///< its delay or its delivery opportunities come on top of `netem`
+  NetemParameters netem{};
+  std::optional<NetworkTrace> trace{};  ///< its delay or its delivery opportunities come on top of `netem`
   std::uint64_t seed = 1;
   Nanoseconds origin{0};  ///< when the trace and the slots begin
 };

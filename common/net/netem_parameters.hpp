@@ -27,7 +27,7 @@ struct Delay {
 
 /// `loss PCT [CORR]`: each packet for itself.
 struct RandomLoss {
-  Chance chance;
+  Chance chance{};
   bool operator==(const RandomLoss&) const = default;
 };
 
@@ -55,7 +55,7 @@ using Loss = std::variant<std::monostate, RandomLoss, GilbertElliottLoss, FourSt
 
 /// `reorder PCT [CORR] [gap N]`: packets that go at once, ahead of all delayed ones.
 struct Reorder {
-  Chance chance;
+  Chance chance{};
   std::uint32_t gap = 0;  ///< at most every N-th packet; 0: no reordering
   bool operator==(const Reorder&) const = default;
 };
@@ -86,14 +86,14 @@ inline constexpr std::uint32_t kTracedLimitPackets = 100'000;
 
 /// One direction of a bad network, in the words of `tc ... netem`. Without any: a perfect one.
 struct NetemParameters {
-  Delay delay;
-  Loss loss;
-  Chance duplicate;
-  Chance corrupt;
-  Reorder reorder;
-  Rate rate;
-  std::optional<std::uint32_t> limit_packets;  ///< none said: kLimitPackets, or kTracedLimitPackets under a trace
-  Slot slot;
+  Delay delay{};
+  Loss loss{};
+  Chance duplicate{};
+  Chance corrupt{};
+  Reorder reorder{};
+  Rate rate{};
+  std::optional<std::uint32_t> limit_packets{};  ///< none said: kLimitPackets, or kTracedLimitPackets under a trace
+  Slot slot{};
   bool operator==(const NetemParameters&) const = default;
 };
 

@@ -11,7 +11,7 @@ namespace forcebound::net {
 
 /// A packet on its way through an impairment.
 struct WaitingPacket {
-  Verdict verdict;
+  Verdict verdict{};
   std::uint64_t tag = 0;
   std::size_t buffer = 0;  ///< in the PacketBuffers
   std::size_t bytes = 0;   ///< of payload

@@ -21,9 +21,9 @@ using time::Nanoseconds;
 
 /// What is wrong with each way. The seeds and origins in here are replaced by the network's.
 struct SimulatedNetworkSettings {
-  net::NetemParameters up;
-  net::NetemParameters down;
-  std::optional<net::NetworkTrace> trace;  ///< applies to both ways
+  net::NetemParameters up{};
+  net::NetemParameters down{};
+  std::optional<net::NetworkTrace> trace{};  ///< applies to both ways
   std::uint64_t seed = 1;
 };
 

@@ -1,0 +1,160 @@
+#include "forcebound/net/udp_link.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "forcebound/net/endpoint.hpp"
+
+namespace forcebound::net {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr time::Nanoseconds kPatience = 5s;  // only ever used up when a test fails
+
+std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+struct Heard {
+  std::string text;
+  std::size_t bytes;
+  Address from;
+};
+
+std::optional<Heard> hear(UdpLink& link, std::size_t room = kDatagramBytesMax) {
+  const int descriptor = link.descriptor();
+  wait_readable({&descriptor, 1}, kPatience);
+  std::vector<std::byte> buffer(room);
+  const auto received = link.receive(buffer);
+  if (!received) return std::nullopt;
+  const auto* text = reinterpret_cast<const char*>(buffer.data());
+  return Heard{{text, std::min(received->bytes, room)}, received->bytes, received->from};
+}
+
+bool machine_has_ipv6() {
+  try {
+    UdpLink::listen(resolve({"::1", 0}));
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+class UdpLinkBothKinds : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (GetParam() == std::string("::1") && !machine_has_ipv6()) GTEST_SKIP() << "this machine has no IPv6";
+  }
+  Address any_port() { return resolve({GetParam(), 0}); }
+};
+
+TEST_P(UdpLinkBothKinds, CarriesQuestionAndAnswer) {
+  UdpLink server = UdpLink::listen(any_port());
+  UdpLink client = UdpLink::towards(server.local_address());
+  ASSERT_TRUE(client.send(bytes_of("question"), server.local_address()));
+  const auto question = hear(server);
+  ASSERT_TRUE(question);
+  EXPECT_EQ(question->text, "question");
+  EXPECT_EQ(question->from, client.local_address());
+  ASSERT_TRUE(server.send(bytes_of("answer"), question->from));
+  const auto answer = hear(client);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->text, "answer");
+  EXPECT_EQ(answer->from, server.local_address());
+}
+
+TEST_P(UdpLinkBothKinds, SurvivesAnAbsentServerAndHearsItWhenItIsBack) {
+  auto server = std::make_optional(UdpLink::listen(any_port()));
+  const Address address = server->local_address();
+  UdpLink client = UdpLink::towards(address);
+  server.reset();
+  for (int i = 0; i < 3; ++i) {
+    client.send(bytes_of("anybody?"), address);
+    EXPECT_FALSE(hear(client));  // the refusal wakes it
+  }
+  EXPECT_GE(client.counters().refused, 1U);
+  server.emplace(UdpLink::listen(address));
+  client.send(bytes_of("hello"), address);
+  const auto hello = hear(*server);
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(hello->text, "hello");
+}
+
+INSTANTIATE_TEST_SUITE_P(Loopback, UdpLinkBothKinds, testing::Values("127.0.0.1", "::1"),
+                         [](const auto& kind) { return kind.index == 0 ? "IPv4" : "IPv6"; });
+
+TEST(UdpLink, ReceivesNothingWithoutWaiting) {
+  UdpLink link = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  std::array<std::byte, 16> buffer;
+  EXPECT_FALSE(link.receive(buffer));
+}
+
+TEST(UdpLink, CutsOversizeDatagramsAndTellsTheirSize) {
+  UdpLink server = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  UdpLink client = UdpLink::towards(server.local_address());
+  ASSERT_TRUE(client.send(bytes_of(std::string(9000, 'x')), server.local_address()));
+  const auto heard = hear(server, 100);
+  ASSERT_TRUE(heard);
+  EXPECT_EQ(heard->bytes, 9000U);
+  EXPECT_EQ(heard->text, std::string(100, 'x'));
+}
+
+TEST(UdpLink, CarriesEmptyDatagrams) {
+  UdpLink server = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  UdpLink client = UdpLink::towards(server.local_address());
+  ASSERT_TRUE(client.send({}, server.local_address()));
+  const auto heard = hear(server);
+  ASSERT_TRUE(heard);
+  EXPECT_EQ(heard->bytes, 0U);
+}
+
+TEST(UdpLink, CountsWhatTheSystemDoesNotTake) {
+  UdpLink server = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  UdpLink client = UdpLink::towards(server.local_address());
+  EXPECT_FALSE(client.send(bytes_of(std::string(70'000, 'x')), server.local_address()));
+  EXPECT_EQ(client.counters().send_failed, 1U);
+}
+
+TEST(UdpLink, SaysPlainlyThatAnAddressIsInUse) {
+  UdpLink first = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  EXPECT_THAT([&] { UdpLink::listen(first.local_address()); },
+              ThrowsMessage<std::runtime_error>(
+                  AllOf(HasSubstr("cannot listen on " + to_string(first.local_address())), HasSubstr("in use"))));
+}
+
+TEST(UdpLink, SaysPlainlyThatAnAddressIsNotOfThisMachine) {
+  EXPECT_THAT(
+      [] {
+        UdpLink::listen(resolve({"192.0.2.1", 0}));
+      },
+      ThrowsMessage<std::runtime_error>(
+          AllOf(HasSubstr("cannot listen on 192.0.2.1:0"), HasSubstr("no interface of this machine"))));
+}
+
+TEST(WaitReadable, ReturnsAfterItsTimeoutAtTheEarliest) {
+  UdpLink link = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  const int descriptor = link.descriptor();
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_FALSE(wait_readable({&descriptor, 1}, 3ms));
+  EXPECT_GE(std::chrono::steady_clock::now() - before, 3ms);
+  EXPECT_FALSE(wait_readable({&descriptor, 1}, -1ms));
+}
+
+TEST(WaitReadable, SeesADatagramOnAnyOfItsLinks) {
+  UdpLink first = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  UdpLink second = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  UdpLink client = UdpLink::towards(second.local_address());
+  client.send(bytes_of("x"), second.local_address());
+  const std::array descriptors{first.descriptor(), second.descriptor()};
+  EXPECT_TRUE(wait_readable(descriptors, kPatience));
+}
+
+}  // namespace
+}  // namespace forcebound::net
