@@ -23,7 +23,8 @@ constexpr double kMobilityLeast = 1e-6;
 }  // namespace
 
 Damping Damping::from_matrix(const Matrix& b) {
-  if (b.rows() != b.cols() || b.rows() < 1) refuse(b, "it is not square");
+  if (b.size() == 0) refuse(b, "it has no rows");
+  if (b.rows() != b.cols()) refuse(b, "it is not square");
   if (!b.allFinite()) refuse(b, "it is not finite");
   if ((b - b.transpose()).cwiseAbs().maxCoeff() > 1e-12 * b.cwiseAbs().maxCoeff()) refuse(b, "it is not symmetric");
   const Eigen::LLT<Matrix> factor(b);

@@ -1,6 +1,5 @@
 #include "forcebound/control/held_force.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -19,7 +18,7 @@ HeldForce::HeldForce(int degrees_of_freedom, double period_s) : period_s_(period
 }
 
 double HeldForce::worst_case_J(double interval_s) const noexcept {
-  return reserve_J(force_) * std::max(interval_s / period_s_, 1.0);
+  return reserve_J(force_) * (interval_s > period_s_ ? interval_s / period_s_ : 1.0);
 }
 
 bool HeldForce::affords(const Vector& force_N, double energy_J) const noexcept {
@@ -28,13 +27,13 @@ bool HeldForce::affords(const Vector& force_N, double energy_J) const noexcept {
 }
 
 Vector HeldForce::bounded(const Vector& request_N, double energy_J) const noexcept {
-  const double length = request_N.stableNorm();
-  if (!(length > 0) || !(energy_J > 0) || !known()) return Vector::Zero(request_N.rows());
-  // Through the unit vector, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
-  const Vector direction = request_N / length;
-  const double length_max = std::sqrt(energy_J / reserve_J(direction));
-  if (length <= length_max) return request_N;
-  return direction * length_max;
+  const double largest = request_N.lpNorm<Eigen::Infinity>();
+  if (!(largest > 0) || !(energy_J > 0) || !known()) return Vector::Zero(request_N.rows());
+  // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
+  const Vector direction = request_N / largest;
+  const double largest_allowed = std::sqrt(energy_J / reserve_J(direction));
+  if (largest <= largest_allowed) return request_N;
+  return direction * largest_allowed;
 }
 
 }  // namespace forcebound::control

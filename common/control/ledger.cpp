@@ -1,9 +1,15 @@
 #include "forcebound/control/ledger.hpp"
 
+#include <cmath>
+
 namespace forcebound::control {
 
 void Ledger::credit(const Motion& motion) noexcept {
-  if (const auto d = held_.displacement(motion)) energy_.add(held_.dissipation_J(*d) - held_.force().dot(*d));
+  if (const auto d = held_.displacement(motion)) {
+    // A reading as far away as a double can hold is a fault, not energy, and must not poison the sum.
+    const double change_J = held_.dissipation_J(*d) - held_.force().dot(*d);
+    energy_.add(std::isfinite(change_J) ? change_J : -held_.worst_case_J(motion.interval_s));
+  }
   held_.begin(motion);
 }
 

@@ -12,10 +12,12 @@ void MoreConservativeLaw::credit(const Motion& motion) noexcept {
   if (const auto d = held_.displacement(motion)) {
     Vector psi = std::sqrt(xi_ / held_.period_s()) * held_.damping().factor_transpose_times(*d);
     if (reserved_J_ > 0) {
-      const Vector w = held_.damping().factor_solve(held_.force() / held_.force().stableNorm());
+      const Vector w = held_.damping().factor_solve(held_.force() / held_.force().lpNorm<Eigen::Infinity>());
       psi -= std::sqrt(reserved_J_) / w.norm() * w;
     }
-    available_J_ = psi.squaredNorm();
+    // A reading as far away as a double can hold is a fault, not energy.
+    const double available_J = psi.squaredNorm();
+    available_J_ = std::isfinite(available_J) ? available_J : 0;
   }
   held_.begin(motion);
 }

@@ -2,15 +2,20 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace forcebound::control {
 namespace {
 
 Vector rounded_toward_zero(Vector command, const Vector& step) noexcept {
+  // A command that is a whole number of steps but for the rounding of its own arithmetic keeps its last step.
+  constexpr double kWhole = 1 + 4 * std::numeric_limits<double>::epsilon();
   for (Eigen::Index i = 0; i < command.rows(); ++i) {
-    if (step[i] > 0) command[i] = std::trunc(command[i] / step[i]) * step[i];
+    if (step[i] > 0) command[i] = std::trunc(command[i] / step[i] * kWhole) * step[i];
   }
   return command;
 }
@@ -27,6 +32,15 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
     throw std::invalid_argument("device '" + facts.name + "': actuator step must have " +
                                 std::to_string(facts.degrees_of_freedom()) + " rows, got " +
                                 std::to_string(actuator_step_.rows()));
+  }
+  if (!(actuator_step_.array() >= 0).all()) {
+    std::ostringstream text;
+    text << "device '" << facts.name << "': actuator step must be >= 0, got " << actuator_step_.transpose();
+    throw std::invalid_argument(text.str());
+  }
+  if (!(force_N_max_ >= 0)) {
+    throw std::invalid_argument("device '" + facts.name + "': largest force must be >= 0 N, got " +
+                                std::to_string(force_N_max_));
   }
 }
 
@@ -47,10 +61,14 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
     ++counts_.requests_not_finite;
     return Vector::Zero(actuator_step_.rows());
   }
-  const double length = request_N.stableNorm();
-  if (length <= force_N_max_) return request_N;
+  const double largest = request_N.lpNorm<Eigen::Infinity>();
+  if (largest == 0) return request_N;
+  // The length of 1e308 N on every axis is beyond a double, its direction is not.
+  const Vector direction = request_N / largest;
+  const double length = direction.norm();
+  if (largest * length <= force_N_max_) return request_N;
   ++counts_.saturated;
-  return request_N / length * force_N_max_;
+  return direction * (force_N_max_ / length);
 }
 
 Vector PassivityController::rounded(const Vector& force_N, const Matrix& jacobian) const noexcept {

@@ -25,7 +25,8 @@ class PassivityController {
     std::uint64_t saturated = 0;
   };
 
-  /// @throws std::invalid_argument if `law` is null or the facts' vectors disagree in their number of rows.
+  /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, or an
+  /// actuator step or the largest force is negative or not a number.
   PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
 
   /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.

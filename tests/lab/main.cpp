@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "forcebound-lab " FORCEBOUND_VERSION);
   app.require_subcommand(0, 1);
   app.get_formatter()->column_width(34);
+  forcebound::lab::add_replay(app);
   forcebound::lab::add_report(app);
   try {
     app.parse(argc, argv);

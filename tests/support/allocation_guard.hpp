@@ -2,18 +2,30 @@
 
 #include <gtest/gtest.h>
 
-#include "forcebound/time/allocation_count.hpp"
+#include <cstdint>
+
+#include "forcebound/time/heap_operations.hpp"
 
 namespace forcebound::test {
 
-/// Runs `work` and fails if this thread allocated meanwhile. Visibly skips what cannot be known under a sanitizer.
-template <typename Work>
-void expect_no_allocation(Work&& work) {
-  const auto before = time::allocations_of_this_thread();
-  work();
-  const auto made = time::allocations_of_this_thread() - before;
-  if (!time::counts_allocations) GTEST_SKIP() << "allocations cannot be counted under a sanitizer";
-  EXPECT_EQ(made, 0U) << "heap allocations where there must be none";
-}
+/// Counts this thread's heap operations since it was made.
+class AllocationGuard {
+ public:
+  AllocationGuard() noexcept : before_(time::heap_operations_of_this_thread()) {}
+
+  [[nodiscard]] std::uint64_t heap_operations() const noexcept {
+    return time::heap_operations_of_this_thread() - before_;
+  }
+
+ private:
+  std::uint64_t before_;
+};
 
 }  // namespace forcebound::test
+
+// A macro, since only the test's own body can skip it.
+#define FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT()                                 \
+  if (!::forcebound::time::counts_heap_operations) {                               \
+    GTEST_SKIP() << "a sanitizer owns malloc, so heap operations are not counted"; \
+  }                                                                                \
+  static_assert(true, "")

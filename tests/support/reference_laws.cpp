@@ -3,7 +3,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cstddef>
 
-namespace forcebound::tests {
+namespace forcebound::test {
 namespace {
 
 using Real = boost::multiprecision::cpp_bin_float_100;
@@ -148,4 +148,4 @@ std::vector<ReferenceAnswer> more_conservative_reference(const std::vector<Refer
   return answers;
 }
 
-}  // namespace forcebound::tests
+}  // namespace forcebound::test

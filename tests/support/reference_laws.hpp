@@ -4,7 +4,7 @@
 
 /// The published force bounding laws once more, in a hundred decimal digits and the paper's own variables: what the
 /// laws of common/control are held against. Shares no code with them, not even a matrix type.
-namespace forcebound::tests {
+namespace forcebound::test {
 
 struct ReferenceTick {
   std::vector<double> position_m;
@@ -32,4 +32,4 @@ std::vector<ReferenceAnswer> less_conservative_reference(const std::vector<Refer
 std::vector<ReferenceAnswer> more_conservative_reference(const std::vector<ReferenceTick>& ticks,
                                                          const ReferenceSetting& setting);
 
-}  // namespace forcebound::tests
+}  // namespace forcebound::test

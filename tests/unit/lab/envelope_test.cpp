@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "tests/lab/figure.hpp"
-#include "tests/support/allocation_count.hpp"
+#include "tests/support/allocation_guard.hpp"
 
 namespace forcebound::lab {
 namespace {

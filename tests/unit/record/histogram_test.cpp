@@ -69,13 +69,13 @@ TEST(Histogram, HasNoPercentileWithoutValues) {
 }
 
 TEST(Histogram, AddDoesNotAllocate) {
-  if (!forcebound::time::counts_allocations) GTEST_SKIP() << "allocations are not counted under sanitizers";
-  const auto before_construction = forcebound::time::allocations_of_this_thread();
+  if (!forcebound::time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  const auto before_construction = forcebound::time::heap_operations_of_this_thread();
   Histogram histogram;
-  EXPECT_GT(forcebound::time::allocations_of_this_thread(), before_construction);  // the count works
-  const auto before = forcebound::time::allocations_of_this_thread();
+  EXPECT_GT(forcebound::time::heap_operations_of_this_thread(), before_construction);  // the count works
+  const auto before = forcebound::time::heap_operations_of_this_thread();
   for (std::int64_t value = 1; value < 1'000'000'000'000; value *= 3) histogram.add(value);
-  EXPECT_EQ(forcebound::time::allocations_of_this_thread(), before);
+  EXPECT_EQ(forcebound::time::heap_operations_of_this_thread(), before);
 }
 
 }  // namespace

@@ -50,11 +50,11 @@ TEST(Recorder, HandsEveryRecordOverInOrderWhileAnotherThreadWrites) {
 }
 
 TEST(Recorder, CountsWhatFindsItsQueueFullAndNeverGrows) {
-  if (!forcebound::time::counts_allocations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!forcebound::time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   Recorder recorder(1000);
-  const auto before = forcebound::time::allocations_of_this_thread();
+  const auto before = forcebound::time::heap_operations_of_this_thread();
   test::play_sample_run(recorder, 20'000);
-  EXPECT_EQ(forcebound::time::allocations_of_this_thread(), before);
+  EXPECT_EQ(forcebound::time::heap_operations_of_this_thread(), before);
 
   const test::TemporaryFile file("full.mcap");
   RecordingWriter writer(file.path(), test::sample_info());

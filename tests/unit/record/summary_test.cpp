@@ -260,11 +260,11 @@ TEST(Summary, FitsOneScreenAndNamesEachFault) {
 }
 
 TEST(Summary, AddingDoesNotAllocate) {
-  if (!forcebound::time::counts_allocations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!forcebound::time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   Summary summary(test::sample_info());
-  const auto before = forcebound::time::allocations_of_this_thread();
+  const auto before = forcebound::time::heap_operations_of_this_thread();
   test::play_sample_run(summary, 2000);
-  EXPECT_EQ(forcebound::time::allocations_of_this_thread(), before);
+  EXPECT_EQ(forcebound::time::heap_operations_of_this_thread(), before);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "forcebound/time/allocation_count.hpp"
+#include "forcebound/time/heap_operations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 namespace forcebound::time {
 namespace {
 
-class AllocationCount : public ::testing::Test {
+class HeapOperations : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!counts_allocations) GTEST_SKIP() << "a sanitizer has malloc of its own";
+    if (!counts_heap_operations) GTEST_SKIP() << "a sanitizer has malloc of its own";
   }
 };
 
@@ -23,10 +23,10 @@ void use(const volatile void* memory) {
   (void)last;
 }
 
-TEST_F(AllocationCount, SeesEveryWayToAllocate) {
-  std::uint64_t before = allocations_of_this_thread();
+TEST_F(HeapOperations, SeesEveryWayToAllocateAndToFree) {
+  std::uint64_t before = heap_operations_of_this_thread();
   const auto grew = [&before] {
-    const std::uint64_t now = allocations_of_this_thread();
+    const std::uint64_t now = heap_operations_of_this_thread();
     return std::exchange(before, now) < now;
   };
   struct alignas(64) Wide {
@@ -50,21 +50,23 @@ TEST_F(AllocationCount, SeesEveryWayToAllocate) {
   use(wide.get());
   EXPECT_TRUE(grew());
   EXPECT_FALSE(grew());
+  wide.reset();
+  EXPECT_TRUE(grew());
 }
 
-TEST_F(AllocationCount, IsEachThreadsOwn) {
-  const std::uint64_t before = allocations_of_this_thread();
+TEST_F(HeapOperations, IsEachThreadsOwn) {
+  const std::uint64_t before = heap_operations_of_this_thread();
   std::uint64_t others = 0;
   std::thread other([&others] {
     auto numbers = std::make_unique<int[]>(100);
     use(numbers.get());
-    others = allocations_of_this_thread();
+    others = heap_operations_of_this_thread();
   });
-  const std::uint64_t started = allocations_of_this_thread();
+  const std::uint64_t started = heap_operations_of_this_thread();
   other.join();
   EXPECT_GE(others, 1U);
   EXPECT_GE(started, before);
-  EXPECT_EQ(allocations_of_this_thread(), started);
+  EXPECT_EQ(heap_operations_of_this_thread(), started);
 }
 
 }  // namespace

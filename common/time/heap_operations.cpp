@@ -1,4 +1,4 @@
-#include "forcebound/time/allocation_count.hpp"
+#include "forcebound/time/heap_operations.hpp"
 
 #include <cerrno>
 #include <cstddef>
@@ -6,13 +6,13 @@
 namespace {
 
 // In the program itself, so reading it allocates nothing.
-thread_local std::uint64_t allocations = 0;
+thread_local std::uint64_t operations = 0;
 
 }  // namespace
 
 namespace forcebound::time {
 
-std::uint64_t allocations_of_this_thread() noexcept { return allocations; }
+std::uint64_t heap_operations_of_this_thread() noexcept { return operations; }
 
 }  // namespace forcebound::time
 
@@ -24,29 +24,35 @@ void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
 
 void* malloc(std::size_t size) {
-  ++allocations;
+  ++operations;
   return __libc_malloc(size);
 }
 
 void* calloc(std::size_t count, std::size_t size) {
-  ++allocations;
+  ++operations;
   return __libc_calloc(count, size);
 }
 
 void* realloc(void* memory, std::size_t size) {
-  ++allocations;
+  ++operations;
   return __libc_realloc(memory, size);
 }
 
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocations;
+  ++operations;
   return __libc_memalign(alignment, size);
 }
 
+void free(void* memory) {
+  ++operations;
+  __libc_free(memory);
+}
+
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  ++allocations;
+  ++operations;
   *memory = __libc_memalign(alignment, size);
   return *memory == nullptr ? ENOMEM : 0;
 }

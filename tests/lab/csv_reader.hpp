@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forcebound::lab {
+
+/// Reads a table of numbers under a line of names, one row as it comes.
+///
+/// Unix and Windows line ends, blanks around a field, a byte order mark and blank lines at the end are accepted; `nan`
+/// and `inf` are numbers.
+class CsvReader {
+ public:
+  /// @param name of the file, for messages.
+  CsvReader(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
+
+  /// The fields of the first line. @throws std::runtime_error if there is none.
+  [[nodiscard]] std::vector<std::string> header();
+
+  /// The next row, or nothing at the end. @throws std::runtime_error unless it has `columns` numbers.
+  [[nodiscard]] std::vector<double> row(const std::vector<std::string>& columns);
+
+  /// @throws std::runtime_error "file:line: what", the line being the one read last.
+  [[noreturn]] void refuse(const std::string& what) const;
+
+ private:
+  bool next_line();
+
+  std::istream& input_;
+  std::string name_;
+  std::string line_;
+  std::size_t line_number_ = 0;
+};
+
+/// A whole field as a number, in any notation but with a point; no locale is asked.
+/// @throws std::invalid_argument "'...' is not a number" or "... is beyond a double".
+[[nodiscard]] double parse_number(std::string_view text);
+
+/// The fields of a line, without the blanks around them.
+[[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);
+
+}  // namespace forcebound::lab

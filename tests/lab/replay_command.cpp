@@ -1,0 +1,127 @@
+#include "tests/lab/commands.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "forcebound/control/law_registry.hpp"
+#include "tests/lab/csv_reader.hpp"
+#include "tests/lab/replay.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+/// The options as typed: lists are taken apart here, not by the command line, so that a message names the number.
+struct ReplayArguments {
+  ReplayOptions options;
+  std::string damping;
+  std::string damping_matrix;
+  std::string encoder;
+  std::string friction;
+  std::string input = "-";
+  std::string output = "-";
+};
+
+std::vector<double> numbers_of(const std::string& option, const std::string& text) {
+  std::vector<double> numbers;
+  if (text.empty()) return numbers;
+  for (const std::string& field : split(text, ',')) {
+    try {
+      numbers.push_back(parse_number(field));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(option + ": " + error.what() + "; numbers separated by commas were expected");
+    }
+  }
+  return numbers;
+}
+
+ReplayOptions options_of(const ReplayArguments& arguments) {
+  ReplayOptions options = arguments.options;
+  options.damping_N_s_per_m = numbers_of("--damping", arguments.damping);
+  options.encoder_step_m = numbers_of("--encoder", arguments.encoder);
+  options.friction_N = numbers_of("--friction", arguments.friction);
+  if (!arguments.damping_matrix.empty()) {
+    options.damping_matrix.emplace();
+    for (const std::string& row : split(arguments.damping_matrix, ';')) {
+      options.damping_matrix->push_back(numbers_of("--damping-matrix", row));
+    }
+  }
+  return options;
+}
+
+template <typename Stream>
+Stream opened(const std::string& path, const char* purpose) {
+  Stream stream(path);
+  if (!stream) throw std::runtime_error(path + ": cannot be opened for " + purpose + ": " + std::strerror(errno));
+  return stream;
+}
+
+void report(const ReplayCounts& counts) {
+  if (counts.requests_not_finite > 0) {
+    std::cerr << "note: " << counts.requests_not_finite << " of " << counts.rows
+              << " rows asked for a force that is not finite: zero force\n";
+  }
+  if (counts.readings_not_finite > 0) {
+    std::cerr << "note: " << counts.readings_not_finite << " of " << counts.rows
+              << " rows had a position that is not finite: zero force, and the worst case charged\n";
+  }
+}
+
+void run(const ReplayArguments& arguments) {
+  const ReplayOptions options = options_of(arguments);
+  std::ifstream input_file;
+  std::ofstream output_file;
+  if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "reading");
+  if (arguments.output != "-") output_file = opened<std::ofstream>(arguments.output, "writing");
+  const ReplayInput input =
+      arguments.input == "-" ? ReplayInput{std::cin, "<stdin>"} : ReplayInput{input_file, arguments.input};
+  report(replay(options, input, arguments.output == "-" ? std::cout : output_file));
+}
+
+}  // namespace
+
+void add_replay(CLI::App& program) {
+  using Memory = ReplayOptions::Memory;
+  const auto arguments = std::make_shared<ReplayArguments>();
+  ReplayOptions& options = arguments->options;
+  CLI::App* command = program.add_subcommand("replay", "Run a law over recorded rows, or over rows as they come");
+  command->footer(
+      "Reads   time_s,x0_m[,x1_m..],fe0_N[,fe1_N..]   readings and the force that the environment asks for\n"
+      "writes  time_s,f0_N[,f1_N..],energy_J,xi       the force on the device that the law allows\n"
+      "With --input - each row is answered as it comes, so that a simulator can close the loop through a pipe.\n\n"
+      "Example: forcebound-lab replay --law fba-more --damping 30 --period 1e-3 --input press.csv --output "
+      "bounded.csv");
+  command->add_option("--law", options.law, "law to run:\n" + control::published_laws().help())
+      ->required()
+      ->check(CLI::IsMember(control::published_laws().names()));
+  command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");
+  command->add_option("--damping-matrix", arguments->damping_matrix,
+                      "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping");
+  command->add_option("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
+  command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..");
+  command->add_option("--friction", arguments->friction, "Coulomb friction lower bound [N], one or c1,c2,..");
+  command->add_option("--hold", options.hold_s, "longest time a force is held [s] (default: the period)");
+  command->add_option("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
+  command->add_option("--force-max", options.force_N_max, "largest force asked of the law [N]")->capture_default_str();
+  command->add_option("--memory", options.memory, "energy kept: all, or what the largest force can need")
+      ->transform(CLI::Transformer(std::map<std::string, Memory>{{"full", Memory::full}, {"capped", Memory::capped}}))
+      ->default_str("capped");
+  command->add_option("--input", arguments->input, "file, or - for standard input")->capture_default_str();
+  command->add_option("--output", arguments->output, "file, or - for standard output")->capture_default_str();
+  command->callback([arguments] {
+    try {
+      run(*arguments);
+    } catch (const std::invalid_argument& wrong_use) {
+      throw CLI::ValidationError(wrong_use.what());
+    }
+  });
+}
+
+}  // namespace forcebound::lab

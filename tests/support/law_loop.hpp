@@ -1,0 +1,79 @@
+#pragma once
+
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+
+namespace forcebound::test {
+
+struct LawLoopSetting {
+  double period_s = 1e-3;
+  double force_N_max = std::numeric_limits<double>::infinity();
+  double actuator_step_N = 0;
+};
+
+/// A published law at work on a Cartesian device whose motion and whose environment a test plays.
+class LawLoop {
+ public:
+  LawLoop(std::string_view law, const control::Matrix& damping, const LawLoopSetting& setting = {})
+      : period_s_(setting.period_s),
+        damping_(control::Damping::from_matrix(damping)),
+        unit_(control::Matrix::Identity(damping.rows(), damping.rows())),
+        controller_(make_controller(law, damping, setting)) {}
+
+  control::Vector tick(const control::Vector& position, const control::Vector& request_N) noexcept {
+    control::Motion motion;
+    motion.interval_s = motion.held_s = period_s_;
+    motion.position = motion.joint = position;
+    motion.jacobian = unit_;
+    motion.damping = &damping_;
+    return controller_.tick(motion, request_N);
+  }
+
+  /// One degree of freedom.
+  double tick(double position_m, double request_N) noexcept {
+    return tick(control::Vector::Constant(1, position_m), control::Vector::Constant(1, request_N))[0];
+  }
+
+  /// From the coming tick on.
+  void set_damping(const control::Matrix& damping) { damping_ = control::Damping::from_matrix(damping); }
+
+  [[nodiscard]] double energy_J() const noexcept { return controller_.law().energy_J(); }
+  [[nodiscard]] double xi() const noexcept { return controller_.law().xi(); }
+  [[nodiscard]] const control::PassivityController::Counts& counts() const noexcept { return controller_.counts(); }
+
+ private:
+  static control::PassivityController make_controller(std::string_view law, const control::Matrix& damping,
+                                                      const LawLoopSetting& setting) {
+    control::DeviceFacts facts;
+    facts.name = "test";
+    facts.period_s = setting.period_s;
+    facts.damping = damping;
+    facts.friction = facts.encoder_step = control::Vector::Zero(damping.rows());
+    facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
+    facts.force_N_max = setting.force_N_max;
+    return {facts, control::published_laws().make(law, facts)};
+  }
+
+  double period_s_;
+  control::Damping damping_;
+  control::Matrix unit_;
+  control::PassivityController controller_;
+};
+
+inline control::Vector to_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+inline control::Matrix to_matrix(const std::vector<std::vector<double>>& rows) {
+  control::Matrix result(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.size()));
+  for (Eigen::Index i = 0; i < result.rows(); ++i) {
+    result.row(i) = to_vector(rows[static_cast<std::size_t>(i)]).transpose();
+  }
+  return result;
+}
+
+}  // namespace forcebound::test

@@ -1,0 +1,91 @@
+#include "forcebound/control/ledger.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/law_loop.hpp"
+
+namespace forcebound::control {
+namespace {
+
+using test::to_matrix;
+using test::to_vector;
+
+constexpr double kPeriod_s = 1e-3;
+
+class LedgerTest : public testing::Test {
+ protected:
+  void credit(const std::vector<double>& position_m, const Damping& damping) {
+    Motion motion;
+    motion.interval_s = kPeriod_s;
+    motion.position = to_vector(position_m);
+    motion.damping = &damping;
+    ledger_.credit(motion);
+  }
+  void credit(const std::vector<double>& position_m) { credit(position_m, damping_); }
+
+  Damping damping_ = Damping::from_matrix(to_matrix({{4, 2}, {2, 10}}));
+  Ledger ledger_{2, kPeriod_s};
+};
+
+TEST_F(LedgerTest, BeginsAtZeroWhereverTheDeviceIs) {
+  credit({5, -3});
+  EXPECT_EQ(ledger_.energy_J(), 0.0);
+}
+
+TEST_F(LedgerTest, SavesWhatFreeMotionDissipates) {
+  // d'b d / T = 18e-6 / 1e-3 for every step of (1, 1) mm
+  for (int i = 0; i <= 1000; ++i) credit({i * 1e-3, i * 1e-3});
+  EXPECT_NEAR(ledger_.energy_J(), 18.0, 1e-11);
+}
+
+TEST_F(LedgerTest, ChargesTheWorkOfTheForceHeld) {
+  credit({0, 0});
+  ledger_.hold(to_vector({3, -2}));
+  credit({1e-3, 2e-3});
+  const double dissipated_J = (4 + 2 * 2 * 2 + 10 * 4) * 1e-6 / kPeriod_s;
+  EXPECT_NEAR(ledger_.energy_J(), dissipated_J - (3e-3 - 4e-3), 1e-16);
+}
+
+TEST_F(LedgerTest, CreditsAnIntervalWithTheDampingAtItsBeginning) {
+  const Damping stronger = Damping::from_matrix(to_matrix({{400, 0}, {0, 400}}));
+  credit({0, 0});
+  credit({1e-3, 1e-3}, stronger);
+  EXPECT_NEAR(ledger_.energy_J(), 18e-6 / kPeriod_s, 1e-16);
+  credit({2e-3, 1e-3});
+  EXPECT_NEAR(ledger_.energy_J(), (18e-6 + 400e-6) / kPeriod_s, 1e-15);
+}
+
+TEST_F(LedgerTest, ChargesTheWorstCaseWhereNobodySaw) {
+  credit({0, 0});
+  credit({1e-3, 1e-3});
+  ledger_.hold(to_vector({4, 5}));
+  ledger_.charge_worst_case(2 * kPeriod_s);
+  EXPECT_NEAR(ledger_.energy_J(), 18e-6 / kPeriod_s - 2 * kPeriod_s * 5 / 4, 1e-16);
+}
+
+TEST_F(LedgerTest, CreditsNothingForAMotionAcrossALoss) {
+  credit({0, 0});
+  ledger_.charge_worst_case(kPeriod_s);
+  credit({1, 1});
+  EXPECT_EQ(ledger_.energy_J(), 0.0);
+  credit({1.001, 1.001});
+  EXPECT_NEAR(ledger_.energy_J(), 18e-6 / kPeriod_s, 1e-12);
+}
+
+TEST_F(LedgerTest, TakesAReadingBeyondMeasureForAFault) {
+  credit({0, 0});
+  credit({1e-3, 1e-3});
+  ledger_.hold(to_vector({4, 5}));
+  credit({1e300, -1e300});
+  const double left_J = 18e-6 / kPeriod_s - kPeriod_s * 5 / 4;
+  EXPECT_NEAR(ledger_.energy_J(), left_J, 1e-16);
+  ledger_.hold(to_vector({0, 0}));
+  credit({0, 0});
+  credit({1e-3, 1e-3});
+  EXPECT_NEAR(ledger_.energy_J(), left_J + 18e-6 / kPeriod_s, 1e-15);
+}
+
+}  // namespace
+}  // namespace forcebound::control

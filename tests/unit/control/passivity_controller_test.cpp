@@ -1,0 +1,285 @@
+#include "forcebound/control/passivity_controller.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "forcebound/control/law_registry.hpp"
+#include "tests/support/published_law_checks.hpp"
+
+namespace forcebound::control {
+namespace {
+
+using test::LawLoop;
+using test::to_matrix;
+using test::to_vector;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDamping = 30;
+constexpr double kB_N_per_m = 30.0 / 1e-3;
+
+DeviceFacts three_axes() {
+  DeviceFacts facts;
+  facts.name = "three axes";
+  facts.damping = Matrix::Identity(3, 3);
+  facts.friction = facts.encoder_step = facts.actuator_step = Vector::Zero(3);
+  facts.force_N_max = 10;
+  return facts;
+}
+
+std::string refusal_of(const DeviceFacts& facts) {
+  try {
+    const PassivityController controller(facts, published_laws().make("none", facts));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(PassivityController, SaturatesAlongTheRequest) {
+  LawLoop loop("none", Matrix::Identity(3, 3), {.force_N_max = 10});
+  EXPECT_TRUE(loop.tick(to_vector({0, 0, 0}), to_vector({30, 0, -40})).isApprox(to_vector({6, 0, -8}), 1e-15));
+  EXPECT_EQ(loop.counts().saturated, 1U);
+  EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({6, 0, -7})), to_vector({6, 0, -7}));
+  EXPECT_EQ(loop.counts().saturated, 1U);
+}
+
+TEST(PassivityController, SaturatesTheLargestNumbersThereAre) {
+  const double most = std::numeric_limits<double>::max();
+  LawLoop loop("none", Matrix::Identity(3, 3), {.force_N_max = 3});
+  EXPECT_TRUE(loop.tick(to_vector({0, 0, 0}), to_vector({most, -most, most}))
+                  .isApprox(std::sqrt(3.0) * to_vector({1, -1, 1}), 1e-15));
+}
+
+TEST(PassivityController, TakesARequestThatIsNotFiniteForNoForce) {
+  LawLoop loop("none", Matrix::Identity(3, 3));
+  for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({1, bad, 1})), to_vector({0, 0, 0}));
+  }
+  EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({1, 1})), to_vector({0, 0, 0})) << "too few components";
+  EXPECT_EQ(loop.counts().requests_not_finite, 4U);
+  EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({1, 2, 3})), to_vector({1, 2, 3}));
+}
+
+TEST(PassivityController, ChargesALostReadingItsWorstCaseAndRecovers) {
+  LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping));
+  loop.tick(0.0, 0.0);
+  ASSERT_EQ(loop.tick(1e-3, 20.0), 20.0);
+  const double saved_J = kB_N_per_m * 1e-6;
+  EXPECT_EQ(loop.tick(kNaN, 20.0), 0.0);
+  const double left_J = saved_J - 400 / (4 * kB_N_per_m);
+  EXPECT_NEAR(loop.energy_J(), left_J, 1e-15);
+  EXPECT_EQ(loop.tick(kNaN, 20.0), 0.0);
+  EXPECT_EQ(loop.counts().readings_not_finite, 2U);
+  EXPECT_EQ(loop.tick(5.0, 20.0), 20.0) << "did not recover";
+  EXPECT_NEAR(loop.energy_J(), left_J, 1e-15) << "credited a motion nobody saw";
+  loop.tick(5.0, 20.0);
+  EXPECT_NEAR(loop.energy_J(), left_J, 1e-15);
+}
+
+TEST(PassivityController, ForgetsUnderTheMoreConservativeLawAtALostReadingAndRecovers) {
+  LawLoop loop("fba-more", Matrix::Constant(1, 1, kDamping));
+  loop.tick(0.0, 0.0);
+  ASSERT_EQ(loop.tick(1e-3, 20.0), 20.0);
+  EXPECT_EQ(loop.tick(kNaN, 20.0), 0.0);
+  EXPECT_EQ(loop.energy_J(), 0.0);
+  EXPECT_EQ(loop.tick(5.0, 20.0), 0.0);
+  EXPECT_EQ(loop.tick(5.001, 20.0), 20.0) << "did not recover";
+}
+
+TEST(PassivityController, StaysPassiveThroughLostReadings) {
+  for (const char* law : {"fba-less", "fba-more"}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      LawLoop loop(law, tests::full_damping(3, seed));
+      int tick = 0;
+      const tests::Extraction result =
+          tests::play({.seed = seed,
+                       .degrees_of_freedom = 3,
+                       .dampings = [&](int) { return tests::full_damping(3, seed); },
+                       .law =
+                           [&](const Vector& position, const Vector& request, const Matrix&) {
+                             const bool lost = ++tick % 7 == 0 || tick % 50 < 3;
+                             return loop.tick(lost ? Vector(Vector::Constant(3, kNaN)) : position, request);
+                           }});
+      EXPECT_GE(result.least_J, -1e-13L * result.turnover_J) << law << ", seed " << seed;
+    }
+  }
+}
+
+TEST(PassivityController, LeavesAWholeNumberOfActuatorStepsAsItIs) {
+  LawLoop loop("none", Matrix::Identity(1, 1), {.actuator_step_N = 0.1});
+  for (int count = -2000; count <= 2000; ++count) {
+    const double command_N = count * 0.1;
+    ASSERT_EQ(loop.tick(0.0, command_N), command_N) << count;
+  }
+}
+
+TEST(PassivityController, RoundsTowardNoForce) {
+  LawLoop loop("none", Matrix::Identity(2, 2), {.actuator_step_N = 0.25});
+  EXPECT_EQ(loop.tick(to_vector({0, 0}), to_vector({0.99, -0.99})), to_vector({0.75, -0.75}));
+  EXPECT_EQ(loop.tick(to_vector({0, 0}), to_vector({0.24, 1.0})), to_vector({0, 1}));
+}
+
+TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
+  // A ledger that saw the unrounded force would drift away from the balance of what was applied.
+  const tests::LawLoopSetting setting{.force_N_max = 20, .actuator_step_N = 40.0 / 4096};
+  for (const int degrees_of_freedom : {1, 3, 6}) {
+    const Matrix damping = tests::full_damping(degrees_of_freedom, 9);
+    LawLoop loop("fba-less", damping, setting);
+    Vector last;
+    const tests::Extraction result =
+        tests::play({.seed = 9,
+                     .degrees_of_freedom = degrees_of_freedom,
+                     .dampings = [&](int) { return damping; },
+                     .law =
+                         [&](const Vector& position, const Vector& request, const Matrix&) {
+                           last = position;
+                           const Vector force = loop.tick(position, request);
+                           EXPECT_EQ(force, Vector((force / setting.actuator_step_N).array().round().matrix() *
+                                                   setting.actuator_step_N));
+                           return force;
+                         }});
+    EXPECT_GE(result.least_J, -1e-13L * result.turnover_J);
+    EXPECT_GT(result.turnover_J, 1e-6L) << "nothing happened";
+  }
+  tests::expect_passive_against_any_adversary("fba-less", setting);
+  tests::expect_passive_against_any_adversary("fba-more", setting);
+}
+
+TEST(PassivityController, ChargesTheRoundedForce) {
+  LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping), {.actuator_step_N = 0.25});
+  loop.tick(0.0, 0.0);
+  ASSERT_EQ(loop.tick(1e-3, 0.99), 0.75);
+  loop.tick(2e-3, 0.0);
+  EXPECT_NEAR(loop.energy_J(), 2 * kB_N_per_m * 1e-6 - 0.75e-3, 1e-15);
+}
+
+TEST(PassivityController, GivesNoForceWhereRoundingNeedsMoreEnergyThanThereIs) {
+  // Damping that couples the axes: (1.02, 0.99) N needs 0.25 mJ, its rounding (1, 0) N a hundred times as much.
+  const Matrix damping = to_matrix({{1, 0.999}, {0.999, 1}});
+  const Vector motion = to_vector({0.6e-3, 0.6e-3});
+  LawLoop exact("fba-less", damping);
+  LawLoop coarse("fba-less", damping, {.actuator_step_N = 1});
+  for (LawLoop* loop : {&exact, &coarse}) loop->tick(to_vector({0, 0}), to_vector({0, 0}));
+  const Vector request = to_vector({1.02, 0.99});
+  EXPECT_EQ(exact.tick(motion, request), request);
+  EXPECT_EQ(coarse.tick(motion, request), to_vector({0, 0}));
+  EXPECT_NEAR(coarse.energy_J(), exact.energy_J(), 1e-18);
+}
+
+/// An arm of three joints whose motors turn in counts.
+class ArmTest : public testing::TestWithParam<const char*> {
+ protected:
+  static constexpr double kStep_Nm = 2e-3;
+
+  ArmTest() : controller_(make_controller()) {}
+
+  static DeviceFacts facts() {
+    DeviceFacts facts = three_axes();
+    facts.cartesian = false;
+    facts.damping = to_matrix({{1e-2, 0, 0}, {0, 2e-2, 0}, {0, 0, 5e-3}});
+    facts.actuator_step = Vector::Constant(3, kStep_Nm);
+    return facts;
+  }
+
+  static PassivityController make_controller() { return {facts(), published_laws().make(GetParam(), facts())}; }
+
+  Vector tick(const Vector& position, const Vector& request, const Matrix& jacobian) {
+    damping_ = Damping::from_joints(jacobian, facts().damping);
+    Motion motion;
+    motion.interval_s = motion.held_s = 1e-3;
+    motion.position = motion.joint = position;
+    motion.jacobian = jacobian;
+    motion.damping = &damping_;
+    return controller_.tick(motion, request);
+  }
+
+  static Matrix jacobian_at(int tick) {
+    const double turn = 0.3 * std::sin(tick * 0.05);
+    return to_matrix({{0.13 * std::cos(turn), 0.05, 0}, {-0.02, 0.13, 0.13 * std::sin(turn)}, {0.01, 0.04, 0.1}});
+  }
+
+  Damping damping_ = Damping::from_matrix(Matrix::Identity(3, 3));
+  PassivityController controller_;
+};
+
+TEST_P(ArmTest, RoundsInTheJointsTowardNoTorque) {
+  int told = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Matrix jacobian = jacobian_at(i);
+    const Vector request = to_vector({std::sin(i * 0.1), std::cos(i * 0.17), 0.5});
+    const Vector force = tick(Vector::Constant(3, i * 1e-3), request, jacobian);
+    const Vector counts = jacobian.transpose() * force / kStep_Nm;
+    const Vector most = jacobian.transpose() * request / kStep_Nm;
+    for (Eigen::Index joint = 0; joint < 3; ++joint) {
+      ASSERT_NEAR(counts[joint], std::round(counts[joint]), 1e-9);
+      ASSERT_LE(std::abs(counts[joint]), std::abs(most[joint]) + 1e-9);
+    }
+    told += force.isZero(0) ? 0 : 1;
+  }
+  EXPECT_GT(told, 400);
+}
+
+TEST_P(ArmTest, IsPassiveHoweverTheArmTurnsUnlessThereIsNoLaw) {
+  int tick_number = 0;
+  const tests::Extraction result = tests::play(
+      {.seed = 4,
+       .degrees_of_freedom = 3,
+       .dampings = [&](int i) { return Damping::from_joints(jacobian_at(i), facts().damping).matrix(); },
+       .law = [&](const Vector& x, const Vector& f, const Matrix&) { return tick(x, f, jacobian_at(tick_number++)); }});
+  EXPECT_GT(result.turnover_J, 1e-6L);
+  if (std::string(GetParam()) == "none") {
+    EXPECT_LT(result.least_J, -0.1L * result.turnover_J) << "this adversary proves nothing";
+  } else {
+    EXPECT_GE(result.least_J, -1e-12L * result.turnover_J);
+  }
+}
+
+TEST_P(ArmTest, GivesAFiniteForceInAndNearSingularConfigurations) {
+  for (int i = 0; i < 200; ++i) {
+    const double distance = i % 3 == 0 ? 0.0 : std::pow(10.0, -(i % 20));
+    const Matrix jacobian = to_matrix({{0.1, 0.1, 0}, {0.1, 0.1 + distance, 0}, {0, 0, 0.1}});
+    const Vector force = tick(Vector::Constant(3, i * 1e-3), to_vector({1, 1, -1}), jacobian);
+    ASSERT_TRUE(force.allFinite()) << "distance " << distance;
+    ASSERT_TRUE(std::isfinite(controller_.law().energy_J()));
+  }
+}
+
+TEST_P(ArmTest, TakesAJacobianThatIsNotFiniteForALostReading) {
+  Matrix jacobian = jacobian_at(0);
+  jacobian(1, 2) = kNaN;
+  EXPECT_EQ(tick(Vector::Zero(3), to_vector({1, 1, 1}), jacobian), to_vector({0, 0, 0}));
+  EXPECT_EQ(controller_.counts().readings_not_finite, 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, ArmTest, testing::Values("none", "fba-less", "fba-more"), [](const auto& law) {
+  const std::string name = law.param;
+  return name == "none" ? "None" : name == "fba-less" ? "LessConservative" : "MoreConservative";
+});
+
+TEST(PassivityController, RefusesToWorkWithoutALaw) {
+  EXPECT_THROW(PassivityController(three_axes(), nullptr), std::invalid_argument);
+}
+
+TEST(PassivityController, RefusesFactsThatMakeNoSense) {
+  DeviceFacts facts = three_axes();
+  facts.actuator_step = Vector::Zero(2);
+  EXPECT_EQ(refusal_of(facts), "device 'three axes': actuator step must have 3 rows, got 2");
+  facts = three_axes();
+  facts.actuator_step[1] = -0.5;
+  EXPECT_THAT(refusal_of(facts), testing::HasSubstr("actuator step must be >= 0, got"));
+  for (const double force_N_max : {-1.0, kNaN}) {
+    facts = three_axes();
+    facts.force_N_max = force_N_max;
+    EXPECT_THAT(refusal_of(facts), testing::HasSubstr("largest force must be >= 0 N, got"));
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::control

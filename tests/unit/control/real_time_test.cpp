@@ -1,0 +1,91 @@
+// The tick's contract with the heap, for all of common/control in one place.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/law_loop.hpp"
+#include "tests/support/published_law_checks.hpp"
+
+namespace forcebound::control {
+namespace {
+
+using test::AllocationGuard;
+using test::LawLoop;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+void expect_tick_without_heap(const char* law, int degrees_of_freedom) {
+  SCOPED_TRACE(testing::Message() << law << ", " << degrees_of_freedom << " degrees of freedom");
+  LawLoop loop(law, tests::full_damping(degrees_of_freedom, 2), {.force_N_max = 10, .actuator_step_N = 0.01});
+  const Vector one = Vector::Ones(degrees_of_freedom);
+  const AllocationGuard guard;
+  for (int i = 0; i < 100; ++i) {
+    loop.tick(1e-4 * i * one, (i % 2 == 0 ? 0.0 : 1.0) * one);
+    loop.tick(1e-4 * i * one, 1e3 * one);
+    loop.tick(1e-4 * i * one, kNaN * one);
+    if (i % 10 == 0) loop.tick(kNaN * one, one);
+  }
+  EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+TEST(TransparentLaw, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("none", degrees_of_freedom);
+}
+
+TEST(LessConservativeLaw, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-less", degrees_of_freedom);
+}
+
+TEST(MoreConservativeLaw, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-more", degrees_of_freedom);
+}
+
+TEST(Damping, OfAnArmDoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) {
+    const Matrix jacobian = tests::full_damping(degrees_of_freedom, 3);
+    const Matrix joints = Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
+    const Vector v = Vector::Ones(degrees_of_freedom);
+    double sum = 0;
+    const AllocationGuard guard;
+    const Damping damping = Damping::from_joints(jacobian, joints);
+    sum += damping.dissipation(v) + damping.mobility(v);
+    const std::uint64_t operations = guard.heap_operations();
+    EXPECT_EQ(operations, 0U) << degrees_of_freedom;
+    EXPECT_GT(sum, 0.0);
+  }
+}
+
+TEST(PassivityController, DoesNotAllocateForAnArm) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) {
+    DeviceFacts facts;
+    facts.cartesian = false;
+    facts.damping = Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
+    facts.actuator_step = Vector::Constant(degrees_of_freedom, 1e-3);
+    facts.force_N_max = 10;
+    PassivityController controller(facts, published_laws().make("fba-more", facts));
+    Motion motion;
+    motion.jacobian = tests::full_damping(degrees_of_freedom, 4);
+    const Damping damping = Damping::from_joints(motion.jacobian, facts.damping);
+    motion.damping = &damping;
+    const Vector one = Vector::Ones(degrees_of_freedom);
+    double told = 0;
+    const AllocationGuard guard;
+    for (int i = 0; i < 100; ++i) {
+      motion.position = motion.joint = 1e-3 * i * one;
+      told += controller.tick(motion, one).squaredNorm();
+    }
+    const std::uint64_t operations = guard.heap_operations();
+    EXPECT_EQ(operations, 0U) << degrees_of_freedom;
+    EXPECT_GT(told, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::control
