@@ -1,0 +1,102 @@
+#include "forcebound/client/device/load_device.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "embedded/shipped_devices.hpp"
+#include "forcebound/client/device/nearest_name.hpp"
+#include "forcebound/client/device/toml_section.hpp"
+
+namespace forcebound::client {
+namespace {
+
+constexpr double kHoldMax = 1.0;      // a force that nobody renews for longer is no held force any more
+constexpr double kLatencyMax = 0.01;  // ten ticks: a device slower than that is not for 1 kHz
+
+toml::table parse_toml(std::string_view text, const std::string& place) {
+  try {
+    return toml::parse(text, place);
+  } catch (const toml::parse_error& error) {
+    throw std::runtime_error(place + ":" + std::to_string(error.source().begin.line) +
+                             ": not TOML: " + std::string(error.description()));
+  }
+}
+
+void read_joints(TomlSection& file, DeviceDescription& device, int dof) {
+  const bool arm = device.arm.has_value();
+  control::DeviceFacts& facts = device.facts;
+  device.inertia = file.matrix(arm ? "joint_inertia_kg_m2" : "mass_kg", dof);
+  facts.damping = file.matrix(arm ? "joint_damping_N_m_s_per_rad" : "damping_N_s_per_m", dof);
+  facts.friction = file.vector_or(arm ? "joint_friction_N_m" : "friction_N", dof, Allowed::not_negative, 0);
+  facts.encoder_step = file.vector_or(arm ? "encoder_step_rad" : "encoder_step_m", dof, Allowed::not_negative, 0);
+  facts.actuator_step = file.vector_or(arm ? "actuator_step_N_m" : "actuator_step_N", dof, Allowed::not_negative, 0);
+}
+
+void read_limits(TomlSection& file, control::DeviceFacts& facts) {
+  facts.period_s = file.number_or("period_s", Allowed::positive, facts.period_s);
+  facts.force_N_max = file.number("force_N_max", Allowed::positive);
+  facts.hold_s_max = file.number_or("hold_s_max", Allowed::positive, facts.hold_s_max);
+  if (facts.hold_s_max > kHoldMax) file.refuse("hold_s_max", "<= 1");
+  facts.latency_s = file.number_or("latency_s", Allowed::not_negative, facts.latency_s);
+  if (facts.latency_s > kLatencyMax) file.refuse("latency_s", "<= 0.01");
+}
+
+ArmGeometry read_arm(TomlSection section) {
+  ArmGeometry arm;
+  arm.upper_length_m = section.number("upper_length_m", Allowed::positive);
+  arm.fore_length_m = section.number("fore_length_m", Allowed::positive);
+  arm.origin_reach_m = section.number("origin_reach_m", Allowed::any);
+  arm.origin_height_m = section.number("origin_height_m", Allowed::any);
+  section.refuse_other_keys();
+  return arm;
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  return text.str();
+}
+
+}  // namespace
+
+DeviceDescription parse_device(std::string_view toml_text, const std::string& place) {
+  const toml::table table = parse_toml(toml_text, place);
+  DeviceDescription device;
+  device.facts.name = std::filesystem::path(place).stem().string();
+  TomlSection file(table, place, "device '" + device.facts.name + "'");
+  const std::string kind = file.text("kind");
+  if (kind != "cartesian" && kind != "arm") file.refuse("kind", "\"cartesian\" or \"arm\"");
+  device.facts.cartesian = kind == "cartesian";
+  const int dof_least = device.facts.cartesian ? 1 : 3;
+  const int dof_most = device.facts.cartesian ? control::kDofMax : 3;
+  const int dof = file.integer("degrees_of_freedom", dof_least, dof_most);
+  if (kind == "arm") device.arm = read_arm(file.section("arm"));
+  read_joints(file, device, dof);
+  read_limits(file, device.facts);
+  file.refuse_other_keys();
+  return device;
+}
+
+DeviceDescription load_device(const std::string& name_or_file) {
+  if (name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml")) {
+    return parse_device(read_file(name_or_file), name_or_file);
+  }
+  for (const EmbeddedText& device : shipped_devices()) {
+    if (device.name == name_or_file) return parse_device(device.text, "devices/" + name_or_file + ".toml");
+  }
+  throw std::runtime_error("unknown device '" + name_or_file + "'; " +
+                           suggestion(name_or_file, shipped_device_names()) + "; or the path of a .toml file");
+}
+
+std::vector<std::string> shipped_device_names() {
+  std::vector<std::string> names;
+  for (const EmbeddedText& device : shipped_devices()) names.emplace_back(device.name);
+  return names;
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,139 @@
+#include "forcebound/client/device/replay_operator.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+namespace forcebound::client {
+namespace {
+
+constexpr Hand kReplayHand{.mass_kg = 0, .stiffness_N_per_m = 300, .damping_N_s_per_m = 3};
+
+std::string_view take_until(std::string_view& text, char separator) {
+  const std::string_view item = text.substr(0, text.find(separator));
+  text.remove_prefix(std::min(text.size(), item.size() + 1));
+  return item;
+}
+
+class MotionReader {
+ public:
+  MotionReader(std::string_view text, const std::string& place, int dof) : rest_(text), place_(place), dof_(dof) {}
+
+  std::vector<MotionSample> read() {
+    check_header();
+    std::vector<MotionSample> motion;
+    while (!rest_.empty()) {
+      const std::string_view line = next_line();
+      if (line.empty()) continue;
+      motion.push_back(parse_row(line));
+      if (motion.size() > 1 && !(motion.back().time_s > motion[motion.size() - 2].time_s)) {
+        refuse("time_s must increase from row to row, got '" + std::string(line) + "'");
+      }
+    }
+    if (motion.size() < 2) refuse("needs at least two rows, got " + std::to_string(motion.size()));
+    const double start = motion.front().time_s;
+    for (MotionSample& sample : motion) sample.time_s -= start;
+    return motion;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw std::invalid_argument(place_ + ":" + std::to_string(line_) + ": " + message);
+  }
+
+  std::string_view next_line() {
+    ++line_;
+    std::string_view line = take_until(rest_, '\n');
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+  }
+
+  void check_header() {
+    static constexpr std::string_view kColumns = "time_s,x_m,y_m,z_m";
+    if (dof_ > 3) refuse("a recorded hand has at most 3 degrees of freedom, the device has " + std::to_string(dof_));
+    const std::string_view needed =
+        kColumns.substr(0, kColumns.find("_m", 0) + 2 + 4 * static_cast<std::size_t>(dof_ - 1));
+    const std::string_view header = next_line();
+    if (header == needed || header.starts_with(std::string(needed) + ",")) return;
+    refuse("the header must begin with '" + std::string(needed) + "' for " + std::to_string(dof_) +
+           " degrees of freedom, got '" + std::string(header.substr(0, 80)) + "'");
+  }
+
+  double number(std::string_view& line, std::string_view whole) {
+    const std::string_view item = take_until(line, ',');
+    double value = 0;
+    const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), value);
+    if (error != std::errc{} || end != item.data() + item.size() || !std::isfinite(value)) {
+      refuse("expected " + std::to_string(dof_ + 1) + " finite numbers, got '" + std::string(whole.substr(0, 80)) +
+             "'");
+    }
+    return value;
+  }
+
+  MotionSample parse_row(std::string_view whole) {
+    std::string_view line = whole;
+    MotionSample sample{.time_s = number(line, whole), .position = Vector(dof_)};
+    for (int i = 0; i < dof_; ++i) sample.position[i] = number(line, whole);
+    return sample;
+  }
+
+  std::string_view rest_;
+  const std::string& place_;
+  int dof_;
+  int line_ = 0;
+};
+
+// Slope at the middle one of three samples of the parabola through them.
+Vector parabola_slope(const MotionSample& a, const MotionSample& b, const MotionSample& c) {
+  const double before = b.time_s - a.time_s;
+  const double after = c.time_s - b.time_s;
+  const Vector first = (b.position - a.position) / before;
+  const Vector second = (c.position - b.position) / after;
+  return (after * first + before * second) / (before + after);
+}
+
+}  // namespace
+
+std::vector<MotionSample> parse_motion(std::string_view csv_text, const std::string& place, int dof) {
+  return MotionReader(csv_text, place, dof).read();
+}
+
+ReplayOperator::ReplayOperator(OperatorSettings settings, int dof, std::vector<MotionSample> motion)
+    : SpecifiedOperator(settings, dof, kReplayHand), motion_(std::move(motion)) {
+  const double scale = settings.number("scale", OperatorSettings::Allowed::any, 1);
+  const Vector offset = settings.offset(dof);
+  finish(settings);
+  for (MotionSample& sample : motion_) sample.position = scale * sample.position + offset;
+  velocity_.assign(motion_.size(), Vector::Zero(dof));
+  for (std::size_t i = 1; i + 1 < motion_.size(); ++i) {
+    velocity_[i] = parabola_slope(motion_[i - 1], motion_[i], motion_[i + 1]);
+  }
+}
+
+Operator::Target ReplayOperator::target(double time_s) const noexcept {
+  const double length = motion_.back().time_s;
+  const double phase = std::fmod(std::max(time_s, 0.0), 2 * length);
+  const bool backwards = phase > length;
+  const double at = backwards ? 2 * length - phase : phase;
+
+  const auto after = std::upper_bound(motion_.begin() + 1, motion_.end() - 1, at,
+                                      [](double t, const MotionSample& sample) { return t < sample.time_s; });
+  const auto end = static_cast<std::size_t>(after - motion_.begin());
+  const MotionSample& a = motion_[end - 1];
+  const MotionSample& b = motion_[end];
+  const double h = b.time_s - a.time_s;
+  const double s = std::clamp((at - a.time_s) / h, 0.0, 1.0);
+  const Vector slope = (b.position - a.position) / h;
+  const Vector& v0 = velocity_[end - 1];
+  const Vector& v1 = velocity_[end];
+  const Vector square = 3 * slope - 2 * v0 - v1;
+  const Vector cube = v0 + v1 - 2 * slope;
+
+  Target target;
+  target.position = a.position + (h * s) * (v0 + s * (square + s * cube));
+  target.velocity = (backwards ? -1.0 : 1.0) * (v0 + s * (2 * square + 3 * s * cube));
+  return target;
+}
+
+}  // namespace forcebound::client
