@@ -49,7 +49,7 @@ class Codec {
   /// The datagram, valid until the next `encode`. Text that does not fit is cut.
   [[nodiscard]] std::span<const std::byte> encode(const Message& message) noexcept;
 
-  /// The message, or why there is none; text in it is valid until the next `decode`. `datagram` may be anything.
+  /// The message, or why there is none; text in it is valid until the codec is used again. `datagram` may be anything.
   [[nodiscard]] std::variant<Message, Malformed> decode(std::span<const std::byte> datagram) noexcept;
 
  private:

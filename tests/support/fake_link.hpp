@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -19,26 +18,30 @@ class FakeLink final : public net::DatagramLink {
   };
 
   bool send(std::span<const std::byte> datagram, const net::Address& to) noexcept override {
-    if (!up) return false;
-    sent.push_back({{datagram.begin(), datagram.end()}, to});
+    if (!works) return false;
+    if (keep) sent.push_back({{datagram.begin(), datagram.end()}, to});
     return true;
   }
 
+  /// Neither allocates nor frees.
   std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override {
-    if (waiting.empty()) return std::nullopt;
-    const Datagram datagram = std::move(waiting.front());
-    waiting.pop_front();
+    if (received_ == arrived_.size()) return std::nullopt;
+    const Datagram& datagram = arrived_[received_++];
     std::copy_n(datagram.bytes.begin(), std::min(buffer.size(), datagram.bytes.size()), buffer.begin());
     return net::Received{datagram.bytes.size(), datagram.peer};
   }
 
   void arrive(std::span<const std::byte> datagram, const net::Address& from) {
-    waiting.push_back({{datagram.begin(), datagram.end()}, from});
+    arrived_.push_back({{datagram.begin(), datagram.end()}, from});
   }
 
   std::vector<Datagram> sent;
-  std::deque<Datagram> waiting;
-  bool up = true;
+  bool works = true;
+  bool keep = true;  ///< false: a link that does not allocate
+
+ private:
+  std::vector<Datagram> arrived_;
+  std::size_t received_ = 0;
 };
 
 }  // namespace forcebound::test

@@ -1,29 +1,17 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
 #include <string>
 #include <vector>
 
 #include "forcebound/wire/codec.hpp"
+#include "tests/support/allocation_guard.hpp"
 #include "tests/unit/wire/sample_messages.hpp"
-
-namespace {
-long allocations = 0;
-}  // namespace
-
-void* operator new(std::size_t bytes) {
-  ++allocations;
-  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes)) return memory;
-  throw std::bad_alloc{};
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace forcebound::wire {
 namespace {
 
 TEST(Codec, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   Codec codec;
   const std::string text(2 * kTextBytesMax, 'x');
   auto messages = one_of_each();
@@ -35,7 +23,7 @@ TEST(Codec, DoesNotAllocate) {
   std::get<MotionSample>(messages[3]).position = vector_of({1, 2, 3, 4, 5, 6});
 
   std::vector<std::byte> received(kFrameBytesMax);
-  const long before = allocations;
+  const test::AllocationGuard guard;
   std::size_t decoded = 0;
   for (const Message& message : messages) {
     const auto datagram = codec.encode(message);
@@ -45,14 +33,15 @@ TEST(Codec, DoesNotAllocate) {
     received[10] ^= std::byte{1};
     (void)codec.decode(std::span{received}.first(datagram.size()));
   }
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(guard.heap_operations(), 0u);
   EXPECT_EQ(decoded, messages.size());
 }
 
 TEST(Codec, AllocatesWhenItIsMadeSoThatTheHookIsKnownToWork) {
-  const long before = allocations;
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const test::AllocationGuard guard;
   const Codec codec;
-  EXPECT_GT(allocations - before, 10);
+  EXPECT_GT(guard.heap_operations(), 10u);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/fake_clock.hpp"
 #include "tests/support/fake_device.hpp"
 #include "tests/support/fake_link.hpp"
 
@@ -19,12 +20,6 @@ using control::Vector;
 constexpr std::uint64_t kSession = 4711;
 const net::Address kServer{.ip = {1}, .port = 47800};
 const net::Address kStranger{.ip = {2}, .port = 47800};
-
-class ManualClock final : public time::Clock {
- public:
-  [[nodiscard]] Nanoseconds now() const noexcept override { return time; }
-  Nanoseconds time{0};
-};
 
 class LastRecord final : public record::TickSink {
  public:
@@ -99,7 +94,7 @@ class SessionTest : public ::testing::Test {
 
   test::FakeDevice device{1};
   test::FakeLink link;
-  ManualClock clock;
+  test::FakeClock clock;
   LastRecord records;
   Events events;
   std::array<record::TickSink*, 1> sinks{&records};
@@ -216,7 +211,7 @@ TEST_F(SessionTest, AFailedReadingIsZeroForceAndNoMotion) {
 
 TEST_F(SessionTest, ALinkThatIsDownIsCountedAndHarmless) {
   connect();
-  link.up = false;
+  link.works = false;
   for (int i = 0; i < 10; ++i) tick();
   EXPECT_EQ(session.totals().send_failures, 10U);
 }
@@ -261,8 +256,7 @@ TEST_F(SessionTest, TickDoesNotAllocate) {
     answers.emplace_back(bytes.begin(), bytes.end());
   }
   for (const auto& bytes : answers) link.arrive(bytes, kServer);
-  // The fake link allocates for what is sent; a link that is down does not.
-  link.up = false;
+  link.keep = false;
   const test::AllocationGuard guard;
   for (int i = 0; i < 10; ++i) tick();
   EXPECT_EQ(guard.heap_operations(), 0U);

@@ -1,0 +1,38 @@
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <iostream>
+#include <memory>
+
+#include "forcebound/server/app/options.hpp"
+#include "forcebound/server/app/serve.hpp"
+#include "forcebound/server/scene/explain.hpp"
+
+namespace {
+
+// Logs go to stderr; stdout is for what was asked for: explanations and totals.
+void log_to_stderr() {
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("server", std::make_shared<spdlog::sinks::stderr_sink_st>()));
+  spdlog::set_pattern("%H:%M:%S.%e %n: %v");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  auto [options, exit_code] = forcebound::server::parse_command_line(argc, argv);
+  if (exit_code) return *exit_code;
+  try {
+    if (options.explain) {
+      std::cout << forcebound::server::explain(*forcebound::server::load_scene(options.scene));
+      return 0;
+    }
+    log_to_stderr();
+    forcebound::server::serve(std::move(options));
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "forcebound-server: " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,84 @@
+#include "forcebound/server/app/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+namespace forcebound::server {
+namespace {
+
+constexpr const char* kProgram = "forcebound-server";
+
+constexpr const char* kDescription =
+    "Computes the forces of a virtual environment for haptic clients.\n"
+    "\n"
+    "Each client (forcebound-client) sends where its device is, by UDP, and gets back the\n"
+    "force that the scene exerts there. However late that force arrives, the client keeps\n"
+    "it passive; the server may be far away. Every client feels a scene of its own.";
+
+std::string footer() {
+  return "Scenes: " + SceneLibrary::shipped().names() +
+         ", or a file of your own (FILE.toml).\n"
+         "A client may ask for any of them by name; files are opened for --scene only.\n"
+         "\n"
+         "Examples:\n"
+         "  forcebound-server                          the wall, for clients on this machine\n"
+         "  forcebound-server --scene sphere --explain what would be simulated, in words\n"
+         "  forcebound-server --listen 0.0.0.0:47800   for clients elsewhere: there is neither\n"
+         "                                             encryption nor a password, so use it within\n"
+         "                                             a network that you trust\n"
+         "\n"
+         "Ends on Ctrl-C or SIGTERM, and then says goodbye to its clients and prints its totals.\n"
+         "Exit code: 0 done, 1 failed, 2 wrong use.";
+}
+
+void describe(CLI::App& app, ProgramOptions& options, std::string& listen, double& idle_timeout_s) {
+  app.description(kDescription);
+  app.footer(footer());
+  app.set_version_flag("--version", std::string(kProgram) + " " + FORCEBOUND_VERSION, "print the version, and end");
+  app.set_help_flag("-h,--help", "print this, and end");
+  app.add_option("--listen", listen, "address to serve; port 0 takes a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--scene", options.scene, "scene for clients that ask for none")
+      ->type_name("NAME|FILE")
+      ->capture_default_str();
+  app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
+  app.add_option("--sessions-max", options.server.sessions_max, "clients at once, at most")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--idle-timeout", idle_timeout_s,
+                 "forget a client that is silent for so long; mobile networks pause 15 s")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
+  app.add_flag("--realtime", options.realtime, "ask the system for real-time scheduling and locked memory");
+  app.add_flag("-v,--verbose", options.verbose, "print totals every 10 s");
+}
+
+}  // namespace
+
+ParsedCommandLine parse_command_line(int argc, const char* const* argv) {
+  ParsedCommandLine parsed;
+  std::string listen = "127.0.0.1:47800";
+  double idle_timeout_s = time::to_seconds(parsed.options.server.idle_timeout);
+  CLI::App app("", kProgram);
+  describe(app, parsed.options, listen, idle_timeout_s);
+  try {
+    app.parse(argc, argv);
+    parsed.options.listen = net::parse_endpoint(listen);
+    parsed.options.server.idle_timeout = time::from_seconds(idle_timeout_s);
+  } catch (const CLI::Success& success) {
+    // Help and version arrive as exceptions; CLI11 knows what to print.
+    parsed.exit_code = app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << kProgram << ": " << error.what() << " (see --help)\n";
+    parsed.exit_code = 2;
+  } catch (const std::invalid_argument& error) {
+    std::cerr << kProgram << ": --listen: " << error.what() << "\n";
+    parsed.exit_code = 2;
+  }
+  return parsed;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,103 @@
+#include "forcebound/server/app/serve.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <csignal>
+#include <iostream>
+#include <random>
+
+#include "forcebound/net/udp_link.hpp"
+#include "forcebound/server/app/log_observer.hpp"
+#include "forcebound/server/app/realtime.hpp"
+#include "forcebound/server/scene/explain.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// Also how late the end may be noticed: a signal between two waits wakes nobody.
+constexpr Nanoseconds kTimerPeriod = milliseconds{100};
+constexpr Nanoseconds kReportPeriod = seconds{10};
+// A flood must not keep the loop from its timer and its end.
+constexpr int kDatagramsPerTurn = 256;
+
+volatile std::sig_atomic_t stop_wanted = 0;
+
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_wanted = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+class SteadyClock final : public time::Clock {
+ public:
+  [[nodiscard]] Nanoseconds now() const noexcept override {
+    return std::chrono::steady_clock::now().time_since_epoch();
+  }
+};
+
+/// The system's randomness, so that nobody guesses a session.
+std::uint64_t random_session_id() {
+  static std::random_device device;
+  return std::uint64_t{device()} << 32U | device();
+}
+
+void drain(net::UdpLink& link, Server& server, const time::Clock& clock) {
+  std::array<std::byte, net::kDatagramBytesMax> buffer;
+  for (int i = 0; i < kDatagramsPerTurn; ++i) {
+    const auto received = link.receive(buffer);
+    if (!received) return;
+    const std::size_t bytes = std::min(received->bytes, buffer.size());
+    server.on_datagram(std::span{buffer}.first(bytes), received->from, clock.now());
+  }
+}
+
+void report(const Server& server) {
+  const ServerCounters counters = server.counters();
+  spdlog::info("{} sessions, {} motions received, {} forces sent, {} datagrams in all", server.sessions(),
+               counters.motions_received, counters.forces_sent, counters.datagrams);
+}
+
+void run(net::UdpLink& link, Server& server, const time::Clock& clock, bool verbose) {
+  Nanoseconds timer = clock.now() + kTimerPeriod;
+  Nanoseconds next_report = clock.now() + kReportPeriod;
+  const std::array descriptors{link.descriptor()};
+  while (stop_wanted == 0) {
+    if (net::wait_readable(descriptors, timer - clock.now())) drain(link, server, clock);
+    const Nanoseconds now = clock.now();
+    if (now < timer) continue;
+    server.on_timer(now);
+    timer = now + kTimerPeriod;
+    if (!verbose || now < next_report) continue;
+    report(server);
+    next_report = now + kReportPeriod;
+  }
+}
+
+}  // namespace
+
+void serve(ProgramOptions options) {
+  const SteadyClock clock;
+  LogObserver observer(clock);
+  const auto scene = load_scene(options.scene);
+  SceneLibrary scenes = SceneLibrary::shipped();
+  scenes.add(scene);
+  options.server.scene = scene->facts().name;
+
+  stop_on_signals();
+  auto link = net::UdpLink::listen(net::resolve(options.listen));
+  Server server(options.server, std::move(scenes), link, clock, random_session_id, &observer);
+  if (options.realtime) spdlog::info("{}", ask_for_realtime());
+  spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
+               summary(*scene));
+
+  run(link, server, clock, options.verbose);
+  server.stop();
+  std::cout << server.counters().text() << std::flush;
+}
+
+}  // namespace forcebound::server

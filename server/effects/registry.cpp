@@ -1,0 +1,28 @@
+#include "forcebound/server/effects/registry.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "forcebound/server/effects/surface.hpp"
+
+namespace forcebound::server {
+
+EffectRegistry EffectRegistry::standard() {
+  EffectRegistry registry;
+  registry.add(surface_effect());
+  return registry;
+}
+
+void EffectRegistry::add(EffectKind kind) {
+  if (find(kind.name) != nullptr) {
+    throw std::invalid_argument("effect '" + std::string(kind.name) + "' is registered twice");
+  }
+  kinds_.push_back(std::move(kind));
+}
+
+const EffectKind* EffectRegistry::find(std::string_view name) const noexcept {
+  const auto found = std::find_if(kinds_.begin(), kinds_.end(), [name](const auto& kind) { return kind.name == name; });
+  return found == kinds_.end() ? nullptr : &*found;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,124 @@
+#include "forcebound/server/scene/checked_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "forcebound/server/scene/scene_parser.hpp"
+#include "forcebound/server/scene/text.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr std::size_t kNameBytesMax = 64;
+
+std::string range_text(const EffectParameter& parameter) {
+  std::string text = (parameter.least_excluded ? "> " : ">= ") + to_text(parameter.least);
+  if (std::isfinite(parameter.most)) text += " and <= " + to_text(parameter.most);
+  return text;
+}
+
+}  // namespace
+
+std::string as_written(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&text](const auto& value) { text << value; });
+  return text.str();
+}
+
+CheckedTable::CheckedTable(const toml::table& table, std::string file, std::string place)
+    : table_(table), file_(std::move(file)), place_(std::move(place)) {}
+
+const toml::node* CheckedTable::find(std::string_view key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  return table_.get(key);
+}
+
+const toml::node& CheckedTable::at(std::string_view key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) fail("'" + std::string(key) + "' is missing");
+  return *node;
+}
+
+std::string CheckedTable::text(std::string_view key) {
+  const toml::node& node = at(key);
+  const auto value = node.value_exact<std::string>();
+  if (!value) fail(node, std::string(key) + " must be text, got " + as_written(node));
+  return *value;
+}
+
+std::string CheckedTable::name(std::string_view key) {
+  std::string value = text(key);
+  const bool printable =
+      std::none_of(value.begin(), value.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+  if (value.empty() || value.size() > kNameBytesMax || !printable) {
+    fail(at(key), std::string(key) + " must have 1 to " + std::to_string(kNameBytesMax) +
+                      " printable characters, got " + as_written(at(key)));
+  }
+  return value;
+}
+
+const toml::table& CheckedTable::table(std::string_view key) {
+  const toml::node& node = at(key);
+  if (!node.is_table()) fail(node, std::string(key) + " must be a table, got " + as_written(node));
+  return *node.as_table();
+}
+
+const toml::array& CheckedTable::array(std::string_view key) {
+  const toml::node& node = at(key);
+  if (!node.is_array()) fail(node, std::string(key) + " must be a list, got " + as_written(node));
+  return *node.as_array();
+}
+
+double CheckedTable::number(const EffectParameter& parameter) {
+  const toml::node* node = parameter.preset ? find(parameter.key) : &at(parameter.key);
+  const double value = node == nullptr ? *parameter.preset : finite(*node, parameter.key);
+  const bool above = parameter.least_excluded ? value > parameter.least : value >= parameter.least;
+  if (node != nullptr && !(above && value <= parameter.most)) {
+    fail(*node, std::string(parameter.key) + " must be " + range_text(parameter) + ", got " + as_written(*node));
+  }
+  note_number(parameter.key, to_text(value));
+  return value;
+}
+
+Point CheckedTable::point(std::string_view key, Eigen::Index rows, double rest) {
+  const toml::array& values = array(key);
+  if (values.size() != static_cast<std::size_t>(rows)) {
+    fail(values, std::string(key) + " must have " + std::to_string(rows) + (rows == 1 ? " number" : " numbers") +
+                     " in this scene, got " + as_written(values));
+  }
+  Point point = Point::Constant(rest);
+  std::string text;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    point[i] = finite(values[static_cast<std::size_t>(i)], key);
+    text += (i == 0 ? "" : ", ") + to_text(point[i]);
+  }
+  note_number(key, "[" + text + "]");
+  return point;
+}
+
+void CheckedTable::refuse_unknown_keys() const {
+  for (const auto& [key, node] : table_) {
+    const std::string name{key.str()};
+    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    fail(node, "unknown key '" + name + "'" + suggestion(name, known_) + " (known: " + join(known_) + ")");
+  }
+}
+
+void CheckedTable::fail(const toml::node& where, const std::string& what) const {
+  throw SceneError(file_ + ":" + std::to_string(where.source().begin.line) + ": " + place_ + ": " + what);
+}
+
+double CheckedTable::finite(const toml::node& node, std::string_view key) const {
+  const auto value = node.value<double>();
+  if (!value || !std::isfinite(*value)) {
+    fail(node, std::string(key) + " must be a finite number, got " + as_written(node));
+  }
+  return *value;
+}
+
+void CheckedTable::note_number(std::string_view key, const std::string& value) {
+  numbers_text_ += (numbers_text_.empty() ? "" : ", ") + std::string(key) + " " + value;
+}
+
+}  // namespace forcebound::server

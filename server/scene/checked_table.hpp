@@ -1,0 +1,62 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/server/effects/effect.hpp"
+
+namespace forcebound::server {
+
+/// A TOML table that is read key by key, so that every error names file, line and place, and every key that nobody
+/// asked for is one. All members @throw SceneError.
+class CheckedTable {
+ public:
+  /// @param place for errors: "object 'wall', effect 'surface'"
+  CheckedTable(const toml::table& table, std::string file, std::string place);
+
+  /// Null where the key is absent.
+  const toml::node* find(std::string_view key);
+  const toml::node& at(std::string_view key);
+
+  std::string text(std::string_view key);
+
+  /// Text that may stand in a log line: 1 to 64 bytes without control characters.
+  std::string name(std::string_view key);
+
+  const toml::table& table(std::string_view key);
+  const toml::array& array(std::string_view key);
+  double number(const EffectParameter& parameter);
+
+  /// An array of `rows` finite numbers; the rest of the point is `rest`.
+  Point point(std::string_view key, Eigen::Index rows, double rest = 0);
+
+  /// To be called when everything is read.
+  void refuse_unknown_keys() const;
+
+  /// The numbers read so far, "radius_m 0.02, center_m [0, 0]".
+  [[nodiscard]] const std::string& numbers_text() const noexcept { return numbers_text_; }
+
+  [[nodiscard]] const std::string& file() const noexcept { return file_; }
+  [[nodiscard]] const std::string& place() const noexcept { return place_; }
+
+  [[noreturn]] void fail(const toml::node& where, const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
+
+ private:
+  double finite(const toml::node& node, std::string_view key) const;
+  void note_number(std::string_view key, const std::string& value);
+
+  const toml::table& table_;
+  std::string file_;
+  std::string place_;
+  std::vector<std::string> known_;
+  std::string numbers_text_;
+};
+
+/// As it stands in the file, for "got ...".
+std::string as_written(const toml::node& node);
+
+}  // namespace forcebound::server

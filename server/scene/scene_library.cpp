@@ -1,0 +1,72 @@
+#include "forcebound/server/scene/scene_library.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "embedded/shipped_scenes.hpp"
+#include "forcebound/server/scene/text.hpp"
+
+namespace forcebound::server {
+namespace {
+
+std::string read_file(const std::string& path) {
+  errno = 0;
+  const std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  // A directory opens, and only reading it fails; an empty file fails to give anything, but with no error.
+  if (!file.is_open() || (text.fail() && errno != 0)) throw SceneError(path + ": " + std::strerror(errno));
+  return text.str();
+}
+
+std::vector<std::string> names_of(const std::vector<std::shared_ptr<const Scene>>& scenes) {
+  std::vector<std::string> names;
+  for (const auto& scene : scenes) names.push_back(scene->facts().name);
+  return names;
+}
+
+}  // namespace
+
+SceneLibrary SceneLibrary::shipped(const EffectRegistry& registry) {
+  SceneLibrary library;
+  for (const EmbeddedText& scene : shipped_scenes()) {
+    library.add(parse_scene(scene.text, "scenes/" + std::string(scene.name) + ".toml", registry));
+  }
+  return library;
+}
+
+void SceneLibrary::add(std::shared_ptr<const Scene> scene) {
+  for (auto& known : scenes_) {
+    if (known->facts().name != scene->facts().name) continue;
+    known = std::move(scene);
+    return;
+  }
+  scenes_.push_back(std::move(scene));
+}
+
+std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const noexcept {
+  for (const auto& scene : scenes_) {
+    if (scene->facts().name == name) return scene;
+  }
+  return nullptr;
+}
+
+std::string SceneLibrary::names() const { return join(names_of(scenes_)); }
+
+std::string SceneLibrary::unknown_scene_text(std::string_view name) const {
+  const std::vector<std::string> known = names_of(scenes_);
+  return "no scene '" + std::string(name) + "'" + suggestion(name, known) + " (known: " + join(known) + ")";
+}
+
+std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry) {
+  const bool is_file = name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml");
+  if (is_file) return parse_scene(read_file(name_or_file), name_or_file, registry);
+  const SceneLibrary library = SceneLibrary::shipped(registry);
+  if (auto scene = library.find(name_or_file)) return scene;
+  throw SceneError(library.unknown_scene_text(name_or_file) + "; a file is given as FILE.toml");
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/server/scene/scene.hpp"
+#include "forcebound/server/scene/scene_parser.hpp"
+
+namespace forcebound::server {
+
+/// The scenes that clients may ask for, by name.
+class SceneLibrary {
+ public:
+  /// Those that ship with the server.
+  static SceneLibrary shipped(const EffectRegistry& registry = EffectRegistry::standard());
+
+  /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
+  void add(std::shared_ptr<const Scene> scene);
+
+  /// Null if there is none. Never looks at files, so that a client cannot either.
+  [[nodiscard]] std::shared_ptr<const Scene> find(std::string_view name) const noexcept;
+
+  /// "box, circle, ...".
+  [[nodiscard]] std::string names() const;
+
+  /// "no scene 'spere', did you mean 'sphere'? (known: box, circle, ...)".
+  [[nodiscard]] std::string unknown_scene_text(std::string_view name) const;
+
+ private:
+  std::vector<std::shared_ptr<const Scene>> scenes_;
+};
+
+/// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.
+/// @throws SceneError
+std::shared_ptr<const Scene> load_scene(const std::string& name_or_file,
+                                        const EffectRegistry& registry = EffectRegistry::standard());
+
+}  // namespace forcebound::server

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "forcebound/server/effects/registry.hpp"
+#include "forcebound/server/scene/scene.hpp"
+
+namespace forcebound::server {
+
+/// A scene that cannot be had; `what()` is one line: file, line, object, effect, what is wrong and what would be right.
+class SceneError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Compiles the text of a scene file (server/scenes has examples).
+///
+/// Points have as many numbers as the scene has degrees of freedom; a scene for "any" device lies on its first axis, so
+/// they have one.
+///
+/// @param file_name for errors
+/// @throws SceneError
+std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file_name,
+                                         const EffectRegistry& registry = EffectRegistry::standard());
+
+}  // namespace forcebound::server

@@ -1,0 +1,95 @@
+#include "forcebound/server/scene/shape.hpp"
+
+namespace forcebound::server {
+namespace {
+
+// Nearer to the centre than this share of the radius, a direction is made of rounding errors.
+constexpr double kCentre = 1e-12;
+
+class HalfSpace final : public Shape {
+ public:
+  HalfSpace(const Point& through_m, const Point& normal) : through_m_(through_m), normal_(normal.stableNormalized()) {}
+
+  SurfacePoint nearest(const Point& position_m, const Point&) const noexcept override {
+    return {.normal = normal_, .penetration_m = (through_m_ - position_m).dot(normal_)};
+  }
+
+ private:
+  Point through_m_;
+  Point normal_;
+};
+
+class Sphere final : public Shape {
+ public:
+  Sphere(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
+
+  SurfacePoint nearest(const Point& position_m, const Point& last_normal) const noexcept override {
+    const Point out = position_m - center_m_;
+    const double distance_m = out.stableNorm();
+    const double penetration_m = radius_m_ - distance_m;
+    if (distance_m <= kCentre * radius_m_) return {last_normal, penetration_m, true};
+    return {.normal = out / distance_m, .penetration_m = penetration_m};
+  }
+
+ private:
+  Point center_m_;
+  double radius_m_;
+};
+
+class Cavity final : public Shape {
+ public:
+  Cavity(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
+
+  SurfacePoint nearest(const Point& position_m, const Point& last_normal) const noexcept override {
+    const Point out = position_m - center_m_;
+    const double distance_m = out.stableNorm();
+    const double penetration_m = distance_m - radius_m_;
+    if (penetration_m <= 0) return {last_normal, penetration_m};
+    return {.normal = -out / distance_m, .penetration_m = penetration_m};
+  }
+
+ private:
+  Point center_m_;
+  double radius_m_;
+};
+
+class Box final : public Shape {
+ public:
+  Box(const Point& center_m, const Point& size_m) : center_m_(center_m), half_m_(0.5 * size_m) {}
+
+  SurfacePoint nearest(const Point& position_m, const Point&) const noexcept override {
+    const Point from_center = position_m - center_m_;
+    SurfacePoint found{.normal = Point::UnitX(), .penetration_m = std::numeric_limits<double>::infinity()};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double depth_m = half_m_[axis] - std::abs(from_center[axis]);
+      if (!(depth_m < found.penetration_m)) continue;
+      found.penetration_m = depth_m;
+      found.normal = (from_center[axis] < 0 ? -1.0 : 1.0) * Point::Unit(axis);
+    }
+    return found;
+  }
+
+ private:
+  Point center_m_;
+  Point half_m_;
+};
+
+}  // namespace
+
+std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal) {
+  return std::make_unique<HalfSpace>(through_m, normal);
+}
+
+std::unique_ptr<Shape> make_sphere(const Point& center_m, double radius_m) {
+  return std::make_unique<Sphere>(center_m, radius_m);
+}
+
+std::unique_ptr<Shape> make_cavity(const Point& center_m, double radius_m) {
+  return std::make_unique<Cavity>(center_m, radius_m);
+}
+
+std::unique_ptr<Shape> make_box(const Point& center_m, const Point& size_m) {
+  return std::make_unique<Box>(center_m, size_m);
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,55 @@
+#include "forcebound/server/session/counters.hpp"
+
+#include <initializer_list>
+#include <string_view>
+
+namespace forcebound::server {
+namespace {
+
+struct Count {
+  std::string_view what;
+  std::uint64_t value;
+};
+
+std::string line(std::string_view subject, Count always, std::initializer_list<Count> if_any) {
+  std::string text = std::string(subject) + ": " + std::to_string(always.value) + " " + std::string(always.what);
+  for (const Count& count : if_any) {
+    if (count.value > 0) text += ", " + std::to_string(count.value) + " " + std::string(count.what);
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string ServerCounters::text() const {
+  return line("sessions", {"opened", sessions_opened},
+              {{"ended by the client", sessions_ended},
+               {"closed as idle", sessions_idle},
+               {"hellos refused", hellos_refused},
+               {"hellos repeated", hellos_repeated},
+               {"hellos after bye", hellos_after_bye},
+               {"hellos over the rate", hellos_over_rate},
+               {"byes repeated", byes_repeated},
+               {"byes of unknown sessions", byes_unknown},
+               {"changes of address", addresses_changed}}) +
+         line("motions", {"received", motions_received},
+              {{"duplicated", motions_duplicated},
+               {"reordered", motions_reordered},
+               {"over the rate", motions_over_rate},
+               {"of wrong size", motions_of_wrong_size},
+               {"without a session", motions_without_session}}) +
+         line("forces", {"sent", forces_sent},
+              {{"datagrams not sent", sends_failed},
+               {"not finite, made zero", non_finite_forces},
+               {"with the last valid normal", old_normals}}) +
+         line("datagrams", {"received", datagrams},
+              {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
+               {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},
+               {"foreign", malformed[static_cast<std::size_t>(wire::Malformed::foreign)]},
+               {"corrupt", malformed[static_cast<std::size_t>(wire::Malformed::corrupt)]},
+               {"unreadable", malformed[static_cast<std::size_t>(wire::Malformed::unreadable)]},
+               {"not finite", malformed[static_cast<std::size_t>(wire::Malformed::non_finite)]},
+               {"unexpected", unexpected}});
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,285 @@
+#include "forcebound/server/session/server.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "forcebound/server/scene/explain.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using wire::RefusalReason;
+
+// A client may promise anything; we believe it within reason.
+constexpr double kPeriodLeast_s = 100e-6;
+constexpr double kPeriodMost_s = 1;
+
+// As much as one second promises may come at once, after a network held it back.
+int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
+
+/// Strangers' text, fit for a log line.
+std::string printable(std::string_view text) {
+  std::string result(text);
+  std::replace_if(
+      result.begin(), result.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return result;
+}
+
+std::string refusal_of_version(std::uint32_t version) {
+  return "this server speaks protocol version " + std::to_string(wire::kProtocolVersion) + ", the client " +
+         std::to_string(version);
+}
+
+std::string refusal_of_dof(const Scene& scene, const wire::Hello& hello) {
+  return "scene '" + scene.facts().name + "' accepts devices with " + scene.accepted_degrees_of_freedom() +
+         " degrees of freedom, device '" + printable(hello.device) + "' has " +
+         std::to_string(hello.degrees_of_freedom);
+}
+
+}  // namespace
+
+Server::Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& link, const time::Clock& clock,
+               std::function<std::uint64_t()> session_ids, ServerObserver* observer)
+    : options_(std::move(options)),
+      scenes_(std::move(scenes)),
+      link_(link),
+      clock_(clock),
+      session_ids_(std::move(session_ids)),
+      observer_(observer == nullptr ? nobody_ : *observer),
+      hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
+              std::max(1, options_.hellos_per_s_max), clock.now()) {
+  if (!scenes_.find(options_.scene)) throw std::invalid_argument(scenes_.unknown_scene_text(options_.scene));
+  if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
+      !(options_.motions_per_promised > 0)) {
+    throw std::invalid_argument("sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max must be > 0");
+  }
+  sessions_.reserve(options_.sessions_max);
+  ended_.resize(options_.sessions_max);
+}
+
+void Server::on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  ++counters_.datagrams;
+  const auto decoded = codec_.decode(datagram);
+  if (const auto* malformed = std::get_if<wire::Malformed>(&decoded)) {
+    ++counters_.malformed[static_cast<std::size_t>(*malformed)];
+    return;
+  }
+  const auto& message = std::get<wire::Message>(decoded);
+  if (const auto* motion = std::get_if<wire::MotionSample>(&message)) {
+    on_motion(*motion, from, now);
+  } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
+    on_hello(*hello, from, now);
+  } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
+    on_bye(*bye, from);
+  } else {
+    ++counters_.unexpected;
+  }
+}
+
+void Server::on_timer(Nanoseconds now) {
+  std::erase_if(sessions_, [&](const auto& entry) {
+    const Session& session = entry.second;
+    if (now - session.last_heard < options_.idle_timeout) return false;
+    ++counters_.sessions_idle;
+    close(session, CloseReason::idle);
+    return true;
+  });
+}
+
+void Server::stop() {
+  for (const auto& [id, session] : sessions_) {
+    send(session.counts, session.info.address);
+    close(session, CloseReason::server_stops);
+  }
+  sessions_.clear();
+}
+
+ServerCounters Server::counters() const noexcept {
+  ServerCounters total = counters_;
+  for (const auto& [id, session] : sessions_) {
+    total.old_normals += session.scene.faults().old_normals;
+    total.non_finite_forces += session.scene.faults().non_finite_forces;
+  }
+  return total;
+}
+
+void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
+  if (!hellos_.take(now)) {
+    ++counters_.hellos_over_rate;
+    return;
+  }
+  if (const Session* session = find(from, hello.client_nonce)) {
+    ++counters_.hellos_repeated;
+    welcome(*session);
+    return;
+  }
+  const bool late = std::any_of(ended_.begin(), ended_.end(), [&](const Ended& ended) {
+    return ended.counts.session != 0 && ended.nonce == hello.client_nonce && ended.address == from;
+  });
+  if (late) {
+    ++counters_.hellos_after_bye;
+    return;
+  }
+  if (refused(hello, from)) return;
+  const auto scene = scenes_.find(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
+  Session& session = open(hello, scene, from, now);
+  welcome(session);
+  observer_.on_opened(session.info);
+}
+
+bool Server::refused(const wire::Hello& hello, const net::Address& from) {
+  const auto refuse = [&](RefusalReason reason, const std::string& text) {
+    ++counters_.hellos_refused;
+    send(wire::Refusal{.client_nonce = hello.client_nonce, .reason = reason, .text = text}, from);
+    observer_.on_refused(from, text);
+    return true;
+  };
+  if (hello.protocol_version != wire::kProtocolVersion) {
+    return refuse(RefusalReason::version_mismatch, refusal_of_version(hello.protocol_version));
+  }
+  const auto scene = scenes_.find(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
+  if (!scene) return refuse(RefusalReason::unknown_scene, scenes_.unknown_scene_text(printable(hello.scene)));
+  if (!scene->accepts(hello.degrees_of_freedom)) {
+    return refuse(RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(*scene, hello));
+  }
+  if (sessions_.size() >= options_.sessions_max) {
+    return refuse(RefusalReason::server_full,
+                  "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later");
+  }
+  return false;
+}
+
+Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) noexcept {
+  for (auto& [id, session] : sessions_) {
+    if (session.nonce == nonce && session.info.address == address) return &session;
+  }
+  return nullptr;
+}
+
+Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
+                              Nanoseconds now) {
+  std::uint64_t id = session_ids_();
+  // Zero means "no session" on the wire.
+  while (id == 0 || sessions_.contains(id)) id = session_ids_();
+
+  const double period_s = std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s);
+  SessionInfo info{.session = id,
+                   .address = from,
+                   .device = printable(hello.device),
+                   .degrees_of_freedom = hello.degrees_of_freedom,
+                   .scene = scene->facts().name};
+  Session session{
+      .info = std::move(info),
+      .nonce = hello.client_nonce,
+      .scene = SceneState(std::move(scene), hello.degrees_of_freedom),
+      .rate = TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
+      .last_heard = now};
+  session.counts.session = id;
+  ++counters_.sessions_opened;
+  return sessions_.emplace(id, std::move(session)).first->second;
+}
+
+void Server::welcome(const Session& session) {
+  const Scene& scene = session.scene.scene();
+  const std::string simulated = summary(scene);
+  send(wire::Welcome{.client_nonce = session.nonce,
+                     .session = session.info.session,
+                     .scene_hash = scene.facts().hash,
+                     .scene = scene.facts().name,
+                     .simulated = simulated},
+       session.info.address);
+}
+
+void Server::on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept {
+  const auto found = sessions_.find(motion.session);
+  if (found == sessions_.end()) {
+    ++counters_.motions_without_session;
+    send(wire::Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}, from);
+    return;
+  }
+  Session& session = found->second;
+  if (motion.position.rows() != static_cast<Eigen::Index>(session.info.degrees_of_freedom)) {
+    ++counters_.motions_of_wrong_size;
+    return;
+  }
+  const auto arrival = session.arrived.note(motion.sequence);
+  if (arrival == SequenceWindow::Arrival::duplicate) {
+    ++session.counts.motions_duplicated;
+    ++counters_.motions_duplicated;
+    return;
+  }
+  session.last_heard = now;
+  ++session.counts.motions_received;
+  ++counters_.motions_received;
+  if (arrival == SequenceWindow::Arrival::late) {
+    ++session.counts.motions_reordered;
+    ++counters_.motions_reordered;
+    return;
+  }
+  if (session.info.address != from) {
+    ++counters_.addresses_changed;
+    session.info.address = from;
+  }
+  if (!session.rate.take(now)) {
+    ++counters_.motions_over_rate;
+    return;
+  }
+  answer(session, motion, now);
+}
+
+void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {
+  observer_.on_motion(motion);
+  const Nanoseconds begin = clock_.now();
+  const SceneAnswer scene = session.scene.answer(motion.position, motion.device_time);
+  const Nanoseconds end = clock_.now();
+
+  const wire::EnvironmentForce force{.session = motion.session,
+                                     .sequence = ++session.counts.forces_sent,
+                                     .motion_sequence = motion.sequence,
+                                     .motion_device_time = motion.device_time,
+                                     .force = scene.force,
+                                     .position = motion.position,
+                                     .contact_normal = scene.contact_normal,
+                                     .penetration_m = scene.penetration_m,
+                                     .server_receive_time = now,
+                                     .server_send_time = end,
+                                     .compute_time = end - begin,
+                                     .motions_received = session.counts.motions_received,
+                                     .motions_duplicated = session.counts.motions_duplicated,
+                                     .motions_reordered = session.counts.motions_reordered};
+  ++counters_.forces_sent;
+  send(force, session.info.address);
+  observer_.on_force(force);
+}
+
+void Server::on_bye(const wire::Bye& bye, const net::Address& from) {
+  if (const auto found = sessions_.find(bye.session); found != sessions_.end()) {
+    const Session& session = found->second;
+    send(session.counts, from);
+    ended_[ended_next_++ % ended_.size()] = {session.nonce, session.info.address, session.counts};
+    ++counters_.sessions_ended;
+    close(session, CloseReason::client_said_bye);
+    sessions_.erase(found);
+    return;
+  }
+  for (const Ended& ended : ended_) {
+    if (ended.counts.session != bye.session || bye.session == 0) continue;
+    ++counters_.byes_repeated;
+    send(ended.counts, from);
+    return;
+  }
+  ++counters_.byes_unknown;
+}
+
+void Server::send(const wire::Message& message, const net::Address& to) noexcept {
+  if (!link_.send(codec_.encode(message), to)) ++counters_.sends_failed;
+}
+
+void Server::close(const Session& session, CloseReason reason) {
+  counters_.old_normals += session.scene.faults().old_normals;
+  counters_.non_finite_forces += session.scene.faults().non_finite_forces;
+  observer_.on_closed(session.info, reason, session.counts);
+}
+
+}  // namespace forcebound::server

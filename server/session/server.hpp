@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/server/scene/scene_state.hpp"
+#include "forcebound/server/session/counters.hpp"
+#include "forcebound/server/session/observer.hpp"
+#include "forcebound/server/session/sequence_window.hpp"
+#include "forcebound/server/session/token_bucket.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/wire/codec.hpp"
+
+namespace forcebound::server {
+
+struct ServerOptions {
+  std::string scene = "wall";                           ///< for clients that ask for none; in the library
+  std::size_t sessions_max = 64;                        ///< at once
+  Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< without motion; longer than any round trip (12 s are known)
+  double motions_per_promised = 4;                      ///< answers per motion that the client promised in its Hello
+  int hellos_per_s_max = 50;                            ///< over all clients
+};
+
+/// Who is connected, and the answer to each of their motions. Every client has its own state of its scene.
+///
+/// Hello: the same nonce from the same address always means the same session. Motion: if newer than every other of its
+/// session it is answered at once; copies and latecomers are counted, in the session too, so that client and server
+/// agree on what the network did. Motion of an unknown session (the server restarted) is refused at once with fewer
+/// bytes than it had. A session follows its client to another address if the newest motion comes from there, because
+/// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost.
+///
+/// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
+/// are arguments. Not thread-safe.
+class Server {
+ public:
+  /// @param session_ids unguessable numbers
+  /// @param observer may be null
+  /// @throws std::invalid_argument if the library has no scene of the name in the options, or an option is not positive
+  Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& link, const time::Clock& clock,
+         std::function<std::uint64_t()> session_ids, ServerObserver* observer = nullptr);
+
+  /// Whatever came from the network; `now` is when it came. Real time for motion: no allocation, O(objects of the
+  /// scene).
+  void on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+
+  /// Closes what is idle. To be called a few times a second.
+  void on_timer(Nanoseconds now);
+
+  /// Says Bye to all clients and forgets them.
+  void stop();
+
+  [[nodiscard]] std::size_t sessions() const noexcept { return sessions_.size(); }
+  [[nodiscard]] ServerCounters counters() const noexcept;
+
+ private:
+  struct Session {
+    SessionInfo info;
+    std::uint64_t nonce;
+    SceneState scene;
+    TokenBucket rate;
+    Nanoseconds last_heard;
+    SequenceWindow arrived{};
+    wire::Bye counts{};
+  };
+
+  /// What remains of a session that the client ended, to answer further copies of its Bye and to know copies of its
+  /// Hello.
+  struct Ended {
+    std::uint64_t nonce = 0;
+    net::Address address;
+    wire::Bye counts;
+  };
+
+  void on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
+  void on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept;
+  void on_bye(const wire::Bye& bye, const net::Address& from);
+
+  [[nodiscard]] bool refused(const wire::Hello& hello, const net::Address& from);
+  [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
+  Session& open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
+                Nanoseconds now);
+  void welcome(const Session& session);
+  void answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
+  void send(const wire::Message& message, const net::Address& to) noexcept;
+
+  /// Tells the observer and keeps what the totals need; the caller erases.
+  void close(const Session& session, CloseReason reason);
+
+  ServerOptions options_;
+  SceneLibrary scenes_;
+  net::DatagramLink& link_;
+  const time::Clock& clock_;
+  std::function<std::uint64_t()> session_ids_;
+  ServerObserver nobody_;
+  ServerObserver& observer_;
+  wire::Codec codec_;
+  std::unordered_map<std::uint64_t, Session> sessions_;
+  std::vector<Ended> ended_;  ///< a ring of the last ones
+  std::size_t ended_next_ = 0;
+  TokenBucket hellos_;
+  ServerCounters counters_;
+};
+
+}  // namespace forcebound::server

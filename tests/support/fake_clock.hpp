@@ -1,0 +1,15 @@
+#pragma once
+
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::test {
+
+/// A clock that stands where the test puts it.
+class FakeClock final : public time::Clock {
+ public:
+  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time; }
+
+  time::Nanoseconds time{0};
+};
+
+}  // namespace forcebound::test

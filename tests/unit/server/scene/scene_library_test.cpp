@@ -1,0 +1,78 @@
+#include "forcebound/server/scene/scene_library.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace forcebound::server {
+namespace {
+
+using testing::HasSubstr;
+
+std::string error_of(const std::string& name_or_file) {
+  try {
+    (void)load_scene(name_or_file);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SceneLibrary, ShipsTheScenesWithTheirDegreesOfFreedom) {
+  const SceneLibrary library = SceneLibrary::shipped();
+  EXPECT_EQ(library.names(), "box, circle, free, plane, sphere, wall");
+  const auto accepted = [&](std::string_view name) { return library.find(name)->accepted_degrees_of_freedom(); };
+  EXPECT_EQ(accepted("wall"), "1 to 6");
+  EXPECT_EQ(accepted("free"), "1 to 6");
+  EXPECT_EQ(accepted("circle"), "2");
+  EXPECT_EQ(accepted("sphere"), "3 or 6");
+  EXPECT_EQ(accepted("plane"), "3 or 6");
+  EXPECT_EQ(accepted("box"), "3 or 6");
+}
+
+TEST(Scene, AcceptsWhatItSays) {
+  const SceneLibrary library = SceneLibrary::shipped();
+  const auto accepted = [&](std::string_view name) {
+    std::string numbers;
+    for (std::uint32_t dof = 0; dof < 9; ++dof) {
+      if (library.find(name)->accepts(dof)) numbers += std::to_string(dof);
+    }
+    return numbers;
+  };
+  EXPECT_EQ(accepted("wall"), "123456");
+  EXPECT_EQ(accepted("circle"), "2");
+  EXPECT_EQ(accepted("sphere"), "36");
+}
+
+TEST(SceneLibrary, TheOwnersSceneReplacesAShippedOne) {
+  SceneLibrary library = SceneLibrary::shipped();
+  const auto own = parse_scene("[scene]\nname = 'wall'\ndescription = 'no wall'\ndegrees_of_freedom = 1\n", "own.toml");
+  library.add(own);
+  EXPECT_EQ(library.find("wall"), own);
+  EXPECT_EQ(library.names(), "box, circle, free, plane, sphere, wall");
+}
+
+TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }
+
+TEST(LoadScene, UnknownNameListsTheKnownOnes) {
+  EXPECT_EQ(
+      error_of("spere"),
+      "no scene 'spere', did you mean 'sphere'? (known: box, circle, free, plane, sphere, wall); a file is given as "
+      "FILE.toml");
+}
+
+TEST(LoadScene, ReadsAFile) {
+  const std::string path = testing::TempDir() + "scene_library_test.toml";
+  std::ofstream(path) << "[scene]\nname = 'mine'\ndescription = ''\ndegrees_of_freedom = 2\n";
+  EXPECT_EQ(load_scene(path)->facts().name, "mine");
+}
+
+TEST(LoadScene, NamesTheFileThatIsNotThere) {
+  EXPECT_EQ(error_of("/nowhere/x.toml"), "/nowhere/x.toml: No such file or directory");
+}
+
+TEST(LoadScene, RefusesAFolder) { EXPECT_THAT(error_of("/tmp/"), HasSubstr("/tmp/: Is a directory")); }
+
+}  // namespace
+}  // namespace forcebound::server

@@ -1,0 +1,270 @@
+#include "forcebound/server/session/server.hpp"
+
+#include <stdexcept>
+
+#include "tests/unit/server/session/server_fixture.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ServerTest : public ServerFixture {};
+
+TEST_F(ServerTest, WelcomesWithWhatIsSimulated) {
+  arrive(hello(77));
+  const auto welcome = only_answer<wire::Welcome>();
+  EXPECT_EQ(welcome.client_nonce, 77u);
+  EXPECT_NE(welcome.session, 0u);
+  EXPECT_EQ(welcome.scene, "wall");
+  EXPECT_EQ(welcome.scene_hash, load_scene("wall")->facts().hash);
+  EXPECT_EQ(welcome.simulated, "wall (half_space): surface stiffness_N_per_m 50000, damping_N_s_per_m 0");
+  EXPECT_THAT(diary.lines, ElementsAre("opened wall-1dof in wall"));
+}
+
+TEST_F(ServerTest, GivesTheWantedScene) {
+  arrive({wire::Hello{.client_nonce = 1, .degrees_of_freedom = 3, .period_s = 1e-3, .scene = "sphere"}});
+  EXPECT_EQ(only_answer<wire::Welcome>().scene, "sphere");
+}
+
+TEST_F(ServerTest, SameNonceFromTheSameAddressIsTheSameSession) {
+  const auto session = join(7);
+  EXPECT_EQ(join(7), session);
+  EXPECT_EQ(server->sessions(), 1u);
+  EXPECT_EQ(server->counters().hellos_repeated, 1u);
+  EXPECT_NE(join(7, address(2)), session);
+  EXPECT_NE(join(8), session);
+}
+
+TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
+  auto question = hello(9);
+  question.protocol_version = 2;
+  arrive(question);
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.client_nonce, 9u);
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::version_mismatch);
+  EXPECT_EQ(refusal.text, "this server speaks protocol version 1, the client 2");
+}
+
+TEST_F(ServerTest, RefusesAnUnknownSceneAndListsTheKnown) {
+  auto question = hello();
+  question.scene = "wal";
+  arrive(question);
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_scene);
+  EXPECT_EQ(refusal.text, "no scene 'wal', did you mean 'wall'? (known: box, circle, free, plane, sphere, wall)");
+  EXPECT_EQ(server->counters().hellos_refused, 1u);
+}
+
+TEST_F(ServerTest, RefusesOtherDegreesOfFreedomWithBothNumbers) {
+  auto question = hello();
+  question.scene = "sphere";
+  arrive(question);
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::wrong_degrees_of_freedom);
+  EXPECT_EQ(refusal.text, "scene 'sphere' accepts devices with 3 or 6 degrees of freedom, device 'wall-1dof' has 1");
+}
+
+TEST_F(ServerTest, RefusesMoreSessionsThanItHas) {
+  start({.sessions_max = 2});
+  join(1);
+  join(2);
+  arrive(hello(3));
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::server_full);
+  EXPECT_EQ(refusal.text, "all 2 sessions are taken, try again later");
+  EXPECT_EQ(join(1), 6000u) << "those inside are still known";
+}
+
+TEST_F(ServerTest, AnswersMotionWithForceAndTimes) {
+  const auto session = join();
+  clock.time = milliseconds{20};
+  arrive(motion(session, 41, 0.002));
+  const auto force = only_answer<wire::EnvironmentForce>();
+  EXPECT_EQ(force.session, session);
+  EXPECT_EQ(force.sequence, 1u);
+  EXPECT_EQ(force.motion_sequence, 41u);
+  EXPECT_EQ(force.motion_device_time, milliseconds{41});
+  EXPECT_EQ(force.force, vector_of({-100}));
+  EXPECT_EQ(force.position, vector_of({0.002}));
+  EXPECT_EQ(force.contact_normal, vector_of({-1}));
+  EXPECT_EQ(force.penetration_m, 0.002);
+  EXPECT_EQ(force.server_receive_time, milliseconds{20});
+  EXPECT_EQ(force.server_send_time, milliseconds{20});
+  EXPECT_EQ(force.motions_received, 1u);
+  EXPECT_EQ(diary.motions, 1);
+  EXPECT_EQ(diary.forces, 1);
+}
+
+TEST_F(ServerTest, AnswersOnlyTheNewestAndCountsTheRest) {
+  const auto session = join();
+  for (const std::uint64_t sequence : {1, 2, 5, 3, 5, 3, 6}) arrive(motion(session, sequence));
+  const auto forces = answers();
+  std::vector<std::uint64_t> answered;
+  for (const auto& force : forces) answered.push_back(std::get<wire::EnvironmentForce>(force).motion_sequence);
+  EXPECT_THAT(answered, ElementsAre(1, 2, 5, 6));
+  const auto last = std::get<wire::EnvironmentForce>(forces.back());
+  EXPECT_EQ(last.sequence, 4u);
+  EXPECT_EQ(last.motions_received, 5u);
+  EXPECT_EQ(last.motions_duplicated, 2u);
+  EXPECT_EQ(last.motions_reordered, 1u);
+}
+
+TEST_F(ServerTest, SequenceMayWrapAround) {
+  const auto session = join();
+  arrive(motion(session, UINT64_MAX));
+  arrive(motion(session, 0));
+  arrive(motion(session, UINT64_MAX));
+  EXPECT_EQ(answers().size(), 2u);
+  EXPECT_EQ(server->counters().motions_duplicated, 1u);
+}
+
+TEST_F(ServerTest, RefusesMotionOfASessionItDoesNotKnow) {
+  arrive(motion(4711, 1), address(3));
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.session, 4711u);
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_session);
+  EXPECT_THAT(sent_to, ElementsAre(address(3)));
+  EXPECT_EQ(server->counters().motions_without_session, 1u);
+}
+
+TEST_F(ServerTest, DropsMotionOfAnotherSize) {
+  const auto session = join();
+  arrive(wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({1, 2})});
+  EXPECT_TRUE(answers().empty());
+  EXPECT_EQ(server->counters().motions_of_wrong_size, 1u);
+  EXPECT_EQ(server->counters().motions_received, 0u);
+}
+
+TEST_F(ServerTest, FollowsAClientToItsNewAddress) {
+  const auto session = join(1, address(1));
+  arrive(motion(session, 1), address(2));
+  arrive(motion(session, 2), address(2));
+  answers();
+  EXPECT_THAT(sent_to, ElementsAre(address(1), address(2), address(2)));
+  EXPECT_EQ(server->counters().addresses_changed, 1u);
+}
+
+TEST_F(ServerTest, ACopyOfOldMotionDoesNotMoveASession) {
+  const auto session = join(1, address(1));
+  arrive(motion(session, 2), address(1));
+  arrive(motion(session, 2), address(66));
+  arrive(motion(session, 1), address(66));
+  arrive(motion(session, 3), address(1));
+  answers();
+  EXPECT_THAT(sent_to, ElementsAre(address(1), address(1), address(1)));
+}
+
+TEST_F(ServerTest, AnswersByeWithFinalCountsAndForgetsTheSession) {
+  const auto session = join();
+  for (const std::uint64_t sequence : {1, 3, 2, 3}) arrive(motion(session, sequence));
+  answers();
+  arrive(wire::Bye{.session = session});
+  const auto bye = only_answer<wire::Bye>();
+  EXPECT_EQ(bye.session, session);
+  EXPECT_EQ(bye.motions_received, 3u);
+  EXPECT_EQ(bye.motions_duplicated, 1u);
+  EXPECT_EQ(bye.motions_reordered, 1u);
+  EXPECT_EQ(bye.forces_sent, 2u);
+  EXPECT_EQ(server->sessions(), 0u);
+  EXPECT_THAT(diary.lines, ElementsAre("opened wall-1dof in wall", "closed wall-1dof: bye"));
+}
+
+TEST_F(ServerTest, AnswersByeAgainIfItsAnswerWasLost) {
+  const auto session = join();
+  arrive(motion(session, 1));
+  arrive(wire::Bye{.session = session});
+  answers();
+  arrive(wire::Bye{.session = session});
+  EXPECT_EQ(only_answer<wire::Bye>().motions_received, 1u);
+  EXPECT_EQ(server->counters().byes_repeated, 1u);
+}
+
+TEST_F(ServerTest, IgnoresByeOfASessionItNeverHad) {
+  arrive(wire::Bye{.session = 4711});
+  arrive(wire::Bye{});
+  EXPECT_TRUE(answers().empty());
+  EXPECT_EQ(server->counters().byes_unknown, 2u);
+}
+
+TEST_F(ServerTest, ACopyOfHelloAfterByeOpensNothing) {
+  const auto session = join(5);
+  arrive(wire::Bye{.session = session});
+  answers();
+  arrive(hello(5));
+  EXPECT_TRUE(answers().empty());
+  EXPECT_EQ(server->sessions(), 0u);
+  EXPECT_EQ(server->counters().hellos_after_bye, 1u);
+}
+
+TEST_F(ServerTest, ClosesWhatIsIdle) {
+  start({.idle_timeout = seconds{10}});
+  const auto quiet = join(1);
+  const auto busy = join(2);
+  clock.time = seconds{9};
+  arrive(motion(busy, 1));
+  answers();
+  server->on_timer(clock.time);
+  EXPECT_EQ(server->sessions(), 2u);
+  clock.time = seconds{10};
+  server->on_timer(clock.time);
+  EXPECT_EQ(server->sessions(), 1u);
+  EXPECT_EQ(diary.lines.back(), "closed wall-1dof: idle");
+  arrive(motion(quiet, 1));
+  EXPECT_EQ(only_answer<wire::Refusal>().reason, wire::RefusalReason::unknown_session);
+  EXPECT_NE(join(1), quiet) << "an idle client may come back with the same nonce";
+}
+
+TEST_F(ServerTest, SaysByeToAllWhenItStops) {
+  const auto one = join(1, address(1));
+  const auto two = join(2, address(2));
+  arrive(motion(two, 1), address(2));
+  answers();
+  server->stop();
+  std::uint64_t sessions = 0;
+  for (const auto& message : answers()) sessions += std::get<wire::Bye>(message).session;
+  EXPECT_EQ(sessions, one + two);
+  EXPECT_EQ(server->sessions(), 0u);
+  EXPECT_EQ(diary.lines.back(), "closed wall-1dof: stop");
+}
+
+TEST_F(ServerTest, EachClientHasItsOwnSceneState) {
+  const auto one = join(1, address(1));
+  arrive({wire::Hello{.client_nonce = 2, .degrees_of_freedom = 3, .period_s = 1e-3, .scene = "sphere"}}, address(2));
+  const auto two = only_answer<wire::Welcome>().session;
+  arrive(motion(one, 1), address(1));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().force, vector_of({-50}));
+  arrive(wire::MotionSample{.session = two, .sequence = 1, .position = vector_of({0, 0, 0.019})}, address(2));
+  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[2], 10, 1e-9);
+}
+
+TEST_F(ServerTest, AnswersAtMostFourTimesThePromisedRate) {
+  const auto session = join();
+  const std::uint64_t ten_seconds = 200000;
+  for (std::uint64_t i = 1; i <= ten_seconds; ++i) {
+    clock.time = std::chrono::microseconds{50} * i;
+    arrive(motion(session, i));
+  }
+  const auto counters = server->counters();
+  EXPECT_EQ(counters.motions_received, ten_seconds) << "all that came is counted as received";
+  EXPECT_LE(counters.forces_sent, 41000u);
+  EXPECT_GE(counters.forces_sent, 40000u);
+  EXPECT_EQ(counters.motions_over_rate, ten_seconds - counters.forces_sent);
+}
+
+TEST_F(ServerTest, CountsAForceThatTheNetworkRefused) {
+  const auto session = join();
+  link.works = false;
+  arrive(motion(session, 1));
+  EXPECT_EQ(server->counters().sends_failed, 1u);
+}
+
+TEST_F(ServerTest, RefusesToServeASceneThatIsNotThere) {
+  EXPECT_THROW(start({.scene = "wal"}), std::invalid_argument);
+  EXPECT_THROW(start({.sessions_max = 0}), std::invalid_argument);
+  EXPECT_THROW(start({.idle_timeout = seconds{0}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace forcebound::server
