@@ -43,18 +43,18 @@ struct Reference {
 struct Panel {
   std::string title;
   std::string y_label;
-  std::vector<Series> series;
-  std::vector<Reference> references;
-  std::optional<double> y_min;  ///< otherwise from the data
-  std::optional<double> y_max;
+  std::vector<Series> series{};
+  std::vector<Reference> references{};
+  std::optional<double> y_min{};  ///< otherwise from the data
+  std::optional<double> y_max{};
 };
 
 /// Panels one below the other, with the same x axis.
 struct Figure {
   std::string title;
-  std::string subtitle;
+  std::string subtitle{};
   std::string x_label = "time [s]";
-  std::vector<Panel> panels;
+  std::vector<Panel> panels{};
 };
 
 /// Draws a PNG of 1400 pixels width.

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.get_formatter()->column_width(34);
   forcebound::lab::add_replay(app);
+  forcebound::lab::add_reproduce(app);
   forcebound::lab::add_report(app);
   try {
     app.parse(argc, argv);

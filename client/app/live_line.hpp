@@ -1,0 +1,34 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::client {
+
+/// How a run goes, in one line for a terminal. The tick writes a few numbers down, another thread prints them.
+///
+/// Real time: `on_tick` and `on_force` are noexcept, allocate nothing and never wait.
+class LiveLine final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override;
+  void on_force(const record::ForceRecord& force) noexcept override;
+
+  /// The line as of now, without line ending.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  // Each number stands for itself; a line that mixes two neighbouring ticks misleads nobody.
+  std::atomic<std::uint64_t> ticks_{0};
+  std::atomic<record::SessionState> state_{record::SessionState::connecting};
+  std::atomic<bool> has_force_{false};
+  std::atomic<std::int64_t> age_ns_{0};
+  std::atomic<std::int64_t> round_trip_ns_{0};
+  std::atomic<double> force_N_{0};
+  std::atomic<double> energy_J_{0};
+  std::atomic<double> audit_J_{0};
+};
+
+}  // namespace forcebound::client

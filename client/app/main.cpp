@@ -1,0 +1,32 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <exception>
+
+#include "forcebound/client/app/options.hpp"
+#include "forcebound/client/app/run.hpp"
+
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch what is lock-free");
+
+void end_cleanly(int) { stop = true; }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("forcebound-client"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  const auto options = forcebound::client::parse_options(argc, argv);
+  std::signal(SIGINT, end_cleanly);
+  std::signal(SIGTERM, end_cleanly);
+  try {
+    return forcebound::client::run(options, stop);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return 1;
+  }
+}

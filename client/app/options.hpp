@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "forcebound/client/session/late_force_policy.hpp"
+
+namespace forcebound::client {
+
+/// The command line of forcebound-client.
+struct Options {
+  std::string server;
+  std::string scene;
+  std::string device;
+  std::string hand;  ///< the operator's specification
+  std::string law;
+  double duration_s = 0;  ///< 0: until interrupted
+  unsigned long long seed = 1;
+  std::string record;
+  std::string summary;
+  LateForcePolicy policy;
+  bool once = false;
+  bool quiet = false;
+};
+
+/// Parses and completes it: a device that goes with the operator, or the other way round. Ends the program for --help,
+/// --version (0) and for wrong use (2, one line on stderr).
+Options parse_options(int argc, char** argv);
+
+}  // namespace forcebound::client

@@ -1,0 +1,213 @@
+#include "forcebound/client/app/run.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "forcebound/client/app/event_queue.hpp"
+#include "forcebound/client/app/idle_timer.hpp"
+#include "forcebound/client/app/live_line.hpp"
+#include "forcebound/client/device/load_device.hpp"
+#include "forcebound/client/device/make_operator.hpp"
+#include "forcebound/client/device/simulated_device.hpp"
+#include "forcebound/client/session/session.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/net/udp_link.hpp"
+#include "forcebound/record/recorder.hpp"
+#include "forcebound/record/summary.hpp"
+#include "forcebound/time/heap_operations.hpp"
+#include "forcebound/time/periodic_timer.hpp"
+#include "forcebound/time/real_time.hpp"
+#include "forcebound/time/steady_clock.hpp"
+
+namespace forcebound::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kPriority = 80;
+constexpr Nanoseconds kHousekeeping = 50ms;
+constexpr Nanoseconds kOncePatience = 5s;
+constexpr Nanoseconds kClosing = 3s;
+constexpr int kSettlingTicks = 1000;  // the first second may still touch memory for the first time
+
+const char* const kClearLine = "\r\033[K";
+
+/// Everything that the tick's thread owns, and what it tells the others.
+struct Loop {
+  const Options& options;
+  const std::atomic<bool>& stop;
+  const time::SteadyClock& clock;
+  Session& session;
+  Nanoseconds period;
+  std::string grant{};
+  std::uint64_t allocations = 0;
+  bool gave_up = false;
+  std::atomic<bool> done{false};
+
+  void run() {
+    const auto granted = time::ask_for_real_time(kPriority);
+    grant = granted.text;
+    time::touch_stack();
+    const Nanoseconds start = clock.now();
+    time::PeriodicTimer timer(clock, period);
+    std::uint64_t ticks = 0;
+    std::uint64_t allocations_at_start = 0;
+    for (Nanoseconds now = timer.wait(); !stop && !over(now - start); now = timer.wait()) {
+      session.tick(now);
+      if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
+    }
+    if (ticks > kSettlingTicks) allocations = time::heap_operations_of_this_thread() - allocations_at_start;
+    const Nanoseconds closing = clock.now();
+    for (Nanoseconds now = timer.wait(); !session.close(now) && now - closing < kClosing; now = timer.wait()) {
+    }
+    done = true;
+  }
+
+  bool over(Nanoseconds elapsed) {
+    const bool unanswered = session.state() == SessionState::connecting && elapsed > kOncePatience;
+    gave_up = options.once && (session.refused() || unanswered);
+    return gave_up || (options.duration_s > 0 && time::to_seconds(elapsed) >= options.duration_s);
+  }
+};
+
+/// What people see while it runs: log lines for events, and on a terminal a line that moves.
+class Screen {
+ public:
+  Screen(bool live, const LiveLine& line, EventQueue& events) : live_(live), line_(line), events_(events) {}
+
+  void refresh() {
+    while (events_.take(event_)) {
+      if (live_) std::fputs(kClearLine, stderr);
+      log();
+    }
+    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text().c_str());
+  }
+
+  void end() {
+    live_ = std::exchange(live_, false) && (std::fputs(kClearLine, stderr), false);
+    refresh();
+  }
+
+ private:
+  void log() const {
+    const double seconds = time::to_seconds(event_.duration);
+    switch (event_.kind) {
+      case Event::Kind::welcomed:
+        return spdlog::info("connected; simulated: {}", event_.words());
+      case Event::Kind::refused:
+        return spdlog::error("refused by the server: {}", event_.words());
+      case Event::Kind::session_unknown:
+        return spdlog::warn("the server does not know this session (any more); asking for another");
+      case Event::Kind::server_left:
+        return spdlog::warn("the server ended the session; asking for another");
+      case Event::Kind::force_fading:
+        return spdlog::warn("forces are {:.0f} ms old: fading", seconds * 1e3);
+      case Event::Kind::force_dropped:
+        return spdlog::warn("forces are {:.2f} s old: zero force", seconds);
+      case Event::Kind::force_fresh:
+        return spdlog::info("forces are fresh again after {:.2f} s", seconds);
+    }
+  }
+
+  bool live_;
+  const LiveLine& line_;
+  EventQueue& events_;
+  Event event_;
+};
+
+std::ofstream open_summary(const std::string& file) {
+  std::ofstream out;
+  if (file.empty()) return out;
+  out.open(file);
+  if (!out)
+    throw std::runtime_error("cannot write the summary to '" + file + "': " + std::generic_category().message(errno));
+  return out;
+}
+
+record::RunInfo run_info(const Options& options, const SimulatedDevice& device, const time::Clock& clock) {
+  record::RunInfo info;
+  info.program = "forcebound-client " FORCEBOUND_VERSION;
+  info.law = options.law;
+  info.device = device.facts().name;
+  info.facts = describe(device.description());
+  info.operator_name = options.hand;
+  info.hand = device.hand().description();
+  info.scene = options.scene;
+  info.network = "server " + options.server;
+  info.seed = options.seed;
+  info.period = time::from_seconds(device.facts().period_s);
+  info.hold = options.policy.hold;
+  info.drop = options.policy.drop;
+  info.epoch = time::wall_clock_now() - clock.now();
+  return info;
+}
+
+}  // namespace
+
+int run(const Options& options, const std::atomic<bool>& stop) {
+  const time::SteadyClock clock;
+  DeviceDescription description = load_device(options.device);
+  auto hand = make_operator(options.hand, description.facts.degrees_of_freedom());
+  SimulatedDevice device(std::move(description), std::move(hand));
+  auto law = control::published_laws().make(options.law, device.facts());
+  const net::Address server = net::resolve(net::parse_endpoint(options.server));
+  net::UdpLink link = net::UdpLink::towards(server);
+  std::ofstream summary_file = open_summary(options.summary);
+
+  const record::RunInfo info = run_info(options, device, clock);
+  std::optional<record::RecordingWriter> writer;
+  if (!options.record.empty()) writer.emplace(options.record, info);
+  record::Summary summary(info);
+  record::Recorder recorder;
+  LiveLine line;
+  EventQueue events;
+  std::vector<record::TickSink*> sinks{&summary, &line};
+  if (writer) sinks.push_back(&recorder);
+  Session session({.server = server, .scene = options.scene, .policy = options.policy, .seed = options.seed}, device,
+                  std::move(law), link, clock, {.ticks = sinks, .events = &events});
+
+  IdleTimer idle(clock, info.period, kPriority);
+  Loop loop{.options = options, .stop = stop, .clock = clock, .session = session, .period = info.period};
+  Screen screen(!options.quiet && isatty(STDERR_FILENO) != 0, line, events);
+  std::jthread tick([&loop] { loop.run(); });
+  while (!loop.done) {
+    std::this_thread::sleep_for(kHousekeeping);
+    if (writer) recorder.drain(*writer);
+    screen.refresh();
+  }
+  tick.join();
+  screen.end();
+  spdlog::info("tick thread: {}", loop.grant);
+
+  record::RunTotals totals = session.totals();
+  totals.tick_allocations = loop.allocations;
+  totals.recording_dropped = recorder.dropped();
+  if (writer) {
+    recorder.drain(*writer);
+    writer->flush();
+    totals.recording_unwritten = writer->unwritten();
+    if (!writer->problem().empty()) totals.notes.push_back(writer->problem());
+    writer->finish(totals);
+  }
+  summary.finish(totals);
+  std::fputs(summary.to_text().c_str(), stdout);
+  if (summary_file.is_open()) {
+    summary_file << summary.to_json() << '\n';
+    if (!summary_file.flush()) spdlog::error("could not write all of the summary to '{}'", options.summary);
+  }
+  if (loop.gave_up) spdlog::error("gave up: no session with {}", options.server);
+  return loop.gave_up ? 1 : 0;
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::lab {
+
+/// How long a contact rings: the time after first contact until the peak-to-peak of the applied force's magnitude over
+/// 20 ms stays below 20 % of its steady mean (that of the last quarter of the contact); the rest of the run if never.
+class RingingMeter final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override;
+  void on_force(const record::ForceRecord&) noexcept override {}
+
+  /// [s]; nothing if there was no contact.
+  [[nodiscard]] std::optional<double> ringing_s() const;
+
+ private:
+  std::vector<double> force_N_;  // since first contact
+  std::vector<double> time_s_;
+};
+
+/// The largest angle between what was asked for and what was applied, where both are more than nothing.
+class DirectionMeter final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override;
+  void on_force(const record::ForceRecord&) noexcept override {}
+
+  [[nodiscard]] double error_rad_max() const noexcept { return error_rad_max_; }
+
+ private:
+  double error_rad_max_ = 0;
+};
+
+}  // namespace forcebound::lab

@@ -1,0 +1,200 @@
+#include "tests/sim/closed_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "forcebound/client/device/load_device.hpp"
+#include "forcebound/net/netem_parameters.hpp"
+#include "forcebound/net/trace.hpp"
+#include "forcebound/server/scene/scene_library.hpp"
+#include "tests/support/recorded_data.hpp"
+
+namespace forcebound::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+/// Watches what no run may ever show.
+class Invariants final : public record::TickSink {
+ public:
+  explicit Invariants(double force_N_max) : force_N_max_(force_N_max) {}
+
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    finite = finite && tick.applied.allFinite() && tick.position.allFinite() && std::isfinite(tick.energy_J) &&
+             std::isfinite(tick.audit_J);
+    bounded = bounded && tick.applied.norm() <= force_N_max_ * (1 + 1e-12);
+    last = tick;
+  }
+  void on_force(const record::ForceRecord&) noexcept override {}
+
+  bool finite = true;
+  bool bounded = true;
+  record::TickRecord last;
+
+ private:
+  double force_N_max_;
+};
+
+ClosedLoop::Settings sphere_through(const std::string& netem, const std::string& law) {
+  const auto parameters = net::parse_netem(netem);
+  return {.device = client::load_device("omni"),
+          .hand = "trace-sphere",
+          .law = law,
+          .scene = server::load_scene("sphere"),
+          .network = {.up = parameters, .down = parameters, .trace = {}, .seed = 7}};
+}
+
+json summary_of(ClosedLoop& loop) { return json::parse(loop.close().to_json()); }
+
+//   omni, trace-sphere -- session ==( delay 50ms 10ms loss 5% )== server, sphere
+class LawsThroughABadNetwork : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(LawsThroughABadNetwork, StayFiniteBoundedAndPassive) {
+  SCOPED_TRACE(std::string("law ") + GetParam() + ", seed 7");
+  Invariants invariants(3.3);
+  ClosedLoop loop(sphere_through("delay 50ms 10ms loss 5%", GetParam()), {&invariants});
+  loop.run(20s);
+  const json summary = summary_of(loop);
+  EXPECT_TRUE(invariants.finite);
+  EXPECT_TRUE(invariants.bounded);
+  EXPECT_EQ(summary["ticks"], 20'000);
+  EXPECT_GT(summary["force_N"]["mean"], 0.05) << "there was contact";
+  if (GetParam() == std::string("none")) {
+    EXPECT_LT(summary["passivity"]["minimum_J"], -0.1) << "without a law this network injects energy";
+  } else {
+    EXPECT_GE(summary["passivity"]["minimum_J"], -5e-3);
+  }
+}
+
+TEST_P(LawsThroughABadNetwork, CountWhatTheNetworkDid) {
+  ClosedLoop loop(sphere_through("delay 50ms 10ms loss 5% duplicate 2%", GetParam()));
+  loop.run(10s);
+  loop.close();
+  const auto& up = loop.network().counters(net::Direction::up);
+  const auto& down = loop.network().counters(net::Direction::down);
+  const auto totals = loop.totals();
+  // Handshake and goodbye cross the network too: a handful of datagrams that are no motion and no force.
+  constexpr double kHandshakes = 60;
+  EXPECT_NEAR(static_cast<double>(totals.lost_up), static_cast<double>(up.lost), kHandshakes);
+  EXPECT_NEAR(static_cast<double>(totals.lost_down), static_cast<double>(down.lost), kHandshakes);
+  EXPECT_NEAR(static_cast<double>(totals.duplicated), static_cast<double>(up.duplicated + down.duplicated),
+              2 * kHandshakes);
+  EXPECT_GT(totals.reordered, 100U) << "10 ms of jitter on datagrams 1 ms apart";
+  EXPECT_EQ(totals.foreign_session, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, LawsThroughABadNetwork, ::testing::Values("none", "fba-less", "fba-more"),
+                         [](const auto& law) {
+                           std::string name = law.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST(ClosedLoop, SameSettingsGiveTheSameRunByteForByte) {
+  const auto once = [] {
+    ClosedLoop loop(sphere_through("delay 20ms 15ms 25% loss gemodel 2% 20% duplicate 1%", "fba-less"));
+    loop.run(5s);
+    return loop.close().to_json();
+  };
+  EXPECT_EQ(once(), once());
+}
+
+TEST(ClosedLoop, AnotherSeedIsAnotherRun) {
+  auto settings = sphere_through("delay 20ms 15ms loss 5%", "fba-less");
+  ClosedLoop one(settings);
+  settings.network.seed = 8;
+  ClosedLoop other(settings);
+  one.run(3s);
+  other.run(3s);
+  EXPECT_NE(one.close().to_json(), other.close().to_json());
+}
+
+//   server killed at 3 s in contact, back at 5 s
+TEST(ClosedLoop, AServerThatRestartsCostsAFadingForceAndNothingElse) {
+  Invariants invariants(3.3);
+  ClosedLoop loop(sphere_through("delay 5ms", "fba-more"), {&invariants});
+  loop.run(3s);
+  ASSERT_GT(invariants.last.applied.norm(), 0.01) << "in contact";
+  loop.kill_server();
+  loop.run(600ms);
+  EXPECT_EQ(invariants.last.policy, record::ForcePolicy::fading);
+  loop.run(1400ms);
+  EXPECT_EQ(invariants.last.applied.norm(), 0.0);
+  EXPECT_EQ(loop.session().state(), record::SessionState::reconnecting);
+  loop.start_server();
+  loop.run(1s);
+  EXPECT_EQ(loop.session().state(), record::SessionState::active) << "a new session within a second";
+  EXPECT_EQ(invariants.last.policy, record::ForcePolicy::fresh);
+  const json summary = summary_of(loop);
+  EXPECT_EQ(summary["faults"]["reconnects"], 1);
+  EXPECT_GE(summary["passivity"]["minimum_J"], -5e-3);
+}
+
+//   motion still goes up, no force comes down for a minute
+TEST(ClosedLoop, ABlackoutInOneDirectionIsSaidToBeThatDirection) {
+  Invariants invariants(3.3);
+  ClosedLoop loop(sphere_through("delay 5ms", "fba-less"), {&invariants});
+  loop.run(2s);
+  loop.network().set_blackhole(net::Direction::down, true);
+  loop.run(60s);
+  EXPECT_EQ(invariants.last.applied.norm(), 0.0);
+  loop.network().set_blackhole(net::Direction::down, false);
+  loop.run(2s);
+  EXPECT_EQ(loop.session().state(), record::SessionState::active);
+  const json summary = summary_of(loop);
+  EXPECT_LT(summary["lost_up"], 20);
+  EXPECT_GT(summary["lost_down"], 59'000);
+  EXPECT_EQ(summary["blackouts"]["count"], 1);
+  EXPECT_NEAR(summary["blackouts"]["longest_s"].get<double>(), 60, 0.1);
+}
+
+struct RecordedRun {
+  const char* scene;
+  const char* trace;
+};
+
+//   a recorded hand at the omni -- session ==( a recorded 5G network )== server
+class RecordedHandOverARecordedNetwork : public ::testing::TestWithParam<RecordedRun> {};
+
+TEST_P(RecordedHandOverARecordedNetwork, RunsToTheEndFiniteAndPassive) {
+  const auto hand = test::recorded_data("motion/hand-guided-a.csv");
+  const auto trace = test::recorded_data(std::string("network/") + GetParam().trace);
+  if (!hand || !trace) GTEST_SKIP() << "no recorded data; FORCEBOUND_DATA names its folder";
+  for (const char* law : {"fba-less", "fba-more"}) {
+    SCOPED_TRACE(law);
+    Invariants invariants(3.3);
+    ClosedLoop loop({.device = client::load_device("omni"),
+                     .hand = "replay:" + hand->string(),
+                     .law = law,
+                     .scene = server::load_scene(GetParam().scene),
+                     .network = {.up = {}, .down = {}, .trace = net::load_trace(trace->string()), .seed = 1}},
+                    {&invariants});
+    loop.run(60s);
+    const json summary = summary_of(loop);
+    EXPECT_TRUE(invariants.finite);
+    EXPECT_TRUE(invariants.bounded);
+    EXPECT_EQ(summary["ticks"], 60'000);
+    EXPECT_GE(summary["passivity"]["minimum_J"], -5e-3);
+    EXPECT_GT(summary["force_age_ms"]["p50"], 5);
+    EXPECT_GT(summary["received"], 20'000);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, RecordedHandOverARecordedNetwork,
+                         ::testing::Values(RecordedRun{"sphere", "5g-urban-n8.csv"},
+                                           RecordedRun{"plane", "5g-urban-n8.csv"},
+                                           RecordedRun{"sphere", "5g-rural-n8.csv"},
+                                           RecordedRun{"plane", "5g-rural-n8.csv"}),
+                         [](const auto& run) {
+                           std::string name = std::string(run.param.scene) + "_" + run.param.trace;
+                           for (char& c : name) {
+                             if (c == '-' || c == '.') c = '_';
+                           }
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace forcebound::sim
