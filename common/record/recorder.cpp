@@ -1,12 +1,44 @@
 #include "forcebound/record/recorder.hpp"
 
+#include <boost/lockfree/spsc_queue.hpp>
+#include <variant>
+
 namespace forcebound::record {
+namespace {
+
+using Item = std::variant<TickRecord, ForceRecord, MotionRecord, SentForceRecord>;
+
+}  // namespace
+
+struct Recorder::Queue {
+  explicit Queue(std::size_t capacity) : items(capacity) {
+    // Touched here, not by the tick: a page's first use costs a fault.
+    while (items.push(Item())) {
+    }
+    items.consume_all([](const Item&) {});
+  }
+  boost::lockfree::spsc_queue<Item> items;
+};
+
+Recorder::Recorder(std::size_t capacity) : queue_(std::make_unique<Queue>(capacity)) {}
+Recorder::~Recorder() = default;
+
+template <class Record>
+void Recorder::push(const Record& record) noexcept {
+  if (!queue_->items.push(Item(record))) dropped_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void Recorder::on_tick(const TickRecord& tick) noexcept { push(tick); }
+void Recorder::on_force(const ForceRecord& force) noexcept { push(force); }
+void Recorder::on_motion(const MotionRecord& motion) noexcept { push(motion); }
+void Recorder::on_sent(const SentForceRecord& force) noexcept { push(force); }
 
 std::size_t Recorder::drain(RecordingWriter& writer) {
-  std::size_t written = 0;
-  for (Item item; queue_.try_dequeue(item); ++written) {
+  const auto write = [&writer](const Item& item) {
     std::visit([&writer](const auto& record) { writer.write(record); }, item);
-  }
+  };
+  std::size_t written = 0;
+  while (queue_->items.consume_one(write)) ++written;  // one by one: each makes room at once
   return written;
 }
 

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <readerwriterqueue/readerwriterqueue.h>
-
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <variant>
+#include <memory>
 
 #include "forcebound/record/recording_writer.hpp"
 #include "forcebound/record/tick_record.hpp"
@@ -23,14 +21,15 @@ class Recorder final : public TickSink {
   /// About 8 s of a client's ticks and forces, in 6 MB: so long a disk may hesitate.
   static constexpr std::size_t kCapacity = 16384;
 
-  explicit Recorder(std::size_t capacity = kCapacity) : queue_(capacity) {}
+  explicit Recorder(std::size_t capacity = kCapacity);
+  ~Recorder() override;
 
-  void on_tick(const TickRecord& tick) noexcept override { push(tick); }
-  void on_force(const ForceRecord& force) noexcept override { push(force); }
+  void on_tick(const TickRecord& tick) noexcept override;
+  void on_force(const ForceRecord& force) noexcept override;
 
   /// The server's side of the same: motion as it arrived, force as it was sent.
-  void on_motion(const MotionRecord& motion) noexcept { push(motion); }
-  void on_sent(const SentForceRecord& force) noexcept { push(force); }
+  void on_motion(const MotionRecord& motion) noexcept;
+  void on_sent(const SentForceRecord& force) noexcept;
 
   /// Writes all that waits, in the order in which it came; returns how many.
   std::size_t drain(RecordingWriter& writer);
@@ -39,14 +38,12 @@ class Recorder final : public TickSink {
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  using Item = std::variant<TickRecord, ForceRecord, MotionRecord, SentForceRecord>;
+  struct Queue;
 
   template <class Record>
-  void push(const Record& record) noexcept {
-    if (!queue_.try_enqueue(Item(record))) dropped_.fetch_add(1, std::memory_order_relaxed);
-  }
+  void push(const Record& record) noexcept;
 
-  moodycamel::ReaderWriterQueue<Item> queue_;
+  std::unique_ptr<Queue> queue_;
   std::atomic<std::uint64_t> dropped_{0};
 };
 

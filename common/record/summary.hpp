@@ -34,7 +34,7 @@ namespace forcebound::record {
 ///   penetration_m > 0, and `max` over all ticks. `penetration_m` likewise.
 /// - `displayed_stiffness_N_per_m`: component of the applied force out of the surface over the penetration, on ticks in
 ///   contact deeper than `stiffness_depth_m_min`, where an encoder's step does not dominate. `median` takes negative
-///   values as zero and is exact to 0.2 %.
+///   values as zero and is exact to 0.05 %.
 /// - All three leave out the first `settle_s` after the first contact (but `max` does not).
 /// - `bounded_fraction`: share of the ticks on which the applied force differs from the request by more than 1e-12 of
 /// it

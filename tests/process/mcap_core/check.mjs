@@ -2,9 +2,9 @@
 //
 //   node check.mjs RECORDING.mcap [--truth TRUTH.jsonl] [--summary SUMMARY.json]
 //
-// Compares each message with its line in TRUTH, and the number of ticks with SUMMARY's. The packages of package.json are
-// looked for in $FORCEBOUND_NODE_MODULES, or in node_modules here or above the working directory; without them the check is
-// skipped (exit 77).
+// Compares each message with its line in TRUTH, and the number of ticks with SUMMARY's. The packages of package.json
+// are looked for in $FORCEBOUND_NODE_MODULES, or in node_modules here or above the working directory; without them the
+// check is skipped (exit 77).
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { open, readFile } from "node:fs/promises";
@@ -18,12 +18,16 @@ function loadPackages() {
   for (const place of places) {
     try {
       const require = createRequire(place);
-      return { core: require("@mcap/core"), protobuf: require("protobufjs"), descriptor: require("protobufjs/ext/descriptor") };
+      return {
+        core: require("@mcap/core"),
+        protobuf: require("protobufjs"),
+        descriptor: require("protobufjs/ext/descriptor"),
+      };
     } catch (error) {
       if (error.code !== "MODULE_NOT_FOUND") throw error;
     }
   }
-  console.log("SKIPPED: the npm packages @mcap/core and protobufjs are not installed (npm ci with this folder's lock file)");
+  console.log("SKIPPED: the npm packages @mcap/core and protobufjs are missing (npm ci with this folder's lock file)");
   process.exit(77);
 }
 
@@ -86,7 +90,8 @@ async function countByStream(path) {
 function contains(actual, expected, where) {
   for (const [name, value] of Object.entries(expected)) {
     const found = actual[name] ?? actual[name.replace(/_(.)/g, (_, letter) => letter.toUpperCase())];
-    if (value !== null && typeof value === "object" && !Array.isArray(value)) contains(found, value, `${where}.${name}`);
+    const nested = value !== null && typeof value === "object" && !Array.isArray(value);
+    if (nested) contains(found, value, `${where}.${name}`);
     else assert.deepEqual(found, value, `${where}.${name}`);
   }
 }

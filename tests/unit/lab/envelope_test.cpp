@@ -49,11 +49,11 @@ TEST(Envelope, BreaksTheCurveWhereAValueIsMissing) {
 }
 
 TEST(Envelope, AddDoesNotAllocate) {
-  if (!test::allocations_are_counted()) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   Envelope envelope;
-  const auto before = test::allocations();
+  const auto before = time::heap_operations_of_this_thread();
   for (int i = 0; i < 100'000; ++i) envelope.add(i, i % 100 == 0 ? kNone : i % 13);
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(time::heap_operations_of_this_thread(), before);
 }
 
 }  // namespace
