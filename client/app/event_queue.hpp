@@ -1,8 +1,7 @@
 #pragma once
 
-#include <readerwriterqueue/readerwriterqueue.h>
-
 #include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
 
 #include "forcebound/client/session/event.hpp"
@@ -15,16 +14,16 @@ namespace forcebound::client {
 class EventQueue final : public EventSink {
  public:
   void on_event(const Event& event) noexcept override {
-    if (!queue_.try_enqueue(event)) dropped_.fetch_add(1, std::memory_order_relaxed);
+    if (!queue_.push(event)) dropped_.fetch_add(1, std::memory_order_relaxed);
   }
 
-  bool take(Event& event) noexcept { return queue_.try_dequeue(event); }
+  bool take(Event& event) noexcept { return queue_.pop(event); }
 
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
   static constexpr std::size_t kCapacity = 256;
-  moodycamel::ReaderWriterQueue<Event> queue_{kCapacity};
+  boost::lockfree::spsc_queue<Event> queue_{kCapacity};
   std::atomic<std::uint64_t> dropped_{0};
 };
 

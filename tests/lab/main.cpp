@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_report(app);
+  forcebound::lab::add_table(app);
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) throw CLI::RequiredError("an experiment");
