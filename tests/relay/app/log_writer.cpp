@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <stdexcept>
 
@@ -12,12 +13,10 @@ namespace forcebound::relay {
 
 LogWriter::LogWriter(const std::string& file, Nanoseconds start)
     : file_(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)), rows_(start) {
+  if (file_ < 0) throw std::runtime_error(file + ": cannot write the log: " + std::strerror(errno));
   text_ = PacketRows::kHeader;
-  if (file_ < 0 || !write_text()) {
-    const std::string reason = std::strerror(errno);
-    if (file_ >= 0) close(file_);
-    throw std::runtime_error(file + ": cannot write the log: " + reason);
-  }
+  // A file that grows beyond the allowed size is a full disk to us, no reason to die.
+  std::signal(SIGXFSZ, SIG_IGN);
   thread_ = std::thread([this] { run(); });
 }
 

@@ -25,7 +25,7 @@ struct LogResult {
 /// all rows after the disk refuses one.
 class LogWriter final : public PacketObserver {
  public:
-  /// @throws std::runtime_error if the file cannot be created or does not take the header.
+  /// @throws std::runtime_error if the file cannot be created.
   LogWriter(const std::string& file, Nanoseconds start);
   ~LogWriter() override;
   LogWriter(const LogWriter&) = delete;

@@ -1,6 +1,7 @@
 #include "tests/relay/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <sstream>
 #include <string_view>
 
@@ -52,7 +53,17 @@ struct Texts {
   std::string netem;
   std::string netem_up;
   std::string netem_down;
+  std::string seed;
 };
+
+std::uint64_t parse_seed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, seed);
+  if (error != std::errc{} || stopped != end)
+    throw std::invalid_argument("'" + text + "' is no seed: expected a whole number from 0 to 18446744073709551615");
+  return seed;
+}
 
 /// Runs a parser; its refusal becomes the end of the command line, naming the option.
 template <class Parser>
@@ -75,7 +86,7 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--netem-up", texts.netem_up, "Instead of --netem, from client to server")->type_name("\"WORDS\"");
   app.add_option("--netem-down", texts.netem_down, "Instead of --netem, from server to client")->type_name("\"WORDS\"");
   app.add_option("--trace", options.trace, "A recorded network to play")->type_name("FILE");
-  app.add_option("--seed", options.seed, "Decides every random choice; default: a new one, printed")->type_name("N");
+  app.add_option("--seed", texts.seed, "Decides every random choice; default: a new one, printed")->type_name("N");
   app.add_option("--log", options.log, "What became of each packet, as CSV")->type_name("FILE.csv");
   app.footer("WORDS:\n" + std::string(net::netem_help()) + "\n" + std::string(kMore));
 }
@@ -98,6 +109,7 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
   }
   options.listen = read_value("--listen", [&] { return net::parse_endpoint(texts.listen); });
   options.upstream = read_value("--upstream", [&] { return net::parse_endpoint(texts.upstream); });
+  if (!texts.seed.empty()) options.seed = read_value("--seed", [&] { return parse_seed(texts.seed); });
   const auto both = read_value("--netem", [&] { return net::parse_netem(texts.netem); });
   const bool own_up = app.count("--netem-up") != 0;
   const bool own_down = app.count("--netem-down") != 0;
