@@ -25,12 +25,12 @@ LogWriter::~LogWriter() {
 }
 
 void LogWriter::on_verdict(Direction direction, const net::Verdict& verdict) noexcept {
-  if (!events_.try_enqueue({verdict, direction, false})) ++verdicts_refused_;
+  if (!events_.push({verdict, direction, false})) ++verdicts_refused_;
 }
 
 void LogWriter::on_departure(Direction direction, const net::Verdict& verdict) noexcept {
   // If there is no room, the row stays "waiting": it is there, but its delay is not.
-  static_cast<void>(events_.try_enqueue({verdict, direction, true}));
+  static_cast<void>(events_.push({verdict, direction, true}));
 }
 
 LogResult LogWriter::finish() {
@@ -54,7 +54,7 @@ void LogWriter::run() {
 
 void LogWriter::drain() {
   Event event;
-  while (events_.try_dequeue(event)) {
+  while (events_.pop(event)) {
     if (event.departed) {
       rows_.on_departure(event.direction, event.verdict);
     } else {

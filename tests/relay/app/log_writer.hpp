@@ -1,11 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
 #include <string>
 #include <thread>
-
-#include <readerwriterqueue.h>
 
 #include "tests/relay/packet_rows.hpp"
 #include "tests/relay/relay.hpp"
@@ -52,7 +51,7 @@ class LogWriter final : public PacketObserver {
 
   int file_;
   PacketRows rows_;
-  moodycamel::ReaderWriterQueue<Event> events_{kEventsMax};
+  boost::lockfree::spsc_queue<Event> events_{kEventsMax};
   std::uint64_t verdicts_refused_ = 0;  // by a full queue; the relay's side
   std::string text_;
   LogResult result_;
