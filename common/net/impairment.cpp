@@ -34,12 +34,9 @@ Impairment::Impairment(ImpairmentSettings settings)
       duplicate_(netem_.duplicate, random_),
       corrupt_(netem_.corrupt, random_),
       reorder_(netem_.reorder.chance, random_),
-      gate_(make_gate(settings)) {}
-
-Impairment::Gate Impairment::make_gate(const ImpairmentSettings& settings) {
-  if (auto trace = trace_of<DeliveryTrace>(settings.trace))
-    return DeliveryOpportunities(*std::move(trace), settings.origin);
-  return Slots(settings.netem.slot, settings.origin);
+      slots_(netem_.slot, settings.origin) {
+  if (auto schedule = trace_of<DeliveryTrace>(settings.trace))
+    opportunities_.emplace(*std::move(schedule), settings.origin);
 }
 
 Verdicts Impairment::push(Nanoseconds now, std::span<const std::byte> bytes, std::uint64_t tag) {
@@ -148,17 +145,16 @@ Nanoseconds Impairment::transmission_time(std::size_t payload_bytes) const noexc
 void Impairment::settle(Nanoseconds now) {
   while (!delayed_.empty() && delayed_.front().departure <= now) {
     WaitingPacket packet = delayed_.pop();
-    packet.departure = pass_gate(packet);
+    packet.departure = held_back_until(packet);
     packet.verdict.delay = packet.departure - packet.verdict.arrival;
     leaving_.push(packet, next_turn_++);
   }
 }
 
-Nanoseconds Impairment::pass_gate(const WaitingPacket& packet) noexcept {
+Nanoseconds Impairment::held_back_until(const WaitingPacket& packet) noexcept {
   const std::size_t ip_bytes = packet.bytes + kIpUdpHeaderBytes;
-  if (auto* slots = std::get_if<Slots>(&gate_))
-    return slots->pass(packet.departure, ip_bytes + kEthernetHeaderBytes, random_);
-  return std::get<DeliveryOpportunities>(gate_).pass(packet.departure, ip_bytes);
+  const Nanoseconds slot = slots_.pass(packet.departure, ip_bytes + kEthernetHeaderBytes, random_);
+  return opportunities_ ? opportunities_->pass(slot, ip_bytes) : slot;
 }
 
 std::optional<Departure> Impairment::pop(Nanoseconds now) {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <variant>
 
 #include "forcebound/net/delay_distribution.hpp"
 #include "forcebound/net/loss_model.hpp"
@@ -73,9 +72,6 @@ class Impairment {
     Nanoseconds trace_delay;
     bool copy;
   };
-  using Gate = std::variant<Slots, DeliveryOpportunities>;
-
-  static Gate make_gate(const ImpairmentSettings& settings);
 
   void admit(const Arrival& arrival, Verdicts& verdicts);
   void corrupt(std::span<std::byte> bytes) noexcept;
@@ -83,7 +79,7 @@ class Impairment {
   void send_at_once(WaitingPacket& packet);
   void delay(WaitingPacket& packet, const Arrival& arrival);
   void settle(Nanoseconds now);
-  Nanoseconds pass_gate(const WaitingPacket& packet) noexcept;
+  Nanoseconds held_back_until(const WaitingPacket& packet) noexcept;
   [[nodiscard]] Nanoseconds transmission_time(std::size_t payload_bytes) const noexcept;
 
   NetemParameters netem_;
@@ -96,7 +92,8 @@ class Impairment {
   Event duplicate_;
   Event corrupt_;
   Event reorder_;
-  Gate gate_;
+  Slots slots_;
+  std::optional<DeliveryOpportunities> opportunities_;
 
   PacketBuffers buffers_;
   PacketQueue delayed_;  // by the time at which they are ready

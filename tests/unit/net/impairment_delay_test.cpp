@@ -196,5 +196,11 @@ TEST(ImpairmentDelay, MahimahiTraceCarriesPacketsAtItsOpportunities) {
   EXPECT_THAT(times, ElementsAre(5ms, 10ms, 15ms));
 }
 
+TEST(ImpairmentDelay, SlotsComeBeforeTheOpportunitiesOfATrace) {
+  Way way({.netem = parse_netem("slot 7ms"), .trace = DeliveryTrace({5ms, 10ms})});
+  way.send(1ms);
+  EXPECT_EQ(way.finish().front().time, 10ms);
+}
+
 }  // namespace
 }  // namespace forcebound::net
