@@ -292,7 +292,9 @@ void JointMotion::account(const JointDrive& drive, double step_s, double share) 
   for (std::size_t k = 1; k < count; ++k) energy[k] = power[k - 1] / static_cast<double>(k);
 
   const std::span<const double> gained(energy.data(), count);
-  minimum_J_ = energy_J_ + polynomial::least(gained, share, minimum_J_ - energy_J_);
+  const double to_beat = minimum_J_ - energy_J_;
+  const double least = polynomial::least(gained, share, to_beat);
+  if (least < to_beat) minimum_J_ = energy_J_ + least;
   const double gain = polynomial::value(gained, share) + energy_rest_J_;
   const double sum = energy_J_ + gain;
   energy_rest_J_ = gain - (sum - energy_J_);

@@ -253,19 +253,42 @@ TEST_P(AuditBetweenTicks, MinimumIsTheOneBruteForceFinds) {
 
 INSTANTIATE_TEST_SUITE_P(WithoutAndWithFriction, AuditBetweenTicks, testing::Values(0.0, 1.0));
 
-TEST(JointMotion, AuditFindsTheClosedFormMinimumInsideATick) {
-  // A mass that moves at v0 while its motor holds f: P' = b v^2 - f v, least where v falls through f / b.
+TEST(JointMotion, AuditIsMinusTheKineticEnergyAMotorGave) {
   const Oscillator o{.mass = 0.1, .damping = 30};
   JointMotion motion = o.motion();
-  motion.advance(drive(0.1, vector({1.0})));  // v = 1/30, P = 0 in the steady state, negative before
-  const double minimum_before = motion.audit().minimum_J;
-  const double energy_before = motion.audit().energy_J;
-  EXPECT_LT(minimum_before, 0);
-  EXPECT_NEAR(energy_before, -0.5 * 0.1 / 900, 1e-12);  // what the mass holds now
+  motion.advance(drive(0.1, vector({1.0})));  // to the steady 1/30 m/s
+  EXPECT_NEAR(motion.audit().energy_J, -0.5 * 0.1 / 900, 1e-16);
+  const double minimum = motion.audit().minimum_J;
+  for (int tick = 0; tick < 100; ++tick) motion.advance(drive(1e-3, vector({0.0})));
+  EXPECT_EQ(motion.audit().minimum_J, minimum);
+  EXPECT_NEAR(motion.audit().energy_J, 0, 1e-16);
+}
 
-  // Let it decay without force: only dissipation, no new minimum.
-  motion.advance(drive(1e-3, vector({0.0})));
-  EXPECT_EQ(motion.audit().minimum_J, minimum_before);
+TEST(JointMotion, AuditFindsTheClosedFormMinimumInsideATick) {
+  // The hand brings the mass to v0 = 0.1 m/s and then stops it with a = 200 m/s^2 against the motor's f = 1 N:
+  // P = -f (v0 t - a t^2 / 2), least at v0 / a = 0.5 ms.
+  const Oscillator o{.mass = 0.1};
+  JointMotion motion = o.motion();
+  JointDrive push = drive(0.01, vector({0.0}));
+  push.hand_pull[0] = vector({1.0});
+  motion.advance(push);
+  JointDrive stop = drive(1e-3, vector({1.0}));
+  stop.hand_pull[0] = vector({-21.0});
+  motion.advance(stop);
+  EXPECT_NEAR(motion.audit().minimum_J, -1.0 * 0.1 * 0.1 / (2 * 200), 1e-18);
+  EXPECT_NEAR(motion.audit().energy_J, 0, 1e-16);
+}
+
+TEST(JointMotion, MoreStickSlipThanWeFollowFreezesTheJointCountsItAndAddsNoEnergy) {
+  // 600 000 rad/s: some 190 reversals in a piece of 1 ms.
+  const Oscillator o{.mass = 1e-6, .stiffness = 3.6e5, .friction = 1e-3, .start = 1e-3};
+  JointMotion motion = o.motion();
+  const double before = kinetic_and_spring(motion, o);
+  motion.advance(spring_drive(motion, o, 1e-3));
+  EXPECT_EQ(motion.frozen_joints(), 1U);
+  EXPECT_EQ(motion.velocity()[0], 0);
+  EXPECT_LE(kinetic_and_spring(motion, o) + motion.audit().energy_J, before * (1 + 1e-9));
+  EXPECT_GT(motion.audit().energy_J, 0);
 }
 
 TEST(JointMotion, ManyRubbingJointsNeverGainEnergyFromFriction) {

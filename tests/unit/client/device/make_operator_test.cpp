@@ -39,8 +39,8 @@ TEST(MakeOperator, PressMovesAlongTheAxisAskedForOnly) {
 TEST(MakeOperator, TraceCircleRunsFromTheMiddleIntoTheWallAround) {
   const auto trace = make_operator("trace-circle", 2);
   EXPECT_EQ(trace->target(0).position.norm(), 0);
-  for (const double t : {1.0, 3.3, 17.0}) EXPECT_NEAR(trace->target(t).position.norm(), 0.05, 1e-15);
-  EXPECT_NEAR(trace->target(10).velocity.norm(), 0.05 * 2 * M_PI / 4, 1e-14);
+  for (const double t : {1.1, 3.3, 17.0}) EXPECT_NEAR(trace->target(t).position.norm(), 0.045, 1e-15);
+  EXPECT_NEAR(trace->target(10).velocity.norm(), 0.045 * 2 * M_PI / 2, 1e-14);
 }
 
 TEST(MakeOperator, TraceSphereComesFromOutsideAndPressesTenMillimetresDeep) {

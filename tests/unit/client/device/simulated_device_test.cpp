@@ -273,12 +273,5 @@ TEST(SimulatedDevice, ReadAndApplyDoNotAllocate) {
   }
 }
 
-TEST(AllocationGuard, CountsOneAllocationAndItsRelease) {
-  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  const test::AllocationGuard guard;
-  { const auto owned = std::make_unique<StillHand>(1); }
-  EXPECT_EQ(guard.heap_operations(), 2U);
-}
-
 }  // namespace
 }  // namespace forcebound::client
