@@ -47,12 +47,17 @@ Eigen::Index axes_of(const std::vector<std::string>& header, const CsvReader& re
                 "'");
 }
 
+std::string counted(Eigen::Index count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
 /// One number per axis from one per axis, one for all, or none.
 Vector per_axis(const char* option, const std::vector<double>& values, Eigen::Index axes) {
   if (values.empty()) return Vector::Zero(axes);
   if (values.size() == 1) return Vector::Constant(axes, values.front());
   if (values.size() != static_cast<std::size_t>(axes)) {
-    refuse_option(option, " has ", values.size(), " values, but the input has ", axes, " axes: give 1 or ", axes);
+    refuse_option(option, " has ", values.size(), " values, but the input has ", counted(axes, "axis", "axes"),
+                  ": give one for all or one for each");
   }
   return Vector::Map(values.data(), axes);
 }
@@ -65,7 +70,7 @@ Matrix damping_of(const ReplayOptions& options, Eigen::Index axes) {
   const auto& rows = *options.damping_matrix;
   Matrix damping(axes, axes);
   if (rows.size() != static_cast<std::size_t>(axes)) {
-    refuse_option("--damping-matrix has ", rows.size(), " rows, but the input has ", axes, " axes");
+    refuse_option("--damping-matrix has ", rows.size(), " rows, but the input has ", counted(axes, "axis", "axes"));
   }
   for (Eigen::Index i = 0; i < axes; ++i) {
     const auto& row = rows[static_cast<std::size_t>(i)];
@@ -192,7 +197,6 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   }
   counts.requests_not_finite = controller.counts().requests_not_finite;
   counts.readings_not_finite = controller.counts().readings_not_finite;
-  counts.saturated = controller.counts().saturated;
   return counts;
 }
 

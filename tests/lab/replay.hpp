@@ -30,7 +30,6 @@ struct ReplayCounts {
   std::uint64_t rows = 0;
   std::uint64_t requests_not_finite = 0;  ///< answered with zero force
   std::uint64_t readings_not_finite = 0;  ///< likewise, and charged to the ledger
-  std::uint64_t saturated = 0;
 };
 
 /// Where the rows come from.

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fstream>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -25,6 +24,7 @@ struct ReplayArguments {
   std::string damping_matrix;
   std::string encoder;
   std::string friction;
+  std::string memory = "capped";
   std::string input = "-";
   std::string output = "-";
 };
@@ -47,6 +47,7 @@ ReplayOptions options_of(const ReplayArguments& arguments) {
   options.damping_N_s_per_m = numbers_of("--damping", arguments.damping);
   options.encoder_step_m = numbers_of("--encoder", arguments.encoder);
   options.friction_N = numbers_of("--friction", arguments.friction);
+  options.memory = arguments.memory == "full" ? ReplayOptions::Memory::full : ReplayOptions::Memory::capped;
   if (!arguments.damping_matrix.empty()) {
     options.damping_matrix.emplace();
     for (const std::string& row : split(arguments.damping_matrix, ';')) {
@@ -74,6 +75,12 @@ void report(const ReplayCounts& counts) {
   }
 }
 
+std::string law_help() {
+  std::string help = "law to run:\n" + control::published_laws().help();
+  help.pop_back();  // --help ends the last line itself
+  return help;
+}
+
 void run(const ReplayArguments& arguments) {
   const ReplayOptions options = options_of(arguments);
   std::ifstream input_file;
@@ -88,7 +95,6 @@ void run(const ReplayArguments& arguments) {
 }  // namespace
 
 void add_replay(CLI::App& program) {
-  using Memory = ReplayOptions::Memory;
   const auto arguments = std::make_shared<ReplayArguments>();
   ReplayOptions& options = arguments->options;
   CLI::App* command = program.add_subcommand("replay", "Run a law over recorded rows, or over rows as they come");
@@ -98,7 +104,7 @@ void add_replay(CLI::App& program) {
       "With --input - each row is answered as it comes, so that a simulator can close the loop through a pipe.\n\n"
       "Example: forcebound-lab replay --law fba-more --damping 30 --period 1e-3 --input press.csv --output "
       "bounded.csv");
-  command->add_option("--law", options.law, "law to run:\n" + control::published_laws().help())
+  command->add_option("--law", options.law, law_help())
       ->required()
       ->check(CLI::IsMember(control::published_laws().names()));
   command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");
@@ -110,9 +116,9 @@ void add_replay(CLI::App& program) {
   command->add_option("--hold", options.hold_s, "longest time a force is held [s] (default: the period)");
   command->add_option("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
   command->add_option("--force-max", options.force_N_max, "largest force asked of the law [N]")->capture_default_str();
-  command->add_option("--memory", options.memory, "energy kept: all, or what the largest force can need")
-      ->transform(CLI::Transformer(std::map<std::string, Memory>{{"full", Memory::full}, {"capped", Memory::capped}}))
-      ->default_str("capped");
+  command->add_option("--memory", arguments->memory, "energy kept: all, or what the largest force can need")
+      ->check(CLI::IsMember({"full", "capped"}))
+      ->capture_default_str();
   command->add_option("--input", arguments->input, "file, or - for standard input")->capture_default_str();
   command->add_option("--output", arguments->output, "file, or - for standard output")->capture_default_str();
   command->callback([arguments] {

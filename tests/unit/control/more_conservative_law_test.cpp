@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/support/published_law_checks.hpp"
 
@@ -116,12 +117,12 @@ TEST(MoreConservativeLaw, HasNothingLeftAfterTheMotionThatTakesMost) {
 }
 
 TEST(MoreConservativeLaw, SurvivesAShareThatUnderflowsForAMillionTicks) {
-  for (const double request_N : {1e-140, 1e-200, 5e-324}) {
+  for (const auto& [request_N, ticks] : {std::pair{1e-140, 1000}, {1e-200, 1'000'000}, {5e-324, 1000}}) {
     LawLoop loop = one_axis();
     loop.tick(0.0, 0.0);
     loop.tick(1e-4, request_N);
     const double available_J = loop.energy_J();
-    for (int i = 0; i < 350'000; ++i) {
+    for (int i = 0; i < ticks; ++i) {
       ASSERT_EQ(loop.tick(1e-4 + (i % 100) * 1e-5, request_N), request_N) << i;
       ASSERT_LE(loop.xi(), 1e-200);
     }

@@ -280,7 +280,7 @@ TEST(Replay, RefusesOptionsThatMakeNoSense) {
   EXPECT_EQ(with([](auto& o) {
               o.damping_N_s_per_m = {1, 2, 3};
             }),
-            "--damping has 3 values, but the input has 2 axes: give 1 or 2");
+            "--damping has 3 values, but the input has 2 axes: give one for all or one for each");
   EXPECT_THAT(with([](auto& o) { o.damping_N_s_per_m = {0}; }), HasSubstr("--damping: damping must be symmetric"));
   EXPECT_THAT(with([](auto& o) {
                 o.damping_matrix = {{1, 2}, {2, 1}};
@@ -301,7 +301,7 @@ TEST(Replay, RefusesOptionsThatMakeNoSense) {
   EXPECT_EQ(with([](auto& o) {
               o.friction_N = {0, 0, 0};
             }),
-            "--friction has 3 values, but the input has 2 axes: give 1 or 2");
+            "--friction has 3 values, but the input has 2 axes: give one for all or one for each");
 }
 
 TEST(Replay, SaysSoWhenTheAnswerCannotBeWritten) {
