@@ -1,9 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "forcebound/net/datagram_link.hpp"
