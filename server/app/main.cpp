@@ -4,6 +4,7 @@
 #include <exception>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/serve.hpp"

@@ -1,5 +1,8 @@
 #include "forcebound/server/scene/shape.hpp"
 
+#include <cmath>
+#include <limits>
+
 namespace forcebound::server {
 namespace {
 

@@ -2,7 +2,10 @@
 #include <rapidcheck.h>
 #include <zlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 

@@ -6,7 +6,8 @@
 
 #include <cmath>
 #include <cstdio>
-#include <limits>
+#include <cstring>
+#include <stdexcept>
 #include <string>
 
 #include "tests/unit/wire/sample_messages.hpp"

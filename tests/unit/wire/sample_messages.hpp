@@ -3,15 +3,11 @@
 #include <array>
 
 #include "forcebound/wire/codec.hpp"
+#include "tests/support/vector_of.hpp"
 
 namespace forcebound::wire {
 
-inline control::Vector vector_of(std::initializer_list<double> values) {
-  control::Vector v(static_cast<Eigen::Index>(values.size()));
-  Eigen::Index i = 0;
-  for (const double value : values) v[i++] = value;
-  return v;
-}
+using tests::vector_of;
 
 /// One of each kind, every field set.
 inline std::array<Message, 6> one_of_each() {

@@ -6,18 +6,14 @@
 #include <limits>
 
 #include "forcebound/server/scene/scene_library.hpp"
+#include "tests/support/vector_of.hpp"
 
 namespace forcebound::server {
 namespace {
 
 using std::chrono::milliseconds;
 
-Vector vector_of(std::initializer_list<double> values) {
-  Vector v(static_cast<Eigen::Index>(values.size()));
-  Eigen::Index i = 0;
-  for (const double value : values) v[i++] = value;
-  return v;
-}
+using tests::vector_of;
 
 std::shared_ptr<const Scene> damped_plane() {
   return parse_scene(R"(

@@ -3,24 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "forcebound/server/session/server.hpp"
 #include "tests/support/fake_clock.hpp"
 #include "tests/support/fake_link.hpp"
+#include "tests/support/vector_of.hpp"
 
 namespace forcebound::server {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-inline Vector vector_of(std::initializer_list<double> values) {
-  Vector v(static_cast<Eigen::Index>(values.size()));
-  Eigen::Index i = 0;
-  for (const double value : values) v[i++] = value;
-  return v;
-}
+using tests::vector_of;
 
 inline net::Address address(std::uint16_t port) { return {.ip = {}, .port = port}; }
 
