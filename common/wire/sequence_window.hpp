@@ -1,56 +1,35 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 
 namespace forcebound::wire {
 
-/// Tells the first arrival of a sequence number from its copies, over the last `kWindow` numbers.
+/// Which sequence numbers have arrived, so that a copy is known from a latecomer.
 ///
-/// A number older than the window cannot be told apart from a copy any more and counts as one.
-/// Real time: noexcept, no allocation, O(1) but when numbers jump.
+/// Numbers are compared as a circle is (RFC 1982), so that wrapping around is nothing special. What lies further back
+/// than `kNumbers` (give or take a word of 64) cannot be told apart any more and counts as a duplicate: at 1 kHz that
+/// is 16 s, more than the longest round trip we know of.
+///
+/// Real time: noexcept, no allocation, at most kNumbers/64 steps.
 class SequenceWindow {
  public:
-  static constexpr std::uint64_t kWindow = 16384;
+  enum class Arrival : std::uint8_t { newest, late, duplicate };
 
-  enum class Arrival : std::uint8_t {
-    newest,     ///< newer than all before
-    overtaken,  ///< first arrival, but a newer one came before it
-    duplicate,  ///< seen before, too old to know, or 0, which nobody sends
-  };
+  static constexpr std::uint64_t kNumbers = 16384;
 
-  Arrival note(std::uint64_t sequence) noexcept {
-    if (sequence > newest_) {
-      const std::uint64_t steps = sequence - newest_;
-      if (steps >= kWindow) {
-        seen_.fill(0);
-      } else {
-        for (std::uint64_t s = newest_ + 1; s < sequence; ++s) clear(s);
-      }
-      newest_ = sequence;
-      set(sequence);
-      return Arrival::newest;
-    }
-    if (sequence == 0 || newest_ - sequence >= kWindow || test(sequence)) return Arrival::duplicate;
-    set(sequence);
-    return Arrival::overtaken;
-  }
-
-  /// The highest number so far, 0 before the first. Numbers begin at 1.
-  [[nodiscard]] std::uint64_t newest() const noexcept { return newest_; }
+  [[nodiscard]] Arrival note(std::uint64_t sequence) noexcept;
 
  private:
-  static constexpr std::uint64_t kBits = 64;
-  static std::size_t word(std::uint64_t s) noexcept { return static_cast<std::size_t>(s % kWindow / kBits); }
-  static std::uint64_t bit(std::uint64_t s) noexcept { return std::uint64_t{1} << (s % kBits); }
+  static constexpr std::uint64_t kWordBits = 64;
+  static constexpr std::uint64_t kWords = kNumbers / kWordBits;
 
-  void set(std::uint64_t s) noexcept { seen_[word(s)] |= bit(s); }
-  void clear(std::uint64_t s) noexcept { seen_[word(s)] &= ~bit(s); }
-  [[nodiscard]] bool test(std::uint64_t s) const noexcept { return (seen_[word(s)] & bit(s)) != 0; }
+  [[nodiscard]] std::uint64_t& word(std::uint64_t sequence) noexcept { return arrived_[sequence / kWordBits % kWords]; }
+  void advance_to(std::uint64_t sequence) noexcept;
 
-  std::array<std::uint64_t, kWindow / kBits> seen_{};
+  std::array<std::uint64_t, kWords> arrived_{};
   std::uint64_t newest_ = 0;
+  bool any_ = false;
 };
 
 }  // namespace forcebound::wire

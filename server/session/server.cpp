@@ -89,7 +89,7 @@ void Server::on_timer(Nanoseconds now) {
 
 void Server::stop() {
   for (const auto& [id, session] : sessions_) {
-    send(session.counts, session.info.address);
+    send(session.arrivals.counts, session.info.address);
     close(session, CloseReason::server_stops);
   }
   sessions_.clear();
@@ -115,7 +115,7 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     return;
   }
   const bool late = std::any_of(ended_.begin(), ended_.end(), [&](const Ended& ended) {
-    return ended.counts.session != 0 && ended.nonce == hello.client_nonce && ended.address == from;
+    return ended.arrivals.counts.session != 0 && ended.nonce == hello.client_nonce && ended.address == from;
   });
   if (late) {
     ++counters_.hellos_after_bye;
@@ -175,7 +175,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Sc
       .scene = SceneState(std::move(scene), hello.degrees_of_freedom),
       .rate = TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
-  session.counts.session = id;
+  session.arrivals.counts.session = id;
   ++counters_.sessions_opened;
   return sessions_.emplace(id, std::move(session)).first->second;
 }
@@ -191,9 +191,37 @@ void Server::welcome(const Session& session) {
        session.info.address);
 }
 
+Server::Ended* Server::find_ended(std::uint64_t session) noexcept {
+  if (session == 0) return nullptr;
+  const auto found = std::find_if(ended_.begin(), ended_.end(),
+                                  [&](const Ended& ended) { return ended.arrivals.counts.session == session; });
+  return found == ended_.end() ? nullptr : &*found;
+}
+
+wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t sequence) noexcept {
+  using Arrival = wire::SequenceWindow::Arrival;
+  const Arrival arrival = arrivals.window.note(sequence);
+  if (arrival == Arrival::duplicate) {
+    ++arrivals.counts.motions_duplicated;
+    ++counters_.motions_duplicated;
+    return arrival;
+  }
+  ++arrivals.counts.motions_received;
+  ++counters_.motions_received;
+  if (arrival == Arrival::late) {
+    ++arrivals.counts.motions_reordered;
+    ++counters_.motions_reordered;
+  }
+  return arrival;
+}
+
 void Server::on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept {
   const auto found = sessions_.find(motion.session);
   if (found == sessions_.end()) {
+    if (Ended* ended = find_ended(motion.session)) {
+      (void)note(ended->arrivals, motion.sequence);
+      return;
+    }
     ++counters_.motions_without_session;
     send(wire::Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}, from);
     return;
@@ -203,20 +231,10 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
     ++counters_.motions_of_wrong_size;
     return;
   }
-  const auto arrival = session.arrived.note(motion.sequence);
-  if (arrival == SequenceWindow::Arrival::duplicate) {
-    ++session.counts.motions_duplicated;
-    ++counters_.motions_duplicated;
-    return;
-  }
+  const auto arrival = note(session.arrivals, motion.sequence);
+  if (arrival == wire::SequenceWindow::Arrival::duplicate) return;
   session.last_heard = now;
-  ++session.counts.motions_received;
-  ++counters_.motions_received;
-  if (arrival == SequenceWindow::Arrival::late) {
-    ++session.counts.motions_reordered;
-    ++counters_.motions_reordered;
-    return;
-  }
+  if (arrival == wire::SequenceWindow::Arrival::late) return;
   if (session.info.address != from) {
     ++counters_.addresses_changed;
     session.info.address = from;
@@ -235,7 +253,7 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
   const Nanoseconds end = clock_.now();
 
   const wire::EnvironmentForce force{.session = motion.session,
-                                     .sequence = ++session.counts.forces_sent,
+                                     .sequence = ++session.arrivals.counts.forces_sent,
                                      .motion_sequence = motion.sequence,
                                      .motion_device_time = motion.device_time,
                                      .force = scene.force,
@@ -245,9 +263,9 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
                                      .server_receive_time = now,
                                      .server_send_time = end,
                                      .compute_time = end - begin,
-                                     .motions_received = session.counts.motions_received,
-                                     .motions_duplicated = session.counts.motions_duplicated,
-                                     .motions_reordered = session.counts.motions_reordered};
+                                     .motions_received = session.arrivals.counts.motions_received,
+                                     .motions_duplicated = session.arrivals.counts.motions_duplicated,
+                                     .motions_reordered = session.arrivals.counts.motions_reordered};
   ++counters_.forces_sent;
   send(force, session.info.address);
   observer_.on_force(force);
@@ -256,17 +274,16 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
 void Server::on_bye(const wire::Bye& bye, const net::Address& from) {
   if (const auto found = sessions_.find(bye.session); found != sessions_.end()) {
     const Session& session = found->second;
-    send(session.counts, from);
-    ended_[ended_next_++ % ended_.size()] = {session.nonce, session.info.address, session.counts};
+    send(session.arrivals.counts, from);
+    ended_[ended_next_++ % ended_.size()] = {session.nonce, session.info.address, session.arrivals};
     ++counters_.sessions_ended;
     close(session, CloseReason::client_said_bye);
     sessions_.erase(found);
     return;
   }
-  for (const Ended& ended : ended_) {
-    if (ended.counts.session != bye.session || bye.session == 0) continue;
+  if (const Ended* ended = find_ended(bye.session)) {
     ++counters_.byes_repeated;
-    send(ended.counts, from);
+    send(ended->arrivals.counts, from);
     return;
   }
   ++counters_.byes_unknown;
@@ -279,7 +296,7 @@ void Server::send(const wire::Message& message, const net::Address& to) noexcept
 void Server::close(const Session& session, CloseReason reason) {
   counters_.old_normals += session.scene.faults().old_normals;
   counters_.non_finite_forces += session.scene.faults().non_finite_forces;
-  observer_.on_closed(session.info, reason, session.counts);
+  observer_.on_closed(session.info, reason, session.arrivals.counts);
 }
 
 }  // namespace forcebound::server

@@ -14,10 +14,10 @@
 #include "forcebound/server/scene/scene_state.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
-#include "forcebound/server/session/sequence_window.hpp"
 #include "forcebound/server/session/token_bucket.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/codec.hpp"
+#include "forcebound/wire/sequence_window.hpp"
 
 namespace forcebound::server {
 
@@ -61,22 +61,27 @@ class Server {
   [[nodiscard]] ServerCounters counters() const noexcept;
 
  private:
+  /// Which motions of a session came, and the counts that the client is told.
+  struct Arrivals {
+    wire::SequenceWindow window{};
+    wire::Bye counts{};
+  };
+
   struct Session {
     SessionInfo info;
     std::uint64_t nonce;
     SceneState scene;
     TokenBucket rate;
     Nanoseconds last_heard;
-    SequenceWindow arrived{};
-    wire::Bye counts{};
+    Arrivals arrivals{};
   };
 
-  /// What remains of a session that the client ended, to answer further copies of its Bye and to know copies of its
-  /// Hello.
+  /// What remains of a session that the client ended: its motion that was still on its way is counted, further copies
+  /// of its Bye are answered with the counts as they are by then, and copies of its Hello are known.
   struct Ended {
     std::uint64_t nonce = 0;
     net::Address address;
-    wire::Bye counts;
+    Arrivals arrivals;
   };
 
   void on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
@@ -85,6 +90,8 @@ class Server {
 
   [[nodiscard]] bool refused(const wire::Hello& hello, const net::Address& from);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
+  [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
+  wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
   Session& open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
                 Nanoseconds now);
   void welcome(const Session& session);

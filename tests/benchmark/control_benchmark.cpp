@@ -22,17 +22,17 @@ struct Step {
   Vector request_N;
 };
 
-std::vector<Step> steps_of(const std::vector<tests::ReferenceTick>& ticks) {
+std::vector<Step> steps_of(const std::vector<test::ReferenceTick>& ticks) {
   std::vector<Step> steps;
-  for (const auto& tick : ticks) steps.push_back({tests::to_vector(tick.position_m), tests::to_vector(tick.request_N)});
+  for (const auto& tick : ticks) steps.push_back({test::to_vector(tick.position_m), test::to_vector(tick.request_N)});
   return steps;
 }
 
 void law_step(benchmark::State& state, const char* law) {
   const int degrees_of_freedom = static_cast<int>(state.range(0));
-  const auto ticks = tests::random_ticks({.degrees_of_freedom = degrees_of_freedom, .motion_m = 3e-4});
+  const auto ticks = test::random_ticks({.degrees_of_freedom = degrees_of_freedom, .motion_m = 3e-4});
   const std::vector<Step> steps = steps_of(ticks);
-  tests::LawLoop loop(law, tests::to_matrix(ticks.front().damping_N_s_per_m), {.force_N_max = 15});
+  test::LawLoop loop(law, test::to_matrix(ticks.front().damping_N_s_per_m), {.force_N_max = 15});
   std::size_t next = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(loop.tick(steps[next].position, steps[next].request_N));
@@ -42,8 +42,8 @@ void law_step(benchmark::State& state, const char* law) {
 
 void arm_damping(benchmark::State& state) {
   const int degrees_of_freedom = static_cast<int>(state.range(0));
-  const auto ticks = tests::random_ticks({.degrees_of_freedom = degrees_of_freedom, .ticks = 1});
-  const Matrix jacobian = 0.01 * tests::to_matrix(ticks.front().damping_N_s_per_m);
+  const auto ticks = test::random_ticks({.degrees_of_freedom = degrees_of_freedom, .ticks = 1});
+  const Matrix jacobian = 0.01 * test::to_matrix(ticks.front().damping_N_s_per_m);
   const Matrix joints = 1e-3 * Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
   for (auto _ : state) benchmark::DoNotOptimize(Damping::from_joints(jacobian, joints));
 }

@@ -4,7 +4,7 @@
 
 #include "forcebound/control/vector.hpp"
 
-namespace forcebound::tests {
+namespace forcebound::test {
 
 inline control::Vector vector_of(std::initializer_list<double> values) {
   control::Vector v(static_cast<Eigen::Index>(values.size()));
@@ -13,4 +13,4 @@ inline control::Vector vector_of(std::initializer_list<double> values) {
   return v;
 }
 
-}  // namespace forcebound::tests
+}  // namespace forcebound::test

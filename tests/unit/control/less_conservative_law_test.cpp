@@ -23,7 +23,7 @@ TEST(LessConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
   for (const int degrees_of_freedom : {1, 2, 3, 4, 5, 6}) {
     for (const bool damping_changes : {false, true}) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        tests::expect_agreement(kLaw, tests::less_conservative_reference,
+        test::expect_agreement(kLaw, test::less_conservative_reference,
                                 {.seed = seed,
                                  .degrees_of_freedom = degrees_of_freedom,
                                  .damping_changes = damping_changes,
@@ -34,11 +34,11 @@ TEST(LessConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
   }
 }
 
-TEST(LessConservativeLaw, IsPassiveAgainstAnyAdversary) { tests::expect_passive_against_any_adversary(kLaw); }
+TEST(LessConservativeLaw, IsPassiveAgainstAnyAdversary) { test::expect_passive_against_any_adversary(kLaw); }
 
-TEST(LessConservativeLaw, NeverChangesTheDirection) { tests::expect_direction_kept(kLaw); }
+TEST(LessConservativeLaw, NeverChangesTheDirection) { test::expect_direction_kept(kLaw); }
 
-TEST(LessConservativeLaw, StaysFiniteForHardRequests) { tests::expect_finite_for_hard_requests(kLaw); }
+TEST(LessConservativeLaw, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
 
 TEST(LessConservativeLaw, GivesNothingBeforeTheDeviceHasMoved) {
   LawLoop loop = one_axis();

@@ -30,7 +30,7 @@ TEST(MoreConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
   for (const int degrees_of_freedom : {1, 2, 3, 4, 5, 6}) {
     for (const bool damping_changes : {false, true}) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        tests::expect_agreement(kLaw, tests::more_conservative_reference,
+        test::expect_agreement(kLaw, test::more_conservative_reference,
                                 {.seed = seed,
                                  .degrees_of_freedom = degrees_of_freedom,
                                  .damping_changes = damping_changes,
@@ -41,11 +41,11 @@ TEST(MoreConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
   }
 }
 
-TEST(MoreConservativeLaw, IsPassiveAgainstAnyAdversary) { tests::expect_passive_against_any_adversary(kLaw); }
+TEST(MoreConservativeLaw, IsPassiveAgainstAnyAdversary) { test::expect_passive_against_any_adversary(kLaw); }
 
-TEST(MoreConservativeLaw, NeverChangesTheDirection) { tests::expect_direction_kept(kLaw); }
+TEST(MoreConservativeLaw, NeverChangesTheDirection) { test::expect_direction_kept(kLaw); }
 
-TEST(MoreConservativeLaw, StaysFiniteForHardRequests) { tests::expect_finite_for_hard_requests(kLaw); }
+TEST(MoreConservativeLaw, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
 
 TEST(MoreConservativeLaw, ShowsAtMostTwiceDampingOverPeriod) {
   for (const double stiffness_N_per_m : {1e2, 1e4, 5e4, 6e4, 8e4, 1.5e5, 1e9}) {
@@ -137,8 +137,8 @@ TEST(MoreConservativeLaw, IsPassiveWithConditionNumber1e12) {
   const Matrix damping = to_matrix({{5e5 + 5e-7, 5e5 - 5e-7}, {5e5 - 5e-7, 5e5 + 5e-7}});
   for (const char* name : {"fba-less", kLaw}) {
     LawLoop loop(name, damping);
-    const tests::Extraction result =
-        tests::play({.seed = 3,
+    const test::Extraction result =
+        test::play({.seed = 3,
                      .degrees_of_freedom = 2,
                      .dampings = [&](int) { return damping; },
                      .law = [&](const auto& x, const auto& f, const auto&) { return loop.tick(x, f); }});

@@ -96,12 +96,12 @@ TEST(PassivityController, ForgetsUnderTheMoreConservativeLawAtALostReadingAndRec
 TEST(PassivityController, StaysPassiveThroughLostReadings) {
   for (const char* law : {"fba-less", "fba-more"}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      LawLoop loop(law, tests::full_damping(3, seed));
+      LawLoop loop(law, test::full_damping(3, seed));
       int tick = 0;
-      const tests::Extraction result =
-          tests::play({.seed = seed,
+      const test::Extraction result =
+          test::play({.seed = seed,
                        .degrees_of_freedom = 3,
-                       .dampings = [&](int) { return tests::full_damping(3, seed); },
+                       .dampings = [&](int) { return test::full_damping(3, seed); },
                        .law =
                            [&](const Vector& position, const Vector& request, const Matrix&) {
                              const bool lost = ++tick % 7 == 0 || tick % 50 < 3;
@@ -128,13 +128,13 @@ TEST(PassivityController, RoundsTowardNoForce) {
 
 TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
   // A ledger that saw the unrounded force would drift away from the balance of what was applied.
-  const tests::LawLoopSetting setting{.force_N_max = 20, .actuator_step_N = 40.0 / 4096};
+  const test::LawLoopSetting setting{.force_N_max = 20, .actuator_step_N = 40.0 / 4096};
   for (const int degrees_of_freedom : {1, 3, 6}) {
-    const Matrix damping = tests::full_damping(degrees_of_freedom, 9);
+    const Matrix damping = test::full_damping(degrees_of_freedom, 9);
     LawLoop loop("fba-less", damping, setting);
     Vector last;
-    const tests::Extraction result =
-        tests::play({.seed = 9,
+    const test::Extraction result =
+        test::play({.seed = 9,
                      .degrees_of_freedom = degrees_of_freedom,
                      .dampings = [&](int) { return damping; },
                      .law =
@@ -148,8 +148,8 @@ TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
     EXPECT_GE(result.least_J, -1e-13L * result.turnover_J);
     EXPECT_GT(result.turnover_J, 1e-6L) << "nothing happened";
   }
-  tests::expect_passive_against_any_adversary("fba-less", setting);
-  tests::expect_passive_against_any_adversary("fba-more", setting);
+  test::expect_passive_against_any_adversary("fba-less", setting);
+  test::expect_passive_against_any_adversary("fba-more", setting);
 }
 
 TEST(PassivityController, ChargesTheRoundedForce) {
@@ -228,7 +228,7 @@ TEST_P(ArmTest, RoundsInTheJointsTowardNoTorque) {
 
 TEST_P(ArmTest, IsPassiveHoweverTheArmTurnsUnlessThereIsNoLaw) {
   int tick_number = 0;
-  const tests::Extraction result = tests::play(
+  const test::Extraction result = test::play(
       {.seed = 4,
        .degrees_of_freedom = 3,
        .dampings = [&](int i) { return Damping::from_joints(jacobian_at(i), facts().damping).matrix(); },

@@ -18,7 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void expect_tick_without_heap(const char* law, int degrees_of_freedom) {
   SCOPED_TRACE(testing::Message() << law << ", " << degrees_of_freedom << " degrees of freedom");
-  LawLoop loop(law, tests::full_damping(degrees_of_freedom, 2), {.force_N_max = 10, .actuator_step_N = 0.01});
+  LawLoop loop(law, test::full_damping(degrees_of_freedom, 2), {.force_N_max = 10, .actuator_step_N = 0.01});
   const Vector one = Vector::Ones(degrees_of_freedom);
   const AllocationGuard guard;
   for (int i = 0; i < 100; ++i) {
@@ -48,7 +48,7 @@ TEST(MoreConservativeLaw, DoesNotAllocate) {
 TEST(Damping, OfAnArmDoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   for (const int degrees_of_freedom : {1, 3, 6}) {
-    const Matrix jacobian = tests::full_damping(degrees_of_freedom, 3);
+    const Matrix jacobian = test::full_damping(degrees_of_freedom, 3);
     const Matrix joints = Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
     const Vector v = Vector::Ones(degrees_of_freedom);
     double sum = 0;
@@ -71,7 +71,7 @@ TEST(PassivityController, DoesNotAllocateForAnArm) {
     facts.force_N_max = 10;
     PassivityController controller(facts, published_laws().make("fba-more", facts));
     Motion motion;
-    motion.jacobian = tests::full_damping(degrees_of_freedom, 4);
+    motion.jacobian = test::full_damping(degrees_of_freedom, 4);
     const Damping damping = Damping::from_joints(motion.jacobian, facts.damping);
     motion.damping = &damping;
     const Vector one = Vector::Ones(degrees_of_freedom);

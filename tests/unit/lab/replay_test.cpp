@@ -89,7 +89,7 @@ class ReplayOfRandomRuns : public testing::TestWithParam<int> {};
 
 TEST_P(ReplayOfRandomRuns, AgreesWithTheReferenceThroughText) {
   const auto ticks =
-      tests::random_ticks({.seed = 21, .degrees_of_freedom = GetParam(), .ticks = 1500, .motion_m = 1e-4});
+      test::random_ticks({.seed = 21, .degrees_of_freedom = GetParam(), .ticks = 1500, .motion_m = 1e-4});
   ReplayOptions options;
   options.damping_matrix = ticks.front().damping_N_s_per_m;
   options.force_N_max = 15;
@@ -148,7 +148,7 @@ TEST(Replay, SaturatesAlongTheRequestBeforeTheLaw) {
 }
 
 TEST(Replay, IgnoresOptionsThatALawHasNoUseFor) {
-  const auto ticks = tests::random_ticks({.seed = 5, .degrees_of_freedom = 2, .ticks = 300});
+  const auto ticks = test::random_ticks({.seed = 5, .degrees_of_freedom = 2, .ticks = 300});
   ReplayOptions plain = wall_options();
   ReplayOptions full = plain;
   full.encoder_step_m = {15e-6, 55e-6};

@@ -7,7 +7,7 @@
 
 namespace forcebound::wire {
 
-using tests::vector_of;
+using test::vector_of;
 
 /// One of each kind, every field set.
 inline std::array<Message, 6> one_of_each() {

@@ -1,10 +1,8 @@
 #include "forcebound/wire/sequence_window.hpp"
 
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
-#include <cstdint>
-#include <limits>
-#include <random>
 #include <set>
 
 namespace forcebound::wire {
@@ -12,43 +10,62 @@ namespace {
 
 using Arrival = SequenceWindow::Arrival;
 
-TEST(SequenceWindow, TellsNewestOvertakenAndDuplicateApart) {
-  SequenceWindow window;
-  EXPECT_EQ(window.note(1), Arrival::newest);
-  EXPECT_EQ(window.note(3), Arrival::newest);
-  EXPECT_EQ(window.note(2), Arrival::overtaken);
-  EXPECT_EQ(window.note(2), Arrival::duplicate);
-  EXPECT_EQ(window.note(3), Arrival::duplicate);
-  EXPECT_EQ(window.newest(), 3U);
-}
-
-TEST(SequenceWindow, TakesZeroAndWhatIsTooOldForACopy) {
-  SequenceWindow window;
-  EXPECT_EQ(window.note(0), Arrival::duplicate);
-  EXPECT_EQ(window.note(SequenceWindow::kWindow + 10), Arrival::newest);
-  EXPECT_EQ(window.note(10), Arrival::duplicate);
-  EXPECT_EQ(window.note(11), Arrival::overtaken);
-}
-
-TEST(SequenceWindow, SurvivesTheLargestNumbers) {
-  SequenceWindow window;
-  constexpr auto kLast = std::numeric_limits<std::uint64_t>::max();
-  EXPECT_EQ(window.note(kLast - 1), Arrival::newest);
-  EXPECT_EQ(window.note(kLast), Arrival::newest);
-  EXPECT_EQ(window.note(kLast), Arrival::duplicate);
-}
-
-TEST(SequenceWindow, AgreesWithASetOverRandomOrders) {
-  std::mt19937_64 random(7);
-  SequenceWindow window;
-  std::set<std::uint64_t> seen;
-  std::uint64_t base = 1;
-  for (int i = 0; i < 200'000; ++i) {
-    base += random() % 3;
-    const std::uint64_t sequence = base + random() % 200;
-    const bool copy = !seen.insert(sequence).second;
-    EXPECT_EQ(window.note(sequence) == Arrival::duplicate, copy);
+TEST(SequenceWindow, FirstNumberMayBeAny) {
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{1} << 63, UINT64_MAX}) {
+    SequenceWindow window;
+    EXPECT_EQ(window.note(first), Arrival::newest);
+    EXPECT_EQ(window.note(first), Arrival::duplicate);
+    EXPECT_EQ(window.note(first + 1), Arrival::newest);
   }
+}
+
+TEST(SequenceWindow, LatecomersAreToldFromCopies) {
+  SequenceWindow window;
+  EXPECT_EQ(window.note(10), Arrival::newest);
+  EXPECT_EQ(window.note(13), Arrival::newest);
+  EXPECT_EQ(window.note(11), Arrival::late);
+  EXPECT_EQ(window.note(11), Arrival::duplicate);
+  EXPECT_EQ(window.note(10), Arrival::duplicate);
+  EXPECT_EQ(window.note(12), Arrival::late);
+  EXPECT_EQ(window.note(9), Arrival::late) << "overtaken by the first";
+}
+
+TEST(SequenceWindow, RemembersSixteenSecondsAtOneKilohertz) {
+  SequenceWindow window;
+  EXPECT_EQ(window.note(100000), Arrival::newest);
+  EXPECT_EQ(window.note(100000 - SequenceWindow::kNumbers + 64), Arrival::late);
+  EXPECT_EQ(window.note(100000 - SequenceWindow::kNumbers - 64), Arrival::duplicate) << "too old to tell";
+}
+
+TEST(SequenceWindow, AJumpForgetsEverythingBefore) {
+  SequenceWindow window;
+  EXPECT_EQ(window.note(5), Arrival::newest);
+  EXPECT_EQ(window.note(5 + SequenceWindow::kNumbers * 10), Arrival::newest);
+  EXPECT_EQ(window.note(5 + SequenceWindow::kNumbers * 10 - 1), Arrival::late);
+  EXPECT_EQ(window.note(5), Arrival::duplicate);
+}
+
+// Against a set that remembers all, wherever on the circle of 64-bit numbers.
+TEST(SequenceWindow, AgreesWithASetOfAllNumbersSeen) {
+  ASSERT_TRUE(rc::check([] {
+    const std::uint64_t origin = *rc::gen::element<std::uint64_t>(1000000, 0, UINT64_MAX - 500, std::uint64_t{1} << 63);
+    SequenceWindow window;
+    std::set<std::int64_t> seen;
+    std::int64_t newest = 0;
+    for (const int step : *rc::gen::container<std::vector<int>>(200, rc::gen::inRange(-3000, 3000))) {
+      const std::int64_t offset = seen.empty() ? step : newest + step;
+      const Arrival arrival = window.note(origin + static_cast<std::uint64_t>(offset));
+      if (seen.contains(offset)) {
+        RC_ASSERT(arrival == Arrival::duplicate);
+      } else if (seen.empty() || offset > newest) {
+        RC_ASSERT(arrival == Arrival::newest);
+        newest = offset;
+      } else {
+        RC_ASSERT(arrival == Arrival::late);
+      }
+      seen.insert(offset);
+    }
+  }));
 }
 
 }  // namespace

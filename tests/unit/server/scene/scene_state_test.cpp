@@ -13,7 +13,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-using tests::vector_of;
+using test::vector_of;
 
 std::shared_ptr<const Scene> damped_plane() {
   return parse_scene(R"(

@@ -17,7 +17,7 @@ namespace forcebound::server {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-using tests::vector_of;
+using test::vector_of;
 
 inline net::Address address(std::uint16_t port) { return {.ip = {}, .port = port}; }
 

@@ -1,6 +1,6 @@
-#include "forcebound/server/session/sequence_window.hpp"
+#include "forcebound/wire/sequence_window.hpp"
 
-namespace forcebound::server {
+namespace forcebound::wire {
 namespace {
 
 // So many words hold all 64-bit numbers; a multiple of the words kept, so that wrapping around keeps every place.
@@ -37,4 +37,4 @@ void SequenceWindow::advance_to(std::uint64_t sequence) noexcept {
   any_ = true;
 }
 
-}  // namespace forcebound::server
+}  // namespace forcebound::wire
