@@ -1,14 +1,11 @@
 #include "forcebound/client/device/load_device.hpp"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "embedded/shipped_devices.hpp"
 #include "forcebound/client/device/nearest_name.hpp"
+#include "forcebound/client/device/text_file.hpp"
 #include "forcebound/client/device/toml_section.hpp"
 
 namespace forcebound::client {
@@ -55,13 +52,6 @@ ArmGeometry read_arm(TomlSection section) {
   return arm;
 }
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
-  return text.str();
-}
-
 }  // namespace
 
 DeviceDescription parse_device(std::string_view toml_text, const std::string& place) {
@@ -84,7 +74,7 @@ DeviceDescription parse_device(std::string_view toml_text, const std::string& pl
 
 DeviceDescription load_device(const std::string& name_or_file) {
   if (name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml")) {
-    return parse_device(read_file(name_or_file), name_or_file);
+    return parse_device(read_text_file(name_or_file), name_or_file);
   }
   for (const EmbeddedText& device : shipped_devices()) {
     if (device.name == name_or_file) return parse_device(device.text, "devices/" + name_or_file + ".toml");

@@ -1,17 +1,13 @@
 #include "forcebound/client/device/make_operator.hpp"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <functional>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "forcebound/client/device/motion_operators.hpp"
 #include "forcebound/client/device/nearest_name.hpp"
 #include "forcebound/client/device/replay_operator.hpp"
+#include "forcebound/client/device/text_file.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -36,21 +32,12 @@ constexpr std::array<Entry, 4> kOperators = {{
     {"wave", [](OperatorSettings s, int dof) -> Made { return std::make_unique<WaveOperator>(std::move(s), dof); }},
 }};
 
-std::string read_file(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw std::invalid_argument("operator 'replay': " + path + ": cannot be read: " + std::strerror(errno));
-  }
-  return text.str();
-}
-
 Made make_replay(const std::string& arguments, int dof) {
   const std::string path = arguments.substr(0, arguments.find(','));
   if (path.empty()) throw std::invalid_argument("operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
   const std::string settings = path.size() < arguments.size() ? arguments.substr(path.size() + 1) : "";
   return std::make_unique<ReplayOperator>(OperatorSettings("replay:" + path, settings), dof,
-                                          parse_motion(read_file(path), path, dof));
+                                          parse_motion(read_text_file(path), path, dof));
 }
 
 }  // namespace

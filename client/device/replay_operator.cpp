@@ -39,7 +39,7 @@ class MotionReader {
 
  private:
   [[noreturn]] void refuse(const std::string& message) const {
-    throw std::invalid_argument(place_ + ":" + std::to_string(line_) + ": " + message);
+    throw std::runtime_error(place_ + ":" + std::to_string(line_) + ": " + message);
   }
 
   std::string_view next_line() {

@@ -17,7 +17,7 @@ struct MotionSample {
 /// Reads `time_s,x_m[,y_m[,z_m]]`, in this order under a header line; the first `dof` positions are used, further
 /// columns are ignored.
 /// @param place the file's name, for errors.
-/// @throws std::invalid_argument `PLACE:LINE: ...` unless the header is as above with enough columns, there are at
+/// @throws std::runtime_error `PLACE:LINE: ...` unless the header is as above with enough columns, there are at
 /// least two rows, all numbers used are finite and time increases from row to row.
 [[nodiscard]] std::vector<MotionSample> parse_motion(std::string_view csv_text, const std::string& place, int dof);
 
@@ -28,7 +28,8 @@ struct MotionSample {
 /// backwards, forwards again, and so on.
 class ReplayOperator final : public SpecifiedOperator {
  public:
-  /// @throws std::invalid_argument as parse_motion, or for a setting.
+  /// @param motion from parse_motion.
+  /// @throws std::invalid_argument for a setting.
   ReplayOperator(OperatorSettings settings, int dof, std::vector<MotionSample> motion);
   [[nodiscard]] Target target(double time_s) const noexcept override;
 

@@ -130,6 +130,14 @@ TEST(LoadDevice, MissingFileIsNamedWithTheReason) {
             "no/such.toml: cannot be read: No such file or directory");
 }
 
+TEST(LoadDevice, DirectoryAndEmptyFileAreRefusedForWhatTheyAre) {
+  EXPECT_EQ(refusal([] { (void)load_device("./"); }), "./: cannot be read: it is a directory");
+  const std::string path = testing::TempDir() + "forcebound_empty.toml";
+  std::ofstream(path).close();
+  EXPECT_THAT(refusal([&] { (void)load_device(path); }), HasSubstr("forcebound_empty.toml:1: device"));
+  std::remove(path.c_str());
+}
+
 TEST(LoadDevice, ReadsAFile) {
   const std::string path = testing::TempDir() + "forcebound_plane.toml";
   std::ofstream(path) << kPoint;

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 std::string refusal_of(const std::string& text, int dof) {
   try {
     (void)parse_motion(text, "hand.csv", dof);
-  } catch (const std::invalid_argument& error) {
+  } catch (const std::runtime_error& error) {
     return error.what();
   }
   return "accepted";

@@ -240,6 +240,43 @@ TEST(SimulatedDevice, ArmPulledFarOutOfReachStaysFinite) {
   }
 }
 
+TEST(SimulatedDevice, AuditIsTheIntegralOfTheMotionThatResulted) {
+  // By the trapezoidal rule over 10 us, with each force held for the 2 ms until it is released.
+  constexpr Nanoseconds kStep = microseconds(10);
+  for (const char* name : {"wall-1dof", "cartesian-3dof", "omni"}) {
+    SCOPED_TRACE(name);
+    const DeviceDescription description = load_device(name);
+    const int dof = description.facts.degrees_of_freedom();
+    SimulatedDevice device(description, make_operator("wave", dof));
+    Vector torque = Vector::Zero(dof);
+    double energy = 0;
+    double minimum = 0;
+    SimulatedDevice::Truth before;
+    for (int step = 0; step < 80'000; ++step) {
+      const Nanoseconds now = kStart + step * kStep;
+      const Reading reading = device.read(now);
+      const SimulatedDevice::Truth truth = device.truth();
+      if (step > 0) {
+        const Vector moved = truth.joint - before.joint;
+        const double power = before.joint_velocity.dot(description.facts.damping * before.joint_velocity) +
+                             truth.joint_velocity.dot(description.facts.damping * truth.joint_velocity);
+        energy += 0.5 * power * time::to_seconds(kStep) + description.facts.friction.dot(moved.cwiseAbs()) -
+                  torque.dot(moved);
+        minimum = std::min(minimum, energy);
+      }
+      before = truth;
+      if (step % 500 == 200) torque.setZero();
+      if (step % 500 != 0) continue;
+      const Vector pull = Vector::Constant(dof, std::sin(1e-3 * step));
+      device.apply(now, pull);
+      torque = reading.jacobian.transpose() * pull;
+    }
+    EXPECT_NEAR(device.audit()->energy_J, energy, 1e-8);
+    EXPECT_NEAR(device.audit()->minimum_J, minimum, 1e-8);
+    EXPECT_LT(minimum, -1e-6);
+  }
+}
+
 TEST(SimulatedDevice, HandWithTheWrongDegreesOfFreedomIsRefused) {
   try {
     SimulatedDevice device(load_device("wall-1dof"), make_operator("wave", 3));

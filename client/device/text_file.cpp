@@ -1,0 +1,22 @@
+#include "forcebound/client/device/text_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace forcebound::client {
+
+std::string read_text_file(const std::string& path) {
+  // Opening a directory succeeds; only reading it would fail, and silently.
+  if (std::filesystem::is_directory(path)) throw std::runtime_error(path + ": cannot be read: it is a directory");
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  return text;
+}
+
+}  // namespace forcebound::client
