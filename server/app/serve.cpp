@@ -10,8 +10,9 @@
 
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/server/app/log_observer.hpp"
-#include "forcebound/server/app/realtime.hpp"
 #include "forcebound/server/scene/explain.hpp"
+#include "forcebound/time/real_time.hpp"
+#include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -22,6 +23,8 @@ using std::chrono::seconds;
 // Also how late the end may be noticed: a signal between two waits wakes nobody.
 constexpr Nanoseconds kTimerPeriod = milliseconds{100};
 constexpr Nanoseconds kReportPeriod = seconds{10};
+// Below a client's on the same machine, whose deadline is the hard one.
+constexpr int kPriority = 40;
 // A flood must not keep the loop from its timer and its end.
 constexpr int kDatagramsPerTurn = 256;
 
@@ -33,13 +36,6 @@ void stop_on_signals() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
-
-class SteadyClock final : public time::Clock {
- public:
-  [[nodiscard]] Nanoseconds now() const noexcept override {
-    return std::chrono::steady_clock::now().time_since_epoch();
-  }
-};
 
 /// The system's randomness, so that nobody guesses a session.
 std::uint64_t random_session_id() {
@@ -82,7 +78,7 @@ void run(net::UdpLink& link, Server& server, const time::Clock& clock, bool verb
 }  // namespace
 
 void serve(ProgramOptions options) {
-  const SteadyClock clock;
+  const time::SteadyClock clock;
   LogObserver observer(clock);
   const auto scene = load_scene(options.scene);
   SceneLibrary scenes = SceneLibrary::shipped();
@@ -92,7 +88,7 @@ void serve(ProgramOptions options) {
   stop_on_signals();
   auto link = net::UdpLink::listen(net::resolve(options.listen));
   Server server(options.server, std::move(scenes), link, clock, random_session_id, &observer);
-  if (options.realtime) spdlog::info("{}", ask_for_realtime());
+  if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
                summary(*scene));
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "forcebound/record/recording_reader.hpp"
-#include "tests/support/allocation_count.hpp"
+#include "tests/support/allocation_guard.hpp"
 #include "tests/unit/record/sample_run.hpp"
 
 namespace forcebound::record {
