@@ -23,7 +23,7 @@ std::uint64_t direction_seed(std::uint64_t seed, Direction direction) noexcept {
 }
 
 // Members are made in the order of their declaration, and so are the first draws.
-Impairment::Impairment(ImpairmentSettings settings)
+Impairment::Impairment(const ImpairmentSettings& settings)
     : netem_(settings.netem),
       rtt_trace_(trace_of<RttTrace>(settings.trace)),
       origin_(settings.origin),

@@ -50,7 +50,7 @@ struct Departure {
 /// running nothing allocates. Not thread-safe.
 class Impairment {
  public:
-  explicit Impairment(ImpairmentSettings settings);
+  explicit Impairment(const ImpairmentSettings& settings);
 
   /// A packet arrives. `tag` comes back with its departures.
   Verdicts push(Nanoseconds now, std::span<const std::byte> bytes, std::uint64_t tag = 0);

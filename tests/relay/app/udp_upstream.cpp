@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace forcebound::relay {
 
@@ -11,7 +12,8 @@ net::DatagramLink* UdpUpstream::open() try {
   descriptors_.push_back(link->descriptor());
   return links_.emplace_back(std::move(link)).get();
 } catch (const std::runtime_error& error) {
-  spdlog::error("{}", error.what());
+  // Once: a client that finds no socket asks again with every datagram.
+  if (!std::exchange(failure_reported_, true)) spdlog::error("no socket for another client: {}", error.what());
   return nullptr;
 }
 

@@ -27,6 +27,7 @@ class UdpUpstream final : public UpstreamLinks {
   std::vector<std::unique_ptr<net::UdpLink>> links_;
   std::vector<int> descriptors_;  // as links_
   std::uint64_t refused_of_closed_ = 0;
+  bool failure_reported_ = false;
 };
 
 }  // namespace forcebound::relay

@@ -23,7 +23,7 @@ inline std::span<const std::byte> bytes_of(std::string_view text) { return std::
 class Way {
  public:
   explicit Way(std::string_view words, std::uint64_t seed = 1) : Way({.netem = parse_netem(words), .seed = seed}) {}
-  explicit Way(ImpairmentSettings settings) : impairment_(std::move(settings)) {}
+  explicit Way(const ImpairmentSettings& settings) : impairment_(settings) {}
 
   Verdicts send(Nanoseconds now, std::string_view text = "x", std::uint64_t tag = 0) {
     run_until(now);
