@@ -13,9 +13,9 @@ namespace {
 using Allowed = OperatorSettings::Allowed;
 
 // The hands, each for all laws. The paper gives none; a relaxed grip has a few hundred N/m.
-constexpr Hand kPressHand{.mass_kg = 0.05, .stiffness_N_per_m = 500, .damping_N_s_per_m = 5};
-constexpr Hand kCircleHand{.mass_kg = 0, .stiffness_N_per_m = 150, .damping_N_s_per_m = 1.5};
-constexpr Hand kSphereHand{.mass_kg = 0.1, .stiffness_N_per_m = 300, .damping_N_s_per_m = 0.5};
+constexpr Hand kPressHand{.mass_kg = 0.05, .stiffness_N_per_m = 1000, .damping_N_s_per_m = 4};
+constexpr Hand kCircleHand{.mass_kg = 0.12, .stiffness_N_per_m = 100, .damping_N_s_per_m = 2.25};
+constexpr Hand kSphereHand{.mass_kg = 0.1, .stiffness_N_per_m = 200, .damping_N_s_per_m = 0.3};
 constexpr Hand kWaveHand{.mass_kg = 0, .stiffness_N_per_m = 150, .damping_N_s_per_m = 0.3};
 
 Operator::Target at_rest(int dof) noexcept { return {Vector::Zero(dof), Vector::Zero(dof)}; }
@@ -28,7 +28,7 @@ PressOperator::PressOperator(OperatorSettings settings, int dof)
       from_m_(settings.number("from_m", Allowed::any, -0.01)),
       to_m_(settings.number("to_m", Allowed::any, 0.02)),
       wait_s_(settings.number("wait_s", Allowed::not_negative, 0.1)),
-      approach_s_(settings.number("approach_s", Allowed::positive, 0.5)) {
+      approach_s_(settings.number("approach_s", Allowed::positive, 0.4)) {
   finish(settings);
 }
 
@@ -45,11 +45,11 @@ TraceOperator::TraceOperator(OperatorSettings settings, int dof, Wall wall)
   if (dof < 2) throw std::invalid_argument("operator '" + settings.name() + "': needs 2 degrees of freedom, has 1");
   const bool around = wall == Wall::around;
   const double radius = settings.number("radius_m", Allowed::positive, around ? 0.04 : 0.02);
-  const double depth = settings.number("depth_m", Allowed::any, around ? 0.005 : 0.01);
+  const double depth = settings.number("depth_m", Allowed::any, around ? 0.012 : 0.0125);
   trace_radius_m_ = around ? radius + depth : radius - depth;
   start_radius_m_ = around ? 0 : radius + settings.number("clearance_m", Allowed::not_negative, 0.02);
-  turn_s_ = settings.number("turn_s", Allowed::positive, around ? 2 : 4);
-  approach_s_ = settings.number("approach_s", Allowed::positive, 1);
+  turn_s_ = settings.number("turn_s", Allowed::positive, around ? 8 : 6);
+  approach_s_ = settings.number("approach_s", Allowed::positive, around ? 0.5 : 1);
   finish(settings);
 }
 

@@ -24,10 +24,10 @@ TEST(LessConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
     for (const bool damping_changes : {false, true}) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         test::expect_agreement(kLaw, test::less_conservative_reference,
-                                {.seed = seed,
-                                 .degrees_of_freedom = degrees_of_freedom,
-                                 .damping_changes = damping_changes,
-                                 .motion_m = 1e-4});
+                               {.seed = seed,
+                                .degrees_of_freedom = degrees_of_freedom,
+                                .damping_changes = damping_changes,
+                                .motion_m = 1e-4});
         if (HasFatalFailure()) return;
       }
     }

@@ -31,10 +31,10 @@ TEST(MoreConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
     for (const bool damping_changes : {false, true}) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         test::expect_agreement(kLaw, test::more_conservative_reference,
-                                {.seed = seed,
-                                 .degrees_of_freedom = degrees_of_freedom,
-                                 .damping_changes = damping_changes,
-                                 .motion_m = 3e-4});
+                               {.seed = seed,
+                                .degrees_of_freedom = degrees_of_freedom,
+                                .damping_changes = damping_changes,
+                                .motion_m = 3e-4});
         if (HasFatalFailure()) return;
       }
     }
@@ -139,9 +139,9 @@ TEST(MoreConservativeLaw, IsPassiveWithConditionNumber1e12) {
     LawLoop loop(name, damping);
     const test::Extraction result =
         test::play({.seed = 3,
-                     .degrees_of_freedom = 2,
-                     .dampings = [&](int) { return damping; },
-                     .law = [&](const auto& x, const auto& f, const auto&) { return loop.tick(x, f); }});
+                    .degrees_of_freedom = 2,
+                    .dampings = [&](int) { return damping; },
+                    .law = [&](const auto& x, const auto& f, const auto&) { return loop.tick(x, f); }});
     // Rounding of a matrix is relative to its largest eigenvalue.
     EXPECT_GE(result.least_J, -1e-9L * result.turnover_J) << name;
     EXPECT_TRUE(std::isfinite(loop.energy_J()));

@@ -100,13 +100,13 @@ TEST(PassivityController, StaysPassiveThroughLostReadings) {
       int tick = 0;
       const test::Extraction result =
           test::play({.seed = seed,
-                       .degrees_of_freedom = 3,
-                       .dampings = [&](int) { return test::full_damping(3, seed); },
-                       .law =
-                           [&](const Vector& position, const Vector& request, const Matrix&) {
-                             const bool lost = ++tick % 7 == 0 || tick % 50 < 3;
-                             return loop.tick(lost ? Vector(Vector::Constant(3, kNaN)) : position, request);
-                           }});
+                      .degrees_of_freedom = 3,
+                      .dampings = [&](int) { return test::full_damping(3, seed); },
+                      .law =
+                          [&](const Vector& position, const Vector& request, const Matrix&) {
+                            const bool lost = ++tick % 7 == 0 || tick % 50 < 3;
+                            return loop.tick(lost ? Vector(Vector::Constant(3, kNaN)) : position, request);
+                          }});
       EXPECT_GE(result.least_J, -1e-13L * result.turnover_J) << law << ", seed " << seed;
     }
   }
@@ -135,16 +135,16 @@ TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
     Vector last;
     const test::Extraction result =
         test::play({.seed = 9,
-                     .degrees_of_freedom = degrees_of_freedom,
-                     .dampings = [&](int) { return damping; },
-                     .law =
-                         [&](const Vector& position, const Vector& request, const Matrix&) {
-                           last = position;
-                           const Vector force = loop.tick(position, request);
-                           EXPECT_EQ(force, Vector((force / setting.actuator_step_N).array().round().matrix() *
-                                                   setting.actuator_step_N));
-                           return force;
-                         }});
+                    .degrees_of_freedom = degrees_of_freedom,
+                    .dampings = [&](int) { return damping; },
+                    .law =
+                        [&](const Vector& position, const Vector& request, const Matrix&) {
+                          last = position;
+                          const Vector force = loop.tick(position, request);
+                          EXPECT_EQ(force, Vector((force / setting.actuator_step_N).array().round().matrix() *
+                                                  setting.actuator_step_N));
+                          return force;
+                        }});
     EXPECT_GE(result.least_J, -1e-13L * result.turnover_J);
     EXPECT_GT(result.turnover_J, 1e-6L) << "nothing happened";
   }

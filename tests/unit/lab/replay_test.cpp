@@ -16,11 +16,11 @@
 namespace forcebound::lab {
 namespace {
 
+using test::ReferenceAnswer;
+using test::ReferenceTick;
 using testing::HasSubstr;
 using testing::StrEq;
 using testing::ThrowsMessage;
-using test::ReferenceAnswer;
-using test::ReferenceTick;
 
 ReplayOptions wall_options() {
   ReplayOptions options;

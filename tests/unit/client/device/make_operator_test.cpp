@@ -39,15 +39,15 @@ TEST(MakeOperator, PressMovesAlongTheAxisAskedForOnly) {
 TEST(MakeOperator, TraceCircleRunsFromTheMiddleIntoTheWallAround) {
   const auto trace = make_operator("trace-circle", 2);
   EXPECT_EQ(trace->target(0).position.norm(), 0);
-  for (const double t : {1.1, 3.3, 17.0}) EXPECT_NEAR(trace->target(t).position.norm(), 0.045, 1e-15);
-  EXPECT_NEAR(trace->target(10).velocity.norm(), 0.045 * 2 * M_PI / 2, 1e-14);
+  for (const double t : {1.1, 3.3, 17.0}) EXPECT_NEAR(trace->target(t).position.norm(), 0.052, 1e-15);
+  EXPECT_NEAR(trace->target(10).velocity.norm(), 0.052 * 2 * M_PI / 8, 1e-14);
 }
 
-TEST(MakeOperator, TraceSphereComesFromOutsideAndPressesTenMillimetresDeep) {
+TEST(MakeOperator, TraceSphereComesFromOutsideAndPressesIn) {
   const auto trace = make_operator("trace-sphere", 3);
   EXPECT_NEAR(trace->target(0).position.norm(), 0.04, 1e-15);
-  EXPECT_NEAR(trace->target(5).position.norm(), 0.01, 1e-15);
-  EXPECT_LT((trace->target(5).position - trace->target(9).position).norm(), 1e-15);  // one turn in 4 s
+  EXPECT_NEAR(trace->target(5).position.norm(), 0.0075, 1e-15);
+  EXPECT_LT((trace->target(5).position - trace->target(11).position).norm(), 1e-15);  // one turn in 6 s
 }
 
 TEST(MakeOperator, EveryTargetBeginsAtRestAndItsVelocityIsTheDerivative) {
