@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <stop_token>
 #include <thread>
 
 #include "forcebound/record/histogram.hpp"
+#include "forcebound/record/run_info.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
@@ -15,13 +17,15 @@ class IdleTimer {
  public:
   IdleTimer(const time::Clock& clock, time::Nanoseconds period, int priority);
 
-  /// Ends the thread. Afterwards the intervals between its wake-ups can be read.
-  const record::Histogram& stop();
+  /// Ends the thread and tells what it saw.
+  [[nodiscard]] record::IdleTimer stop();
 
  private:
-  void run(const std::stop_token& stopping, const time::Clock& clock, time::Nanoseconds period, int priority);
+  void run(const std::stop_token& stopping, const time::Clock& clock, int priority);
 
+  time::Nanoseconds period_;
   record::Histogram intervals_ns_;
+  std::uint64_t late_ = 0;
   std::jthread thread_;  // last, so that it ends before what it writes to
 };
 

@@ -192,6 +192,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
 
   record::RunTotals totals = session.totals();
   totals.tick_allocations = loop.allocations;
+  totals.idle_timer = idle.stop();
   totals.recording_dropped = recorder.dropped();
   if (writer) {
     recorder.drain(*writer);

@@ -32,6 +32,8 @@ Session::Session(Options options, HapticDevice& device, std::unique_ptr<control:
       connection_(connection_facts(device.facts(), options_.scene), options_.seed),
       forces_(device.facts().degrees_of_freedom()) {
   options_.policy.validate();
+  totals_.scene.reserve(wire::kNameBytesMax);
+  totals_.simulated.reserve(wire::kTextBytesMax);
 }
 
 void Session::tick(Nanoseconds now) noexcept {
@@ -130,6 +132,8 @@ void Session::receive(const wire::Message& message, Nanoseconds now) noexcept {
     if (!connection_.on_welcome(*welcome)) return;
     forces_.begin_session(welcome->session);
     silent_since_ = now;
+    totals_.scene.assign(welcome->scene);
+    totals_.simulated.assign(welcome->simulated);
     tell(Event::Kind::welcomed, now, welcome->simulated);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
     if (!connection_.on_refusal(*refusal)) return;

@@ -98,7 +98,7 @@ class Session {
   bool closing_ = false;
   int answers_without_news_ = 0;
   bool refused_ = false;
-  record::RunTotals totals_;
+  record::RunTotals totals_;  // its texts hold all that a Welcome can carry, so that the tick does not allocate
 };
 
 }  // namespace forcebound::client

@@ -54,6 +54,14 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("tick_allocations", totals.tick_allocations);
   visit("recording_dropped", totals.recording_dropped);
   visit("recording_unwritten", totals.recording_unwritten);
+  visit("scene", totals.scene);
+  visit("simulated", totals.simulated);
+  visit("idle_timer_wake_ups", totals.idle_timer.wake_ups);
+  visit("idle_timer_late", totals.idle_timer.late);
+  visit("idle_timer_p50_us", totals.idle_timer.p50_us);
+  visit("idle_timer_p99_us", totals.idle_timer.p99_us);
+  visit("idle_timer_p999_us", totals.idle_timer.p999_us);
+  visit("idle_timer_max_us", totals.idle_timer.max_us);
 }
 
 struct Writer {

@@ -23,7 +23,7 @@ struct RunInfo {
   std::string facts;          ///< the device's facts, for people
   std::string operator_name;  ///< who holds the device
   std::string hand;           ///< mass, stiffness and damping of that hand, for people
-  std::string scene;          ///< as asked for
+  std::string scene;          ///< as asked for; empty: the server's own
   std::string simulated;      ///< what is simulated, for people
   std::string network;        ///< what was done to the network, as far as this side knows
   std::uint64_t seed = 0;
@@ -35,6 +35,19 @@ struct RunInfo {
   double settle_s = 0;                  ///< contact statistics leave out this long after the first contact
   double stiffness_depth_m_min = 1e-5;  ///< displayed stiffness is taken deeper than this only
   double rounding_N = 0;                ///< a force that differs less from the request was rounded, not bounded
+};
+
+/// An interval that is so much longer than the period is late.
+inline constexpr Nanoseconds kLateBy = std::chrono::microseconds{500};
+
+/// What the machine does to a thread that only sleeps at the tick's period: the yardstick for the tick's own period.
+struct IdleTimer {
+  std::uint64_t wake_ups = 0;  ///< 0: not measured
+  std::uint64_t late = 0;      ///< intervals more than 0.5 ms above the period
+  double p50_us = 0;           ///< of the intervals between wake-ups
+  double p99_us = 0;
+  double p999_us = 0;
+  double max_us = 0;
 };
 
 /// Known when a run ends. Counts of datagrams are those of the environment forces and motions, not of handshakes.
@@ -56,6 +69,9 @@ struct RunTotals {
   std::uint64_t recording_dropped = 0;    ///< records that found the recorder's queue full
   std::uint64_t recording_unwritten = 0;  ///< records that could not be written, say on a full disk
   std::vector<std::string> notes;         ///< one line per fault that needs words
+  std::string scene;                      ///< as the server named it; empty: there was no session
+  std::string simulated;                  ///< what the server said it simulates, for people
+  IdleTimer idle_timer;
 };
 
 /// As the metadata of a recording holds them: one entry per field, numbers in full.

@@ -5,7 +5,6 @@
 namespace forcebound::record {
 namespace {
 
-constexpr Nanoseconds kLate{500'000};
 constexpr double kRelativeRounding = 1e-12;
 
 bool was_bounded(const TickRecord& tick, double rounding_N) noexcept {
@@ -28,7 +27,7 @@ void Summary::note_period(const TickRecord& tick) noexcept {
     first_ = tick.time;
   } else {
     period_ns_.add(tick.interval.count());
-    if (tick.interval > info_.period + kLate) ++late_ticks_;
+    if (tick.interval > info_.period + kLateBy) ++late_ticks_;
   }
   ++ticks_;
   last_ = tick.time;

@@ -17,6 +17,7 @@ namespace forcebound::record {
 ///
 /// - `duration_s`: from the first tick's reading to the last one's. `ticks`: how many.
 /// - `period_us`: time between readings. `late_ticks`: those more than 0.5 ms above the nominal period.
+/// - `idle_timer`: the same of a thread that does nothing but sleep, in the same minutes on the same machine.
 /// - `sent received lost duplicated reordered`: datagrams of motion and force, both directions together, as the session
 ///   counted them; `lost_up` and `lost_down` apart. When a killed process left no totals (`complete` is false), `sent`
 ///   and `received` are counted from the records, and the rest is unknown.

@@ -23,11 +23,17 @@ void SummaryView::add_run(Json& json) const {
   json["law"] = info.law;
   json["device"] = info.device;
   json["operator"] = info.operator_name;
-  json["scene"] = info.scene;
+  json["scene"] = scene();
   json["duration_s"] = duration_s();
   json["ticks"] = s.ticks_;
   json["period_us"] = percentiles(s.period_ns_, 1e3, true, true);
   json["late_ticks"] = s.late_ticks_;
+  if (const IdleTimer* idle = idle_timer()) {
+    json["idle_timer"] = {
+        {"period_us", {{"p50", idle->p50_us}, {"p99", idle->p99_us}, {"p999", idle->p999_us}, {"max", idle->max_us}}},
+        {"late", idle->late},
+        {"wake_ups", idle->wake_ups}};
+  }
 }
 
 void SummaryView::add_network(Json& json) const {
@@ -75,7 +81,7 @@ void SummaryView::add_faults(Json& json) const {
 
   const RunInfo& info = s.info_;
   json["run"] = {{"program", info.program},
-                 {"simulated", info.simulated},
+                 {"simulated", simulated()},
                  {"network", info.network},
                  {"facts", info.facts},
                  {"hand", info.hand},

@@ -31,14 +31,19 @@ void SummaryView::print_run(std::string& out) const {
   const RunInfo& info = s.info_;
   print(out, "Summary: law %.60s, %.1f s, %llu ticks\n", info.law.c_str(), duration_s(),
         static_cast<unsigned long long>(s.ticks_));
-  print_field(out, "device", info.device + (info.facts.empty() ? "" : ": " + info.facts));
-  print_field(out, "operator", info.operator_name + (info.hand.empty() ? "" : ": " + info.hand));
-  print_field(out, "scene", info.scene + (info.simulated.empty() ? "" : ": " + info.simulated));
+  print_field(out, "device", info.facts.empty() ? info.device : info.facts);
+  print_field(out, "operator", info.hand.empty() ? info.operator_name : info.hand);
+  print_field(out, "scene", scene() + (simulated().empty() ? "" : ": " + simulated()));
   print_field(out, "network", info.network);
   print(out, "  period        %.1f us median, %.1f us p99, %.1f us p99.9, %.1f us max; %llu late by > 0.5 ms\n",
         s.period_ns_.percentile(0.5) * 1e-3, s.period_ns_.percentile(0.99) * 1e-3,
         s.period_ns_.percentile(0.999) * 1e-3, s.period_ns_.max() * 1e-3,
         static_cast<unsigned long long>(s.late_ticks_));
+  if (const IdleTimer* idle = idle_timer()) {
+    print(out,
+          "  idle timer    %.1f us median, %.1f us p99, %.1f us p99.9, %.1f us max; %llu late: the machine's own\n",
+          idle->p50_us, idle->p99_us, idle->p999_us, idle->max_us, static_cast<unsigned long long>(idle->late));
+  }
 }
 
 void SummaryView::print_network(std::string& out) const {

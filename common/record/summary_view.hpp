@@ -38,6 +38,19 @@ struct SummaryView {
     return s.totals_ ? std::optional(s.totals_->lost_up + s.totals_->lost_down) : std::nullopt;
   }
 
+  /// The scene as the server named it, else as it was asked for.
+  [[nodiscard]] const std::string& scene() const {
+    return s.totals_ && !s.totals_->scene.empty() ? s.totals_->scene : s.info_.scene;
+  }
+  [[nodiscard]] const std::string& simulated() const {
+    return s.totals_ && !s.totals_->simulated.empty() ? s.totals_->simulated : s.info_.simulated;
+  }
+
+  /// Null where it was not measured.
+  [[nodiscard]] const IdleTimer* idle_timer() const {
+    return s.totals_ && s.totals_->idle_timer.wake_ups > 0 ? &s.totals_->idle_timer : nullptr;
+  }
+
   void add_run(nlohmann::ordered_json& json) const;
   void add_network(nlohmann::ordered_json& json) const;
   void add_times(nlohmann::ordered_json& json) const;

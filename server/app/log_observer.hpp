@@ -6,7 +6,7 @@
 namespace forcebound::server {
 
 /// Logs who comes and goes. Nothing per datagram: refusals, which a stranger can cause at will, at most once a second.
-class LogObserver final : public ServerObserver {
+class LogObserver : public ServerObserver {
  public:
   explicit LogObserver(const time::Clock& clock) : clock_(clock) {}
 

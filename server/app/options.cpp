@@ -43,6 +43,8 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->type_name("NAME|FILE")
       ->capture_default_str();
   app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
+  app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
+      ->type_name("FILE.mcap");
   app.add_option("--sessions-max", options.server.sessions_max, "clients at once, at most")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))

@@ -6,10 +6,12 @@
 #include <array>
 #include <csignal>
 #include <iostream>
+#include <memory>
 #include <random>
 
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/server/app/log_observer.hpp"
+#include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/scene/explain.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -75,11 +77,21 @@ void run(net::UdpLink& link, Server& server, const time::Clock& clock, bool verb
   }
 }
 
+std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, const Scene& scene,
+                                              const time::Clock& clock) {
+  if (options.record.empty()) return std::make_unique<LogObserver>(clock);
+  record::RunInfo info;
+  info.program = "forcebound-server " FORCEBOUND_VERSION;
+  info.scene = scene.facts().name;
+  info.simulated = summary(scene);
+  info.epoch = time::wall_clock_now() - clock.now();
+  return std::make_unique<RecordingObserver>(clock, options.record, info);
+}
+
 }  // namespace
 
 void serve(ProgramOptions options) {
   const time::SteadyClock clock;
-  LogObserver observer(clock);
   const auto scene = load_scene(options.scene);
   SceneLibrary scenes = SceneLibrary::shipped();
   scenes.add(scene);
@@ -87,7 +99,8 @@ void serve(ProgramOptions options) {
 
   stop_on_signals();
   auto link = net::UdpLink::listen(net::resolve(options.listen));
-  Server server(options.server, std::move(scenes), link, clock, random_session_id, &observer);
+  const auto observer = make_observer(options, *scene, clock);
+  Server server(options.server, std::move(scenes), link, clock, random_session_id, observer.get());
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
                summary(*scene));
