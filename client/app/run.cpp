@@ -204,7 +204,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   summary.finish(totals);
   std::fputs(summary.to_text().c_str(), stdout);
   if (summary_file.is_open()) {
-    summary_file << summary.to_json() << '\n';
+    summary_file << summary.to_json();
     if (!summary_file.flush()) spdlog::error("could not write all of the summary to '{}'", options.summary);
   }
   if (loop.gave_up) spdlog::error("gave up: no session with {}", options.server);

@@ -63,8 +63,7 @@ control::Motion Session::motion_at(const Reading& reading, Nanoseconds now) cons
   if (previous_reading_) {
     motion.interval_s = time::to_seconds(now - *previous_reading_);
     motion.latency_s = time::to_seconds(*previous_command_ - *previous_reading_) + device_.facts().latency_s;
-    const auto released = device_.released_at();
-    motion.held_s = released ? time::to_seconds(*released - *previous_command_) : motion.interval_s;
+    if (const auto released = device_.released_at()) motion.held_s = time::to_seconds(*released - *previous_command_);
   }
   return motion;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string_view>
 
 #include "forcebound/control/damping.hpp"
@@ -9,10 +10,10 @@ namespace forcebound::control {
 
 /// What a tick measured before it chooses a force. All vectors finite, `dof` rows.
 struct Motion {
-  double interval_s = 0;             ///< measured length of the interval that ended with this reading (h_n), 0 at first
-  double latency_s = 0;              ///< from the previous reading until the force chosen on it took effect (delta_n)
-  double held_s = 0;                 ///< how long that force was held: less than the interval if the device released it
-  Vector position;                   ///< task space [m], device frame
+  double interval_s = 0;  ///< measured length of the interval that ended with this reading (h_n), 0 at first
+  double latency_s = 0;   ///< from the previous reading until the force chosen on it took effect (delta_n)
+  double held_s = std::numeric_limits<double>::infinity();  ///< when the device let go of it, if before this reading
+  Vector position;                                          ///< task space [m], device frame
   Vector joint;                      ///< joint readings; equal to `position` for a Cartesian device
   Matrix jacobian;                   ///< d position / d joint at this reading
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
@@ -34,7 +35,8 @@ class PassivityLaw {
 
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
 
-  /// Notes the motion under the force committed last.
+  /// Notes the motion under the force committed last. Where the device let go of that force before this reading
+  /// (`held_s`), a law that knows of one force only credits nothing and charges it the worst case.
   virtual void credit(const Motion& motion) noexcept = 0;
 
   /// The reading was lost: nothing can be credited, and the force committed last is charged its worst case. The next

@@ -5,6 +5,8 @@
 namespace forcebound::control {
 
 void Ledger::credit(const Motion& motion) noexcept {
+  // Where the device was when it let go, nobody saw.
+  if (motion.held_s < motion.interval_s) charge_worst_case(motion.held_s);
   if (const auto d = held_.displacement(motion)) {
     // A reading as far away as a double can hold is a fault, not energy, and must not poison the sum.
     const double change_J = held_.dissipation_J(*d) - held_.force().dot(*d);

@@ -188,7 +188,7 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   std::optional<double> previous_s;
   for (auto row = reader.row(columns); !row.empty(); row = reader.row(columns)) {
     const double time_s = row.front();
-    motion.interval_s = motion.held_s = checked_interval_s(time_s, previous_s, reader);
+    motion.interval_s = checked_interval_s(time_s, previous_s, reader);
     motion.position = motion.joint = Vector::Map(row.data() + 1, axes);
     const Vector force = controller.tick(motion, Vector::Map(row.data() + 1 + axes, axes));
     write_line(output, answer(time_s, force, controller.law()));

@@ -151,6 +151,20 @@ TEST(ClosedLoop, ABlackoutInOneDirectionIsSaidToBeThatDirection) {
   EXPECT_NEAR(summary["blackouts"]["longest_s"].get<double>(), 60, 0.1);
 }
 
+//   every 50 ms the client is stopped for 20 ms, ten times its device's hold time
+TEST_P(LawsThroughABadNetwork, StayPassiveThoughTheirTicksStall) {
+  if (GetParam() == std::string("none")) GTEST_SKIP() << "no law, no promise";
+  ClosedLoop loop(sphere_through("delay 5ms", GetParam()));
+  for (int i = 0; i < 200; ++i) {
+    loop.run(50ms);
+    loop.stall(20ms);
+  }
+  const json summary = summary_of(loop);
+  EXPECT_EQ(summary["late_ticks"], 199);
+  EXPECT_GE(summary["faults"]["released_by_device"], 100);
+  EXPECT_GE(summary["passivity"]["minimum_J"], -1e-6);
+}
+
 struct RecordedRun {
   const char* scene;
   const char* trace;

@@ -43,6 +43,9 @@ class ClosedLoop {
   /// Ticks for so long.
   void run(Nanoseconds duration);
 
+  /// The client does nothing for so long: its next tick is late by it.
+  void stall(Nanoseconds duration) noexcept { next_tick_ += duration; }
+
   /// Ends the session as the program does and gives the summary of all.
   const record::Summary& close();
 

@@ -26,7 +26,7 @@ class LawLoop {
 
   control::Vector tick(const control::Vector& position, const control::Vector& request_N) noexcept {
     control::Motion motion;
-    motion.interval_s = motion.held_s = period_s_;
+    motion.interval_s = period_s_;
     motion.position = motion.joint = position;
     motion.jacobian = unit_;
     motion.damping = &damping_;

@@ -24,7 +24,6 @@ int main() {
     const double position_m = 1e-6 * n;  // pressing on, 1 mm/s
     control::Motion motion;
     motion.interval_s = n == 1 ? 0.0 : facts.period_s;
-    motion.held_s = motion.interval_s;
     motion.position = motion.joint = control::Vector::Constant(1, position_m);
     motion.jacobian = control::Matrix::Identity(1, 1);
     motion.damping = &damping;

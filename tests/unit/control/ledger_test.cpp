@@ -57,6 +57,21 @@ TEST_F(LedgerTest, CreditsAnIntervalWithTheDampingAtItsBeginning) {
   EXPECT_NEAR(ledger_.energy_J(), (18e-6 + 400e-6) / kPeriod_s, 1e-15);
 }
 
+TEST_F(LedgerTest, ChargesTheWorstCaseAndCreditsNothingWhereTheDeviceLetGo) {
+  credit({0, 0});
+  ledger_.hold(to_vector({4, 0}));
+  Motion late;
+  late.interval_s = 20e-3;
+  late.held_s = 2e-3;
+  late.position = to_vector({1, 0});
+  late.damping = &damping_;
+  ledger_.credit(late);
+  const double worst_J = 2e-3 * damping_.mobility(to_vector({4, 0})) / 4;
+  EXPECT_NEAR(ledger_.energy_J(), -worst_J, 1e-15) << "a metre in one late tick is no fortune";
+  credit({1, 1e-3});
+  EXPECT_NEAR(ledger_.energy_J(), -worst_J + 10e-6 / kPeriod_s, 1e-15) << "and from there it goes on";
+}
+
 TEST_F(LedgerTest, ChargesTheWorstCaseWhereNobodySaw) {
   credit({0, 0});
   credit({1e-3, 1e-3});

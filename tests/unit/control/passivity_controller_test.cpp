@@ -193,7 +193,7 @@ class ArmTest : public testing::TestWithParam<const char*> {
   Vector tick(const Vector& position, const Vector& request, const Matrix& jacobian) {
     damping_ = Damping::from_joints(jacobian, facts().damping);
     Motion motion;
-    motion.interval_s = motion.held_s = 1e-3;
+    motion.interval_s = 1e-3;
     motion.position = motion.joint = position;
     motion.jacobian = jacobian;
     motion.damping = &damping_;
