@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <random>
 #include <string_view>
 
 #include "forcebound/control/law_registry.hpp"
@@ -69,7 +70,8 @@ Options parse_options(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->type_name("SECONDS");
-  app.add_option("--seed", options.seed, "of the handshake's nonces")->capture_default_str()->type_name("N");
+  CLI::Option* seed =
+      app.add_option("--seed", options.seed, "of the handshake's nonces; default: a new one")->type_name("N");
   app.add_option("--record", options.record, "write every tick and force to this MCAP file")->type_name("FILE.mcap");
   app.add_option("--summary", options.summary, "write the summary to this file as well")->type_name("FILE.json");
   app.add_option("--hold", hold_ms, "age up to which a force is applied as it is")
@@ -82,6 +84,8 @@ Options parse_options(int argc, char** argv) {
     app.parse(argc, argv);
     options.policy = {.hold = time::from_seconds(hold_ms * 1e-3), .drop = time::from_seconds(drop_ms * 1e-3)};
     options.policy.validate();
+    // Another nonce than the run before: a server that still knows that one would take us for it.
+    if (seed->count() == 0) options.seed = std::random_device{}();
   } catch (const CLI::Success& success) {
     std::exit(app.exit(success));
   } catch (const std::exception& error) {
