@@ -1,7 +1,8 @@
 #include "forcebound/client/app/live_line.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
-#include <cstdio>
 
 namespace forcebound::client {
 namespace {
@@ -23,14 +24,11 @@ void LiveLine::on_tick(const record::TickRecord& tick) noexcept {
 void LiveLine::on_force(const record::ForceRecord& force) noexcept { round_trip_ns_ = force.round_trip.count(); }
 
 std::string LiveLine::text() const {
-  std::array<char, 200> age{"-"};
-  std::array<char, 200> line{};
-  if (has_force_) std::snprintf(age.data(), age.size(), "%.0f ms", static_cast<double>(age_ns_) * 1e-6);
-  std::snprintf(line.data(), line.size(),
-                "%-12s ticks %-8llu force age %-9s force %6.3f N  energy %9.3g J  P %9.3g J  RTT %.1f ms",
-                kStates[static_cast<std::size_t>(state_.load())], static_cast<unsigned long long>(ticks_), age.data(),
-                force_N_.load(), energy_J_.load(), audit_J_.load(), static_cast<double>(round_trip_ns_) * 1e-6);
-  return line.data();
+  const auto milliseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
+  const std::string age = has_force_ ? fmt::format("{:.0f} ms", milliseconds(age_ns_)) : "-";
+  return fmt::format("{} {} ticks  {:.3f} N  age {}  RTT {:.1f} ms  E {:.3g} J  P {:.3g} J",
+                     kStates[static_cast<std::size_t>(state_.load())], ticks_.load(), force_N_.load(), age,
+                     milliseconds(round_trip_ns_), energy_J_.load(), audit_J_.load());
 }
 
 }  // namespace forcebound::client

@@ -1,6 +1,7 @@
 #include "forcebound/client/app/run.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -91,7 +92,7 @@ class Screen {
       if (live_) std::fputs(kClearLine, stderr);
       log();
     }
-    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text().c_str());
+    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text().substr(0, columns() - 1).c_str());
   }
 
   void end() {
@@ -100,6 +101,12 @@ class Screen {
   }
 
  private:
+  /// Of the terminal, which people resize: a longer line would wrap, and could not be taken back.
+  static std::size_t columns() {
+    winsize size{};
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  }
+
   void log() const {
     const double seconds = time::to_seconds(event_.duration);
     switch (event_.kind) {
