@@ -23,7 +23,6 @@ record::IdleTimer IdleTimer::stop() {
 
 void IdleTimer::run(const std::stop_token& stopping, const time::Clock& clock, int priority) {
   time::ask_for_real_time(priority);
-  std::this_thread::sleep_for(period_ / 2);
   time::PeriodicTimer timer(clock, period_);
   time::Nanoseconds previous = timer.wait();
   while (!stopping.stop_requested()) {

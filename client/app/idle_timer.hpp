@@ -12,7 +12,7 @@ namespace forcebound::client {
 
 /// What this machine does to a thread that only sleeps: the yardstick for our own ticks.
 ///
-/// Runs beside the tick, at the same period and priority, half a period apart, and does nothing but note when it woke.
+/// Runs beside the tick, at the same period and priority, and does nothing but note when it woke.
 class IdleTimer {
  public:
   IdleTimer(const time::Clock& clock, time::Nanoseconds period, int priority);

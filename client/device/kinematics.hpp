@@ -43,11 +43,11 @@ struct ArmGeometry {
 
 /// Base yaw, shoulder and elbow, the elbow driven through a parallelogram so that its angle is absolute.
 ///
-/// Scene frame: x to the right, y up, z out of the arm towards the user; joint = (yaw, shoulder, elbow) [rad]. With the
-/// links L1, L2
+/// Scene frame: x to the user's right, y away from the user towards the arm, z up; joint = (yaw, shoulder, elbow)
+/// [rad]. With the links L1, L2
 ///
 ///     reach  r = L1 cos(shoulder) + L2 sin(elbow)
-///     x = r sin(yaw),  y = L1 sin(shoulder) - L2 cos(elbow) - origin height,  z = r cos(yaw) - origin reach
+///     x = r sin(yaw),  y = origin reach - r cos(yaw),  z = L1 sin(shoulder) - L2 cos(elbow) - origin height
 ///
 /// The Jacobian is singular where the links line up (elbow - shoulder = +-90 degrees) and where r = 0.
 class ArmKinematics final : public Kinematics {

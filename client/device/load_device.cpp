@@ -11,7 +11,9 @@
 namespace forcebound::client {
 namespace {
 
-constexpr double kHoldMax = 1.0;      // a force that nobody renews for longer is no held force any more
+constexpr double kHoldMax = 1.0;         // a force that nobody renews for longer is no held force any more
+constexpr double kPeriodLeast_s = 1e-4;  // a faster loop would leave no time to anybody else
+constexpr double kPeriodMost_s = 0.1;
 constexpr double kLatencyMax = 0.01;  // ten ticks: a device slower than that is not for 1 kHz
 
 toml::table parse_toml(std::string_view text, const std::string& place) {
@@ -35,9 +37,11 @@ void read_joints(TomlSection& file, DeviceDescription& device, int dof) {
 
 void read_limits(TomlSection& file, control::DeviceFacts& facts) {
   facts.period_s = file.number_or("period_s", Allowed::positive, facts.period_s);
+  if (facts.period_s < kPeriodLeast_s || facts.period_s > kPeriodMost_s) file.refuse("period_s", "0.0001 to 0.1");
   facts.force_N_max = file.number("force_N_max", Allowed::positive);
   facts.hold_s_max = file.number_or("hold_s_max", Allowed::positive, facts.hold_s_max);
   if (facts.hold_s_max > kHoldMax) file.refuse("hold_s_max", "<= 1");
+  if (facts.hold_s_max < facts.period_s) file.refuse("hold_s_max", ">= period_s, or no force would last a tick");
   facts.latency_s = file.number_or("latency_s", Allowed::not_negative, facts.latency_s);
   if (facts.latency_s > kLatencyMax) file.refuse("latency_s", "<= 0.01");
 }

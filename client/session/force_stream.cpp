@@ -1,12 +1,29 @@
 #include "forcebound/client/session/force_stream.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace forcebound::client {
 namespace {
 
 // At 1 kHz the last 65 s of motion: longer than any force can be of use.
 constexpr std::size_t kSentRing = 65536;
+
+/// Whether the numbers can be what they say; what follows may then compute with them.
+bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept {
+  constexpr double kPenetration_m_max = 10;
+  constexpr double kNormalRounding = 1e-6;
+  if (force.force.rows() != degrees_of_freedom || force.position.rows() != degrees_of_freedom) return false;
+  if (force.server_receive_time < Nanoseconds::zero() || force.server_send_time < force.server_receive_time)
+    return false;
+  if (force.compute_time < Nanoseconds::zero() ||
+      force.compute_time > force.server_send_time - force.server_receive_time) {
+    return false;
+  }
+  if (force.contact_normal.rows() == 0) return true;
+  return force.contact_normal.rows() == degrees_of_freedom && std::abs(force.penetration_m) <= kPenetration_m_max &&
+         std::abs(force.contact_normal.stableNorm() - 1) <= kNormalRounding;
+}
 
 }  // namespace
 
@@ -34,11 +51,9 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) no
     return Verdict::foreign;
   }
   const Sent& motion = sent_[force.motion_sequence % kSentRing];
-  const bool genuine = force.motion_sequence != 0 && motion.sequence == force.motion_sequence &&
-                       motion.time == force.motion_device_time && force.force.rows() == degrees_of_freedom_ &&
-                       force.position.rows() == degrees_of_freedom_ &&
-                       (force.contact_normal.rows() == 0 || force.contact_normal.rows() == degrees_of_freedom_);
-  if (!genuine) {
+  const bool answers =
+      force.motion_sequence != 0 && motion.sequence == force.motion_sequence && motion.time == force.motion_device_time;
+  if (!answers || !fits(force, degrees_of_freedom_)) {
     ++ended_.implausible;
     return Verdict::implausible;
   }

@@ -15,7 +15,8 @@ using time::Nanoseconds;
 /// The motions sent, the forces that answered them, and what became of the rest.
 ///
 /// Trusts nothing that arrives: a force counts only if it belongs to this session, answers a motion that was sent,
-/// echoes that motion's time and has the right number of rows. The newest is the one that answers the newest motion.
+/// echoes that motion's time and holds numbers that can be what they say. The newest is the one that answers the newest
+/// motion.
 ///
 /// Real time: noexcept, no allocation after construction, O(1).
 class ForceStream {
@@ -49,6 +50,9 @@ class ForceStream {
 
   /// The number of the motion that is sent now, 1, 2, 3, ...
   std::uint64_t note_sent(Nanoseconds reading_time) noexcept;
+
+  /// The network did not even take it: it is not lost, it was never sent.
+  void note_not_sent() noexcept { --sent_here_; }
 
   Verdict accept(const wire::EnvironmentForce& force) noexcept;
 

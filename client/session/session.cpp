@@ -99,12 +99,15 @@ void Session::send_motion(const Vector& position, Nanoseconds now) noexcept {
   record_.motion_sequence = 0;
   if (connection_.session() == 0 || !position.allFinite()) return;
   record_.motion_sequence = forces_.note_sent(now);
-  send(wire::MotionSample{
-      .session = connection_.session(), .sequence = record_.motion_sequence, .device_time = now, .position = position});
+  const wire::MotionSample motion{
+      .session = connection_.session(), .sequence = record_.motion_sequence, .device_time = now, .position = position};
+  if (!send(motion)) forces_.note_not_sent();
 }
 
-void Session::send(const wire::Message& message) noexcept {
-  if (!link_.send(codec_.encode(message), options_.server)) ++totals_.send_failures;
+bool Session::send(const wire::Message& message) noexcept {
+  const bool sent = link_.send(codec_.encode(message), options_.server);
+  if (!sent) ++totals_.send_failures;
+  return sent;
 }
 
 void Session::receive_all(Nanoseconds now) noexcept {
@@ -167,7 +170,8 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
 
 void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
   const ForceStream::Counts before = forces_.counts();
-  if (!forces_.accept(bye)) {
+  // The first copy ended the session; a further one must not end the next.
+  if (bye.session != connection_.session() || !forces_.accept(bye)) {
     ++totals_.foreign_session;
     return;
   }
@@ -184,7 +188,7 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
 
 void Session::keep_connected(Nanoseconds now) noexcept {
   connection_.on_silence(now - silent_since_, options_.policy.hold, options_.policy.drop);
-  if (connection_.hello_due(now)) send(connection_.hello());
+  if (connection_.hello_due(now)) (void)send(connection_.hello());
 }
 
 void Session::write_down(const Reading& reading, const Vector& applied, Nanoseconds now) noexcept {
@@ -198,8 +202,10 @@ void Session::write_down(const Reading& reading, const Vector& applied, Nanoseco
   record_.xi = law().xi();
   record_.penetration_m = 0;
   record_.displayed_N = 0;
-  if (const auto& force = forces_.newest(); force && force->contact_normal.rows() == applied.rows()) {
-    // The surface as a plane: exact for a flat one, close for a round one as long as the force is fresh.
+  const auto& force = forces_.newest();
+  const bool known = force && record_.policy != record::ForcePolicy::dropped;
+  if (known && force->contact_normal.rows() == applied.rows()) {
+    // The surface as a plane: exact for a flat one, close for a round one as long as the force is not too old.
     record_.penetration_m = force->penetration_m - force->contact_normal.dot(reading.position - force->position);
     record_.displayed_N = applied.dot(force->contact_normal);
   }
@@ -217,7 +223,7 @@ bool Session::close(Nanoseconds now) noexcept {
   if (connection_.session() == 0 || answers_without_news_ >= kAnswersWithoutNews) return true;
   if (now >= next_bye_) {
     next_bye_ = now + kByePause;
-    send(wire::Bye{.session = connection_.session()});
+    (void)send(wire::Bye{.session = connection_.session()});
   }
   return false;
 }

@@ -64,7 +64,7 @@ class Session {
 
  private:
   void send_motion(const Vector& position, Nanoseconds now) noexcept;
-  void send(const wire::Message& message) noexcept;
+  bool send(const wire::Message& message) noexcept;
   void receive_all(Nanoseconds now) noexcept;
   void receive(const wire::Message& message, Nanoseconds now) noexcept;
   void receive_force(const wire::EnvironmentForce& force, Nanoseconds now) noexcept;

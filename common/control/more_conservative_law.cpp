@@ -1,5 +1,6 @@
 #include "forcebound/control/more_conservative_law.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace forcebound::control {
@@ -20,12 +21,16 @@ void MoreConservativeLaw::credit(const Motion& motion) noexcept {
     // A reading as far away as a double can hold is a fault, not energy.
     const double available_J = psi.squaredNorm();
     available_J_ = std::isfinite(available_J) ? available_J : 0;
+    const double repaid_J = std::min(debt_J_, available_J_);
+    debt_J_ -= repaid_J;
+    available_J_ -= repaid_J;
   }
   held_.begin(motion);
 }
 
-void MoreConservativeLaw::charge_worst_case(double) noexcept {
-  // The reserve is just what the worst motion takes, so after it nothing is left and nothing is owed.
+void MoreConservativeLaw::charge_worst_case(double interval_s) noexcept {
+  // The reserve is just what the worst motion takes in one period; beyond it, what a longer hold took is owed.
+  debt_J_ += std::max(0.0, held_.worst_case_J(interval_s) - reserved_J_);
   available_J_ = 0;
   reserved_J_ = 0;
   xi_ = 1;

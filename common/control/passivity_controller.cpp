@@ -76,7 +76,9 @@ Vector PassivityController::rounded(const Vector& force_N, const Matrix& jacobia
   Vector force = cartesian_ ? rounded_toward_zero(force_N, actuator_step_)
                             : Vector(jacobian.transpose().partialPivLu().solve(
                                   rounded_toward_zero(jacobian.transpose() * force_N, actuator_step_)));
-  if (!force.allFinite() || !law_->allows(force)) force.setZero();
+  // Near a singular configuration a small torque can be a huge force at the tip.
+  const bool longer = force.norm() > force_N_max_;
+  if (!force.allFinite() || longer || !law_->allows(force)) force.setZero();
   return force;
 }
 

@@ -35,7 +35,7 @@ struct TickRecord {
   double displayed_N = 0;             ///< component of `applied` out of that surface
   double energy_J = 0;                ///< what the law may spend
   double xi = 1;
-  double audit_J = 0;  ///< P at the reading (simulated devices)
+  double audit_J = 0;  ///< P at the command (simulated devices)
   double audit_minimum_J = 0;
 };
 

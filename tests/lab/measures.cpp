@@ -38,6 +38,7 @@ void DirectionMeter::on_tick(const record::TickRecord& tick) noexcept {
   const double requested = tick.request.stableNorm();
   const double applied = tick.applied.stableNorm();
   if (!(requested > 0) || !(applied > 0)) return;
+  ++samples_;
   // Through the chord: exact for small angles, where the cosine is blind.
   const double chord = (tick.request / requested - tick.applied / applied).norm();
   error_rad_max_ = std::max(error_rad_max_, 2 * std::asin(std::min(1.0, chord / 2)));

@@ -30,8 +30,12 @@ class DirectionMeter final : public record::TickSink {
 
   [[nodiscard]] double error_rad_max() const noexcept { return error_rad_max_; }
 
+  /// How many ticks had both forces.
+  [[nodiscard]] int samples() const noexcept { return samples_; }
+
  private:
   double error_rad_max_ = 0;
+  int samples_ = 0;
 };
 
 }  // namespace forcebound::lab

@@ -151,23 +151,28 @@ TEST(ClosedLoop, ABlackoutInOneDirectionIsSaidToBeThatDirection) {
   EXPECT_NEAR(summary["blackouts"]["longest_s"].get<double>(), 60, 0.1);
 }
 
-//   every 50 ms the client is stopped for 20 ms, ten times its device's hold time
+//   every 50 ms the client is stopped for a while: within the hold time of 2 ms, or far beyond it
 TEST_P(LawsThroughABadNetwork, StayPassiveThoughTheirTicksStall) {
   if (GetParam() == std::string("none")) GTEST_SKIP() << "no law, no promise";
-  ClosedLoop loop(sphere_through("delay 5ms", GetParam()));
-  for (int i = 0; i < 200; ++i) {
-    loop.run(50ms);
-    loop.stall(20ms);
+  for (const auto stall : {500us, 900us, 2000us, 20'000us}) {
+    SCOPED_TRACE(std::to_string(stall.count()) + " us");
+    ClosedLoop loop(sphere_through("delay 5ms", GetParam()));
+    for (int i = 0; i < 200; ++i) {
+      loop.run(50ms);
+      loop.stall(stall);
+    }
+    const json summary = summary_of(loop);
+    EXPECT_EQ(summary["faults"]["released_by_device"] > 100, stall > 1ms);
+    EXPECT_GE(summary["passivity"]["minimum_J"], -1e-6);
   }
-  const json summary = summary_of(loop);
-  EXPECT_EQ(summary["late_ticks"], 199);
-  EXPECT_GE(summary["faults"]["released_by_device"], 100);
-  EXPECT_GE(summary["passivity"]["minimum_J"], -1e-6);
 }
 
 struct RecordedRun {
   const char* scene;
   const char* trace;
+  int duration_s;       ///< the whole trace
+  double age_ms_least;  ///< the oldest force is older than this
+  double blackout_s;    ///< the longest time without any force, at least
 };
 
 //   a recorded hand at the omni -- session ==( a recorded 5G network )== server
@@ -181,27 +186,29 @@ TEST_P(RecordedHandOverARecordedNetwork, RunsToTheEndFiniteAndPassive) {
     SCOPED_TRACE(law);
     Invariants invariants(3.3);
     ClosedLoop loop({.device = client::load_device("omni"),
-                     .hand = "replay:" + hand->string(),
+                     .hand = "replay:" + hand->string() + ",offset_x_m=0.01",  // as recorded it passes the ball by 2 mm
                      .law = law,
                      .scene = server::load_scene(GetParam().scene),
                      .network = {.up = {}, .down = {}, .trace = net::load_trace(trace->string()), .seed = 1}},
                     {&invariants});
-    loop.run(60s);
+    loop.run(std::chrono::seconds{GetParam().duration_s});
     const json summary = summary_of(loop);
     EXPECT_TRUE(invariants.finite);
     EXPECT_TRUE(invariants.bounded);
-    EXPECT_EQ(summary["ticks"], 60'000);
+    EXPECT_EQ(summary["ticks"], GetParam().duration_s * 1000);
     EXPECT_GE(summary["passivity"]["minimum_J"], -5e-3);
+    EXPECT_GT(summary["contact_ticks"], 1000);
     EXPECT_GT(summary["force_age_ms"]["p50"], 5);
-    EXPECT_GT(summary["received"], 20'000);
+    EXPECT_GT(summary["force_age_ms"]["max"], GetParam().age_ms_least);
+    EXPECT_GT(summary["blackouts"]["longest_s"], GetParam().blackout_s);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, RecordedHandOverARecordedNetwork,
-                         ::testing::Values(RecordedRun{"sphere", "5g-urban-n8.csv"},
-                                           RecordedRun{"plane", "5g-urban-n8.csv"},
-                                           RecordedRun{"sphere", "5g-rural-n8.csv"},
-                                           RecordedRun{"plane", "5g-rural-n8.csv"}),
+                         ::testing::Values(RecordedRun{"sphere", "5g-urban-n8.csv", 236, 1000, 14},
+                                           RecordedRun{"plane", "5g-urban-n8.csv", 236, 1000, 14},
+                                           RecordedRun{"sphere", "5g-rural-n8.csv", 127, 5000, 0.25},
+                                           RecordedRun{"plane", "5g-rural-n8.csv", 127, 5000, 0.25}),
                          [](const auto& run) {
                            std::string name = std::string(run.param.scene) + "_" + run.param.trace;
                            for (char& c : name) {

@@ -59,6 +59,7 @@ class ClosedLoop {
   [[nodiscard]] record::RunTotals totals() const { return session_->totals(); }
 
  private:
+  void live_until(Nanoseconds time);
   [[nodiscard]] record::RunInfo info() const;
 
   Settings settings_;

@@ -35,11 +35,25 @@ class FakeLink final : public net::DatagramLink {
     arrived_.push_back({{datagram.begin(), datagram.end()}, from});
   }
 
+  /// Room for so many arrivals without touching the heap, each copied into a datagram that is there already.
+  void reserve(std::size_t datagrams) {
+    prepared_.assign(datagrams, {std::vector<std::byte>(net::kDatagramBytesMax), {}});
+    arrived_.reserve(arrived_.size() + datagrams);
+  }
+  void arrive_again(std::span<const std::byte> datagram, const net::Address& from) {
+    Datagram waiting = std::move(prepared_.back());
+    prepared_.pop_back();
+    waiting.bytes.assign(datagram.begin(), datagram.end());
+    waiting.peer = from;
+    arrived_.push_back(std::move(waiting));
+  }
+
   std::vector<Datagram> sent;
   bool works = true;
   bool keep = true;  ///< false: a link that does not allocate
 
  private:
+  std::vector<Datagram> prepared_;
   std::vector<Datagram> arrived_;
   std::size_t received_ = 0;
 };

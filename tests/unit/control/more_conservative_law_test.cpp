@@ -116,6 +116,35 @@ TEST(MoreConservativeLaw, HasNothingLeftAfterTheMotionThatTakesMost) {
   EXPECT_EQ(loop.tick(std::exp2(-9) + std::exp2(-10), 2.0), 2.0) << "did not recover";
 }
 
+TEST(MoreConservativeLaw, RepaysWhatAForceHeldForLongerThanAPeriodMayHaveTaken) {
+  const Damping damping = Damping::from_matrix(Matrix::Constant(1, 1, 30.0));
+  MoreConservativeLaw law(1, 1e-3);
+  const auto move_to = [&](double x_m, double interval_s, double held_s) {
+    Motion motion;
+    motion.interval_s = interval_s;
+    motion.held_s = held_s;
+    motion.position = Vector::Constant(1, x_m);
+    motion.damping = &damping;
+    law.credit(motion);
+  };
+  constexpr double kAlways = std::numeric_limits<double>::infinity();
+  move_to(0, 0, kAlways);
+  law.commit(Vector::Zero(1));
+  move_to(1e-3, 1e-3, kAlways);
+  const double available_J = law.energy_J();  // 30 mJ
+  const Vector force = law.bound(Vector::Constant(1, 1e6));
+  law.commit(force);
+  // The device let go after two periods: the worst motion has taken twice the reserve.
+  move_to(0.1, 20e-3, 2e-3);
+  EXPECT_EQ(law.energy_J(), 0.0);
+  law.commit(Vector::Zero(1));
+  move_to(0.1 + 0.5e-3, 1e-3, kAlways);
+  EXPECT_EQ(law.energy_J(), 0.0) << "a quarter of the debt is repaid, nothing is to spend";
+  law.commit(Vector::Zero(1));
+  move_to(0.1 + 2.5e-3, 1e-3, kAlways);
+  EXPECT_NEAR(law.energy_J(), 4 * available_J - 0.75 * available_J, 1e-12);
+}
+
 TEST(MoreConservativeLaw, SurvivesAShareThatUnderflowsForAMillionTicks) {
   for (const auto& [request_N, ticks] : {std::pair{1e-140, 1000}, {1e-200, 1'000'000}, {5e-324, 1000}}) {
     LawLoop loop = one_axis();

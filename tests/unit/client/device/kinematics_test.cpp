@@ -21,8 +21,13 @@ Vector joints(double yaw, double shoulder, double elbow) {
 TEST(ArmKinematics, LevelUpperLinkAndHangingForeLinkReachWhereTheyShould) {
   const Vector tip = ArmKinematics(kArm).position(joints(0, 0, 0));
   EXPECT_NEAR(tip[0], 0, 1e-16);
-  EXPECT_NEAR(tip[1], -0.12 - 0.02, 1e-16);
-  EXPECT_NEAR(tip[2], 0.1335 - 0.16, 1e-16);
+  EXPECT_NEAR(tip[1], 0.16 - 0.1335, 1e-16);
+  EXPECT_NEAR(tip[2], -0.12 - 0.02, 1e-16);
+}
+
+TEST(ArmKinematics, LiftingTheUpperLinkRaisesZ) {
+  const ArmKinematics arm(kArm);
+  EXPECT_GT(arm.position(joints(0, 0.1, 0))[2], arm.position(joints(0, 0, 0))[2]);
 }
 
 TEST(ArmKinematics, YawToTheRightMovesTheTipToPositiveX) {
@@ -60,7 +65,7 @@ TEST(ArmKinematics, JointsAtComesBackToThePosition) {
 
 TEST(ArmKinematics, BeyondReachTheArmPointsThere) {
   const ArmKinematics arm(kArm);
-  const Vector shoulder = joints(0, -0.02, -0.16);
+  const Vector shoulder = joints(0, 0.16, -0.02);
   const Vector wanted = joints(0.5, 0.7, 0.2);
   const Vector tip = arm.position(arm.joints_at(wanted));
   EXPECT_NEAR((tip - shoulder).norm(), 0.1335 + 0.12, 1e-12);
@@ -69,7 +74,7 @@ TEST(ArmKinematics, BeyondReachTheArmPointsThere) {
 
 TEST(ArmKinematics, AtTheShoulderItselfEverythingIsFinite) {
   const ArmKinematics arm(kArm);
-  EXPECT_TRUE(arm.joints_at(joints(0, -0.02, -0.16)).allFinite());
+  EXPECT_TRUE(arm.joints_at(joints(0, 0.16, -0.02)).allFinite());
 }
 
 }  // namespace

@@ -193,6 +193,65 @@ TEST_F(SessionTest, GetsAnotherSessionFromAServerThatRestarted) {
   EXPECT_EQ(session.totals().reconnects, 1U);
 }
 
+TEST_F(SessionTest, ACopyOfTheServersByeDoesNotEndTheNextSession) {
+  connect();
+  arrive(wire::Bye{.session = kSession});
+  tick();
+  const auto hellos = sent<wire::Hello>();
+  ASSERT_EQ(hellos.size(), 1U);
+  arrive(wire::Bye{.session = kSession});
+  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
+  tick();
+  tick();
+  EXPECT_EQ(session.state(), SessionState::active);
+  EXPECT_EQ(sent<wire::MotionSample>().back().session, kSession + 1);
+}
+
+TEST_F(SessionTest, WellFormedLiesNeverReachTheDevice) {
+  connect();
+  tick();
+  const auto motion = sent<wire::MotionSample>().at(0);
+  std::mt19937_64 random(7);
+  constexpr std::array<std::int64_t, 6> kTimes{0, 1, -1, INT64_MAX, INT64_MIN, 1'000'000};
+  const auto time = [&] { return Nanoseconds{kTimes[random() % kTimes.size()]}; };
+  for (int i = 0; i < 5000; ++i) {
+    auto force = answer(motion, -1);
+    // Each lie alone must be enough.
+    switch (i % 7) {
+      case 0:
+        force.session ^= std::uint64_t{1} << random() % 64;
+        break;
+      case 1:
+        force.motion_sequence += 1 + random() % (std::uint64_t{1} << 63);
+        break;
+      case 2:
+        force.motion_device_time += Nanoseconds{1 + static_cast<std::int64_t>(random() % 1000)};
+        break;
+      case 3:
+        force.force = Vector::Constant(2 + static_cast<int>(random() % 5), -1.0);
+        break;
+      case 4:
+        force.server_receive_time = Nanoseconds{5};
+        force.server_send_time = Nanoseconds{4};
+        break;
+      case 5:
+        force.contact_normal = Vector::Constant(1, 1e200);
+        break;
+      default:
+        force.compute_time = std::max(time(), Nanoseconds{1});
+        break;
+    }
+    arrive(force);
+    if (i % 32 == 0) tick();
+  }
+  for (int i = 0; i < 100; ++i) tick();
+  EXPECT_EQ(records.forces, 0);
+  EXPECT_EQ(device.applied[0], 0);
+  EXPECT_EQ(session.totals().foreign_session +
+                session.totals().malformed[static_cast<std::size_t>(wire::Malformed::unreadable)],
+            5000U);
+}
+
 TEST_F(SessionTest, AFailedReadingIsZeroForceAndNoMotion) {
   connect();
   tick();
@@ -246,19 +305,38 @@ TEST_F(SessionTest, ADeviceThatLetGoIsCounted) {
   EXPECT_EQ(session.totals().released_by_device, 1U);
 }
 
-TEST_F(SessionTest, TickDoesNotAllocate) {
+TEST_F(SessionTest, TickDoesNotAllocateInTheWholeLifeOfASession) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  // What the server will say is prepared by a session that is just like this one.
   connect();
-  std::vector<std::vector<std::byte>> answers;
-  for (int i = 0; i < 200; ++i) tick();
-  for (const auto& motion : sent<wire::MotionSample>()) {
-    const auto bytes = codec.encode(answer(motion, -1));
-    answers.emplace_back(bytes.begin(), bytes.end());
-  }
-  for (const auto& bytes : answers) link.arrive(bytes, kServer);
+  tick();
+  const auto motion = sent<wire::MotionSample>().at(0);
+  const auto prepare = [&](const wire::Message& message) {
+    const auto bytes = codec.encode(message);
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
+  };
+  const auto force = prepare(answer(motion, -1));
+  const auto unknown = prepare(wire::Refusal{.session = kSession, .reason = wire::RefusalReason::unknown_session});
+  const auto bye = prepare(wire::Bye{.session = kSession});
+  link.reserve(100);
+  events.kinds.reserve(100);
   link.keep = false;
   const test::AllocationGuard guard;
-  for (int i = 0; i < 10; ++i) tick();
+  link.arrive_again(force, kServer);
+  link.arrive_again(force, kServer);
+  for (int i = 0; i < 1300; ++i) tick();  // fresh, fading, dropped, reconnecting
+  device.position[0] = std::numeric_limits<double>::quiet_NaN();
+  tick();
+  device.position[0] = 0;
+  device.released = clock.time + 100us;
+  tick();
+  link.arrive_again(unknown, kServer);
+  for (int i = 0; i < 100; ++i) tick();
+  link.arrive_again(bye, kServer);
+  for (int i = 0; i < 10; ++i) {
+    clock.time += 1ms;
+    (void)session.close(clock.time);
+  }
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
 
