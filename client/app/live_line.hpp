@@ -16,6 +16,8 @@ class LiveLine final : public record::TickSink {
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord& force) noexcept override;
 
+  [[nodiscard]] record::SessionState state() const noexcept { return state_; }
+
   /// The line as of now, without line ending.
   [[nodiscard]] std::string text() const;
 
