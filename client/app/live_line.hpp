@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -18,8 +19,8 @@ class LiveLine final : public record::TickSink {
 
   [[nodiscard]] record::SessionState state() const noexcept { return state_; }
 
-  /// The line as of now, without line ending.
-  [[nodiscard]] std::string text() const;
+  /// The line as of now, without line ending; what does not fit into so many columns is left out.
+  [[nodiscard]] std::string text(std::size_t columns) const;
 
  private:
   // Each number stands for itself; a line that mixes two neighbouring ticks misleads nobody.

@@ -93,7 +93,7 @@ class Screen {
   void refresh(Nanoseconds elapsed) {
     if (elapsed > kSilenceTold && !options_.once) tell_silence();
     log_events();
-    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text().substr(0, columns() - 1).c_str());
+    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
   }
 
   void end() {
