@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Experiments with Forcebound: the same laws, client and server as on the network, here in virtual time."};
+      "Experiments with Forcebound: the same laws, client and server as on the network, here in virtual time.\n"};
   app.name("forcebound-lab");
   app.set_version_flag("--version", "forcebound-lab " FORCEBOUND_VERSION);
   app.require_subcommand(0, 1);

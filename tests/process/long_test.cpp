@@ -19,7 +19,7 @@ void print_timing(const nlohmann::json& summary) {
 }
 
 TEST(AMinuteOfABadNetwork, KeepsOneKilohertzAndLosesOnlyWhatTheRelayDropped) {
-  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", "1"},
+  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
                                         .client = {"--device", "omni", "--operator", "trace-sphere"},
                                         .duration = kMinute});
   print_timing(outcome.summary);

@@ -92,6 +92,7 @@ Process::Process(const std::filesystem::path& program, const std::vector<std::st
   std::vector<std::string> words{command_};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   for (const std::string& argument : arguments) command_.append(" '").append(argument).append("'");
