@@ -23,12 +23,22 @@ void LiveLine::on_tick(const record::TickRecord& tick) noexcept {
 
 void LiveLine::on_force(const record::ForceRecord& force) noexcept { round_trip_ns_ = force.round_trip.count(); }
 
-std::string LiveLine::text() const {
+std::string LiveLine::text(std::size_t columns) const {
   const auto milliseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
-  const std::string age = has_force_ ? fmt::format("{:.0f} ms", milliseconds(age_ns_)) : "-";
-  return fmt::format("{} {} ticks  {:.3f} N  age {}  RTT {:.1f} ms  E {:.3g} J  P {:.3g} J",
-                     kStates[static_cast<std::size_t>(state_.load())], ticks_.load(), force_N_.load(), age,
-                     milliseconds(round_trip_ns_), energy_J_.load(), audit_J_.load());
+  const std::array fields{
+      fmt::format("{} {} ticks", kStates[static_cast<std::size_t>(state_.load())], ticks_.load()),
+      fmt::format("  {:.3f} N", force_N_.load()),
+      has_force_ ? fmt::format("  age {:.0f} ms  RTT {:.1f} ms", milliseconds(age_ns_), milliseconds(round_trip_ns_))
+                 : std::string("  no force yet"),
+      fmt::format("  E {:.3g} J", energy_J_.load()),
+      fmt::format("  P {:.3g} J", audit_J_.load()),
+  };
+  std::string line;
+  for (const std::string& field : fields) {
+    if (line.size() + field.size() > columns) break;
+    line += field;
+  }
+  return line;
 }
 
 }  // namespace forcebound::client

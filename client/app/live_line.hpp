@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -16,8 +17,10 @@ class LiveLine final : public record::TickSink {
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord& force) noexcept override;
 
-  /// The line as of now, without line ending.
-  [[nodiscard]] std::string text() const;
+  [[nodiscard]] record::SessionState state() const noexcept { return state_; }
+
+  /// The line as of now, without line ending; what does not fit into so many columns is left out.
+  [[nodiscard]] std::string text(std::size_t columns) const;
 
  private:
   // Each number stands for itself; a line that mixes two neighbouring ticks misleads nobody.

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <exception>
 
 #include "forcebound/client/app/options.hpp"
@@ -26,7 +27,7 @@ int main(int argc, char** argv) {
   try {
     return forcebound::client::run(options, stop);
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    std::fprintf(stderr, "forcebound-client: %s\n", error.what());
     return 1;
   }
 }

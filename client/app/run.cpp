@@ -39,6 +39,7 @@ using namespace std::chrono_literals;
 constexpr int kPriority = 80;
 constexpr Nanoseconds kHousekeeping = 50ms;
 constexpr Nanoseconds kOncePatience = 5s;
+constexpr Nanoseconds kSilenceTold = 2s;
 constexpr Nanoseconds kClosing = 3s;
 constexpr int kSettlingTicks = 1000;  // the first second may still touch memory for the first time
 
@@ -76,31 +77,49 @@ struct Loop {
   }
 
   bool over(Nanoseconds elapsed) {
-    const bool unanswered = session.state() == SessionState::connecting && elapsed > kOncePatience;
+    const bool ended = options.duration_s > 0 && time::to_seconds(elapsed) >= options.duration_s;
+    const bool unanswered = session.state() == SessionState::connecting && (ended || elapsed > kOncePatience);
     gave_up = options.once && (session.refused() || unanswered);
-    return gave_up || (options.duration_s > 0 && time::to_seconds(elapsed) >= options.duration_s);
+    return gave_up || ended;
   }
 };
 
 /// What people see while it runs: log lines for events, and on a terminal a line that moves.
 class Screen {
  public:
-  Screen(bool live, const LiveLine& line, EventQueue& events) : live_(live), line_(line), events_(events) {}
+  Screen(const Options& options, const LiveLine& line, EventQueue& events)
+      : live_(!options.quiet && isatty(STDERR_FILENO) != 0), options_(options), line_(line), events_(events) {}
 
-  void refresh() {
-    while (events_.take(event_)) {
-      if (live_) std::fputs(kClearLine, stderr);
-      log();
-    }
-    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text().substr(0, columns() - 1).c_str());
+  void refresh(Nanoseconds elapsed) {
+    if (elapsed > kSilenceTold && !options_.once) tell_silence();
+    log_events();
+    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
   }
 
   void end() {
-    live_ = std::exchange(live_, false) && (std::fputs(kClearLine, stderr), false);
-    refresh();
+    clear();
+    live_ = false;
+    log_events();
   }
 
  private:
+  void clear() const {
+    if (live_) std::fputs(kClearLine, stderr);
+  }
+
+  void tell_silence() {
+    if (line_.state() != SessionState::connecting || std::exchange(silence_told_, true)) return;
+    clear();
+    spdlog::warn("no answer from {} yet; asking on", options_.server);
+  }
+
+  void log_events() {
+    while (events_.take(event_)) {
+      clear();
+      log();
+    }
+  }
+
   /// Of the terminal, which people resize: a longer line would wrap, and could not be taken back.
   static std::size_t columns() {
     winsize size{};
@@ -128,6 +147,8 @@ class Screen {
   }
 
   bool live_;
+  bool silence_told_ = false;
+  const Options& options_;
   const LiveLine& line_;
   EventQueue& events_;
   Event event_;
@@ -140,6 +161,11 @@ std::ofstream open_summary(const std::string& file) {
   if (!out)
     throw std::runtime_error("cannot write the summary to '" + file + "': " + std::generic_category().message(errno));
   return out;
+}
+
+std::string why_no_session(const Options& options, const Session& session, const net::UdpLink& link) {
+  if (session.refused()) return options.server + " refused";
+  return "no answer from " + options.server + (link.counters().refused > 0 ? ": nobody listens there" : "");
 }
 
 record::RunInfo run_info(const Options& options, const SimulatedDevice& device, const time::Clock& clock) {
@@ -186,12 +212,13 @@ int run(const Options& options, const std::atomic<bool>& stop) {
 
   IdleTimer idle(clock, info.period, kPriority);
   Loop loop{.options = options, .stop = stop, .clock = clock, .session = session, .period = info.period};
-  Screen screen(!options.quiet && isatty(STDERR_FILENO) != 0, line, events);
+  Screen screen(options, line, events);
+  const Nanoseconds start = clock.now();
   std::jthread tick([&loop] { loop.run(); });
   while (!loop.done) {
     std::this_thread::sleep_for(kHousekeeping);
     if (writer) recorder.drain(*writer);
-    screen.refresh();
+    screen.refresh(clock.now() - start);
   }
   tick.join();
   screen.end();
@@ -210,12 +237,17 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   }
   summary.finish(totals);
   std::fputs(summary.to_text().c_str(), stdout);
+  bool failed = loop.gave_up;
   if (summary_file.is_open()) {
     summary_file << summary.to_json();
-    if (!summary_file.flush()) spdlog::error("could not write all of the summary to '{}'", options.summary);
+    if (!summary_file.flush()) {
+      spdlog::error("could not write all of the summary to '{}': {}", options.summary,
+                    std::generic_category().message(errno));
+      failed = true;
+    }
   }
-  if (loop.gave_up) spdlog::error("gave up: no session with {}", options.server);
-  return loop.gave_up ? 1 : 0;
+  if (loop.gave_up) spdlog::error("gave up: {}", why_no_session(options, session, link));
+  return failed ? 1 : 0;
 }
 
 }  // namespace forcebound::client

@@ -30,4 +30,12 @@ Endpoint parse_endpoint(std::string_view text) {
   return endpoint;
 }
 
+Endpoint parse_peer(std::string_view text) {
+  Endpoint endpoint = parse_endpoint(text);
+  if (endpoint.port == 0) {
+    throw std::invalid_argument("'" + std::string(text) + "' is nowhere to send to: expected a port from 1 to 65535");
+  }
+  return endpoint;
+}
+
 }  // namespace forcebound::net

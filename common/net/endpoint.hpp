@@ -20,6 +20,11 @@ struct Endpoint {
 /// @throws std::invalid_argument naming the text and what would be accepted.
 Endpoint parse_endpoint(std::string_view text);
 
+/// The same for somewhere to send to, so not port 0.
+///
+/// @throws std::invalid_argument naming the text and what would be accepted.
+Endpoint parse_peer(std::string_view text);
+
 /// Looks a host up; if it has addresses of both kinds, IPv4. Blocks, for seconds if a name server is silent.
 ///
 /// @throws std::runtime_error naming the host and why it has no address.

@@ -67,19 +67,19 @@ function(forcebound_program name)
   endif()
 endfunction()
 
-# forcebound_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT S] [SERIAL]): GoogleTest executable NAME; every TEST is
-# a CTest of its own. Tests see the source root, for "tests/support/...". SERIAL: nothing else runs beside it, for tests
+# forcebound_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT S] [SERIAL] [PROPERTIES ...]): GoogleTest executable
+# NAME; every TEST is a CTest of its own, with these properties. Tests see the source root, for "tests/support/...". SERIAL: nothing else runs beside it, for tests
 # that measure time. The label `long` keeps a test out of deploy/test unless --long is given; `threads` runs it under
 # ThreadSanitizer as well.
 function(forcebound_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "TIMEOUT" "SOURCES;LINK;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "TIMEOUT" "SOURCES;LINK;LABELS;PROPERTIES")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gmock_main forcebound_options)
-  set(properties TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL})
+  set(properties TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} ${arg_PROPERTIES})
   if(arg_LABELS)
     # A list would fall apart on its way through the discovery.
     string(REPLACE ";" "\\;" labels "${arg_LABELS}")

@@ -13,7 +13,7 @@ constexpr const char* kDescription =
     "\n"
     "Each client (forcebound-client) sends where its device is, by UDP, and gets back the\n"
     "force that the scene exerts there. However late that force arrives, the client keeps\n"
-    "it passive; the server may be far away. Every client feels a scene of its own.";
+    "it passive; the server may be far away. Every client feels a scene of its own.\n";
 
 std::string footer() {
   return "Scenes: " + SceneLibrary::shipped().names() +

@@ -1,16 +1,24 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
+#include <string>
 
 #include "tests/lab/commands.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Experiments with Forcebound: the same laws, client and server as on the network, here in virtual time."};
+      "Experiments with Forcebound: the same laws, client and server as on the network, here in virtual time.\n"};
   app.name("forcebound-lab");
   app.set_version_flag("--version", "forcebound-lab " FORCEBOUND_VERSION);
   app.require_subcommand(0, 1);
   app.get_formatter()->column_width(34);
+  app.footer(
+      "Each has its own --help: forcebound-lab replay --help\n\n"
+      "Examples:\n"
+      "  forcebound-lab reproduce sphere --figures out   the paper's sphere, in a few seconds\n"
+      "  forcebound-lab report run.mcap --figures out    what a client recorded with --record run.mcap\n"
+      "  forcebound-lab table a.json b.mcap              runs side by side\n\n"
+      "Exit code: 0 done, 1 failed, 2 wrong use.");
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_report(app);
@@ -22,7 +30,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& asked) {
     return app.exit(asked);
   } catch (const CLI::Error& wrong_use) {
-    std::cerr << "forcebound-lab: " << wrong_use.what() << " (see forcebound-lab --help)\n";
+    // A mistyped option explains why another is missing, so it comes first.
+    const auto unknown = app.remaining(true);
+    const std::string what = unknown.empty() ? wrong_use.what() : CLI::ExtrasError(unknown).what();
+    std::cerr << "forcebound-lab: " << what << " (see forcebound-lab --help)\n";
     return 2;
   } catch (const std::exception& failure) {
     std::cerr << "forcebound-lab: " << failure.what() << '\n';

@@ -118,7 +118,7 @@ void reproduce(const ReproduceOptions& options) {
 void add_reproduce(CLI::App& app) {
   auto options = std::make_shared<ReproduceOptions>();
   CLI::App* command = app.add_subcommand(
-      "reproduce", "Runs the paper's experiments with each law and prints what they show beside the paper's figures");
+      "reproduce", "Run the paper's experiments with each law, and print what they show beside the paper's figures");
   command->add_option("EXPERIMENT", options->experiment, "which")
       ->check(CLI::IsMember({"wall", "delay", "circle", "sphere", "all"}))
       ->capture_default_str();

@@ -105,10 +105,13 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
     std::ostringstream out;
     std::ostringstream problem;
     if (app.exit(error, out, problem) == 0) throw CommandLineEnd{0, out.str()};
-    throw CommandLineEnd{kWrongUse, std::string(kName) + ": " + error.what() + "; see --help\n"};
+    // A mistyped option explains why another is missing, so it comes first.
+    const auto unknown = app.remaining();
+    const std::string what = unknown.empty() ? error.what() : CLI::ExtrasError(unknown).what();
+    throw CommandLineEnd{kWrongUse, std::string(kName) + ": " + what + "; see --help\n"};
   }
   options.listen = read_value("--listen", [&] { return net::parse_endpoint(texts.listen); });
-  options.upstream = read_value("--upstream", [&] { return net::parse_endpoint(texts.upstream); });
+  options.upstream = read_value("--upstream", [&] { return net::parse_peer(texts.upstream); });
   if (!texts.seed.empty()) options.seed = read_value("--seed", [&] { return parse_seed(texts.seed); });
   const auto both = read_value("--netem", [&] { return net::parse_netem(texts.netem); });
   const bool own_up = app.count("--netem-up") != 0;

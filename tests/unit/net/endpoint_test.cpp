@@ -26,6 +26,13 @@ TEST(Endpoint, RefusesWhatIsNotHostAndPort) {
   }
 }
 
+TEST(Endpoint, RefusesPortZeroOfAPeer) {
+  EXPECT_EQ(parse_peer("localhost:1"), (Endpoint{"localhost", 1}));
+  EXPECT_THAT([] { parse_peer("localhost:0"); },
+              ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("'localhost:0'"), HasSubstr("from 1 to 65535"))));
+  EXPECT_THAT([] { parse_peer("localhost"); }, ThrowsMessage<std::invalid_argument>(HasSubstr("is no HOST:PORT")));
+}
+
 TEST(Endpoint, ResolvesNumbersWithoutAskingAnybody) {
   EXPECT_EQ(to_string(resolve({"127.0.0.1", 47800})), "127.0.0.1:47800");
   EXPECT_EQ(to_string(resolve({"::1", 47800})), "[::1]:47800");

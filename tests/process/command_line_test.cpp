@@ -1,0 +1,189 @@
+#include <gmock/gmock.h>
+
+#include "tests/process/programs.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr const char* kNowhere = "127.0.0.1:9";  // never asked: every command here is refused before
+
+struct Program {
+  const char* path;
+  const char* name;
+};
+const std::vector<Program> kPrograms{{kServer, "forcebound-server"},
+                                     {kRelay, "forcebound-relay"},
+                                     {kClient, "forcebound-client"},
+                                     {kLab, "forcebound-lab"}};
+
+TEST(EveryProgram, TeachesItsUse) {
+  for (const Program& program : kPrograms) {
+    SCOPED_TRACE(program.name);
+    for (const char* option : {"--help", "-h"}) {
+      const Ran ran = run(program.path, {option});
+      EXPECT_EQ(ran.exit_code, 0);
+      EXPECT_EQ(ran.err, "");
+      EXPECT_THAT(ran.out, HasSubstr("Example"));
+      EXPECT_THAT(ran.out, HasSubstr(std::string("  ") + program.name + " "));
+      EXPECT_THAT(ran.out, HasSubstr("Exit code: 0 "));
+    }
+  }
+}
+
+TEST(EveryProgram, TellsItsVersion) {
+  for (const Program& program : kPrograms) {
+    const Ran ran = run(program.path, {"--version"});
+    EXPECT_EQ(ran.exit_code, 0);
+    EXPECT_EQ(ran.out, std::string(program.name) + " " + FORCEBOUND_VERSION + "\n");
+  }
+}
+
+TEST(EveryProgram, NamesAnUnknownOptionInOneLine) {
+  for (const Program& program : kPrograms) {
+    const Ran ran = run(program.path, {"--bogus"});
+    EXPECT_EQ(ran.exit_code, 2) << program.name;
+    EXPECT_THAT(ran.err, StartsWith(std::string(program.name) + ": "));
+    EXPECT_THAT(ran.err, HasSubstr("--bogus"));
+    EXPECT_EQ(lines(ran.err), 1U) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  }
+}
+
+struct Refusal {
+  Words arguments;
+  int exit_code;
+  std::vector<std::string> said;  ///< what, where, and what would be accepted
+};
+
+/// Each is refused with one line on stderr and nothing on stdout.
+void expect_refusals(const Program& program, const Words& always, const std::vector<Refusal>& refusals) {
+  for (const Refusal& refusal : refusals) {
+    Words words = refusal.arguments;
+    words.insert(words.end(), always.begin(), always.end());
+    SCOPED_TRACE(std::string(program.name) + " " + testing::PrintToString(words));
+    const Ran ran = run(program.path, words, 10s);
+    EXPECT_EQ(ran.exit_code, refusal.exit_code);
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(lines(ran.err), 1U) << ran.err;
+    EXPECT_THAT(ran.err, StartsWith(std::string(program.name) + ": "));
+    for (const std::string& part : refusal.said) EXPECT_THAT(ran.err, HasSubstr(part));
+  }
+}
+
+TEST(TheServer, RefusesWhatItCannotUseInOneLine) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.file("scene.toml");
+  write_file(
+      scene,
+      "[scene]\nname = \"ball\"\ndescription = \"A ball.\"\ndegrees_of_freedom = 3\n[[object]]\nname = \"ball\"\n"
+      "shape = { kind = \"sphere\", center_m = [0, 0, 0], radius_m = 0.02 }\neffects = [\"surface\"]\n\n"
+      "[object.surface]\nstiffness_N_per_m = -200\n");
+  const std::string no_toml = folder.file("no.toml");
+  write_file(no_toml, "[scene]\nname = \n");
+  expect_refusals(kPrograms[0], {},
+                  {{{"--listen", "nonsense"}, 2, {"--listen", "'nonsense'", "127.0.0.1:47800"}},
+                   {{"--listen", "127.0.0.1:99999"}, 2, {"'127.0.0.1:99999'", "from 0 to 65535"}},
+                   {{"--listen", "no-such-host.invalid:1"}, 1, {"host 'no-such-host.invalid'"}},
+                   {{"--listen", "192.0.2.1:47800"}, 1, {"192.0.2.1:47800", "no interface"}},
+                   {{"--scene", "spere"}, 1, {"'spere'", "'sphere'", "box, circle, free, plane, sphere, wall"}},
+                   {{"--scene", scene}, 1, {scene + ":11: ", "object 'ball'", "stiffness_N_per_m", "> 0", "-200"}},
+                   {{"--scene", no_toml}, 1, {no_toml + ":2: "}},
+                   {{"--scene", "/no/such/scene.toml"}, 1, {"/no/such/scene.toml", "No such file"}},
+                   {{"--scene"}, 2, {"--scene"}},
+                   {{"--sessions-max", "0"}, 2, {"--sessions-max", "0", "1 to 10000"}},
+                   {{"--idle-timeout", "soon"}, 2, {"--idle-timeout", "soon"}},
+                   {{"sphere"}, 2, {"sphere"}}});
+}
+
+TEST(TheRelay, RefusesWhatItCannotUseInOneLine) {
+  const TemporaryFolder folder;
+  const std::string trace = folder.file("trace.csv");
+  write_file(trace, "send_time_ms,rtt_ms\n0,10\n5,abc\n");
+  expect_refusals(kPrograms[1], {"--listen", "127.0.0.1:0", "--upstream", kNowhere},
+                  {{{"--netem", "delay 50msx"}, 2, {"--netem", "'50msx'", "50ms"}},
+                   {{"--netem", "latency 50ms"}, 2, {"'latency'", "delay", "loss", "slot"}},
+                   {{"--netem-up", "loss 200%"}, 2, {"--netem-up", "'200%'", "0% to 100%"}},
+                   {{"--netem-down", "delay 1ms distribution normal"}, 2, {"--netem-down", "distribution"}},
+                   {{"--seed", "-4"}, 2, {"--seed", "'-4'", "whole number"}},
+                   {{"--trace", trace}, 1, {trace + ":3: ", "'5,abc'", "send_time_ms,rtt_ms"}},
+                   {{"--trace", "/no/such/trace"}, 1, {"/no/such/trace", "No such file"}},
+                   {{"extra"}, 2, {"extra"}}});
+  expect_refusals(kPrograms[1], {},
+                  {{{"--listen", "here", "--upstream", kNowhere}, 2, {"--listen", "'here'", "127.0.0.1:47800"}},
+                   {{"--listen", "127.0.0.1:0"}, 2, {"--upstream", "required"}},
+                   {{"--listen", "127.0.0.1:0", "--upstream", "127.0.0.1:0"}, 2, {"--upstream", "1 to 65535"}},
+                   {{"--listen", "127.0.0.1:0", "--upstream", "no-such-host.invalid:1"}, 1, {"no-such-host.invalid"}}});
+}
+
+TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
+  const TemporaryFolder folder;
+  const std::string device = folder.file("device.toml");
+  write_file(device,
+             "kind = \"cartesian\"\ndegrees_of_freedom = 1\nmass_kg = -1\ndamping_N_s_per_m = 1\nforce_N_max = 1\n");
+  const std::string hand = folder.file("hand.csv");
+  write_file(hand, "time_s,x_m\n0,0\n1,two\n");
+  expect_refusals(kPrograms[2], {"--server", kNowhere, "--duration", "1"},
+                  {{{"--device", device}, 1, {device + ":3: ", "mass_kg", "> 0", "-1"}},
+                   {{"--device", "omny"}, 1, {"'omny'", "'omni'", "wall-1dof"}},
+                   {{"--device", "/no/such/device.toml"}, 1, {"/no/such/device.toml", "No such file"}},
+                   {{"--operator", "pres"}, 1, {"'pres'", "'press'", "trace-circle"}},
+                   {{"--operator", "press:depth=1"}, 1, {"'press'", "'depth'", "from_m"}},
+                   {{"--operator", "press:mass_kg=heavy"}, 1, {"mass_kg", "'heavy'"}},
+                   {{"--operator", "press:mass_kg=-1"}, 1, {"mass_kg", ">= 0", "-1"}},
+                   {{"--device", "wall-1dof", "--operator", "replay:" + hand}, 1, {hand + ":3: ", "'1,two'"}},
+                   {{"--operator", "replay:/no/such/hand.csv"}, 1, {"/no/such/hand.csv", "No such file"}},
+                   {{"--law", "fba"}, 2, {"--law", "fba", "none,fba-less,fba-more"}},
+                   {{"--seed", "-1"}, 2, {"--seed", "'-1'", "whole number"}},
+                   {{"--hold", "nan"}, 2, {"--hold", "'nan'", "from 0"}},
+                   {{"--hold", "300", "--drop", "100"}, 2, {"hold <= drop", "300", "100"}},
+                   {{"extra"}, 2, {"extra"}}});
+  expect_refusals(kPrograms[2], {},
+                  {{{"--duration", "1"}, 2, {"--server", "required"}},
+                   {{"--server", "there"}, 2, {"--server", "'there'", "127.0.0.1:47800"}},
+                   {{"--server", "127.0.0.1:0"}, 2, {"--server", "'127.0.0.1:0'", "1 to 65535"}},
+                   {{"--server", "no-such-host.invalid:1"}, 1, {"host 'no-such-host.invalid'"}},
+                   {{"--server", kNowhere, "--duration", "-1"}, 2, {"--duration", "'-1'", "from 0"}},
+                   {{"--server", kNowhere, "--duration", "long"}, 2, {"--duration", "'long'", "from 0"}}});
+}
+
+TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.file("bad.mcap");
+  write_file(recording, "hello");
+  const std::string rows = folder.file("rows.csv");
+  write_file(rows, "time_s,x0_m,fe0_N\n0,0,0\n0.001,here,0\n");
+  const Words replay{"replay", "--law", "fba-more", "--damping", "30", "--input", rows};
+  const auto with = [&](const Words& more) {
+    Words words = replay;
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_refusals(kPrograms[3], {},
+                  {{{}, 2, {"experiment", "--help"}},
+                   {{"dance"}, 2, {"dance"}},
+                   {{"report", recording}, 1, {recording, "byte 0", "not an MCAP file"}},
+                   {{"report", "/no/such/run.mcap"}, 1, {"/no/such/run.mcap", "No such file"}},
+                   {{"report"}, 2, {"recording"}},
+                   {{"table", recording}, 1, {recording, "not an MCAP file"}},
+                   {{"reproduce", "spere"}, 2, {"spere", "wall,delay,circle,sphere,all"}},
+                   {{"reproduce", "wall", "--json", "/no/such/runs.json"}, 1, {"/no/such/runs.json"}},
+                   {{"replay"}, 2, {"--law", "required"}},
+                   {{"replay", "--bogus"}, 2, {"--bogus"}},
+                   {with({"--damping-matrix", "1,x"}), 2, {"--damping-matrix", "'x'"}},
+                   {with({"--period", "0"}), 2, {"--period", "> 0", "0"}},
+                   {with({"--output", "/no/such/out.csv"}), 1, {"/no/such/out.csv"}}});
+  // The rows before the bad one are answered.
+  const Ran ran = run(kLab, replay);
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_EQ(lines(ran.out), 2U) << ran.out;
+  EXPECT_EQ(lines(ran.err), 1U) << ran.err;
+  EXPECT_THAT(ran.err, HasSubstr(rows + ":3: "));
+  EXPECT_THAT(ran.err, HasSubstr("'here'"));
+}
+
+}  // namespace
+}  // namespace forcebound::test

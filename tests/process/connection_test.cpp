@@ -1,0 +1,231 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/net/udp_link.hpp"
+#include "forcebound/record/recording_reader.hpp"
+#include "forcebound/wire/codec.hpp"
+#include "tests/process/programs.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const Words kSphere{"--device", "omni", "--operator", "trace-sphere"};
+
+Words and_also(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(AClientWithoutAServer, GivesUpWithinSecondsAndSaysWhyIfToldOnce) {
+  const std::string nobody = free_address();
+  Client client(nobody, {"--once"});
+  EXPECT_EQ(client.wait(9s), 1);
+  EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + nobody + ": nobody listens there\n"));
+  EXPECT_EQ(occurrences(client.err(), "error"), 1U);
+}
+
+TEST(AClientWithoutAServer, CountsAsFailedOnceItsTimeIsOverIfToldOnce) {
+  Client client(free_address(), {"--once", "--duration", "1"});
+  EXPECT_EQ(client.wait(5s), 1);
+  EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from"));
+}
+
+TEST(AClientWithoutAServer, KeepsTryingAndEndsWithASummary) {
+  const std::string nobody = free_address();
+  Client client(nobody, {"--duration", "3"});
+  EXPECT_EQ(client.wait(20s), 0);
+  EXPECT_THAT(client.err(), HasSubstr("no answer from " + nobody + " yet; asking on"));
+  EXPECT_THAT(client.out(), AllOf(HasSubstr("Summary: law fba-more"), HasSubstr("forces        none arrived")));
+  const nlohmann::json summary = client.summary();
+  ASSERT_TRUE(summary.is_object());
+  EXPECT_EQ(summary["received"], 0);
+  EXPECT_GT(summary["ticks"], 2000);
+  EXPECT_EQ(summary["force_N"]["max"], 0);
+}
+
+TEST(AClient, FindsTheServerThatComesLater) {
+  const std::string address = free_address();
+  Client client(address, kSphere);
+  ASSERT_TRUE(client.wait_for("no answer from"));
+  Server server({"--scene", "sphere"}, address);
+  // Between two Hellos are 2 s at most.
+  EXPECT_TRUE(client.wait_for("connected; simulated:", 4s));
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(client.stop(), 0);
+  EXPECT_GT(client.summary()["received"], 100);
+  EXPECT_EQ(client.summary()["faults"]["reconnects"], 0);
+}
+
+TEST(AServer, RefusesAnUnknownSceneNamingThoseItHas) {
+  Server server;
+  Client once(server.address(), {"--scene", "spere", "--once"});
+  EXPECT_EQ(once.wait(20s), 1);
+  EXPECT_THAT(once.err(),
+              AllOf(HasSubstr("refused by the server: no scene 'spere', did you mean 'sphere'? (known: box, "
+                              "circle, free, plane, sphere, wall)"),
+                    HasSubstr("gave up: " + server.address() + " refused")));
+  Client patient(server.address(), {"--scene", "spere", "--duration", "1"});
+  EXPECT_EQ(patient.wait(20s), 0);
+  EXPECT_THAT(patient.err(), HasSubstr("refused by the server: no scene 'spere'"));
+}
+
+TEST(AServer, RefusesWrongDegreesOfFreedomNamingThoseOfTheScene) {
+  Server server({"--scene", "sphere"});
+  Client client(server.address(), {"--device", "wall-1dof", "--once"});
+  EXPECT_EQ(client.wait(20s), 1);
+  EXPECT_THAT(client.err(),
+              HasSubstr("scene 'sphere' accepts devices with 3 or 6 degrees of freedom, device 'wall-1dof' has 1"));
+}
+
+std::optional<wire::Message> ask(wire::Codec& codec, const wire::Hello& hello, const std::string& server) {
+  static std::array<std::byte, net::kDatagramBytesMax> buffer;
+  const net::Address address = net::resolve(net::parse_endpoint(server));
+  net::UdpLink link = net::UdpLink::towards(address);
+  link.send(codec.encode(hello), address);
+  const std::array descriptors{link.descriptor()};
+  net::wait_readable(descriptors, 5s);
+  const auto received = link.receive(buffer);
+  if (!received) return std::nullopt;
+  const auto decoded = codec.decode(std::span(buffer).first(received->bytes));
+  const auto* message = std::get_if<wire::Message>(&decoded);
+  return message == nullptr ? std::nullopt : std::optional(*message);
+}
+
+TEST(AServer, RefusesAnotherProtocolVersionNamingBoth) {
+  Server server;
+  wire::Codec codec;
+  const auto answer = ask(codec, {.protocol_version = 99, .client_nonce = 7, .degrees_of_freedom = 1, .period_s = 1e-3},
+                          server.address());
+  ASSERT_TRUE(answer && std::holds_alternative<wire::Refusal>(*answer));
+  const auto& refusal = std::get<wire::Refusal>(*answer);
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::version_mismatch);
+  EXPECT_EQ(refusal.client_nonce, 7U);
+  EXPECT_EQ(refusal.text, "this server speaks protocol version 1, the client 99");
+}
+
+TEST(AnAddressInUse, IsSaidPlainlyByServerAndRelay) {
+  Server server;
+  const Ran second = run(kServer, {"--listen", server.address()});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_EQ(second.err, "forcebound-server: cannot listen on " + server.address() +
+                            ": the address is already in use, by another program or a copy of this one\n");
+  const Ran relay = run(kRelay, {"--listen", server.address(), "--upstream", server.address()});
+  EXPECT_EQ(relay.exit_code, 1);
+  EXPECT_THAT(relay.err,
+              AllOf(HasSubstr("forcebound-relay: cannot listen on " + server.address()), HasSubstr("already in use")));
+}
+
+TEST(ARelayWithoutAServer, SaysSoInItsTotals) {
+  const std::string nobody = free_address();
+  Relay relay(nobody, {});
+  Client client(relay.address(), {"--once", "--duration", "1"});
+  EXPECT_EQ(client.wait(10s), 1);
+  EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + relay.address() + "\n"));
+  EXPECT_EQ(relay.stop(), 0);
+  EXPECT_THAT(relay.out(), HasSubstr("times nobody listened at " + nobody));
+}
+
+/// How much the requested force changes at most from one tick to the next, and how long it faded.
+class Fading final : public record::RecordingSink {
+ public:
+  void on_start(const record::RunInfo& /*info*/) override {}
+  void on_end(const record::RunTotals& /*totals*/) override {}
+  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    const bool fading = tick.policy == record::ForcePolicy::fading;
+    if (fading && was_fading_) {
+      step_N_max = std::max(step_N_max, (tick.request - previous_).norm());
+      missed_ms = std::max(missed_ms, time::to_seconds(tick.interval) * 1e3);
+    }
+    if (fading && !was_fading_) first_N = tick.request.norm();
+    was_fading_ = fading;
+    previous_ = tick.request;
+  }
+
+  double first_N = 0;
+  double step_N_max = 0;
+  double missed_ms = 1;
+
+ private:
+  bool was_fading_ = false;
+  control::Vector previous_;
+};
+
+TEST(AServerKilledInContact, MeansAFadingForceAndANewSessionAsSoonAsItIsBack) {
+  const TemporaryFolder folder;
+  std::optional<Server> server;
+  server.emplace(Words{"--scene", "sphere"});
+  const std::string address = server->address();
+  Client client(address, and_also(kSphere, {"--record", folder.file("run.mcap")}));
+  ASSERT_TRUE(client.wait_for("connected"));
+  std::this_thread::sleep_for(3s);
+  server->stop(SIGKILL);
+  ASSERT_TRUE(client.wait_for("zero force"));
+  std::this_thread::sleep_for(500ms);
+
+  server.emplace(Words{"--scene", "sphere"}, address);
+  EXPECT_TRUE(server->wait_for("feels 'sphere'", 1s));
+  EXPECT_TRUE(client.wait_for("forces are fresh again", 1s));
+  std::this_thread::sleep_for(500ms);
+  EXPECT_EQ(client.stop(), 0);
+
+  const nlohmann::json summary = client.summary();
+  EXPECT_EQ(summary["faults"]["reconnects"], 1);
+  EXPECT_GE(summary["late_force"]["fading_ticks"], 500);
+  EXPECT_GE(summary["late_force"]["dropped_ticks"], 100);
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -5e-3);
+  Fading fading;
+  EXPECT_TRUE(record::read_recording(folder.file("run.mcap"), fading));
+  EXPECT_GT(fading.first_N, 0.1) << "no contact when the server was killed";
+  // Linearly from 250 ms to 1 s.
+  EXPECT_LE(fading.step_N_max, 1.1 * fading.first_N * fading.missed_ms / 750);
+}
+
+TEST(AServerThatEnds, TellsItsClients) {
+  Server server({"--scene", "sphere"});
+  Client client(server.address(), kSphere);
+  ASSERT_TRUE(client.wait_for("connected"));
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_TRUE(client.wait_for("the server ended the session"));
+  EXPECT_EQ(client.stop(), 0);
+}
+
+TEST(TwoClientsOfOneServer, EachFeelTheirOwnScene) {
+  Server server;
+  Client wall(server.address(), {"--device", "wall-1dof", "--operator", "press", "--duration", "2", "--once"});
+  Client sphere(server.address(), and_also(kSphere, {"--scene", "sphere", "--duration", "2", "--once"}));
+  EXPECT_EQ(wall.wait(20s), 0);
+  EXPECT_EQ(sphere.wait(20s), 0);
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_THAT(server.err(), AllOf(HasSubstr("feels 'wall' with device 'wall-1dof' (1 degrees of freedom)"),
+                                  HasSubstr("feels 'sphere' with device 'omni' (3 degrees of freedom)")));
+  EXPECT_EQ(counted(server.out(), "sessions", "opened"), 2U);
+  EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 2U);
+  std::uint64_t received = 0;
+  for (const Client* client : {&wall, &sphere}) {
+    const nlohmann::json summary = client->summary();
+    EXPECT_GT(summary["contact_ticks"], 100);
+    EXPECT_EQ(summary["lost"], 0);
+    received += summary["sent"].get<std::uint64_t>();
+  }
+  EXPECT_EQ(counted(server.out(), "motions", "received"), received);
+}
+
+}  // namespace
+}  // namespace forcebound::test

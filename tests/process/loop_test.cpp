@@ -1,0 +1,34 @@
+#include <gtest/gtest.h>
+
+#include "tests/process/loop_checks.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(ThreeProgramsOnABadNetwork, StayPassiveAndAgreeExactlyOnEveryDatagram) {
+  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
+                                        .client = {"--device", "omni", "--operator", "trace-sphere"},
+                                        .duration = 8s});
+  expect_sound(outcome.summary, 8s);
+  expect_exact_counts(outcome);
+
+  const nlohmann::json& summary = outcome.summary;
+  EXPECT_EQ(summary["law"], "fba-more");
+  EXPECT_EQ(summary["device"], "omni");
+  EXPECT_GT(summary["contact_ticks"].get<int>(), 1000);
+  // Twice 50 ms and at most 10 ms more or less each way; that of the newest force is rather less than the mean.
+  EXPECT_GE(summary["rtt_us"]["p50"].get<double>(), 80e3);
+  EXPECT_GE(summary["force_age_ms"]["p50"].get<double>(), 80);
+  EXPECT_LE(summary["force_age_ms"]["p50"].get<double>(), 150);
+  EXPECT_LE(summary["force_age_ms"]["p50"], summary["force_age_ms"]["p99"]);
+  EXPECT_LE(summary["force_age_ms"]["p99"], summary["force_age_ms"]["max"]);
+  // 5 % each way, on 7800 datagrams: five times the standard deviation of 0.25 %.
+  const double sent = summary["sent"].get<double>();
+  EXPECT_NEAR(summary["lost_up"].get<double>() / sent, 0.05, 0.0125);
+  EXPECT_EQ(summary["faults"]["reconnects"], 0);
+}
+
+}  // namespace
+}  // namespace forcebound::test

@@ -1,0 +1,62 @@
+#include "tests/process/programs.hpp"
+
+#include <algorithm>
+#include <regex>
+#include <stdexcept>
+
+#include "forcebound/net/udp_link.hpp"
+
+namespace forcebound::test {
+namespace {
+
+Words with(Words first, const Words& more) {
+  first.insert(first.end(), more.begin(), more.end());
+  return first;
+}
+
+}  // namespace
+
+Listener::Listener(const char* program, const Words& arguments, const std::string& at)
+    : Process(program, with({"--listen", at}, arguments)) {
+  wait_for("listening on ");
+  static const std::regex kAddress(R"(listening on (\d+\.\d+\.\d+\.\d+:\d+)\b)");
+  const std::string said = out() + err();
+  std::smatch match;
+  if (!std::regex_search(said, match, kAddress)) {
+    throw std::runtime_error(std::string(program) + " does not listen; it said: " + said);
+  }
+  address_ = match[1];
+}
+
+Relay::Relay(const std::string& upstream, const Words& arguments)
+    : Listener(kRelay, with({"--upstream", upstream}, arguments)) {}
+
+Client::Client(const std::string& server, const Words& arguments)
+    : Process(kClient, with({"--server", server, "--summary", summary_folder_.file("summary.json")}, arguments)) {}
+
+Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds limit) {
+  Process process(program, arguments);
+  const auto exit_code = process.wait(limit);
+  return {exit_code.value_or(-1), process.out(), process.err()};
+}
+
+std::string free_address() {
+  const net::Address any{.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1}, .port = 0};
+  return net::to_string(net::UdpLink::listen(any).local_address());
+}
+
+std::uint64_t counted(const std::string& text, std::string_view subject, std::string_view what) {
+  const std::regex line("(^|\n)" + std::string(subject) + ":([^\n]*)");
+  std::smatch found;
+  if (!std::regex_search(text, found, line)) return 0;
+  const std::string counts = found[2];
+  const std::regex count("(\\d+) " + std::string(what) + "(,|$)");
+  if (!std::regex_search(counts, found, count)) return 0;
+  return std::stoull(found[1]);
+}
+
+std::size_t lines(std::string_view text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace forcebound::test

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/process.hpp"
+
+/// The real programs on the loopback, each with what a test usually says to it.
+namespace forcebound::test {
+
+using Words = std::vector<std::string>;
+
+inline constexpr const char* kServer = FORCEBOUND_SERVER;
+inline constexpr const char* kClient = FORCEBOUND_CLIENT;
+inline constexpr const char* kRelay = FORCEBOUND_RELAY;
+inline constexpr const char* kLab = FORCEBOUND_LAB;
+
+/// A program that listens on a port of the system's choice, or on `at`; returns once it does.
+class Listener : public Process {
+ public:
+  /// @throws std::runtime_error with what it said if it does not.
+  Listener(const char* program, const Words& arguments, const std::string& at = "127.0.0.1:0");
+
+  /// HOST:PORT.
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  std::string address_;
+};
+
+class Server : public Listener {
+ public:
+  explicit Server(const Words& arguments = {}, const std::string& at = "127.0.0.1:0")
+      : Listener(kServer, arguments, at) {}
+};
+
+class Relay : public Listener {
+ public:
+  Relay(const std::string& upstream, const Words& arguments);
+};
+
+/// Where a client writes its summary; a base, to be there before the program starts.
+class SummaryFile {
+ protected:
+  TemporaryFolder summary_folder_;
+};
+
+/// A client that writes its summary into a file of its own.
+class Client : private SummaryFile, public Process {
+ public:
+  Client(const std::string& server, const Words& arguments);
+
+  /// What it wrote as its summary, and the same as values; null if there is none.
+  [[nodiscard]] std::string summary_text() const { return content(summary_folder_.file("summary.json")); }
+  [[nodiscard]] nlohmann::json summary() const { return nlohmann::json::parse(summary_text(), nullptr, false); }
+};
+
+/// Runs a program to its end.
+struct Ran {
+  int exit_code = -1;  ///< -1: it did not end
+  std::string out;
+  std::string err;
+};
+Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds limit = std::chrono::seconds{60});
+
+/// HOST:PORT where nobody listens at the moment.
+std::string free_address();
+
+/// The number in front of `what` in the counts that a program prints at its end ("12 reordered"); 0 where it is not
+/// mentioned.
+std::uint64_t counted(const std::string& text, std::string_view subject, std::string_view what);
+
+/// How many lines.
+std::size_t lines(std::string_view text);
+
+}  // namespace forcebound::test

@@ -1,0 +1,68 @@
+#include <gmock/gmock.h>
+
+#include "tests/process/programs.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kFull = "/dev/full";  // every write finds no space left
+
+TEST(AFileThatCannotBeCreated, IsRefusedBeforeAnythingStarts) {
+  const std::string file = "/no/such/folder/file";
+  const std::string address = free_address();
+  const Words client{"--server", address, "--duration", "30"};
+  struct Case {
+    const char* program;
+    Words arguments;
+  };
+  for (const Case& c : {Case{kClient, {"--server", address, "--duration", "30", "--record", file}},
+                        Case{kClient, {"--server", address, "--duration", "30", "--summary", file}},
+                        Case{kRelay, {"--listen", "127.0.0.1:0", "--upstream", address, "--log", file}}}) {
+    const Ran ran = run(c.program, c.arguments, 10s);
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_EQ(lines(ran.err), 1U) << ran.err;
+    EXPECT_THAT(ran.err, AllOf(HasSubstr(file), HasSubstr("No such file or directory")));
+    EXPECT_EQ(ran.out, "");
+  }
+}
+
+TEST(AFullDisk, EndsTheRecordingButNotTheRun) {
+  Server server({"--scene", "sphere"});
+  Client client(server.address(),
+                {"--device", "omni", "--operator", "trace-sphere", "--duration", "3", "--record", kFull});
+  EXPECT_EQ(client.wait(20s), 0);
+  const nlohmann::json summary = client.summary();
+  ASSERT_TRUE(summary.is_object());
+  EXPECT_GT(summary["ticks"], 2500);
+  EXPECT_EQ(summary["lost"], 0);
+  // Each tick and each force.
+  EXPECT_EQ(summary["faults"]["recording_unwritten"].get<int>(),
+            summary["ticks"].get<int>() + summary["received"].get<int>());
+  EXPECT_THAT(summary["faults"]["notes"].dump(), AllOf(HasSubstr("/dev/full"), HasSubstr("No space left on device")));
+  EXPECT_THAT(client.out(), HasSubstr("No space left on device"));
+}
+
+TEST(AFullDisk, IsNamedWhereTheSummaryCouldNotBeWritten) {
+  const Ran ran = run(kClient, {"--server", free_address(), "--duration", "1", "--summary", kFull});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.out, HasSubstr("Summary: law"));
+  EXPECT_THAT(ran.err, HasSubstr("could not write all of the summary to '/dev/full': No space left on device"));
+}
+
+TEST(AFullDisk, EndsTheRelaysLogButNotTheRelay) {
+  Server server({"--scene", "sphere"});
+  Relay relay(server.address(), {"--log", kFull});
+  Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "2", "--once"});
+  EXPECT_EQ(client.wait(20s), 0);
+  EXPECT_EQ(client.summary()["lost"], 0);
+  EXPECT_GT(client.summary()["received"], 1000);
+  EXPECT_EQ(relay.stop(), 0);
+  EXPECT_THAT(relay.out(), HasSubstr("rows are missing: No space left on device"));
+}
+
+}  // namespace
+}  // namespace forcebound::test

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forcebound::test {
+
+/// A fresh folder for a test's files, gone with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The whole content of a file; empty if there is none.
+std::string content(const std::filesystem::path& file);
+
+void write_file(const std::filesystem::path& file, std::string_view text);
+
+/// One running program, its standard output and error kept in files. Whatever happens to the test, the program does not
+/// outlive this object; if the test has failed by then, what the program said is printed.
+class Process {
+ public:
+  enum class Input { none, pipe };
+
+  /// Starts `program`, a path. Standard input is empty, or written by `write`.
+  /// @throws std::system_error if it cannot be started.
+  Process(const std::filesystem::path& program, const std::vector<std::string>& arguments, Input input = Input::none);
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+  /// What the program has written so far.
+  [[nodiscard]] std::string out() const { return content(folder_.file("stdout")); }
+  [[nodiscard]] std::string err() const { return content(folder_.file("stderr")); }
+
+  /// Waits for the end: the exit code, 128 + number for a program ended by a signal, nothing if it runs on.
+  std::optional<int> wait(std::chrono::nanoseconds limit);
+
+  /// Waits until standard output and error, one after the other, have `text`; false if they do not in time, or the
+  /// program ends without it.
+  bool wait_for(std::string_view text, std::chrono::nanoseconds limit = std::chrono::seconds{20});
+
+  void signal(int number) const;
+
+  /// Asks it to end as a person or a system would, and waits.
+  std::optional<int> stop(int number = SIGTERM);
+
+  void write(std::string_view text) const;
+  void close_input();
+
+ private:
+  bool reap();
+
+  TemporaryFolder folder_;
+  std::string command_;
+  pid_t pid_ = -1;
+  int input_ = -1;
+  std::optional<int> exit_code_;
+};
+
+}  // namespace forcebound::test
