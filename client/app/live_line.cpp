@@ -23,7 +23,7 @@ void LiveLine::on_tick(const record::TickRecord& tick) noexcept {
 void LiveLine::on_force(const record::ForceRecord& force) noexcept { round_trip_ns_ = force.round_trip.count(); }
 
 std::string LiveLine::text() const {
-  std::array<char, 200> age{"-"};
+  std::array<char, 32> age{"-"};
   std::array<char, 200> line{};
   if (has_force_) std::snprintf(age.data(), age.size(), "%.0f ms", static_cast<double>(age_ns_) * 1e-6);
   std::snprintf(line.data(), line.size(),
