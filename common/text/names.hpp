@@ -12,8 +12,8 @@ namespace forcebound::text {
 /// The known name that `wrong` is most likely a misspelling of, or nothing if none is near.
 [[nodiscard]] std::string nearest_name(std::string_view wrong, std::span<const std::string> known);
 
-/// What an error about a name nobody knows ends with: ", did you mean 'sphere'? (known: box, sphere)", without the question
-/// where no name is near.
+/// What an error about a name nobody knows ends with: ", did you mean 'sphere'? (known: box, sphere)", without the
+/// question where no name is near.
 [[nodiscard]] std::string suggestion(std::string_view wrong, std::span<const std::string> known);
 
 }  // namespace forcebound::text

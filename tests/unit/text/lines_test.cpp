@@ -17,7 +17,9 @@ TEST(Split, TakesTheBlanksFromAroundEachField) {
 }
 
 TEST(LineReader, ReadsWhatAnyEditorWrites) {
-  std::istringstream text("\xEF\xBB\xBF" "one\r\n\n  two\nthree");
+  std::istringstream text(
+      "\xEF\xBB\xBF"
+      "one\r\n\n  two\nthree");
   LineReader lines(text, "t.csv");
   std::vector<std::string> read;
   while (lines.next()) read.emplace_back(lines.line());
