@@ -18,6 +18,7 @@ std::string read_file(const std::string& path) try {
 
 std::vector<std::string> names_of(const std::vector<std::shared_ptr<const Scene>>& scenes) {
   std::vector<std::string> names;
+  names.reserve(scenes.size());
   for (const auto& scene : scenes) names.push_back(scene->facts().name);
   return names;
 }
