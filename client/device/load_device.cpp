@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "embedded/shipped_devices.hpp"
-#include "forcebound/client/device/nearest_name.hpp"
-#include "forcebound/client/device/text_file.hpp"
 #include "forcebound/client/device/toml_section.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -78,13 +78,13 @@ DeviceDescription parse_device(std::string_view toml_text, const std::string& pl
 
 DeviceDescription load_device(const std::string& name_or_file) {
   if (name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml")) {
-    return parse_device(read_text_file(name_or_file), name_or_file);
+    return parse_device(text::read_file(name_or_file), name_or_file);
   }
   for (const EmbeddedText& device : shipped_devices()) {
     if (device.name == name_or_file) return parse_device(device.text, "devices/" + name_or_file + ".toml");
   }
-  throw std::runtime_error("unknown device '" + name_or_file + "'; " +
-                           suggestion(name_or_file, shipped_device_names()) + "; or the path of a .toml file");
+  throw std::runtime_error("unknown device '" + name_or_file + "'" +
+                           text::suggestion(name_or_file, shipped_device_names()) + "; or the path of a .toml file");
 }
 
 std::vector<std::string> shipped_device_names() {

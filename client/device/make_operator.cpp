@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "forcebound/client/device/motion_operators.hpp"
-#include "forcebound/client/device/nearest_name.hpp"
 #include "forcebound/client/device/replay_operator.hpp"
-#include "forcebound/client/device/text_file.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -37,7 +37,7 @@ Made make_replay(const std::string& arguments, int dof) {
   if (path.empty()) throw std::invalid_argument("operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
   const std::string settings = path.size() < arguments.size() ? arguments.substr(path.size() + 1) : "";
   return std::make_unique<ReplayOperator>(OperatorSettings("replay:" + path, settings), dof,
-                                          parse_motion(read_text_file(path), path, dof));
+                                          parse_motion(text::read_file(path), path, dof));
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ Made make_operator(const std::string& specification, int dof) {
     known.emplace_back(entry.name);
   }
   known.emplace_back("replay:FILE.csv");
-  throw std::invalid_argument("unknown operator '" + name + "'; " + suggestion(name, known));
+  throw std::invalid_argument("unknown operator '" + name + "'" + text::suggestion(name, known));
 }
 
 std::string operators_help() {

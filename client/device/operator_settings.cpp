@@ -1,23 +1,15 @@
 #include "forcebound/client/device/operator_settings.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 
-#include "forcebound/client/device/nearest_name.hpp"
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::client {
 namespace {
-
-std::optional<double> parse_number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 std::string written(double value) {
   std::ostringstream text;
@@ -35,7 +27,7 @@ OperatorSettings::OperatorSettings(std::string name, std::string_view text) : na
     if (equals == std::string_view::npos) refuse("expected key=value, got '" + std::string(item) + "'");
     const std::string key(item.substr(0, equals));
     const std::string_view value = item.substr(equals + 1);
-    const auto number = parse_number(value);
+    const auto number = text::finite_number(value);
     if (!number) refuse(key + " must be a finite number, got '" + std::string(value) + "'");
     const bool twice = std::any_of(given_.begin(), given_.end(), [&](const auto& other) { return other.first == key; });
     if (twice) refuse(key + " is given twice");
@@ -91,7 +83,7 @@ void OperatorSettings::refuse_other_keys() const {
   for (const auto& item : used_) known.push_back(item.first);
   for (const auto& [key, value] : given_) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    refuse("unknown key '" + key + "'; " + suggestion(key, known));
+    refuse("unknown key '" + key + "'" + text::suggestion(key, known));
   }
 }
 

@@ -1,87 +1,70 @@
 #include "forcebound/client/device/replay_operator.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
+
+#include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::client {
 namespace {
 
 constexpr Hand kReplayHand{.mass_kg = 0, .stiffness_N_per_m = 300, .damping_N_s_per_m = 3};
 
-std::string_view take_until(std::string_view& text, char separator) {
-  const std::string_view item = text.substr(0, text.find(separator));
-  text.remove_prefix(std::min(text.size(), item.size() + 1));
-  return item;
-}
+std::string shown(std::string_view line) { return "'" + std::string(line.substr(0, 80)) + "'"; }
 
 class MotionReader {
  public:
-  MotionReader(std::string_view text, const std::string& place, int dof) : rest_(text), place_(place), dof_(dof) {}
+  MotionReader(std::istream& text, const std::string& place, int dof) : lines_(text, place), dof_(dof) {}
 
   std::vector<MotionSample> read() {
     check_header();
     std::vector<MotionSample> motion;
-    while (!rest_.empty()) {
-      const std::string_view line = next_line();
+    while (lines_.next()) {
+      const std::string_view line = lines_.line();
       if (line.empty()) continue;
       motion.push_back(parse_row(line));
       if (motion.size() > 1 && !(motion.back().time_s > motion[motion.size() - 2].time_s)) {
-        refuse("time_s must increase from row to row, got '" + std::string(line) + "'");
+        lines_.refuse("time_s must increase from row to row, got " + shown(line));
       }
     }
-    if (motion.size() < 2) refuse("needs at least two rows, got " + std::to_string(motion.size()));
+    if (motion.size() < 2) lines_.refuse("needs at least two rows, got " + std::to_string(motion.size()));
     const double start = motion.front().time_s;
     for (MotionSample& sample : motion) sample.time_s -= start;
     return motion;
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& message) const {
-    throw std::runtime_error(place_ + ":" + std::to_string(line_) + ": " + message);
-  }
-
-  std::string_view next_line() {
-    ++line_;
-    std::string_view line = take_until(rest_, '\n');
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-  }
-
   void check_header() {
     static constexpr std::string_view kColumns = "time_s,x_m,y_m,z_m";
-    if (dof_ > 3) refuse("a recorded hand has at most 3 degrees of freedom, the device has " + std::to_string(dof_));
+    if (dof_ > 3) {
+      lines_.refuse("a recorded hand has at most 3 degrees of freedom, the device has " + std::to_string(dof_));
+    }
     const std::string_view needed =
         kColumns.substr(0, kColumns.find("_m", 0) + 2 + 4 * static_cast<std::size_t>(dof_ - 1));
-    const std::string_view header = next_line();
+    const std::string_view header = lines_.next() ? lines_.line() : "";
     if (header == needed || header.starts_with(std::string(needed) + ",")) return;
-    refuse("the header must begin with '" + std::string(needed) + "' for " + std::to_string(dof_) +
-           " degrees of freedom, got '" + std::string(header.substr(0, 80)) + "'");
+    lines_.refuse("the header must begin with '" + std::string(needed) + "' for " + std::to_string(dof_) +
+                  " degrees of freedom, got " + shown(header));
   }
 
-  double number(std::string_view& line, std::string_view whole) {
-    const std::string_view item = take_until(line, ',');
-    double value = 0;
-    const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), value);
-    if (error != std::errc{} || end != item.data() + item.size() || !std::isfinite(value)) {
-      refuse("expected " + std::to_string(dof_ + 1) + " finite numbers, got '" + std::string(whole.substr(0, 80)) +
-             "'");
-    }
-    return value;
-  }
-
-  MotionSample parse_row(std::string_view whole) {
-    std::string_view line = whole;
-    MotionSample sample{.time_s = number(line, whole), .position = Vector(dof_)};
-    for (int i = 0; i < dof_; ++i) sample.position[i] = number(line, whole);
+  MotionSample parse_row(std::string_view line) const {
+    const std::vector<std::string_view> fields = text::split(line, ',');
+    const auto number = [&](int column) {
+      const auto at = static_cast<std::size_t>(column);
+      const auto value = at < fields.size() ? text::finite_number(fields[at]) : std::nullopt;
+      if (!value) lines_.refuse("expected " + std::to_string(dof_ + 1) + " finite numbers, got " + shown(line));
+      return *value;
+    };
+    MotionSample sample{.time_s = number(0), .position = Vector(dof_)};
+    for (int i = 0; i < dof_; ++i) sample.position[i] = number(i + 1);
     return sample;
   }
 
-  std::string_view rest_;
-  const std::string& place_;
+  text::LineReader lines_;
   int dof_;
-  int line_ = 0;
 };
 
 // Slope at the middle one of three samples of the parabola through them.
@@ -96,7 +79,8 @@ Vector parabola_slope(const MotionSample& a, const MotionSample& b, const Motion
 }  // namespace
 
 std::vector<MotionSample> parse_motion(std::string_view csv_text, const std::string& place, int dof) {
-  return MotionReader(csv_text, place, dof).read();
+  std::istringstream text{std::string(csv_text)};
+  return MotionReader(text, place, dof).read();
 }
 
 ReplayOperator::ReplayOperator(OperatorSettings settings, int dof, std::vector<MotionSample> motion)

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "forcebound/client/device/nearest_name.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -119,7 +119,7 @@ void TomlSection::refuse_other_keys() const {
   for (const auto& [key, node] : table_) {
     const std::string name(key.str());
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    fail(node, "unknown key '" + name + "'; " + suggestion(name, known_));
+    fail(node, "unknown key '" + name + "'" + text::suggestion(name, known_));
   }
 }
 

@@ -1,14 +1,15 @@
 #include "forcebound/net/trace.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
+
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::net {
 namespace {
@@ -16,51 +17,20 @@ namespace {
 constexpr std::string_view kCsvHeader = "send_time_ms,rtt_ms";
 constexpr double kLongest_ms = 1e11;  // three years, so that no sum of times overflows
 
-std::string_view trimmed(std::string_view line) {
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.remove_suffix(1);
-  return line;
-}
-
-/// The lines of a trace, and errors that say which one.
-class Lines {
- public:
-  Lines(std::istream& text, const std::string& name) : text_(text), name_(name) {}
-
-  bool next() {
-    if (!std::getline(text_, line_)) return false;
-    ++number_;
-    return true;
-  }
-  [[nodiscard]] std::string_view line() const { return trimmed(line_); }
-  [[nodiscard]] std::size_t number() const { return number_; }
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw std::runtime_error(name_ + ":" + std::to_string(number_) + ": " + what);
-  }
-
- private:
-  std::istream& text_;
-  const std::string& name_;
-  std::string line_;
-  std::size_t number_ = 0;
-};
-
 std::optional<Nanoseconds> milliseconds(std::string_view text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stopped != end || !(value >= 0 && value <= kLongest_ms)) return std::nullopt;
-  return Nanoseconds{std::llround(value * 1e6)};
+  const auto value = text::finite_number(text);
+  if (!value || *value < 0 || *value > kLongest_ms) return std::nullopt;
+  return Nanoseconds{std::llround(*value * 1e6)};
 }
 
-RttTrace read_csv(Lines& lines) {
+RttTrace read_csv(text::LineReader& lines) {
   std::vector<RttTrace::Sample> samples;
   while (lines.next()) {
     const std::string_view line = lines.line();
     if (line.empty()) continue;
-    const std::size_t comma = line.find(',');
-    const auto send_time = milliseconds(line.substr(0, comma));
-    const auto round_trip = comma == std::string_view::npos ? std::nullopt : milliseconds(line.substr(comma + 1));
+    const std::vector<std::string_view> fields = text::split(line, ',');
+    const auto send_time = milliseconds(fields.front());
+    const auto round_trip = fields.size() == 2 ? milliseconds(fields.back()) : std::nullopt;
     if (!send_time || !round_trip)
       lines.refuse("'" + std::string(line) + "': expected two numbers >= 0, send_time_ms,rtt_ms, such as 55,21");
     if (!samples.empty() && *send_time < samples.back().send_time)
@@ -72,7 +42,7 @@ RttTrace read_csv(Lines& lines) {
   return RttTrace(std::move(samples));
 }
 
-DeliveryTrace read_mahimahi(Lines& lines) {
+DeliveryTrace read_mahimahi(text::LineReader& lines) {
   std::vector<Nanoseconds> opportunities;
   do {
     const std::string_view line = lines.line();
@@ -130,20 +100,16 @@ DeliveryTrace::DeliveryTrace(std::vector<Nanoseconds> opportunities) : opportuni
 }
 
 NetworkTrace read_trace(std::istream& text, const std::string& name) {
-  Lines lines(text, name);
+  text::LineReader lines(text, name);
   if (!lines.next())
-    throw std::runtime_error(name + ":1: the file is empty: expected '" + std::string(kCsvHeader) +
-                             "' and rows (CSV), or one whole millisecond per line (mahimahi)");
+    lines.refuse("the file is empty: expected '" + std::string(kCsvHeader) +
+                 "' and rows (CSV), or one whole millisecond per line (mahimahi)");
   if (lines.line() == kCsvHeader) return read_csv(lines);
   return read_mahimahi(lines);
 }
 
 NetworkTrace load_trace(const std::filesystem::path& file) {
-  std::ifstream text(file);
-  // A directory opens, but cannot be read.
-  if (!text || std::filesystem::is_directory(file))
-    throw std::runtime_error(file.string() +
-                             ": cannot read this trace: " + (text ? "it is a directory" : std::strerror(errno)));
+  std::istringstream text(text::read_file(file.string()));
   return read_trace(text, file.string());
 }
 

@@ -20,11 +20,13 @@ std::uint64_t heap_operations_of_this_thread() noexcept { return operations; }
 extern "C" {
 
 // glibc's own entrances, there for just this purpose.
+// NOLINTBEGIN(readability-identifier-naming)
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* memory);
+// NOLINTEND(readability-identifier-naming)
 
 void* malloc(std::size_t size) {
   ++operations;

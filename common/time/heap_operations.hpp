@@ -8,15 +8,15 @@ namespace forcebound::time {
 /// program and its tests see that the tick makes none.
 ///
 /// A program that calls this gets a `malloc` that counts before it hands on to glibc's; one that does not is left
-/// alone. Under a sanitizer, which has a `malloc` of its own, nothing is counted and `counts_heap_operations` is false.
+/// alone. Under a sanitizer, which has a `malloc` of its own, nothing is counted and `kCountsHeapOperations` is false.
 ///
 /// Real time: noexcept, a thread-local read.
 [[nodiscard]] std::uint64_t heap_operations_of_this_thread() noexcept;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool counts_heap_operations = false;
+inline constexpr bool kCountsHeapOperations = false;
 #else
-inline constexpr bool counts_heap_operations = true;
+inline constexpr bool kCountsHeapOperations = true;
 #endif
 
 }  // namespace forcebound::time

@@ -10,11 +10,15 @@
 
 namespace forcebound::time {
 
-RealTimeGrant ask_for_real_time(int priority) {
-  RealTimeGrant grant;
+int ask_for_first_in_first_out(int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+}
+
+RealTimeGrant ask_for_real_time(int priority) {
+  RealTimeGrant grant;
+  const int refused = ask_for_first_in_first_out(priority);
   grant.first_in_first_out = refused == 0;
   grant.text = refused == 0 ? "SCHED_FIFO " + std::to_string(priority)
                             : std::string("no SCHED_FIFO (") + std::strerror(refused) + ")";

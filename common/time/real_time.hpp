@@ -11,6 +11,10 @@ struct RealTimeGrant {
   std::string text;  ///< for people: what was granted, and why the rest was not
 };
 
+/// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread.
+/// @returns 0, or the error number of the refusal.
+[[nodiscard]] int ask_for_first_in_first_out(int priority) noexcept;
+
 /// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for all memory of the process, present and
 /// future, to stay in RAM. A refusal is no error: what counts is the wake-up jitter that is measured afterwards.
 RealTimeGrant ask_for_real_time(int priority);

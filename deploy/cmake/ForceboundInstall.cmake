@@ -27,7 +27,7 @@ function(forcebound_install_headers name)
   file(RELATIVE_PATH concept ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   string(REGEX REPLACE "^common/" "" concept ${concept})
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcebound/${concept}
-          COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "internal" EXCLUDE)
+          COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "internal" EXCLUDE PATTERN "devices" EXCLUDE)
 endfunction()
 
 # forcebound_component(NAME [LINKED ...]): installs the library NAME and what find_package(Forcebound COMPONENTS NAME)

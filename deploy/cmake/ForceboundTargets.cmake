@@ -4,7 +4,7 @@ include(ForceboundInstall)
 # Headers are included as <forcebound/control/law.hpp>, installed or not. In the build tree these links make it so.
 set(FORCEBOUND_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${FORCEBOUND_INCLUDE_DIR}/forcebound)
-foreach(concept control time wire net record)
+foreach(concept control text time wire net record)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/common/${concept} ${FORCEBOUND_INCLUDE_DIR}/forcebound/${concept} SYMBOLIC)
 endforeach()
 foreach(side client server)

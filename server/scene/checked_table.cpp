@@ -5,7 +5,8 @@
 #include <sstream>
 
 #include "forcebound/server/scene/scene_parser.hpp"
-#include "forcebound/server/scene/text.hpp"
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -13,8 +14,8 @@ namespace {
 constexpr std::size_t kNameBytesMax = 64;
 
 std::string range_text(const EffectParameter& parameter) {
-  std::string text = (parameter.least_excluded ? "> " : ">= ") + to_text(parameter.least);
-  if (std::isfinite(parameter.most)) text += " and <= " + to_text(parameter.most);
+  std::string text = (parameter.least_excluded ? "> " : ">= ") + text::to_text(parameter.least);
+  if (std::isfinite(parameter.most)) text += " and <= " + text::to_text(parameter.most);
   return text;
 }
 
@@ -77,7 +78,7 @@ double CheckedTable::number(const EffectParameter& parameter) {
   if (node != nullptr && !(above && value <= parameter.most)) {
     fail(*node, std::string(parameter.key) + " must be " + range_text(parameter) + ", got " + as_written(*node));
   }
-  note_number(parameter.key, to_text(value));
+  note_number(parameter.key, text::to_text(value));
   return value;
 }
 
@@ -91,7 +92,7 @@ Point CheckedTable::point(std::string_view key, Eigen::Index rows, double rest) 
   std::string text;
   for (Eigen::Index i = 0; i < rows; ++i) {
     point[i] = finite(values[static_cast<std::size_t>(i)], key);
-    text += (i == 0 ? "" : ", ") + to_text(point[i]);
+    text += (i == 0 ? "" : ", ") + text::to_text(point[i]);
   }
   note_number(key, "[" + text + "]");
   return point;
@@ -101,7 +102,7 @@ void CheckedTable::refuse_unknown_keys() const {
   for (const auto& [key, node] : table_) {
     const std::string name{key.str()};
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    fail(node, "unknown key '" + name + "'" + suggestion(name, known_) + " (known: " + join(known_) + ")");
+    fail(node, "unknown key '" + name + "'" + text::suggestion(name, known_));
   }
 }
 

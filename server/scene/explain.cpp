@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "forcebound/server/scene/text.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -31,7 +31,8 @@ std::string explain(const Scene& scene) {
 
   text += "not simulated: torques";
   if (!scene.needs_velocity()) text += "; velocity (no effect needs it)";
-  if (!facts.effects_not_requested.empty()) text += "; effects nobody asked for: " + join(facts.effects_not_requested);
+  if (!facts.effects_not_requested.empty())
+    text += "; effects nobody asked for: " + text::join(facts.effects_not_requested);
   return text + "\n";
 }
 

@@ -1,29 +1,24 @@
 #include "forcebound/server/scene/scene_library.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <sstream>
+#include <stdexcept>
 
 #include "embedded/shipped_scenes.hpp"
-#include "forcebound/server/scene/text.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
 
-std::string read_file(const std::string& path) {
-  errno = 0;
-  const std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  // A directory opens, and only reading it fails; an empty file fails to give anything, but with no error.
-  if (!file.is_open() || (text.fail() && errno != 0)) throw SceneError(path + ": " + std::strerror(errno));
-  return text.str();
+std::string read_file(const std::string& path) try {
+  return text::read_file(path);
+} catch (const std::runtime_error& error) {
+  throw SceneError(error.what());
 }
 
 std::vector<std::string> names_of(const std::vector<std::shared_ptr<const Scene>>& scenes) {
   std::vector<std::string> names;
+  names.reserve(scenes.size());
   for (const auto& scene : scenes) names.push_back(scene->facts().name);
   return names;
 }
@@ -54,11 +49,10 @@ std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const noe
   return nullptr;
 }
 
-std::string SceneLibrary::names() const { return join(names_of(scenes_)); }
+std::string SceneLibrary::names() const { return text::join(names_of(scenes_)); }
 
 std::string SceneLibrary::unknown_scene_text(std::string_view name) const {
-  const std::vector<std::string> known = names_of(scenes_);
-  return "no scene '" + std::string(name) + "'" + suggestion(name, known) + " (known: " + join(known) + ")";
+  return "no scene '" + std::string(name) + "'" + text::suggestion(name, names_of(scenes_));
 }
 
 std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry) {

@@ -4,7 +4,7 @@
 
 #include "forcebound/server/scene/checked_table.hpp"
 #include "forcebound/server/scene/shape_parser.hpp"
-#include "forcebound/server/scene/text.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -81,7 +81,7 @@ class Parser {
     (void)object.at("name");
     parse_object_shape(object, made);
     const toml::array& effects = object.array("effects");
-    if (effects.empty()) object.fail(effects, "effects must name at least one of: " + join(known_effects_));
+    if (effects.empty()) object.fail(effects, "effects must name at least one of: " + text::join(known_effects_));
     for (const toml::node& effect : effects) made.effects.push_back(parse_effect(object, effect, made.effects));
     refuse_unrequested_tables(object, table, made.effects);
     object.refuse_unknown_keys();
@@ -101,8 +101,7 @@ class Parser {
     if (!name) object.fail(wanted, "effects must be names, got " + as_written(wanted));
     const EffectKind* kind = registry_.find(*name);
     if (kind == nullptr) {
-      object.fail(wanted, "unknown effect '" + *name + "'" + suggestion(*name, known_effects_) +
-                              " (known: " + join(known_effects_) + ")");
+      object.fail(wanted, "unknown effect '" + *name + "'" + text::suggestion(*name, known_effects_));
     }
     if (std::any_of(already.begin(), already.end(), [&](const auto& effect) { return effect.name == *name; })) {
       object.fail(wanted, "effect '" + *name + "' is asked for twice");

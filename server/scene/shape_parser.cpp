@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-#include "forcebound/server/scene/text.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -57,8 +57,7 @@ std::unique_ptr<Shape> parse_shape(CheckedTable& table, Eigen::Index rows) {
     if (kind.name == name) return kind.parse(table, rows);
     known.emplace_back(kind.name);
   }
-  table.fail(table.at("kind"),
-             "unknown kind '" + name + "'" + suggestion(name, known) + " (known: " + join(known) + ")");
+  table.fail(table.at("kind"), "unknown kind '" + name + "'" + text::suggestion(name, known));
 }
 
 }  // namespace forcebound::server

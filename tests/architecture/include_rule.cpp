@@ -17,15 +17,16 @@ struct Concept {
 const std::vector<Concept>& concepts() {
   static const std::vector<Concept> kConcepts{
       {"common/control", {}},
+      {"common/text", {}},
       {"common/time", {}},
       {"common/wire", {"control", "time"}},
-      {"common/net", {"time"}},
+      {"common/net", {"text", "time"}},
       {"common/record", {"control", "time", "wire"}},
-      {"client/device", {"control", "time"}},
+      {"client/device", {"control", "text", "time"}},
       {"client/session", {"control", "time", "wire", "net", "record", "client/device"}},
       {"client/app", {"control", "time", "wire", "net", "record", "client/device", "client/session"}},
       {"server/effects", {"control"}},
-      {"server/scene", {"control", "time", "server/effects"}},
+      {"server/scene", {"control", "text", "time", "server/effects"}},
       {"server/session", {"control", "time", "wire", "net", "server/scene"}},
       {"server/app", {"control", "time", "wire", "net", "record", "server/effects", "server/scene", "server/session"}},
   };

@@ -24,6 +24,7 @@ struct Step {
 
 std::vector<Step> steps_of(const std::vector<test::ReferenceTick>& ticks) {
   std::vector<Step> steps;
+  steps.reserve(ticks.size());
   for (const auto& tick : ticks) steps.push_back({test::to_vector(tick.position_m), test::to_vector(tick.request_N)});
   return steps;
 }

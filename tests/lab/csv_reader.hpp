@@ -1,10 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <iosfwd>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "forcebound/text/lines.hpp"
 
 namespace forcebound::lab {
 
@@ -15,7 +16,7 @@ namespace forcebound::lab {
 class CsvReader {
  public:
   /// @param name of the file, for messages.
-  CsvReader(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
+  CsvReader(std::istream& input, std::string name) : lines_(input, std::move(name)) {}
 
   /// The fields of the first line. @throws std::runtime_error if there is none.
   [[nodiscard]] std::vector<std::string> header();
@@ -24,22 +25,14 @@ class CsvReader {
   [[nodiscard]] std::vector<double> row(const std::vector<std::string>& columns);
 
   /// @throws std::runtime_error "file:line: what", the line being the one read last.
-  [[noreturn]] void refuse(const std::string& what) const;
+  [[noreturn]] void refuse(const std::string& what) const { lines_.refuse(what); }
 
  private:
-  bool next_line();
-
-  std::istream& input_;
-  std::string name_;
-  std::string line_;
-  std::size_t line_number_ = 0;
+  text::LineReader lines_;
 };
 
 /// A whole field as a number, in any notation but with a point; no locale is asked.
 /// @throws std::invalid_argument "'...' is not a number" or "... is beyond a double".
 [[nodiscard]] double parse_number(std::string_view text);
-
-/// The fields of a line, without the blanks around them.
-[[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);
 
 }  // namespace forcebound::lab

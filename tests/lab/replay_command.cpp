@@ -29,10 +29,10 @@ struct ReplayArguments {
   std::string output = "-";
 };
 
-std::vector<double> numbers_of(const std::string& option, const std::string& text) {
+std::vector<double> numbers_of(const std::string& option, std::string_view text) {
   std::vector<double> numbers;
   if (text.empty()) return numbers;
-  for (const std::string& field : split(text, ',')) {
+  for (const std::string_view field : text::split(text, ',')) {
     try {
       numbers.push_back(parse_number(field));
     } catch (const std::invalid_argument& error) {
@@ -50,7 +50,7 @@ ReplayOptions options_of(const ReplayArguments& arguments) {
   options.memory = arguments.memory == "full" ? ReplayOptions::Memory::full : ReplayOptions::Memory::capped;
   if (!arguments.damping_matrix.empty()) {
     options.damping_matrix.emplace();
-    for (const std::string& row : split(arguments.damping_matrix, ';')) {
+    for (const std::string_view row : text::split(arguments.damping_matrix, ';')) {
       options.damping_matrix->push_back(numbers_of("--damping-matrix", row));
     }
   }

@@ -11,7 +11,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "tests/lab/commands.hpp"
 #include "tests/lab/experiment.hpp"
-#include "tests/lab/experiment_figure.hpp"
+#include "tests/lab/laws_figure.hpp"
 #include "tests/lab/measures.hpp"
 
 namespace forcebound::lab {
@@ -33,7 +33,7 @@ struct Run {
   double direction_error_rad = 0;
 };
 
-Run run(const Experiment& experiment, const std::string& law, ExperimentFigure* figure) {
+Run run(const Experiment& experiment, const std::string& law, LawsFigure* figure) {
   RingingMeter ringing;
   DirectionMeter direction;
   std::vector<record::TickSink*> sinks{&ringing, &direction};
@@ -99,7 +99,7 @@ void reproduce(const ReproduceOptions& options) {
     const auto settings = experiment.settings("none");
     const auto hand = client::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
     print_heading(experiment, settings.device, *hand);
-    ExperimentFigure figure(experiment.title());
+    LawsFigure figure(experiment.title(), "same device, same hand, three laws");
     for (const std::string& law : control::published_laws().names()) {
       const Run done = run(experiment, law, options.figures.empty() ? nullptr : &figure);
       print_row(experiment, done);

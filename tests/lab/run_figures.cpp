@@ -101,7 +101,7 @@ std::vector<std::filesystem::path> RunFigures::draw_into(const std::filesystem::
   for (auto& [name, figure] : {std::pair{"motion.png", motion()}, std::pair{"force.png", force()},
                                std::pair{"energy.png", energy()}, std::pair{"timing.png", timing()}}) {
     Figure titled = figure;
-    titled.title = info_.law + " on " + info_.scene;
+    titled.title = info_.law + (info_.scene.empty() ? "" : " on " + info_.scene);
     titled.subtitle =
         info_.device + ", " + info_.operator_name + (info_.network.empty() ? "" : ", network: " + info_.network);
     draw(titled, directory / name);

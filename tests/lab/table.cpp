@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -11,7 +10,7 @@
 #include "forcebound/record/summary.hpp"
 #include "tests/lab/commands.hpp"
 #include "tests/lab/comparison.hpp"
-#include "tests/lab/figure.hpp"
+#include "tests/lab/laws_figure.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -23,36 +22,33 @@ struct Options {
   std::string figure;
 };
 
-/// A run as it is compared: its summary, and its curves if there is a recording.
-class ComparedRun final : public record::RecordingSink {
+/// Hands a recording on to its summary and to the figure.
+class RunReader final : public record::RecordingSink {
  public:
-  void on_start(const record::RunInfo& info) override { summary_.emplace(info); }
+  explicit RunReader(LawsFigure& figure) : figure_(figure) {}
+
+  void on_start(const record::RunInfo& info) override {
+    summary_.emplace(info);
+    figure_.set_title("The laws compared" + (info.scene.empty() ? "" : " on " + info.scene),
+                      info.device + ", " + info.operator_name);
+    curves_ = &figure_.add_law(info.law);
+  }
   void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
   void on_tick(const record::TickRecord& tick) noexcept override {
-    if (!start_) start_ = tick.time;
+    any_tick_ = true;
     summary_->on_tick(tick);
-    const double t = time::to_seconds(tick.time - *start_);
-    depth_mm_.add(t, 1e3 * std::max(tick.penetration_m, 0.0));
-    force_N_.add(t, tick.applied.norm());
-    audit_mJ_.add(t, 1e3 * tick.audit_J);
+    curves_->on_tick(tick);
   }
   void on_force(const record::ForceRecord& force) noexcept override { summary_->on_force(force); }
 
   [[nodiscard]] Json summary() const { return Json::parse(summary_->to_json()); }
-  [[nodiscard]] const record::RunInfo& info() const { return summary_->info(); }
-  [[nodiscard]] bool any_tick() const { return start_.has_value(); }
-
-  void add_to(Figure& figure) const {
-    const Envelope* curves[] = {&depth_mm_, &force_N_, &audit_mJ_};
-    for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-      figure.panels[i].series.push_back(curves[i]->series(info().law, colour::of_law(info().law)));
-    }
-  }
+  [[nodiscard]] bool any_tick() const { return any_tick_; }
 
  private:
+  LawsFigure& figure_;
+  record::TickSink* curves_ = nullptr;
   std::optional<record::Summary> summary_;
-  std::optional<record::Nanoseconds> start_;
-  Envelope depth_mm_, force_N_, audit_mJ_;
+  bool any_tick_ = false;
 };
 
 Json read_summary(const std::string& file) {
@@ -64,38 +60,27 @@ Json read_summary(const std::string& file) {
   return summary;
 }
 
-std::unique_ptr<ComparedRun> read_run(const std::string& file) {
-  auto run = std::make_unique<ComparedRun>();
-  record::read_recording(file, *run);
-  if (!run->any_tick()) {
+Json read_run(const std::string& file, LawsFigure& figure) {
+  RunReader run(figure);
+  record::read_recording(file, run);
+  if (!run.any_tick()) {
     throw std::runtime_error(file + ": no message on topic /tick; a client's recording is needed");
   }
-  return run;
+  return run.summary();
 }
 
 void print_table(const Options& options) {
   std::vector<Json> summaries;
-  Figure figure;
-  figure.panels = {
-      {"Depth below the surface", "depth [mm]", {}, {}, 0.0, {}},
-      {"Force on the device", "magnitude [N]", {}, {}, 0.0, {}},
-      {"Passivity: energy the device dissipated less energy its motors returned", "P [mJ]", {}, {}, {}, {}}};
-  figure.panels.back().references = {{0, "passive above"}};
+  LawsFigure figure;
   for (const std::string& file : options.runs) {
-    if (file.ends_with(".json")) {
-      summaries.push_back(read_summary(file));
-      continue;
-    }
-    const auto run = read_run(file);
-    summaries.push_back(run->summary());
-    run->add_to(figure);
-    figure.title = "The laws compared on " + run->info().scene;
-    figure.subtitle = run->info().device + ", " + run->info().operator_name;
+    summaries.push_back(file.ends_with(".json") ? read_summary(file) : read_run(file, figure));
   }
   std::cout << comparison_table(summaries) << std::flush;
   if (options.figure.empty()) return;
-  if (figure.title.empty()) throw std::runtime_error("--figure needs recordings (FILE.mcap): summaries have no curves");
-  draw(figure, options.figure);
+  if (figure.title().empty()) {
+    throw std::runtime_error("--figure needs recordings (FILE.mcap): summaries have no curves");
+  }
+  figure.draw_to(options.figure);
 }
 
 }  // namespace
@@ -106,7 +91,7 @@ void add_table(CLI::App& app) {
   command->add_option("runs", options->runs, "recordings, or summaries that --summary wrote")
       ->required()
       ->type_name("FILE.mcap|FILE.json");
-  command->add_option("--figure", options->figure, "draw depth, force and passivity of the recordings here")
+  command->add_option("--figure", options->figure, "draw depth, force, passivity and stiffness of the recordings here")
       ->type_name("FILE.png");
   command->callback([options] { print_table(*options); });
 }

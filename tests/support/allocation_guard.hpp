@@ -25,7 +25,7 @@ class AllocationGuard {
 
 // A macro, since only the test's own body can skip it.
 #define FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT()                                 \
-  if (!::forcebound::time::counts_heap_operations) {                               \
+  if (!::forcebound::time::kCountsHeapOperations) {                                \
     GTEST_SKIP() << "a sanitizer owns malloc, so heap operations are not counted"; \
   }                                                                                \
   static_assert(true, "")

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <sched.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
@@ -10,6 +9,8 @@
 #include <memory>
 #include <random>
 
+#include "forcebound/time/real_time.hpp"
+#include "forcebound/time/steady_clock.hpp"
 #include "tests/relay/app/log_writer.hpp"
 #include "tests/relay/app/options.hpp"
 #include "tests/relay/app/summary.hpp"
@@ -29,7 +30,7 @@ volatile std::sig_atomic_t stop_asked = 0;
 
 void ask_to_stop(int) { stop_asked = 1; }
 
-Nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); }
+Nanoseconds now() { return time::SteadyClock().now(); }
 
 std::uint64_t new_seed() {
   std::random_device device;  // 32 bits of it are enough to tell runs apart, and short enough to type
@@ -47,8 +48,7 @@ void stop_on_signals() {
 /// packets really left.
 void wake_up_precisely() {
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
-  const sched_param priority{.sched_priority = 20};
-  if (sched_setscheduler(0, SCHED_FIFO, &priority) != 0)
+  if (time::ask_for_first_in_first_out(20) != 0)
     spdlog::info("no real-time scheduling permitted: packets may leave a little late, see the summary");
 }
 

@@ -49,7 +49,7 @@ TEST(Envelope, BreaksTheCurveWhereAValueIsMissing) {
 }
 
 TEST(Envelope, AddDoesNotAllocate) {
-  if (!time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!time::kCountsHeapOperations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   Envelope envelope;
   const auto before = time::heap_operations_of_this_thread();
   for (int i = 0; i < 100'000; ++i) envelope.add(i, i % 100 == 0 ? kNone : i % 13);

@@ -69,7 +69,7 @@ TEST(Histogram, HasNoPercentileWithoutValues) {
 }
 
 TEST(Histogram, AddDoesNotAllocate) {
-  if (!forcebound::time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!forcebound::time::kCountsHeapOperations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   const auto before_construction = forcebound::time::heap_operations_of_this_thread();
   Histogram histogram;
   EXPECT_GT(forcebound::time::heap_operations_of_this_thread(), before_construction);  // the count works

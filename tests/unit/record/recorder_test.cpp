@@ -61,7 +61,7 @@ TEST(Recorder, CountsWhatFindsItsQueueFull) {
 }
 
 TEST(Recorder, DoesNotAllocateEvenWhenFull) {
-  if (!forcebound::time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!forcebound::time::kCountsHeapOperations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   Recorder recorder(1000);
   const auto before = forcebound::time::heap_operations_of_this_thread();
   test::play_sample_run(recorder, 2000);

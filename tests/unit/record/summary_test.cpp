@@ -260,7 +260,7 @@ TEST(Summary, FitsOneScreenAndNamesEachFault) {
 }
 
 TEST(Summary, AddingDoesNotAllocate) {
-  if (!forcebound::time::counts_heap_operations) GTEST_SKIP() << "allocations are not counted under sanitizers";
+  if (!forcebound::time::kCountsHeapOperations) GTEST_SKIP() << "allocations are not counted under sanitizers";
   Summary summary(test::sample_info());
   const auto before = forcebound::time::heap_operations_of_this_thread();
   test::play_sample_run(summary, 2000);

@@ -12,7 +12,7 @@ namespace {
 class HeapOperations : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!counts_heap_operations) GTEST_SKIP() << "a sanitizer has malloc of its own";
+    if (!kCountsHeapOperations) GTEST_SKIP() << "a sanitizer has malloc of its own";
   }
 };
 

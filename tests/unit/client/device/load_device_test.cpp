@@ -82,7 +82,7 @@ TEST(ParseDevice, NamesFileLineDeviceKeyAndValueOfWhatItRefuses) {
 
 TEST(ParseDevice, SuggestsTheNearestKeyForAnUnknownOne) {
   EXPECT_THAT(refusal_of(std::string(kPoint) + "frcition_N = 1\n"),
-              HasSubstr("devices/mine.toml:6: device 'mine': unknown key 'frcition_N'; did you mean 'friction_N'?"));
+              HasSubstr("devices/mine.toml:6: device 'mine': unknown key 'frcition_N', did you mean 'friction_N'?"));
   EXPECT_THAT(refusal_of(std::string(kPoint) + "latency = 1\n"), HasSubstr("did you mean 'latency_s'?"));
 }
 
@@ -121,8 +121,8 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
 
 TEST(LoadDevice, UnknownNameIsAnsweredWithTheKnownOnes) {
   const std::string what = refusal([] { (void)load_device("wall-2dof"); });
-  EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof'; did you mean 'wall-1dof'?"));
-  EXPECT_THAT(what, HasSubstr("wall-1dof cartesian-2dof cartesian-3dof omni"));
+  EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
+  EXPECT_THAT(what, HasSubstr("wall-1dof, cartesian-2dof, cartesian-3dof, omni"));
 }
 
 TEST(LoadDevice, MissingFileIsNamedWithTheReason) {

@@ -69,10 +69,12 @@ TEST(LoadScene, ReadsAFile) {
 }
 
 TEST(LoadScene, NamesTheFileThatIsNotThere) {
-  EXPECT_EQ(error_of("/nowhere/x.toml"), "/nowhere/x.toml: No such file or directory");
+  EXPECT_EQ(error_of("/nowhere/x.toml"), "/nowhere/x.toml: cannot be read: No such file or directory");
 }
 
-TEST(LoadScene, RefusesAFolder) { EXPECT_THAT(error_of("/tmp/"), HasSubstr("/tmp/: Is a directory")); }
+TEST(LoadScene, RefusesAFolder) {
+  EXPECT_THAT(error_of("/tmp/"), HasSubstr("/tmp/: cannot be read: it is a directory"));
+}
 
 }  // namespace
 }  // namespace forcebound::server

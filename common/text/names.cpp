@@ -1,15 +1,13 @@
-#include "forcebound/server/scene/text.hpp"
+#include "forcebound/text/names.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <numeric>
 #include <vector>
 
-namespace forcebound::server {
+namespace forcebound::text {
 namespace {
 
-/// Letters to insert, remove or change (Levenshtein).
+// Letters to insert, remove or change (Levenshtein).
 std::size_t edits(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -27,29 +25,30 @@ std::size_t edits(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string to_text(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
-
 std::string join(std::span<const std::string> names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 
-std::string suggestion(std::string_view wrong, std::span<const std::string> known) {
+std::string nearest_name(std::string_view wrong, std::span<const std::string> known) {
   const std::string* nearest = nullptr;
   // More than half of the letters wrong is another word, not a slip.
   std::size_t fewest = wrong.size() / 2 + 1;
   for (const std::string& name : known) {
-    if (const std::size_t count = edits(wrong, name); count < fewest) {
-      fewest = count;
-      nearest = &name;
-    }
+    // A unit left out is the commonest slip: "damping" for "damping_N_s_per_m".
+    const bool beginning = wrong.size() >= 3 && name.starts_with(wrong);
+    const std::size_t count = beginning ? 0 : edits(wrong, name);
+    if (count >= fewest) continue;
+    fewest = count;
+    nearest = &name;
   }
-  return nearest == nullptr ? "" : ", did you mean '" + *nearest + "'?";
+  return nearest == nullptr ? "" : *nearest;
 }
 
-}  // namespace forcebound::server
+std::string suggestion(std::string_view wrong, std::span<const std::string> known) {
+  const std::string nearest = nearest_name(wrong, known);
+  return (nearest.empty() ? "" : ", did you mean '" + nearest + "'?") + " (known: " + join(known) + ")";
+}
+
+}  // namespace forcebound::text

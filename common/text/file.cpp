@@ -1,4 +1,4 @@
-#include "forcebound/client/device/text_file.hpp"
+#include "forcebound/text/file.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -7,9 +7,9 @@
 #include <iterator>
 #include <stdexcept>
 
-namespace forcebound::client {
+namespace forcebound::text {
 
-std::string read_text_file(const std::string& path) {
+std::string read_file(const std::string& path) {
   // Opening a directory succeeds; only reading it would fail, and silently.
   if (std::filesystem::is_directory(path)) throw std::runtime_error(path + ": cannot be read: it is a directory");
   errno = 0;
@@ -19,4 +19,4 @@ std::string read_text_file(const std::string& path) {
   return text;
 }
 
-}  // namespace forcebound::client
+}  // namespace forcebound::text

@@ -1,4 +1,4 @@
-#include "tests/lab/experiment_figure.hpp"
+#include "tests/lab/laws_figure.hpp"
 
 #include <cmath>
 #include <limits>
@@ -25,8 +25,9 @@ std::string file_name(const std::string& title) {
 
 }  // namespace
 
-void ExperimentFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
-  const double t = time::to_seconds(tick.time);
+void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
+  if (!start) start = tick.time;
+  const double t = time::to_seconds(tick.time - *start);
   const bool contact = tick.penetration_m > 0;
   const bool deep = tick.penetration_m > kDepthLeast_m;
   penetration_mm.add(t, contact ? tick.penetration_m * 1e3 : kNone);
@@ -35,26 +36,31 @@ void ExperimentFigure::Curves::on_tick(const record::TickRecord& tick) noexcept 
   stiffness_N_per_mm.add(t, deep ? tick.displayed_N / tick.penetration_m * 1e-3 : kNone);
 }
 
-record::TickSink& ExperimentFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
+record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
 
-std::filesystem::path ExperimentFigure::draw_into(const std::filesystem::path& directory) const {
-  Figure figure{.title = title_, .subtitle = "same device, same hand, three laws", .panels = {}};
+void LawsFigure::draw_to(const std::filesystem::path& png) const {
   Panel penetration{.title = "How deep the hand gets in", .y_label = "penetration [mm]"};
-  Panel force{.title = "Force on the device", .y_label = "|f| [N]"};
-  Panel energy{.title = "Passivity audit: below zero the device gave energy to the hand", .y_label = "P [mJ]"};
+  Panel force{.title = "Force on the device", .y_label = "magnitude [N]"};
+  Panel passivity{.title = "Passivity: energy dissipated less energy returned",
+                  .y_label = "P [mJ]",
+                  .references = {{0, "passive above"}}};
   Panel stiffness{.title = "Displayed stiffness", .y_label = "K [N/mm]"};
-  energy.references = {{0, ""}};
   for (const Curves& curves : laws_) {
     const char* hue = colour::of_law(curves.law);
     penetration.series.push_back(curves.penetration_mm.series(curves.law, hue));
     force.series.push_back(curves.force_N.series(curves.law, hue));
-    energy.series.push_back(curves.audit_mJ.series(curves.law, hue));
+    passivity.series.push_back(curves.audit_mJ.series(curves.law, hue));
     stiffness.series.push_back(curves.stiffness_N_per_mm.series(curves.law, hue));
   }
-  figure.panels = {std::move(penetration), std::move(force), std::move(energy), std::move(stiffness)};
+  Figure figure{.title = title_, .subtitle = subtitle_, .panels = {}};
+  figure.panels = {std::move(penetration), std::move(force), std::move(passivity), std::move(stiffness)};
+  draw(figure, png);
+}
+
+std::filesystem::path LawsFigure::draw_into(const std::filesystem::path& directory) const {
   std::filesystem::create_directories(directory);
   const auto png = directory / file_name(title_);
-  draw(figure, png);
+  draw_to(png);
   return png;
 }
 

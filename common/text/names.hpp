@@ -1,0 +1,19 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace forcebound::text {
+
+/// "a, b, c".
+[[nodiscard]] std::string join(std::span<const std::string> names);
+
+/// The known name that `wrong` is most likely a misspelling of, or nothing if none is near.
+[[nodiscard]] std::string nearest_name(std::string_view wrong, std::span<const std::string> known);
+
+/// What an error about a name nobody knows ends with: ", did you mean 'sphere'? (known: box, sphere)", without the
+/// question where no name is near.
+[[nodiscard]] std::string suggestion(std::string_view wrong, std::span<const std::string> known);
+
+}  // namespace forcebound::text

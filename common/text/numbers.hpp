@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace forcebound::text {
+
+/// The shortest text that reads back as the same number.
+[[nodiscard]] std::string to_text(double value);
+
+/// The whole text as a finite number, in any notation but with a point: no locale is asked. Nothing if it is anything
+/// else.
+[[nodiscard]] std::optional<double> finite_number(std::string_view text) noexcept;
+
+}  // namespace forcebound::text
