@@ -121,7 +121,9 @@ void Impairment::delay(WaitingPacket& packet, const Arrival& arrival) {
     if (last_ready_ > arrival.now) ready = std::max(ready, last_ready_);
     ready += transmission_time(packet.bytes);
   }
-  packet.departure = std::max(ready, arrival.now);
+  // Nobody waits longer, and sums stay within what 64 bits hold.
+  constexpr Nanoseconds kDelayMost = std::chrono::hours{24 * 365};
+  packet.departure = std::clamp(ready, arrival.now, arrival.now + kDelayMost);
   packet.verdict.delay = packet.departure - arrival.now;
   last_ready_ = std::max(last_ready_, packet.departure);
   delayed_.push(packet, next_turn_++);

@@ -26,7 +26,8 @@ void Slots::open_next(Random& random) noexcept {
     const std::uint64_t draw = random.draw();
     extra = (spread >> 16U) * draw / 0x10000U + ((spread & 0xffffU) * draw >> 32U);
   }
-  opens_ += slot_.shortest + Nanoseconds{static_cast<std::int64_t>(extra)};
+  // Of no length at all it would never get anywhere.
+  opens_ += std::max(Nanoseconds{1}, slot_.shortest + Nanoseconds{static_cast<std::int64_t>(extra)});
   packets_used_ = bytes_used_ = 0;
 }
 

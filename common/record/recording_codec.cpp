@@ -25,7 +25,7 @@ control::Vector vector_from(const Repeated& in, const char* name) {
 
 // Differences of accepted times fit 64 bits, whatever the file says.
 Nanoseconds time_from(std::int64_t ns, const char* name) {
-  constexpr std::int64_t kMost = std::int64_t{1} << 61;
+  constexpr std::int64_t kMost = wire::kTimeMost.count();
   if (ns > kMost || ns < -kMost) {
     throw std::invalid_argument(std::string(name) + " must be within 2^61, got " + std::to_string(ns));
   }

@@ -88,8 +88,8 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   network_ns_.add((record.round_trip - at_server).count());
   server_ns_.add((at_server - force.compute_time).count());
   ++forces_;
-  arrival_ = record.receive_time;
   if (force.motion_sequence <= arrived_motion_) return;  // overtaken: no tick will use it
+  arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;
   arrived_round_trip_ = record.round_trip;
   waiting_ = true;

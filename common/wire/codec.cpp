@@ -191,11 +191,13 @@ Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
                          .text = cut_text(from.text())}};
 }
 
+bool plausible(Nanoseconds time) noexcept { return time >= -kTimeMost && time <= kTimeMost; }
+
 Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
   MotionSample motion{
       .session = from.session(), .sequence = from.sequence(), .device_time = Nanoseconds{from.device_time_ns()}};
   // Without a position it would be smaller than the Refusal that may answer it.
-  if (from.position_m().empty()) return Malformed::unreadable;
+  if (from.position_m().empty() || !plausible(motion.device_time)) return Malformed::unreadable;
   if (!take(from.position_m(), motion.position)) return Malformed::non_finite;
   return Message{motion};
 }
@@ -212,6 +214,9 @@ Decoded to_value(const v1::EnvironmentForce& from, std::size_t) noexcept {
                          .motions_received = from.motions_received(),
                          .motions_duplicated = from.motions_duplicated(),
                          .motions_reordered = from.motions_reordered()};
+  const bool times = plausible(force.motion_device_time) && plausible(force.server_receive_time) &&
+                     plausible(force.server_send_time) && plausible(force.compute_time);
+  if (!times) return Malformed::unreadable;
   const bool ours = take(from.force_n(), force.force) && take(from.position_m(), force.position) &&
                     take(from.contact_normal(), force.contact_normal) && std::isfinite(force.penetration_m);
   if (!ours) return Malformed::non_finite;

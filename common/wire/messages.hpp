@@ -16,6 +16,9 @@ using time::Nanoseconds;
 
 inline constexpr std::uint32_t kProtocolVersion = 1;
 
+/// No time on the wire is further from zero (73 years), so that differences and sums never overflow.
+inline constexpr Nanoseconds kTimeMost{std::int64_t{1} << 61};
+
 /// Client to server: let me in. Sent again until answered; the same nonce always means the same session. Padded on the
 /// wire so that no answer is larger than its question.
 struct Hello {

@@ -37,6 +37,9 @@ void stop_on_signals() {
   action.sa_handler = [](int) { stop_wanted = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // A full disk or a closed pipe is an error of writing, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 /// The system's randomness, so that nobody guesses a session.

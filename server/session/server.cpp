@@ -18,6 +18,13 @@ constexpr double kPeriodMost_s = 1;
 // As much as one second promises may come at once, after a network held it back.
 int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
 
+// Motion of a session that we do not know is answered this often at most: enough for every client after a restart.
+constexpr Nanoseconds kRefusalInterval = std::chrono::milliseconds{1};
+constexpr int kRefusalsAtOnce = 100;
+
+// So many ended sessions are looked through for each motion of none.
+constexpr std::size_t kEndedMax = 64;
+
 /// Strangers' text, fit for a log line.
 std::string printable(std::string_view text) {
   std::string result(text);
@@ -48,14 +55,15 @@ Server::Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& li
       session_ids_(std::move(session_ids)),
       observer_(observer == nullptr ? nobody_ : *observer),
       hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
-              std::max(1, options_.hellos_per_s_max), clock.now()) {
+              std::max(1, options_.hellos_per_s_max), clock.now()),
+      refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
   if (!scenes_.find(options_.scene)) throw std::invalid_argument(scenes_.unknown_scene_text(options_.scene));
   if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
       !(options_.motions_per_promised > 0)) {
     throw std::invalid_argument("sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max must be > 0");
   }
   sessions_.reserve(options_.sessions_max);
-  ended_.resize(options_.sessions_max);
+  ended_.resize(std::min(options_.sessions_max, kEndedMax));
 }
 
 void Server::on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
@@ -105,13 +113,14 @@ ServerCounters Server::counters() const noexcept {
 }
 
 void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
-  if (!hellos_.take(now)) {
-    ++counters_.hellos_over_rate;
-    return;
-  }
+  // Who is here already is answered even while strangers use up the rate.
   if (const Session* session = find(from, hello.client_nonce)) {
     ++counters_.hellos_repeated;
     welcome(*session);
+    return;
+  }
+  if (!hellos_.take(now)) {
+    ++counters_.hellos_over_rate;
     return;
   }
   const bool late = std::any_of(ended_.begin(), ended_.end(), [&](const Ended& ended) {
@@ -121,14 +130,14 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     ++counters_.hellos_after_bye;
     return;
   }
-  if (refused(hello, from)) return;
+  if (refused(hello, from, now)) return;
   const auto scene = scenes_.find(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
   Session& session = open(hello, scene, from, now);
   welcome(session);
   observer_.on_opened(session.info);
 }
 
-bool Server::refused(const wire::Hello& hello, const net::Address& from) {
+bool Server::refused(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
   const auto refuse = [&](RefusalReason reason, const std::string& text) {
     ++counters_.hellos_refused;
     send(wire::Refusal{.client_nonce = hello.client_nonce, .reason = reason, .text = text}, from);
@@ -143,11 +152,27 @@ bool Server::refused(const wire::Hello& hello, const net::Address& from) {
   if (!scene->accepts(hello.degrees_of_freedom)) {
     return refuse(RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(*scene, hello));
   }
-  if (sessions_.size() >= options_.sessions_max) {
+  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now)) {
     return refuse(RefusalReason::server_full,
                   "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later");
   }
   return false;
+}
+
+bool Server::evict_unproven(Nanoseconds now) {
+  // A client that is there sends motion at once; who never did may be nobody at all.
+  constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
+  auto oldest = sessions_.end();
+  for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
+    const Session& session = it->second;
+    const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
+    if (unproven && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard)) oldest = it;
+  }
+  if (oldest == sessions_.end()) return false;
+  ++counters_.sessions_idle;
+  close(oldest->second, CloseReason::idle);
+  sessions_.erase(oldest);
+  return true;
 }
 
 Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) noexcept {
@@ -223,6 +248,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
       return;
     }
     ++counters_.motions_without_session;
+    if (!refusals_.take(now)) return;
     send(wire::Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}, from);
     return;
   }
@@ -253,7 +279,7 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
   const Nanoseconds end = clock_.now();
 
   const wire::EnvironmentForce force{.session = motion.session,
-                                     .sequence = ++session.arrivals.counts.forces_sent,
+                                     .sequence = session.arrivals.counts.forces_sent + 1,
                                      .motion_sequence = motion.sequence,
                                      .motion_device_time = motion.device_time,
                                      .force = scene.force,
@@ -266,8 +292,9 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
                                      .motions_received = session.arrivals.counts.motions_received,
                                      .motions_duplicated = session.arrivals.counts.motions_duplicated,
                                      .motions_reordered = session.arrivals.counts.motions_reordered};
+  if (!send(force, session.info.address)) return;
+  ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
-  send(force, session.info.address);
   observer_.on_force(force);
 }
 
@@ -289,8 +316,10 @@ void Server::on_bye(const wire::Bye& bye, const net::Address& from) {
   ++counters_.byes_unknown;
 }
 
-void Server::send(const wire::Message& message, const net::Address& to) noexcept {
-  if (!link_.send(codec_.encode(message), to)) ++counters_.sends_failed;
+bool Server::send(const wire::Message& message, const net::Address& to) noexcept {
+  const bool sent = link_.send(codec_.encode(message), to);
+  if (!sent) ++counters_.sends_failed;
+  return sent;
 }
 
 void Server::close(const Session& session, CloseReason reason) {

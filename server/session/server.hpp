@@ -88,7 +88,8 @@ class Server {
   void on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept;
   void on_bye(const wire::Bye& bye, const net::Address& from);
 
-  [[nodiscard]] bool refused(const wire::Hello& hello, const net::Address& from);
+  [[nodiscard]] bool refused(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
+  [[nodiscard]] bool evict_unproven(Nanoseconds now);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
@@ -96,7 +97,7 @@ class Server {
                 Nanoseconds now);
   void welcome(const Session& session);
   void answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
-  void send(const wire::Message& message, const net::Address& to) noexcept;
+  bool send(const wire::Message& message, const net::Address& to) noexcept;
 
   /// Tells the observer and keeps what the totals need; the caller erases.
   void close(const Session& session, CloseReason reason);
@@ -113,6 +114,7 @@ class Server {
   std::vector<Ended> ended_;  ///< a ring of the last ones
   std::size_t ended_next_ = 0;
   TokenBucket hellos_;
+  TokenBucket refusals_;
   ServerCounters counters_;
 };
 

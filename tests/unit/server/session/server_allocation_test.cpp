@@ -12,13 +12,16 @@ TEST_F(ServerAllocation, MotionDoesNotAllocate) {
   link.keep = false;
   const test::AllocationGuard guard;
   for (std::uint64_t i = 1; i <= 100; ++i) {
-    arrive(motion(session, i, 0.001));            // answered
-    arrive(motion(session, i, 0.001));            // duplicate
-    arrive(motion(session + 1, i));               // refused
-    arrive(motion(session, i + 1000000, 1e308));  // a jump ahead, and no finite force
+    arrive(motion(session, 4 * i, 0.001));      // answered
+    arrive(motion(session, 4 * i, 0.001));      // duplicate
+    arrive(motion(session, 4 * i - 1, 0.001));  // late
+    arrive(motion(session + 1, i));             // refused
+    arrive(motion(session, 4 * i + 1, 1e308));  // answered, with no finite force
   }
   EXPECT_EQ(guard.heap_operations(), 0u);
-  EXPECT_GE(server->counters().forces_sent, 100u);
+  EXPECT_EQ(server->counters().forces_sent, 200u);
+  EXPECT_EQ(server->counters().motions_duplicated, 100u);
+  EXPECT_EQ(server->counters().motions_reordered, 100u);
   EXPECT_EQ(server->counters().motions_without_session, 100u);
 }
 
