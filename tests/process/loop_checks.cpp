@@ -63,6 +63,17 @@ LoopOutcome run_loop(const LoopSettings& settings) {
   return {client.summary(), server.out(), content(folder.file("log.csv"))};
 }
 
+void write_trace_after(const std::filesystem::path& trace, std::chrono::milliseconds skipped, const std::string& file) {
+  std::istringstream rows(content(trace));
+  std::string row;
+  std::getline(rows, row);
+  std::string kept = row + "\n";
+  while (std::getline(rows, row)) {
+    if (std::stod(row) >= static_cast<double>(skipped.count())) kept += row + "\n";
+  }
+  write_file(file, kept);
+}
+
 void expect_sound(const nlohmann::json& summary, std::chrono::seconds duration) {
   ASSERT_TRUE(summary.is_object());
   expect_numbers(summary, {"/duration_s", "/period_us/p50", "/force_age_ms/p50", "/force_age_ms/max", "/rtt_us/p50",

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -31,6 +32,9 @@ struct LoopOutcome {
 
 /// Runs it and ends all three in order; every program must end with 0.
 LoopOutcome run_loop(const LoopSettings& settings);
+
+/// A recorded network without its first `skipped`, written to `file`: to have what matters within a test's time.
+void write_trace_after(const std::filesystem::path& trace, std::chrono::milliseconds skipped, const std::string& file);
 
 /// Nearly all ticks took place, none allocated, every number is finite, and the device stayed passive. The encoder's
 /// step is why the energy may be a little below zero.
