@@ -67,8 +67,11 @@ function(forcebound_program name)
   endif()
 endfunction()
 
+set(FORCEBOUND_TEST_LABELS "" CACHE STRING "Regular expression: build and run only GoogleTests with such a label")
+
 # forcebound_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT S] [SERIAL] [PROPERTIES ...]): GoogleTest executable
-# NAME; every TEST is a CTest of its own, with these properties. Tests see the source root, for "tests/support/...". SERIAL: nothing else runs beside it, for tests
+# NAME; every TEST is a CTest of its own, with these properties. Tests see the source root, for "tests/support/...".
+# SERIAL: nothing else runs beside it, for tests
 # that measure time. The label `long` keeps a test out of deploy/test unless --long is given; `threads` runs it under
 # ThreadSanitizer as well.
 function(forcebound_test name)
@@ -79,6 +82,10 @@ function(forcebound_test name)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gmock_main forcebound_options)
+  if(FORCEBOUND_TEST_LABELS AND NOT "${arg_LABELS}" MATCHES "${FORCEBOUND_TEST_LABELS}")
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
   set(properties TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} ${arg_PROPERTIES})
   if(arg_LABELS)
     # A list would fall apart on its way through the discovery.

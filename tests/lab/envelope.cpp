@@ -25,14 +25,25 @@ void Envelope::add(double x, double y) noexcept {
 }
 
 void Envelope::halve() noexcept {
+  merge_pairs(Gaps::kept);
+  // A curve of hardly anything but gaps would otherwise find no room.
+  if (columns_.size() > columns_.capacity() * 3 / 4) merge_pairs(Gaps::closed);
+  per_column_ *= 2;
+}
+
+void Envelope::merge_pairs(Gaps gaps) noexcept {
   std::size_t kept = 0;
-  for (std::size_t i = 0; i + 1 < columns_.size(); i += 2) {
-    const Column& a = columns_[i];
-    const Column& b = columns_[i + 1];
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const Column a = columns_[i];
+    const bool alone = i + 1 == columns_.size() || (gaps == Gaps::kept && columns_[i + 1].gap);
+    if (alone) {
+      columns_[kept++] = a;
+      continue;
+    }
+    const Column b = columns_[++i];
     columns_[kept++] = {a.low.y <= b.low.y ? a.low : b.low, a.high.y >= b.high.y ? a.high : b.high, a.gap || b.gap};
   }
   columns_.resize(kept, Column{});  // shrinks
-  per_column_ *= 2;
 }
 
 Series Envelope::series(std::string label, const char* colour) const {

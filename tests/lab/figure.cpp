@@ -174,6 +174,13 @@ const char* colour::of_law(const std::string& law) {
   return kLedger;
 }
 
+void cut_spikes(Panel& panel, double usual_most, double most) {
+  constexpr double kRoom = 1.5;
+  if (!(usual_most > 0) || most <= kRoom * usual_most) return;
+  panel.y_max = kRoom * usual_most;
+  panel.title += " (spikes cut off)";
+}
+
 void draw(const Figure& figure, const std::filesystem::path& png) {
   const TemporaryDirectory directory;
   const auto script = directory.path() / "figure.gnuplot";

@@ -57,6 +57,10 @@ struct Figure {
   std::vector<Panel> panels{};
 };
 
+/// Shows a panel only to half above its usual most, where the most of all is more than that: a moment of force at
+/// hardly any depth is a spike of stiffness that would hide all the rest. The title then says so.
+void cut_spikes(Panel& panel, double usual_most, double most);
+
 /// Draws a PNG of 1400 pixels width.
 /// @throws std::runtime_error if the file cannot be written, or naming the package when gnuplot is missing.
 void draw(const Figure& figure, const std::filesystem::path& png);
@@ -88,7 +92,9 @@ class Envelope {
   };
   static constexpr std::size_t kColumns = 2000;
 
+  enum class Gaps { kept, closed };
   void halve() noexcept;
+  void merge_pairs(Gaps gaps) noexcept;
 
   std::vector<Column> columns_;
   std::size_t per_column_ = 1;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "forcebound/record/histogram.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "tests/lab/figure.hpp"
 
@@ -41,6 +42,7 @@ class LawsFigure {
     std::string law;
     std::optional<record::Nanoseconds> start;
     Envelope penetration_mm, force_N, audit_mJ, stiffness_N_per_mm;
+    record::Histogram stiffness_mN_per_mm;
   };
 
   std::string title_;

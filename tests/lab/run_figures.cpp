@@ -61,12 +61,7 @@ Figure RunFigures::force() const {
   Panel force{"Force", "magnitude [N]", {}, {}, 0.0, {}};
   force.series = {request_N_.series("asked for", colour::kRequest), applied_N_.series("applied", colour::kApplied)};
   Panel stiffness{"Displayed stiffness in contact", "stiffness [N/mm]", {}, {}, 0.0, {}};
-  // A moment of force at hardly any depth is a spike that would hide all the rest.
-  const double usual = 1e-3 * stiffness_mN_per_mm_.percentile(0.95);
-  if (1e-3 * stiffness_mN_per_mm_.max() > 1.5 * usual && usual > 0) {
-    stiffness.y_max = 1.5 * usual;
-    stiffness.title += " (spikes cut off)";
-  }
+  cut_spikes(stiffness, 1e-3 * stiffness_mN_per_mm_.percentile(0.95), 1e-3 * stiffness_mN_per_mm_.max());
   stiffness.series = {stiffness_N_per_mm_.series("displayed", colour::kApplied)};
   return {{}, {}, "time [s]", {std::move(force), std::move(stiffness)}};
 }

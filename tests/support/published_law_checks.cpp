@@ -49,16 +49,19 @@ namespace {
 Extraction play_against(std::string_view law, int degrees_of_freedom, std::uint64_t seed, bool damping_changes,
                         const LawLoopSetting& setting) {
   LawLoop loop(law, full_damping(degrees_of_freedom, seed), setting);
-  return play(
-      {.seed = seed,
-       .degrees_of_freedom = degrees_of_freedom,
-       .period_s = setting.period_s,
-       .dampings = [&](int tick) { return full_damping(degrees_of_freedom, seed + (damping_changes ? tick : 0)); },
-       .law =
-           [&](const auto& position, const auto& request, const auto& damping) {
-             loop.set_damping(damping);
-             return loop.tick(position, request);
-           }});
+  return play({.seed = seed,
+               .degrees_of_freedom = degrees_of_freedom,
+               .period_s = setting.period_s,
+               .dampings =
+                   [&](int tick) {
+                     return full_damping(degrees_of_freedom,
+                                         seed + (damping_changes ? static_cast<std::uint64_t>(tick) : 0U));
+                   },
+               .law =
+                   [&](const auto& position, const auto& request, const auto& damping) {
+                     loop.set_damping(damping);
+                     return loop.tick(position, request);
+                   }});
 }
 
 }  // namespace

@@ -37,6 +37,23 @@ TEST(Envelope, ThinsAMillionPointsAndLosesNoSpike) {
   EXPECT_LT(*std::min_element(series.y.begin(), series.y.end()), -59);
 }
 
+TEST(Envelope, NeverJoinsWhatAGapParts) {
+  Envelope envelope;
+  constexpr int kLength = 300;  // contact and none by turns, each contact at another height
+  for (int i = 0; i < 60'000; ++i) envelope.add(i, i / kLength % 2 == 0 ? i / kLength : kNone);
+  const Series series = envelope.series("a", colour::kApplied);
+  for (std::size_t i = 1; i < series.y.size(); ++i) {
+    if (std::isnan(series.y[i]) || std::isnan(series.y[i - 1])) continue;
+    EXPECT_EQ(series.y[i], series.y[i - 1]) << "at " << series.x[i];
+  }
+}
+
+TEST(Envelope, FindsRoomForACurveOfGapsAlone) {
+  Envelope envelope;
+  for (int i = 0; i < 100'000; ++i) envelope.add(i, i % 2 == 0 ? 1 : kNone);
+  EXPECT_LE(envelope.series("a", colour::kApplied).x.size(), 12'000U);
+}
+
 TEST(Envelope, BreaksTheCurveWhereAValueIsMissing) {
   Envelope envelope;
   envelope.add(0, 1);

@@ -143,7 +143,7 @@ TEST(ImpairmentDelay, RateDeliversWhatItPromisesOverAMillionPackets) {
     while (impairment.pop(now)) ++left;
     impairment.push(now, payload);
   }
-  EXPECT_NEAR(static_cast<double>(left), kPackets / 2, 10);
+  EXPECT_NEAR(static_cast<double>(left), 0.5 * kPackets, 10);
   EXPECT_EQ(impairment.counters().over_limit + left + impairment.waiting(), std::uint64_t{kPackets});
 }
 

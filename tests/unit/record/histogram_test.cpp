@@ -23,6 +23,7 @@ TEST(Histogram, IsWithinATwoThousandthOfTheSortedValuesOverTwelveDecades) {
   std::uniform_real_distribution<double> decades(0, 12);
   Histogram histogram;
   std::vector<std::int64_t> values;
+  values.reserve(20000);
   for (int i = 0; i < 20000; ++i) values.push_back(static_cast<std::int64_t>(std::pow(10, decades(random))));
   for (const auto value : values) histogram.add(value);
   std::sort(values.begin(), values.end());

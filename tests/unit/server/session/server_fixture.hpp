@@ -46,7 +46,7 @@ class ServerFixture : public testing::Test {
  protected:
   void SetUp() override { start({}); }
 
-  void start(ServerOptions options) {
+  void start(const ServerOptions& options) {
     server.emplace(
         options, SceneLibrary::shipped(), link, clock, [this] { return next_id_ += 1000; }, &diary);
   }

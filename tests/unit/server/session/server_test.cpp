@@ -99,9 +99,10 @@ TEST_F(ServerTest, AnswersMotionWithForceAndTimes) {
 
 TEST_F(ServerTest, AnswersOnlyTheNewestAndCountsTheRest) {
   const auto session = join();
-  for (const std::uint64_t sequence : {1, 2, 5, 3, 5, 3, 6}) arrive(motion(session, sequence));
+  for (const std::uint64_t sequence : {1U, 2U, 5U, 3U, 5U, 3U, 6U}) arrive(motion(session, sequence));
   const auto forces = answers();
   std::vector<std::uint64_t> answered;
+  answered.reserve(forces.size());
   for (const auto& force : forces) answered.push_back(std::get<wire::EnvironmentForce>(force).motion_sequence);
   EXPECT_THAT(answered, ElementsAre(1, 2, 5, 6));
   const auto last = std::get<wire::EnvironmentForce>(forces.back());
@@ -158,7 +159,7 @@ TEST_F(ServerTest, ACopyOfOldMotionDoesNotMoveASession) {
 
 TEST_F(ServerTest, AnswersByeWithFinalCountsAndForgetsTheSession) {
   const auto session = join();
-  for (const std::uint64_t sequence : {1, 3, 2, 3}) arrive(motion(session, sequence));
+  for (const std::uint64_t sequence : {1U, 3U, 2U, 3U}) arrive(motion(session, sequence));
   answers();
   arrive(wire::Bye{.session = session});
   const auto bye = only_answer<wire::Bye>();
