@@ -24,6 +24,9 @@ int main(int argc, char** argv) {
   const auto options = forcebound::client::parse_options(argc, argv);
   std::signal(SIGINT, end_cleanly);
   std::signal(SIGTERM, end_cleanly);
+  // A full disk or a closed pipe is an error of writing, not the end of the loop.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     return forcebound::client::run(options, stop);
   } catch (const std::exception& error) {

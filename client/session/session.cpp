@@ -122,14 +122,14 @@ void Session::receive_all(Nanoseconds now) noexcept {
     if (const auto* reason = std::get_if<wire::Malformed>(&decoded)) {
       ++totals_.malformed[static_cast<std::size_t>(*reason)];
     } else {
-      receive(std::get<wire::Message>(decoded), now);
+      receive(std::get<wire::Message>(decoded), now, now - received->waited);
     }
   }
 }
 
-void Session::receive(const wire::Message& message, Nanoseconds now) noexcept {
+void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept {
   if (const auto* force = std::get_if<wire::EnvironmentForce>(&message)) {
-    receive_force(*force, now);
+    receive_force(*force, now, arrival);
   } else if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
     if (!connection_.on_welcome(*welcome)) return;
     forces_.begin_session(welcome->session);
@@ -149,15 +149,15 @@ void Session::receive(const wire::Message& message, Nanoseconds now) noexcept {
   }
 }
 
-void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now) noexcept {
+void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept {
   switch (forces_.accept(force)) {
     case ForceStream::Verdict::newest:
       silent_since_ = now;
       [[fallthrough]];
     case ForceStream::Verdict::overtaken:
       answers_without_news_ = 0;
-      force_record_.receive_time = now;
-      force_record_.round_trip = now - ForceStream::reading_time(force);
+      force_record_.receive_time = arrival;
+      force_record_.round_trip = std::max(Nanoseconds::zero(), arrival - ForceStream::reading_time(force));
       force_record_.force = force;
       for (record::TickSink* sink : sinks_.ticks) sink->on_force(force_record_);
       break;

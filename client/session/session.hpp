@@ -66,8 +66,8 @@ class Session {
   void send_motion(const Vector& position, Nanoseconds now) noexcept;
   bool send(const wire::Message& message) noexcept;
   void receive_all(Nanoseconds now) noexcept;
-  void receive(const wire::Message& message, Nanoseconds now) noexcept;
-  void receive_force(const wire::EnvironmentForce& force, Nanoseconds now) noexcept;
+  void receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept;
+  void receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] control::Motion motion_at(const Reading& reading, Nanoseconds now) const noexcept;

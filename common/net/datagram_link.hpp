@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "forcebound/time/clock.hpp"
+
 namespace forcebound::net {
 
 /// No datagram of ours is larger: it fits an Ethernet frame, so it is never fragmented.
@@ -26,6 +28,7 @@ std::string to_string(const Address& address);
 struct Received {
   std::size_t bytes;  ///< the datagram's whole size; larger than the buffer if it was cut
   Address from;
+  time::Nanoseconds waited{0};  ///< from its arrival at this machine until now
 };
 
 /// Unreliable datagrams: what the core knows of a network.

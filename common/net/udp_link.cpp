@@ -9,11 +9,14 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/ip/v6_only.hpp>
+#include <cerrno>
+#include <cstring>
 #include <ctime>
 #include <stdexcept>
 #include <string>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::net {
 namespace {
@@ -55,6 +58,21 @@ std::string reason(const asio::error_code& error) {
   return error.message();
 }
 
+constexpr std::size_t kControlBytes = 128;
+
+/// How long the datagram has waited in the system's buffer, by the time that the kernel wrote on it.
+time::Nanoseconds waited(msghdr& message) noexcept {
+  constexpr time::Nanoseconds kMost = std::chrono::seconds{10};  // more is a jump of the wall clock
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec stamp{};
+    std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
+    const auto arrival = std::chrono::seconds{stamp.tv_sec} + time::Nanoseconds{stamp.tv_nsec};
+    return std::clamp(time::wall_clock_now() - arrival, time::Nanoseconds{0}, kMost);
+  }
+  return time::Nanoseconds{0};
+}
+
 }  // namespace
 
 struct UdpLink::Socket {
@@ -70,6 +88,8 @@ struct UdpLink::Socket {
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
+    const int stamped = 1;
+    setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &stamped, sizeof stamped);
     if (protocol == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   }
 };
@@ -113,13 +133,25 @@ bool UdpLink::send(std::span<const std::byte> datagram, const Address& to) noexc
 }
 
 std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
-  asio::error_code error;
+  udp::endpoint& sender = socket_->sender;
   for (int i = 0; i < kRefusalsSkippedMax; ++i) {
+    sender.resize(sender.capacity());
+    iovec part{buffer.data(), buffer.size()};
+    alignas(cmsghdr) std::array<std::byte, kControlBytes> control;
+    msghdr message{};
+    message.msg_name = sender.data();
+    message.msg_namelen = static_cast<socklen_t>(sender.capacity());
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
     // MSG_TRUNC: the result is the datagram's whole size, also if it was cut.
-    const std::size_t bytes =
-        socket_->socket.receive_from(asio::buffer(buffer.data(), buffer.size()), socket_->sender, MSG_TRUNC, error);
-    if (!error) return Received{bytes, from_asio(socket_->sender)};
-    if (error != asio::error::connection_refused) break;
+    const ssize_t bytes = recvmsg(descriptor(), &message, MSG_TRUNC | MSG_DONTWAIT);
+    if (bytes >= 0) {
+      sender.resize(message.msg_namelen);
+      return Received{static_cast<std::size_t>(bytes), from_asio(sender), waited(message)};
+    }
+    if (errno != ECONNREFUSED) break;
     ++socket_->counters.refused;
   }
   return std::nullopt;

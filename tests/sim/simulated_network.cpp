@@ -151,14 +151,14 @@ void SimulatedNetwork::put(Inbox& inbox, std::span<const std::byte> bytes, const
     ++counters_.inbox_full;
     return;
   }
-  inbox.push_back({{bytes.begin(), bytes.end()}, from});
+  inbox.push_back({{bytes.begin(), bytes.end()}, from, now()});
 }
 
 std::optional<net::Received> SimulatedNetwork::take(Inbox& inbox, std::span<std::byte> buffer) {
   deliver_due(clock_.now());
   if (inbox.empty()) return std::nullopt;
   const Datagram& datagram = inbox.front();
-  const net::Received received{datagram.bytes.size(), datagram.from};
+  const net::Received received{datagram.bytes.size(), datagram.from, clock_.now() - datagram.arrival};
   std::copy_n(datagram.bytes.begin(), std::min(datagram.bytes.size(), buffer.size()), buffer.begin());
   inbox.pop_front();
   return received;

@@ -93,6 +93,7 @@ class SimulatedNetwork {
   struct Datagram {
     std::vector<std::byte> bytes;
     Address from;
+    Nanoseconds arrival;
   };
   using Inbox = std::deque<Datagram>;
 

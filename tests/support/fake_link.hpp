@@ -28,7 +28,7 @@ class FakeLink final : public net::DatagramLink {
     if (received_ == arrived_.size()) return std::nullopt;
     const Datagram& datagram = arrived_[received_++];
     std::copy_n(datagram.bytes.begin(), std::min(buffer.size(), datagram.bytes.size()), buffer.begin());
-    return net::Received{datagram.bytes.size(), datagram.peer};
+    return net::Received{datagram.bytes.size(), datagram.peer, waited};
   }
 
   void arrive(std::span<const std::byte> datagram, const net::Address& from) {
@@ -49,6 +49,7 @@ class FakeLink final : public net::DatagramLink {
   }
 
   std::vector<Datagram> sent;
+  time::Nanoseconds waited{0};  ///< of what is received from now on
   bool works = true;
   bool keep = true;  ///< false: a link that does not allocate
 

@@ -126,6 +126,16 @@ TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
   EXPECT_EQ(records.last.displayed_N, 2.5);
 }
 
+TEST_F(SessionTest, TellsTheRoundTripFromTheWaitForTheTick) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.5));
+  link.waited = 700us;
+  tick();
+  EXPECT_EQ(records.last_force.round_trip, 300us);
+  EXPECT_EQ(records.last.force_age, 1ms);
+}
+
 TEST_F(SessionTest, HoldsTheForceThenFadesItThenLetsGo) {
   connect();
   tick();
