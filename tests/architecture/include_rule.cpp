@@ -60,7 +60,8 @@ const std::vector<Privilege>& privileges() {
        std::regex(
            R"((system|steady|high_resolution)_clock\b|\bclock_(gettime|nanosleep)\b|\bgettimeofday\b|)"
            R"(\bnanosleep\b|std::this_thread|#include\s*"forcebound/time/(steady_clock|periodic_timer|real_time))"),
-       std::regex(R"(common/net/udp.*|common/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|(client|server)/app/.*)"),
+       std::regex(
+           R"(common/net/udp.*|common/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|(client|server)/app/.*)"),
        "common/time's steady_clock, periodic_timer and real_time, and */app"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\()"), std::regex("(client|server)/app/.*"),
