@@ -12,7 +12,11 @@ constexpr std::chrono::milliseconds kDrainPeriod{100};
 }  // namespace
 
 RecordingObserver::RecordingObserver(const time::Clock& clock, const std::string& file, const record::RunInfo& info)
-    : LogObserver(clock), clock_(clock), file_(file), writer_(file, info), thread_([this](std::stop_token stopping) {
+    : LogObserver(clock),
+      clock_(clock),
+      file_(file),
+      writer_(file, info),
+      thread_([this](const std::stop_token& stopping) {
         while (!stopping.stop_requested()) {
           recorder_.drain(writer_);
           std::this_thread::sleep_for(kDrainPeriod);
