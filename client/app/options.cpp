@@ -90,7 +90,8 @@ Options parse_options(int argc, char** argv) {
   Options options;
   double hold_ms = time::to_seconds(options.policy.hold) * 1e3;
   double drop_ms = time::to_seconds(options.policy.drop) * 1e3;
-  const control::LawRegistry laws = control::published_laws();
+  std::string memory = "capped";
+  const control::LawRegistry laws = control::shipped_laws();
 
   CLI::App app{std::string(kAbout), "forcebound-client"};
   app.footer("Laws (--law):\n" + laws.help() + std::string(kMore));
@@ -101,8 +102,10 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--scene", options.scene, "scene to ask for; default: the one the server runs")->type_name("NAME");
   app.add_option("--device", options.device, "see below")->type_name("NAME|FILE");
   app.add_option("--operator", options.hand, "see below")->type_name("SPEC");
-  options.law = "fba-more";
   app.add_option("--law", options.law, "see below")->check(CLI::IsMember(laws.names()))->capture_default_str();
+  app.add_option("--memory", memory, "energy that fba-exact keeps: what the largest force can ever need, or all")
+      ->check(CLI::IsMember({"capped", "full"}))
+      ->capture_default_str();
   app.add_option("--duration", options.duration_s, "seconds; 0: until interrupted")
       ->check(kNotNegative)
       ->capture_default_str()
@@ -126,6 +129,7 @@ Options parse_options(int argc, char** argv) {
     app.parse(argc, argv);
     options.policy = {.hold = time::from_seconds(hold_ms * 1e-3), .drop = time::from_seconds(drop_ms * 1e-3)};
     options.policy.validate();
+    options.law_options.memory = memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
     check_server(options.server);
     // Another nonce than the run before: a server that still knows that one would take us for it.
     if (seed->count() == 0) options.seed = std::random_device{}();

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/control/law_registry.hpp"
 
 namespace forcebound::client {
 
@@ -12,7 +13,8 @@ struct Options {
   std::string scene;
   std::string device;
   std::string hand;  ///< the operator's specification
-  std::string law;
+  std::string law = "fba-exact";
+  control::LawOptions law_options;
   double duration_s = 0;  ///< 0: until interrupted
   unsigned long long seed = 1;
   std::string record;

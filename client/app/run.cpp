@@ -193,7 +193,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   DeviceDescription description = load_device(options.device);
   auto hand = make_operator(options.hand, description.facts.degrees_of_freedom());
   SimulatedDevice device(std::move(description), std::move(hand));
-  auto law = control::published_laws().make(options.law, device.facts());
+  auto law = control::shipped_laws().make(options.law, device.facts(), options.law_options);
   const net::Address server = net::resolve(net::parse_endpoint(options.server));
   net::UdpLink link = net::UdpLink::towards(server);
   std::ofstream summary_file = open_summary(options.summary);

@@ -42,6 +42,7 @@ void read_limits(TomlSection& file, control::DeviceFacts& facts) {
   facts.hold_s_max = file.number_or("hold_s_max", Allowed::positive, facts.hold_s_max);
   if (facts.hold_s_max > kHoldMax) file.refuse("hold_s_max", "<= 1");
   if (facts.hold_s_max < facts.period_s) file.refuse("hold_s_max", ">= period_s, or no force would last a tick");
+  facts.releases = file.flag_or("releases", facts.releases);
   facts.latency_s = file.number_or("latency_s", Allowed::not_negative, facts.latency_s);
   if (facts.latency_s > kLatencyMax) file.refuse("latency_s", "<= 0.01");
 }

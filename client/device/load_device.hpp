@@ -16,7 +16,8 @@ namespace forcebound::client {
 ///     kind = "arm"                    degrees_of_freedom = 3, joint_inertia_kg_m2, joint_damping_N_m_s_per_rad,
 ///                                     joint_friction_N_m = 0, encoder_step_rad = 0, actuator_step_N_m = 0, and
 ///                                     [arm] upper_length_m, fore_length_m, origin_reach_m, origin_height_m
-///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, latency_s = 0
+///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, releases = true,
+///                                     latency_s = 0
 ///
 /// A number holds for all axes; a list has one for each; inertia and damping may also be full matrices (lists of rows).
 ///

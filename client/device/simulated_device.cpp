@@ -116,7 +116,7 @@ void SimulatedDevice::change_torque() noexcept {
   }
   while (pending_count_ > 0 && pending_[0].effect <= time_) {
     torque_ = pending_[0].torque;
-    release_ = pending_[0].effect + time::from_seconds(facts().hold_s_max);
+    if (facts().releases) release_ = pending_[0].effect + time::from_seconds(facts().hold_s_max);
     std::move(pending_.begin() + 1, pending_.begin() + pending_count_, pending_.begin());
     --pending_count_;
   }

@@ -70,6 +70,13 @@ double TomlSection::number_or(std::string_view key, Allowed allowed, double othe
   return has(key) ? number(key, allowed) : otherwise;
 }
 
+bool TomlSection::flag_or(std::string_view key, bool otherwise) {
+  if (!has(key)) return otherwise;
+  const auto* flag = table_.get(key)->as_boolean();
+  if (flag == nullptr) refuse(key, "true or false");
+  return flag->get();
+}
+
 Vector TomlSection::vector_at(const toml::array& list, std::string_view key, int rows, Allowed allowed) const {
   if (list.size() != static_cast<std::size_t>(rows)) {
     fail(list,

@@ -32,6 +32,8 @@ class TomlSection {
   [[nodiscard]] double number(std::string_view key, Allowed allowed);
   [[nodiscard]] double number_or(std::string_view key, Allowed allowed, double otherwise);
 
+  [[nodiscard]] bool flag_or(std::string_view key, bool otherwise);
+
   /// One number for all, or a list of `rows`.
   [[nodiscard]] Vector vector(std::string_view key, int rows, Allowed allowed);
   [[nodiscard]] Vector vector_or(std::string_view key, int rows, Allowed allowed, double otherwise);

@@ -8,6 +8,8 @@ namespace {
 
 // A burst of more than this waits for the next tick: the tick's work is bounded.
 constexpr int kDatagramsPerTickMax = 64;
+// What choosing and commanding a force takes, generously; a force that took longer is asked about again.
+constexpr Nanoseconds kChoosing = std::chrono::microseconds{20};
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
@@ -43,10 +45,13 @@ void Session::tick(Nanoseconds now) noexcept {
   keep_connected(now);
 
   const control::Motion motion = motion_at(reading, now);
-  if (motion.held_s < motion.interval_s) ++totals_.released_by_device;
+  totals_.released_by_device += motion.held_s < motion.interval_s;
+  totals_.held_too_long +=
+      !device_.facts().releases && motion.interval_s - motion.latency_s > device_.facts().hold_s_max;
   const Vector request = request_at(now);
-  const Vector applied = controller_.tick(motion, request);
+  const Vector chosen = controller_.tick(motion, request);
   const Nanoseconds commanded = clock_.now();
+  const Vector applied = controller_.confirmed(chosen, latency_s(commanded - now));
   device_.apply(commanded, applied);
 
   record_.interval = previous_reading_ ? now - *previous_reading_ : Nanoseconds::zero();
@@ -62,10 +67,17 @@ control::Motion Session::motion_at(const Reading& reading, Nanoseconds now) cons
       .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
   if (previous_reading_) {
     motion.interval_s = time::to_seconds(now - *previous_reading_);
-    motion.latency_s = time::to_seconds(*previous_command_ - *previous_reading_) + device_.facts().latency_s;
-    if (const auto released = device_.released_at()) motion.held_s = time::to_seconds(*released - *previous_command_);
+    motion.latency_s = latency_s(*previous_command_ - *previous_reading_);
+    if (const auto released = device_.released_at()) {
+      motion.held_s = time::to_seconds(*released - *previous_reading_) - motion.latency_s;
+    }
   }
+  motion.latency_s_max = latency_s(clock_.now() - now + kChoosing);
   return motion;
+}
+
+double Session::latency_s(Nanoseconds reading_to_command) const noexcept {
+  return time::to_seconds(reading_to_command) + device_.facts().latency_s;
 }
 
 Vector Session::request_at(Nanoseconds now) noexcept {
@@ -249,6 +261,7 @@ record::RunTotals Session::totals() const {
   totals.foreign_session += network.foreign;
   totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
   totals.non_finite_requests = controller_.counts().requests_not_finite;
+  totals.withdrawn_forces = controller_.counts().withdrawn;
   totals.non_finite_readings = controller_.counts().readings_not_finite;
   totals.reconnects = connection_.sessions() > 0 ? connection_.sessions() - 1 : 0;
   return totals;

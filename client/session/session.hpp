@@ -71,6 +71,7 @@ class Session {
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] control::Motion motion_at(const Reading& reading, Nanoseconds now) const noexcept;
+  [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
   [[nodiscard]] Vector request_at(Nanoseconds now) noexcept;
   void note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
   void write_down(const Reading& reading, const Vector& applied, Nanoseconds now) noexcept;

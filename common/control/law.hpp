@@ -12,10 +12,11 @@ namespace forcebound::control {
 struct Motion {
   double interval_s = 0;  ///< measured length of the interval that ended with this reading (h_n), 0 at first
   double latency_s = 0;   ///< from the previous reading until the force chosen on it took effect (delta_n)
-  double held_s = std::numeric_limits<double>::infinity();  ///< when the device let go of it, if before this reading
-  Vector position;                                          ///< task space [m], device frame
-  Vector joint;                      ///< joint readings; equal to `position` for a Cartesian device
-  Matrix jacobian;                   ///< d position / d joint at this reading
+  double held_s = std::numeric_limits<double>::infinity();  ///< how long it was in effect, if the device let go of it
+  double latency_s_max = 0;  ///< the longest that the force now to be chosen may take from this reading to its effect
+  Vector position;           ///< task space [m], device frame
+  Vector joint;              ///< joint readings; equal to `position` for a Cartesian device
+  Matrix jacobian;           ///< d position / d joint at this reading
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
 };
 
@@ -25,8 +26,8 @@ struct Motion {
 /// paper [Kim, Baek, Ryu 2015] writes F_d = -f, so its `+F dx` is our `-f'd`.
 ///
 /// A tick calls, in this order: `credit` with the motion since the last one, `bound` with what the environment asks
-/// for, `commit` with what the device was really told after rounding. PassivityController does that; laws hold no
-/// policy of their own for saturation, rounding or faulty input.
+/// for, `commit` with what the device was really told after rounding. A lost reading is `lose`, then `commit` of zero.
+/// PassivityController does that; laws hold no policy of their own for saturation, rounding or faulty input.
 ///
 /// Real time: every member is noexcept, allocates nothing and is O(dof^2). Not thread-safe; owned by the tick.
 class PassivityLaw {
@@ -39,15 +40,15 @@ class PassivityLaw {
   /// (`held_s`), a law that knows of one force only credits nothing and charges it the worst case.
   virtual void credit(const Motion& motion) noexcept = 0;
 
-  /// The reading was lost: nothing can be credited, and the force committed last is charged its worst case. The next
-  /// `credit` starts afresh from its own position.
-  virtual void charge_worst_case(double interval_s) noexcept = 0;
+  /// The reading was lost: nothing can be credited, and the force committed last is charged its worst case. Of `motion`
+  /// only the times may be used.
+  virtual void lose(const Motion& motion) noexcept = 0;
 
   /// The force nearest to `request_N` that the law allows now.
   [[nodiscard]] virtual Vector bound(const Vector& request_N) const noexcept = 0;
 
-  /// Whether this very force, say after rounding, is allowed now.
-  [[nodiscard]] virtual bool allows(const Vector& force_N) const noexcept = 0;
+  /// Whether this very force, say after rounding, is allowed now, if it takes effect `latency_s` after the reading.
+  [[nodiscard]] virtual bool allows(const Vector& force_N, double latency_s) const noexcept = 0;
 
   /// What the device was told, and holds until the next tick.
   virtual void commit(const Vector& force_N) noexcept = 0;

@@ -17,9 +17,10 @@ void LawRegistry::add(std::string name, std::string summary, Factory factory) {
   entries_.push_back({std::move(name), std::move(summary), std::move(factory)});
 }
 
-std::unique_ptr<PassivityLaw> LawRegistry::make(std::string_view name, const DeviceFacts& facts) const {
+std::unique_ptr<PassivityLaw> LawRegistry::make(std::string_view name, const DeviceFacts& facts,
+                                                const LawOptions& options) const {
   for (const Entry& entry : entries_) {
-    if (entry.name == name) return entry.factory(facts);
+    if (entry.name == name) return entry.factory(facts, options);
   }
   std::string known;
   for (const Entry& entry : entries_) known += (known.empty() ? "" : ", ") + entry.name;
@@ -45,7 +46,7 @@ std::string LawRegistry::help() const {
 namespace {
 
 template <typename Law>
-std::unique_ptr<PassivityLaw> make_published(const DeviceFacts& facts) {
+std::unique_ptr<PassivityLaw> make_published(const DeviceFacts& facts, const LawOptions& /*options*/) {
   return std::make_unique<Law>(facts.degrees_of_freedom(), facts.period_s);
 }
 
@@ -60,5 +61,7 @@ LawRegistry published_laws() {
            make_published<MoreConservativeLaw>);
   return laws;
 }
+
+LawRegistry shipped_laws() { return published_laws(); }
 
 }  // namespace forcebound::control

@@ -6,7 +6,7 @@ namespace forcebound::control {
 
 void Ledger::credit(const Motion& motion) noexcept {
   // Where the device was when it let go, nobody saw.
-  if (motion.held_s < motion.interval_s) charge_worst_case(motion.held_s);
+  if (motion.held_s < motion.interval_s) lose(motion.held_s);
   if (const auto d = held_.displacement(motion)) {
     // A reading as far away as a double can hold is a fault, not energy, and must not poison the sum.
     const double change_J = held_.dissipation_J(*d) - held_.force().dot(*d);
@@ -15,7 +15,7 @@ void Ledger::credit(const Motion& motion) noexcept {
   held_.begin(motion);
 }
 
-void Ledger::charge_worst_case(double interval_s) noexcept {
+void Ledger::lose(double interval_s) noexcept {
   energy_.add(-held_.worst_case_J(interval_s));
   held_.lose();
 }

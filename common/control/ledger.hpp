@@ -17,7 +17,7 @@ class Ledger {
   Ledger(int degrees_of_freedom, double period_s) : held_(degrees_of_freedom, period_s) {}
 
   void credit(const Motion& motion) noexcept;
-  void charge_worst_case(double interval_s) noexcept;
+  void lose(double interval_s) noexcept;
   void hold(const Vector& force_N) noexcept { held_.hold(force_N); }
 
   [[nodiscard]] double energy_J() const noexcept { return energy_.value_J(); }

@@ -6,7 +6,7 @@ Vector LessConservativeLaw::bound(const Vector& request_N) const noexcept {
   return ledger_.held().bounded(request_N, ledger_.energy_J());
 }
 
-bool LessConservativeLaw::allows(const Vector& force_N) const noexcept {
+bool LessConservativeLaw::allows(const Vector& force_N, double /*latency_s*/) const noexcept {
   return ledger_.held().affords(force_N, ledger_.energy_J());
 }
 

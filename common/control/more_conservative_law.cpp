@@ -10,7 +10,7 @@ MoreConservativeLaw::MoreConservativeLaw(int degrees_of_freedom, double period_s
 
 void MoreConservativeLaw::credit(const Motion& motion) noexcept {
   // Where the device was when it let go, nobody saw.
-  if (motion.held_s < motion.interval_s) charge_worst_case(motion.held_s);
+  if (motion.held_s < motion.interval_s) lose_for(motion.held_s);
   available_J_ = 0;
   if (const auto d = held_.displacement(motion)) {
     Vector psi = std::sqrt(xi_ / held_.period_s()) * held_.damping().factor_transpose_times(*d);
@@ -28,7 +28,7 @@ void MoreConservativeLaw::credit(const Motion& motion) noexcept {
   held_.begin(motion);
 }
 
-void MoreConservativeLaw::charge_worst_case(double interval_s) noexcept {
+void MoreConservativeLaw::lose_for(double interval_s) noexcept {
   // The reserve is just what the worst motion takes in one period; beyond it, what a longer hold took is owed.
   debt_J_ += std::max(0.0, held_.worst_case_J(interval_s) - reserved_J_);
   available_J_ = 0;
@@ -41,7 +41,9 @@ Vector MoreConservativeLaw::bound(const Vector& request_N) const noexcept {
   return held_.bounded(request_N, available_J_);
 }
 
-bool MoreConservativeLaw::allows(const Vector& force_N) const noexcept { return held_.affords(force_N, available_J_); }
+bool MoreConservativeLaw::allows(const Vector& force_N, double /*latency_s*/) const noexcept {
+  return held_.affords(force_N, available_J_);
+}
 
 void MoreConservativeLaw::commit(const Vector& force_N) noexcept {
   held_.hold(force_N);

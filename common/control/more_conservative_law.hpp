@@ -27,9 +27,9 @@ class MoreConservativeLaw final : public PassivityLaw {
 
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-more"; }
   void credit(const Motion& motion) noexcept override;
-  void charge_worst_case(double interval_s) noexcept override;
+  void lose(const Motion& motion) noexcept override { lose_for(motion.interval_s); }
   [[nodiscard]] Vector bound(const Vector& request_N) const noexcept override;
-  [[nodiscard]] bool allows(const Vector& force_N) const noexcept override;
+  [[nodiscard]] bool allows(const Vector& force_N, double) const noexcept override;
   void commit(const Vector& force_N) noexcept override;
 
   /// A_n [J].
@@ -37,6 +37,8 @@ class MoreConservativeLaw final : public PassivityLaw {
   [[nodiscard]] double xi() const noexcept override { return xi_; }
 
  private:
+  void lose_for(double interval_s) noexcept;
+
   HeldForce held_;
   double available_J_ = 0;  // A_n
   double reserved_J_ = 0;   // R

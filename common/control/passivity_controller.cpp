@@ -47,13 +47,23 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
 Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
   if (!motion.position.allFinite() || !motion.jacobian.allFinite()) {
     ++counts_.readings_not_finite;
-    law_->charge_worst_case(motion.interval_s);
-    return Vector::Zero(actuator_step_.rows());
+    law_->lose(motion);
+    const Vector zero = Vector::Zero(actuator_step_.rows());
+    law_->commit(zero);
+    return zero;
   }
   law_->credit(motion);
-  const Vector force = rounded(law_->bound(saturated(request_N)), motion.jacobian);
+  const Vector force = rounded(law_->bound(saturated(request_N)), motion);
   law_->commit(force);
   return force;
+}
+
+Vector PassivityController::confirmed(const Vector& force_N, double latency_s) noexcept {
+  if (force_N.isZero(0) || law_->allows(force_N, latency_s)) return force_N;
+  ++counts_.withdrawn;
+  const Vector zero = Vector::Zero(force_N.rows());
+  law_->commit(zero);
+  return zero;
 }
 
 Vector PassivityController::saturated(const Vector& request_N) noexcept {
@@ -71,14 +81,15 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
   return direction * (force_N_max_ / length);
 }
 
-Vector PassivityController::rounded(const Vector& force_N, const Matrix& jacobian) const noexcept {
+Vector PassivityController::rounded(const Vector& force_N, const Motion& motion) const noexcept {
   if (actuator_step_.isZero(0)) return force_N;
+  const Matrix& jacobian = motion.jacobian;
   Vector force = cartesian_ ? rounded_toward_zero(force_N, actuator_step_)
                             : Vector(jacobian.transpose().partialPivLu().solve(
                                   rounded_toward_zero(jacobian.transpose() * force_N, actuator_step_)));
   // Near a singular configuration a small torque can be a huge force at the tip.
   const bool longer = force.norm() > force_N_max_;
-  if (!force.allFinite() || longer || !law_->allows(force)) force.setZero();
+  if (!force.allFinite() || longer || !law_->allows(force, motion.latency_s_max)) force.setZero();
   return force;
 }
 

@@ -23,6 +23,7 @@ class PassivityController {
     std::uint64_t requests_not_finite = 0;
     std::uint64_t readings_not_finite = 0;
     std::uint64_t saturated = 0;
+    std::uint64_t withdrawn = 0;  ///< chosen, but too late to be passive: zero force instead
   };
 
   /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, or an
@@ -32,12 +33,15 @@ class PassivityController {
   /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.
   [[nodiscard]] Vector tick(const Motion& motion, const Vector& request_N) noexcept;
 
+  /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it.
+  [[nodiscard]] Vector confirmed(const Vector& force_N, double latency_s) noexcept;
+
   [[nodiscard]] const PassivityLaw& law() const noexcept { return *law_; }
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
  private:
   [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
-  [[nodiscard]] Vector rounded(const Vector& force_N, const Matrix& jacobian) const noexcept;
+  [[nodiscard]] Vector rounded(const Vector& force_N, const Motion& motion) const noexcept;
 
   std::unique_ptr<PassivityLaw> law_;
   Vector actuator_step_;

@@ -107,6 +107,8 @@ DeviceFacts facts_of(const ReplayOptions& options, Eigen::Index axes) {
   facts.actuator_step = Vector::Zero(axes);
   facts.force_N_max = options.force_N_max;
   facts.hold_s_max = options.hold_s.value_or(options.period_s);
+  // Only who says how long a force is held says that it is let go then.
+  facts.releases = options.hold_s.has_value();
   facts.latency_s = options.latency_s;
   return facts;
 }
@@ -127,7 +129,7 @@ void write_number(std::string& line, double value) {
 
 std::unique_ptr<control::PassivityLaw> checked_law(const ReplayOptions& options, const DeviceFacts& facts) {
   try {
-    return control::published_laws().make(options.law, facts);
+    return control::shipped_laws().make(options.law, facts, options.law_options);
   } catch (const std::invalid_argument& error) {
     refuse_option("--law: ", error.what());
   }
@@ -181,7 +183,7 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   control::Motion motion;
   motion.jacobian = Matrix::Identity(axes, axes);
   motion.damping = &damping;
-  motion.latency_s = options.latency_s;
+  motion.latency_s = motion.latency_s_max = options.latency_s;
   write_line(output, output_header(axes));
 
   ReplayCounts counts;

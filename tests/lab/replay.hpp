@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/control/law_registry.hpp"
+
 namespace forcebound::lab {
 
 /// `forcebound-lab replay`: a law over recorded rows, or over rows that a simulator in any language sends as it goes.
 struct ReplayOptions {
-  enum class Memory { full, capped };
-
   std::string law;
   std::vector<double> damping_N_s_per_m;                           ///< one per axis, or one for all
   std::optional<std::vector<std::vector<double>>> damping_matrix;  ///< in its place, if given
@@ -22,7 +22,7 @@ struct ReplayOptions {
   std::optional<double> hold_s;        ///< the period, if not given
   double latency_s = 0;
   double force_N_max = std::numeric_limits<double>::infinity();
-  Memory memory = Memory::capped;
+  control::LawOptions law_options{};
 };
 
 /// What a person should know of a replay.

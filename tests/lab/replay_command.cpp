@@ -47,7 +47,7 @@ ReplayOptions options_of(const ReplayArguments& arguments) {
   options.damping_N_s_per_m = numbers_of("--damping", arguments.damping);
   options.encoder_step_m = numbers_of("--encoder", arguments.encoder);
   options.friction_N = numbers_of("--friction", arguments.friction);
-  options.memory = arguments.memory == "full" ? ReplayOptions::Memory::full : ReplayOptions::Memory::capped;
+  options.law_options.memory = arguments.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
   if (!arguments.damping_matrix.empty()) {
     options.damping_matrix.emplace();
     for (const std::string_view row : text::split(arguments.damping_matrix, ';')) {
@@ -76,7 +76,7 @@ void report(const ReplayCounts& counts) {
 }
 
 std::string law_help() {
-  std::string help = "law to run:\n" + control::published_laws().help();
+  std::string help = "law to run:\n" + control::shipped_laws().help();
   help.pop_back();  // --help ends the last line itself
   return help;
 }
@@ -106,14 +106,15 @@ void add_replay(CLI::App& program) {
       "bounded.csv");
   command->add_option("--law", options.law, law_help())
       ->required()
-      ->check(CLI::IsMember(control::published_laws().names()));
+      ->check(CLI::IsMember(control::shipped_laws().names()));
   command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");
   command->add_option("--damping-matrix", arguments->damping_matrix,
                       "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping");
   command->add_option("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
   command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..");
   command->add_option("--friction", arguments->friction, "Coulomb friction lower bound [N], one or c1,c2,..");
-  command->add_option("--hold", options.hold_s, "longest time a force is held [s] (default: the period)");
+  command->add_option("--hold", options.hold_s,
+                      "the device lets go of a force after this time [s]; default: the period, and never");
   command->add_option("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
   command->add_option("--force-max", options.force_N_max, "largest force asked of the law [N]")->capture_default_str();
   command->add_option("--memory", arguments->memory, "energy kept: all, or what the largest force can need")

@@ -100,7 +100,7 @@ void reproduce(const ReproduceOptions& options) {
     const auto hand = client::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
     print_heading(experiment, settings.device, *hand);
     LawsFigure figure(experiment.title(), "same device, same hand, three laws");
-    for (const std::string& law : control::published_laws().names()) {
+    for (const std::string& law : control::shipped_laws().names()) {
       const Run done = run(experiment, law, options.figures.empty() ? nullptr : &figure);
       print_row(experiment, done);
       runs.push_back(to_json(experiment, done, hand->hand()));

@@ -32,7 +32,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
   start_server();
   session_ = std::make_unique<client::Session>(
       client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
-      device_, control::published_laws().make(settings_.law, device_.facts()), network_.add_client(), clock_,
+      device_, control::shipped_laws().make(settings_.law, device_.facts()), network_.add_client(), clock_,
       client::Session::Sinks{.ticks = sinks_});
 }
 

@@ -55,7 +55,7 @@ class LawLoop {
     facts.friction = facts.encoder_step = control::Vector::Zero(damping.rows());
     facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
     facts.force_N_max = setting.force_N_max;
-    return {facts, control::published_laws().make(law, facts)};
+    return {facts, control::shipped_laws().make(law, facts)};
   }
 
   double period_s_;

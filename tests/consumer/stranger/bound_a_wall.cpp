@@ -15,7 +15,7 @@ int main() {
   facts.encoder_step = control::Vector::Zero(1);
   facts.actuator_step = control::Vector::Zero(1);
   facts.force_N_max = 30.0;
-  control::PassivityController controller(facts, control::published_laws().make("fba-more", facts));
+  control::PassivityController controller(facts, control::shipped_laws().make("fba-more", facts));
 
   const auto damping = control::Damping::from_matrix(facts.damping);
   const double stiffness_N_per_m = 150e3;

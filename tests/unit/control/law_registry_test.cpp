@@ -42,7 +42,7 @@ TEST(LawRegistry, PassesOnWhatALawRefusesAboutTheDevice) {
 
 TEST(LawRegistry, TakesALawOfOnesOwn) {
   LawRegistry laws = published_laws();
-  laws.add("mine", "does nothing at all", [](const DeviceFacts& facts) {
+  laws.add("mine", "does nothing at all", [](const DeviceFacts& facts, const LawOptions&) {
     return std::make_unique<TransparentLaw>(facts.degrees_of_freedom(), facts.period_s);
   });
   EXPECT_EQ(laws.make("mine", one_axis())->name(), "none");

@@ -76,13 +76,13 @@ TEST_F(LedgerTest, ChargesTheWorstCaseWhereNobodySaw) {
   credit({0, 0});
   credit({1e-3, 1e-3});
   ledger_.hold(to_vector({4, 5}));
-  ledger_.charge_worst_case(2 * kPeriod_s);
+  ledger_.lose(2 * kPeriod_s);
   EXPECT_NEAR(ledger_.energy_J(), 18e-6 / kPeriod_s - 2 * kPeriod_s * 5 / 4, 1e-16);
 }
 
 TEST_F(LedgerTest, CreditsNothingForAMotionAcrossALoss) {
   credit({0, 0});
-  ledger_.charge_worst_case(kPeriod_s);
+  ledger_.lose(kPeriod_s);
   credit({1, 1});
   EXPECT_EQ(ledger_.energy_J(), 0.0);
   credit({1.001, 1.001});

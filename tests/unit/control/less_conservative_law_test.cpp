@@ -84,9 +84,9 @@ TEST(LessConservativeLaw, AllowsWhatItBoundsTo) {
     law.credit(motion);
   }
   const Vector most = law.bound(Vector::Constant(1, 1e6));
-  EXPECT_TRUE(law.allows(most));
-  EXPECT_FALSE(law.allows(1.001 * most));
-  EXPECT_TRUE(law.allows(Vector::Zero(1)));
+  EXPECT_TRUE(law.allows(most, 0));
+  EXPECT_FALSE(law.allows(1.001 * most, 0));
+  EXPECT_TRUE(law.allows(Vector::Zero(1), 0));
 }
 
 }  // namespace

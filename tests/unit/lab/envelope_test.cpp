@@ -40,7 +40,10 @@ TEST(Envelope, ThinsAMillionPointsAndLosesNoSpike) {
 TEST(Envelope, NeverJoinsWhatAGapParts) {
   Envelope envelope;
   constexpr int kLength = 300;  // contact and none by turns, each contact at another height
-  for (int i = 0; i < 60'000; ++i) envelope.add(i, i / kLength % 2 == 0 ? i / kLength : kNone);
+  for (int i = 0; i < 60'000; ++i) {
+    const int contact = i / kLength;
+    envelope.add(i, contact % 2 == 0 ? contact : kNone);
+  }
   const Series series = envelope.series("a", colour::kApplied);
   for (std::size_t i = 1; i < series.y.size(); ++i) {
     if (std::isnan(series.y[i]) || std::isnan(series.y[i - 1])) continue;

@@ -155,7 +155,7 @@ TEST(Replay, IgnoresOptionsThatALawHasNoUseFor) {
   full.friction_N = {0.1};
   full.hold_s = 5e-3;
   full.latency_s = 1e-4;
-  full.memory = ReplayOptions::Memory::full;
+  full.law_options.memory = control::EnergyMemory::full;
   for (const char* law : {"none", "fba-less", "fba-more"}) {
     plain.law = full.law = law;
     EXPECT_EQ(answers(plain, as_csv(ticks)), answers(full, as_csv(ticks))) << law;

@@ -61,7 +61,7 @@ TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
   const DeviceDescription device = parse_device(
       "kind = 'cartesian'\ndegrees_of_freedom = 2\nmass_kg = [0.1, 0.2]\ndamping_N_s_per_m = [[2, 1], [1, 3]]\n"
       "friction_N = [0, 0.1]\nencoder_step_m = 1e-5\nactuator_step_N = 0.01\nforce_N_max = 5\nperiod_s = 0.0005\n"
-      "hold_s_max = 0.003\nlatency_s = 1e-4\n",
+      "hold_s_max = 0.003\nreleases = false\nlatency_s = 1e-4\n",
       "a/b/plane.toml");
   EXPECT_EQ(device.facts.name, "plane");
   EXPECT_EQ(device.inertia(1, 1), 0.2);
@@ -72,6 +72,7 @@ TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
   EXPECT_EQ(device.facts.actuator_step[0], 0.01);
   EXPECT_EQ(device.facts.period_s, 0.0005);
   EXPECT_EQ(device.facts.hold_s_max, 0.003);
+  EXPECT_FALSE(device.facts.releases);
   EXPECT_EQ(device.facts.latency_s, 1e-4);
 }
 
@@ -94,6 +95,7 @@ TEST(ParseDevice, RefusesWhatNoDeviceCanBe) {
   EXPECT_THAT(with("friction_N = 'much'\n"), HasSubstr("friction_N must be a finite number, got 'much'"));
   EXPECT_THAT(with("encoder_step_m = nan\n"), HasSubstr("encoder_step_m must be a finite number, got nan"));
   EXPECT_THAT(with("hold_s_max = 0\n"), HasSubstr("hold_s_max must be > 0, got 0"));
+  EXPECT_THAT(with("releases = 1\n"), HasSubstr("releases must be true or false, got 1"));
   EXPECT_THAT(with("hold_s_max = 2\n"), HasSubstr("hold_s_max must be <= 1, got 2"));
   EXPECT_THAT(with("latency_s = 0.02\n"), HasSubstr("latency_s must be <= 0.01, got 0.02"));
   EXPECT_THAT(with("[arm]\n"), HasSubstr("mine.toml:6: device 'mine': unknown key 'arm'"));

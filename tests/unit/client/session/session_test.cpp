@@ -43,7 +43,7 @@ class Events final : public EventSink {
 class SessionTest : public ::testing::Test {
  protected:
   explicit SessionTest(std::string_view law = "none")
-      : session({.server = kServer, .scene = "wall"}, device, control::published_laws().make(law, device.facts()), link,
+      : session({.server = kServer, .scene = "wall"}, device, control::shipped_laws().make(law, device.facts()), link,
                 clock, {.ticks = sinks, .events = &events}) {}
 
   void tick() {
