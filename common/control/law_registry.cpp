@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/less_conservative_law.hpp"
 #include "forcebound/control/more_conservative_law.hpp"
 #include "forcebound/control/transparent_law.hpp"
@@ -62,6 +63,13 @@ LawRegistry published_laws() {
   return laws;
 }
 
-LawRegistry shipped_laws() { return published_laws(); }
+LawRegistry shipped_laws() {
+  LawRegistry laws = published_laws();
+  laws.add("fba-exact", "least energy consistent with the readings: passive with real encoders, clocks and latency",
+           [](const DeviceFacts& facts, const LawOptions& options) {
+             return std::make_unique<ExactLaw>(facts, options.memory);
+           });
+  return laws;
+}
 
 }  // namespace forcebound::control

@@ -7,8 +7,10 @@
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
+#include <random>
 #include <vector>
 
+#include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/law_loop.hpp"
@@ -41,6 +43,40 @@ void law_step(benchmark::State& state, const char* law) {
   }
 }
 
+/// fba-exact where it has the most to do: at rest within one count, with friction, latency and a request that changes.
+void exact_step_with_full_knots(benchmark::State& state) {
+  const auto degrees_of_freedom = static_cast<Eigen::Index>(state.range(0));
+  DeviceFacts facts;
+  facts.damping = 30 * Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
+  facts.friction = Vector::Constant(degrees_of_freedom, 0.01);
+  facts.encoder_step = Vector::Constant(degrees_of_freedom, 55e-6);
+  facts.force_N_max = 3;
+  facts.latency_s = 100e-6;
+  ExactLaw law(facts);
+  Motion motion;
+  motion.interval_s = 1e-3;
+  motion.latency_s = motion.latency_s_max = facts.latency_s;
+  motion.position = motion.joint = Vector::Constant(degrees_of_freedom, 0.01);
+  motion.jacobian = Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> force_N(-0.02, 0.02);
+  std::vector<Vector> requests(1000);
+  for (Vector& request : requests) {
+    request = Vector::NullaryExpr(degrees_of_freedom, [&](Eigen::Index) { return force_N(random); });
+  }
+  std::size_t next = 0;
+  double knots = 0;
+  for (auto _ : state) {
+    law.credit(motion);
+    const Vector force = law.bound(requests[next]);
+    law.commit(force);
+    benchmark::DoNotOptimize(force);
+    knots += law.knots();
+    if (++next == requests.size()) next = 0;
+  }
+  state.counters["knots"] = benchmark::Counter(knots, benchmark::Counter::kAvgIterations);
+}
+
 void arm_damping(benchmark::State& state) {
   const int degrees_of_freedom = static_cast<int>(state.range(0));
   const auto ticks = test::random_ticks({.degrees_of_freedom = degrees_of_freedom, .ticks = 1});
@@ -52,6 +88,8 @@ void arm_damping(benchmark::State& state) {
 BENCHMARK_CAPTURE(law_step, none, "none")->Arg(1)->Arg(3)->Arg(6);
 BENCHMARK_CAPTURE(law_step, fba_less, "fba-less")->Arg(1)->Arg(3)->Arg(6);
 BENCHMARK_CAPTURE(law_step, fba_more, "fba-more")->Arg(1)->Arg(3)->Arg(6);
+BENCHMARK_CAPTURE(law_step, fba_exact, "fba-exact")->Arg(1)->Arg(3)->Arg(6);
+BENCHMARK(exact_step_with_full_knots)->Arg(1)->Arg(3)->Arg(6);
 BENCHMARK(arm_damping)->Arg(3)->Arg(6);
 
 }  // namespace

@@ -23,6 +23,14 @@ TEST(LawRegistry, KnowsThePublishedLaws) {
   for (const auto& name : laws.names()) EXPECT_EQ(laws.make(name, one_axis())->name(), name);
 }
 
+TEST(LawRegistry, ShipsTheExactLawBesideThePublishedOnes) {
+  const LawRegistry laws = shipped_laws();
+  EXPECT_THAT(laws.names(), testing::ElementsAre("none", "fba-less", "fba-more", "fba-exact"));
+  DeviceFacts facts = one_axis();
+  facts.friction = facts.encoder_step = Vector::Zero(1);
+  EXPECT_EQ(laws.make("fba-exact", facts)->name(), "fba-exact");
+}
+
 TEST(LawRegistry, NamesTheKnownLawsWhenItRefusesOne) {
   try {
     (void)published_laws().make("fba-lesss", one_axis());

@@ -45,6 +45,34 @@ TEST(MoreConservativeLaw, DoesNotAllocate) {
   for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-more", degrees_of_freedom);
 }
 
+TEST(ExactLaw, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-exact", degrees_of_freedom);
+}
+
+TEST(ExactLaw, DoesNotAllocateWithAllThatARealDeviceHas) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  DeviceFacts facts;
+  facts.damping = 5 * Matrix::Identity(3, 3);
+  facts.friction = Vector::Constant(3, 0.1);
+  facts.encoder_step = Vector::Constant(3, 55e-6);
+  facts.actuator_step = Vector::Zero(3);
+  facts.force_N_max = 3;
+  PassivityController controller(facts, shipped_laws().make("fba-exact", facts));
+  Motion motion;
+  motion.jacobian = Matrix::Identity(3, 3);
+  motion.position = Vector::Zero(3);
+  const Vector request = Vector::Constant(3, 0.1);
+  const AllocationGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    motion.interval_s = i % 7 == 0 ? 5e-3 : 1e-3;
+    motion.latency_s = motion.latency_s_max = 1e-4 * (i % 20);
+    motion.joint = motion.position.array() + 55e-6 * (i % 3);
+    (void)controller.confirmed(controller.tick(motion, i % 5 * request), motion.latency_s_max);
+  }
+  EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
 TEST(Damping, OfAnArmDoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   for (const int degrees_of_freedom : {1, 3, 6}) {

@@ -1,0 +1,229 @@
+#include "forcebound/control/exact_law.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "forcebound/control/less_conservative_law.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+
+namespace forcebound::control {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The published laws' world: ideal encoder, no friction, no latency, held for the period.
+DeviceFacts ideal(const Vector& damping) {
+  DeviceFacts facts;
+  facts.name = "test";
+  facts.damping = damping.asDiagonal();
+  facts.friction = facts.encoder_step = facts.actuator_step = Vector::Zero(damping.rows());
+  facts.force_N_max = kInfinity;
+  facts.hold_s_max = kPeriod_s;
+  return facts;
+}
+
+Vector vector(std::initializer_list<double> values) {
+  Vector result(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), result.data());
+  return result;
+}
+
+Motion motion_to(const Vector& position, const Damping* damping = nullptr, double interval_s = kPeriod_s) {
+  Motion motion;
+  motion.interval_s = interval_s;
+  motion.position = motion.joint = position;
+  motion.jacobian = Matrix::Identity(position.rows(), position.rows());
+  motion.damping = damping;
+  return motion;
+}
+
+TEST(ExactLaw, IsLessConservativeLawOnAnIdealDevice) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const int dof = 1 + static_cast<int>(seed % 6);
+    const Vector b = Vector::NullaryExpr(dof, [&](Eigen::Index) { return std::exp(normal(random)) * 10; });
+    const Damping damping = Damping::from_matrix(b.asDiagonal());
+    ExactLaw exact(ideal(b), EnergyMemory::full);
+    LessConservativeLaw less(dof, kPeriod_s);
+    Vector position = Vector::Zero(dof);
+    Vector less_force = Vector::Zero(dof);
+    int bounded = 0;
+    for (int n = 0; n < 3000; ++n) {
+      // Mostly the motion that takes the most out of the force.
+      position += Vector::NullaryExpr(dof, [&](Eigen::Index) { return 2e-5 * normal(random); });
+      if (n % 3 > 0) position += kPeriod_s / 2 * less_force.cwiseQuotient(b);
+      const Vector request = Vector::NullaryExpr(dof, [&](Eigen::Index) { return 8 * normal(random); });
+      exact.credit(motion_to(position, &damping));
+      less.credit(motion_to(position, &damping));
+      const Vector expected = less.bound(request);
+      const Vector force = exact.bound(request);
+      ASSERT_NEAR(exact.energy_J(), less.energy_J(), 1e-9 * (1 + std::abs(less.energy_J()))) << n;
+      // The root of next to nothing magnifies rounding.
+      const double tolerance = less.energy_J() > 1e-10 ? 1e-9 : 1e-6;
+      ASSERT_LE((force - expected).norm(), tolerance * (1 + expected.norm())) << n;
+      bounded += expected.norm() < 0.99 * request.norm();
+      exact.commit(expected);
+      less.commit(expected);
+      less_force = expected;
+    }
+    EXPECT_GT(bounded, 100);
+  }
+}
+
+TEST(ExactLaw, AllowsExactlyTheFrictionAtRest) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.friction = vector({0.75});
+  facts.encoder_step = vector({15e-6});
+  ExactLaw law(facts);
+  for (int n = 0; n < 1000; ++n) {
+    law.credit(motion_to(vector({0.0123})));
+    const Vector force = law.bound(vector({n % 2 == 0 ? -5.0 : 5.0}));
+    EXPECT_EQ(std::abs(force[0]), 0.75);
+    law.commit(force);
+  }
+  EXPECT_EQ(law.energy_J(), 0);
+}
+
+TEST(ExactLaw, HoldsWithEveryJointsFrictionInTheDirectionAskedFor) {
+  DeviceFacts facts = ideal(vector({10, 20, 5}));
+  facts.friction = vector({0.3, 0.1, 0.2});
+  ExactLaw law(facts);
+  law.credit(motion_to(vector({0, 0, 0})));
+  const Vector force = law.bound(vector({1, -1, 0}));
+  EXPECT_DOUBLE_EQ(force[0], 0.1) << "the joint with the least gives way first";
+  EXPECT_DOUBLE_EQ(force[1], -0.1);
+  EXPECT_EQ(force[2], 0);
+}
+
+TEST(ExactLaw, SpendsOnAllJointsWhatFrictionDoesNotHold) {
+  DeviceFacts facts = ideal(vector({10, 20}));
+  facts.friction = vector({0.3, 0.1});
+  ExactLaw law(facts, EnergyMemory::full);
+  law.credit(motion_to(vector({0, 0})));
+  law.credit(motion_to(vector({1e-4, 0})));
+  const double energy_J = 10 / kPeriod_s * 1e-8 + 0.3 * 1e-4;
+  EXPECT_DOUBLE_EQ(law.energy_J(), energy_J);
+  const Vector u = vector({0.6, 0.8});
+  const double phi = law.bound(100 * u).norm();
+  const double needed_J = std::pow(0.6 * phi - 0.3, 2) * kPeriod_s / 40 + std::pow(0.8 * phi - 0.1, 2) * kPeriod_s / 80;
+  EXPECT_NEAR(needed_J, energy_J, 1e-12 * energy_J);
+  EXPECT_TRUE(law.allows(phi * u, 0));
+  EXPECT_FALSE(law.allows(1.0001 * phi * u, 0));
+}
+
+TEST(ExactLaw, KeepsNoMoreThanTheLargestForceCanNeedUnlessToldTo) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.force_N_max = 3;
+  ExactLaw capped(facts);
+  ExactLaw full(facts, EnergyMemory::full);
+  for (int n = 0; n < 100; ++n) {
+    capped.credit(motion_to(vector({1e-3 * n})));
+    full.credit(motion_to(vector({1e-3 * n})));
+  }
+  EXPECT_NEAR(capped.energy_J(), 9 * kPeriod_s / 120, 1e-12);
+  EXPECT_DOUBLE_EQ(full.energy_J(), 99 * 30e3 * 1e-6);
+  EXPECT_EQ(capped.bound(vector({3}))[0], 3);
+}
+
+TEST(ExactLaw, ReservesForTheForceInEffectUntilTheNextOneIs) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.hold_s_max = 2e-3;
+  ExactLaw law(facts, EnergyMemory::full);
+  law.credit(motion_to(vector({0})));
+  law.credit(motion_to(vector({1e-4})));
+  law.commit(vector({-1}));
+  Motion motion = motion_to(vector({1e-4}));
+  motion.latency_s = motion.latency_s_max = 300e-6;
+  law.credit(motion);
+  // To rest in the end, through 0.3 ms of nothing and 0.7 ms of -1 N: on with the force and back, (0.7 ms)(0.3 ms)/T.
+  // Then again 0.3 ms of -1 N before the next force is in effect.
+  EXPECT_NEAR(law.energy_J(), 30 / kPeriod_s * 1e-8 - 0.7e-3 * 0.3 / 120 - 0.3e-3 / 120, 1e-15);
+}
+
+TEST(ExactLaw, StartsAgainWhereNoClockCanHaveMeasuredTheInterval) {
+  for (const double interval_s : {0.0, -1e-3, -3600.0, 1e7, kInfinity, std::nan("")}) {
+    SCOPED_TRACE(interval_s);
+    ExactLaw law(ideal(vector({30})), EnergyMemory::full);
+    law.credit(motion_to(vector({0})));
+    law.credit(motion_to(vector({1e-4})));
+    const double energy_J = law.energy_J();
+    law.commit(vector({-2}));
+    law.credit(motion_to(vector({5.0}), nullptr, interval_s));
+    EXPECT_DOUBLE_EQ(law.energy_J(), energy_J - 4 * kPeriod_s / 120);
+  }
+}
+
+TEST(ExactLaw, CreditsAVeryShortIntervalAsATenthOfThePeriod) {
+  ExactLaw law(ideal(vector({30})), EnergyMemory::full);
+  law.credit(motion_to(vector({0})));
+  law.credit(motion_to(vector({1e-6}), nullptr, 1e-300));
+  EXPECT_DOUBLE_EQ(law.energy_J(), 30 / (0.1 * kPeriod_s) * 1e-12);
+}
+
+TEST(ExactLaw, GoesOnAfterALostReadingWithoutCreditForTheGap) {
+  PassivityController controller(ideal(vector({30})), std::make_unique<ExactLaw>(ideal(vector({30}))));
+  (void)controller.tick(motion_to(vector({0})), vector({0}));
+  EXPECT_LT(controller.tick(motion_to(vector({1e-3})), vector({-5}))[0], -4.9);
+  const double before_J = controller.law().energy_J();
+  EXPECT_EQ(controller.tick(motion_to(vector({std::nan("")})), vector({-5}))[0], 0);
+  EXPECT_DOUBLE_EQ(controller.law().energy_J(), before_J - 25 * kPeriod_s / 120);
+  (void)controller.tick(motion_to(vector({1e-3})), vector({0}));
+  EXPECT_LT(controller.law().energy_J(), before_J) << "two ticks at rest, one of them under -5 N";
+}
+
+TEST(ExactLaw, GoesOnFromACopyAsFromItself) {
+  DeviceFacts facts = ideal(vector({30, 10}));
+  facts.encoder_step = vector({15e-6, 15e-6});
+  facts.friction = vector({0.1, 0});
+  ExactLaw law(facts);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const auto play = [&](ExactLaw& on, std::uint64_t seed) {
+    std::mt19937_64 same(seed);
+    double sum = 0;
+    for (int n = 0; n < 500; ++n) {
+      on.credit(motion_to(vector({15e-6 * std::round(3 * normal(same)), 15e-6 * std::round(normal(same))})));
+      const Vector force = on.bound(vector({normal(same), normal(same)}));
+      on.commit(force);
+      sum += force[0] + force[1];
+    }
+    return sum;
+  };
+  play(law, 1);
+  ExactLaw saved = law;
+  EXPECT_EQ(play(law, 2), play(saved, 2));
+}
+
+TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
+  const auto refusal = [](auto change) {
+    DeviceFacts facts = ideal(vector({30, 20}));
+    change(facts);
+    try {
+      const ExactLaw law(facts);
+      return std::string("accepted");
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+  };
+  using testing::HasSubstr;
+  EXPECT_EQ(refusal([](DeviceFacts&) {}), "accepted");
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.hold_s_max = 0; }), HasSubstr("hold time must be > 0 s, got 0"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.period_s = -1; }), HasSubstr("period must be > 0 s, got -1"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.latency_s = 0.01; }), HasSubstr("latency must be 0 to 8 periods"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.friction[1] = -1; }), HasSubstr("friction must be >= 0 for each joint"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.encoder_step = Vector::Zero(1); }),
+              HasSubstr("encoder step must be >= 0"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.damping(0, 0) = -1; }), HasSubstr("positive definite"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.force_N_max = std::nan(""); }), HasSubstr("largest force must be >= 0"));
+}
+
+}  // namespace
+}  // namespace forcebound::control
