@@ -27,6 +27,7 @@ class Operator {
   struct Target {
     Vector position;
     Vector velocity;
+    double grip = 1;  ///< share of the hand's stiffness and damping in the ms from here on; 0: it has let go
   };
 
   virtual ~Operator() = default;

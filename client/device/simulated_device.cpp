@@ -78,7 +78,8 @@ void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
 }
 
 SimulatedDevice::Truth SimulatedDevice::truth() const noexcept {
-  return {motion_.position(), motion_.velocity(), kinematics_->position(motion_.position())};
+  const Vector& joint = motion_.position();
+  return {joint, motion_.velocity(), kinematics_->position(joint), kinematics_->jacobian(joint) * motion_.velocity()};
 }
 
 SimulatedDevice::Counters SimulatedDevice::counters() const noexcept {
@@ -127,6 +128,9 @@ void SimulatedDevice::enter_cell(std::int64_t cell) noexcept {
   cell_start_ = cell == cell_ + 1 && cell > 0 ? cell_end_ : target_at(cell);
   cell_end_ = target_at(cell + 1);
   cell_ = cell;
+  if (cell_start_.grip == grip_) return;
+  grip_ = cell_start_.grip;
+  linearise();
 }
 
 void SimulatedDevice::linearise() noexcept {
@@ -134,8 +138,8 @@ void SimulatedDevice::linearise() noexcept {
   jacobian_ = kinematics_->jacobian(motion_.position());
   const Matrix metric = jacobian_.transpose() * jacobian_;
   motion_.set_system({.inertia = description_.inertia + hand.mass_kg * metric,
-                      .damping = facts().damping + hand.damping_N_s_per_m * metric,
-                      .stiffness = hand.stiffness_N_per_m * metric});
+                      .damping = facts().damping + grip_ * hand.damping_N_s_per_m * metric,
+                      .stiffness = grip_ * hand.stiffness_N_per_m * metric});
 }
 
 void SimulatedDevice::integrate(Nanoseconds length) noexcept {
@@ -153,8 +157,8 @@ void SimulatedDevice::integrate(Nanoseconds length) noexcept {
   const Vector velocity = cell_start_.velocity + e * (2 * square + 3 * e * cube);
   const Vector bend = square + 3 * e * cube;
 
-  const double k = operator_->hand().stiffness_N_per_m;
-  const double b = operator_->hand().damping_N_s_per_m;
+  const double k = grip_ * operator_->hand().stiffness_N_per_m;
+  const double b = grip_ * operator_->hand().damping_N_s_per_m;
   JointDrive drive;
   drive.length_s = time::to_seconds(length);
   drive.torque = torque_;

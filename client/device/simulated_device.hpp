@@ -46,6 +46,7 @@ class SimulatedDevice final : public HapticDevice {
     Vector joint;
     Vector joint_velocity;
     Vector position;  ///< of the tip, scene frame [m]
+    Vector velocity;  ///< likewise [m/s]
   };
 
   /// @throws std::invalid_argument if the hand's degrees of freedom are not the device's, or if the device with this
@@ -88,6 +89,7 @@ class SimulatedDevice final : public HapticDevice {
   std::int64_t cell_ = -1;
   Operator::Target cell_start_;
   Operator::Target cell_end_;
+  double grip_ = 1;
   Vector tip_;       ///< where the hand's coupling is linearised
   Matrix jacobian_;  ///< likewise
   Matrix reading_jacobian_;

@@ -20,20 +20,28 @@ constexpr Nanoseconds kClosing = 30s;  // virtual, so patience costs nothing
 
 ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& sinks)
     : settings_(std::move(settings)),
+      tick_clock_(clock_),
+      server_clock_(clock_, settings_.server_clock),
+      schedule_(settings_.timing, time::from_seconds(settings_.device.facts.period_s), settings_.seed),
       network_(clock_, settings_.network),
-      device_(settings_.device, client::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom())),
+      device_(settings_.device,
+              settings_.make_hand ? settings_.make_hand()
+                                  : client::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom())),
       summary_(info()),
-      sinks_(sinks),
-      period_(time::from_seconds(settings_.device.facts.period_s)) {
+      sinks_(sinks) {
   sinks_.push_back(&summary_);
   network_.set_server_handler([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds now) {
-    if (server_) server_->on_datagram(datagram, from, now);
+    if (server_) server_->on_datagram(datagram, from, server_clock_.shown_at(now));
   });
+  if (settings_.environment) {
+    network_.set_tamper(
+        [this](std::span<const std::byte> datagram, Nanoseconds now) { return tampered(datagram, now); });
+  }
   start_server();
   session_ = std::make_unique<client::Session>(
       client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
-      device_, control::shipped_laws().make(settings_.law, device_.facts()), network_.add_client(), clock_,
-      client::Session::Sinks{.ticks = sinks_});
+      device_, control::shipped_laws().make(settings_.law, device_.facts(), settings_.law_options),
+      network_.add_client(), tick_clock_, client::Session::Sinks{.ticks = sinks_});
 }
 
 ClosedLoop::~ClosedLoop() = default;
@@ -44,7 +52,7 @@ record::RunInfo ClosedLoop::info() const {
   info.law = settings_.law;
   info.device = settings_.device.facts.name;
   info.facts = describe(settings_.device);
-  info.operator_name = settings_.hand;
+  info.operator_name = settings_.make_hand ? std::string(device_.hand().name()) : settings_.hand;
   info.hand = device_.hand().description();
   info.scene = settings_.scene->facts().name;
   info.simulated = server::summary(*settings_.scene);
@@ -60,8 +68,8 @@ void ClosedLoop::start_server() {
   server::SceneLibrary scenes;
   scenes.add(settings_.scene);
   server_ = std::make_unique<server::Server>(
-      server::ServerOptions{.scene = settings_.scene->facts().name}, std::move(scenes), network_.server_link(), clock_,
-      [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
+      server::ServerOptions{.scene = settings_.scene->facts().name}, std::move(scenes), network_.server_link(),
+      server_clock_, [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
   network_.attach_server();
 }
 
@@ -80,16 +88,69 @@ void ClosedLoop::live_until(Nanoseconds time) {
 }
 
 void ClosedLoop::run(Nanoseconds duration) {
-  for (const Nanoseconds end = next_tick_ + duration; next_tick_ < end; next_tick_ += period_) {
+  for (end_ = std::max(end_, next_tick_) + duration; next_tick_ < end_; plan_next_tick()) {
     live_until(next_tick_);
-    if (server_ && next_tick_ % kServerTimer == 0ns) server_->on_timer(next_tick_);
+    note_faults();
+    if (server_ && next_tick_ >= next_timer_) {
+      server_->on_timer(server_clock_.now());
+      next_timer_ += kServerTimer;
+    }
+    const Nanoseconds commanded = schedule_.next_choosing();
+    tick_clock_.begin_tick(schedule_.next_chosen(commanded), commanded);
     session_->tick(next_tick_);
+    tick_clock_.begin_tick(Nanoseconds{0}, Nanoseconds{0});
+    free_ = next_tick_ + commanded + Nanoseconds{1};
   }
+}
+
+void ClosedLoop::plan_next_tick() {
+  next_tick_ = schedule_.next_wake(free_);
+  for (const Fault& fault : settings_.faults) {
+    const bool stalled = fault.kind == Fault::Kind::stall && next_tick_ >= fault.at;
+    if (stalled) next_tick_ = std::max(next_tick_, fault.at + fault.length);
+  }
+  free_ = next_tick_;
+}
+
+void ClosedLoop::note_faults() {
+  using Kind = Fault::Kind;
+  bool up = false;
+  bool down = false;
+  bool killed = false;
+  for (const Fault& fault : settings_.faults) {
+    if (next_tick_ < fault.at || next_tick_ >= fault.at + fault.length) continue;
+    up = up || fault.kind == Kind::blackout_up || fault.kind == Kind::blackout;
+    down = down || fault.kind == Kind::blackout_down || fault.kind == Kind::blackout;
+    killed = killed || fault.kind == Kind::server_killed;
+  }
+  if (!settings_.faults.empty()) {
+    network_.set_blackhole(Direction::up, up);
+    network_.set_blackhole(Direction::down, down);
+    if (killed && server_) kill_server();
+    if (!killed && !server_) start_server();
+  }
+}
+
+std::span<const std::byte> ClosedLoop::tampered(std::span<const std::byte> datagram, Nanoseconds now) {
+  const auto decoded = codec_.decode(datagram);
+  const auto* message = std::get_if<wire::Message>(&decoded);
+  const auto* honest = message != nullptr ? std::get_if<wire::EnvironmentForce>(message) : nullptr;
+  if (honest == nullptr) return datagram;
+  const client::SimulatedDevice::Truth truth = device_.truth();
+  wire::EnvironmentForce force = *honest;
+  force.force = settings_.environment->force({.time = now,
+                                              .position = honest->position,
+                                              .velocity = truth.velocity,
+                                              .at = truth.position,
+                                              .own_force = honest->force,
+                                              .ledger_J = session_->law().energy_J()});
+  return codec_.encode(force);
 }
 
 const record::Summary& ClosedLoop::close() {
   bool closed = false;
-  for (const Nanoseconds end = next_tick_ + kClosing; !closed && next_tick_ < end; next_tick_ += period_) {
+  const Nanoseconds period = time::from_seconds(settings_.device.facts.period_s);
+  for (const Nanoseconds end = next_tick_ + kClosing; !closed && next_tick_ < end; next_tick_ += period) {
     live_until(next_tick_);
     closed = session_->close(next_tick_);
   }

@@ -1,35 +1,63 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "forcebound/client/device/simulated_device.hpp"
 #include "forcebound/client/session/session.hpp"
+#include "forcebound/control/law_registry.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/server/session/server.hpp"
+#include "tests/sim/environment.hpp"
 #include "tests/sim/simulated_network.hpp"
+#include "tests/sim/skewed_clock.hpp"
+#include "tests/sim/tick_schedule.hpp"
 #include "tests/sim/virtual_clock.hpp"
 
 namespace forcebound::sim {
 
 /// One client and one server, the very code of the programs, over the simulated network in virtual time:
 ///
-///     hand -- device -- client session ==( impaired up / down )== server -- scene
+///     hand -- device -- client session ==( impaired up / down )== environment -- server -- scene
+///         ticks late or not     |                                   (may lie)    another clock
+///                            ledger
 ///
-/// Ticks are punctual, the server takes no time. Everything follows from the settings: same settings, same run.
+/// The server takes no time. Everything follows from the settings: same settings, same run.
 class ClosedLoop {
  public:
+  /// Something that goes wrong for a while, noticed with the first tick from its beginning on.
+  struct Fault {
+    enum class Kind : std::uint8_t {
+      stall,          ///< the client does nothing
+      blackout_up,    ///< what the client sends is lost
+      blackout_down,  ///< what the server sends is lost
+      blackout,       ///< both
+      server_killed,  ///< and restarted afterwards
+    };
+    Kind kind = Kind::stall;
+    Nanoseconds at{0};
+    Nanoseconds length{0};
+  };
+
   struct Settings {
     client::DeviceDescription device;
-    std::string hand;  ///< the operator's specification
+    std::string hand;                                                      ///< the operator's specification
+    std::function<std::unique_ptr<const client::Operator>()> make_hand{};  ///< in its place, if set
     std::string law;
+    control::LawOptions law_options{};
     std::shared_ptr<const server::Scene> scene;
     SimulatedNetworkSettings network{};
     client::LateForcePolicy policy{};
     std::uint64_t seed = 1;
     double settle_s = 0;  ///< contact statistics begin this long after the first contact
+    TickTiming timing{};
+    ClockSkew server_clock{};
+    std::shared_ptr<Environment> environment{};  ///< none: what the server says
+    std::vector<Fault> faults{};
   };
 
   /// @param sinks see every tick, beside the summary; they must outlive the loop.
@@ -46,6 +74,9 @@ class ClosedLoop {
   /// The client does nothing for so long: its next tick is late by it.
   void stall(Nanoseconds duration) noexcept { next_tick_ += duration; }
 
+  /// When the tick began that ran last.
+  [[nodiscard]] Nanoseconds time() const noexcept { return clock_.now(); }
+
   /// Ends the session as the program does and gives the summary of all.
   const record::Summary& close();
 
@@ -60,10 +91,16 @@ class ClosedLoop {
 
  private:
   void live_until(Nanoseconds time);
+  void plan_next_tick();
+  void note_faults();
+  std::span<const std::byte> tampered(std::span<const std::byte> datagram, Nanoseconds now);
   [[nodiscard]] record::RunInfo info() const;
 
   Settings settings_;
   VirtualClock clock_;
+  TickClock tick_clock_;
+  SkewedClock server_clock_;
+  TickSchedule schedule_;
   SimulatedNetwork network_;
   client::SimulatedDevice device_;
   record::Summary summary_;
@@ -71,8 +108,11 @@ class ClosedLoop {
   std::unique_ptr<client::Session> session_;
   std::unique_ptr<server::Server> server_;
   std::uint64_t server_starts_ = 0;
-  Nanoseconds period_;
+  wire::Codec codec_;  // of the environment
   Nanoseconds next_tick_{0};
+  Nanoseconds free_{0};  // when the client has done with its tick
+  Nanoseconds end_{0};
+  Nanoseconds next_timer_{0};
 };
 
 }  // namespace forcebound::sim

@@ -57,7 +57,8 @@ class SimulatedNetwork::ServerLink final : public net::DatagramLink {
     // Client 0 has number 1.
     const std::size_t client = std::size_t{number_of(to)} - 1;
     if (client >= network_.clients_.size() || network_.client_address(client) != to) return false;
-    return network_.send(Direction::down, datagram, client);
+    return network_.send(Direction::down, network_.tamper_ ? network_.tamper_(datagram, network_.now()) : datagram,
+                         client);
   }
   std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override {
     return network_.take(inbox, buffer);

@@ -83,6 +83,10 @@ class SimulatedNetwork {
   [[nodiscard]] const net::ImpairmentCounters& counters(Direction direction) const noexcept;
   [[nodiscard]] const SimulatedNetworkCounters& counters() const noexcept { return counters_; }
 
+  /// Stands at the server's door: whatever the server sends is what this makes of it.
+  using Tamper = std::function<std::span<const std::byte>(std::span<const std::byte> datagram, Nanoseconds now)>;
+  void set_tamper(Tamper tamper) { tamper_ = std::move(tamper); }
+
   /// Called for each verdict of either direction, as it is made.
   using VerdictObserver = std::function<void(Direction, const net::Verdict&)>;
   void set_verdict_observer(VerdictObserver observer) { observer_ = std::move(observer); }
@@ -111,6 +115,7 @@ class SimulatedNetwork {
   std::vector<std::unique_ptr<ClientLink>> clients_;
   ServerHandler handler_;
   VerdictObserver observer_;
+  Tamper tamper_;
   bool server_attached_ = true;
   std::optional<Nanoseconds> event_time_;  // set while delivering
   SimulatedNetworkCounters counters_;

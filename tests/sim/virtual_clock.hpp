@@ -19,4 +19,29 @@ class VirtualClock final : public time::Clock {
   Nanoseconds now_;
 };
 
+/// The client's view of the clock within a tick: time goes on while a force is chosen.
+///
+/// Session asks twice: before it chooses, and when it commands.
+class TickClock final : public time::Clock {
+ public:
+  explicit TickClock(const time::Clock& truth) : truth_(truth) {}
+
+  [[nodiscard]] Nanoseconds now() const noexcept override {
+    return truth_.now() + (asked_++ == 0 ? chosen_ : commanded_);
+  }
+
+  /// For the tick that begins now: how far in it has chosen and commanded.
+  void begin_tick(Nanoseconds chosen, Nanoseconds commanded) noexcept {
+    chosen_ = chosen;
+    commanded_ = commanded;
+    asked_ = 0;
+  }
+
+ private:
+  const time::Clock& truth_;
+  Nanoseconds chosen_{0};
+  Nanoseconds commanded_{0};
+  mutable int asked_ = 0;
+};
+
 }  // namespace forcebound::sim
