@@ -52,6 +52,14 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("held_too_long", totals.held_too_long);
   visit("released_by_device", totals.released_by_device);
   visit("reconnects", totals.reconnects);
+  visit("longest_silence_ns", totals.longest_silence.duration);
+  visit("longest_silence_over", totals.longest_silence.over);
+  visit("longest_silence_counted", totals.longest_silence.counted);
+  visit("longest_silence_server_left", totals.longest_silence.server_left);
+  visit("longest_silence_motions", totals.longest_silence.motions);
+  visit("longest_silence_lost_up", totals.longest_silence.lost_up);
+  visit("longest_silence_answers", totals.longest_silence.answers);
+  visit("longest_silence_lost_down", totals.longest_silence.lost_down);
   visit("send_failures", totals.send_failures);
   visit("tick_allocations", totals.tick_allocations);
   visit("recording_dropped", totals.recording_dropped);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/record/silence.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/codec.hpp"
 
@@ -66,6 +67,7 @@ struct RunTotals {
   std::uint64_t held_too_long = 0;       ///< intervals beyond the hold time of a device that cannot let go
   std::uint64_t released_by_device = 0;  ///< ticks so late that the device let go of the force
   std::uint64_t reconnects = 0;
+  Silence longest_silence;  ///< without any new force
   std::uint64_t send_failures = 0;
   std::uint64_t tick_allocations = 0;     ///< in the tick, after start
   std::uint64_t recording_dropped = 0;    ///< records that found the recorder's queue full

@@ -25,6 +25,9 @@ namespace forcebound::record {
 ///   often the policy changed.
 /// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.
 /// - `blackouts`: times without any new force for longer than the policy's hold time, after the first force.
+///   `longest` tells what both ends counted in the longest of them (`motions` made and `lost_up` on the way, `answers`
+///   sent and `lost_down`) and so what had `died`: up, down, both, neither (late, not lost), server (it said Bye), or
+///   unknown, where the counts are null. The same in words is among the `notes`.
 /// - `rtt_us`: from the reading of a motion to the arrival of its answer. `compute_us`: the server's time on the scene.
 ///   `stages_us` attributes the rest without synchronised clocks: `network` is the round trip less the server's time,
 ///   both ways together; `server` what the server took beside computing; `wait` from arrival until a tick used the

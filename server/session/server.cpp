@@ -90,6 +90,8 @@ void Server::on_timer(Nanoseconds now) {
     const Session& session = entry.second;
     if (now - session.last_heard < options_.idle_timeout) return false;
     ++counters_.sessions_idle;
+    // If only the way up is dead, its client learns so. Who never sent motion may be somebody else's address.
+    if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.info.address);
     close(session, CloseReason::idle);
     return true;
   });

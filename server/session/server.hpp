@@ -35,7 +35,8 @@ struct ServerOptions {
 /// session it is answered at once; copies and latecomers are counted, in the session too, so that client and server
 /// agree on what the network did. Motion of an unknown session (the server restarted) is refused at once with fewer
 /// bytes than it had. A session follows its client to another address if the newest motion comes from there, because
-/// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost.
+/// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost; sent
+/// as well to a client that was there and fell silent, because perhaps only the way up has died.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.

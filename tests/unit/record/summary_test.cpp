@@ -165,6 +165,19 @@ TEST(Summary, CountsBlackoutsLongerThanTheHoldTime) {
   EXPECT_DOUBLE_EQ(object["blackouts"]["longest_s"], 0.399);
 }
 
+TEST(Summary, SaysWhatDiedInTheLongestBlackout) {
+  Summary summary(test::sample_info());
+  summary.finish(test::sample_totals());
+  const json longest = json_of(summary)["blackouts"]["longest"];
+  EXPECT_EQ(longest["died"], "down");
+  EXPECT_EQ(longest["motions"], 399);
+  EXPECT_EQ(longest["lost_up"], 1);
+  EXPECT_EQ(longest["answers"], 398);
+  EXPECT_EQ(longest["lost_down"], 397);
+  summary.finish({});
+  EXPECT_TRUE(json_of(summary)["blackouts"]["longest"].is_null()) << "there was none";
+}
+
 TEST(Summary, AttributesTheRoundTripToStages) {
   Summary summary(RunInfo{});
   ForceRecord force = force_at(100, 50);
