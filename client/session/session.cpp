@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "forcebound/text/printable.hpp"
+
 namespace forcebound::client {
 namespace {
 
@@ -149,7 +151,9 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     silent_since_ = now;
     totals_.scene.assign(welcome->scene);
     totals_.simulated.assign(welcome->simulated);
-    tell(Event::Kind::welcomed, now, welcome->simulated);
+    text::make_printable(totals_.scene);
+    text::make_printable(totals_.simulated);
+    tell(Event::Kind::welcomed, now, totals_.simulated);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
     if (!connection_.on_refusal(*refusal)) return;
     const bool unknown = refusal->reason == wire::RefusalReason::unknown_session;

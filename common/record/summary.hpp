@@ -40,9 +40,8 @@ namespace forcebound::record {
 ///   contact deeper than `stiffness_depth_m_min`, where an encoder's step does not dominate. `median` takes negative
 ///   values as zero and is exact to 0.05 %.
 /// - All three leave out the first `settle_s` after the first contact (but `max` does not).
-/// - `bounded_fraction`: share of the ticks on which the applied force differs from the request by more than 1e-12 of
-/// it
-///   and by more than the actuator's rounding.
+/// - `bounded_fraction`: share of the ticks on which the law took something away: the applied force differs from the
+///   request, cut at the device's largest force, by more than 1e-12 of it and by more than the actuator's rounding.
 /// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; `ok` if the minimum
 /// is not
 ///   below -1e-9 J. Unknown for a device without audit. `ledger.final_J`: what the law may still spend.

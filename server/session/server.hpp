@@ -14,8 +14,8 @@
 #include "forcebound/server/scene/scene_state.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
-#include "forcebound/server/session/token_bucket.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/token_bucket.hpp"
 #include "forcebound/wire/codec.hpp"
 #include "forcebound/wire/sequence_window.hpp"
 
@@ -72,7 +72,7 @@ class Server {
     SessionInfo info;
     std::uint64_t nonce;
     SceneState scene;
-    TokenBucket rate;
+    time::TokenBucket rate;
     Nanoseconds last_heard;
     Arrivals arrivals{};
   };
@@ -114,8 +114,8 @@ class Server {
   std::unordered_map<std::uint64_t, Session> sessions_;
   std::vector<Ended> ended_;  ///< a ring of the last ones
   std::size_t ended_next_ = 0;
-  TokenBucket hellos_;
-  TokenBucket refusals_;
+  time::TokenBucket hellos_;
+  time::TokenBucket refusals_;
   ServerCounters counters_;
 };
 

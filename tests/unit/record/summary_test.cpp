@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -138,6 +139,25 @@ TEST(Summary, DoesNotTakeRoundingForBounding) {
   tick.applied = vector_of({0.98});
   summary.on_tick(tick);
   EXPECT_DOUBLE_EQ(json_of(summary)["bounded_fraction"], 0.5);
+}
+
+TEST(Summary, DoesNotTakeTheDevicesLargestForceForBounding) {
+  RunInfo info;
+  info.force_N_max = 3;
+  Summary summary(info);
+  TickRecord tick = tick_at(1);
+  tick.request = vector_of({30, 40});
+  tick.applied = 3.0 / 50 * tick.request;
+  summary.on_tick(tick);
+  tick.request = vector_of({1e200, 1e200});
+  tick.applied = vector_of({3 / std::sqrt(2), 3 / std::sqrt(2)});
+  summary.on_tick(tick);
+  tick.request = tick.applied = vector_of({1, 2});
+  summary.on_tick(tick);
+  tick.request = vector_of({30, 40});
+  tick.applied = 2.9 / 50 * tick.request;  // the law wanted less
+  summary.on_tick(tick);
+  EXPECT_DOUBLE_EQ(json_of(summary)["bounded_fraction"], 0.25);
 }
 
 TEST(Summary, CountsTicksLateByMoreThanHalfAMillisecond) {

@@ -35,8 +35,12 @@ class LastRecord final : public record::TickSink {
 
 class Events final : public EventSink {
  public:
-  void on_event(const Event& event) noexcept override { kinds.push_back(event.kind); }
+  void on_event(const Event& event) noexcept override {
+    kinds.push_back(event.kind);
+    words = event.words();
+  }
   std::vector<Event::Kind> kinds;
+  std::string words;  ///< of the last one
 };
 
 /// The test is the server: it sees each motion and answers by hand.
@@ -201,6 +205,23 @@ TEST_F(SessionTest, GetsAnotherSessionFromAServerThatRestarted) {
   ASSERT_FALSE(motions.empty());
   EXPECT_EQ(motions.back().session, kSession + 1);
   EXPECT_EQ(session.totals().reconnects, 1U);
+}
+
+TEST_F(SessionTest, TakesTheSpellOutOfTheServersWords) {
+  tick();
+  const auto hellos = sent<wire::Hello>();
+  ASSERT_EQ(hellos.size(), 1U);
+  arrive(wire::Refusal{.client_nonce = hellos[0].client_nonce, .text = "full\x1b[2J\nreally"});
+  tick();
+  EXPECT_EQ(events.words, "full?[2J?really");
+  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce,
+                       .session = kSession,
+                       .scene = "wa\tll",
+                       .simulated = "\x1b]0;a wall\x07"});
+  tick();
+  EXPECT_EQ(events.words, "?]0;a wall?");
+  EXPECT_EQ(session.totals().scene, "wa?ll");
+  EXPECT_EQ(session.totals().simulated, "?]0;a wall?");
 }
 
 TEST_F(SessionTest, ACopyOfTheServersByeDoesNotEndTheNextSession) {
