@@ -1,5 +1,6 @@
 #include "forcebound/client/app/screen.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -18,6 +19,11 @@ const char* const kClearLine = "\r\033[K";
 std::size_t columns() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string in_words(Nanoseconds duration) {
+  const double seconds = time::to_seconds(duration);
+  return seconds < 1 ? fmt::format("{:.0f} ms", seconds * 1e3) : fmt::format("{:.2f} s", seconds);
 }
 
 }  // namespace
@@ -83,16 +89,16 @@ void Screen::log_connection() const {
 
 void Screen::log_late_force(const LateForceLog::Line& line) const {
   clear();
-  const double seconds = time::to_seconds(line.duration);
+  const std::string duration = in_words(line.duration);
   const std::string others =
-      line.left_out == 0 ? "" : "; " + std::to_string(line.left_out) + " changes before it are not shown";
+      line.left_out == 0 ? "" : fmt::format(" (changes before it, not shown: {})", line.left_out);
   switch (line.kind) {
     case Event::Kind::force_fading:
-      return spdlog::warn("forces are {:.0f} ms old: fading{}", seconds * 1e3, others);
+      return spdlog::warn("forces are {} old: fading{}", duration, others);
     case Event::Kind::force_dropped:
-      return spdlog::warn("forces are {:.2f} s old: zero force{}", seconds, others);
+      return spdlog::warn("forces are {} old: zero force{}", duration, others);
     case Event::Kind::force_fresh:
-      return spdlog::info("forces are fresh again after {:.2f} s{}", seconds, others);
+      return spdlog::info("forces are fresh again after {}{}", duration, others);
     default:
       return;  // logged apart
   }

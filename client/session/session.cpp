@@ -106,7 +106,8 @@ void Session::note_policy(record::ForcePolicy policy, Nanoseconds age, Nanosecon
     if (before != ForcePolicy::none) tell(Event::Kind::force_fresh, now, {}, now - not_fresh_since_);
     return;
   }
-  if (before == ForcePolicy::fresh || before == ForcePolicy::none) not_fresh_since_ = now;
+  if (before == ForcePolicy::fresh || before == ForcePolicy::none)
+    not_fresh_since_ = now - (age - options_.policy.hold);
   tell(policy == ForcePolicy::fading ? Event::Kind::force_fading : Event::Kind::force_dropped, now, {}, age);
 }
 

@@ -71,7 +71,7 @@ relay::RelaySettings settings_of(const relay::Options& options, const relay::Add
 std::string words(const std::string& netem, const std::vector<net::Blackhole>& blackholes) {
   std::string text = netem;
   for (const net::Blackhole& hole : blackholes) {
-    text += fmt::format("{}dead from {} s to {} s", text.empty() ? "" : ", ", time::to_seconds(hole.from),
+    text += fmt::format("{}dead from {:g} s to {:g} s", text.empty() ? "" : ", ", time::to_seconds(hole.from),
                         time::to_seconds(hole.to));
   }
   return text.empty() ? "perfect" : text;

@@ -38,9 +38,11 @@ class Events final : public EventSink {
   void on_event(const Event& event) noexcept override {
     kinds.push_back(event.kind);
     words = event.words();
+    duration = event.duration;
   }
   std::vector<Event::Kind> kinds;
-  std::string words;  ///< of the last one
+  std::string words;     ///< of the last one
+  Nanoseconds duration;  ///< of the last one
 };
 
 /// The test is the server: it sees each motion and answers by hand.
@@ -155,6 +157,21 @@ TEST_F(SessionTest, HoldsTheForceThenFadesItThenLetsGo) {
   EXPECT_EQ(session.state(), SessionState::reconnecting);
   using K = Event::Kind;
   EXPECT_EQ(events.kinds, (std::vector{K::welcomed, K::force_fading, K::force_dropped}));
+}
+
+TEST_F(SessionTest, CountsTheTimeWithoutFreshForcesFromTheHoldTimeThoughItSlept) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  tick();
+  clock.time += 2s;
+  tick();
+  ASSERT_EQ(events.kinds.back(), Event::Kind::force_dropped);
+  EXPECT_EQ(events.duration, 2s + 2ms) << "its age";
+  arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+  tick();
+  ASSERT_EQ(events.kinds.back(), Event::Kind::force_fresh);
+  EXPECT_EQ(events.duration, 2s + 3ms - 250ms);
 }
 
 TEST_F(SessionTest, TakesTheForceForTheNewestMotionWhateverTheOrderOfArrival) {
