@@ -28,7 +28,7 @@ std::string LiveLine::text(std::size_t columns) const {
   const std::array fields{
       fmt::format("{} {} ticks", kStates[static_cast<std::size_t>(state_.load())], ticks_.load()),
       fmt::format("  {:.3f} N", force_N_.load()),
-      has_force_ ? fmt::format("  age {:.0f} ms  RTT {:.1f} ms", milliseconds(age_ns_), milliseconds(round_trip_ns_))
+      has_force_ ? fmt::format("  age {:.0f} ms  RTT {:.2f} ms", milliseconds(age_ns_), milliseconds(round_trip_ns_))
                  : std::string("  no force yet"),
       fmt::format("  E {:.3g} J", energy_J_.load()),
       fmt::format("  P {:.3g} J", audit_J_.load()),

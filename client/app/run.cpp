@@ -1,8 +1,6 @@
 #include "forcebound/client/app/run.hpp"
 
 #include <spdlog/spdlog.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdio>
@@ -11,12 +9,12 @@
 #include <optional>
 #include <stdexcept>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "forcebound/client/app/event_queue.hpp"
 #include "forcebound/client/app/idle_timer.hpp"
 #include "forcebound/client/app/live_line.hpp"
+#include "forcebound/client/app/screen.hpp"
 #include "forcebound/client/device/load_device.hpp"
 #include "forcebound/client/device/make_operator.hpp"
 #include "forcebound/client/device/simulated_device.hpp"
@@ -39,11 +37,8 @@ using namespace std::chrono_literals;
 constexpr int kPriority = 80;
 constexpr Nanoseconds kHousekeeping = 50ms;
 constexpr Nanoseconds kOncePatience = 5s;
-constexpr Nanoseconds kSilenceTold = 2s;
 constexpr Nanoseconds kClosing = 3s;
 constexpr int kSettlingTicks = 1000;  // the first second may still touch memory for the first time
-
-const char* const kClearLine = "\r\033[K";
 
 /// Everything that the tick's thread owns, and what it tells the others.
 struct Loop {
@@ -54,6 +49,7 @@ struct Loop {
   Nanoseconds period;
   std::string grant{};
   std::uint64_t allocations = 0;
+  std::uint64_t missed_ticks = 0;
   bool gave_up = false;
   std::atomic<bool> done{false};
 
@@ -70,6 +66,7 @@ struct Loop {
       if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
     }
     if (ticks > kSettlingTicks) allocations = time::heap_operations_of_this_thread() - allocations_at_start;
+    missed_ticks = timer.missed();
     const Nanoseconds closing = clock.now();
     for (Nanoseconds now = timer.wait(); !session.close(now) && now - closing < kClosing; now = timer.wait()) {
     }
@@ -84,76 +81,6 @@ struct Loop {
   }
 };
 
-/// What people see while it runs: log lines for events, and on a terminal a line that moves.
-class Screen {
- public:
-  Screen(const Options& options, const LiveLine& line, EventQueue& events)
-      : live_(!options.quiet && isatty(STDERR_FILENO) != 0), options_(options), line_(line), events_(events) {}
-
-  void refresh(Nanoseconds elapsed) {
-    if (elapsed > kSilenceTold && !options_.once) tell_silence();
-    log_events();
-    if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
-  }
-
-  void end() {
-    clear();
-    live_ = false;
-    log_events();
-  }
-
- private:
-  void clear() const {
-    if (live_) std::fputs(kClearLine, stderr);
-  }
-
-  void tell_silence() {
-    if (line_.state() != SessionState::connecting || std::exchange(silence_told_, true)) return;
-    clear();
-    spdlog::warn("no answer from {} yet; asking on", options_.server);
-  }
-
-  void log_events() {
-    while (events_.take(event_)) {
-      clear();
-      log();
-    }
-  }
-
-  /// Of the terminal, which people resize: a longer line would wrap, and could not be taken back.
-  static std::size_t columns() {
-    winsize size{};
-    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
-  }
-
-  void log() const {
-    const double seconds = time::to_seconds(event_.duration);
-    switch (event_.kind) {
-      case Event::Kind::welcomed:
-        return spdlog::info("connected; simulated: {}", event_.words());
-      case Event::Kind::refused:
-        return spdlog::error("refused by the server: {}", event_.words());
-      case Event::Kind::session_unknown:
-        return spdlog::warn("the server does not know this session (any more); asking for another");
-      case Event::Kind::server_left:
-        return spdlog::warn("the server ended the session; asking for another");
-      case Event::Kind::force_fading:
-        return spdlog::warn("forces are {:.0f} ms old: fading", seconds * 1e3);
-      case Event::Kind::force_dropped:
-        return spdlog::warn("forces are {:.2f} s old: zero force", seconds);
-      case Event::Kind::force_fresh:
-        return spdlog::info("forces are fresh again after {:.2f} s", seconds);
-    }
-  }
-
-  bool live_;
-  bool silence_told_ = false;
-  const Options& options_;
-  const LiveLine& line_;
-  EventQueue& events_;
-  Event event_;
-};
-
 std::ofstream open_summary(const std::string& file) {
   std::ofstream out;
   if (file.empty()) return out;
@@ -161,6 +88,19 @@ std::ofstream open_summary(const std::string& file) {
   if (!out)
     throw std::runtime_error("cannot write the summary to '" + file + "': " + std::generic_category().message(errno));
   return out;
+}
+
+/// What only the shell around the session counts.
+void note_shell_faults(record::RunTotals& totals, const Loop& loop, const SimulatedDevice& device,
+                       const net::UdpLink& link, const EventQueue& events) {
+  totals.tick_allocations = loop.allocations;
+  totals.missed_ticks = loop.missed_ticks;
+  totals.device_gaps_cut = device.counters().gaps_cut;
+  totals.device_frozen_joints = device.counters().frozen_joints;
+  totals.device_faulty_commands = device.counters().faulty_commands;
+  totals.events_dropped = events.dropped();
+  totals.datagrams_overflowed = link.counters().overflowed;
+  totals.nobody_listening = link.counters().refused;
 }
 
 std::string why_no_session(const Options& options, const Session& session, const net::UdpLink& link) {
@@ -182,6 +122,7 @@ record::RunInfo run_info(const Options& options, const SimulatedDevice& device, 
   info.period = time::from_seconds(device.facts().period_s);
   info.hold = options.policy.hold;
   info.drop = options.policy.drop;
+  info.force_N_max = device.facts().force_N_max;
   info.epoch = time::wall_clock_now() - clock.now();
   return info;
 }
@@ -218,14 +159,14 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   while (!loop.done) {
     std::this_thread::sleep_for(kHousekeeping);
     if (writer) recorder.drain(*writer);
-    screen.refresh(clock.now() - start);
+    screen.refresh(clock.now(), clock.now() - start);
   }
   tick.join();
-  screen.end();
+  screen.end(clock.now());
   spdlog::info("tick thread: {}", loop.grant);
 
   record::RunTotals totals = session.totals();
-  totals.tick_allocations = loop.allocations;
+  note_shell_faults(totals, loop, device, link, events);
   totals.idle_timer = idle.stop();
   totals.recording_dropped = recorder.dropped();
   if (writer) {

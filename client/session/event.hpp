@@ -4,8 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
+#include "forcebound/text/printable.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
@@ -28,9 +30,11 @@ struct Event {
   std::array<char, 1024> text{};
   std::size_t text_bytes = 0;
 
+  /// The server's words, made harmless for a terminal, as far as there is room.
   void set_text(std::string_view words) noexcept {
     text_bytes = std::min(words.size(), text.size());
     std::copy_n(words.begin(), text_bytes, text.begin());
+    text::make_printable(std::span(text).first(text_bytes));
   }
   [[nodiscard]] std::string_view words() const noexcept { return {text.data(), text_bytes}; }
 };

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "forcebound/client/session/silence_watch.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
 #include "forcebound/wire/sequence_window.hpp"
@@ -66,11 +67,20 @@ class ForceStream {
     return force.motion_device_time;
   }
 
+  /// This session's, as of the newest force.
+  [[nodiscard]] Progress progress() const noexcept { return progress_at(newest_ ? newest_->motion_sequence : 0); }
+
+  /// This session's, as of the server's last word on it.
+  [[nodiscard]] Progress final_progress() const noexcept { return progress_at(sequence_); }
+
   /// Over all sessions. Whatever is still on its way counts as lost.
   [[nodiscard]] Counts counts() const noexcept;
 
  private:
   void note_server_counts(const wire::Bye& counts) noexcept;
+  [[nodiscard]] Progress progress_at(std::uint64_t motion) const noexcept {
+    return {session_, motion, server_.motions_received, server_.forces_sent, received_};
+  }
 
   struct Sent {
     std::uint64_t sequence = 0;

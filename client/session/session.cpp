@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "forcebound/text/printable.hpp"
+
 namespace forcebound::client {
 namespace {
 
@@ -32,7 +34,8 @@ Session::Session(Options options, HapticDevice& device, std::unique_ptr<control:
       sinks_(sinks),
       controller_(device.facts(), std::move(law)),
       connection_(connection_facts(device.facts(), options_.scene), options_.seed),
-      forces_(device.facts().degrees_of_freedom()) {
+      forces_(device.facts().degrees_of_freedom()),
+      silences_(options_.policy.hold) {
   options_.policy.validate();
   totals_.scene.reserve(wire::kNameBytesMax);
   totals_.simulated.reserve(wire::kTextBytesMax);
@@ -103,7 +106,8 @@ void Session::note_policy(record::ForcePolicy policy, Nanoseconds age, Nanosecon
     if (before != ForcePolicy::none) tell(Event::Kind::force_fresh, now, {}, now - not_fresh_since_);
     return;
   }
-  if (before == ForcePolicy::fresh || before == ForcePolicy::none) not_fresh_since_ = now;
+  if (before == ForcePolicy::fresh || before == ForcePolicy::none)
+    not_fresh_since_ = now - (age - options_.policy.hold);
   tell(policy == ForcePolicy::fading ? Event::Kind::force_fading : Event::Kind::force_dropped, now, {}, age);
 }
 
@@ -148,7 +152,9 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     silent_since_ = now;
     totals_.scene.assign(welcome->scene);
     totals_.simulated.assign(welcome->simulated);
-    tell(Event::Kind::welcomed, now, welcome->simulated);
+    text::make_printable(totals_.scene);
+    text::make_printable(totals_.simulated);
+    tell(Event::Kind::welcomed, now, totals_.simulated);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
     if (!connection_.on_refusal(*refusal)) return;
     const bool unknown = refusal->reason == wire::RefusalReason::unknown_session;
@@ -165,6 +171,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
   switch (forces_.accept(force)) {
     case ForceStream::Verdict::newest:
       silent_since_ = now;
+      silences_.on_force(now, forces_.progress());
       [[fallthrough]];
     case ForceStream::Verdict::overtaken:
       answers_without_news_ = 0;
@@ -186,6 +193,12 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
   if (bye.session != connection_.session() || !forces_.accept(bye)) {
     ++totals_.foreign_session;
     return;
+  }
+  // While closing no forces come any more, which is no silence.
+  if (closing_) {
+    silences_.on_bye(record_.time, forces_.final_progress(), SilenceWatch::Bye::answers_ours);
+  } else {
+    silences_.on_bye(now, forces_.final_progress(), SilenceWatch::Bye::of_the_server);
   }
   if (!closing_) {
     connection_.on_bye();
@@ -263,6 +276,10 @@ record::RunTotals Session::totals() const {
   totals.non_finite_requests = controller_.counts().requests_not_finite;
   totals.withdrawn_forces = controller_.counts().withdrawn;
   totals.non_finite_readings = controller_.counts().readings_not_finite;
+  totals.longest_silence = silences_.longest(record_.time);
+  if (totals.longest_silence.duration > Nanoseconds::zero()) {
+    totals.notes.push_back(record::words_of(totals.longest_silence, net::to_string(options_.server)));
+  }
   totals.reconnects = connection_.sessions() > 0 ? connection_.sessions() - 1 : 0;
   return totals;
 }

@@ -10,6 +10,7 @@
 #include "forcebound/client/session/event.hpp"
 #include "forcebound/client/session/force_stream.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/client/session/silence_watch.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/record/run_info.hpp"
@@ -85,6 +86,7 @@ class Session {
   control::PassivityController controller_;
   Connection connection_;
   ForceStream forces_;
+  SilenceWatch silences_;
   wire::Codec codec_;
   std::array<std::byte, net::kDatagramBytesMax + 1> buffer_{};  // one more, so that an oversize datagram shows
 

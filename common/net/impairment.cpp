@@ -26,6 +26,7 @@ std::uint64_t direction_seed(std::uint64_t seed, Direction direction) noexcept {
 Impairment::Impairment(const ImpairmentSettings& settings)
     : netem_(settings.netem),
       rtt_trace_(trace_of<RttTrace>(settings.trace)),
+      blackholes_(settings.blackholes),
       origin_(settings.origin),
       limit_packets_(netem_.limit_packets.value_or(rtt_trace_ ? kTracedLimitPackets : kLimitPackets)),
       random_(settings.seed),
@@ -45,13 +46,19 @@ Verdicts Impairment::push(Nanoseconds now, std::span<const std::byte> bytes, std
   Verdicts verdicts;
   std::optional<Nanoseconds> trace_delay{0};
   if (rtt_trace_) trace_delay = rtt_trace_->one_way_delay(now - origin_);
-  if (!trace_delay) {
+  if (!trace_delay || in_blackhole(now)) {
     ++counters_.blackout;
     verdicts.add({.number = counters_.received, .fate = Fate::blackout, .arrival = now});
     return verdicts;
   }
   admit({now, bytes, tag, *trace_delay, false}, verdicts);
   return verdicts;
+}
+
+bool Impairment::in_blackhole(Nanoseconds now) const noexcept {
+  const Nanoseconds time = now - origin_;
+  return std::any_of(blackholes_.begin(), blackholes_.end(),
+                     [time](const Blackhole& hole) { return hole.from <= time && time < hole.to; });
 }
 
 void Impairment::admit(const Arrival& arrival, Verdicts& verdicts) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "forcebound/net/delay_distribution.hpp"
 #include "forcebound/net/loss_model.hpp"
@@ -19,11 +20,18 @@ namespace forcebound::net {
 inline constexpr std::size_t kEthernetHeaderBytes = 14;
 inline constexpr std::size_t kIpUdpHeaderBytes = 28;
 
+/// A time, since the origin, in which a direction is dead: what is sent in [from, to) is lost.
+struct Blackhole {
+  Nanoseconds from{0};
+  Nanoseconds to{0};
+};
+
 struct ImpairmentSettings {
   NetemParameters netem{};
   std::optional<NetworkTrace> trace{};  ///< its delay or its delivery opportunities come on top of `netem`
+  std::vector<Blackhole> blackholes{};
   std::uint64_t seed = 1;
-  Nanoseconds origin{0};  ///< when the trace and the slots begin
+  Nanoseconds origin{0};  ///< when the trace and the slots begin, and blackholes count from
 };
 
 /// The seed of one direction, from the seed a person gives for both.
@@ -39,7 +47,8 @@ struct Departure {
 
 /// One direction of a bad network: netem's algorithm, with all its randomness from one seed.
 ///
-/// For each packet, in this order: the draw for a duplicate; the draw for loss, which of a duplicated packet only
+/// A packet sent into a blackhole, or into a hole of the trace, is gone without any draw. For each other packet, in
+/// this order: the draw for a duplicate; the draw for loss, which of a duplicated packet only
 /// cancels the copy; the copy is taken; one bit of one byte flips if the draw for corruption says so; a full queue
 /// drops the packet (and its copy); the copy goes through the same again, except for duplication; then the packet is
 /// reordered, which means that it leaves at once and first, or delayed. Packets leave in the order of their times.
@@ -73,6 +82,7 @@ class Impairment {
     bool copy;
   };
 
+  [[nodiscard]] bool in_blackhole(Nanoseconds now) const noexcept;
   void admit(const Arrival& arrival, Verdicts& verdicts);
   void corrupt(std::span<std::byte> bytes) noexcept;
   bool goes_at_once() noexcept;
@@ -84,6 +94,7 @@ class Impairment {
 
   NetemParameters netem_;
   std::optional<RttTrace> rtt_trace_;
+  std::vector<Blackhole> blackholes_;
   Nanoseconds origin_;
   std::uint32_t limit_packets_;
   Random random_;

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -60,17 +61,33 @@ std::string reason(const asio::error_code& error) {
 
 constexpr std::size_t kControlBytes = 128;
 
-/// How long the datagram has waited in the system's buffer, by the time that the kernel wrote on it.
-time::Nanoseconds waited(msghdr& message) noexcept {
+/// What the kernel tells along with a datagram.
+struct Told {
+  time::Nanoseconds waited{0};                ///< in the system's buffer
+  std::optional<std::uint32_t> overflowed{};  ///< since the socket was opened
+};
+
+template <class Value>
+Value value_of(const cmsghdr& part) noexcept {
+  Value value{};
+  std::memcpy(&value, CMSG_DATA(&part), sizeof value);
+  return value;
+}
+
+Told told(msghdr& message) noexcept {
   constexpr time::Nanoseconds kMost = std::chrono::seconds{10};  // more is a jump of the wall clock
+  Told result;
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec stamp{};
-    std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
-    const auto arrival = std::chrono::seconds{stamp.tv_sec} + time::Nanoseconds{stamp.tv_nsec};
-    return std::clamp(time::wall_clock_now() - arrival, time::Nanoseconds{0}, kMost);
+    if (part->cmsg_level != SOL_SOCKET) continue;
+    if (part->cmsg_type == SCM_TIMESTAMPNS) {
+      const auto stamp = value_of<timespec>(*part);
+      const auto arrival = std::chrono::seconds{stamp.tv_sec} + time::Nanoseconds{stamp.tv_nsec};
+      result.waited = std::clamp(time::wall_clock_now() - arrival, time::Nanoseconds{0}, kMost);
+    } else if (part->cmsg_type == SO_RXQ_OVFL) {
+      result.overflowed = value_of<std::uint32_t>(*part);
+    }
   }
-  return time::Nanoseconds{0};
+  return result;
 }
 
 }  // namespace
@@ -88,8 +105,10 @@ struct UdpLink::Socket {
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
-    const int stamped = 1;
-    setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &stamped, sizeof stamped);
+    for (const int wanted : {SO_TIMESTAMPNS, SO_RXQ_OVFL}) {
+      const int on = 1;
+      setsockopt(socket.native_handle(), SOL_SOCKET, wanted, &on, sizeof on);
+    }
     if (protocol == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   }
 };
@@ -149,7 +168,9 @@ std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
     const ssize_t bytes = recvmsg(descriptor(), &message, MSG_TRUNC | MSG_DONTWAIT);
     if (bytes >= 0) {
       sender.resize(message.msg_namelen);
-      return Received{static_cast<std::size_t>(bytes), from_asio(sender), waited(message)};
+      const Told extra = told(message);
+      if (extra.overflowed) socket_->counters.overflowed = *extra.overflowed;
+      return Received{static_cast<std::size_t>(bytes), from_asio(sender), extra.waited};
     }
     if (errno != ECONNREFUSED) break;
     ++socket_->counters.refused;

@@ -11,7 +11,8 @@ namespace forcebound::net {
 
 /// What a UDP socket reported besides datagrams.
 struct UdpCounters {
-  std::uint64_t refused = 0;      ///< the other end's machine said that nobody listens there
+  std::uint64_t refused = 0;     ///< the other end's machine said that nobody listens there
+  std::uint64_t overflowed = 0;  ///< datagrams dropped before the last one received: nobody had read the buffer in time
   std::uint64_t send_failed = 0;  ///< the system did not take a datagram: no route, no memory, too large
 };
 

@@ -23,7 +23,7 @@ enum class Fate : std::uint8_t {
   forwarded,
   lost,        ///< the loss model took it
   over_limit,  ///< the queue was full
-  blackout,    ///< sent into a hole of the trace
+  blackout,    ///< sent into a hole of the trace, or a blackhole
 };
 
 /// What becomes of one packet, or of the copy that `duplicate` made of it.

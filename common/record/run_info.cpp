@@ -31,6 +31,7 @@ void each_field(Info& info, Visit&& visit) {
   visit("audited", info.audited);
   visit("settle_s", info.settle_s);
   visit("stiffness_depth_m_min", info.stiffness_depth_m_min);
+  visit("force_N_max", info.force_N_max);
   visit("rounding_N", info.rounding_N);
 }
 
@@ -52,7 +53,22 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("held_too_long", totals.held_too_long);
   visit("released_by_device", totals.released_by_device);
   visit("reconnects", totals.reconnects);
+  visit("longest_silence_ns", totals.longest_silence.duration);
+  visit("longest_silence_over", totals.longest_silence.over);
+  visit("longest_silence_counted", totals.longest_silence.counted);
+  visit("longest_silence_server_left", totals.longest_silence.server_left);
+  visit("longest_silence_motions", totals.longest_silence.motions);
+  visit("longest_silence_lost_up", totals.longest_silence.lost_up);
+  visit("longest_silence_answers", totals.longest_silence.answers);
+  visit("longest_silence_lost_down", totals.longest_silence.lost_down);
   visit("send_failures", totals.send_failures);
+  visit("missed_ticks", totals.missed_ticks);
+  visit("device_gaps_cut", totals.device_gaps_cut);
+  visit("device_frozen_joints", totals.device_frozen_joints);
+  visit("device_faulty_commands", totals.device_faulty_commands);
+  visit("datagrams_overflowed", totals.datagrams_overflowed);
+  visit("nobody_listening", totals.nobody_listening);
+  visit("events_dropped", totals.events_dropped);
   visit("tick_allocations", totals.tick_allocations);
   visit("recording_dropped", totals.recording_dropped);
   visit("recording_unwritten", totals.recording_unwritten);
@@ -144,23 +160,31 @@ RunTotals run_totals_from(const KeyValues& values) {
 }
 
 std::vector<Fault> faults_of(const RunTotals& t) {
-  return {{"malformed_oversize", t.malformed[0], "datagrams longer than ours may be"},
-          {"malformed_truncated", t.malformed[1], "datagrams shorter than a frame header"},
-          {"malformed_foreign", t.malformed[2], "datagrams that are not ours, or of another version"},
-          {"malformed_corrupt", t.malformed[3], "datagrams whose checksum disagrees"},
-          {"malformed_unreadable", t.malformed[4], "datagrams whose body cannot be read"},
-          {"malformed_non_finite", t.malformed[5], "datagrams with numbers that are not finite"},
-          {"foreign_session", t.foreign_session, "datagrams of another session or sender"},
-          {"non_finite_requests", t.non_finite_requests, "forces asked for that were not finite, shown as zero"},
-          {"non_finite_readings", t.non_finite_readings, "failed device readings, shown as zero force"},
-          {"withdrawn_forces", t.withdrawn_forces, "forces commanded too long after the reading, and made zero"},
-          {"held_too_long", t.held_too_long, "ticks beyond the hold time of a device that cannot let go: not passive"},
-          {"released_by_device", t.released_by_device, "ticks so late that the device let go of the force"},
-          {"reconnects", t.reconnects, "times the session was lost and asked for again"},
-          {"send_failures", t.send_failures, "datagrams the system did not take"},
-          {"tick_allocations", t.tick_allocations, "heap allocations inside the tick"},
-          {"recording_dropped", t.recording_dropped, "records missing: the recorder's queue was full"},
-          {"recording_unwritten", t.recording_unwritten, "records missing: they could not be written"}};
+  return {
+      {"malformed_oversize", t.malformed[0], "datagrams longer than ours may be"},
+      {"malformed_truncated", t.malformed[1], "datagrams shorter than a frame header"},
+      {"malformed_foreign", t.malformed[2], "datagrams that are not ours, or of another version"},
+      {"malformed_corrupt", t.malformed[3], "datagrams whose checksum disagrees"},
+      {"malformed_unreadable", t.malformed[4], "datagrams whose body cannot be read"},
+      {"malformed_non_finite", t.malformed[5], "datagrams with numbers that are not finite"},
+      {"foreign_session", t.foreign_session, "datagrams of another session or sender"},
+      {"non_finite_requests", t.non_finite_requests, "forces asked for that were not finite, shown as zero"},
+      {"non_finite_readings", t.non_finite_readings, "failed device readings, shown as zero force"},
+      {"withdrawn_forces", t.withdrawn_forces, "forces commanded too long after the reading, and made zero"},
+      {"held_too_long", t.held_too_long, "ticks beyond the hold time of a device that cannot let go: not passive"},
+      {"released_by_device", t.released_by_device, "ticks so late that the device let go of the force"},
+      {"reconnects", t.reconnects, "times the session was lost and asked for again"},
+      {"send_failures", t.send_failures, "datagrams the system did not take"},
+      {"missed_ticks", t.missed_ticks, "ticks left out: the loop woke too late for them"},
+      {"device_gaps_cut", t.device_gaps_cut, "pauses so long that the simulated device stood still in them"},
+      {"device_frozen_joints", t.device_frozen_joints, "times the simulation of a joint's friction gave up for a ms"},
+      {"device_faulty_commands", t.device_faulty_commands, "commands not finite at the device, shown as zero"},
+      {"datagrams_overflowed", t.datagrams_overflowed, "datagrams lost here: the socket was full"},
+      {"nobody_listening", t.nobody_listening, "times the server's machine said that nobody listens there"},
+      {"events_dropped", t.events_dropped, "log lines missing: their queue was full"},
+      {"tick_allocations", t.tick_allocations, "heap allocations inside the tick"},
+      {"recording_dropped", t.recording_dropped, "records missing: the recorder's queue was full"},
+      {"recording_unwritten", t.recording_unwritten, "records missing: they could not be written"}};
 }
 
 }  // namespace forcebound::record

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "forcebound/record/silence.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/codec.hpp"
 
@@ -14,6 +16,8 @@ namespace forcebound::record {
 
 using time::Nanoseconds;
 using KeyValues = std::map<std::string, std::string>;
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// Known when a run begins.
 struct RunInfo {
@@ -34,6 +38,7 @@ struct RunInfo {
   bool audited = true;                  ///< the device knows P(t): a simulated one
   double settle_s = 0;                  ///< contact statistics leave out this long after the first contact
   double stiffness_depth_m_min = 1e-5;  ///< displayed stiffness is taken deeper than this only
+  double force_N_max = kNoLimit;        ///< the device's largest force: a request beyond it is cut without any law
   double rounding_N = 0;                ///< a force that differs less from the request was rounded, not bounded
 };
 
@@ -66,13 +71,21 @@ struct RunTotals {
   std::uint64_t held_too_long = 0;       ///< intervals beyond the hold time of a device that cannot let go
   std::uint64_t released_by_device = 0;  ///< ticks so late that the device let go of the force
   std::uint64_t reconnects = 0;
+  Silence longest_silence;  ///< without any new force
   std::uint64_t send_failures = 0;
-  std::uint64_t tick_allocations = 0;     ///< in the tick, after start
-  std::uint64_t recording_dropped = 0;    ///< records that found the recorder's queue full
-  std::uint64_t recording_unwritten = 0;  ///< records that could not be written, say on a full disk
-  std::vector<std::string> notes;         ///< one line per fault that needs words
-  std::string scene;                      ///< as the server named it; empty: there was no session
-  std::string simulated;                  ///< what the server said it simulates, for people
+  std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
+  std::uint64_t device_gaps_cut = 0;         ///< pauses longer than a simulated device lives through
+  std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which it could not follow its own friction
+  std::uint64_t device_faulty_commands = 0;  ///< not finite, shown as zero
+  std::uint64_t datagrams_overflowed = 0;    ///< arrived, but the socket was full
+  std::uint64_t nobody_listening = 0;        ///< the server's machine said that nobody listens there
+  std::uint64_t events_dropped = 0;          ///< log lines for which the queue had no room
+  std::uint64_t tick_allocations = 0;        ///< in the tick, after start
+  std::uint64_t recording_dropped = 0;       ///< records that found the recorder's queue full
+  std::uint64_t recording_unwritten = 0;     ///< records that could not be written, say on a full disk
+  std::vector<std::string> notes;            ///< one line per fault that needs words
+  std::string scene;                         ///< as the server named it; empty: there was no session
+  std::string simulated;                     ///< what the server said it simulates, for people
   IdleTimer idle_timer;
 };
 

@@ -7,10 +7,14 @@ namespace {
 
 constexpr double kRelativeRounding = 1e-12;
 
-bool was_bounded(const TickRecord& tick, double rounding_N) noexcept {
+/// Whether the law took something away from what the device could have shown.
+bool was_bounded(const TickRecord& tick, const RunInfo& info) noexcept {
   if (tick.applied.size() != tick.request.size()) return tick.applied.size() != 0;
-  const double difference = (tick.applied - tick.request).norm();
-  return !(difference <= std::max(rounding_N, kRelativeRounding * tick.request.norm()));
+  const double asked_N = tick.request.stableNorm();
+  const double shown_N = std::min(asked_N, info.force_N_max);
+  const double scale = asked_N > shown_N ? shown_N / asked_N : 1;
+  const double difference = (tick.applied - scale * tick.request).stableNorm();
+  return !(difference <= std::max(info.rounding_N, kRelativeRounding * shown_N));
 }
 
 }  // namespace
@@ -58,7 +62,7 @@ void Summary::note_contact(const TickRecord& tick) noexcept {
   const double force_N = tick.applied.norm();
   force_N_max_ = std::max(force_N_max_, force_N);
   penetration_m_max_ = std::max(penetration_m_max_, tick.penetration_m);
-  if (was_bounded(tick, info_.rounding_N)) ++bounded_ticks_;
+  if (was_bounded(tick, info_)) ++bounded_ticks_;
   if (!(tick.penetration_m > 0)) return;
   ++contact_ticks_;
   if (!contact_) contact_ = tick.time;

@@ -25,6 +25,9 @@ namespace forcebound::record {
 ///   often the policy changed.
 /// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.
 /// - `blackouts`: times without any new force for longer than the policy's hold time, after the first force.
+///   `longest` tells what both ends counted in the longest of them (`motions` made and `lost_up` on the way, `answers`
+///   sent and `lost_down`) and so what had `died`: up, down, both, neither (late, not lost), server (it said Bye), or
+///   unknown, where the counts are null. The same in words is among the `notes`.
 /// - `rtt_us`: from the reading of a motion to the arrival of its answer. `compute_us`: the server's time on the scene.
 ///   `stages_us` attributes the rest without synchronised clocks: `network` is the round trip less the server's time,
 ///   both ways together; `server` what the server took beside computing; `wait` from arrival until a tick used the
@@ -37,9 +40,8 @@ namespace forcebound::record {
 ///   contact deeper than `stiffness_depth_m_min`, where an encoder's step does not dominate. `median` takes negative
 ///   values as zero and is exact to 0.05 %.
 /// - All three leave out the first `settle_s` after the first contact (but `max` does not).
-/// - `bounded_fraction`: share of the ticks on which the applied force differs from the request by more than 1e-12 of
-/// it
-///   and by more than the actuator's rounding.
+/// - `bounded_fraction`: share of the ticks on which the law took something away: the applied force differs from the
+///   request, cut at the device's largest force, by more than 1e-12 of it and by more than the actuator's rounding.
 /// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; `ok` if the minimum
 /// is not
 ///   below -1e-9 J. Unknown for a device without audit. `ledger.final_J`: what the law may still spend.

@@ -16,6 +16,16 @@ Json percentiles(const Histogram& ns, double unit_ns, bool p999, bool max) {
 
 Json count_json(const std::optional<std::uint64_t>& count) { return count ? Json(*count) : Json(nullptr); }
 
+Json silence_json(const Silence& silence) {
+  Json object{{"died", what_died(silence)}};
+  const std::pair<const char*, std::uint64_t> counts[] = {{"motions", silence.motions},
+                                                          {"lost_up", silence.lost_up},
+                                                          {"answers", silence.answers},
+                                                          {"lost_down", silence.lost_down}};
+  for (const auto& [name, count] : counts) object[name] = silence.counted ? Json(count) : Json(nullptr);
+  return object;
+}
+
 }  // namespace
 
 void SummaryView::add_run(Json& json) const {
@@ -47,7 +57,14 @@ void SummaryView::add_network(Json& json) const {
   json["stale_ticks"] = stale_ticks();
   json["late_force"] = {
       {"fading_ticks", s.fading_ticks_}, {"dropped_ticks", s.dropped_ticks_}, {"changes", s.policy_changes_}};
-  json["blackouts"] = {{"count", s.blackouts_}, {"longest_s", time::to_seconds(s.blackout_longest_)}};
+  json["blackouts"] = blackouts();
+}
+
+nlohmann::ordered_json SummaryView::blackouts() const {
+  const bool known = s.totals_ && s.totals_->longest_silence.duration > Nanoseconds::zero();
+  return {{"count", s.blackouts_},
+          {"longest_s", time::to_seconds(s.blackout_longest_)},
+          {"longest", known ? silence_json(s.totals_->longest_silence) : Json(nullptr)}};
 }
 
 void SummaryView::add_times(Json& json) const {

@@ -51,6 +51,8 @@ struct SummaryView {
     return s.totals_ && s.totals_->idle_timer.wake_ups > 0 ? &s.totals_->idle_timer : nullptr;
   }
 
+  [[nodiscard]] nlohmann::ordered_json blackouts() const;
+
   void add_run(nlohmann::ordered_json& json) const;
   void add_network(nlohmann::ordered_json& json) const;
   void add_times(nlohmann::ordered_json& json) const;

@@ -110,7 +110,11 @@ void serve(ProgramOptions options) {
 
   run(link, server, clock, options.verbose);
   server.stop();
-  std::cout << server.counters().text() << std::flush;
+  std::cout << server.counters().text();
+  if (const auto lost = link.counters().overflowed; lost > 0) {
+    std::cout << "socket: " << lost << " datagrams lost because it was full\n";
+  }
+  std::cout << std::flush;
 }
 
 }  // namespace forcebound::server

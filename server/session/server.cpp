@@ -5,10 +5,12 @@
 #include <utility>
 
 #include "forcebound/server/scene/explain.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::server {
 namespace {
 
+using text::printable;
 using wire::RefusalReason;
 
 // A client may promise anything; we believe it within reason.
@@ -24,14 +26,6 @@ constexpr int kRefusalsAtOnce = 100;
 
 // So many ended sessions are looked through for each motion of none.
 constexpr std::size_t kEndedMax = 64;
-
-/// Strangers' text, fit for a log line.
-std::string printable(std::string_view text) {
-  std::string result(text);
-  std::replace_if(
-      result.begin(), result.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return result;
-}
 
 std::string refusal_of_version(std::uint32_t version) {
   return "this server speaks protocol version " + std::to_string(wire::kProtocolVersion) + ", the client " +
@@ -90,6 +84,8 @@ void Server::on_timer(Nanoseconds now) {
     const Session& session = entry.second;
     if (now - session.last_heard < options_.idle_timeout) return false;
     ++counters_.sessions_idle;
+    // If only the way up is dead, its client learns so. Who never sent motion may be somebody else's address.
+    if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.info.address);
     close(session, CloseReason::idle);
     return true;
   });
@@ -198,7 +194,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Sc
       .info = std::move(info),
       .nonce = hello.client_nonce,
       .scene = SceneState(std::move(scene), hello.degrees_of_freedom),
-      .rate = TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
+      .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
   session.arrivals.counts.session = id;
   ++counters_.sessions_opened;

@@ -14,8 +14,8 @@
 #include "forcebound/server/scene/scene_state.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
-#include "forcebound/server/session/token_bucket.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/token_bucket.hpp"
 #include "forcebound/wire/codec.hpp"
 #include "forcebound/wire/sequence_window.hpp"
 
@@ -35,7 +35,8 @@ struct ServerOptions {
 /// session it is answered at once; copies and latecomers are counted, in the session too, so that client and server
 /// agree on what the network did. Motion of an unknown session (the server restarted) is refused at once with fewer
 /// bytes than it had. A session follows its client to another address if the newest motion comes from there, because
-/// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost.
+/// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost; sent
+/// as well to a client that was there and fell silent, because perhaps only the way up has died.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -71,7 +72,7 @@ class Server {
     SessionInfo info;
     std::uint64_t nonce;
     SceneState scene;
-    TokenBucket rate;
+    time::TokenBucket rate;
     Nanoseconds last_heard;
     Arrivals arrivals{};
   };
@@ -113,8 +114,8 @@ class Server {
   std::unordered_map<std::uint64_t, Session> sessions_;
   std::vector<Ended> ended_;  ///< a ring of the last ones
   std::size_t ended_next_ = 0;
-  TokenBucket hellos_;
-  TokenBucket refusals_;
+  time::TokenBucket hellos_;
+  time::TokenBucket refusals_;
   ServerCounters counters_;
 };
 

@@ -23,11 +23,11 @@ const std::vector<Concept>& concepts() {
       {"common/net", {"text", "time"}},
       {"common/record", {"control", "time", "wire"}},
       {"client/device", {"control", "text", "time"}},
-      {"client/session", {"control", "time", "wire", "net", "record", "client/device"}},
+      {"client/session", {"control", "text", "time", "wire", "net", "record", "client/device"}},
       {"client/app", {"control", "time", "wire", "net", "record", "client/device", "client/session"}},
       {"server/effects", {"control"}},
       {"server/scene", {"control", "text", "time", "server/effects"}},
-      {"server/session", {"control", "time", "wire", "net", "server/scene"}},
+      {"server/session", {"control", "text", "time", "wire", "net", "server/scene"}},
       {"server/app", {"control", "time", "wire", "net", "record", "server/effects", "server/scene", "server/session"}},
   };
   return kConcepts;

@@ -20,7 +20,7 @@ TEST_P(ASignal, EndsEveryProgramCleanlyWithAllThatItKnows) {
   const TemporaryFolder folder;
   Server server({"--scene", "sphere"});
   Relay relay(server.address(), {"--netem", "delay 5ms", "--log", folder.file("log.csv")});
-  Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere"});
+  Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"});
   ASSERT_TRUE(client.wait_for("connected"));
   std::this_thread::sleep_for(700ms);
 

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "tests/process/blackhole_checks.hpp"
 #include "tests/process/loop_checks.hpp"
 #include "tests/support/recorded_data.hpp"
 
@@ -27,6 +28,8 @@ TEST(AMinuteOfABadNetwork, KeepsOneKilohertzAndLosesOnlyWhatTheRelayDropped) {
   expect_exact_counts(outcome);
   EXPECT_NEAR(outcome.summary["period_us"]["p50"].get<double>(), 1000, 100);
 }
+
+TEST(AMinuteOfADeadWay, IsNamedByTheClientsSummary) { expect_dead_ways_are_told(kMinute); }
 
 /// A recorded hand, touching `scene` through the recorded network's second minute: there the urban one is silent for 7
 /// s, and the rural one's round trip is 12 s.

@@ -8,9 +8,10 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(ThreeProgramsOnABadNetwork, StayPassiveAndAgreeExactlyOnEveryDatagram) {
-  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
-                                        .client = {"--device", "omni", "--operator", "trace-sphere"},
-                                        .duration = 8s});
+  const LoopOutcome outcome =
+      run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
+                .client = {"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"},
+                .duration = 8s});
   expect_sound(outcome.summary, 8s);
   expect_exact_counts(outcome);
 

@@ -60,6 +60,7 @@ record::RunInfo ClosedLoop::info() const {
   info.period = time::from_seconds(settings_.device.facts.period_s);
   info.hold = settings_.policy.hold;
   info.drop = settings_.policy.drop;
+  info.force_N_max = settings_.device.facts.force_N_max;
   info.settle_s = settings_.settle_s;
   return info;
 }

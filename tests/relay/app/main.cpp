@@ -55,19 +55,32 @@ void wake_up_precisely() {
 relay::RelaySettings settings_of(const relay::Options& options, const relay::Address& upstream, Nanoseconds start) {
   std::optional<net::NetworkTrace> trace;
   if (!options.trace.empty()) trace = net::load_trace(options.trace);
-  const auto direction = [&](net::Direction which, const net::NetemParameters& netem) {
-    return net::ImpairmentSettings{
-        .netem = netem, .trace = trace, .seed = net::direction_seed(options.seed, which), .origin = start};
+  const auto direction = [&](net::Direction which, const net::NetemParameters& netem,
+                             const std::vector<net::Blackhole>& blackholes) {
+    return net::ImpairmentSettings{.netem = netem,
+                                   .trace = trace,
+                                   .blackholes = blackholes,
+                                   .seed = net::direction_seed(options.seed, which),
+                                   .origin = start};
   };
-  return {.up = direction(net::Direction::up, options.up),
-          .down = direction(net::Direction::down, options.down),
+  return {.up = direction(net::Direction::up, options.up, options.up_blackholes),
+          .down = direction(net::Direction::down, options.down, options.down_blackholes),
           .upstream = upstream};
 }
 
+std::string words(const std::string& netem, const std::vector<net::Blackhole>& blackholes) {
+  std::string text = netem;
+  for (const net::Blackhole& hole : blackholes) {
+    text += fmt::format("{}dead from {:g} s to {:g} s", text.empty() ? "" : ", ", time::to_seconds(hole.from),
+                        time::to_seconds(hole.to));
+  }
+  return text.empty() ? "perfect" : text;
+}
+
 void announce(const relay::Options& options, const relay::Address& listen, const relay::Address& upstream) {
-  const auto words = [](const std::string& text) { return text.empty() ? std::string("perfect") : text; };
   fmt::print("forcebound-relay: listening on {}, upstream {}, seed {}\n  up:   {}\n  down: {}\n", to_string(listen),
-             to_string(upstream), options.seed, words(options.up_words), words(options.down_words));
+             to_string(upstream), options.seed, words(options.up_words, options.up_blackholes),
+             words(options.down_words, options.down_blackholes));
   if (!options.trace.empty()) fmt::print("  trace: {}\n", options.trace);
   std::fflush(stdout);
   for (const net::NetemParameters* netem : {&options.up, &options.down}) {
@@ -108,6 +121,8 @@ int relay_until_stopped(const relay::Options& options) {
   fmt::print("{}", relay::summary(relay));
   if (upstream.refused() != 0)
     fmt::print("{} times nobody listened at {}\n", upstream.refused(), to_string(upstream_address));
+  if (downstream.counters().overflowed != 0)
+    fmt::print("{} datagrams of clients lost: the socket was full\n", downstream.counters().overflowed);
   if (log) {
     const relay::LogResult result = log->finish();
     fmt::print("log: {} rows in {}\n", result.written, options.log);

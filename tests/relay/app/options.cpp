@@ -5,6 +5,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "tests/relay/app/blackhole.hpp"
+
 namespace forcebound::relay {
 namespace {
 
@@ -34,9 +36,10 @@ constexpr std::string_view kMore =
     "\n"
     "The log (--log) has a row per packet and direction, in the order of arrival:\n"
     "  direction,number,time_ms,verdict,delay_ms\n"
-    "Verdicts: forwarded, lost, over-limit, blackout, waiting (at the end), with duplicate+, corrupted+ or reordered+ "
-    "in\n"
-    "front where they apply. It is written aside, so a slow disk delays no packet.\n"
+    "Verdicts: forwarded, lost, over-limit, blackout (in a hole of the trace, or a --blackhole), waiting (at the "
+    "end),\n"
+    "with duplicate+, corrupted+ or reordered+ in front where they apply. It is written aside, so a slow disk delays "
+    "no packet.\n"
     "\n"
     "Up to 256 clients at once, each forgotten after 60 s of silence. Ctrl-C or SIGTERM ends it with totals.\n"
     "\n"
@@ -44,6 +47,8 @@ constexpr std::string_view kMore =
     "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --netem 'delay 50ms 10ms loss 5%'\n"
     "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --netem-up 'loss gemodel 1% 10%' --seed 7\n"
     "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --trace 5g-rural-n8.csv --log packets.csv\n"
+    "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --blackhole down:10-70 --blackhole "
+    "both:90-95\n"
     "\n"
     "Exit code: 0 ended by a signal, 1 failed, 2 wrong use.\n";
 
@@ -53,6 +58,7 @@ struct Texts {
   std::string netem;
   std::string netem_up;
   std::string netem_down;
+  std::vector<std::string> blackholes;
   std::string seed;
 };
 
@@ -85,6 +91,9 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
       ->type_name("\"WORDS\"");
   app.add_option("--netem-up", texts.netem_up, "Instead of --netem, from client to server")->type_name("\"WORDS\"");
   app.add_option("--netem-down", texts.netem_down, "Instead of --netem, from server to client")->type_name("\"WORDS\"");
+  app.add_option("--blackhole", texts.blackholes,
+                 "A way (up, down or both) that is dead from FROM to TO, in seconds since the start; may be repeated")
+      ->type_name("WAY:FROM-TO");
   app.add_option("--trace", options.trace, "A recorded network to play")->type_name("FILE");
   app.add_option("--seed", texts.seed, "Decides every random choice; default: a new one, printed")->type_name("N");
   app.add_option("--log", options.log, "What became of each packet, as CSV")->type_name("FILE.csv");
@@ -113,6 +122,11 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
   options.listen = read_value("--listen", [&] { return net::parse_endpoint(texts.listen); });
   options.upstream = read_value("--upstream", [&] { return net::parse_peer(texts.upstream); });
   if (!texts.seed.empty()) options.seed = read_value("--seed", [&] { return parse_seed(texts.seed); });
+  for (const std::string& text : texts.blackholes) {
+    const BlackholeOption blackhole = read_value("--blackhole", [&] { return parse_blackhole(text); });
+    if (blackhole.up) options.up_blackholes.push_back(blackhole.when);
+    if (blackhole.down) options.down_blackholes.push_back(blackhole.when);
+  }
   const auto both = read_value("--netem", [&] { return net::parse_netem(texts.netem); });
   const bool own_up = app.count("--netem-up") != 0;
   const bool own_down = app.count("--netem-down") != 0;

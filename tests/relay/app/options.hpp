@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/net/impairment.hpp"
 #include "forcebound/net/netem_parameters.hpp"
 
 namespace forcebound::relay {
@@ -19,6 +20,8 @@ struct Options {
   net::NetemParameters down;
   std::string up_words;
   std::string down_words;
+  std::vector<net::Blackhole> up_blackholes;
+  std::vector<net::Blackhole> down_blackholes;
   std::string trace;  ///< file, empty: none
   std::string log;    ///< file, empty: none
   std::uint64_t seed = 0;

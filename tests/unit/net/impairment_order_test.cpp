@@ -11,6 +11,22 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing_support::Way;
 
+TEST(ImpairmentOrder, ABlackholeSwallowsWithoutADraw) {
+  const NetemParameters netem = parse_netem("loss 50%");
+  Way whole({.netem = netem, .seed = 3, .origin = 1s});
+  Way holed({.netem = netem, .blackholes = {{10ms, 20ms}, {30ms, 31ms}}, .seed = 3, .origin = 1s});
+  const auto in_a_hole = [](int ms) { return (ms >= 10 && ms < 20) || ms == 30; };
+  for (int ms = 0; ms < 100; ++ms) {
+    const Fate fate = holed.send(1s + ms * 1ms).begin()->fate;
+    EXPECT_EQ(fate == Fate::blackout, in_a_hole(ms)) << ms;
+    if (!in_a_hole(ms)) {
+      EXPECT_EQ(fate, whole.send(1s + ms * 1ms).begin()->fate) << ms;
+    }
+  }
+  EXPECT_EQ(holed.counters().blackout, 11U);
+  EXPECT_EQ(holed.counters().received, 100U);
+}
+
 TEST(ImpairmentOrder, DuplicateSendsTheCopyFirst) {
   Way way("duplicate 100%");
   const Verdicts verdicts = way.send(0ms);

@@ -122,6 +122,22 @@ TEST(UdpLink, CountsWhatTheSystemDoesNotTake) {
   EXPECT_EQ(client.counters().send_failed, 1U);
 }
 
+TEST(UdpLink, CountsWhatASlowReaderMakesTheSystemDrop) {
+  UdpLink server = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  UdpLink client = UdpLink::towards(server.local_address());
+  std::uint64_t sent = 0;
+  for (int i = 0; i < 20'000; ++i) sent += client.send(bytes_of("x"), server.local_address());
+  std::uint64_t received = 0;
+  std::array<std::byte, 16> buffer;
+  while (server.receive(buffer)) ++received;
+  EXPECT_EQ(server.counters().overflowed, 0U) << "what was in the buffer came before any was dropped";
+  // The system tells with the next datagram.
+  ASSERT_TRUE(client.send(bytes_of("x"), server.local_address()));
+  ASSERT_TRUE(hear(server));
+  EXPECT_EQ(server.counters().overflowed, sent - received);
+  EXPECT_GT(server.counters().overflowed, 0U);
+}
+
 TEST(UdpLink, SaysPlainlyThatAnAddressIsInUse) {
   UdpLink first = UdpLink::listen(resolve({"127.0.0.1", 0}));
   EXPECT_THAT([&] { UdpLink::listen(first.local_address()); },

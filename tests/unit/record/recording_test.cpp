@@ -247,6 +247,7 @@ TEST(RunInfo, ComesBackFromItsKeyValues) {
   const KeyValues values = to_key_values(info);
   EXPECT_EQ(to_key_values(run_info_from(values)), values);
   EXPECT_EQ(run_info_from(values).rounding_N, 1.0 / 3);
+  EXPECT_EQ(run_info_from(values).force_N_max, kNoLimit);
   const KeyValues totals = to_key_values(test::sample_totals());
   EXPECT_EQ(to_key_values(run_totals_from(totals)), totals);
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -140,6 +141,25 @@ TEST(Summary, DoesNotTakeRoundingForBounding) {
   EXPECT_DOUBLE_EQ(json_of(summary)["bounded_fraction"], 0.5);
 }
 
+TEST(Summary, DoesNotTakeTheDevicesLargestForceForBounding) {
+  RunInfo info;
+  info.force_N_max = 3;
+  Summary summary(info);
+  TickRecord tick = tick_at(1);
+  tick.request = vector_of({30, 40});
+  tick.applied = 3.0 / 50 * tick.request;
+  summary.on_tick(tick);
+  tick.request = vector_of({1e200, 1e200});
+  tick.applied = vector_of({3 / std::sqrt(2), 3 / std::sqrt(2)});
+  summary.on_tick(tick);
+  tick.request = tick.applied = vector_of({1, 2});
+  summary.on_tick(tick);
+  tick.request = vector_of({30, 40});
+  tick.applied = 2.9 / 50 * tick.request;  // the law wanted less
+  summary.on_tick(tick);
+  EXPECT_DOUBLE_EQ(json_of(summary)["bounded_fraction"], 0.25);
+}
+
 TEST(Summary, CountsTicksLateByMoreThanHalfAMillisecond) {
   Summary summary(RunInfo{});
   for (const std::int64_t us : {5000, 1000, 1500, 1501, 2700}) {  // the first tick has no interval yet
@@ -163,6 +183,19 @@ TEST(Summary, CountsBlackoutsLongerThanTheHoldTime) {
   const json object = json_of(summary);
   EXPECT_EQ(object["blackouts"]["count"], 1);
   EXPECT_DOUBLE_EQ(object["blackouts"]["longest_s"], 0.399);
+}
+
+TEST(Summary, SaysWhatDiedInTheLongestBlackout) {
+  Summary summary(test::sample_info());
+  summary.finish(test::sample_totals());
+  const json longest = json_of(summary)["blackouts"]["longest"];
+  EXPECT_EQ(longest["died"], "down");
+  EXPECT_EQ(longest["motions"], 399);
+  EXPECT_EQ(longest["lost_up"], 1);
+  EXPECT_EQ(longest["answers"], 398);
+  EXPECT_EQ(longest["lost_down"], 397);
+  summary.finish({});
+  EXPECT_TRUE(json_of(summary)["blackouts"]["longest"].is_null()) << "there was none";
 }
 
 TEST(Summary, AttributesTheRoundTripToStages) {

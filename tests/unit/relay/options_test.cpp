@@ -51,11 +51,19 @@ TEST(RelayOptions, NetemIsForBothDirectionsUnlessOneHasItsOwn) {
   EXPECT_EQ(perfect.down, net::NetemParameters{});
 }
 
+TEST(RelayOptions, BlackholesAreOfTheWaysTheyName) {
+  const Options options = read(command_line({"--blackhole", "up:1-2", "--blackhole", "both:5-6.5"}));
+  ASSERT_EQ(options.up_blackholes.size(), 2U);
+  EXPECT_EQ(options.up_blackholes[0].to, std::chrono::seconds{2});
+  ASSERT_EQ(options.down_blackholes.size(), 1U);
+  EXPECT_EQ(options.down_blackholes[0].to, std::chrono::milliseconds{6500});
+}
+
 TEST(RelayOptions, HelpTeachesAndEndsWell) {
   const CommandLineEnd help = end_of({"forcebound-relay", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  EXPECT_THAT(help.text, AllOf(HasSubstr("loss gemodel P"), HasSubstr("--trace"), HasSubstr("Differences from tc"),
-                               HasSubstr("Examples:")));
+  EXPECT_THAT(help.text, AllOf(HasSubstr("loss gemodel P"), HasSubstr("--trace"), HasSubstr("--blackhole"),
+                               HasSubstr("Differences from tc"), HasSubstr("Examples:")));
 }
 
 TEST(RelayOptions, VersionEndsWell) {
@@ -87,6 +95,7 @@ INSTANTIATE_TEST_SUITE_P(WrongUse, RelayOptionsRefuse,
                                          WrongUse{command_line({"--netem", "loss much"}), "--netem: 'much'"},
                                          WrongUse{command_line({"--netem-up", "gap 3"}), "--netem-up: 'gap'"},
                                          WrongUse{command_line({"--netem-down", "delay x"}), "--netem-down: 'x'"},
+                                         WrongUse{command_line({"--blackhole", "up:5"}), "--blackhole: 'up:5'"},
                                          WrongUse{command_line({"--seed", "-3"}), "--seed: '-3'"},
                                          WrongUse{command_line({"--seed", "seven"}), "--seed: 'seven'"}));
 

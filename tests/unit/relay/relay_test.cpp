@@ -164,6 +164,23 @@ TEST_F(RelayTest, CountsClientsForWhomTheSystemHasNoSocket) {
   EXPECT_EQ(relay_->counters().flow_refused, 1U);
 }
 
+TEST_F(RelayTest, ABlackholeKillsItsOwnWayForItsTimeOnly) {
+  relay_ = std::make_unique<Relay>(
+      RelaySettings{.up = {.blackholes = {{.from = 1s, .to = 2s}}}, .upstream = at(kServerPort), .flow_idle = 60s},
+      downstream_, upstream_, &observer_);
+  for (const auto& [now, text] : {std::pair{0ms, "a"}, {999ms, "b"}, {1000ms, "c"}, {1999ms, "d"}, {2000ms, "e"}}) {
+    client_sends(1, text);
+    turn(now);
+    server_sends(0, text);
+    turn(now);
+  }
+  EXPECT_THAT(upstream_.links[0]->sent,
+              ElementsAre(Pair(kServerPort, "a"), Pair(kServerPort, "b"), Pair(kServerPort, "e")));
+  EXPECT_THAT(downstream_.sent, SizeIs(5));
+  EXPECT_EQ(relay_->impairment(Direction::up).counters().blackout, 2U);
+  EXPECT_EQ(observer_.verdicts[Direction::up], 5) << "the log has them too";
+}
+
 TEST_F(RelayTest, ForgetsAClientAfterItsSilenceAndMakesRoom) {
   build("", "", 1);
   client_sends(1, "a");

@@ -5,103 +5,11 @@
 #include <limits>
 #include <random>
 
-#include "forcebound/control/law_registry.hpp"
 #include "tests/support/allocation_guard.hpp"
-#include "tests/support/fake_clock.hpp"
-#include "tests/support/fake_device.hpp"
-#include "tests/support/fake_link.hpp"
+#include "tests/unit/client/session/session_fixture.hpp"
 
 namespace forcebound::client {
 namespace {
-
-using namespace std::chrono_literals;
-using control::Vector;
-
-constexpr std::uint64_t kSession = 4711;
-const net::Address kServer{.ip = {1}, .port = 47800};
-const net::Address kStranger{.ip = {2}, .port = 47800};
-
-class LastRecord final : public record::TickSink {
- public:
-  void on_tick(const record::TickRecord& tick) noexcept override { last = tick; }
-  void on_force(const record::ForceRecord& force) noexcept override {
-    last_force = force;
-    ++forces;
-  }
-  record::TickRecord last;
-  record::ForceRecord last_force;
-  int forces = 0;
-};
-
-class Events final : public EventSink {
- public:
-  void on_event(const Event& event) noexcept override { kinds.push_back(event.kind); }
-  std::vector<Event::Kind> kinds;
-};
-
-/// The test is the server: it sees each motion and answers by hand.
-class SessionTest : public ::testing::Test {
- protected:
-  explicit SessionTest(std::string_view law = "none")
-      : session({.server = kServer, .scene = "wall"}, device, control::shipped_laws().make(law, device.facts()), link,
-                clock, {.ticks = sinks, .events = &events}) {}
-
-  void tick() {
-    clock.time += 1ms;
-    session.tick(clock.time);
-  }
-
-  template <typename Message>
-  std::vector<Message> sent() {
-    std::vector<Message> messages;
-    for (const auto& datagram : link.sent) {
-      const auto decoded = codec.decode(datagram.bytes);
-      const auto* message = std::get_if<wire::Message>(&decoded);
-      if (message != nullptr && std::holds_alternative<Message>(*message))
-        messages.push_back(std::get<Message>(*message));
-    }
-    link.sent.clear();
-    return messages;
-  }
-
-  void arrive(const wire::Message& message, const net::Address& from = kServer) {
-    link.arrive(codec.encode(message), from);
-  }
-
-  void connect() {
-    tick();
-    const auto hellos = sent<wire::Hello>();
-    ASSERT_EQ(hellos.size(), 1U);
-    arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession, .simulated = "a wall"});
-    tick();
-    ASSERT_EQ(session.state(), SessionState::active);
-    link.sent.clear();
-  }
-
-  wire::EnvironmentForce answer(const wire::MotionSample& motion, double force_N) {
-    wire::EnvironmentForce force;
-    force.session = kSession;
-    force.sequence = ++force_sequence;
-    force.motion_sequence = motion.sequence;
-    force.motion_device_time = motion.device_time;
-    force.force = Vector::Constant(1, force_N);
-    force.position = motion.position;
-    force.contact_normal = Vector::Constant(1, -1.0);
-    force.penetration_m = 1e-3;
-    force.motions_received = motion.sequence;
-    return force;
-  }
-
-  test::FakeDevice device{1};
-  test::FakeLink link;
-  test::FakeClock clock;
-  LastRecord records;
-  Events events;
-  std::array<record::TickSink*, 1> sinks{&records};
-  wire::Codec codec;
-  std::uint64_t force_sequence = 0;
-  Session session;
-};
 
 TEST_F(SessionTest, AppliesNothingBeforeTheServerHasSpoken) {
   for (int i = 0; i < 50; ++i) tick();
@@ -153,6 +61,21 @@ TEST_F(SessionTest, HoldsTheForceThenFadesItThenLetsGo) {
   EXPECT_EQ(events.kinds, (std::vector{K::welcomed, K::force_fading, K::force_dropped}));
 }
 
+TEST_F(SessionTest, CountsTheTimeWithoutFreshForcesFromTheHoldTimeThoughItSlept) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  tick();
+  clock.time += 2s;
+  tick();
+  ASSERT_EQ(events.kinds.back(), Event::Kind::force_dropped);
+  EXPECT_EQ(events.duration, 2s + 2ms) << "its age";
+  arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+  tick();
+  ASSERT_EQ(events.kinds.back(), Event::Kind::force_fresh);
+  EXPECT_EQ(events.duration, 2s + 3ms - 250ms);
+}
+
 TEST_F(SessionTest, TakesTheForceForTheNewestMotionWhateverTheOrderOfArrival) {
   connect();
   for (int i = 0; i < 3; ++i) tick();
@@ -201,6 +124,23 @@ TEST_F(SessionTest, GetsAnotherSessionFromAServerThatRestarted) {
   ASSERT_FALSE(motions.empty());
   EXPECT_EQ(motions.back().session, kSession + 1);
   EXPECT_EQ(session.totals().reconnects, 1U);
+}
+
+TEST_F(SessionTest, TakesTheSpellOutOfTheServersWords) {
+  tick();
+  const auto hellos = sent<wire::Hello>();
+  ASSERT_EQ(hellos.size(), 1U);
+  arrive(wire::Refusal{.client_nonce = hellos[0].client_nonce, .text = "full\x1b[2J\nreally"});
+  tick();
+  EXPECT_EQ(events.words, "full?[2J?really");
+  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce,
+                       .session = kSession,
+                       .scene = "wa\tll",
+                       .simulated = "\x1b]0;a wall\x07"});
+  tick();
+  EXPECT_EQ(events.words, "?]0;a wall?");
+  EXPECT_EQ(session.totals().scene, "wa?ll");
+  EXPECT_EQ(session.totals().simulated, "?]0;a wall?");
 }
 
 TEST_F(SessionTest, ACopyOfTheServersByeDoesNotEndTheNextSession) {

@@ -217,6 +217,21 @@ TEST_F(ServerTest, ClosesWhatIsIdle) {
   EXPECT_NE(join(1), quiet) << "an idle client may come back with the same nonce";
 }
 
+TEST_F(ServerTest, SaysByeToAnIdleClientThatWasThere) {
+  start({.idle_timeout = seconds{10}});
+  const auto session = join(1);
+  join(2, address(2));  // never sends motion, so perhaps its address is another's
+  arrive(motion(session, 1));
+  answers();
+  clock.time = seconds{10};
+  server->on_timer(clock.time);
+  EXPECT_EQ(server->sessions(), 0u);
+  const auto bye = only_answer<wire::Bye>();
+  EXPECT_EQ(bye.session, session);
+  EXPECT_EQ(bye.motions_received, 1u);
+  EXPECT_EQ(bye.forces_sent, 1u);
+}
+
 TEST_F(ServerTest, SaysByeToAllWhenItStops) {
   const auto one = join(1, address(1));
   const auto two = join(2, address(2));

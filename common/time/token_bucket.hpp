@@ -4,9 +4,7 @@
 
 #include "forcebound/time/clock.hpp"
 
-namespace forcebound::server {
-
-using time::Nanoseconds;
+namespace forcebound::time {
 
 /// Lets through one event per `interval` on average, and up to `burst` at once.
 ///
@@ -33,4 +31,4 @@ class TokenBucket {
   Nanoseconds last_;
 };
 
-}  // namespace forcebound::server
+}  // namespace forcebound::time

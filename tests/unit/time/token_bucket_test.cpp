@@ -1,8 +1,8 @@
-#include "forcebound/server/session/token_bucket.hpp"
+#include "forcebound/time/token_bucket.hpp"
 
 #include <gtest/gtest.h>
 
-namespace forcebound::server {
+namespace forcebound::time {
 namespace {
 
 using std::chrono::milliseconds;
@@ -30,4 +30,4 @@ TEST(TokenBucket, EarnsNothingFromAClockThatRunsBackwards) {
 }
 
 }  // namespace
-}  // namespace forcebound::server
+}  // namespace forcebound::time

@@ -1,0 +1,80 @@
+#include "tests/process/blackhole_checks.hpp"
+
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "tests/process/programs.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr auto kContact = 3s;   // from the relay's start to its blackhole
+constexpr auto kRecovery = 4s;  // two Hellos are 2 s apart at most
+
+struct Way {
+  std::string name;
+  TemporaryFolder folder{};
+  std::unique_ptr<Relay> relay{};
+  std::unique_ptr<Client> client{};
+};
+
+void start(Way& way, const std::string& server, std::chrono::seconds duration) {
+  const std::string hole =
+      way.name + ":" + std::to_string(kContact.count()) + "-" + std::to_string((kContact + duration).count());
+  way.relay = std::make_unique<Relay>(server, Words{"--blackhole", hole, "--log", way.folder.file("log.csv")});
+  way.client = std::make_unique<Client>(way.relay->address(),
+                                        Words{"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"});
+}
+
+void expect_told(const Way& way, std::chrono::seconds duration) {
+  const nlohmann::json summary = way.client->summary();
+  ASSERT_TRUE(summary.is_object());
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -5e-3);
+  EXPECT_GT(summary["contact_ticks"], 500);
+  EXPECT_EQ(summary["blackouts"]["count"], 1);
+  EXPECT_GE(summary["blackouts"]["longest_s"].get<double>(), static_cast<double>(duration.count()) - 0.1);
+  EXPECT_GT(summary["late_force"]["dropped_ticks"], 0);
+  EXPECT_THAT(way.client->err(), HasSubstr("forces are fresh again"));
+
+  const nlohmann::json longest = summary["blackouts"]["longest"];
+  EXPECT_EQ(longest["died"], way.name) << longest;
+  const bool up = way.name == "up";
+  EXPECT_THAT(way.client->out(), HasSubstr("nothing came back from " + way.relay->address() + " for "));
+  EXPECT_THAT(way.client->out(), HasSubstr(up ? "(up dead)" : "motions arrived there (up alive), 0 of "));
+
+  // What the relay swallowed is what is missing, but for the handshakes that were tried meanwhile, and for motions
+  // after a server gave up, which no server counts.
+  std::size_t swallowed = 0;
+  const std::string log = content(way.folder.file("log.csv"));
+  for (std::size_t at = log.find(",blackout,"); at != std::string::npos; at = log.find(",blackout,", at + 1))
+    ++swallowed;
+  const double handshakes = 20 + 2.0 * static_cast<double>(duration.count());
+  EXPECT_NEAR(longest[up ? "lost_up" : "lost_down"].get<double>(), static_cast<double>(swallowed), handshakes);
+  EXPECT_EQ(longest[up ? "lost_down" : "lost_up"], 0);
+  EXPECT_EQ(log.find(up ? "down,1,blackout" : "up,1,blackout"), std::string::npos);
+}
+
+}  // namespace
+
+void expect_dead_ways_are_told(std::chrono::seconds duration) {
+  const Server server({"--scene", "sphere"});
+  std::vector<Way> ways(2);
+  ways[0].name = "up";
+  ways[1].name = "down";
+  for (Way& way : ways) start(way, server.address(), duration);
+  std::this_thread::sleep_for(kContact + duration + kRecovery);
+  for (Way& way : ways) {
+    SCOPED_TRACE("dead way: " + way.name);
+    EXPECT_EQ(way.client->stop(), 0);
+    EXPECT_EQ(way.relay->stop(), 0);
+    expect_told(way, duration);
+  }
+}
+
+}  // namespace forcebound::test

@@ -1,0 +1,65 @@
+#include "tests/process/recorded_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "forcebound/control/law_registry.hpp"
+
+namespace forcebound::test {
+namespace {
+
+constexpr double kRounding = 1e-9;
+
+Words and_recording(Words words, const std::string& file) {
+  words.insert(words.end(), {"--record", file});
+  return words;
+}
+
+}  // namespace
+
+void expect_late_force_policy(const RecordedRun& run) {
+  const client::LateForcePolicy policy{.hold = run.info.hold, .drop = run.info.drop};
+  for (const record::TickRecord& tick : run.ticks) {
+    if (tick.force_sequence == 0) {
+      EXPECT_TRUE(tick.applied.isZero(0)) << "tick " << tick.tick;
+      continue;
+    }
+    const auto force = run.forces.find(tick.force_sequence);
+    ASSERT_NE(force, run.forces.end()) << "tick " << tick.tick;
+    const double scale = policy.scale(tick.force_age);
+    EXPECT_LE((tick.request - scale * force->second).norm(), kRounding) << "tick " << tick.tick;
+    EXPECT_LE(tick.applied.norm(), std::min(tick.request.norm(), run.info.force_N_max) + kRounding)
+        << "tick " << tick.tick;
+    EXPECT_EQ(tick.policy, policy.verdict(tick.force_age)) << "tick " << tick.tick;
+    if (tick.policy == record::ForcePolicy::dropped) {
+      EXPECT_TRUE(tick.applied.isZero(0)) << "tick " << tick.tick;
+    }
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+void expect_passive(const RecordedRun& run) {
+  const double least_J = run.info.law == "fba-exact" ? -1e-9 : -5e-3;
+  ASSERT_FALSE(run.ticks.empty());
+  EXPECT_GE(run.ticks.back().audit_minimum_J, least_J) << "law " << run.info.law;
+}
+
+std::vector<std::string> shipped_among(const std::vector<std::string>& laws) {
+  const std::vector<std::string> shipped = control::shipped_laws().names();
+  std::vector<std::string> found;
+  std::copy_if(laws.begin(), laws.end(), std::back_inserter(found),
+               [&](const std::string& law) { return std::find(shipped.begin(), shipped.end(), law) != shipped.end(); });
+  return found;
+}
+
+RecordedClient::RecordedClient(const std::string& server, const Words& arguments)
+    : Client(server, and_recording(arguments, TemporaryFolder::file("run.mcap"))) {}
+
+RecordedRun RecordedClient::run() const {
+  RecordedRun run;
+  EXPECT_TRUE(record::read_recording(TemporaryFolder::file("run.mcap"), run)) << "the recording has no end";
+  return run;
+}
+
+}  // namespace forcebound::test

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/record/recording_reader.hpp"
+#include "tests/process/programs.hpp"
+
+/// What a client wrote down of its run, and what must hold on each of its ticks whatever became of the others.
+namespace forcebound::test {
+
+struct RecordedRun final : record::RecordingSink {
+  void on_start(const record::RunInfo& run) override { info = run; }
+  void on_end(const record::RunTotals& run) override { totals = run; }
+  void on_tick(const record::TickRecord& tick) noexcept override { ticks.push_back(tick); }
+  void on_force(const record::ForceRecord& force) noexcept override {
+    forces[force.force.motion_sequence] = force.force.force;
+  }
+
+  record::RunInfo info;
+  record::RunTotals totals;
+  std::vector<record::TickRecord> ticks;
+  std::map<std::uint64_t, control::Vector> forces;  ///< by the motion they answer
+};
+
+/// The device never showed more than was asked for, and what was asked for is the newest force by the late-force
+/// policy: in full up to the hold time, then fading linearly, zero from the drop time on.
+void expect_late_force_policy(const RecordedRun& run);
+
+/// The audit's least over the run: none below rounding for a law that promises it with real encoders and clocks, for
+/// the published ones a little.
+void expect_passive(const RecordedRun& run);
+
+/// Those of the laws that this build ships.
+std::vector<std::string> shipped_among(const std::vector<std::string>& laws);
+
+/// A client that records.
+class RecordedClient : private TemporaryFolder, public Client {
+ public:
+  RecordedClient(const std::string& server, const Words& arguments);
+
+  /// Once it has ended.
+  [[nodiscard]] RecordedRun run() const;
+};
+
+/// Now, by the clock of the recordings.
+inline time::Nanoseconds steady_now() { return std::chrono::steady_clock::now().time_since_epoch(); }
+
+}  // namespace forcebound::test

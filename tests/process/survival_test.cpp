@@ -1,0 +1,152 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <list>
+#include <optional>
+#include <thread>
+
+#include "tests/process/recorded_run.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+using record::ForcePolicy;
+using record::TickRecord;
+using testing::HasSubstr;
+using Nanoseconds = time::Nanoseconds;
+
+/// Hands in contact with a sphere and with a wall, each device with each of the laws, on one server.
+class HandsInContact : public testing::Test {
+ protected:
+  HandsInContact() {
+    server.emplace(Words{});
+    address = server->address();
+    for (const std::string& law : shipped_among({"fba-more", "fba-exact"})) {
+      clients.emplace_back(address,
+                           Words{"--scene", "sphere", "--device", "omni", "--operator", "trace-sphere", "--law", law});
+      clients.emplace_back(address,
+                           Words{"--scene", "wall", "--device", "wall-1dof", "--operator", "press", "--law", law});
+    }
+    for (RecordedClient& client : clients) EXPECT_TRUE(client.wait_for("connected"));
+    std::this_thread::sleep_for(2s);
+  }
+
+  void signal_all(int number) {
+    for (const RecordedClient& client : clients) client.signal(number);
+  }
+
+  /// Ends all clients and looks at each with what it wrote down.
+  template <class Look>
+  void end_and_look(Look look) {
+    for (RecordedClient& client : clients) {
+      EXPECT_EQ(client.stop(), 0);
+      const RecordedRun run = client.run();
+      SCOPED_TRACE(run.info.device + " with law " + run.info.law);
+      expect_late_force_policy(run);
+      expect_passive(run);
+      look(client, run);
+    }
+  }
+
+  std::optional<Server> server;
+  std::string address;
+  std::list<RecordedClient> clients;
+};
+
+/// The first tick at or after `since` of which `condition` holds.
+template <class Condition>
+const TickRecord* first_tick(const RecordedRun& run, Nanoseconds since, Condition condition) {
+  const auto found = std::find_if(run.ticks.begin(), run.ticks.end(),
+                                  [&](const TickRecord& tick) { return tick.time >= since && condition(tick); });
+  return found == run.ticks.end() ? nullptr : &*found;
+}
+
+const TickRecord* first_tick(const RecordedRun& run, Nanoseconds since, ForcePolicy policy) {
+  return first_tick(run, since, [&](const TickRecord& tick) { return tick.policy == policy; });
+}
+
+TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndTheNextServerWithinASecond) {
+  const Nanoseconds killed = steady_now();
+  server->stop(SIGKILL);
+  std::this_thread::sleep_for(1500ms);
+  const Nanoseconds returned = steady_now();
+  server.emplace(Words{}, address);
+  std::this_thread::sleep_for(1s);
+
+  end_and_look([&](const RecordedClient& client, const RecordedRun& run) {
+    const TickRecord* const held = first_tick(run, killed + 200ms, ForcePolicy::fresh);
+    const TickRecord* const fading = first_tick(run, killed, ForcePolicy::fading);
+    const TickRecord* const dropped = first_tick(run, killed, ForcePolicy::dropped);
+    ASSERT_TRUE(held && fading && dropped);
+    EXPECT_GT(held->applied.norm(), 0.1) << "in contact";
+    // The exact ages are looked at above, on every tick.
+    EXPECT_NEAR(time::to_seconds(fading->time - killed), 0.25, 0.2);
+    EXPECT_NEAR(time::to_seconds(dropped->time - killed), 1.0, 0.2);
+    const TickRecord* const fresh = first_tick(run, dropped->time, ForcePolicy::fresh);
+    ASSERT_NE(fresh, nullptr);
+    EXPECT_LE(time::to_seconds(fresh->time - returned), 1.0);
+    EXPECT_EQ(run.ticks.back().state, record::SessionState::active);
+
+    const nlohmann::json summary = client.summary();
+    EXPECT_EQ(summary["faults"]["reconnects"], 1);
+    EXPECT_GE(summary["late_force"]["fading_ticks"], 500);
+    EXPECT_GE(summary["late_force"]["dropped_ticks"], 300);
+    EXPECT_GT(summary["faults"]["nobody_listening"], 0);
+    EXPECT_EQ(summary["blackouts"]["longest"]["died"], "unknown");
+    EXPECT_THAT(client.out(), HasSubstr("then in another session: the server had restarted or given this one up"));
+    EXPECT_THAT(client.err(), HasSubstr("zero force"));
+    EXPECT_THAT(client.err(), HasSubstr("forces are fresh again"));
+  });
+}
+
+/// sqrt(4 E_n b / T): what the published laws allow on one axis.
+double published_bound_N(const TickRecord& tick, double damping_N_s_per_m, double period_s) {
+  return std::sqrt(4 * std::max(0.0, tick.energy_J) * damping_N_s_per_m / period_s);
+}
+
+TEST_F(HandsInContact, FeelNoJumpWhenTheirStoppedClientsRunAgain) {
+  signal_all(SIGSTOP);
+  std::this_thread::sleep_for(2s);
+  signal_all(SIGCONT);
+  std::this_thread::sleep_for(1500ms);
+
+  end_and_look([&](const RecordedClient& client, const RecordedRun& run) {
+    const TickRecord* const resumed =
+        first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.interval > 1900ms; });
+    ASSERT_NE(resumed, nullptr);
+    ASSERT_GT(resumed->tick, 1U);
+    const TickRecord& before = *(resumed - 1);
+    EXPECT_GT(before.applied.norm(), 0.1) << "in contact";
+    EXPECT_EQ(resumed->policy, ForcePolicy::dropped) << "what had come meanwhile is two seconds old";
+    EXPECT_TRUE(resumed->applied.isZero(0));
+    if (run.info.device == "wall-1dof") {
+      // The device had let go of the force, so the hand went where it wanted to.
+      EXPECT_GT((resumed->position - before.position).norm(), 5e-3);
+    }
+    if (run.info.device == "wall-1dof" && run.info.law != "fba-exact") {
+      for (const TickRecord* tick = resumed; tick <= &run.ticks.back(); ++tick) {
+        ASSERT_LE(tick->applied.norm(), published_bound_N(*tick, 30, 1e-3) * (1 + 1e-9)) << "tick " << tick->tick;
+      }
+    }
+    const TickRecord* const fresh = first_tick(run, resumed->time, ForcePolicy::fresh);
+    ASSERT_NE(fresh, nullptr);
+    EXPECT_LE(time::to_seconds(fresh->time - resumed->time), 0.5);
+    EXPECT_EQ(run.ticks.back().policy, ForcePolicy::fresh);
+    EXPECT_LT(run.ticks.back().force_age, 100ms);
+
+    const nlohmann::json summary = client.summary();
+    EXPECT_GE(summary["faults"]["released_by_device"], 1);
+    EXPECT_EQ(summary["faults"]["reconnects"], 0);
+    EXPECT_EQ(summary["faults"]["tick_allocations"], 0);
+    // The missed ticks are left out, not made up for.
+    EXPECT_GE(summary["faults"]["missed_ticks"], 1900);
+    EXPECT_GE(summary["period_us"]["max"].get<double>(), 1.9e6);
+    EXPECT_LE(summary["ticks"].get<double>(), 1000 * summary["duration_s"].get<double>() - 1800);
+    EXPECT_EQ(summary["blackouts"]["longest"]["died"], "neither");
+  });
+}
+
+}  // namespace
+}  // namespace forcebound::test
