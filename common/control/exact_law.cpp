@@ -123,7 +123,7 @@ void ExactLaw::let_act(double duration_s, double stretch) noexcept {
 }
 
 void ExactLaw::forget_excess() noexcept {
-  constexpr double kRoom = 1 + 1e-9;  // rounding shall not bound the largest force
+  constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
   const double most_J = kRoom * needed_J(force_N_max_ * jacobian_.colwise().norm().transpose());
   const double excess_J = energy_J() - most_J;
   if (excess_J > 0) energy_.add(-excess_J);

@@ -17,7 +17,7 @@ double soft_threshold(double s, double c) noexcept { return std::copysign(std::m
 /// How one knot can be left out without lifting V: what that costs [J], and what becomes of the knot farther out.
 struct LeastEnergy::Thinning {
   double cost_J = std::numeric_limits<double>::infinity();
-  int outer = -1;  ///< this knot moves to `outer_p`; none: it stays
+  int outer = 0;  ///< so many knots on, 1 or -1, one moves to `outer_p`; 0: none does
   double outer_p = 0;
 };
 
@@ -161,9 +161,9 @@ LeastEnergy::Thinning LeastEnergy::thinning(int knot) const noexcept {
   }
   const double slope = out > 0 ? right_slope_ : left_slope_;
   if (beyond == 1 && slope > 0) return result;
-  const double p = std::min(b.p, k.p + (b.x - k.x) * ((k.p - a.p) / (k.x - a.x)));
+  const double p = std::clamp(k.p + (b.x - k.x) * ((k.p - a.p) / (k.x - a.x)), k.p, b.p);
   result.cost_J = 0.5 * (b.p - p) * ((beyond == 1 ? b : outwards(2)).x - k.x);
-  result.outer = knot + out;
+  result.outer = out;
   result.outer_p = out * p;
   return result;
 }
@@ -176,7 +176,7 @@ void LeastEnergy::thin() noexcept {
     const auto cheapest = std::min_element(choices.begin(), choices.begin() + graph_.count,
                                            [](const Thinning& a, const Thinning& b) { return a.cost_J < b.cost_J; });
     const int knot = static_cast<int>(cheapest - choices.begin());
-    if (cheapest->outer >= 0) graph_[cheapest->outer].p = cheapest->outer_p;
+    if (cheapest->outer != 0) graph_[knot + cheapest->outer].p = cheapest->outer_p;
     graph_.erase(knot);
     std::move(choices.begin() + knot + 1, choices.begin() + graph_.count + 1, choices.begin() + knot);
     // The outer knot's move reaches two knots on either side.

@@ -9,6 +9,7 @@ namespace forcebound::lab {
 void add_replay(CLI::App& app);
 void add_report(CLI::App& app);
 void add_reproduce(CLI::App& app);
+void add_soak(CLI::App& app);
 void add_table(CLI::App& app);
 
 }  // namespace forcebound::lab

@@ -112,6 +112,41 @@ TEST(LeastEnergy, KeepsNoMoreKnotsThanItSays) {
   EXPECT_EQ(most, LeastEnergy::kKnotsMax) << "nothing was ever thinned";
 }
 
+TEST(LeastEnergy, IsNeverAboveWhatAPathThatFitsTheReadingsCosts) {
+  constexpr double kStep_m = 55e-6;
+  const JointFacts joint{.damping_N_s_per_m = 3, .friction_N = 0.5};
+  int most = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const auto number = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    LeastEnergy v(joint.damping_N_s_per_m, joint.friction_N);
+    v.restart(tube(0, kStep_m));
+    double position_m = 0;
+    double velocity_m_per_s = 0;
+    double force_N = 0;
+    double energy_J = 0;
+    double true_J = 0;
+    for (int i = 0; i < 5'000; ++i) {
+      if (number(0, 1) < 0.02) velocity_m_per_s = number(-1, 1) * number(0, 0.002);
+      if (number(0, 1) < 0.05) force_N = number(-1, 1);
+      force_N += number(-1e-3, 1e-3);
+      const double duration_s = number(2e-4, 2e-3);
+      const double way_m = velocity_m_per_s * duration_s;
+      true_J +=
+          way_m * way_m * joint.damping_N_s_per_m / duration_s + joint.friction_N * std::abs(way_m) - force_N * way_m;
+      position_m += way_m;
+      energy_J += v.hold(force_N, duration_s);
+      energy_J += v.read(tube(kStep_m * std::round(position_m / kStep_m), kStep_m * (1 + 1e-9))).value();
+      most = std::max(most, v.knots());
+      ASSERT_LE(energy_J, true_J + 1e-12) << "reading " << i;
+    }
+  }
+  EXPECT_EQ(most, LeastEnergy::kKnotsMax) << "nothing was ever thinned";
+}
+
 TEST(LeastEnergy, CreditsNothingForAFlickeringEncoder) {
   constexpr double kStep_m = 15e-6;
   LeastEnergy v(30, 0);

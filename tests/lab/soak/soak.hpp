@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace forcebound::lab {
+
+/// What one seed came to.
+struct SoakResult {
+  std::string broken;  ///< empty: every invariant held on every tick
+  std::string environment;
+  double worst_P_J = 0;
+  double virtual_s = 0;
+  std::uint64_t ticks = 0;
+  std::uint64_t recomputed = 0;  ///< ticks whose ledger could be recomputed
+  std::uint64_t late_ticks = 0;
+  std::uint64_t released = 0;   ///< ticks so late that the device had let go
+  std::uint64_t withdrawn = 0;  ///< forces commanded too late
+  std::uint64_t reconnects = 0;
+  std::uint64_t lost = 0;  ///< datagrams, either way
+};
+
+/// Draws a run from the seed, runs it with this law, and checks it on every tick. Only fba-exact promises P >= 0 here.
+[[nodiscard]] SoakResult soak(std::uint64_t seed, const std::string& law);
+
+}  // namespace forcebound::lab
