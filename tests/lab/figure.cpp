@@ -82,7 +82,8 @@ void write_y_axis(std::ostream& out, const Panel& panel) {
   panel.y_min ? out << *panel.y_min : out << '*';
   out << ':';
   panel.y_max ? out << *panel.y_max : out << '*';
-  out << "]\nset ylabel " << quoted(panel.y_label) << " offset -1,0\n";
+  out << "]\nset ylabel " << quoted(panel.y_label) << " offset -1,0\n"
+      << (panel.y_log ? "set logscale y\n" : "unset logscale y\n");
 }
 
 void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int height) {

@@ -27,8 +27,8 @@ const char* of_law(const std::string& law);
 /// A curve; a y that is not finite breaks it. Both vectors have the same length.
 struct Series {
   std::string label;
-  std::vector<double> x;
-  std::vector<double> y;
+  std::vector<double> x{};
+  std::vector<double> y{};
   const char* colour = colour::kApplied;
   double width = 1.6;
 };
@@ -47,6 +47,7 @@ struct Panel {
   std::vector<Reference> references{};
   std::optional<double> y_min{};  ///< otherwise from the data
   std::optional<double> y_max{};
+  bool y_log = false;
 };
 
 /// Panels one below the other, with the same x axis.

@@ -17,11 +17,13 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  forcebound-lab reproduce sphere --figures out   the paper's sphere, in a few seconds\n"
       "  forcebound-lab report run.mcap --figures out    what a client recorded with --record run.mcap\n"
+      "  forcebound-lab passivity --figure leaks.png     what each law leaks on a real device, and what that costs\n"
       "  forcebound-lab soak --seeds 1000                hostile runs, each from its seed, checked on every tick\n"
       "  forcebound-lab table a.json b.mcap              runs side by side\n\n"
       "Exit code: 0 done, 1 failed, 2 wrong use.");
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);
+  forcebound::lab::add_passivity(app);
   forcebound::lab::add_report(app);
   forcebound::lab::add_soak(app);
   forcebound::lab::add_table(app);

@@ -10,9 +10,8 @@
 #include "forcebound/client/device/make_operator.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "tests/lab/commands.hpp"
-#include "tests/lab/experiment.hpp"
+#include "tests/lab/experiment_run.hpp"
 #include "tests/lab/laws_figure.hpp"
-#include "tests/lab/measures.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -25,25 +24,7 @@ struct ReproduceOptions {
   std::string figures;
 };
 
-/// What one law did in one experiment.
-struct Run {
-  std::string law;
-  json summary;
-  std::optional<double> ringing_s;
-  double direction_error_rad = 0;
-};
-
-Run run(const Experiment& experiment, const std::string& law, LawsFigure* figure) {
-  RingingMeter ringing;
-  DirectionMeter direction;
-  std::vector<record::TickSink*> sinks{&ringing, &direction};
-  if (figure != nullptr) sinks.push_back(&figure->add_law(law));
-  sim::ClosedLoop loop(experiment.settings(law), sinks);
-  loop.run(time::from_seconds(experiment.duration_s));
-  return {law, json::parse(loop.close().to_json()), ringing.ringing_s(), direction.error_rad_max()};
-}
-
-json to_json(const Experiment& experiment, const Run& run, const client::Hand& hand) {
+json to_json(const Experiment& experiment, const ExperimentRun& run, const client::Hand& hand) {
   json object = run.summary;
   object["experiment"] = experiment.name;
   object["stiffness_N_per_m"] = experiment.stiffness_N_per_m;
@@ -74,7 +55,7 @@ void print_heading(const Experiment& experiment, const client::DeviceDescription
               "var F [N2]", "direction", "rings [s]", "the paper");
 }
 
-void print_row(const Experiment& experiment, const Run& run) {
+void print_row(const Experiment& experiment, const ExperimentRun& run) {
   const json& s = run.summary;
   std::printf("  %-10s %12.3g %12.2f %12.3f %12.3g %12.2g %10.3f   %s\n", run.law.c_str(),
               number(s["passivity"]["minimum_J"]), number(s["displayed_stiffness_N_per_m"]["mean"]) * 1e-3,
@@ -101,7 +82,7 @@ void reproduce(const ReproduceOptions& options) {
     print_heading(experiment, settings.device, *hand);
     LawsFigure figure(experiment.title(), "same device, same hand, three laws");
     for (const std::string& law : control::shipped_laws().names()) {
-      const Run done = run(experiment, law, options.figures.empty() ? nullptr : &figure);
+      const ExperimentRun done = run_experiment(experiment, law, options.figures.empty() ? nullptr : &figure);
       print_row(experiment, done);
       runs.push_back(to_json(experiment, done, hand->hand()));
     }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace forcebound::lab {
+
+/// What a device does worse than the laws' proofs assume, and who takes advantage of it.
+struct PassivityCondition {
+  std::string law;
+  double encoder_m = 0;
+  bool late_ticks = false;  ///< 20 % of them, by up to a period
+  double latency_s = 0;     ///< from the reading to the actuator
+  std::string adversary;
+};
+
+/// The worst that its adversary did under a condition.
+struct PassivityResult {
+  PassivityCondition condition;
+  double worst_P_J = 0;
+  std::uint64_t seed = 0;  ///< that did it; 0: none got below zero
+};
+
+struct PassivitySettings {
+  std::uint64_t seeds = 3;
+  std::uint64_t from = 1;
+  double duration_s = 4;
+};
+
+/// Encoders 0, 15 and 55 um, ticks exact and late, latency 0, 20, 100 and 300 us, each hostile environment: for all
+/// laws.
+[[nodiscard]] std::vector<PassivityCondition> passivity_conditions();
+
+/// Plays the paper's device (30 N s/m) with a restless hand, server beside it.
+[[nodiscard]] PassivityResult worst_passivity(const PassivityCondition& condition, const PassivitySettings& settings);
+
+/// The worst over all adversaries, a block for each law.
+void print_passivity(std::ostream& out, const std::vector<PassivityResult>& results);
+
+/// A row for each result: law,encoder_m,late_share,latency_s,adversary,worst_P_J,seed.
+void write_passivity_csv(std::ostream& out, const std::vector<PassivityResult>& results);
+
+/// The worst over all adversaries, over the latency: a panel for each encoder.
+/// @throws std::runtime_error as `draw` does.
+void draw_passivity(const std::filesystem::path& png, const std::vector<PassivityResult>& results);
+
+}  // namespace forcebound::lab
