@@ -13,7 +13,7 @@ class RestlessHand final : public client::Operator {
   struct Settings {
     std::uint64_t seed = 1;
     int degrees_of_freedom = 1;
-    client::Hand hand;
+    client::Hand hand{};
     double reach_m = 0.02;   ///< how far from the origin it pulls, on each axis
     double duration_s = 10;  ///< afterwards it holds
   };

@@ -51,7 +51,8 @@ void Invariants::check_force(const record::TickRecord& tick) {
   if (size == 0 || !tick.request.allFinite() || !facts.actuator_step.isZero(0)) return;
   const double asked = tick.request.norm();
   const control::Vector aside = tick.applied - tick.request / asked * (tick.applied.dot(tick.request) / asked);
-  if (size > asked * (1 + kForceRounding) || aside.norm() > kDirectionRounding * size) {
+  if (size > asked * (1 + kForceRounding) || tick.applied.dot(tick.request) < 0 ||
+      aside.norm() > kDirectionRounding * size) {
     fail(tick, "force [", tick.applied.transpose(), "] N is not the request [", tick.request.transpose(),
          "] N made shorter");
   }

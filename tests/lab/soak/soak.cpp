@@ -1,20 +1,39 @@
 #include "tests/lab/soak/soak.hpp"
 
+#include <array>
+#include <bit>
+
 #include "tests/lab/soak/invariants.hpp"
 #include "tests/lab/soak/soak_case.hpp"
 
 namespace forcebound::lab {
 namespace {
 
-/// Counts late ticks, and stops nothing.
-class LateTicks final : public record::TickSink {
+/// Counts late ticks, and makes a number of all that happened (FNV-1a).
+class Witness final : public record::TickSink {
  public:
-  explicit LateTicks(time::Nanoseconds period) : limit_(period + record::kLateBy) {}
-  void on_tick(const record::TickRecord& tick) noexcept override { count += tick.interval > limit_; }
-  void on_force(const record::ForceRecord&) noexcept override {}
-  std::uint64_t count = 0;
+  explicit Witness(time::Nanoseconds period) : limit_(period + record::kLateBy) {}
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    late += tick.interval > limit_;
+    note(tick.time.count());
+    for (const double value : tick.applied) note(value);
+    for (const double value : tick.joint) note(value);
+    note(tick.energy_J);
+    note(tick.audit_J);
+  }
+  void on_force(const record::ForceRecord& force) noexcept override { note(force.receive_time.count()); }
+
+  std::uint64_t late = 0;
+  std::uint64_t digest = 0xcbf29ce484222325;
 
  private:
+  template <typename Value>
+  void note(const Value& value) noexcept {
+    for (const unsigned char byte : std::bit_cast<std::array<unsigned char, sizeof(Value)>>(value)) {
+      digest = (digest ^ byte) * 0x100000001b3;
+    }
+  }
+
   time::Nanoseconds limit_;
 };
 
@@ -23,8 +42,8 @@ class LateTicks final : public record::TickSink {
 SoakResult soak(std::uint64_t seed, const std::string& law) {
   const SoakCase drawn = draw_soak_case(seed, law);
   Invariants invariants(drawn, law == "fba-exact");
-  LateTicks late(time::from_seconds(drawn.settings.device.facts.period_s));
-  sim::ClosedLoop loop(drawn.settings, {&invariants, &late});
+  Witness witness(time::from_seconds(drawn.settings.device.facts.period_s));
+  sim::ClosedLoop loop(drawn.settings, {&invariants, &witness});
   loop.run(drawn.duration);
   const bool active = loop.session().state() == record::SessionState::active;
   (void)loop.close();
@@ -33,10 +52,11 @@ SoakResult soak(std::uint64_t seed, const std::string& law) {
   return {.broken = invariants.broken(),
           .environment = drawn.environment,
           .worst_P_J = invariants.worst_P_J(),
+          .digest = witness.digest,
           .virtual_s = time::to_seconds(drawn.duration),
           .ticks = invariants.ticks(),
           .recomputed = invariants.recomputed(),
-          .late_ticks = late.count,
+          .late_ticks = witness.late,
           .released = totals.released_by_device,
           .withdrawn = totals.withdrawn_forces,
           .reconnects = totals.reconnects,

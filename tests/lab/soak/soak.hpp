@@ -10,6 +10,7 @@ struct SoakResult {
   std::string broken;  ///< empty: every invariant held on every tick
   std::string environment;
   double worst_P_J = 0;
+  std::uint64_t digest = 0;  ///< of every force and position: equal runs have equal ones
   double virtual_s = 0;
   std::uint64_t ticks = 0;
   std::uint64_t recomputed = 0;  ///< ticks whose ledger could be recomputed

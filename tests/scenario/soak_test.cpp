@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/lab/passivity.hpp"
+#include "tests/lab/soak/soak.hpp"
+
+// Passive no matter how late the force arrives: hostile runs from seeds, checked on every tick, and the published laws
+// as the control group, without which nothing would be proved.
+//
+//   restless hand -- device -- client session ==( drawn network )== hostile environment -- server -- wall
+namespace forcebound::lab {
+namespace {
+
+class Soak : public testing::TestWithParam<int> {};
+
+TEST_P(Soak, FindsNothingBrokenWithTheExactLaw) {
+  constexpr int kSeeds = FORCEBOUND_SOAK_SEEDS / 6;
+  std::uint64_t recomputed = 0;
+  std::uint64_t late = 0;
+  for (int i = 1; i <= kSeeds; ++i) {
+    const auto seed = static_cast<std::uint64_t>(GetParam() * kSeeds + i);
+    const SoakResult result = soak(seed, "fba-exact");
+    ASSERT_EQ(result.broken, "") << "again: forcebound-lab soak --seeds 1 --from " << seed;
+    recomputed += result.recomputed;
+    late += result.late_ticks;
+  }
+  EXPECT_GT(recomputed, 0U) << "no ledger could be recomputed";
+  EXPECT_GT(late, 0U) << "no tick was late";
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, Soak, testing::Range(0, 6));
+
+TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
+  for (const char* law : {"fba-less", "fba-more"}) {
+    double worst_J = 0;
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+      const SoakResult result = soak(seed, law);
+      EXPECT_EQ(result.broken, "") << law << " from seed " << seed << ": all but P >= 0 holds for it, too";
+      worst_J = std::min(worst_J, result.worst_P_J);
+    }
+    EXPECT_LT(worst_J, -0.1) << law;
+  }
+}
+
+TEST(Soak, GivesOneRunForOneSeed) {
+  for (const std::uint64_t seed : {7U, 8U, 9U}) {
+    const SoakResult once = soak(seed, "fba-exact");
+    const SoakResult again = soak(seed, "fba-exact");
+    EXPECT_EQ(once.digest, again.digest) << seed;
+    EXPECT_NE(once.digest, soak(seed + 100, "fba-exact").digest);
+  }
+}
+
+double leak_J(const PassivityCondition& condition) {
+  return -worst_passivity(condition, {.seeds = 1, .duration_s = 2}).worst_P_J;
+}
+
+TEST(PublishedLaws, LeakMillijoulesThroughEncodersAndFarMoreThroughLatencyOrLateTicks) {
+  for (const char* law : {"fba-less", "fba-more"}) {
+    SCOPED_TRACE(law);
+    EXPECT_LT(leak_J({law, 0, false, 0, "bang-bang"}), 1e-9) << "as proved, on an ideal device";
+    EXPECT_GT(leak_J({law, 15e-6, false, 0, "bang-bang"}), 1e-3);
+    EXPECT_GT(leak_J({law, 55e-6, false, 0, "bang-bang"}), 10e-3);
+    EXPECT_GT(leak_J({law, 0, false, 300e-6, "bang-bang"}), 10e-3);
+    EXPECT_GT(leak_J({law, 0, true, 0, "bang-bang"}), 0.1);
+  }
+}
+
+TEST(ExactLaw, LeaksNothingWhereThePublishedLawsDo) {
+  for (const char* adversary : {"bang-bang", "switching", "greedy", "random"}) {
+    SCOPED_TRACE(adversary);
+    for (const double encoder_m : {0.0, 15e-6, 55e-6}) {
+      for (const double latency_s : {0.0, 300e-6}) {
+        EXPECT_LT(leak_J({"fba-exact", encoder_m, true, latency_s, adversary}), 1e-9);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::lab
