@@ -11,6 +11,11 @@
 namespace forcebound::control {
 namespace {
 
+// The square of less than this is no normal number any more, and with denormals flushed to zero another one.
+constexpr double kForceLeast_N = 1e-150;
+
+bool next_to_nothing(const Vector& force_N) noexcept { return force_N.lpNorm<Eigen::Infinity>() < kForceLeast_N; }
+
 Vector rounded_toward_zero(Vector command, const Vector& step) noexcept {
   // A command that is a whole number of steps but for the rounding of its own arithmetic keeps its last step.
   constexpr double kWhole = 1 + 4 * std::numeric_limits<double>::epsilon();
@@ -53,7 +58,8 @@ Vector PassivityController::tick(const Motion& motion, const Vector& request_N) 
     return zero;
   }
   law_->credit(motion);
-  const Vector force = rounded(law_->bound(saturated(request_N)), motion);
+  Vector force = rounded(law_->bound(saturated(request_N)), motion);
+  if (next_to_nothing(force)) force.setZero();
   law_->commit(force);
   return force;
 }
@@ -72,7 +78,7 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
     return Vector::Zero(actuator_step_.rows());
   }
   const double largest = request_N.lpNorm<Eigen::Infinity>();
-  if (largest == 0) return request_N;
+  if (next_to_nothing(request_N)) return Vector::Zero(actuator_step_.rows());
   // The length of 1e308 N on every axis is beyond a double, its direction is not.
   const Vector direction = request_N / largest;
   const double length = direction.norm();

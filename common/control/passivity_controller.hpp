@@ -16,6 +16,8 @@ namespace forcebound::control {
 /// nothing and the force held over it is charged its worst case. Rounding is toward zero in the joints, where motors
 /// are; a rounded force that the law would not allow (a coupled damping matrix can make it so) becomes zero.
 ///
+/// Less than 1e-150 N is zero, asked for or given, so that no force depends on what the processor does with denormals.
+///
 /// Real time: `tick` is noexcept, allocates nothing, O(dof^3). Not thread-safe; owned by the tick.
 class PassivityController {
  public:

@@ -174,6 +174,15 @@ TEST(PassivityController, GivesNoForceWhereRoundingNeedsMoreEnergyThanThereIs) {
 }
 
 /// An arm of three joints whose motors turn in counts.
+TEST(PassivityController, TakesLessThanTheSquareOfAnyNumberForNothing) {
+  for (const char* law : {"none", "fba-less", "fba-more", "fba-exact"}) {
+    test::LawLoop loop(law, 30 * Matrix::Identity(1, 1));
+    (void)loop.tick(0.0, 0.0);
+    for (const double request_N : {4.9e-324, 1e-310, 1e-200, 9.9e-151}) EXPECT_EQ(loop.tick(1e-4, request_N), 0) << law;
+    EXPECT_EQ(loop.tick(2e-4, 1.01e-150), 1.01e-150) << law;
+  }
+}
+
 class ArmTest : public testing::TestWithParam<const char*> {
  protected:
   static constexpr double kStep_Nm = 2e-3;
