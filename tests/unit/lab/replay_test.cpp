@@ -162,6 +162,45 @@ TEST(Replay, IgnoresOptionsThatALawHasNoUseFor) {
   }
 }
 
+TEST(Replay, OfTheExactLawIsTheLessConservativeOneOnAnIdealDevice) {
+  const auto ticks = test::random_ticks({.seed = 8, .degrees_of_freedom = 3, .ticks = 500, .motion_m = 1e-4});
+  ReplayOptions options = wall_options();
+  options.law_options.memory = control::EnergyMemory::full;
+  options.law = "fba-less";
+  const auto expected = numbers_of(answers(options, as_csv(ticks)));
+  options.law = "fba-exact";
+  const auto rows = numbers_of(answers(options, as_csv(ticks)));
+  ASSERT_EQ(rows.size(), expected.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    for (std::size_t k = 1; k < rows[n].size(); ++k) ASSERT_NEAR(rows[n][k], expected[n][k], 1e-9) << "row " << n;
+  }
+}
+
+TEST(Replay, OfTheExactLawKnowsFrictionAndEncoder) {
+  ReplayOptions options = wall_options();
+  options.law = "fba-exact";
+  options.friction_N = {0.75};
+  options.encoder_step_m = {15e-6};
+  // A count to and fro is no motion, and friction holds just so much.
+  const auto rows = numbers_of(answers(options, "time_s,x0_m,fe0_N\n0,0,-9\n1e-3,15e-6,-9\n2e-3,0,-9\n3e-3,15e-6,9\n"));
+  for (const auto& row : rows) {
+    EXPECT_EQ(std::abs(row[1]), 0.75);
+    EXPECT_LE(row[2], 1e-15);
+  }
+}
+
+TEST(Replay, OfTheExactLawLetsGoAfterTheHoldTimeThatIsGiven) {
+  const std::string rows = "time_s,x0_m,fe0_N\n0,0,0\n1e-3,1e-3,-2\n4e-3,1e-3,0\n";
+  ReplayOptions options = wall_options();
+  options.law = "fba-exact";
+  const double earned_J = 30 / 1e-3 * 1e-6;
+  EXPECT_NEAR(numbers_of(answers(options, rows))[2][2], earned_J, 1e-12) << "held to the end, at rest on the whole";
+  options.hold_s = 2e-3;
+  // With the force for 2 ms and back in 1 ms: z = f/(2 b (1/2 ms + 1/1 ms)).
+  const double taken_J = 4 / (4 * 30 * (1 / 2e-3 + 1 / 1e-3));
+  EXPECT_NEAR(numbers_of(answers(options, rows))[2][2], earned_J - taken_J, 1e-12);
+}
+
 TEST(Replay, AcceptsWindowsLineEndsAndBlankLinesAtTheEnd) {
   const std::string unix_rows = "time_s,x0_m,fe0_N\n0,0,-9\n1.0E-3,1e-4,-9\n";
   const std::string windows_rows = "time_s, x0_m, fe0_N\r\n0,0,-9\r\n1.0E-3, 1e-4, -9\r\n\r\n\r\n";
@@ -275,7 +314,7 @@ TEST(Replay, RefusesOptionsThatMakeNoSense) {
     return refusal(options, rows);
   };
   EXPECT_EQ(with([](auto& o) { o.law = "fba-exactly"; }),
-            "--law: unknown law 'fba-exactly'; known are none, fba-less, fba-more");
+            "--law: unknown law 'fba-exactly'; known are none, fba-less, fba-more, fba-exact");
   EXPECT_EQ(with([](auto& o) { o.damping_N_s_per_m = {}; }), "--damping or --damping-matrix must be given");
   EXPECT_EQ(with([](auto& o) {
               o.damping_N_s_per_m = {1, 2, 3};
