@@ -27,6 +27,9 @@ void Connection::on_silence(Nanoseconds silence, Nanoseconds hold, Nanoseconds d
 
 bool Connection::on_welcome(const wire::Welcome& welcome) noexcept {
   if (welcome.client_nonce != nonce_ || welcome.session == 0 || welcome.session == session_) return false;
+  // A late copy of a Welcome must not bring back a session that the server has forgotten since.
+  if (welcome.session == replaced_) return false;
+  replaced_ = session_;
   session_ = welcome.session;
   ++sessions_;
   state_ = SessionState::active;
@@ -45,6 +48,7 @@ bool Connection::on_refusal(const wire::Refusal& refusal) noexcept {
 
 void Connection::lose_session() noexcept {
   session_ = 0;
+  replaced_ = 0;
   nonce_ = random_();
   state_ = SessionState::reconnecting;
   next_hello_ = Nanoseconds::min();

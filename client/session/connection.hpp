@@ -63,6 +63,7 @@ class Connection {
   SessionState state_ = SessionState::connecting;
   std::uint64_t nonce_;
   std::uint64_t session_ = 0;
+  std::uint64_t replaced_ = 0;  // the session before, of the same nonce
   std::uint64_t sessions_ = 0;
   Nanoseconds next_hello_{Nanoseconds::min()};
   Nanoseconds pause_;

@@ -33,7 +33,9 @@ Session::Session(Options options, HapticDevice& device, std::unique_ptr<control:
       clock_(clock),
       sinks_(sinks),
       controller_(device.facts(), std::move(law)),
-      connection_(connection_facts(device.facts(), options_.scene), options_.seed),
+      // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
+      connection_(connection_facts(device.facts(), options_.scene),
+                  options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().degrees_of_freedom()),
       silences_(options_.policy.hold) {
   options_.policy.validate();

@@ -1,17 +1,24 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 namespace forcebound::control {
 
 /// A running sum of energies [J] that does not forget small terms beside large ones (Neumaier's compensated sum).
 ///
 /// A day at 1 kHz is 1e8 terms of nanojoules beside a total of joules; plain addition would lose them. One sum serves
-/// one law. Real time: noexcept, no allocation, O(1).
+/// one law. It stays a number: beyond the largest there is, it is the largest. Real time: noexcept, no allocation,
+/// O(1).
 class EnergySum {
  public:
   void add(double energy_J) noexcept {
     const double sum = sum_ + energy_J;
+    if (std::isinf(sum)) {
+      sum_ = std::copysign(std::numeric_limits<double>::max(), sum);
+      compensation_ = 0;
+      return;
+    }
     compensation_ += std::abs(sum_) >= std::abs(energy_J) ? (sum_ - sum) + energy_J : (energy_J - sum) + sum_;
     sum_ = sum;
   }

@@ -13,7 +13,6 @@
 namespace forcebound::control {
 namespace {
 
-constexpr double kIntervalMax_s = 1e6;
 // A clock that says that next to no time has passed would credit any motion with any energy.
 constexpr double kIntervalLeastPeriods = 0.1;
 constexpr double kLatencyMaxPeriods = 8;
@@ -105,7 +104,7 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
   latency_s_max_ = std::max(0.0, motion.latency_s_max);
   held_.command(committed_, std::max(0.0, motion.latency_s), std::min(release_s_, motion.held_s));
   committed_.setZero();
-  if (motion.interval_s > 0 && motion.interval_s <= kIntervalMax_s) {
+  if (is_measurable(motion.interval_s)) {
     let_act(motion.interval_s, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
     held_.pass(motion.interval_s);
   } else if (located_) {

@@ -32,7 +32,7 @@ namespace forcebound::control {
 /// Without encoder step, friction and latency, and with every interval equal to period and hold time, this is
 /// LessConservativeLaw for a diagonal b.
 ///
-/// An interval that no clock can have measured (not above zero, beyond 1e6 s) credits nothing and charges what all
+/// An interval that is not measurable (`is_measurable`) credits nothing and charges what all
 /// forces in effect can take in a hold time; one shorter than a tenth of the period is credited as that. A device that
 /// cannot let go of a force (DeviceFacts::releases) is credited as measured; a tick later than the hold time is then
 /// the one case without the guarantee, and the deficit is repaid first.

@@ -18,7 +18,8 @@ HeldForce::HeldForce(int degrees_of_freedom, double period_s) : period_s_(period
 }
 
 double HeldForce::worst_case_J(double interval_s) const noexcept {
-  return reserve_J(force_) * (interval_s > period_s_ ? interval_s / period_s_ : 1.0);
+  const bool longer = is_measurable(interval_s) && interval_s > period_s_;
+  return reserve_J(force_) * (longer ? interval_s / period_s_ : 1.0);
 }
 
 bool HeldForce::affords(const Vector& force_N, double energy_J) const noexcept {

@@ -8,6 +8,9 @@
 
 namespace forcebound::control {
 
+/// Whether a clock can have measured this time between two readings: above zero, and at most eleven days.
+[[nodiscard]] constexpr bool is_measurable(double interval_s) noexcept { return interval_s > 0 && interval_s <= 1e6; }
+
 /// What a tick measured before it chooses a force. All vectors finite, `dof` rows.
 struct Motion {
   double interval_s = 0;  ///< measured length of the interval that ended with this reading (h_n), 0 at first
@@ -36,7 +39,8 @@ class PassivityLaw {
 
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
 
-  /// Notes the motion under the force committed last. Where the device let go of that force before this reading
+  /// Notes the motion under the force committed last. An interval that is not measurable credits nothing. Where the
+  /// device let go of that force before this reading
   /// (`held_s`), a law that knows of one force only credits nothing and charges it the worst case.
   virtual void credit(const Motion& motion) noexcept = 0;
 

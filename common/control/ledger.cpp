@@ -5,8 +5,13 @@
 namespace forcebound::control {
 
 void Ledger::credit(const Motion& motion) noexcept {
-  // Where the device was when it let go, nobody saw.
-  if (motion.held_s < motion.interval_s) lose(motion.held_s);
+  // A clock that stands still, runs back or jumps out of range says nothing of how long the force was held. Where the
+  // device was when it let go, nobody saw.
+  if (!is_measurable(motion.interval_s)) {
+    lose(motion.interval_s);
+  } else if (motion.held_s < motion.interval_s) {
+    lose(motion.held_s);
+  }
   if (const auto d = held_.displacement(motion)) {
     // A reading as far away as a double can hold is a fault, not energy, and must not poison the sum.
     const double change_J = held_.dissipation_J(*d) - held_.force().dot(*d);

@@ -9,8 +9,13 @@ MoreConservativeLaw::MoreConservativeLaw(int degrees_of_freedom, double period_s
     : held_(degrees_of_freedom, period_s) {}
 
 void MoreConservativeLaw::credit(const Motion& motion) noexcept {
-  // Where the device was when it let go, nobody saw.
-  if (motion.held_s < motion.interval_s) lose_for(motion.held_s);
+  // A clock that stands still, runs back or jumps out of range says nothing of how long the force was held. Where the
+  // device was when it let go, nobody saw.
+  if (!is_measurable(motion.interval_s)) {
+    lose_for(motion.interval_s);
+  } else if (motion.held_s < motion.interval_s) {
+    lose_for(motion.held_s);
+  }
   available_J_ = 0;
   if (const auto d = held_.displacement(motion)) {
     Vector psi = std::sqrt(xi_ / held_.period_s()) * held_.damping().factor_transpose_times(*d);

@@ -50,7 +50,7 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
 }
 
 Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
-  if (!motion.position.allFinite() || !motion.jacobian.allFinite()) {
+  if (!motion.position.allFinite() || !motion.joint.allFinite() || !motion.jacobian.allFinite()) {
     ++counts_.readings_not_finite;
     law_->lose(motion);
     const Vector zero = Vector::Zero(actuator_step_.rows());

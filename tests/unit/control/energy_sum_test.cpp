@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace forcebound::control {
@@ -34,6 +35,18 @@ TEST(EnergySum, AgreesWithLongDoubleOverRandomTerms) {
     expected += energy_J;
   }
   EXPECT_NEAR(sum.value_J(), static_cast<double>(expected), 1e-15);
+}
+
+TEST(EnergySum, StaysANumberBeyondTheLargestThereIs) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  for (const double sign : {1.0, -1.0}) {
+    EnergySum sum;
+    for (int i = 0; i < 3; ++i) sum.add(sign * 0.9 * kMost);
+    EXPECT_EQ(sum.value_J(), sign * kMost);
+    sum.add(-sign * kMost);
+    sum.add(1.0);
+    EXPECT_EQ(sum.value_J(), 1.0);
+  }
 }
 
 }  // namespace

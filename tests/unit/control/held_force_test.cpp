@@ -17,6 +17,8 @@ using test::to_matrix;
 using test::to_vector;
 
 constexpr double kPeriod_s = 1e-3;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// b = [4 2; 2 10], so that f = (4, 5) has f'b^-1 f = 5.
 class HeldForceTest : public testing::Test {
@@ -60,7 +62,7 @@ TEST_F(HeldForceTest, ChargesALongerIntervalMoreAndNeverLessThanAPeriod) {
   held_.hold(to_vector({4, 5}));
   const double reserve_J = 5 * kPeriod_s / 4;
   EXPECT_DOUBLE_EQ(held_.worst_case_J(3 * kPeriod_s), 3 * reserve_J);
-  for (const double interval_s : {0.0, -1.0, 1e-300, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double interval_s : {0.0, -1.0, 1e-300, 2e6, 1e308, kInfinity, kNaN}) {
     EXPECT_DOUBLE_EQ(held_.worst_case_J(interval_s), reserve_J);
   }
 }

@@ -89,6 +89,31 @@ TEST_F(LedgerTest, CreditsNothingForAMotionAcrossALoss) {
   EXPECT_NEAR(ledger_.energy_J(), 18e-6 / kPeriod_s, 1e-12);
 }
 
+TEST_F(LedgerTest, CreditsNothingAndChargesAPeriodForAnIntervalThatNoClockMeasured) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  credit({0, 0});
+  credit({1e-3, 1e-3});
+  double expected_J = 18e-6 / kPeriod_s;
+  double place_m = 1e-3;
+  for (const double interval_s : {0.0, -kPeriod_s, -3600.0, 2e6, 1e308, kInfinity, kNaN}) {
+    SCOPED_TRACE(interval_s);
+    ledger_.hold(to_vector({0.4, 0.5}));
+    Motion motion;
+    motion.interval_s = interval_s;
+    motion.position = to_vector({place_m += 1, 0});
+    motion.damping = &damping_;
+    ledger_.credit(motion);
+    expected_J -= kPeriod_s * 0.05 / 4;
+    EXPECT_NEAR(ledger_.energy_J(), expected_J, 1e-16);
+    ledger_.hold(to_vector({0.4, 0.5}));
+    ledger_.lose(interval_s);
+    expected_J -= kPeriod_s * 0.05 / 4;
+    EXPECT_NEAR(ledger_.energy_J(), expected_J, 1e-16);
+    credit({place_m, 0});
+  }
+}
+
 TEST_F(LedgerTest, TakesAReadingBeyondMeasureForAFault) {
   credit({0, 0});
   credit({1e-3, 1e-3});

@@ -78,6 +78,7 @@ TEST(LessConservativeLaw, AllowsWhatItBoundsTo) {
   LessConservativeLaw law(1, 1e-3);
   const Damping damping = Damping::from_matrix(Matrix::Constant(1, 1, kDamping));
   Motion motion;
+  motion.interval_s = 1e-3;
   motion.damping = &damping;
   for (const double position_m : {0.0, 1e-4}) {
     motion.position = Vector::Constant(1, position_m);

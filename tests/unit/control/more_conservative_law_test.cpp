@@ -145,6 +145,29 @@ TEST(MoreConservativeLaw, RepaysWhatAForceHeldForLongerThanAPeriodMayHaveTaken) 
   EXPECT_NEAR(law.energy_J(), 4 * available_J - 0.75 * available_J, 1e-12);
 }
 
+TEST(MoreConservativeLaw, HasNothingToSpendAfterAnIntervalThatNoClockMeasured) {
+  const Damping damping = Damping::from_matrix(Matrix::Constant(1, 1, 30.0));
+  for (const double interval_s : {0.0, -1e-3, 1e308, std::numeric_limits<double>::quiet_NaN()}) {
+    SCOPED_TRACE(interval_s);
+    MoreConservativeLaw law(1, 1e-3);
+    const auto move_to = [&](double x_m, double after_s) {
+      Motion motion;
+      motion.interval_s = after_s;
+      motion.position = Vector::Constant(1, x_m);
+      motion.damping = &damping;
+      law.credit(motion);
+    };
+    move_to(0, 1e-3);
+    move_to(1e-3, 1e-3);
+    law.commit(law.bound(Vector::Constant(1, 1e6)));
+    move_to(1, interval_s);
+    EXPECT_EQ(law.energy_J(), 0.0);
+    law.commit(Vector::Zero(1));
+    move_to(1.001, 1e-3);
+    EXPECT_NEAR(law.energy_J(), 30e-3, 1e-12) << "no debt: the reserve was all that a period can take";
+  }
+}
+
 TEST(MoreConservativeLaw, SurvivesAShareNextToNothingForAMillionTicks) {
   for (const auto& [request_N, ticks] : {std::pair{1e-140, 1000}, {1.1e-150, 1'000'000}}) {
     LawLoop loop = one_axis();

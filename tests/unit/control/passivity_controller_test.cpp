@@ -267,6 +267,17 @@ TEST_P(ArmTest, TakesAJacobianThatIsNotFiniteForALostReading) {
   EXPECT_EQ(controller_.counts().readings_not_finite, 1U);
 }
 
+TEST_P(ArmTest, TakesAJointThatIsNotFiniteForALostReading) {
+  Motion motion;
+  motion.interval_s = 1e-3;
+  motion.position = Vector::Zero(3);
+  motion.joint = to_vector({0, kNaN, 0});
+  motion.jacobian = jacobian_at(0);
+  motion.damping = &damping_;
+  EXPECT_EQ(controller_.tick(motion, to_vector({1, 1, 1})), to_vector({0, 0, 0}));
+  EXPECT_EQ(controller_.counts().readings_not_finite, 1U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Laws, ArmTest, testing::Values("none", "fba-less", "fba-more"), [](const auto& law) {
   const std::string name = law.param;
   return name == "none" ? "None" : name == "fba-less" ? "LessConservative" : "MoreConservative";

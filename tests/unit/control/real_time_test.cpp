@@ -99,6 +99,7 @@ TEST(PassivityController, DoesNotAllocateForAnArm) {
     facts.force_N_max = 10;
     PassivityController controller(facts, published_laws().make("fba-more", facts));
     Motion motion;
+    motion.interval_s = facts.period_s;
     motion.jacobian = test::full_damping(degrees_of_freedom, 4);
     const Damping damping = Damping::from_joints(motion.jacobian, facts.damping);
     motion.damping = &damping;

@@ -37,6 +37,15 @@ TEST_F(ConnectionTest, BeginsASessionOnceHoweverOftenWelcomed) {
   EXPECT_FALSE(connection.hello_due(1h));
 }
 
+TEST_F(ConnectionTest, ALateCopyOfAWelcomeDoesNotBringBackTheSessionBefore) {
+  EXPECT_TRUE(connection.on_welcome(welcome(5)));
+  connection.on_silence(1s, 250ms, 1s);
+  EXPECT_TRUE(connection.on_welcome(welcome(6))) << "the server restarted and answered the same question anew";
+  EXPECT_FALSE(connection.on_welcome(welcome(5)));
+  EXPECT_EQ(connection.session(), 6U);
+  EXPECT_EQ(connection.sessions(), 2U);
+}
+
 TEST_F(ConnectionTest, IgnoresAWelcomeMeantForAnother) {
   auto other = welcome(5);
   ++other.client_nonce;
