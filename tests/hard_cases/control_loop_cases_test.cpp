@@ -65,8 +65,8 @@ class ControlLoopHardCase : public testing::TestWithParam<const char*> {
     return settings;
   }
 
-  static std::shared_ptr<Environment> environment(const char* name, double force_N_max) {
-    return make_environment({.name = name, .force_N_max = force_N_max});
+  static EnvironmentSetting environment(const char* name, double force_N_max) {
+    return {.name = name, .force_N_max = force_N_max};
   }
 
   Forces play(const ClosedLoop::Settings& settings) {

@@ -41,8 +41,8 @@ sim::ClosedLoop::Settings settings_of(const PassivityCondition& condition, std::
   };
   settings.scene = server::parse_scene(
       "scene = { name = 'nothing', description = 'free space', degrees_of_freedom = 'any' }\n", "passivity");
-  settings.environment = sim::make_environment(
-      {.name = condition.adversary, .seed = draw.seed(), .force_N_max = settings.device.facts.force_N_max});
+  settings.environment = sim::EnvironmentSetting{
+      .name = condition.adversary, .seed = draw.seed(), .force_N_max = settings.device.facts.force_N_max};
   return settings;
 }
 

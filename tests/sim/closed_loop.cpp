@@ -34,6 +34,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
     if (server_) server_->on_datagram(datagram, from, server_clock_.shown_at(now));
   });
   if (settings_.environment) {
+    environment_ = make_environment(*settings_.environment);
     network_.set_tamper(
         [this](std::span<const std::byte> datagram, Nanoseconds now) { return tampered(datagram, now); });
   }
@@ -139,12 +140,12 @@ std::span<const std::byte> ClosedLoop::tampered(std::span<const std::byte> datag
   if (honest == nullptr) return datagram;
   const client::SimulatedDevice::Truth truth = device_.truth();
   wire::EnvironmentForce force = *honest;
-  force.force = settings_.environment->force({.time = now,
-                                              .position = honest->position,
-                                              .velocity = truth.velocity,
-                                              .at = truth.position,
-                                              .own_force = honest->force,
-                                              .ledger_J = session_->law().energy_J()});
+  force.force = environment_->force({.time = now,
+                                     .position = honest->position,
+                                     .velocity = truth.velocity,
+                                     .at = truth.position,
+                                     .own_force = honest->force,
+                                     .ledger_J = session_->law().energy_J()});
   return codec_.encode(force);
 }
 

@@ -56,7 +56,7 @@ class ClosedLoop {
     double settle_s = 0;  ///< contact statistics begin this long after the first contact
     TickTiming timing{};
     ClockSkew server_clock{};
-    std::shared_ptr<Environment> environment{};  ///< none: what the server says
+    std::optional<EnvironmentSetting> environment{};  ///< none: what the server says
     std::vector<Fault> faults{};
   };
 
@@ -97,6 +97,7 @@ class ClosedLoop {
   [[nodiscard]] record::RunInfo info() const;
 
   Settings settings_;
+  std::unique_ptr<Environment> environment_;
   VirtualClock clock_;
   TickClock tick_clock_;
   SkewedClock server_clock_;

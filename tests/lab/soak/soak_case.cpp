@@ -110,7 +110,7 @@ std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings
     void on_force(const record::ForceRecord&) noexcept override {}
     std::vector<control::Vector> forces;
   };
-  settings.environment = sim::make_environment({.name = "bang-bang", .force_N_max = settings.device.facts.force_N_max});
+  settings.environment = sim::EnvironmentSetting{.name = "bang-bang", .force_N_max = settings.device.facts.force_N_max};
   settings.seed = seed;
   settings.faults.clear();
   Forces sink;
@@ -166,7 +166,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
       .name = names[draw.index(names.size())], .seed = draw.seed(), .force_N_max = settings.device.facts.force_N_max};
   drawn.environment = environment.name;
   if (environment.name == "replayed") environment.other_run = forces_of_another_run(settings, draw.seed());
-  settings.environment = sim::make_environment(environment);
+  settings.environment = environment;
   return drawn;
 }
 
