@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "forcebound/control/law_registry.hpp"
+#include "tests/lab/above_zero.hpp"
 #include "tests/lab/commands.hpp"
 #include "tests/lab/experiment_run.hpp"
 #include "tests/lab/passivity.hpp"
@@ -79,11 +80,11 @@ void add_passivity(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "passivity", "What each law leaks with real encoders, late ticks and latency, and what the guarantee costs");
   command->add_option("--seeds", options->settings.seeds, "runs for each condition")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_option("--from", options->settings.from, "the first seed")->capture_default_str()->type_name("SEED");
   command->add_option("--seconds", options->settings.duration_s, "virtual seconds of each run")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_option("--csv", options->csv, "write every condition to this file, adversary by adversary")
       ->type_name("FILE");

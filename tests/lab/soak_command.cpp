@@ -12,6 +12,7 @@
 #include <string>
 
 #include "forcebound/control/law_registry.hpp"
+#include "tests/lab/above_zero.hpp"
 #include "tests/lab/commands.hpp"
 #include "tests/lab/soak/soak.hpp"
 #include "tests/lab/soak/soak_case.hpp"
@@ -136,10 +137,10 @@ void add_soak(CLI::App& app) {
   auto options = std::make_shared<SoakOptions>();
   CLI::App* command =
       app.add_subcommand("soak", "Hostile runs in virtual time, each drawn from its seed and checked on every tick");
-  command->add_option("--seeds", options->seeds, "how many")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--seeds", options->seeds, "how many")->check(above_zero())->capture_default_str();
   command->add_option("--from", options->from, "the first seed")->capture_default_str()->type_name("SEED");
   command->add_option("--minutes", options->minutes, "as many seeds as this takes instead")
-      ->check(CLI::NonNegativeNumber)
+      ->check(above_zero())
       ->type_name("M");
   command->add_option("--law", options->law, "fba-exact must stay passive; the others show what they leak")
       ->check(CLI::IsMember(control::shipped_laws().names()))
