@@ -16,17 +16,11 @@ class Soak : public testing::TestWithParam<int> {};
 
 TEST_P(Soak, FindsNothingBrokenWithTheExactLaw) {
   constexpr int kSeeds = FORCEBOUND_SOAK_SEEDS / 6;
-  std::uint64_t recomputed = 0;
-  std::uint64_t late = 0;
   for (int i = 1; i <= kSeeds; ++i) {
     const auto seed = static_cast<std::uint64_t>(GetParam() * kSeeds + i);
     const SoakResult result = soak(seed, "fba-exact");
     ASSERT_EQ(result.broken, "") << "again: forcebound-lab soak --seeds 1 --from " << seed;
-    recomputed += result.recomputed;
-    late += result.late_ticks;
   }
-  EXPECT_GT(recomputed, 0U) << "no ledger could be recomputed";
-  EXPECT_GT(late, 0U) << "no tick was late";
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Soak, testing::Range(0, 6));
 
@@ -40,6 +34,18 @@ TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
     }
     EXPECT_LT(worst_J, -0.1) << law;
   }
+}
+
+TEST(Soak, MeetsLateTicksAndLedgersThatCanBeRecomputed) {
+  std::uint64_t recomputed = 0;
+  std::uint64_t late = 0;
+  for (std::uint64_t seed = 1; seed <= 40 && (recomputed == 0 || late == 0); ++seed) {
+    const SoakResult result = soak(seed, "fba-exact");
+    recomputed += result.recomputed;
+    late += result.late_ticks;
+  }
+  EXPECT_GT(recomputed, 0U);
+  EXPECT_GT(late, 0U);
 }
 
 TEST(Soak, GivesOneRunForOneSeed) {
