@@ -282,6 +282,7 @@ record::RunTotals Session::totals() const {
   totals.foreign_session += network.foreign;
   totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
   totals.non_finite_requests = controller_.counts().requests_not_finite;
+  totals.impossible_intervals = controller_.counts().intervals_impossible;
   totals.withdrawn_forces = controller_.counts().withdrawn;
   totals.non_finite_readings = controller_.counts().readings_not_finite;
   totals.longest_silence = silences_.longest(record_.time);
