@@ -53,7 +53,8 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) no
   const Sent& motion = sent_[force.motion_sequence % kSentRing];
   const bool answers =
       force.motion_sequence != 0 && motion.sequence == force.motion_sequence && motion.time == force.motion_device_time;
-  if (!answers || !fits(force, degrees_of_freedom_)) {
+  const bool counts = can_count(force.motions_received, force.sequence);
+  if (!answers || !counts || !fits(force, degrees_of_freedom_)) {
     ++ended_.implausible;
     return Verdict::implausible;
   }
@@ -77,7 +78,11 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) no
 
 bool ForceStream::accept(const wire::Bye& bye) noexcept {
   if (session_ == 0 || bye.session != session_) return false;
-  note_server_counts(bye);
+  if (can_count(bye.motions_received, bye.forces_sent)) {
+    note_server_counts(bye);
+  } else {
+    ++ended_.implausible;
+  }
   return true;
 }
 

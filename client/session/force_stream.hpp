@@ -16,8 +16,8 @@ using time::Nanoseconds;
 /// The motions sent, the forces that answered them, and what became of the rest.
 ///
 /// Trusts nothing that arrives: a force counts only if it belongs to this session, answers a motion that was sent,
-/// echoes that motion's time and holds numbers that can be what they say. The newest is the one that answers the newest
-/// motion.
+/// echoes that motion's time and holds numbers that can be what they say; a server that has heard or said more than was
+/// sent is not believed. The newest is the one that answers the newest motion.
 ///
 /// Real time: noexcept, no allocation after construction, O(1).
 class ForceStream {
@@ -78,6 +78,11 @@ class ForceStream {
 
  private:
   void note_server_counts(const wire::Bye& counts) noexcept;
+
+  /// Whether a server can have heard and said so much: more than was sent would spoil the counts of what was lost.
+  [[nodiscard]] bool can_count(std::uint64_t motions_received, std::uint64_t forces_sent) const noexcept {
+    return motions_received <= sent_here_ && forces_sent <= sent_here_;
+  }
   [[nodiscard]] Progress progress_at(std::uint64_t motion) const noexcept {
     return {session_, motion, server_.motions_received, server_.forces_sent, received_};
   }

@@ -149,7 +149,10 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
   if (const auto* force = std::get_if<wire::EnvironmentForce>(&message)) {
     receive_force(*force, now, arrival);
   } else if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
-    if (!connection_.on_welcome(*welcome)) return;
+    if (!connection_.on_welcome(*welcome)) {
+      totals_.foreign_session += welcome->session != connection_.session();
+      return;
+    }
     forces_.begin_session(welcome->session);
     silent_since_ = now;
     totals_.scene.assign(welcome->scene);
@@ -158,7 +161,10 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     text::make_printable(totals_.simulated);
     tell(Event::Kind::welcomed, now, totals_.simulated);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
-    if (!connection_.on_refusal(*refusal)) return;
+    if (!connection_.on_refusal(*refusal)) {
+      ++totals_.foreign_session;
+      return;
+    }
     const bool unknown = refusal->reason == wire::RefusalReason::unknown_session;
     refused_ = refused_ || !unknown;
     tell(unknown ? Event::Kind::session_unknown : Event::Kind::refused, now, refusal->text);
@@ -276,6 +282,7 @@ record::RunTotals Session::totals() const {
   totals.foreign_session += network.foreign;
   totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
   totals.non_finite_requests = controller_.counts().requests_not_finite;
+  totals.impossible_intervals = controller_.counts().intervals_impossible;
   totals.withdrawn_forces = controller_.counts().withdrawn;
   totals.non_finite_readings = controller_.counts().readings_not_finite;
   totals.longest_silence = silences_.longest(record_.time);

@@ -50,6 +50,8 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
 }
 
 Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
+  counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
+  begun_ = true;
   if (!motion.position.allFinite() || !motion.joint.allFinite() || !motion.jacobian.allFinite()) {
     ++counts_.readings_not_finite;
     law_->lose(motion);

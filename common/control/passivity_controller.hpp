@@ -24,6 +24,7 @@ class PassivityController {
   struct Counts {
     std::uint64_t requests_not_finite = 0;
     std::uint64_t readings_not_finite = 0;
+    std::uint64_t intervals_impossible = 0;  ///< not measurable, the first tick's aside: nothing credited
     std::uint64_t saturated = 0;
     std::uint64_t withdrawn = 0;  ///< chosen, but too late to be passive: zero force instead
   };
@@ -49,6 +50,7 @@ class PassivityController {
   Vector actuator_step_;
   bool cartesian_;
   double force_N_max_;
+  bool begun_ = false;
   Counts counts_;
 };
 

@@ -50,6 +50,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("non_finite_requests", totals.non_finite_requests);
   visit("non_finite_readings", totals.non_finite_readings);
   visit("withdrawn_forces", totals.withdrawn_forces);
+  visit("impossible_intervals", totals.impossible_intervals);
   visit("held_too_long", totals.held_too_long);
   visit("released_by_device", totals.released_by_device);
   visit("reconnects", totals.reconnects);
@@ -171,6 +172,7 @@ std::vector<Fault> faults_of(const RunTotals& t) {
       {"non_finite_requests", t.non_finite_requests, "forces asked for that were not finite, shown as zero"},
       {"non_finite_readings", t.non_finite_readings, "failed device readings, shown as zero force"},
       {"withdrawn_forces", t.withdrawn_forces, "forces commanded too long after the reading, and made zero"},
+      {"impossible_intervals", t.impossible_intervals, "ticks whose clock stood still or ran back: nothing credited"},
       {"held_too_long", t.held_too_long, "ticks beyond the hold time of a device that cannot let go: not passive"},
       {"released_by_device", t.released_by_device, "ticks so late that the device let go of the force"},
       {"reconnects", t.reconnects, "times the session was lost and asked for again"},

@@ -199,6 +199,7 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   }
   counts.requests_not_finite = controller.counts().requests_not_finite;
   counts.readings_not_finite = controller.counts().readings_not_finite;
+  counts.intervals_impossible = controller.counts().intervals_impossible;
   return counts;
 }
 

@@ -28,8 +28,9 @@ struct ReplayOptions {
 /// What a person should know of a replay.
 struct ReplayCounts {
   std::uint64_t rows = 0;
-  std::uint64_t requests_not_finite = 0;  ///< answered with zero force
-  std::uint64_t readings_not_finite = 0;  ///< likewise, and charged to the ledger
+  std::uint64_t requests_not_finite = 0;   ///< answered with zero force
+  std::uint64_t readings_not_finite = 0;   ///< likewise, and charged to the ledger
+  std::uint64_t intervals_impossible = 0;  ///< no time since the row before, or too much: charged to the ledger
 };
 
 /// Where the rows come from.

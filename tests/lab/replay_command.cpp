@@ -73,6 +73,11 @@ void report(const ReplayCounts& counts) {
     std::cerr << "note: " << counts.readings_not_finite << " of " << counts.rows
               << " rows had a position that is not finite: zero force, and the worst case charged\n";
   }
+  if (counts.intervals_impossible > 0) {
+    std::cerr
+        << "note: " << counts.intervals_impossible << " of " << counts.rows
+        << " rows came no time after the row before, or more than 1e6 s: nothing credited, the worst case charged\n";
+  }
 }
 
 std::string law_help() {

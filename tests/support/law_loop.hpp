@@ -19,14 +19,14 @@ struct LawLoopSetting {
 class LawLoop {
  public:
   LawLoop(std::string_view law, const control::Matrix& damping, const LawLoopSetting& setting = {})
-      : period_s_(setting.period_s),
+      : interval_s_(setting.period_s),
         damping_(control::Damping::from_matrix(damping)),
         unit_(control::Matrix::Identity(damping.rows(), damping.rows())),
         controller_(make_controller(law, damping, setting)) {}
 
   control::Vector tick(const control::Vector& position, const control::Vector& request_N) noexcept {
     control::Motion motion;
-    motion.interval_s = period_s_;
+    motion.interval_s = interval_s_;
     motion.position = motion.joint = position;
     motion.jacobian = unit_;
     motion.damping = &damping_;
@@ -37,6 +37,9 @@ class LawLoop {
   double tick(double position_m, double request_N) noexcept {
     return tick(control::Vector::Constant(1, position_m), control::Vector::Constant(1, request_N))[0];
   }
+
+  /// What the clock says of the time between readings, from the coming tick on.
+  void set_interval(double interval_s) noexcept { interval_s_ = interval_s; }
 
   /// From the coming tick on.
   void set_damping(const control::Matrix& damping) { damping_ = control::Damping::from_matrix(damping); }
@@ -58,7 +61,7 @@ class LawLoop {
     return {facts, control::shipped_laws().make(law, facts)};
   }
 
-  double period_s_;
+  double interval_s_;
   control::Damping damping_;
   control::Matrix unit_;
   control::PassivityController controller_;

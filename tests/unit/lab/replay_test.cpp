@@ -281,6 +281,22 @@ TEST(Replay, TakesAPositionThatIsNotFiniteForALostReadingAndCountsIt) {
   EXPECT_EQ(rows[3][1], 20.0);
 }
 
+TEST(Replay, CreditsNothingForARowAtTheTimeOfTheOneBeforeAndCountsIt) {
+  for (const char* law : {"none", "fba-less", "fba-more", "fba-exact"}) {
+    SCOPED_TRACE(law);
+    std::istringstream input("time_s,x0_m,fe0_N\n0,0,0\n0.001,1e-3,0\n0.001,5,0\n1e308,9,0\n");
+    std::ostringstream output;
+    ReplayOptions options = wall_options();
+    options.law = law;
+    const ReplayCounts counts = replay(options, {input, "rows.csv"}, output);
+    EXPECT_EQ(counts.intervals_impossible, 2U);
+    const auto rows = numbers_of(output.str());
+    EXPECT_NEAR(rows[1][2], 0.03, 1e-12);
+    EXPECT_LE(rows[2][2], rows[1][2]);
+    EXPECT_LE(rows[3][2], rows[2][2]);
+  }
+}
+
 TEST(Replay, RefusesAHeaderItDoesNotKnow) {
   for (const char* header :
        {"time,x0_m,fe0_N", "time_s,x0_m", "time_s,x0_m,x1_m,fe0_N", "time_s,x1_m,fe1_N", "time_s,fe0_N,x0_m", "0,0,0",

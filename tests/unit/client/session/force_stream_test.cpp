@@ -41,6 +41,20 @@ TEST_F(ForceStreamTest, ChoosesTheForceThatAnswersTheNewestMotion) {
   EXPECT_EQ(stream.counts().overtaken, 1U);
 }
 
+TEST_F(ForceStreamTest, CountsOfMoreThanWasEverSentAreImplausible) {
+  constexpr std::uint64_t kMost = ~std::uint64_t{0};
+  auto heard_too_much = answer(1, 3);
+  heard_too_much.motions_received = 11;
+  EXPECT_EQ(stream.accept(heard_too_much), Verdict::implausible);
+  EXPECT_EQ(stream.accept(answer(kMost, 3)), Verdict::implausible);
+  EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::newest);
+  EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = kMost, .forces_sent = 1}));
+  EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 10, .forces_sent = kMost}));
+  EXPECT_EQ(stream.counts().lost_up, 7U);
+  EXPECT_EQ(stream.counts().lost_down, 0U);
+  EXPECT_EQ(stream.counts().implausible, 4U);
+}
+
 TEST_F(ForceStreamTest, DropsCopies) {
   EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::newest);
   EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::duplicate);

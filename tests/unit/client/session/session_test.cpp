@@ -238,7 +238,7 @@ TEST_F(SessionTest, ClosesWithZeroForceWhenTheServersAnswersBringNoNews) {
     closed = session.close(clock.time);
     for (const auto& bye : sent<wire::Bye>()) {
       ++byes;
-      arrive(wire::Bye{.session = bye.session, .motions_received = 3, .forces_sent = 2});
+      arrive(wire::Bye{.session = bye.session, .motions_received = 2, .forces_sent = 2});
     }
   }
   EXPECT_TRUE(closed);
