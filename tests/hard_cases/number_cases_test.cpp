@@ -67,12 +67,8 @@ INSTANTIATE_TEST_SUITE_P(Laws, HardCase01, testing::ValuesIn(test::bounding_laws
 
 class HardCase02 : public testing::TestWithParam<std::string> {};
 
-TEST_P(HardCase02, AShareNextToNothingForAMillionTicksEarnsNothingInSeveralAxes) {
-#ifdef __OPTIMIZE__
-  constexpr int kTicks = 1'000'000;
-#else
-  constexpr int kTicks = 100'000;
-#endif
+TEST_P(HardCase02, AShareNextToNothingForManyTicksEarnsNothingInSeveralAxes) {
+  constexpr int kTicks = 200'000;
   for (const int degrees_of_freedom : {3, 6}) {
     LawLoop loop(GetParam(), test::full_damping(degrees_of_freedom, 2));
     const Vector there = Vector::LinSpaced(degrees_of_freedom, 1e-3, 2e-3);
