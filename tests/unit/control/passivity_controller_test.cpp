@@ -173,7 +173,6 @@ TEST(PassivityController, GivesNoForceWhereRoundingNeedsMoreEnergyThanThereIs) {
   EXPECT_NEAR(coarse.energy_J(), exact.energy_J(), 1e-18);
 }
 
-/// An arm of three joints whose motors turn in counts.
 TEST(PassivityController, TakesLessThanTheSquareOfAnyNumberForNothing) {
   for (const char* law : {"none", "fba-less", "fba-more", "fba-exact"}) {
     test::LawLoop loop(law, 30 * Matrix::Identity(1, 1));
@@ -183,6 +182,7 @@ TEST(PassivityController, TakesLessThanTheSquareOfAnyNumberForNothing) {
   }
 }
 
+/// An arm of three joints whose motors turn in counts.
 class ArmTest : public testing::TestWithParam<const char*> {
  protected:
   static constexpr double kStep_Nm = 2e-3;
