@@ -85,7 +85,7 @@ TEST_P(ControlHardCase, Case01RequestsAndReadingsBeyondAllMeasure) {
   EXPECT_GT(tick(controller, 1e-4, 1), 0.9) << "it goes on";
 }
 
-TEST_P(ControlHardCase, Case02NothingToSpendAndASharesThatVanishes) {
+TEST_P(ControlHardCase, Case02NothingToSpendAndAShareThatVanishes) {
   PassivityController controller = this->controller(facts(kOne));
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(tick(controller, 0.25, 1e6), 0) << "at rest nothing was ever dissipated";
   EXPECT_EQ(controller.law().energy_J(), 0);
@@ -144,7 +144,7 @@ TEST_P(ControlHardCase, Case06AtRestWithAFlickeringEncoder) {
   PassivityController controller = this->controller(facts(kOne, kStep_m));
   for (int i = 0; i < kMany; ++i) ASSERT_TRUE(std::isfinite(tick(controller, i % 2 == 0 ? 0 : kStep_m, 0)));
   const double earned_J = controller.law().energy_J();
-  RecordProperty("earned_J", std::to_string(earned_J));
+  RecordProperty("earned_J", testing::PrintToString(earned_J));
   if (GetParam() == std::string("fba-exact")) {
     EXPECT_LE(earned_J, 1e-12) << "it never moved";
   } else {

@@ -93,7 +93,7 @@ class DelayedWall final : public Environment {
   }
   Vector force(const EnvironmentView& view) override {
     if (!centre_) centre_ = view.position;
-    past_.push_back({view.time, view.position});
+    past_.emplace_back(view.time, view.position);
     while (past_.size() > 1 && past_[1].first <= view.time - delay_) past_.pop_front();
     return -stiffness_N_per_m_ * (past_.front().second - *centre_);
   }
@@ -190,6 +190,7 @@ constexpr std::array kKinds{
 
 std::vector<std::string> environment_names() {
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const Kind& kind : kKinds) names.emplace_back(kind.name);
   return names;
 }
