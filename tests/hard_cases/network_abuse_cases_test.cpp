@@ -144,9 +144,12 @@ class Mangled : public NetworkHardCase {
 TEST_F(Mangled, Case17AnswersOfEveryKindAreCountedByTheClientAndChangeNothing) {
   std::uint64_t sent = 0;
   const std::vector<Bytes> answers{
-      force, bytes_of(codec.encode(wire::Welcome{.client_nonce = 1, .session = session + 1, .scene = "x"})),
+      force,
+      bytes_of(codec.encode(wire::Welcome{.client_nonce = 1, .session = session + 1, .scene = "x"})),
       bytes_of(codec.encode(wire::Refusal{.session = session, .reason = wire::RefusalReason::unknown_session})),
-      bytes_of(codec.encode(wire::Bye{.session = session}))};
+      bytes_of(codec.encode(wire::Bye{.session = session})),
+      bytes_of(codec.encode(wire::Hello{.client_nonce = 5, .degrees_of_freedom = 3, .device = "x", .period_s = 1e-3})),
+      bytes_of(codec.encode(wire::MotionSample{.session = session, .sequence = 1, .position = Vector::Ones(3)}))};
   for (const Bytes& whole : answers) {
     for (const Bytes& datagram : mangled(whole)) {
       send_to_client(datagram);
@@ -167,7 +170,10 @@ TEST_F(Mangled, Case17QuestionsOfEveryKindAreCountedByTheServerAndChangeNothing)
       bytes_of(codec.encode(wire::Hello{.client_nonce = 5, .degrees_of_freedom = 3, .device = "x", .period_s = 1e-3})),
       bytes_of(codec.encode(wire::MotionSample{
           .session = session, .sequence = 1'000'000, .device_time = 1s, .position = Vector::Ones(3)})),
-      bytes_of(codec.encode(wire::Bye{.session = session}))};
+      bytes_of(codec.encode(wire::Bye{.session = session})),
+      force,
+      bytes_of(codec.encode(wire::Welcome{.client_nonce = 5, .session = session, .scene = "x"})),
+      bytes_of(codec.encode(wire::Refusal{.session = session, .reason = wire::RefusalReason::unknown_session}))};
   for (const Bytes& whole : questions) {
     for (const Bytes& datagram : mangled(whole)) {
       ASSERT_TRUE(stranger.send(datagram, loop.network().server_address()));
@@ -194,6 +200,34 @@ TEST_F(NetworkHardCase, Case19DatagramsAsLongAsAndLongerThanAnyNetworkCarries) {
   EXPECT_EQ(loop.totals().malformed[static_cast<std::size_t>(wire::Malformed::oversize)], 5U);
   const auto& counts = loop.server()->counters().malformed;
   EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}), lengths.size());
+  expect_unbroken_and_back();
+}
+
+TEST_F(NetworkHardCase, Case19AGenuineMessageOfFullLengthIsReadAndOneByteMoreIsNot) {
+  net::DatagramLink& stranger = loop.network().add_client();
+  const net::Address server = loop.network().server_address();
+  Bytes hello = bytes_of(codec.encode(
+      wire::Hello{.client_nonce = 5, .degrees_of_freedom = 3, .device = "x", .period_s = 1e-3, .force_N_max = 1}));
+  ASSERT_EQ(hello.size(), wire::kFrameBytesMax);
+  ASSERT_TRUE(stranger.send(hello, server));
+  hello.push_back(std::byte{0});
+  ASSERT_TRUE(stranger.send(hello, server));
+
+  const std::string words(wire::kTextBytesMax, 'x');
+  Bytes refusal = bytes_of(
+      codec.encode(wire::Refusal{.session = 5, .reason = wire::RefusalReason::unknown_session, .text = words}));
+  ASSERT_GT(refusal.size(), words.size());
+  const auto before = loop.totals();
+  send_to_client(refusal);
+  refusal.resize(wire::kFrameBytesMax + 1);
+  send_to_client(refusal);
+  loop.run(100ms);
+  constexpr auto kOversize = static_cast<std::size_t>(wire::Malformed::oversize);
+  EXPECT_EQ(loop.server()->sessions(), 2U);
+  EXPECT_EQ(loop.server()->counters().malformed[kOversize], 1U);
+  EXPECT_EQ(loop.totals().foreign_session, before.foreign_session + 1);
+  EXPECT_EQ(loop.totals().malformed[kOversize], before.malformed[kOversize] + 1);
+  EXPECT_EQ(loop.totals().reconnects, 0U);
   expect_unbroken_and_back();
 }
 

@@ -137,6 +137,27 @@ TEST_F(NetworkHardCase, Case14OneWayLostForAMinuteAndBackAndItIsSaidWhich) {
   EXPECT_NEAR(static_cast<double>(totals.lost_down), 50'000, 10);
 }
 
+TEST_F(NetworkHardCase, Case14OneWayLostForLongerThanTheServerWaitsAndBack) {
+  // Without motion the server gives the session up after a minute; without answers only the client notices.
+  loop.network().set_blackhole(Direction::up, true);
+  loop.run(65s);
+  EXPECT_NE(loop.session().state(), record::SessionState::active);
+  EXPECT_EQ(loop.server()->sessions(), 0U);
+  EXPECT_EQ(loop.server()->counters().sessions_idle, 1U);
+  loop.network().set_blackhole(Direction::up, false);
+  expect_unbroken_and_back();
+  EXPECT_EQ(loop.totals().reconnects, 1U);
+
+  loop.network().set_blackhole(Direction::down, true);
+  loop.run(65s);
+  EXPECT_NE(loop.session().state(), record::SessionState::active);
+  EXPECT_EQ(loop.server()->sessions(), 1U) << "its motion still comes";
+  loop.network().set_blackhole(Direction::down, false);
+  expect_unbroken_and_back();
+  EXPECT_EQ(loop.totals().reconnects, 1U);
+  EXPECT_GT(loop.totals().lost_down, 64'900U);
+}
+
 TEST_F(NetworkHardCase, Case15AServerKilledInContactAndRestarted) {
   for (int i = 0; i < 3; ++i) {
     const std::uint64_t pushed = never.pushed;
