@@ -10,8 +10,6 @@ namespace {
 
 // A burst of more than this waits for the next tick: the tick's work is bounded.
 constexpr int kDatagramsPerTickMax = 64;
-// What choosing and commanding a force takes, generously; a force that took longer is asked about again.
-constexpr Nanoseconds kChoosing = std::chrono::microseconds{20};
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
@@ -33,6 +31,7 @@ Session::Session(Options options, HapticDevice& device, std::unique_ptr<control:
       clock_(clock),
       sinks_(sinks),
       controller_(device.facts(), std::move(law)),
+      choosing_(time::from_seconds(device.facts().period_s)),
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
       connection_(connection_facts(device.facts(), options_.scene),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
@@ -49,6 +48,7 @@ void Session::tick(Nanoseconds now) noexcept {
   receive_all(now);
   keep_connected(now);
 
+  choosing_since_ = clock_.now();
   const control::Motion motion = motion_at(reading, now);
   totals_.released_by_device += motion.held_s < motion.interval_s;
   totals_.held_too_long +=
@@ -56,6 +56,7 @@ void Session::tick(Nanoseconds now) noexcept {
   const Vector request = request_at(now);
   const Vector chosen = controller_.tick(motion, request);
   const Nanoseconds commanded = clock_.now();
+  choosing_.note(commanded - choosing_since_);
   const Vector applied = controller_.confirmed(chosen, latency_s(commanded - now));
   device_.apply(commanded, applied);
 
@@ -77,7 +78,7 @@ control::Motion Session::motion_at(const Reading& reading, Nanoseconds now) cons
       motion.held_s = time::to_seconds(*released - *previous_reading_) - motion.latency_s;
     }
   }
-  motion.latency_s_max = latency_s(clock_.now() - now + kChoosing);
+  motion.latency_s_max = latency_s(choosing_since_ - now + choosing_.allowed());
   return motion;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "forcebound/client/device/haptic_device.hpp"
+#include "forcebound/client/session/choosing_time.hpp"
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/event.hpp"
 #include "forcebound/client/session/force_stream.hpp"
@@ -84,6 +85,8 @@ class Session {
   const time::Clock& clock_;
   Sinks sinks_;
   control::PassivityController controller_;
+  ChoosingTime choosing_;
+  Nanoseconds choosing_since_{0};
   Connection connection_;
   ForceStream forces_;
   SilenceWatch silences_;

@@ -11,6 +11,7 @@
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/wire/codec.hpp"
+#include "tests/process/passive.hpp"
 #include "tests/process/programs.hpp"
 
 namespace forcebound::test {
@@ -200,7 +201,7 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
   EXPECT_EQ(faults["foreign_session"], kTimes);
   EXPECT_EQ(summary["received"], kTimes);
   EXPECT_EQ(summary["duplicated"], kTimes);
-  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -5e-3);
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
   EXPECT_EQ(faults["tick_allocations"], 0);
 }
 
@@ -245,7 +246,7 @@ TEST(ANetworkThatCorruptsAndDuplicates, IsCountedExactlyAtBothEnds) {
   EXPECT_GT(malformed_at_client, 50U);
   EXPECT_GT(summary["duplicated"], 100);
   EXPECT_EQ(summary["faults"]["foreign_session"], 0);
-  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -5e-3);
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/process/passive.hpp"
 #include "tests/process/programs.hpp"
 
 namespace forcebound::test {
@@ -28,14 +29,13 @@ void start(Way& way, const std::string& server, std::chrono::seconds duration) {
   const std::string hole =
       way.name + ":" + std::to_string(kContact.count()) + "-" + std::to_string((kContact + duration).count());
   way.relay = std::make_unique<Relay>(server, Words{"--blackhole", hole, "--log", way.folder.file("log.csv")});
-  way.client = std::make_unique<Client>(way.relay->address(),
-                                        Words{"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"});
+  way.client = std::make_unique<Client>(way.relay->address(), Words{"--device", "omni", "--operator", "trace-sphere"});
 }
 
 void expect_told(const Way& way, std::chrono::seconds duration) {
   const nlohmann::json summary = way.client->summary();
   ASSERT_TRUE(summary.is_object());
-  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -5e-3);
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
   EXPECT_GT(summary["contact_ticks"], 500);
   EXPECT_EQ(summary["blackouts"]["count"], 1);
   EXPECT_GE(summary["blackouts"]["longest_s"].get<double>(), static_cast<double>(duration.count()) - 0.1);

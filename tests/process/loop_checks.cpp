@@ -6,12 +6,12 @@
 #include <thread>
 #include <vector>
 
+#include "tests/process/passive.hpp"
+
 namespace forcebound::test {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr double kEncoderMayTake_J = 5e-3;
 
 /// What became of the datagrams of one direction, in the order in which they came to the relay.
 struct Fates {
@@ -85,7 +85,7 @@ void expect_sound(const nlohmann::json& summary, std::chrono::seconds duration) 
   EXPECT_GT(summary["ticks"].get<double>(), 0.9 * nominal);
   EXPECT_LE(summary["ticks"].get<double>(), nominal + 1);
   EXPECT_NEAR(summary["duration_s"].get<double>(), static_cast<double>(duration.count()), 0.5);
-  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -kEncoderMayTake_J);
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
   EXPECT_EQ(summary["faults"]["tick_allocations"], 0);
   EXPECT_EQ(summary["faults"]["send_failures"], 0);
   EXPECT_EQ(summary["faults"]["recording_dropped"], 0);

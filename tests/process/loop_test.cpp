@@ -8,15 +8,14 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(ThreeProgramsOnABadNetwork, StayPassiveAndAgreeExactlyOnEveryDatagram) {
-  const LoopOutcome outcome =
-      run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
-                .client = {"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"},
-                .duration = 8s});
+  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
+                                        .client = {"--device", "omni", "--operator", "trace-sphere"},
+                                        .duration = 8s});
   expect_sound(outcome.summary, 8s);
   expect_exact_counts(outcome);
 
   const nlohmann::json& summary = outcome.summary;
-  EXPECT_EQ(summary["law"], "fba-more");
+  EXPECT_EQ(summary["law"], "fba-exact");
   EXPECT_EQ(summary["device"], "omni");
   EXPECT_GT(summary["contact_ticks"].get<int>(), 1000);
   // Twice 50 ms and at most 10 ms more or less each way; that of the newest force is rather less than the mean.

@@ -30,8 +30,8 @@ struct RecordedRun final : record::RecordingSink {
 /// policy: in full up to the hold time, then fading linearly, zero from the drop time on.
 void expect_late_force_policy(const RecordedRun& run);
 
-/// The audit's least over the run: none below rounding for a law that promises it with real encoders and clocks, for
-/// the published ones a little.
+/// The audit's least over the run is not below rounding, whatever the machine did to the clock; for the law that
+/// promises it.
 void expect_passive(const RecordedRun& run);
 
 /// Those of the laws that this build ships.
