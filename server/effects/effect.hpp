@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -8,10 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace forcebound::server {
+#include "forcebound/server/geometry/point.hpp"
 
-/// A point, direction or force in the scene's frame. Scenes of one or two dimensions lie on the first axes.
-using Point = Eigen::Vector3d;
+namespace forcebound::server {
 
 /// The device's point, seen by an object that it has entered. Everything is finite.
 struct Probe {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "forcebound/server/effects/effect.hpp"
-#include "forcebound/server/scene/shape.hpp"
+#include "forcebound/server/geometry/shape.hpp"
 
 namespace forcebound::server {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "forcebound/server/scene/checked_table.hpp"
-#include "forcebound/server/scene/shape.hpp"
+#include "forcebound/server/geometry/shape.hpp"
 
 namespace forcebound::server {
 

@@ -1,4 +1,4 @@
-#include "forcebound/server/scene/shape.hpp"
+#include "forcebound/server/geometry/shape.hpp"
 
 #include <cmath>
 #include <limits>

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "forcebound/server/effects/effect.hpp"
+#include "forcebound/server/geometry/point.hpp"
 
 namespace forcebound::server {
 
