@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "forcebound/server/geometry/last_normal.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -13,7 +15,7 @@ class HalfSpace final : public Shape {
  public:
   HalfSpace(const Point& through_m, const Point& normal) : through_m_(through_m), normal_(normal.stableNormalized()) {}
 
-  SurfacePoint nearest(const Point& position_m, const Point&) const noexcept override {
+  SurfacePoint nearest(const Point& position_m, std::byte*) const noexcept override {
     return {.normal = normal_, .penetration_m = (through_m_ - position_m).dot(normal_)};
   }
 
@@ -26,13 +28,13 @@ class Sphere final : public Shape {
  public:
   Sphere(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
 
-  SurfacePoint nearest(const Point& position_m, const Point& last_normal) const noexcept override {
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
     const Point out = position_m - center_m_;
     const double distance_m = out.stableNorm();
-    const double penetration_m = radius_m_ - distance_m;
-    if (distance_m <= kCentre * radius_m_) return {last_normal, penetration_m, true};
-    return {.normal = out / distance_m, .penetration_m = penetration_m};
+    return LastNormal::in(state).along(out, distance_m, kCentre * radius_m_, radius_m_ - distance_m);
   }
+
+  ShapeFacts facts() const override { return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this}; }
 
  private:
   Point center_m_;
@@ -43,13 +45,13 @@ class Cavity final : public Shape {
  public:
   Cavity(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
 
-  SurfacePoint nearest(const Point& position_m, const Point& last_normal) const noexcept override {
-    const Point out = position_m - center_m_;
-    const double distance_m = out.stableNorm();
-    const double penetration_m = distance_m - radius_m_;
-    if (penetration_m <= 0) return {last_normal, penetration_m};
-    return {.normal = -out / distance_m, .penetration_m = penetration_m};
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    const Point in = center_m_ - position_m;
+    const double distance_m = in.stableNorm();
+    return LastNormal::in(state).along(in, distance_m, kCentre * radius_m_, distance_m - radius_m_);
   }
+
+  ShapeFacts facts() const override { return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this}; }
 
  private:
   Point center_m_;
@@ -60,8 +62,13 @@ class Box final : public Shape {
  public:
   Box(const Point& center_m, const Point& size_m) : center_m_(center_m), half_m_(0.5 * size_m) {}
 
-  SurfacePoint nearest(const Point& position_m, const Point&) const noexcept override {
+  SurfacePoint nearest(const Point& position_m, std::byte*) const noexcept override {
     const Point from_center = position_m - center_m_;
+    const Point outside_m = (from_center.cwiseAbs() - half_m_).cwiseMax(0.0);
+    if (const double distance_m = outside_m.stableNorm(); distance_m > 0) {
+      const Point sign = from_center.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
+      return {.normal = outside_m.cwiseProduct(sign) / distance_m, .penetration_m = -distance_m};
+    }
     SurfacePoint found{.normal = Point::UnitX(), .penetration_m = std::numeric_limits<double>::infinity()};
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       const double depth_m = half_m_[axis] - std::abs(from_center[axis]);

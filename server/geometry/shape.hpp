@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "forcebound/server/geometry/point.hpp"
@@ -8,20 +9,29 @@ namespace forcebound::server {
 
 /// How a point lies to a surface.
 struct SurfacePoint {
-  Point normal;                ///< unit, out of the surface where it is nearest; meaningless where there is no contact
-  double penetration_m = 0;    ///< > 0: that deep inside what is filled
-  bool normal_is_old = false;  ///< no direction is nearest (the centre of a sphere): `normal` is the one given
+  Point normal = Point::UnitX();  ///< unit, out of the surface where it is nearest
+  double penetration_m = 0;       ///< > 0: that deep inside what is filled; < 0: no contact, that far outside
+  bool normal_is_old = false;     ///< no direction is nearest (the centre of a sphere): the last one that was valid
+};
+
+/// What the plan and people need to know of a shape.
+struct ShapeFacts {
+  std::size_t state_bytes = 0;   ///< kept for each session, zeros at first
+  std::size_t memory_bytes = 0;  ///< of the shape itself, shared by all sessions
+  double cost_ns = 5;            ///< for one motion, roughly, on a machine of today
 };
 
 /// What an object fills.
 ///
-/// Real time: `nearest` is noexcept, allocates nothing and takes bounded time. Immutable.
+/// Real time: `nearest` is noexcept, allocates nothing and takes bounded time. Immutable; what it remembers of a client
+/// lies in `state`, ShapeFacts::state_bytes of it, aligned for a double.
 class Shape {
  public:
   virtual ~Shape() = default;
 
-  /// @param last_normal unit; the answer where the point itself gives none.
-  [[nodiscard]] virtual SurfacePoint nearest(const Point& position_m, const Point& last_normal) const noexcept = 0;
+  [[nodiscard]] virtual SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept = 0;
+
+  [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
 };
 
 /// Everything below the plane through a point; `normal` (any length but zero) points out of what is filled.

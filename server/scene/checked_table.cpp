@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kNameBytesMax = 64;
 
-std::string range_text(const EffectParameter& parameter) {
+std::string range_text(const NumberParameter& parameter) {
   std::string text = (parameter.least_excluded ? "> " : ">= ") + text::to_text(parameter.least);
   if (std::isfinite(parameter.most)) text += " and <= " + text::to_text(parameter.most);
   return text;
@@ -71,14 +71,14 @@ const toml::array& CheckedTable::array(std::string_view key) {
   return *node.as_array();
 }
 
-double CheckedTable::number(const EffectParameter& parameter) {
+double CheckedTable::number(const NumberParameter& parameter) {
   const toml::node* node = parameter.preset ? find(parameter.key) : &at(parameter.key);
   const double value = node == nullptr ? *parameter.preset : finite(*node, parameter.key);
   const bool above = parameter.least_excluded ? value > parameter.least : value >= parameter.least;
   if (node != nullptr && !(above && value <= parameter.most)) {
     fail(*node, std::string(parameter.key) + " must be " + range_text(parameter) + ", got " + as_written(*node));
   }
-  note_number(parameter.key, text::to_text(value));
+  if (node != nullptr) note(parameter.key, text::to_text(value));
   return value;
 }
 
@@ -94,8 +94,33 @@ Point CheckedTable::point(std::string_view key, Eigen::Index rows, double rest) 
     point[i] = finite(values[static_cast<std::size_t>(i)], key);
     text += (i == 0 ? "" : ", ") + text::to_text(point[i]);
   }
-  note_number(key, "[" + text + "]");
+  note(key, "[" + text + "]");
   return point;
+}
+
+Point CheckedTable::direction(std::string_view key, Eigen::Index rows) {
+  const Point direction = point(key, rows);
+  if (direction.isZero(0)) fail(at(key), std::string(key) + " must not be zero");
+  return direction.stableNormalized();
+}
+
+std::string CheckedTable::choice(std::string_view key, std::span<const std::string_view> choices) {
+  if (find(key) == nullptr) return std::string(choices.front());
+  std::string word = text(key);
+  if (std::find(choices.begin(), choices.end(), word) == choices.end()) {
+    fail(at(key), "unknown " + std::string(key) + " '" + word + "'" +
+                      text::suggestion(word, std::vector<std::string>(choices.begin(), choices.end())));
+  }
+  note(key, word);
+  return word;
+}
+
+bool CheckedTable::flag(std::string_view key, bool preset) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return preset;
+  const auto value = node->value_exact<bool>();
+  if (!value) fail(*node, std::string(key) + " must be true or false, got " + as_written(*node));
+  return *value;
 }
 
 void CheckedTable::refuse_unknown_keys() const {
@@ -118,8 +143,8 @@ double CheckedTable::finite(const toml::node& node, std::string_view key) const 
   return *value;
 }
 
-void CheckedTable::note_number(std::string_view key, const std::string& value) {
-  numbers_text_ += (numbers_text_.empty() ? "" : ", ") + std::string(key) + " " + value;
+void CheckedTable::note(std::string_view key, const std::string& value) {
+  values_text_ += (values_text_.empty() ? "" : ", ") + std::string(key) + " " + value;
 }
 
 }  // namespace forcebound::server

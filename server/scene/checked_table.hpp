@@ -2,11 +2,12 @@
 
 #include <toml++/toml.h>
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "forcebound/server/effects/effect.hpp"
+#include "forcebound/server/effects/parameter.hpp"
 
 namespace forcebound::server {
 
@@ -28,7 +29,15 @@ class CheckedTable {
 
   const toml::table& table(std::string_view key);
   const toml::array& array(std::string_view key);
-  double number(const EffectParameter& parameter);
+  double number(const NumberParameter& parameter);
+
+  /// Unit length, any but zero in the file.
+  Point direction(std::string_view key, Eigen::Index rows);
+
+  /// One of the words; the first where the key is absent.
+  std::string choice(std::string_view key, std::span<const std::string_view> choices);
+
+  bool flag(std::string_view key, bool preset);
 
   /// An array of `rows` finite numbers; the rest of the point is `rest`.
   Point point(std::string_view key, Eigen::Index rows, double rest = 0);
@@ -36,8 +45,8 @@ class CheckedTable {
   /// To be called when everything is read.
   void refuse_unknown_keys() const;
 
-  /// The numbers read so far, "radius_m 0.02, center_m [0, 0]".
-  [[nodiscard]] const std::string& numbers_text() const noexcept { return numbers_text_; }
+  /// What the file says of numbers, points and words read so far, "radius_m 0.02, center_m [0, 0]".
+  [[nodiscard]] const std::string& values_text() const noexcept { return values_text_; }
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] const std::string& place() const noexcept { return place_; }
@@ -47,13 +56,13 @@ class CheckedTable {
 
  private:
   double finite(const toml::node& node, std::string_view key) const;
-  void note_number(std::string_view key, const std::string& value);
+  void note(std::string_view key, const std::string& value);
 
   const toml::table& table_;
   std::string file_;
   std::string place_;
   std::vector<std::string> known_;
-  std::string numbers_text_;
+  std::string values_text_;
 };
 
 /// As it stands in the file, for "got ...".

@@ -13,7 +13,7 @@ std::string explain_object(const SceneObject& object) {
     text += "  effect '" + requested.name + "': " + requested.parameters + "\n";
     text += "    law:     " + requested.law + "\n";
     text += "    implies: depth and normal at the nearest point of the shape";
-    text += requested.effect->needs_velocity() ? "; velocity from successive motions\n" : "\n";
+    text += requested.effect->facts().inputs.velocity ? "; velocity from successive motions\n" : "\n";
   }
   return text;
 }
@@ -30,7 +30,7 @@ std::string explain(const Scene& scene) {
   if (scene.objects().empty()) text += "no objects: every force is zero\n";
 
   text += "not simulated: torques";
-  if (!scene.needs_velocity()) text += "; velocity (no effect needs it)";
+  if (!scene.plan().inputs().velocity) text += "; velocity (no effect needs it)";
   if (!facts.effects_not_requested.empty())
     text += "; effects nobody asked for: " + text::join(facts.effects_not_requested);
   return text + "\n";

@@ -4,15 +4,12 @@
 
 namespace forcebound::server {
 
-Scene::Scene(SceneFacts facts, std::vector<SceneObject> objects)
-    : facts_(std::move(facts)), objects_(std::move(objects)) {
-  for (const SceneObject& object : objects_) {
-    for (const RequestedEffect& requested : object.effects) {
-      effects_.push_back(requested.effect.get());
-      needs_velocity_ = needs_velocity_ || requested.effect->needs_velocity();
-    }
-    steps_.push_back({object.shape.get(), effects_.size()});
-  }
+Scene::Scene(SceneFacts facts, SceneParts parts)
+    : facts_(std::move(facts)), parts_(std::move(parts)), plan_(parts_.objects, parts_.fields) {}
+
+const std::string& Scene::name_of_step(std::size_t step) const noexcept {
+  const std::size_t objects = parts_.objects.size();
+  return step < objects ? parts_.objects[step].name : parts_.fields[step - objects].name;
 }
 
 bool Scene::accepts(std::uint32_t device_degrees_of_freedom) const noexcept {

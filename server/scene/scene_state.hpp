@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "forcebound/control/vector.hpp"
@@ -15,20 +16,25 @@ using time::Nanoseconds;
 
 /// What the scene answers to one motion; the vectors have the device's rows, rotations are zero.
 struct SceneAnswer {
-  Vector force;              ///< on the device [N], then torque [N m]; always finite
-  Vector contact_normal;     ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;  ///< depth below that surface, 0: no contact
+  Vector force;                              ///< on the device [N], then torque [N m]; always finite
+  Vector contact_normal{};                   ///< unit, out of the surface touched (deepest one); no rows: no contact
+  double penetration_m = 0;                  ///< depth below that surface, 0: no contact
+  Texture texture{};                         ///< of that surface
+  const std::string* quarantined = nullptr;  ///< the object or field left out from now on; null: none on this motion
 };
 
 /// What went wrong within a scene and was kept from the client.
 struct SceneFaults {
-  std::uint64_t old_normals = 0;        ///< contacts whose direction had to be the last valid one
-  std::uint64_t non_finite_forces = 0;  ///< an object's force that was not finite; it counted as zero
+  std::uint64_t old_normals = 0;  ///< contacts whose direction had to be the last valid one
+  std::uint64_t quarantined = 0;  ///< objects and fields whose force was not finite: left out from then on
 };
 
 /// One client's state of a scene.
 ///
-/// Real time: `answer` is noexcept, allocates nothing and is O(objects). Not thread-safe.
+/// An object or field whose force is not finite is left out from then on, for this client; the others keep their
+/// states.
+///
+/// Real time: `answer` is noexcept, allocates nothing and is O(effects). Not thread-safe.
 class SceneState {
  public:
   /// The scene accepts so many degrees of freedom.
@@ -42,13 +48,19 @@ class SceneState {
   [[nodiscard]] const SceneFaults& faults() const noexcept { return faults_; }
 
  private:
-  [[nodiscard]] Point velocity_at(const Point& position_m, Nanoseconds device_time) noexcept;
+  void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
+  [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;
+  void act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept;
+  void run(std::uint32_t begin, std::uint32_t end, const Probe& probe, Reaction& reaction) noexcept;
+  void forget(std::uint32_t begin, std::uint32_t end) noexcept;
 
   std::shared_ptr<const Scene> scene_;
-  Eigen::Index rows_;                ///< of the device
-  Eigen::Index translations_;        ///< of them
-  std::vector<Point> last_normals_;  ///< per step of the plan
+  Eigen::Index rows_;                 ///< of the device
+  Eigen::Index translations_;         ///< of them
+  std::vector<std::byte> bytes_;      ///< the states of all effects and shapes
+  std::vector<std::uint32_t> steps_;  ///< of the plan, less those quarantined
   Point last_position_m_ = Point::Zero();
+  Nanoseconds first_time_{0};
   Nanoseconds last_time_{0};
   bool has_last_ = false;
   SceneFaults faults_;

@@ -40,7 +40,7 @@ std::string ServerCounters::text() const {
                {"without a session", motions_without_session}}) +
          line("forces", {"sent", forces_sent},
               {{"datagrams not sent", sends_failed},
-               {"not finite, made zero", non_finite_forces},
+               {"of objects not finite and left out", objects_quarantined},
                {"with the last valid normal", old_normals}}) +
          line("datagrams", {"received", datagrams},
               {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},

@@ -34,8 +34,8 @@ struct ServerCounters {
   std::uint64_t forces_sent = 0;
   std::uint64_t sends_failed = 0;
 
-  std::uint64_t old_normals = 0;        ///< contacts whose direction had to be the last valid one
-  std::uint64_t non_finite_forces = 0;  ///< an object's force that was not finite and counted as zero
+  std::uint64_t old_normals = 0;          ///< contacts whose direction had to be the last valid one
+  std::uint64_t objects_quarantined = 0;  ///< objects of a session whose force was not finite: left out from then on
 
   /// One line per subject; what never happened is left out.
   [[nodiscard]] std::string text() const;

@@ -29,6 +29,9 @@ class ServerObserver {
   virtual void on_closed(const SessionInfo&, CloseReason, const wire::Bye& /*final_counts*/) {}
   virtual void on_refused(const net::Address&, std::string_view /*text*/) {}
 
+  /// The object or field was left out, because its force was not finite. Rare: at most once for each of a session's.
+  virtual void on_quarantined(const SessionInfo&, std::string_view /*object*/) noexcept {}
+
   /// Real time: called for each motion answered, and for its answer. Must not allocate, wait or print.
   virtual void on_motion(const wire::MotionSample&) noexcept {}
   virtual void on_force(const wire::EnvironmentForce&) noexcept {}

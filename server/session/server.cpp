@@ -103,7 +103,7 @@ ServerCounters Server::counters() const noexcept {
   ServerCounters total = counters_;
   for (const auto& [id, session] : sessions_) {
     total.old_normals += session.scene.faults().old_normals;
-    total.non_finite_forces += session.scene.faults().non_finite_forces;
+    total.objects_quarantined += session.scene.faults().quarantined;
   }
   return total;
 }
@@ -288,6 +288,7 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
                                      .motions_received = session.arrivals.counts.motions_received,
                                      .motions_duplicated = session.arrivals.counts.motions_duplicated,
                                      .motions_reordered = session.arrivals.counts.motions_reordered};
+  if (scene.quarantined != nullptr) observer_.on_quarantined(session.info, *scene.quarantined);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
@@ -320,7 +321,7 @@ bool Server::send(const wire::Message& message, const net::Address& to) noexcept
 
 void Server::close(const Session& session, CloseReason reason) {
   counters_.old_normals += session.scene.faults().old_normals;
-  counters_.non_finite_forces += session.scene.faults().non_finite_forces;
+  counters_.objects_quarantined += session.scene.faults().quarantined;
   observer_.on_closed(session.info, reason, session.arrivals.counts);
 }
 

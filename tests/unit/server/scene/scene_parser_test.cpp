@@ -45,8 +45,9 @@ TEST(ParseScene, ReadsAGoodScene) {
   EXPECT_EQ(scene->facts().description, "a wall");
   EXPECT_EQ(scene->facts().degrees_of_freedom, 2);
   ASSERT_EQ(scene->objects().size(), 1u);
-  EXPECT_EQ(scene->objects()[0].effects[0].parameters, "stiffness_N_per_m 200, damping_N_s_per_m 1");
-  EXPECT_TRUE(scene->needs_velocity());
+  EXPECT_EQ(scene->objects()[0].effects[0].parameters,
+            "stiffness_N_per_m 200, damping_N_s_per_m 1");
+  EXPECT_TRUE(scene->plan().inputs().velocity);
 }
 
 TEST(ParseScene, SameTextSameHash) {
@@ -55,7 +56,7 @@ TEST(ParseScene, SameTextSameHash) {
 }
 
 TEST(ParseScene, DampingMayBeLeftOut) {
-  EXPECT_FALSE(parse_scene(with("damping_N_s_per_m = 1\n", ""), "a.toml")->needs_velocity());
+  EXPECT_FALSE(parse_scene(with("damping_N_s_per_m = 1\n", ""), "a.toml")->plan().inputs().velocity);
 }
 
 TEST(ParseScene, NamesFileLineObjectEffectAndValue) {
@@ -80,13 +81,14 @@ TEST(ParseScene, NumbersMustBeFiniteNumbers) {
 TEST(ParseScene, UnknownKeysAreErrorsWithTheNearestKnown) {
   EXPECT_EQ(error_of(with("damping_N_s_per_m", "damping_Ns_per_m")),
             "scenes/wall.toml:13: object 'wall', effect 'surface': unknown key 'damping_Ns_per_m', did you mean "
-            "'damping_N_s_per_m'? (known: stiffness_N_per_m, damping_N_s_per_m)");
+            "'damping_N_s_per_m'? (known: stiffness_N_per_m, damping_N_s_per_m, stiffening_N_per_m2)");
   EXPECT_EQ(
       error_of(with("degrees_of_freedom = 2", "degrees_of_freedom = 2\ndescripton = ''")),
       "scenes/wall.toml:5: scene: unknown key 'descripton', did you mean 'description'? (known: name, description, "
-      "degrees_of_freedom)");
-  EXPECT_EQ(error_of(with("[scene]", "[scenery]\n[scene]")),
-            "scenes/wall.toml:1: scene file: unknown key 'scenery', did you mean 'scene'? (known: scene, object)");
+      "degrees_of_freedom, shared)");
+  EXPECT_EQ(
+      error_of(with("[scene]", "[scenery]\n[scene]")),
+      "scenes/wall.toml:1: scene file: unknown key 'scenery', did you mean 'scene'? (known: scene, object, field)");
   EXPECT_EQ(error_of(with("normal = [-1, 0] }", "normal = [-1, 0], radius_m = 1 }")),
             "scenes/wall.toml:8: object 'wall', shape: unknown key 'radius_m' (known: kind, through_m, normal)");
 }
@@ -130,12 +132,11 @@ TEST(ParseScene, ParametersOfAnEffectNobodyAskedForAreAnError) {
 
 TEST(ParseScene, MakesOnlyWhatTheSceneAsksFor) {
   EffectRegistry registry = EffectRegistry::standard();
-  registry.add(
-      {.name = "bomb", .law = "", .parameters = {}, .make = [](std::span<const double>) -> std::unique_ptr<Effect> {
-         throw std::logic_error("made an effect that nobody asked for");
-       }});
+  registry.add({.name = "bomb", .purpose = "", .law = "", .make = [](const EffectValues&) -> std::unique_ptr<Effect> {
+                  throw std::logic_error("made an effect that nobody asked for");
+                }});
   const auto scene = parse_scene(kGood, "a.toml", registry);
-  EXPECT_EQ(scene->effects().size(), 1u);
+  EXPECT_EQ(scene->plan().effects().size(), 1u);
   EXPECT_EQ(scene->facts().effects_not_requested, std::vector<std::string>{"bomb"});
 }
 

@@ -131,7 +131,7 @@ TEST(SceneState, ForceThatIsNotFiniteIsZeroAndCounted) {
   const SceneAnswer answer = state.answer(vector_of({std::numeric_limits<double>::max()}), milliseconds{1});
   EXPECT_EQ(answer.force, vector_of({0}));
   EXPECT_EQ(answer.contact_normal.rows(), 0);
-  EXPECT_EQ(state.faults().non_finite_forces, 1u);
+  EXPECT_EQ(state.faults().quarantined, 1u);
 }
 
 TEST(SceneState, AnswersAnyFiniteMotionWithFiniteForce) {

@@ -106,7 +106,7 @@ TEST_F(ServerAbuse, MotionAsFarOutAsNumbersGoIsAnsweredFinite) {
     arrive(motion(session, ++sequence, x));
     EXPECT_TRUE(only_answer<wire::EnvironmentForce>().force.allFinite());
   }
-  EXPECT_EQ(server->counters().non_finite_forces, 1u);
+  EXPECT_EQ(server->counters().objects_quarantined, 1u);
 }
 
 }  // namespace
