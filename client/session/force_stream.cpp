@@ -9,6 +9,12 @@ namespace {
 // At 1 kHz the last 65 s of motion: longer than any force can be of use.
 constexpr std::size_t kSentRing = 65536;
 
+bool fits(const control::Vector& wave_rad_per_m, int degrees_of_freedom) noexcept {
+  constexpr double kWave_rad_per_m_max = 1e9;
+  return wave_rad_per_m.rows() == 0 || (wave_rad_per_m.rows() == degrees_of_freedom &&
+                                        wave_rad_per_m.lpNorm<Eigen::Infinity>() <= kWave_rad_per_m_max);
+}
+
 /// Whether the numbers can be what they say; what follows may then compute with them.
 bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept {
   constexpr double kPenetration_m_max = 10;
@@ -21,6 +27,7 @@ bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept 
     return false;
   }
   if (force.contact_normal.rows() == 0) return true;
+  if (!fits(force.texture_wave, degrees_of_freedom) || !fits(force.texture_across, degrees_of_freedom)) return false;
   return force.contact_normal.rows() == degrees_of_freedom && std::abs(force.penetration_m) <= kPenetration_m_max &&
          std::abs(force.contact_normal.stableNorm() - 1) <= kNormalRounding;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "forcebound/client/session/texture.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::client {
@@ -53,7 +54,7 @@ void Session::tick(Nanoseconds now) noexcept {
   totals_.released_by_device += motion.held_s < motion.interval_s;
   totals_.held_too_long +=
       !device_.facts().releases && motion.interval_s - motion.latency_s > device_.facts().hold_s_max;
-  const Vector request = request_at(now);
+  const Vector request = request_at(reading.position, now);
   const Vector chosen = controller_.tick(motion, request);
   const Nanoseconds commanded = clock_.now();
   choosing_.note(commanded - choosing_since_);
@@ -86,7 +87,7 @@ double Session::latency_s(Nanoseconds reading_to_command) const noexcept {
   return time::to_seconds(reading_to_command) + device_.facts().latency_s;
 }
 
-Vector Session::request_at(Nanoseconds now) noexcept {
+Vector Session::request_at(const Vector& position, Nanoseconds now) noexcept {
   const auto& newest = forces_.newest();
   if (!newest) {
     record_.policy = record::ForcePolicy::none;
@@ -98,7 +99,7 @@ Vector Session::request_at(Nanoseconds now) noexcept {
   note_policy(options_.policy.verdict(age), age, now);
   record_.force_sequence = newest->motion_sequence;
   record_.force_age = age;
-  return options_.policy.scale(age) * newest->force;
+  return options_.policy.scale(age) * (newest->force + texture_force_N(*newest, position));
 }
 
 void Session::note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept {

@@ -74,7 +74,7 @@ class Session {
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] control::Motion motion_at(const Reading& reading, Nanoseconds now) const noexcept;
   [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
-  [[nodiscard]] Vector request_at(Nanoseconds now) noexcept;
+  [[nodiscard]] Vector request_at(const Vector& position, Nanoseconds now) noexcept;
   void note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
   void write_down(const Reading& reading, const Vector& applied, Nanoseconds now) noexcept;
   void tell(Event::Kind kind, Nanoseconds now, std::string_view words, Nanoseconds duration = {}) noexcept;

@@ -56,6 +56,9 @@ void put(const wire::EnvironmentForce& force, v1::EnvironmentForce& out) {
   out.set_motions_received(force.motions_received);
   out.set_motions_duplicated(force.motions_duplicated);
   out.set_motions_reordered(force.motions_reordered);
+  out.set_texture_n(force.texture_N);
+  put(force.texture_wave, *out.mutable_texture_wave_rad_per_m());
+  put(force.texture_across, *out.mutable_texture_across_rad_per_m());
 }
 
 void take(const v1::EnvironmentForce& in, wire::EnvironmentForce& force) {
@@ -73,6 +76,9 @@ void take(const v1::EnvironmentForce& in, wire::EnvironmentForce& force) {
   force.motions_received = in.motions_received();
   force.motions_duplicated = in.motions_duplicated();
   force.motions_reordered = in.motions_reordered();
+  force.texture_N = in.texture_n();
+  force.texture_wave = vector_from(in.texture_wave_rad_per_m(), "texture_wave_rad_per_m");
+  force.texture_across = vector_from(in.texture_across_rad_per_m(), "texture_across_rad_per_m");
 }
 
 template <class Message>

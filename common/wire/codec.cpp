@@ -90,7 +90,8 @@ Codec::Storage::Storage() {
     *text = longest;
   }
   for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_position_m(),
-                           force.mutable_contact_normal()}) {
+                           force.mutable_contact_normal(), force.mutable_texture_wave_rad_per_m(),
+                           force.mutable_texture_across_rad_per_m()}) {
     numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
   }
 }
@@ -148,6 +149,9 @@ void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
   force.set_motions_received(from.motions_received);
   force.set_motions_duplicated(from.motions_duplicated);
   force.set_motions_reordered(from.motions_reordered);
+  force.set_texture_n(from.texture_N);
+  put(from.texture_wave, force.mutable_texture_wave_rad_per_m());
+  put(from.texture_across, force.mutable_texture_across_rad_per_m());
 }
 
 void Codec::Storage::fill(const Bye& from) noexcept {
@@ -213,12 +217,15 @@ Decoded to_value(const v1::EnvironmentForce& from, std::size_t) noexcept {
                          .compute_time = Nanoseconds{from.compute_time_ns()},
                          .motions_received = from.motions_received(),
                          .motions_duplicated = from.motions_duplicated(),
-                         .motions_reordered = from.motions_reordered()};
+                         .motions_reordered = from.motions_reordered(),
+                         .texture_N = from.texture_n()};
   const bool times = plausible(force.motion_device_time) && plausible(force.server_receive_time) &&
                      plausible(force.server_send_time) && plausible(force.compute_time);
   if (!times) return Malformed::unreadable;
   const bool ours = take(from.force_n(), force.force) && take(from.position_m(), force.position) &&
-                    take(from.contact_normal(), force.contact_normal) && std::isfinite(force.penetration_m);
+                    take(from.contact_normal(), force.contact_normal) && std::isfinite(force.penetration_m) &&
+                    std::isfinite(force.texture_N) && take(from.texture_wave_rad_per_m(), force.texture_wave) &&
+                    take(from.texture_across_rad_per_m(), force.texture_across);
   if (!ours) return Malformed::non_finite;
   return Message{force};
 }

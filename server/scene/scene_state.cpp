@@ -32,7 +32,7 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time) 
   if (plan.inputs().velocity || plan.inputs().time) look_at_time(probe, device_time);
 
   Point total = Point::Zero();
-  SceneAnswer answer{.force = Vector::Zero(rows_)};
+  SceneAnswer answer;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const PlanStep& step = plan.steps()[steps_[i]];
     Reaction reaction;
@@ -51,13 +51,18 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time) 
     if (surface.normal_is_old) ++faults_.old_normals;
     if (surface.penetration_m > answer.penetration_m) {
       answer.penetration_m = surface.penetration_m;
-      answer.contact_normal = Vector::Zero(rows_);
-      answer.contact_normal.head(translations_) = surface.normal.head(translations_);
+      answer.contact_normal = in_device_rows(surface.normal);
       answer.texture = reaction.texture;
     }
   }
-  answer.force.head(translations_) = total.head(translations_);
+  answer.force = in_device_rows(total);
   return answer;
+}
+
+Vector SceneState::in_device_rows(const Point& point) const noexcept {
+  Vector vector = Vector::Zero(rows_);
+  vector.head(translations_) = point.head(translations_);
+  return vector;
 }
 
 SurfacePoint SceneState::find_surface(const PlanStep& step, const Point& position_m) noexcept {

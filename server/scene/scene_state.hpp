@@ -44,6 +44,9 @@ class SceneState {
   /// clock. The velocity is the mean since the previous call; a time that does not advance gives none.
   [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time) noexcept;
 
+  /// With the device's rows; rotations are zero.
+  [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
+
   [[nodiscard]] const Scene& scene() const noexcept { return *scene_; }
   [[nodiscard]] const SceneFaults& faults() const noexcept { return faults_; }
 

@@ -274,6 +274,10 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
   const SceneAnswer scene = session.scene.answer(motion.position, motion.device_time);
   const Nanoseconds end = clock_.now();
 
+  const auto wave = [&](int i) {
+    const bool any = scene.texture.amplitude_N > 0 && i < scene.texture.waves;
+    return any ? session.scene.in_device_rows(scene.texture.waves_rad_per_m.at(static_cast<std::size_t>(i))) : Vector();
+  };
   const wire::EnvironmentForce force{.session = motion.session,
                                      .sequence = session.arrivals.counts.forces_sent + 1,
                                      .motion_sequence = motion.sequence,
@@ -287,7 +291,10 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
                                      .compute_time = end - begin,
                                      .motions_received = session.arrivals.counts.motions_received,
                                      .motions_duplicated = session.arrivals.counts.motions_duplicated,
-                                     .motions_reordered = session.arrivals.counts.motions_reordered};
+                                     .motions_reordered = session.arrivals.counts.motions_reordered,
+                                     .texture_N = scene.texture.amplitude_N,
+                                     .texture_wave = wave(0),
+                                     .texture_across = wave(1)};
   if (scene.quarantined != nullptr) observer_.on_quarantined(session.info, *scene.quarantined);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;

@@ -121,6 +121,9 @@ TEST(CodecAbuse, NonFiniteNumbersAreRefusedInEveryField) {
     expect_refused(EnvironmentForce{.position = vector_of({bad, 0})});
     expect_refused(EnvironmentForce{.contact_normal = vector_of({0, 0, bad})});
     expect_refused(EnvironmentForce{.penetration_m = bad});
+    expect_refused(EnvironmentForce{.texture_N = bad});
+    expect_refused(EnvironmentForce{.texture_wave = vector_of({0, bad})});
+    expect_refused(EnvironmentForce{.texture_across = vector_of({bad})});
   }
 }
 

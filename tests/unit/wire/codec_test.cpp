@@ -147,7 +147,10 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
                                 .compute_time = any_time(),
                                 .motions_received = any_count(),
                                 .motions_duplicated = any_count(),
-                                .motions_reordered = any_count()};
+                                .motions_reordered = any_count(),
+                                .texture_N = *finite_number(),
+                                .texture_wave = any_vector(0),
+                                .texture_across = any_vector(0)};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -156,6 +159,9 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
     expect_same(back.force, sent.force);
     expect_same(back.position, sent.position);
     expect_same(back.contact_normal, sent.contact_normal);
+    RC_ASSERT(back.texture_N == sent.texture_N);
+    expect_same(back.texture_wave, sent.texture_wave);
+    expect_same(back.texture_across, sent.texture_across);
     RC_ASSERT(back.penetration_m == sent.penetration_m);
     RC_ASSERT(back.server_receive_time == sent.server_receive_time);
     RC_ASSERT(back.server_send_time == sent.server_send_time);

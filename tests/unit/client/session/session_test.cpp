@@ -34,6 +34,21 @@ TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
   EXPECT_EQ(records.last.displayed_N, 2.5);
 }
 
+TEST_F(SessionTest, RendersTheTextureOfAnOldAnswerWhereTheDeviceIsNow) {
+  connect();
+  device.position = Vector::Constant(1, 0.001);
+  tick();
+  auto force = answer(sent<wire::MotionSample>().back(), -2);
+  force.texture_N = 0.5;
+  force.texture_wave = Vector::Constant(1, 1000);
+  arrive(force);
+  for (const double x : {0.001, 0.0015, 0.002}) {
+    device.position = Vector::Constant(1, x);
+    tick();
+    EXPECT_NEAR(device.applied[0], -2 - 0.5 * std::sin(1000 * x), 1e-12);
+  }
+}
+
 TEST_F(SessionTest, TellsTheRoundTripFromTheWaitForTheTick) {
   connect();
   tick();
