@@ -9,6 +9,9 @@
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/serve.hpp"
 #include "forcebound/server/scene/explain.hpp"
+#include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/server/session/answer_size.hpp"
+#include "forcebound/time/steady_clock.hpp"
 
 namespace {
 
@@ -19,6 +22,14 @@ void log_to_stderr() {
   spdlog::set_pattern("%H:%M:%S.%e %n: %v");
 }
 
+void explain(const forcebound::server::ProgramOptions& options) {
+  using namespace forcebound::server;
+  const auto scene = load_scene(options.scene);
+  ExplainFacts facts{.answer_bytes = answer_bytes(*scene)};
+  if (options.calibrate) facts.calibration = calibrate(scene, forcebound::time::SteadyClock());
+  std::cout << explain(*scene, facts);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -26,7 +37,7 @@ int main(int argc, char** argv) {
   if (exit_code) return *exit_code;
   try {
     if (options.explain) {
-      std::cout << forcebound::server::explain(*forcebound::server::load_scene(options.scene));
+      explain(options);
       return 0;
     }
     log_to_stderr();

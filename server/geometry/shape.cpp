@@ -19,6 +19,8 @@ class HalfSpace final : public Shape {
     return {.normal = normal_, .penetration_m = (through_m_ - position_m).dot(normal_)};
   }
 
+  ShapeFacts facts() const override { return {.memory_bytes = sizeof *this, .cost_ns = 3, .on_surface_m = through_m_}; }
+
  private:
   Point through_m_;
   Point normal_;
@@ -34,7 +36,12 @@ class Sphere final : public Shape {
     return LastNormal::in(state).along(out, distance_m, kCentre * radius_m_, radius_m_ - distance_m);
   }
 
-  ShapeFacts facts() const override { return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this}; }
+  ShapeFacts facts() const override {
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 12,
+            .on_surface_m = center_m_ + radius_m_ * Point::UnitX()};
+  }
 
  private:
   Point center_m_;
@@ -51,7 +58,12 @@ class Cavity final : public Shape {
     return LastNormal::in(state).along(in, distance_m, kCentre * radius_m_, distance_m - radius_m_);
   }
 
-  ShapeFacts facts() const override { return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this}; }
+  ShapeFacts facts() const override {
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 12,
+            .on_surface_m = center_m_ + radius_m_ * Point::UnitX()};
+  }
 
  private:
   Point center_m_;
@@ -77,6 +89,10 @@ class Box final : public Shape {
       found.normal = (from_center[axis] < 0 ? -1.0 : 1.0) * Point::Unit(axis);
     }
     return found;
+  }
+
+  ShapeFacts facts() const override {
+    return {.memory_bytes = sizeof *this, .cost_ns = 10, .on_surface_m = center_m_ + half_m_[0] * Point::UnitX()};
   }
 
  private:

@@ -16,9 +16,10 @@ struct SurfacePoint {
 
 /// What the plan and people need to know of a shape.
 struct ShapeFacts {
-  std::size_t state_bytes = 0;   ///< kept for each session, zeros at first
-  std::size_t memory_bytes = 0;  ///< of the shape itself, shared by all sessions
-  double cost_ns = 5;            ///< for one motion, roughly, on a machine of today
+  std::size_t state_bytes = 0;         ///< kept for each session, zeros at first
+  std::size_t memory_bytes = 0;        ///< of the shape itself, shared by all sessions
+  double cost_ns = 5;                  ///< for one motion, roughly, on a machine of today
+  Point on_surface_m = Point::Zero();  ///< some point of the surface, to try it at
 };
 
 /// What an object fills.

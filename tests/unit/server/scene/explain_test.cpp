@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "forcebound/server/scene/scene_library.hpp"
+#include "tests/support/own_effects.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -15,8 +16,7 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
   const std::string text = explain(*load_scene("plane"));
   EXPECT_THAT(text, HasSubstr("devices: 3 or 6 degrees of freedom\n"));
   EXPECT_THAT(text, HasSubstr("object 'table': half_space, through_m [0, 0, 0], normal [0, 0, 1]\n"));
-  EXPECT_THAT(text,
-              HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
+  EXPECT_THAT(text, HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
   EXPECT_THAT(text, HasSubstr("velocity from successive motions\n"));
   EXPECT_THAT(text, HasSubstr("not simulated: torques\n"));
 }
@@ -30,9 +30,32 @@ TEST(Explain, SaysWhatIsNotSimulated) {
   EXPECT_THAT(free, HasSubstr("effects nobody asked for: surface\n"));
 }
 
+TEST(Explain, SaysWhatEachPartCostsAndWhetherItCanRing) {
+  const std::string text = explain(*load_scene("wall"), {.answer_bytes = 123});
+  EXPECT_THAT(text, HasSubstr("50000 N/m is passive without a law on a device with damping above 25 N s/m at 1 kHz"));
+  EXPECT_THAT(text, HasSubstr("0 bytes for each client\n"));
+  EXPECT_THAT(text, HasSubstr("ns predicted of the 1 ms of a tick"));
+  EXPECT_THAT(text, HasSubstr("123 bytes an answer, 123 kB/s to each client at 1 kHz\n"));
+  EXPECT_THAT(text, Not(HasSubstr("measured")));
+}
+
+TEST(Explain, ShowsWhatWasMeasuredBesideWhatWasPredicted) {
+  const ExplainFacts facts{.calibration = Calibration{.steps = {{1500, 2500}}, .whole = {1.6e6, 2e6}}};
+  const std::string text = explain(*load_scene("wall"), facts);
+  EXPECT_THAT(text, HasSubstr("predicted, 1.5 us measured (p99 2.5 us)\n"));
+  EXPECT_THAT(text, HasSubstr("1.6 ms measured (p99 2 ms) of the 1 ms of a tick: 200 % for each client\n"));
+}
+
+TEST(Explain, TellsAFieldFromAnObject) {
+  const std::string text = explain(*test::scene_with_own_effects("[[field]]\nname = 'fog'\neffects = ['clock']\n"));
+  EXPECT_THAT(text, HasSubstr("field 'fog'\n  effect 'clock'\n"));
+  EXPECT_THAT(text, HasSubstr("implies:    time by the device's clock\n"));
+  EXPECT_THAT(text, HasSubstr("8 bytes for each client\n"));
+  EXPECT_THAT(text, HasSubstr("no stiffness: nothing that could ring\n"));
+}
+
 TEST(Summary, IsOneLine) {
-  EXPECT_EQ(summary(*load_scene("sphere")),
-            "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0");
+  EXPECT_EQ(summary(*load_scene("sphere")), "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0");
   EXPECT_EQ(summary(*load_scene("free")), "nothing: every force is zero");
 }
 

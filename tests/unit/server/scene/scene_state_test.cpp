@@ -71,6 +71,37 @@ TEST(SceneState, FreeIsFree) {
   EXPECT_EQ(state.answer(vector_of({0, 0, 0}), milliseconds{1}).force, vector_of({0, 0, 0}));
 }
 
+TEST(SceneState, AnObjectThatIsNotFiniteIsLeftOutAndNamedAndTheOthersGoOn) {
+  const auto scene = parse_scene(R"(
+[scene]
+name = "two"
+description = ""
+degrees_of_freedom = 1
+[[object]]
+name = "far"
+shape = { kind = "half_space", through_m = [0], normal = [-1] }
+effects = ["surface"]
+surface = { stiffness_N_per_m = 1e9, stiffening_N_per_m2 = 1e12 }
+[[object]]
+name = "near"
+shape = { kind = "half_space", through_m = [1], normal = [-1] }
+effects = ["surface"]
+surface = { stiffness_N_per_m = 1000 }
+)",
+                                 "two.toml");
+  SceneState state(scene, 1);
+  const SceneAnswer answer = state.answer(vector_of({1e200}), milliseconds{1});
+  ASSERT_NE(answer.quarantined, nullptr);
+  EXPECT_EQ(*answer.quarantined, "far");
+  EXPECT_EQ(answer.force, vector_of({-1e203}));
+  const SceneAnswer next = state.answer(vector_of({1.001}), milliseconds{2});
+  EXPECT_EQ(next.quarantined, nullptr);
+  EXPECT_NEAR(next.force[0], -1, 1e-9);
+  EXPECT_EQ(state.faults().quarantined, 1U);
+  SceneState other(scene, 1);
+  EXPECT_LT(other.answer(vector_of({1.001}), milliseconds{2}).force[0], -1e6) << "another client has both";
+}
+
 TEST(SceneState, KeepsTheLastNormalThroughASpheresCentreAndCountsIt) {
   SceneState state(load_scene("sphere"), 3);
   (void)state.answer(vector_of({0, 0, 0.001}), milliseconds{1});
