@@ -3,13 +3,25 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "forcebound/server/effects/adhesion.hpp"
+#include "forcebound/server/effects/friction.hpp"
+#include "forcebound/server/effects/magnet.hpp"
+#include "forcebound/server/effects/stick_slip.hpp"
 #include "forcebound/server/effects/surface.hpp"
+#include "forcebound/server/effects/texture.hpp"
+#include "forcebound/server/effects/vibration.hpp"
 
 namespace forcebound::server {
 
 EffectRegistry EffectRegistry::standard() {
   EffectRegistry registry;
   registry.add(surface_effect());
+  registry.add(friction_effect());
+  registry.add(stick_slip_effect());
+  registry.add(vibration_effect());
+  registry.add(magnet_effect());
+  registry.add(adhesion_effect());
+  registry.add(texture_effect());
   return registry;
 }
 

@@ -26,7 +26,7 @@ const std::vector<Concept>& concepts() {
       {"client/session", {"control", "text", "time", "wire", "net", "record", "client/device"}},
       {"client/app", {"control", "time", "wire", "net", "record", "client/device", "client/session"}},
       {"server/geometry", {"text"}},
-      {"server/effects", {"control", "server/geometry"}},
+      {"server/effects", {"control", "text", "server/geometry"}},
       {"server/tissue", {"text", "server/geometry"}},
       {"server/bodies", {"text", "server/geometry"}},
       {"server/scene",

@@ -33,7 +33,7 @@ TEST(IncludeRule, FindsAForbiddenConceptAndSaysWhereAndWhatIsAllowed) {
   EXPECT_EQ(only_violation("server/effects/surface.cpp",
                            "#include \"forcebound/control/vector.hpp\"\n#include \"forcebound/wire/messages.hpp\"\n"),
             "server/effects/surface.cpp:2: server/effects must not include 'forcebound/wire/messages.hpp', only "
-            "server/effects, control, server/geometry");
+            "server/effects, control, text, server/geometry");
 }
 
 TEST(IncludeRule, KeepsClientAndServerApart) {

@@ -6,14 +6,6 @@
 
 namespace forcebound::test {
 
-/// The force of one effect with a state that begins anew.
-inline server::Point force_N(const server::Effect& effect, const server::Probe& probe) {
-  std::vector<double> state(effect.facts().state_bytes / sizeof(double) + 1);
-  server::Reaction reaction;
-  effect.act(probe, reinterpret_cast<std::byte*>(state.data()), reaction);
-  return reaction.force_N;
-}
-
 /// One effect with the state of one session.
 class Felt {
  public:
@@ -30,5 +22,12 @@ class Felt {
   const server::Effect& effect_;
   std::vector<double> state_;
 };
+
+/// The force of one effect with a state that begins anew.
+inline server::Point force_N(const server::Effect& effect, const server::Probe& probe) {
+  return Felt(effect)(probe).force_N;
+}
+
+inline server::Probe probe_at(const server::Point& position_m) { return {.position_m = position_m}; }
 
 }  // namespace forcebound::test

@@ -4,6 +4,8 @@
 
 #include <memory>
 
+#include "forcebound/server/effects/surface.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -30,9 +32,16 @@ std::string with(std::string_view from, std::string_view to) {
   return text.replace(at, from.size(), to);
 }
 
+/// What is said of an effect that nobody knows does not change here with every new one.
+EffectRegistry surface_alone() {
+  EffectRegistry registry;
+  registry.add(surface_effect());
+  return registry;
+}
+
 std::string error_of(const std::string& text) {
   try {
-    (void)parse_scene(text, "scenes/wall.toml");
+    (void)parse_scene(text, "scenes/wall.toml", surface_alone());
   } catch (const SceneError& error) {
     return error.what();
   }
@@ -95,9 +104,10 @@ TEST(ParseScene, UnknownKeysAreErrorsWithTheNearestKnown) {
 TEST(ParseScene, UnknownEffectsAndShapesAreErrorsWithTheNearestKnown) {
   EXPECT_EQ(error_of(with("[\"surface\"]", "[\"surfaces\"]")),
             "scenes/wall.toml:9: object 'wall': unknown effect 'surfaces', did you mean 'surface'? (known: surface)");
-  EXPECT_EQ(error_of(with("half_space", "halfspace")),
-            "scenes/wall.toml:8: object 'wall', shape: unknown kind 'halfspace', did you mean 'half_space'? (known: "
-            "half_space, sphere, cavity, box)");
+  const std::string said = error_of(with("half_space", "halfspace"));
+  EXPECT_EQ(said.substr(0, said.find(',', 50)), "scenes/wall.toml:8: object 'wall', shape: unknown kind 'halfspace'")
+      << said;
+  EXPECT_NE(said.find("did you mean 'half_space'? (known: half_space, sphere, "), std::string::npos) << said;
 }
 
 TEST(ParseScene, WhatIsMissingIsNamed) {
@@ -130,7 +140,7 @@ TEST(ParseScene, ParametersOfAnEffectNobodyAskedForAreAnError) {
 }
 
 TEST(ParseScene, MakesOnlyWhatTheSceneAsksFor) {
-  EffectRegistry registry = EffectRegistry::standard();
+  EffectRegistry registry = surface_alone();
   registry.add({.name = "bomb", .purpose = "", .law = "", .make = [](const EffectValues&) -> std::unique_ptr<Effect> {
                   throw std::logic_error("made an effect that nobody asked for");
                 }});
