@@ -1,0 +1,82 @@
+#include "forcebound/server/bodies/description.hpp"
+
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using text::to_text;
+
+std::string numbers(const Point& point) {
+  return to_text(point.x()) + " " + to_text(point.y()) + " " + to_text(point.z());
+}
+
+/// Names are ours to quote.
+std::string quoted(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    switch (c) {
+      case '&':
+        text += "&amp;";
+        break;
+      case '<':
+        text += "&lt;";
+        break;
+      case '"':
+        text += "&quot;";
+        break;
+      default:
+        text += c;
+    }
+  }
+  return "\"" + text + "\"";
+}
+
+std::string geometry(const BodyDescription& body) {
+  const Point half = 0.5 * body.size_m;
+  switch (body.shape) {
+    case BodyDescription::Shape::box:
+      return "type=\"box\" size=\"" + numbers(half) + "\"";
+    case BodyDescription::Shape::sphere:
+      return "type=\"sphere\" size=\"" + to_text(half.x()) + "\"";
+    case BodyDescription::Shape::capsule:
+      return "type=\"capsule\" size=\"" + to_text(half.x()) + " " + to_text(half.z()) + "\"";
+    case BodyDescription::Shape::cylinder:
+      return "type=\"cylinder\" size=\"" + to_text(half.x()) + " " + to_text(half.z()) + "\"";
+  }
+  return {};
+}
+
+std::string to_mjcf(const BodyDescription& body) {
+  const bool moves = body.mass_kg > 0;
+  return "    <body name=" + quoted(body.name) + " pos=\"" + numbers(body.position_m) + "\">" +
+         (moves ? "<freejoint/>" : "") + "<geom " + geometry(body) +
+         (moves ? " mass=\"" + to_text(body.mass_kg) + "\"" : "") + " friction=\"" + to_text(body.friction) +
+         " 0.0001 0.00001\"/></body>\n";
+}
+
+std::string to_mjcf(const ProbeDescription& probe, int number) {
+  std::string slides;
+  for (const char* axis : {"1 0 0", "0 1 0", "0 0 1"})
+    slides += "<joint type=\"slide\" axis=\"" + std::string(axis) + "\"/>";
+  return "    <body name=\"probe " + std::to_string(number) + "\">" + slides + "<geom type=\"sphere\" size=\"" +
+         to_text(probe.radius_m) + "\" mass=\"" + to_text(probe.mass_kg) +
+         "\" contype=\"2\" conaffinity=\"1\" priority=\"1\" solref=\"0.004 1\" solimp=\"0.95 0.99 0.001\"/></body>\n";
+}
+
+}  // namespace
+
+std::string to_mjcf(const BodiesDescription& description, int probes) {
+  std::string text = "<mujoco>\n  <option timestep=\"" + to_text(description.timestep_s) + "\" gravity=\"" +
+                     numbers(description.gravity_m_per_s2) +
+                     "\" integrator=\"implicit\" cone=\"elliptic\"/>\n"
+                     "  <size nconmax=\"500\" njmax=\"2000\"/>\n"
+                     "  <default><geom contype=\"1\" conaffinity=\"3\" condim=\"3\"/></default>\n  <worldbody>\n";
+  for (const BodyDescription& body : description.bodies) text += to_mjcf(body);
+  for (int i = 0; i < probes; ++i) text += to_mjcf(description.probe, i);
+  return text + "  </worldbody>\n</mujoco>\n";
+}
+
+Point parking_m(int probe) noexcept { return {0, 0, 1e3 + probe}; }
+
+}  // namespace forcebound::server

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "forcebound/server/geometry/point.hpp"
+
+namespace forcebound::server {
+
+/// One rigid body of a scene, a solid of one density.
+struct BodyDescription {
+  enum class Shape { box, sphere, capsule, cylinder };
+
+  std::string name;
+  Shape shape = Shape::box;
+  Point size_m =
+      Point::Zero();   ///< box: its edges; sphere: its diameter thrice; capsule, cylinder: diameter, ., length
+  double mass_kg = 0;  ///< > 0; 0: fixed
+  Point position_m = Point::Zero();  ///< of its middle
+  double friction = 0.5;             ///< coefficient
+};
+
+/// How the device's point takes part: as a small ball of its own mass, on a spring and a damper.
+struct ProbeDescription {
+  double radius_m = 0.004;
+  double mass_kg = 0.03;
+  double stiffness_N_per_m = 600;
+  double damping_N_s_per_m = 4;
+};
+
+struct BodiesDescription {
+  std::vector<BodyDescription> bodies{};
+  Point gravity_m_per_s2 = Point(0, 0, -9.80665);
+  double timestep_s = 1e-3;
+  ProbeDescription probe{};
+};
+
+/// As MJCF, with `probes` probes named "probe 0", "probe 1", ...: each a ball that is moved along three slides and
+/// meets bodies, but no other probe. The integrator is implicit in velocity, which keeps a body that tumbles from
+/// gaining.
+std::string to_mjcf(const BodiesDescription& description, int probes);
+
+/// Where a probe without a client waits, where nothing else is.
+Point parking_m(int probe) noexcept;
+
+}  // namespace forcebound::server

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "forcebound/server/geometry/point.hpp"
+
+namespace forcebound::server {
+
+/// What one probe feels of a medium.
+struct MediumTouch {
+  Point force_N = Point::Zero();
+  Point normal = Point::UnitX();  ///< unit, out of what is touched
+  double penetration_m = 0;       ///< > 0: in contact
+};
+
+/// What went wrong in a medium since it began.
+struct MediumFaults {
+  std::uint64_t contacts_left_out = 0;  ///< more than there was room for: what was felt was too soft
+  std::uint64_t not_converged = 0;      ///< iterations that their budget ended: their last iterate was felt
+  double slipped_s = 0;                 ///< simulated time left out, because there was too much to make up for
+};
+
+/// What a medium is at a moment: for one client, or for all of a shared scene.
+///
+/// Real time: `move`, `advance` and `touch` are noexcept, allocate nothing and take bounded time. Not thread-safe.
+class MediumState {
+ public:
+  virtual ~MediumState() = default;
+
+  /// A seat for one more probe; none (-1) if there are as many as `Medium::make_state` was told.
+  [[nodiscard]] virtual int join() = 0;
+  virtual void leave(int seat) = 0;
+
+  /// The probe's device is now there (finite); the medium learns of it over the time that passes next.
+  virtual void move(int seat, const Point& position_m) noexcept = 0;
+
+  /// Time passes for all probes, >= 0.
+  virtual void advance(double elapsed_s) noexcept = 0;
+
+  [[nodiscard]] virtual MediumTouch touch(int seat) noexcept = 0;
+
+  /// Whether the state is still one of numbers. If not it stays so, and is not to be asked any more.
+  [[nodiscard]] virtual bool sound() const noexcept { return true; }
+
+  [[nodiscard]] virtual MediumFaults faults() const noexcept { return {}; }
+};
+
+/// For people and the plan.
+struct MediumFacts {
+  std::size_t memory_bytes = 0;  ///< shared by all
+  std::size_t state_bytes = 0;   ///< of one state, roughly
+  double stiffness_N_per_m = 0;  ///< the most that is felt
+  double cost_ns = 0;            ///< for one motion, roughly
+  Point on_surface_m = Point::Zero();
+  std::vector<std::string> lines{};  ///< what it consists of, what it assumes, how near to instability it is
+};
+
+/// What moves or deforms by a law of its own: tissue, bodies. Immutable; its states differ.
+class Medium {
+ public:
+  virtual ~Medium() = default;
+  [[nodiscard]] virtual std::unique_ptr<MediumState> make_state(int seats) const = 0;
+  [[nodiscard]] virtual MediumFacts facts() const = 0;
+};
+
+}  // namespace forcebound::server
