@@ -12,6 +12,7 @@
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/recorded_data.hpp"
+#include "tests/support/winding.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -23,22 +24,6 @@ static_assert(std::is_trivially_copyable_v<Proxy> && std::is_trivially_default_c
 static_assert(sizeof(Proxy) % 8 == 0 && alignof(Proxy) <= 8);
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-/// Solid angle of the mesh from p, in full spheres: 1 inside of a closed mesh, 0 outside [Van Oosterom and Strackee
-/// 1983].
-double winding(const TriangleMesh& mesh, const Point& p) {
-  double sum = 0;
-  for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
-    const Point a = mesh.corner_m(t, 0) - p;
-    const Point b = mesh.corner_m(t, 1) - p;
-    const Point c = mesh.corner_m(t, 2) - p;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    sum += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return sum / (2 * std::numbers::pi);
-}
 
 TEST(GodObject, IsAtItsGoalWhereNothingIsInTheWay) {
   Follower follower(test::ball(1, 20));
@@ -225,7 +210,7 @@ TEST(GodObject, NeverGetsInsideAClosedMesh) {
     if (found.penetration_m == 0) continue;
     ++contacts;
     const Point just_above = follower.at_m() - mesh.origin_m() + 1e-7 * found.normal;
-    ASSERT_LT(std::abs(winding(mesh, just_above)), 0.01) << "inside at tick " << i;
+    ASSERT_LT(std::abs(test::winding(mesh, just_above)), 0.01) << "inside at tick " << i;
   }
   EXPECT_GT(contacts, 1000);
 }
