@@ -7,13 +7,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include <array>
 #include <cmath>
-#include <numbers>
+#include <memory>
 #include <vector>
 
+#include "forcebound/server/geometry/distance_field.hpp"
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/follower.hpp"
+#include "tests/support/shape_client.hpp"
 
 namespace forcebound {
 namespace {
@@ -64,6 +65,19 @@ void god_object_moves_freely(benchmark::State& state) {
   }
 }
 
+/// The ball as a signed distance field, with 2 mm between its nodes.
+void distance_field_slides(benchmark::State& state) {
+  const std::vector<Point> goals = sliding_m(1e-3);
+  const auto mesh = std::make_shared<const server::TriangleMesh>(ball().mesh());
+  test::ShapeClient client(server::make_distance_field(mesh, {.spacing_m = 2e-3}));
+  std::size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(client.at(goals[next]));
+    if (++next == goals.size()) next = 0;
+  }
+  state.counters["memory_MB"] = 1e-6 * static_cast<double>(client.shape().facts().memory_bytes);
+}
+
 template <class Ask>
 void ask_along_the_way(benchmark::State& state, Ask ask) {
   const std::vector<Point> goals = sliding_m(1e-3);
@@ -102,6 +116,7 @@ void embree_nearest_point(benchmark::State& state) {
 
 BENCHMARK(god_object_slides)->ArgName("depth_um")->Arg(10)->Arg(1000)->Arg(10000);
 BENCHMARK(god_object_moves_freely);
+BENCHMARK(distance_field_slides);
 BENCHMARK(our_segment);
 BENCHMARK(embree_segment);
 BENCHMARK(our_nearest_point);
