@@ -50,7 +50,7 @@ void for_each_edge(const std::vector<Side>& sides, Visit visit) {
 
 /// The same triangle, beginning with its lowest corner.
 Triangle rotated(Triangle triangle) {
-  std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+  std::rotate(triangle.begin(), std::ranges::min_element(triangle), triangle.end());
   return triangle;
 }
 

@@ -37,9 +37,9 @@ TEST(DistanceField, IsExactOverAPlaneFace) {
 }
 
 TEST(DistanceField, IsThatOfABallToTheSquareOfTheSpacing) {
-  constexpr double kSpacing_m = 0.05;
-  ShapeClient client(make_distance_field(shared(test::ball(1, 60)), {.spacing_m = kSpacing_m, .reach_m = 0.3}));
-  const double facets_m = 1 - std::cos(std::numbers::pi / 60);
+  constexpr double kSpacing_m = 0.1;
+  ShapeClient client(make_distance_field(shared(test::ball(1, 40)), {.spacing_m = kSpacing_m, .reach_m = 0.3}));
+  const double facets_m = 1 - std::cos(std::numbers::pi / 40);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int i = 0; i < 2000; ++i) {
