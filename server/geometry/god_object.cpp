@@ -12,6 +12,14 @@ constexpr double kEdgeSkins = 4;
 constexpr double kBehindSkins = 2;
 // Planes at a smaller angle have no crease: over the whole mesh they differ by less than the skin.
 constexpr double kSameDirection = 0x1p-46;
+// No computed normal is further off than this, that of the thinnest triangle.
+constexpr double kLevel = 0x1p-15;
+// Where a surface rises beyond an edge, along it to the bottom of a wedge, however narrow, the other wall must not be
+// left for rounding. Behind that wall it harms nothing if this one goes on.
+constexpr double kRisingEdgeSkins = 0x1p12;
+constexpr double kRisingBelowSkins = 0x1p-6;
+// Where it ends, or nobody knows.
+constexpr double kOpenBelowSkins = 0x1p-3;
 constexpr double kFarSizes = 1e12;
 // A contact no deeper than this has no direction but the triangle's.
 constexpr double kShallowSkins = 64;
@@ -98,19 +106,38 @@ GodObject::GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOp
       clearance_m_(options.two_sided ? kBehindSkins * skin_m_ : 0),
       two_sided_(options.two_sided) {
   facets_.reserve(bvh_.order().size());
-  for (const std::uint32_t triangle : bvh_.order()) {
-    const Point& normal = bvh_.mesh().normals()[triangle];
-    const Point middle =
-        (bvh_.mesh().corner_m(triangle, 0) + bvh_.mesh().corner_m(triangle, 1) + bvh_.mesh().corner_m(triangle, 2)) / 3;
-    Facet facet{{normal, normal.dot(middle)}, {}};
-    for (std::size_t side = 0; side < 3; ++side) {
-      const Point& from = bvh_.mesh().corner_m(triangle, side);
-      const Point& to = bvh_.mesh().corner_m(triangle, (side + 1) % 3);
-      const Point out = (to - from).cross(normal).normalized();
-      facet.edges[side] = {out, 0.5 * out.dot(from + to)};
-    }
-    facets_.push_back(facet);
+  for (const std::uint32_t triangle : bvh_.order()) facets_.push_back(facet_of(triangle));
+}
+
+GodObject::Facet GodObject::facet_of(std::uint32_t triangle) const {
+  const TriangleMesh& mesh = bvh_.mesh();
+  const Point& normal = mesh.normals()[triangle];
+  const Point middle = (mesh.corner_m(triangle, 0) + mesh.corner_m(triangle, 1) + mesh.corner_m(triangle, 2)) / 3;
+  return {{normal, normal.dot(middle)}, {edge_of(triangle, 0), edge_of(triangle, 1), edge_of(triangle, 2)}};
+}
+
+GodObject::Edge GodObject::edge_of(std::uint32_t triangle, std::size_t side) const {
+  const TriangleMesh& mesh = bvh_.mesh();
+  const Point& normal = mesh.normals()[triangle];
+  const Point& from = mesh.corner_m(triangle, side);
+  const Point& to = mesh.corner_m(triangle, (side + 1) % 3);
+  const Point out = (to - from).cross(normal).normalized();
+  const Plane plane{out, 0.5 * out.dot(from + to)};
+  const std::uint32_t beyond = mesh.neighbours()[triangle][side];
+  if (beyond == TriangleMesh::kNone) return {plane, kEdgeSkins * skin_m_, kOpenBelowSkins * skin_m_};
+  const Triangle& own = mesh.triangles()[triangle];
+  double rise_m = 0;
+  double reach_m = 0;
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    if (std::ranges::find(own, mesh.triangles()[beyond][corner]) != own.end()) continue;
+    const Point arm = mesh.corner_m(beyond, corner) - from;
+    rise_m = normal.dot(arm);
+    reach_m = arm.cross(to - from).norm() / (to - from).norm();
   }
+  // From behind, what falls off rises.
+  const bool rises = (two_sided_ ? std::abs(rise_m) : rise_m) > kLevel * reach_m;
+  if (rises) return {plane, kRisingEdgeSkins * skin_m_, kRisingBelowSkins * skin_m_};
+  return {plane, kEdgeSkins * skin_m_, skin_m_};
 }
 
 SurfacePoint GodObject::follow(const Point& goal_m, Proxy& state) const noexcept {
@@ -187,7 +214,8 @@ bool GodObject::first_obstacle(const Segment& path, Obstacle& found) const noexc
 }
 
 bool GodObject::is_over(const Facet& facet, const Point& p) noexcept {
-  return std::ranges::all_of(facet.edges, [&](const Plane& edge) { return edge.normal.dot(p) < edge.offset; });
+  return std::ranges::all_of(facet.edges,
+                             [&](const Edge& edge) { return edge.plane.normal.dot(p) < edge.plane.offset; });
 }
 
 bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double until, Obstacle& found) const noexcept {
@@ -195,14 +223,21 @@ bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double un
   const double side = two_sided_ && height_m < 0 ? -1 : 1;
   const double rate_m = side * facet.plane.normal.dot(path.way_m);
   height_m = side * height_m - clearance_m_;
-  if (!(rate_m < 0) || height_m < -kBehindSkins * skin_m_ || height_m + until * rate_m >= -skin_m_) return false;
+  if (!(rate_m < 0) || height_m < -kBehindSkins * skin_m_ ||
+      height_m + until * rate_m >= -kRisingBelowSkins * skin_m_) {
+    return false;
+  }
   double enter = 0;
   double leave = until;
-  for (const Plane& edge : facet.edges) {
-    const double beyond_m = edge.normal.dot(path.from_m) - edge.offset - kEdgeSkins * skin_m_;
-    const double beyond_rate_m = edge.normal.dot(path.way_m);
+  double below_m = skin_m_;
+  for (const Edge& edge : facet.edges) {
+    const double beyond_m = edge.plane.normal.dot(path.from_m) - edge.plane.offset - edge.beyond_m;
+    const double beyond_rate_m = edge.plane.normal.dot(path.way_m);
     if (beyond_rate_m > 0) {
-      leave = std::min(leave, -beyond_m / beyond_rate_m);
+      const double passed = -beyond_m / beyond_rate_m;
+      if (passed >= leave) continue;
+      leave = passed;
+      below_m = edge.below_m;
     } else if (beyond_rate_m < 0) {
       enter = std::max(enter, -beyond_m / beyond_rate_m);
     } else if (beyond_m > 0) {
@@ -210,7 +245,7 @@ bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double un
     }
   }
   if (enter > leave || height_m + enter * rate_m < -kBehindSkins * skin_m_) return false;
-  if (height_m + leave * rate_m >= -skin_m_) return false;
+  if (height_m + leave * rate_m >= -below_m) return false;
   found = {{side * facet.plane.normal, height_m}, std::max(enter, std::max(0.0, height_m / -rate_m)), &facet};
   return true;
 }

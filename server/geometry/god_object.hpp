@@ -35,9 +35,9 @@ struct GodObjectOptions {
 /// the plane of a triangle that it has left holds nothing; so it also follows a curved surface within one motion.
 ///
 /// Numbers: all is computed in the mesh's own frame. A point is on a plane if within a `skin` of 2^-40 (1e-12) of the
-/// mesh's size, and on a triangle if within four skins of its edges; so rounding opens no gap and makes no step. A
-/// triangle is in the way only if the path leaves it deeper than the skin, so that those of one plane, whose computed
-/// normals differ by rounding, are one plane.
+/// mesh's size, and on a triangle if within four skins of its edges, so that rounding opens no gap and makes no step. A
+/// path that leaves a triangle over an edge no deeper than the skin has not met it, if the surface goes on there level
+/// or downwards: triangles of one plane, whose computed normals differ by rounding, are one plane.
 ///
 /// Real time: `follow` is noexcept, allocates nothing, and makes at most kQueriesMost searches in the tree.
 class GodObject {
@@ -63,10 +63,16 @@ class GodObject {
     double offset = 0;  // normal . x of its points
   };
 
-  /// A triangle as a plane and three planes upright on it through its edges, normals outwards.
+  /// The plane upright on a triangle through one of its edges, normal outwards.
+  struct Edge {
+    Plane plane;
+    double beyond_m = 0;  // so far past the edge the triangle still holds
+    double below_m = 0;   // a path that leaves over the edge may be that deep below the triangle and has not met it
+  };
+
   struct Facet {
     Plane plane;
-    std::array<Plane, 3> edges;
+    std::array<Edge, 3> edges;
   };
 
   /// A plane in the way: how high the god object is above it.
@@ -83,6 +89,8 @@ class GodObject {
 
   class Constraints;
 
+  [[nodiscard]] Facet facet_of(std::uint32_t triangle) const;
+  [[nodiscard]] Edge edge_of(std::uint32_t triangle, std::size_t side) const;
   [[nodiscard]] bool approach(Point& proxy, const Point& goal) const noexcept;
   [[nodiscard]] Point settle(Point proxy, const Point& goal, Point& last_normal) const noexcept;
   [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found) const noexcept;
