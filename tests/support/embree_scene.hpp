@@ -1,0 +1,98 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "forcebound/server/geometry/bvh.hpp"
+
+namespace forcebound::test {
+
+/// A mesh in Embree, in single precision: somebody else's answers to the questions that Bvh answers.
+class EmbreeScene {
+ public:
+  explicit EmbreeScene(const server::TriangleMesh& mesh) : mesh_(mesh) {
+    const auto geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), mesh.vertices_m().size()));
+    for (const auto& vertex : mesh.vertices_m()) {
+      for (int axis = 0; axis < 3; ++axis) *vertices++ = static_cast<float>(vertex[axis]);
+    }
+    auto* corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                   3 * sizeof(unsigned), mesh.triangles().size()));
+    for (const auto& triangle : mesh.triangles()) {
+      for (const unsigned corner : triangle) *corners++ = corner;
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(scene_);
+  }
+  ~EmbreeScene() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  [[nodiscard]] std::optional<server::SegmentHit> first_hit(const server::Segment& segment) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit ray{};
+    std::array<float, 3> from = single(segment.from_m);
+    std::array<float, 3> way = single(segment.way_m);
+    ray.ray.org_x = from[0], ray.ray.org_y = from[1], ray.ray.org_z = from[2];
+    ray.ray.dir_x = way[0], ray.ray.dir_y = way[1], ray.ray.dir_z = way[2];
+    ray.ray.tfar = 1;
+    ray.ray.mask = ~0U;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return server::SegmentHit{ray.hit.primID, ray.ray.tfar};
+  }
+
+  /// Embree finds the boxes; the triangle itself is asked of ours, since Embree 3 has no function for it.
+  [[nodiscard]] double nearest_distance_m(const server::Point& point_m) const {
+    Query query{mesh_, point_m, std::numeric_limits<double>::infinity()};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    const auto at = single(point_m);
+    RTCPointQuery asked{at[0], at[1], at[2], 0, std::numeric_limits<float>::infinity()};
+    rtcPointQuery(scene_, &asked, &context, look_at, &query);
+    return query.distance_m;
+  }
+
+ private:
+  struct Query {
+    const server::TriangleMesh& mesh;
+    server::Point point_m;
+    double distance_m;
+  };
+
+  static std::array<float, 3> single(const server::Point& p) {
+    return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+  }
+
+  static bool look_at(RTCPointQueryFunctionArguments* arguments) {
+    auto& query = *static_cast<Query*>(arguments->userPtr);
+    const auto corner = [&](std::size_t i) -> const server::Point& {
+      return query.mesh.corner_m(arguments->primID, i);
+    };
+    const auto on = server::nearest_on_triangle(query.point_m, corner(0), corner(1), corner(2));
+    const double distance_m = (on.point_m - query.point_m).norm();
+    if (distance_m >= query.distance_m) return false;
+    query.distance_m = distance_m;
+    arguments->query->radius = static_cast<float>(distance_m);
+    return true;
+  }
+
+  const server::TriangleMesh& mesh_;
+  RTCDevice device_ = rtcNewDevice("threads=1");
+  RTCScene scene_ = rtcNewScene(device_);
+};
+
+}  // namespace forcebound::test

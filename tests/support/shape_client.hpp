@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "forcebound/server/geometry/shape.hpp"
+
+namespace forcebound::test {
+
+/// A shape and the state of the one client that touches it.
+class ShapeClient {
+ public:
+  explicit ShapeClient(std::unique_ptr<server::Shape> shape)
+      : shape_(std::move(shape)), state_((shape_->facts().state_bytes + sizeof(double) - 1) / sizeof(double)) {}
+
+  server::SurfacePoint at(const server::Point& position_m) noexcept {
+    return shape_->nearest(position_m, reinterpret_cast<std::byte*>(state_.data()));
+  }
+
+  void begin_again() noexcept { state_.assign(state_.size(), 0.0); }
+
+  [[nodiscard]] const server::Shape& shape() const noexcept { return *shape_; }
+
+ private:
+  std::unique_ptr<server::Shape> shape_;
+  std::vector<double> state_;
+};
+
+}  // namespace forcebound::test
