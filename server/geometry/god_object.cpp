@@ -7,6 +7,7 @@ namespace forcebound::server {
 namespace {
 
 constexpr double kSkin = 0x1p-40;
+constexpr double kOnSkins = 0x1p-6;
 constexpr double kEdgeSkins = 4;
 // Below the skin by rounding is not yet behind the triangle.
 constexpr double kBehindSkins = 2;
@@ -246,7 +247,9 @@ bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double un
   }
   if (enter > leave || height_m + enter * rate_m < -kBehindSkins * skin_m_) return false;
   if (height_m + leave * rate_m >= -below_m) return false;
-  found = {{side * facet.plane.normal, height_m}, std::max(enter, std::max(0.0, height_m / -rate_m)), &facet};
+  // So little above, rounding decides where a flat path meets the plane: here.
+  const double meets = height_m > kOnSkins * skin_m_ ? height_m / -rate_m : 0;
+  found = {{side * facet.plane.normal, height_m}, std::max(enter, meets), &facet};
   return true;
 }
 
