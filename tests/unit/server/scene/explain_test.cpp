@@ -15,8 +15,7 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
   const std::string text = explain(*load_scene("plane"));
   EXPECT_THAT(text, HasSubstr("devices: 3 or 6 degrees of freedom\n"));
   EXPECT_THAT(text, HasSubstr("object 'table': half_space, through_m [0, 0, 0], normal [0, 0, 1]\n"));
-  EXPECT_THAT(text,
-              HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
+  EXPECT_THAT(text, HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
   EXPECT_THAT(text, HasSubstr("velocity from successive motions\n"));
   EXPECT_THAT(text, HasSubstr("not simulated: torques\n"));
 }
@@ -31,8 +30,7 @@ TEST(Explain, SaysWhatIsNotSimulated) {
 }
 
 TEST(Summary, IsOneLine) {
-  EXPECT_EQ(summary(*load_scene("sphere")),
-            "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0");
+  EXPECT_EQ(summary(*load_scene("sphere")), "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0");
   EXPECT_EQ(summary(*load_scene("free")), "nothing: every force is zero");
 }
 

@@ -45,8 +45,7 @@ TEST(ParseScene, ReadsAGoodScene) {
   EXPECT_EQ(scene->facts().description, "a wall");
   EXPECT_EQ(scene->facts().degrees_of_freedom, 2);
   ASSERT_EQ(scene->objects().size(), 1u);
-  EXPECT_EQ(scene->objects()[0].effects[0].parameters,
-            "stiffness_N_per_m 200, damping_N_s_per_m 1");
+  EXPECT_EQ(scene->objects()[0].effects[0].parameters, "stiffness_N_per_m 200, damping_N_s_per_m 1");
   EXPECT_TRUE(scene->plan().inputs().velocity);
 }
 
