@@ -115,7 +115,6 @@ std::string summary(const HeightGrid& grid) {
 }  // namespace
 
 std::unique_ptr<Shape> parse_height_field(CheckedTable& table, Eigen::Index rows) {
-  if (rows != 3) table.fail(table.at("kind"), "a height_field needs a scene of 3 degrees of freedom");
   HeightGrid grid{.origin_m = table.point("origin_m", rows),
                   .spacing_m = table.number({.key = "spacing_m", .preset = {}, .least = 0, .least_excluded = true})};
   const toml::node* const is_inline = table.find("heights_m");

@@ -18,13 +18,6 @@ double parse_radius(CheckedTable& table, std::string_view key = "radius_m") {
   return table.number({.key = key, .preset = {}, .least = 0, .least_excluded = true});
 }
 
-/// Of a shape that has no meaning on fewer axes.
-void need_axes(CheckedTable& table, Eigen::Index rows, Eigen::Index least) {
-  if (rows >= least) return;
-  table.fail(table.at("kind"), "a " + table.text("kind") + " needs a scene of at least " + std::to_string(least) +
-                                   " degrees of freedom, this one has " + std::to_string(rows));
-}
-
 Shaped parse_half_space(CheckedTable& table, Eigen::Index rows) {
   const Point through_m = table.point("through_m", rows);
   const Point normal = table.point("normal", rows);
@@ -54,7 +47,6 @@ Shaped parse_box(CheckedTable& table, Eigen::Index rows) {
 /// Of a shape between two points: `make` is given them and the radius.
 template <class Make>
 Shaped parse_along(CheckedTable& table, Eigen::Index rows, Make make) {
-  need_axes(table, rows, 2);
   const Point from_m = table.point("from_m", rows);
   const Point to_m = table.point("to_m", rows);
   if (from_m == to_m) table.fail(table.at("to_m"), "to_m must differ from from_m, got " + as_written(table.at("to_m")));
@@ -66,7 +58,6 @@ Shaped parse_capsule(CheckedTable& table, Eigen::Index rows) { return parse_alon
 Shaped parse_cylinder(CheckedTable& table, Eigen::Index rows) { return parse_along(table, rows, make_cylinder); }
 
 Shaped parse_torus(CheckedTable& table, Eigen::Index rows) {
-  need_axes(table, rows, 3);
   const Point center_m = table.point("center_m", rows);
   const Point axis = table.direction("axis", rows);
   const double major_m = parse_radius(table, "major_radius_m");
@@ -81,17 +72,18 @@ Shaped parse_torus(CheckedTable& table, Eigen::Index rows) {
 struct ShapeKind {
   std::string_view name;
   Shaped (*parse)(CheckedTable&, Eigen::Index rows);
+  Eigen::Index rows_least = 1;  ///< on fewer axes it has no meaning
 };
 
 constexpr std::array kKinds{
-    ShapeKind{"half_space", parse_half_space},      //
-    ShapeKind{"sphere", parse_sphere},              //
-    ShapeKind{"cavity", parse_cavity},              //
-    ShapeKind{"box", parse_box},                    //
-    ShapeKind{"capsule", parse_capsule},            //
-    ShapeKind{"cylinder", parse_cylinder},          //
-    ShapeKind{"torus", parse_torus},                //
-    ShapeKind{"height_field", parse_height_field},  //
+    ShapeKind{"half_space", parse_half_space},         //
+    ShapeKind{"sphere", parse_sphere},                 //
+    ShapeKind{"cavity", parse_cavity},                 //
+    ShapeKind{"box", parse_box},                       //
+    ShapeKind{"capsule", parse_capsule, 2},            //
+    ShapeKind{"cylinder", parse_cylinder, 2},          //
+    ShapeKind{"torus", parse_torus, 3},                //
+    ShapeKind{"height_field", parse_height_field, 3},  //
 };
 
 }  // namespace
@@ -100,8 +92,11 @@ std::unique_ptr<Shape> parse_shape(CheckedTable& table, Eigen::Index rows) {
   const std::string name = table.text("kind");
   std::vector<std::string> known;
   for (const ShapeKind& kind : kKinds) {
-    if (kind.name == name) return kind.parse(table, rows);
     known.emplace_back(kind.name);
+    if (kind.name != name) continue;
+    if (rows >= kind.rows_least) return kind.parse(table, rows);
+    table.fail(table.at("kind"), "a " + name + " needs a scene of at least " + std::to_string(kind.rows_least) +
+                                     " degrees of freedom, this one has " + std::to_string(rows));
   }
   table.fail(table.at("kind"), "unknown kind '" + name + "'" + text::suggestion(name, known));
 }
