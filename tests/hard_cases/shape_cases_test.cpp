@@ -87,13 +87,14 @@ TEST(HardCase24, PlanesATenthOfADegreeApartAddTheirForcesWithoutChatter) {
 struct Case {
   std::string name;
   std::unique_ptr<Shape> (*make)(const Point& at, double scale);
-  /// Places without a nearest direction, and how deep they are, at scale 1; the origin stands for "none".
-  Point without_direction;
-  double depth_m;
+  /// A place without a nearest direction and how deep it is, at scale 1; zero: there is a direction everywhere.
+  Point without_direction = Point::Zero();
+  double depth_m = 0;
 };
 
 HeightGrid hills(const Point& at, double scale) {
-  HeightGrid grid{.origin_m = at - scale * Point(0.04, 0.04, 0), .spacing_m = 0.02 * scale, .columns = 5};
+  // Of a place that far away, so much is no rounding.
+  HeightGrid grid{.origin_m = at - scale * Point(0.03125, 0.03125, 0), .spacing_m = 0.015625 * scale, .columns = 5};
   for (int i = 0; i < 25; ++i) grid.heights_m.push_back(0.003 * scale * std::sin(i));
   return grid;
 }
@@ -140,10 +141,9 @@ class Shapes : public testing::TestWithParam<std::size_t> {
 class HardCase27 : public Shapes {};
 
 TEST_P(HardCase27, WhereNoDirectionIsNearestTheLastValidOneCountsAndIsFlagged) {
-  if (shape().depth_m == 0) GTEST_SKIP() << shape().name << " has a nearest direction everywhere";
   const auto made = make(Point::Zero(), 1);
   test::KeptNormal kept;
-  // Off to the side that is square to the axis of each.
+  // From above, which is more across than along the axis of each.
   const SurfacePoint before = made->nearest(shape().without_direction + Point(0, 0, 1e-3), kept.bytes());
   ASSERT_FALSE(before.normal_is_old);
   const SurfacePoint there = made->nearest(shape().without_direction, kept.bytes());
@@ -190,7 +190,6 @@ TEST_P(HardCase28, AnswersTheSameTenKilometresAway) {
     const Point given = far + Point(place(random), place(random), place(random));
     const SurfacePoint expected = test::nearest(*here, given - far);
     const SurfacePoint found = test::nearest(*there, given);
-    // Relative to how far away it all is, and to what rounding the shape's own place costs.
     ASSERT_NEAR(found.penetration_m, expected.penetration_m, 1e-9 * 0.05) << i;
     ASSERT_LT((found.normal - expected.normal).norm(), 1e-9) << i;
   }
@@ -198,7 +197,15 @@ TEST_P(HardCase28, AnswersTheSameTenKilometresAway) {
 
 std::string name_of(const testing::TestParamInfo<std::size_t>& shape) { return cases()[shape.param].name; }
 
-INSTANTIATE_TEST_SUITE_P(EveryShape, HardCase27, testing::Range(std::size_t{0}, cases().size()), name_of);
+std::vector<std::size_t> without_a_direction() {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < cases().size(); ++i) {
+    if (cases()[i].depth_m != 0) found.push_back(i);
+  }
+  return found;
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryShape, HardCase27, testing::ValuesIn(without_a_direction()), name_of);
 INSTANTIATE_TEST_SUITE_P(EveryShape, HardCase28, testing::Range(std::size_t{0}, cases().size()), name_of);
 
 }  // namespace
