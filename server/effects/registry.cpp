@@ -4,12 +4,22 @@
 #include <stdexcept>
 
 #include "forcebound/server/effects/adhesion.hpp"
+#include "forcebound/server/effects/attractor.hpp"
+#include "forcebound/server/effects/constant_force.hpp"
+#include "forcebound/server/effects/drive.hpp"
+#include "forcebound/server/effects/flow.hpp"
 #include "forcebound/server/effects/friction.hpp"
+#include "forcebound/server/effects/gravity.hpp"
 #include "forcebound/server/effects/magnet.hpp"
+#include "forcebound/server/effects/spring_to_line.hpp"
+#include "forcebound/server/effects/spring_to_plane.hpp"
+#include "forcebound/server/effects/spring_to_point.hpp"
 #include "forcebound/server/effects/stick_slip.hpp"
 #include "forcebound/server/effects/surface.hpp"
 #include "forcebound/server/effects/texture.hpp"
 #include "forcebound/server/effects/vibration.hpp"
+#include "forcebound/server/effects/viscosity.hpp"
+#include "forcebound/server/effects/workspace_limit.hpp"
 
 namespace forcebound::server {
 
@@ -22,6 +32,16 @@ EffectRegistry EffectRegistry::standard() {
   registry.add(magnet_effect());
   registry.add(adhesion_effect());
   registry.add(texture_effect());
+  registry.add(attractor_effect());
+  registry.add(constant_force_effect());
+  registry.add(drive_effect());
+  registry.add(flow_effect());
+  registry.add(gravity_effect());
+  registry.add(spring_to_line_effect());
+  registry.add(spring_to_plane_effect());
+  registry.add(spring_to_point_effect());
+  registry.add(viscosity_effect());
+  registry.add(workspace_limit_effect());
   return registry;
 }
 

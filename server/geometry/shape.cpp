@@ -8,9 +8,6 @@
 namespace forcebound::server {
 namespace {
 
-// Nearer to the centre than this share of the radius, a direction is made of rounding errors.
-constexpr double kCentre = 1e-12;
-
 class HalfSpace final : public Shape {
  public:
   HalfSpace(const Point& through_m, const Point& normal) : through_m_(through_m), normal_(normal.stableNormalized()) {}
@@ -33,7 +30,7 @@ class Sphere final : public Shape {
   SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
     const Point out = position_m - center_m_;
     const double distance_m = out.stableNorm();
-    return LastNormal::in(state).along(out, distance_m, kCentre * radius_m_, radius_m_ - distance_m);
+    return LastNormal::in(state).along(out, distance_m, kRounding * radius_m_, radius_m_ - distance_m);
   }
 
   ShapeFacts facts() const override {
@@ -55,7 +52,7 @@ class Cavity final : public Shape {
   SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
     const Point in = center_m_ - position_m;
     const double distance_m = in.stableNorm();
-    return LastNormal::in(state).along(in, distance_m, kCentre * radius_m_, distance_m - radius_m_);
+    return LastNormal::in(state).along(in, distance_m, kRounding * radius_m_, distance_m - radius_m_);
   }
 
   ShapeFacts facts() const override {

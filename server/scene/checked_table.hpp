@@ -42,6 +42,12 @@ class CheckedTable {
   /// An array of `rows` finite numbers; the rest of the point is `rest`.
   Point point(std::string_view key, Eigen::Index rows, double rest = 0);
 
+  /// A number of a list; `key` for errors.
+  double finite(const toml::node& node, std::string_view key) const;
+
+  /// Adds to values_text: what was read by other means.
+  void note(std::string_view key, const std::string& value);
+
   /// To be called when everything is read.
   void refuse_unknown_keys() const;
 
@@ -55,9 +61,6 @@ class CheckedTable {
   [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 
  private:
-  double finite(const toml::node& node, std::string_view key) const;
-  void note(std::string_view key, const std::string& value);
-
   const toml::table& table_;
   std::string file_;
   std::string place_;

@@ -3,6 +3,10 @@
 #include <array>
 #include <limits>
 
+#include "forcebound/server/geometry/capsule.hpp"
+#include "forcebound/server/geometry/cylinder.hpp"
+#include "forcebound/server/geometry/torus.hpp"
+#include "forcebound/server/scene/height_field_parser.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
@@ -10,8 +14,8 @@ namespace {
 
 using Shaped = std::unique_ptr<Shape>;
 
-double parse_radius(CheckedTable& table) {
-  return table.number({.key = "radius_m", .preset = {}, .least = 0, .least_excluded = true});
+double parse_radius(CheckedTable& table, std::string_view key = "radius_m") {
+  return table.number({.key = key, .preset = {}, .least = 0, .least_excluded = true});
 }
 
 Shaped parse_half_space(CheckedTable& table, Eigen::Index rows) {
@@ -40,13 +44,47 @@ Shaped parse_box(CheckedTable& table, Eigen::Index rows) {
   return make_box(center_m, size_m);
 }
 
+/// Of a shape between two points: `make` is given them and the radius.
+template <class Make>
+Shaped parse_along(CheckedTable& table, Eigen::Index rows, Make make) {
+  const Point from_m = table.point("from_m", rows);
+  const Point to_m = table.point("to_m", rows);
+  if (from_m == to_m) table.fail(table.at("to_m"), "to_m must differ from from_m, got " + as_written(table.at("to_m")));
+  return make(from_m, to_m, parse_radius(table));
+}
+
+Shaped parse_capsule(CheckedTable& table, Eigen::Index rows) { return parse_along(table, rows, make_capsule); }
+
+Shaped parse_cylinder(CheckedTable& table, Eigen::Index rows) { return parse_along(table, rows, make_cylinder); }
+
+Shaped parse_torus(CheckedTable& table, Eigen::Index rows) {
+  const Point center_m = table.point("center_m", rows);
+  const Point axis = table.direction("axis", rows);
+  const double major_m = parse_radius(table, "major_radius_m");
+  const double minor_m = parse_radius(table, "minor_radius_m");
+  if (!(minor_m < major_m)) {
+    table.fail(table.at("minor_radius_m"),
+               "minor_radius_m must be < major_radius_m, got " + as_written(table.at("minor_radius_m")));
+  }
+  return make_torus(center_m, axis, major_m, minor_m);
+}
+
 struct ShapeKind {
   std::string_view name;
   Shaped (*parse)(CheckedTable&, Eigen::Index rows);
+  Eigen::Index rows_least = 1;  ///< on fewer axes it has no meaning
 };
 
-constexpr std::array kKinds{ShapeKind{"half_space", parse_half_space}, ShapeKind{"sphere", parse_sphere},
-                            ShapeKind{"cavity", parse_cavity}, ShapeKind{"box", parse_box}};
+constexpr std::array kKinds{
+    ShapeKind{"half_space", parse_half_space},         //
+    ShapeKind{"sphere", parse_sphere},                 //
+    ShapeKind{"cavity", parse_cavity},                 //
+    ShapeKind{"box", parse_box},                       //
+    ShapeKind{"capsule", parse_capsule, 2},            //
+    ShapeKind{"cylinder", parse_cylinder, 2},          //
+    ShapeKind{"torus", parse_torus, 3},                //
+    ShapeKind{"height_field", parse_height_field, 3},  //
+};
 
 }  // namespace
 
@@ -54,8 +92,11 @@ std::unique_ptr<Shape> parse_shape(CheckedTable& table, Eigen::Index rows) {
   const std::string name = table.text("kind");
   std::vector<std::string> known;
   for (const ShapeKind& kind : kKinds) {
-    if (kind.name == name) return kind.parse(table, rows);
     known.emplace_back(kind.name);
+    if (kind.name != name) continue;
+    if (rows >= kind.rows_least) return kind.parse(table, rows);
+    table.fail(table.at("kind"), "a " + name + " needs a scene of at least " + std::to_string(kind.rows_least) +
+                                     " degrees of freedom, this one has " + std::to_string(rows));
   }
   table.fail(table.at("kind"), "unknown kind '" + name + "'" + text::suggestion(name, known));
 }

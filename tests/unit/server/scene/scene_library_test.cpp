@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
+
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -19,9 +23,42 @@ std::string error_of(const std::string& name_or_file) {
   return "no error";
 }
 
+/// The names of the files in server/scenes, in alphabetical order.
+std::vector<std::string> scene_files() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(FORCEBOUND_SOURCE_DIR "/server/scenes")) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(SceneLibrary, ShipsEveryFileOfItsFolderInAlphabeticalOrder) {
+  EXPECT_EQ(SceneLibrary::shipped().names(), text::join(scene_files()));
+}
+
+TEST(SceneLibrary, EverySceneIsNamedLikeItsFileAndDescribed) {
+  for (const std::string& name : scene_files()) {
+    const auto scene = load_scene(FORCEBOUND_SOURCE_DIR "/server/scenes/" + name + ".toml");
+    EXPECT_EQ(scene->facts().name, name);
+    EXPECT_TRUE(scene->facts().description.ends_with('.')) << name;
+  }
+}
+
+TEST(SceneLibrary, ShowsEveryEffectThatFillsSpaceInASceneOfItsName) {
+  const SceneLibrary library = SceneLibrary::shipped();
+  const EffectRegistry registry = EffectRegistry::standard();
+  for (const EffectKind& kind : registry.kinds()) {
+    if (kind.place != EffectPlace::space) continue;
+    const auto scene = library.find(kind.name);
+    ASSERT_NE(scene, nullptr) << kind.name;
+    ASSERT_EQ(scene->fields().size(), 1U) << kind.name;
+    EXPECT_EQ(scene->fields().front().effects.front().name, kind.name);
+  }
+}
+
 TEST(SceneLibrary, ShipsTheScenesWithTheirDegreesOfFreedom) {
   const SceneLibrary library = SceneLibrary::shipped();
-  EXPECT_EQ(library.names(), "box, circle, free, plane, sphere, wall");
   const auto accepted = [&](std::string_view name) { return library.find(name)->accepted_degrees_of_freedom(); };
   EXPECT_EQ(accepted("wall"), "1 to 6");
   EXPECT_EQ(accepted("free"), "1 to 6");
@@ -50,16 +87,14 @@ TEST(SceneLibrary, TheOwnersSceneReplacesAShippedOne) {
   const auto own = parse_scene("[scene]\nname = 'wall'\ndescription = 'no wall'\ndegrees_of_freedom = 1\n", "own.toml");
   library.add(own);
   EXPECT_EQ(library.find("wall"), own);
-  EXPECT_EQ(library.names(), "box, circle, free, plane, sphere, wall");
+  EXPECT_EQ(library.names(), SceneLibrary::shipped().names());
 }
 
 TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }
 
 TEST(LoadScene, UnknownNameListsTheKnownOnes) {
-  EXPECT_EQ(
-      error_of("spere"),
-      "no scene 'spere', did you mean 'sphere'? (known: box, circle, free, plane, sphere, wall); a file is given as "
-      "FILE.toml");
+  EXPECT_EQ(error_of("spere"), "no scene 'spere', did you mean 'sphere'? (known: " + SceneLibrary::shipped().names() +
+                                   "); a file is given as FILE.toml");
 }
 
 TEST(LoadScene, ReadsAFile) {

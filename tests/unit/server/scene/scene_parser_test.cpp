@@ -1,5 +1,6 @@
 #include "forcebound/server/scene/scene_parser.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -8,6 +9,8 @@
 
 namespace forcebound::server {
 namespace {
+
+using testing::StartsWith;
 
 constexpr std::string_view kGood = R"([scene]
 name = "wall"
@@ -115,8 +118,8 @@ TEST(ParseScene, WhatIsMissingIsNamed) {
             "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing");
   EXPECT_EQ(error_of(with("name = \"wall\"\nshape", "shape")), "scenes/wall.toml:6: object: 'name' is missing");
   EXPECT_EQ(error_of(with("effects = [\"surface\"]", "")), "scenes/wall.toml:6: object 'wall': 'effects' is missing");
-  EXPECT_EQ(error_of(with("[\"surface\"]", "[]")),
-            "scenes/wall.toml:9: object 'wall': effects must name at least one of: surface");
+  EXPECT_THAT(error_of(with("[\"surface\"]", "[]")),
+              StartsWith("scenes/wall.toml:9: object 'wall': effects must name at least one of: surface"));
   EXPECT_EQ(error_of(""), "scenes/wall.toml:1: scene file: 'scene' is missing");
 }
 
@@ -146,7 +149,8 @@ TEST(ParseScene, MakesOnlyWhatTheSceneAsksFor) {
                 }});
   const auto scene = parse_scene(kGood, "a.toml", registry);
   EXPECT_EQ(scene->plan().effects().size(), 1u);
-  EXPECT_EQ(scene->facts().effects_not_requested, std::vector<std::string>{"bomb"});
+  EXPECT_EQ(scene->facts().effects_not_requested.size(), registry.kinds().size() - 1);
+  EXPECT_EQ(scene->facts().effects_not_requested.back(), "bomb");
 }
 
 TEST(ParseScene, PointsHaveTheScenesNumberOfRows) {
