@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include "forcebound/server/scene/scene_parser.hpp"
@@ -113,6 +114,12 @@ std::string CheckedTable::choice(std::string_view key, std::span<const std::stri
   }
   note(key, word);
   return word;
+}
+
+std::string CheckedTable::path(std::string_view key) {
+  const std::string name = text(key);
+  note(key, name);
+  return (std::filesystem::path(file_).parent_path() / name).string();
 }
 
 bool CheckedTable::flag(std::string_view key, bool preset) {

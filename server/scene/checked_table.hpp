@@ -39,6 +39,9 @@ class CheckedTable {
 
   bool flag(std::string_view key, bool preset);
 
+  /// The name of a file beside this one, as a path from where the program runs.
+  std::string path(std::string_view key);
+
   /// An array of `rows` finite numbers; the rest of the point is `rest`.
   Point point(std::string_view key, Eigen::Index rows, double rest = 0);
 

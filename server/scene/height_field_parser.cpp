@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <filesystem>
 #include <optional>
 #include <stdexcept>
 
@@ -71,7 +70,7 @@ std::string read_file(const CheckedTable& table, const toml::node& where, const 
 
 void read_file_rows(CheckedTable& table, HeightGrid& grid) {
   const toml::node& where = table.at("file");
-  const std::string path = (std::filesystem::path(table.file()).parent_path() / table.text("file")).string();
+  const std::string path = table.path("file");
   const std::string text = read_file(table, where, path);
   Rows rows(table, where, grid);
   std::size_t line = 0;

@@ -14,12 +14,14 @@ SceneObject PartParser::part(const toml::table& table, const std::string& what) 
   CheckedTable checked(table, file_, what + " '" + made.name + "'");
   (void)checked.at("name");
   const bool has_surface = what == "object";
-  if (has_surface) parse_shape_of(checked, made);
   const std::vector<std::string> known = names_of_effects(has_surface);
   const toml::array& effects = checked.array("effects");
   if (effects.empty()) checked.fail(effects, "effects must name at least one of: " + text::join(known));
   for (const toml::node& effect : effects) made.effects.push_back(parse_effect(checked, effect, known, made.effects));
-  if (has_surface) refuse_pressure_of_nothing(checked, effects, made.effects);
+  if (has_surface) {
+    refuse_pressure_of_nothing(checked, effects, made.effects);
+    parse_shape_of(checked, made);
+  }
   refuse_unrequested_tables(checked, table, made.effects);
   checked.refuse_unknown_keys();
   return made;
@@ -35,7 +37,11 @@ std::vector<std::string> PartParser::names_of_effects(bool of_surfaces_too) cons
 
 void PartParser::parse_shape_of(CheckedTable& object, SceneObject& made) const {
   CheckedTable shape(object.table("shape"), file_, object.place() + ", shape");
-  made.shape = parse_shape(shape, rows_);
+  double reach_m = 0;
+  for (const RequestedEffect& requested : made.effects) {
+    reach_m = std::max(reach_m, requested.effect->facts().reach_m);
+  }
+  made.shape = parse_shape(shape, rows_, reach_m);
   made.shape_text = shape.text("kind") + ", " + shape.values_text();
   shape.refuse_unknown_keys();
 }

@@ -7,6 +7,7 @@
 #include "forcebound/server/geometry/cylinder.hpp"
 #include "forcebound/server/geometry/torus.hpp"
 #include "forcebound/server/scene/height_field_parser.hpp"
+#include "forcebound/server/scene/mesh_parser.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
@@ -71,30 +72,43 @@ Shaped parse_torus(CheckedTable& table, Eigen::Index rows) {
 
 struct ShapeKind {
   std::string_view name;
-  Shaped (*parse)(CheckedTable&, Eigen::Index rows);
+  Shaped (*parse)(CheckedTable&, Eigen::Index rows, double reach_m);
   Eigen::Index rows_least = 1;  ///< on fewer axes it has no meaning
 };
 
+template <Shaped (*parse)(CheckedTable&, Eigen::Index)>
+Shaped always_exact(CheckedTable& table, Eigen::Index rows, double) {
+  return parse(table, rows);
+}
+
+template <Shaped (*parse)(CheckedTable&, double)>
+Shaped in_space(CheckedTable& table, Eigen::Index, double reach_m) {
+  return parse(table, reach_m);
+}
+
 constexpr std::array kKinds{
-    ShapeKind{"half_space", parse_half_space},         //
-    ShapeKind{"sphere", parse_sphere},                 //
-    ShapeKind{"cavity", parse_cavity},                 //
-    ShapeKind{"box", parse_box},                       //
-    ShapeKind{"capsule", parse_capsule, 2},            //
-    ShapeKind{"cylinder", parse_cylinder, 2},          //
-    ShapeKind{"torus", parse_torus, 3},                //
-    ShapeKind{"height_field", parse_height_field, 3},  //
+    ShapeKind{"half_space", always_exact<parse_half_space>},         //
+    ShapeKind{"sphere", always_exact<parse_sphere>},                 //
+    ShapeKind{"cavity", always_exact<parse_cavity>},                 //
+    ShapeKind{"box", always_exact<parse_box>},                       //
+    ShapeKind{"capsule", always_exact<parse_capsule>, 2},            //
+    ShapeKind{"cylinder", always_exact<parse_cylinder>, 2},          //
+    ShapeKind{"torus", always_exact<parse_torus>, 3},                //
+    ShapeKind{"height_field", always_exact<parse_height_field>, 3},  //
+    ShapeKind{"mesh", in_space<parse_mesh>, 3},                      //
+    ShapeKind{"distance_field", in_space<parse_distance_field>, 3},  //
+    ShapeKind{"lathe", in_space<parse_lathe>, 3},                    //
 };
 
 }  // namespace
 
-std::unique_ptr<Shape> parse_shape(CheckedTable& table, Eigen::Index rows) {
+std::unique_ptr<Shape> parse_shape(CheckedTable& table, Eigen::Index rows, double reach_m) {
   const std::string name = table.text("kind");
   std::vector<std::string> known;
   for (const ShapeKind& kind : kKinds) {
     known.emplace_back(kind.name);
     if (kind.name != name) continue;
-    if (rows >= kind.rows_least) return kind.parse(table, rows);
+    if (rows >= kind.rows_least) return kind.parse(table, rows, reach_m);
     table.fail(table.at("kind"), "a " + name + " needs a scene of at least " + std::to_string(kind.rows_least) +
                                      " degrees of freedom, this one has " + std::to_string(rows));
   }

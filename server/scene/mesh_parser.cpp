@@ -1,0 +1,76 @@
+#include "forcebound/server/scene/mesh_parser.hpp"
+
+#include <filesystem>
+
+#include "forcebound/server/geometry/distance_field.hpp"
+#include "forcebound/server/geometry/lathe.hpp"
+#include "forcebound/server/geometry/mesh_file.hpp"
+#include "forcebound/server/geometry/mesh_shape.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr Eigen::Index kAxes = 3;
+
+Point offset(CheckedTable& table, std::string_view key) {
+  return table.find(key) == nullptr ? Point(Point::Zero()) : table.point(key, kAxes);
+}
+
+/// What the geometry says, at the place in the scene that led there.
+template <class Make>
+auto made(const CheckedTable& table, const toml::node& where, Make make) {
+  try {
+    return make();
+  } catch (const GeometryError& error) {
+    table.fail(where, error.what());
+  }
+}
+
+std::shared_ptr<const TriangleMesh> parse_file(CheckedTable& table) {
+  const std::string path = table.path("file");
+  const MeshPlacement placement{
+      .scale = table.number({.key = "scale", .preset = 1, .least = 0, .least_excluded = true, .most = 1e9}),
+      .offset_m = offset(table, "offset_m")};
+  return made(table, table.at("file"),
+              [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
+}
+
+std::vector<LathePoint> parse_profile(CheckedTable& table) {
+  std::vector<LathePoint> profile;
+  for (const toml::node& node : table.array("profile_m")) {
+    const toml::array* pair = node.as_array();
+    if (pair == nullptr || pair->size() != 2) {
+      table.fail(node, "profile_m must be a list of [radius, height], got " + as_written(node));
+    }
+    profile.push_back({table.finite((*pair)[0], "profile_m"), table.finite((*pair)[1], "profile_m")});
+  }
+  return profile;
+}
+
+}  // namespace
+
+std::unique_ptr<Shape> parse_mesh(CheckedTable& table, double reach_m) {
+  const auto mesh = parse_file(table);
+  const MeshShapeOptions options{.two_sided = table.flag("two_sided", false), .reach_m = reach_m};
+  return made(table, table.at("file"), [&] { return make_mesh(mesh, options); });
+}
+
+std::unique_ptr<Shape> parse_distance_field(CheckedTable& table, double reach_m) {
+  const auto mesh = parse_file(table);
+  const DistanceFieldOptions options{
+      .spacing_m = table.number({.key = "spacing_m", .least = 0, .least_excluded = true}), .reach_m = reach_m};
+  return made(table, table.at("file"), [&] { return make_distance_field(mesh, options); });
+}
+
+std::unique_ptr<Shape> parse_lathe(CheckedTable& table, double reach_m) {
+  const std::vector<LathePoint> profile = parse_profile(table);
+  const double segments = table.number({.key = "segments", .preset = 128, .least = 3, .most = 4096});
+  const Point origin_m = offset(table, "origin_m");
+  return made(table, table.at("profile_m"), [&] {
+    auto mesh =
+        std::make_shared<const TriangleMesh>(make_lathe("lathe", profile, static_cast<int>(segments), origin_m));
+    return make_mesh(std::move(mesh), {.two_sided = false, .reach_m = reach_m});
+  });
+}
+
+}  // namespace forcebound::server

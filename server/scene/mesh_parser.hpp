@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+
+#include "forcebound/server/geometry/shape.hpp"
+#include "forcebound/server/scene/checked_table.hpp"
+
+namespace forcebound::server {
+
+/// Reads a triangle mesh: `file` beside the scene's, `scale` (default 1: metres) and `offset_m`; felt through a god
+/// object, from the front unless `two_sided`.
+/// @param reach_m how far outside of it the distance is wanted
+/// @throws SceneError
+std::unique_ptr<Shape> parse_mesh(CheckedTable& table, double reach_m);
+
+/// The same as a signed distance field of `spacing_m`, at a cost that does not depend on the mesh.
+std::unique_ptr<Shape> parse_distance_field(CheckedTable& table, double reach_m);
+
+/// A closed profile turned about the z axis, as a mesh: `profile_m` = [[radius, height], ...], `segments` (default
+/// 128), `origin_m`.
+std::unique_ptr<Shape> parse_lathe(CheckedTable& table, double reach_m);
+
+}  // namespace forcebound::server
