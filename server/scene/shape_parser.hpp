@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "forcebound/server/scene/checked_table.hpp"
 #include "forcebound/server/geometry/shape.hpp"
+#include "forcebound/server/scene/checked_table.hpp"
 
 namespace forcebound::server {
 
