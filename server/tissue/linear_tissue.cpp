@@ -1,6 +1,5 @@
 #include "forcebound/server/tissue/linear_tissue.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <stdexcept>
@@ -28,25 +27,25 @@ void factorise(Cholesky& cholesky, const Eigen::SparseMatrix<double>& stiffness,
                            "not in a line, of each part that hangs together");
 }
 
-// Unit vectors out of the surface at its nodes, by the areas of the triangles around each.
-std::vector<Point> normals_of(const std::vector<Point>& nodes_m,
-                              const std::vector<TetrahedralMesh::Triangle>& triangles) {
-  std::vector<Point> normals(nodes_m.size(), Point::Zero());
-  for (const auto& [a, b, c] : triangles) {
-    const Point twice_area = (nodes_m[b] - nodes_m[a]).cross(nodes_m[c] - nodes_m[a]);
-    for (const int node : {a, b, c}) normals[node] += twice_area;
+TissueSurface surface_of(const TetrahedralMesh& mesh) {
+  std::vector<int> index(mesh.nodes_m().size(), 0);
+  std::vector<Point> nodes_m;
+  for (const int node : mesh.surface_nodes()) {
+    index[node] = static_cast<int>(nodes_m.size());
+    nodes_m.push_back(mesh.nodes_m()[node]);
   }
-  for (Point& normal : normals) normal.stableNormalize();
-  return normals;
+  std::vector<TetrahedralMesh::Triangle> triangles;
+  triangles.reserve(mesh.triangles().size());
+  for (const auto& [a, b, c] : mesh.triangles()) triangles.push_back({index[a], index[b], index[c]});
+  return {std::move(nodes_m), std::move(triangles)};
 }
 
 }  // namespace
 
 LinearTissue::LinearTissue(TetrahedralMesh mesh, const ElasticMaterial& material, const std::vector<int>& held_nodes,
                            std::size_t memory_bytes_max)
-    : mesh_(std::move(mesh)), material_(material) {
+    : mesh_(std::move(mesh)), material_(material), surface_(surface_of(mesh_)) {
   material_.check();
-  find_surface();
   const auto side = static_cast<std::size_t>(3 * surface_nodes());
   if (side * side > memory_bytes_max / sizeof(double)) {
     throw std::runtime_error(mesh_.name() + ": the compliance of its " + std::to_string(surface_nodes()) +
@@ -57,15 +56,6 @@ LinearTissue::LinearTissue(TetrahedralMesh mesh, const ElasticMaterial& material
   if (free.count() == 0) throw std::runtime_error(mesh_.name() + ": all nodes are held: expected some that can move");
   find_compliance(free);
   find_locking(free);
-}
-
-void LinearTissue::find_surface() {
-  std::vector<int> index(mesh_.nodes_m().size(), 0);
-  for (const int node : mesh_.surface_nodes()) {
-    index[node] = surface_nodes();
-    rest_m_.push_back(mesh_.nodes_m()[node]);
-  }
-  for (const auto& [a, b, c] : mesh_.triangles()) triangles_.push_back({index[a], index[b], index[c]});
 }
 
 void LinearTissue::find_compliance(const FreeCoordinates& free) {
@@ -92,7 +82,6 @@ void LinearTissue::find_compliance(const FreeCoordinates& free) {
 void LinearTissue::find_locking(const FreeCoordinates& free) {
   Cholesky softer;
   factorise(softer, free.reduced(stiffness_matrix(mesh_, material_, VolumeLaw::per_node)), mesh_.name());
-  const std::vector<Point> normals = normals_of(rest_m_, triangles_);
   const int stride = 1 + surface_nodes() / kProbedForLocking;
   double soft_m_per_N = 0;
   double ours_m_per_N = 0;
@@ -100,9 +89,9 @@ void LinearTissue::find_locking(const FreeCoordinates& free) {
     const int first = free.first_of(mesh_.surface_nodes()[node]);
     if (first == FreeCoordinates::kHeld) continue;
     Eigen::VectorXd load = Eigen::VectorXd::Zero(free.count());
-    load.segment<3>(first) = normals[node];
+    load.segment<3>(first) = surface_.node_normal(node);
     soft_m_per_N += load.dot(softer.solve(load));
-    ours_m_per_N += normals[node].dot(compliance_m_per_N_.block<3, 3>(3 * node, 3 * node) * normals[node]);
+    ours_m_per_N += surface_.node_normal(node).dot(compliance_m_per_N(node, node) * surface_.node_normal(node));
   }
   if (ours_m_per_N > 0) locking_ = std::max(1.0, soft_m_per_N / ours_m_per_N);
 }
@@ -115,8 +104,9 @@ std::string LinearTissue::warning() const {
 }
 
 std::size_t LinearTissue::memory_bytes() const noexcept {
-  return static_cast<std::size_t>(compliance_m_per_N_.size()) * sizeof(double) + rest_m_.size() * sizeof(Point) +
-         triangles_.size() * sizeof(TetrahedralMesh::Triangle) + mesh_.nodes_m().size() * sizeof(Point) +
+  return static_cast<std::size_t>(compliance_m_per_N_.size()) * sizeof(double) +
+         surface_.nodes_m().size() * 2 * sizeof(Point) +
+         surface_.triangles().size() * 2 * sizeof(TetrahedralMesh::Triangle) + mesh_.nodes_m().size() * sizeof(Point) +
          mesh_.tetrahedra().size() * (sizeof(TetrahedralMesh::Tetrahedron) + sizeof(double));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "forcebound/server/tissue/elasticity.hpp"
+#include "forcebound/server/tissue/tissue_surface.hpp"
 
 namespace forcebound::server {
 
@@ -36,13 +37,17 @@ class LinearTissue {
   [[nodiscard]] const TetrahedralMesh& mesh() const noexcept { return mesh_; }
   [[nodiscard]] const ElasticMaterial& material() const noexcept { return material_; }
 
-  /// The surface's nodes count from 0 here, in the order of TetrahedralMesh::surface_nodes.
-  [[nodiscard]] int surface_nodes() const noexcept { return static_cast<int>(rest_m_.size()); }
-  [[nodiscard]] const std::vector<Point>& rest_m() const noexcept { return rest_m_; }
-  [[nodiscard]] const std::vector<TetrahedralMesh::Triangle>& triangles() const noexcept { return triangles_; }
+  /// At rest. Its nodes count from 0, in the order of TetrahedralMesh::surface_nodes.
+  [[nodiscard]] const TissueSurface& surface() const noexcept { return surface_; }
+  [[nodiscard]] int surface_nodes() const noexcept { return static_cast<int>(surface_.nodes_m().size()); }
 
   /// C: 3 rows and columns per node of the surface; those of held nodes are zero.
   [[nodiscard]] const Eigen::MatrixXd& compliance_m_per_N() const noexcept { return compliance_m_per_N_; }
+
+  /// How far one node of the surface moves under a force on another.
+  [[nodiscard]] auto compliance_m_per_N(int moved, int pushed) const noexcept {
+    return compliance_m_per_N_.block<3, 3>(3 * static_cast<Eigen::Index>(moved), 3 * static_cast<Eigen::Index>(pushed));
+  }
 
   /// How many times too small displacements under a probe are, estimated: those under forces along the normal at nodes
   /// of the surface, with the change of volume averaged around each node, over those of this model. Never below 1; a
@@ -55,14 +60,12 @@ class LinearTissue {
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
-  void find_surface();
   void find_compliance(const FreeCoordinates& free);
   void find_locking(const FreeCoordinates& free);
 
   TetrahedralMesh mesh_;
   ElasticMaterial material_;
-  std::vector<Point> rest_m_;
-  std::vector<TetrahedralMesh::Triangle> triangles_;
+  TissueSurface surface_;
   Eigen::MatrixXd compliance_m_per_N_;
   double locking_ = 1;
 };

@@ -30,10 +30,10 @@ LinearTissue block_on_the_ground(const BlockOfCubes& block, double poisson) {
 // A third of each triangle of the top to each of its corners.
 Eigen::VectorXd pull_at_top(const LinearTissue& tissue, double top_m, const Point& stress_Pa) {
   Eigen::VectorXd force_N = Eigen::VectorXd::Zero(3 * tissue.surface_nodes());
-  for (const auto& [a, b, c] : tissue.triangles()) {
-    const Point& p = tissue.rest_m()[a];
-    const Point& q = tissue.rest_m()[b];
-    const Point& r = tissue.rest_m()[c];
+  for (const auto& [a, b, c] : tissue.surface().triangles()) {
+    const Point& p = tissue.surface().nodes_m()[a];
+    const Point& q = tissue.surface().nodes_m()[b];
+    const Point& r = tissue.surface().nodes_m()[c];
     if (std::min({p.z(), q.z(), r.z()}) < top_m - 1e-9) continue;
     const double area_m2 = 0.5 * (q - p).cross(r - p).norm();
     for (const int node : {a, b, c}) force_N.segment<3>(3 * node) += area_m2 / 3 * stress_Pa;
@@ -46,7 +46,7 @@ TEST(LinearTissue, ABarWithoutLateralContractionStretchesByForceOverYoungTimesAr
   const LinearTissue tissue = block_on_the_ground(block, 0);
   const Eigen::VectorXd moved_m = displacement_m(tissue, pull_at_top(tissue, 0.05, {0, 0, 100}));
   for (int node = 0; node < tissue.surface_nodes(); ++node) {
-    const Point expected_m(0, 0, 100 / kYoung_Pa * tissue.rest_m()[node].z());
+    const Point expected_m(0, 0, 100 / kYoung_Pa * tissue.surface().nodes_m()[node].z());
     EXPECT_LT((moved_m.segment<3>(3 * node) - expected_m).norm(), 1e-10 * 0.001);
   }
 }
@@ -56,7 +56,7 @@ TEST(LinearTissue, ComplianceIsSymmetricAndHeldNodesDoNotMove) {
   const Eigen::MatrixXd& compliance = tissue.compliance_m_per_N();
   EXPECT_EQ(compliance, compliance.transpose());
   for (int node = 0; node < tissue.surface_nodes(); ++node) {
-    const bool held = tissue.rest_m()[node].z() == 0;
+    const bool held = tissue.surface().nodes_m()[node].z() == 0;
     EXPECT_EQ(compliance.middleRows<3>(3 * node).isZero(0), held);
   }
 }
