@@ -232,22 +232,32 @@ int SphereContact::deepest_beside() const noexcept {
   return deepest;
 }
 
+int SphereContact::deepest_at_rest() const noexcept {
+  const auto shallower = [](const Pushed& a, const Pushed& b) { return a.depth_m < b.depth_m; };
+  return static_cast<int>(std::max_element(pool_.begin(), pool_.begin() + pool_count_, shallower) - pool_.begin());
+}
+
 TissueResult SphereContact::solve_all() noexcept {
   TissueResult result;
   if (pool_count_ == 0) return result;
-  for (int next = -1;;) {
+  if (working_count_ == 0) working_[working_count_++] = deepest_at_rest();
+  for (;;) {
     ++result.iterations;
     solve();
     deform();
-    next = deepest_beside();
+    const int next = deepest_beside();
     result.residual_m = next < 0 ? 0 : -gap(next);
-    if (next < 0 || result.iterations >= options_.iterations_max) break;
+    if (next < 0) break;
+    if ((force_N_.array() > 0).count() == options_.contacts_max) break;
+    if (result.iterations == options_.iterations_max) {
+      pending_ = next;
+      break;
+    }
     // Those that no longer push make room.
     int kept = 0;
     for (int k = 0; k < working_count_; ++k) {
       if (force_N_[k] > 0) working_[kept++] = working_[k];
     }
-    if (kept == options_.contacts_max) break;
     working_count_ = kept;
     working_[working_count_++] = next;
   }
@@ -268,12 +278,9 @@ void SphereContact::conclude(TissueResult& result) const noexcept {
     ++result.contacts;
     result.force_N += force_N_[k] * (direction_ + one.aside_m / options_.radius_m);
   }
-  if (result.contacts > 0) {
-    result.depth_m = std::max_element(pool_.begin(), pool_.begin() + pool_count_, [](const Pushed& a, const Pushed& b) {
-                       return a.depth_m < b.depth_m;
-                     })->depth_m;
-  }
-  result.normal = result.contacts == 0 ? Point::Zero() : Point(result.force_N.stableNormalized());
+  if (result.contacts == 0) return;
+  result.normal = result.force_N.stableNormalized();
+  result.depth_m = pool_[deepest_at_rest()].depth_m;
   result.energy_J = 0.5 * force_N_.dot(compliance_ * force_N_);
 }
 
@@ -281,10 +288,14 @@ void SphereContact::put_into(TissueState& state) const noexcept {
   state = {
       .started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .direction = to_array(direction_), .contact = {}};
   for (int k = 0; k < working_count_; ++k) {
-    if (!(force_N_[k] > 0)) continue;
-    const SurfacePlace& place = pool_[working_[k]].place;
-    state.contact[state.contacts++] = {place.triangle, to_array(place.weight)};
+    if (force_N_[k] > 0) remember(working_[k], state);
   }
+  if (pending_ >= 0) remember(pending_, state);
+}
+
+void SphereContact::remember(int candidate, TissueState& state) const noexcept {
+  const SurfacePlace& place = pool_[candidate].place;
+  state.contact[state.contacts++] = {place.triangle, to_array(place.weight)};
 }
 
 TissueResult SphereContact::step(const Setting& setting, TissueState& state, const Point& probe_m) noexcept {
@@ -302,7 +313,7 @@ TissueResult SphereContact::step(const Setting& setting, TissueState& state, con
   if (result.contacts > 0 && contact.mean_normal().dot(direction) < kAligned) {
     SphereContact turned(setting, next, probe_m, contact.mean_normal(), first);
     const TissueResult better = turned.solve_all();
-    if (better.contacts > 0 && better.energy_J <= result.energy_J) {
+    if (better.contacts > 0 && better.converged && better.energy_J <= result.energy_J) {
       turned.put_into(state);
       return better;
     }

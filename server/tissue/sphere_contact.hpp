@@ -63,6 +63,8 @@ class SphereContact {
   void deform() noexcept;
   [[nodiscard]] double gap(int candidate) const noexcept;
   [[nodiscard]] int deepest_beside() const noexcept;
+  [[nodiscard]] int deepest_at_rest() const noexcept;
+  void remember(int candidate, TissueState& state) const noexcept;
   [[nodiscard]] bool is_working(int candidate) const noexcept;
   void conclude(TissueResult& result) const noexcept;
 
@@ -88,6 +90,7 @@ class SphereContact {
 
   std::array<int, kContactsMax> working_{};  // indices into the pool
   int working_count_ = 0;
+  int pending_ = -1;  // would have come next, had there been another iteration: the next step begins with it
   ContactVector force_N_;
   ContactMatrix compliance_;
 };
