@@ -35,7 +35,8 @@ class MeshShape final : public Shape {
     const double levels = std::log2(static_cast<double>(mesh().triangles().size()) + 1);
     return {.state_bytes = sizeof(Proxy),
             .memory_bytes = sizeof *this + object_.memory_bytes() + (sides_ ? sides_->memory_bytes() : 0),
-            .cost_ns = (reach_m_ > 0 ? 2 : 1) * kPerLevel_ns * levels};
+            .cost_ns = (reach_m_ > 0 ? 2 : 1) * kPerLevel_ns * levels,
+            .on_surface_m = mesh().origin_m() + mesh().corner_m(0, 0)};
   }
 
  private:

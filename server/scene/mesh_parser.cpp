@@ -31,8 +31,10 @@ std::shared_ptr<const TriangleMesh> parse_file(CheckedTable& table) {
   const MeshPlacement placement{
       .scale = table.number({.key = "scale", .preset = 1, .least = 0, .least_excluded = true, .most = 1e9}),
       .offset_m = offset(table, "offset_m")};
-  return made(table, table.at("file"),
-              [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
+  auto mesh =
+      made(table, table.at("file"), [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
+  table.note("that is", to_text(mesh->report()));
+  return mesh;
 }
 
 std::vector<LathePoint> parse_profile(CheckedTable& table) {
@@ -69,6 +71,7 @@ std::unique_ptr<Shape> parse_lathe(CheckedTable& table, double reach_m) {
   return made(table, table.at("profile_m"), [&] {
     auto mesh =
         std::make_shared<const TriangleMesh>(make_lathe("lathe", profile, static_cast<int>(segments), origin_m));
+    table.note("that is", to_text(mesh->report()));
     return make_mesh(std::move(mesh), {.two_sided = false, .reach_m = reach_m});
   });
 }

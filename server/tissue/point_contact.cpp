@@ -1,0 +1,210 @@
+#include "forcebound/server/tissue/point_contact.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace forcebound::server {
+namespace {
+
+// What an iteration must at least take off the energy: less is rounding.
+constexpr double kWorthwhile = 1e-13;
+
+// Tries of a step, each half as long: more do not matter within one iteration.
+constexpr int kHalvings = 4;
+
+// More triangles around one node are not looked at.
+constexpr int kAroundMax = 24;
+
+struct Around {
+  std::array<SurfacePlace, kAroundMax> place;
+  int count = 0;
+};
+
+int corner_of(const TissueSurface::Triangle& triangle, int node) noexcept {
+  return static_cast<int>(std::ranges::find(triangle, node) - triangle.begin());
+}
+
+// The same place by the corners of another triangle, which has all corners that weigh.
+SurfacePlace seen_from(const TissueSurface& surface, const SurfacePlace& place, int triangle) noexcept {
+  SurfacePlace seen{.triangle = triangle, .weight = Point::Zero()};
+  for (int corner = 0; corner < 3; ++corner) {
+    if (!(place.weight[corner] > 0)) continue;
+    seen.weight[corner_of(surface.triangles()[triangle], surface.triangles()[place.triangle][corner])] =
+        place.weight[corner];
+  }
+  return seen;
+}
+
+// Goes around a node from triangle to triangle, out over the edge opposite to `out`, until it has come round or the
+// surface ends.
+void go_around(const TissueSurface& surface, const SurfacePlace& start, int node, int out, Around& found) noexcept {
+  int triangle = start.triangle;
+  while (found.count < kAroundMax) {
+    const int next = surface.beyond(triangle, out);
+    if (next == TissueSurface::kNone || next == start.triangle) return;
+    // In at this edge, out at the node's other one: its opposite corner is the one that both triangles have.
+    const auto& here = surface.triangles()[triangle];
+    const int shared = 3 - out - corner_of(here, node);
+    out = corner_of(surface.triangles()[next], here[shared]);
+    triangle = next;
+    found.place[found.count++] = seen_from(surface, start, triangle);
+  }
+}
+
+// The place by each triangle that has it: one, two at an edge, and all around a corner.
+Around triangles_around(const TissueSurface& surface, const SurfacePlace& place) noexcept {
+  Around found;
+  found.place[found.count++] = place;
+  const auto weighs = (place.weight.array() > 0).count();
+  if (weighs == 2) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const int other = surface.beyond(place.triangle, corner);
+      if (place.weight[corner] > 0 || other == TissueSurface::kNone) continue;
+      found.place[found.count++] = seen_from(surface, place, other);
+    }
+  } else if (weighs == 1) {
+    int corner = 0;
+    place.weight.maxCoeff(&corner);
+    go_around(surface, place, surface.triangles()[place.triangle][corner], (corner + 1) % 3, found);
+  }
+  return found;
+}
+
+std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
+Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
+
+}  // namespace
+
+PointContact::Stuck PointContact::stick(const SurfacePlace& place) const noexcept {
+  const auto& nodes = surface_.triangles()[place.triangle];
+  Eigen::Matrix3d compliance = yield_m_per_N_ * Eigen::Matrix3d::Identity();
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      const double weight = place.weight[a] * place.weight[b];
+      if (weight > 0) compliance += weight * tissue_.compliance_m_per_N(nodes[a], nodes[b]);
+    }
+  }
+  const Point moved_m = probe_m_ - surface_.at(place);
+  Stuck here{.place = place, .stiffness_N_per_m = compliance.inverse()};
+  here.pushed_N = here.stiffness_N_per_m * moved_m;
+  here.energy_J = 0.5 * moved_m.dot(here.pushed_N);
+  return here;
+}
+
+Eigen::Matrix3d PointContact::deformed_corners(const Stuck& here, int triangle) const noexcept {
+  const auto& pushed = surface_.triangles()[here.place.triangle];
+  Eigen::Matrix3d corners;
+  for (int corner = 0; corner < 3; ++corner) {
+    const int node = surface_.triangles()[triangle][corner];
+    Point position_m = surface_.nodes_m()[node];
+    for (int a = 0; a < 3; ++a) {
+      if (!(here.place.weight[a] > 0)) continue;
+      position_m += tissue_.compliance_m_per_N(node, pushed[a]) * (here.place.weight[a] * here.pushed_N);
+    }
+    corners.col(corner) = position_m;
+  }
+  return corners;
+}
+
+void PointContact::try_along(const Stuck& here, const SurfacePlace& place, const Point& change,
+                             Move& best) const noexcept {
+  // No farther than where the first corner weighs nothing, and then exactly nothing.
+  double share = 1;
+  int first = -1;
+  for (int corner = 0; corner < 3; ++corner) {
+    if (!(place.weight[corner] + share * change[corner] < 0)) continue;
+    share = place.weight[corner] / -change[corner];
+    first = corner;
+  }
+  if (!(share > 0)) return;
+  for (int halving = 0; halving < kHalvings; ++halving, share *= 0.5, first = -1) {
+    SurfacePlace there{.triangle = place.triangle, .weight = (place.weight + share * change).cwiseMax(0)};
+    if (first >= 0) there.weight[first] = 0;
+    there.weight /= there.weight.sum();
+    const Stuck moved = stick(there);
+    if (moved.energy_J < best.to.energy_J) {
+      best = {moved, (surface_.at(there) - surface_.at(here.place)).norm()};
+      return;
+    }
+  }
+}
+
+void PointContact::try_triangle(const Stuck& here, const SurfacePlace& place, Move& best) const noexcept {
+  const Eigen::Matrix3d corners = deformed_corners(here, place.triangle);
+  // Along the two edges from corner 0: how the energy falls, and how that changes, to first order.
+  Eigen::Matrix<double, 3, 2> edges;
+  edges << corners.col(1) - corners.col(0), corners.col(2) - corners.col(0);
+  const Eigen::Vector2d fall = edges.transpose() * here.pushed_N;
+  const Eigen::Matrix2d curvature = edges.transpose() * here.stiffness_N_per_m * edges;
+  const Eigen::Vector2d change = curvature.inverse() * fall;
+  if (!change.allFinite()) return;
+  try_along(here, place, {-change.sum(), change[0], change[1]}, best);
+  // Held by an edge the way leads along it.
+  for (int corner = 0; corner < 3; ++corner) {
+    if (place.weight[corner] > 0) continue;
+    Point along = Point::Zero();
+    along[(corner + 1) % 3] = 1;
+    along[(corner + 2) % 3] = -1;
+    const Eigen::Vector2d in_edges = along.tail<2>();
+    const double share = fall.dot(in_edges) / in_edges.dot(curvature * in_edges);
+    if (std::isfinite(share)) try_along(here, place, share * along, best);
+  }
+}
+
+PointContact::Move PointContact::best_move(const Stuck& here) const noexcept {
+  Move best{.to = here, .length_m = 0};
+  const Around around = triangles_around(surface_, here.place);
+  for (int k = 0; k < around.count; ++k) try_triangle(here, around.place[k], best);
+  return best;
+}
+
+bool PointContact::pulls(const Stuck& here) const noexcept {
+  const Eigen::Matrix3d corners = deformed_corners(here, here.place.triangle);
+  const Point outward = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+  const Point moved_m = probe_m_ - surface_.at(here.place);
+  return here.pushed_N.dot(outward) >= 0 && moved_m.dot(surface_.triangle_normal(here.place.triangle)) >= 0;
+}
+
+TissueResult PointContact::step(TissueState& last) const noexcept {
+  std::optional<SurfacePlace> start;
+  if (last.contacts > 0) {
+    start = SurfacePlace{.triangle = static_cast<int>(last.contact[0].triangle),
+                         .weight = to_point(last.contact[0].weight)};
+  } else if (last.started != 0) {
+    start = surface_.entry(to_point(last.probe_m), probe_m_);
+  } else {
+    const TissueSurface::Nearest nearest = surface_.nearest(probe_m_);
+    if (nearest.height_m < 0) start = nearest.place;
+  }
+  TissueResult result;
+  TissueState next{.started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .direction = {}, .contact = {}};
+  if (start) {
+    Stuck here = stick(*start);
+    while (result.iterations < iterations_max_) {
+      ++result.iterations;
+      const Move move = best_move(here);
+      const bool worthwhile = here.energy_J - move.to.energy_J > kWorthwhile * here.energy_J;
+      result.residual_m = worthwhile ? move.length_m : 0;
+      if (!worthwhile) break;
+      here = move.to;
+      if (move.length_m <= tolerance_m_) break;
+    }
+    result.converged = result.residual_m <= tolerance_m_;
+    if (!pulls(here)) {
+      result.contacts = 1;
+      result.force_N = -here.pushed_N;
+      result.normal = result.force_N.stableNormalized();
+      result.energy_J = here.energy_J;
+      result.depth_m =
+          std::max(0.0, (surface_.at(here.place) - probe_m_).dot(surface_.triangle_normal(here.place.triangle)));
+      next.contacts = 1;
+      next.contact[0] = {here.place.triangle, to_array(here.place.weight)};
+    }
+  }
+  last = next;
+  return result;
+}
+
+}  // namespace forcebound::server
