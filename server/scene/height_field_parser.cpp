@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "forcebound/server/geometry/height_field.hpp"
+#include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
@@ -14,92 +17,49 @@ namespace {
 
 constexpr std::size_t kHeightsMax = 1U << 24U;
 
-/// Takes rows of heights; whatever is wrong with them is an error at `where`.
-class Rows {
- public:
-  Rows(const CheckedTable& table, const toml::node& where, HeightGrid& grid)
-      : table_(table), where_(where), grid_(grid) {}
-
-  /// @param place of the row, for errors
-  void add(const std::vector<double>& row, const std::string& place) {
-    if (grid_.columns == 0) grid_.columns = row.size();
-    if (row.size() != grid_.columns) {
-      fail(place + " must have " + std::to_string(grid_.columns) + " numbers like the first, got " +
-           std::to_string(row.size()));
-    }
-    if (grid_.heights_m.size() + row.size() > kHeightsMax) {
-      fail("more than " + std::to_string(kHeightsMax) + " heights");
-    }
-    grid_.heights_m.insert(grid_.heights_m.end(), row.begin(), row.end());
+/// Adds a row, or says what is wrong with it.
+std::optional<std::string> add_row(HeightGrid& grid, const std::vector<double>& row) {
+  if (grid.columns == 0) grid.columns = row.size();
+  if (row.size() != grid.columns) {
+    return "must have " + std::to_string(grid.columns) + " numbers like the first, got " + std::to_string(row.size());
   }
-
-  void finish() const {
-    if (grid_.columns >= 2 && grid_.heights_m.size() >= 2 * grid_.columns) return;
-    fail("a height field needs at least 2 rows of 2 numbers");
+  if (grid.heights_m.size() + row.size() > kHeightsMax) {
+    return "is one too many: at most " + std::to_string(kHeightsMax) + " heights";
   }
-
-  [[noreturn]] void fail(const std::string& what) const { table_.fail(where_, what); }
-
- private:
-  const CheckedTable& table_;
-  const toml::node& where_;
-  HeightGrid& grid_;
-};
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
+  grid.heights_m.insert(grid.heights_m.end(), row.begin(), row.end());
+  return {};
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t begin = std::min(text.find_first_not_of(kBlank), text.size());
-  return text.substr(begin, text.find_last_not_of(kBlank) + 1 - begin);
-}
-
-std::string read_file(const CheckedTable& table, const toml::node& where, const std::string& path) try {
-  return text::read_file(path);
+void read_file_rows(CheckedTable& table, const toml::node& where, HeightGrid& grid) try {
+  const std::string path = table.path("file");
+  std::istringstream text(text::read_file(path));
+  text::LineReader reader(text, path);
+  while (reader.next()) {
+    if (reader.line().empty()) continue;
+    std::vector<double> row;
+    for (const std::string_view field : text::split(reader.line(), ',')) {
+      const std::optional<double> number = text::finite_number(field);
+      if (!number) reader.refuse("must have finite numbers only, got '" + std::string(field) + "'");
+      row.push_back(*number);
+    }
+    if (const auto wrong = add_row(grid, row)) reader.refuse(*wrong);
+  }
+} catch (const SceneError&) {
+  throw;
 } catch (const std::runtime_error& error) {
   table.fail(where, "file: " + std::string(error.what()));
 }
 
-void read_file_rows(CheckedTable& table, HeightGrid& grid) {
-  const toml::node& where = table.at("file");
-  const std::string path = table.path("file");
-  const std::string text = read_file(table, where, path);
-  Rows rows(table, where, grid);
-  std::size_t line = 0;
-  for (const std::string_view row : split(text, '\n')) {
-    const std::string place = "file: " + path + ":" + std::to_string(++line) + ":";
-    if (trimmed(row).empty()) continue;
-    std::vector<double> numbers;
-    for (const std::string_view field : split(row, ',')) {
-      const std::optional<double> number = text::finite_number(trimmed(field));
-      if (!number) rows.fail(place + " must have finite numbers only, got '" + std::string(trimmed(field)) + "'");
-      numbers.push_back(*number);
-    }
-    rows.add(numbers, place);
-  }
-  rows.finish();
-}
-
 void read_inline_rows(CheckedTable& table, HeightGrid& grid) {
   const toml::array& list = table.array("heights_m");
-  Rows rows(table, list, grid);
-  std::size_t row = 0;
+  std::size_t count = 0;
   for (const toml::node& node : list) {
-    const std::string place = "row " + std::to_string(++row) + " of heights_m";
+    const std::string place = "row " + std::to_string(++count) + " of heights_m";
     if (!node.is_array()) table.fail(node, place + " must be a list, got " + as_written(node));
-    std::vector<double> numbers;
-    for (const toml::node& height : *node.as_array()) numbers.push_back(table.finite(height, place));
-    rows.add(numbers, place);
+    std::vector<double> row;
+    for (const toml::node& height : *node.as_array()) row.push_back(table.finite(height, place));
+    if (const auto wrong = add_row(grid, row)) table.fail(node, place + " " + *wrong);
   }
-  rows.finish();
 }
 
 /// What tells one relief from another: "3 x 2 from -0.01 to 0.02, hash 1b2c...".
@@ -124,7 +84,10 @@ std::unique_ptr<Shape> parse_height_field(CheckedTable& table, Eigen::Index rows
   if (is_inline != nullptr) {
     read_inline_rows(table, grid);
   } else {
-    read_file_rows(table, grid);
+    read_file_rows(table, *is_file, grid);
+  }
+  if (grid.columns < 2 || grid.heights_m.size() < 2 * grid.columns) {
+    table.fail(is_inline != nullptr ? *is_inline : *is_file, "a height_field needs at least 2 rows of 2 numbers");
   }
   table.note("heights_m", summary(grid));
   return make_height_field(grid);

@@ -100,7 +100,7 @@ HeightGrid hills(const Point& at, double scale) {
 }
 
 const std::vector<Case>& cases() {
-  static const std::vector<Case> all = {
+  static const std::vector<Case> kAll = {
       {"half_space",
        [](const Point& at, double) {
          return make_half_space(at, {1, 2, 3});
@@ -129,7 +129,7 @@ const std::vector<Case>& cases() {
        {0.03, 0, 0},
        0.01},
       {"height_field", [](const Point& at, double scale) { return make_height_field(hills(at, scale)); }, {}, 0}};
-  return all;
+  return kAll;
 }
 
 class Shapes : public testing::TestWithParam<std::size_t> {

@@ -64,9 +64,9 @@ TEST(HeightFieldParser, ReadsATableBesideTheScene) {
 TEST(HeightFieldParser, RefusesRowsThatDoNotFit) {
   EXPECT_EQ(error_of("heights_m = [[0, 0], [0, 0, 0]]"),
             kFolder + "x.toml:14: object 'hill', shape: row 2 of heights_m must have 2 numbers like the first, got 3");
-  EXPECT_THAT(error_of("heights_m = [[0, 0]]"), EndsWith("a height field needs at least 2 rows of 2 numbers"));
-  EXPECT_THAT(error_of("heights_m = [[0], [0]]"), EndsWith("a height field needs at least 2 rows of 2 numbers"));
-  EXPECT_THAT(error_of("heights_m = []"), EndsWith("a height field needs at least 2 rows of 2 numbers"));
+  EXPECT_THAT(error_of("heights_m = [[0, 0]]"), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
+  EXPECT_THAT(error_of("heights_m = [[0], [0]]"), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
+  EXPECT_THAT(error_of("heights_m = []"), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
   EXPECT_THAT(error_of("heights_m = [0, 1]"), HasSubstr("row 1 of heights_m must be a list, got 0"));
   EXPECT_THAT(error_of("heights_m = [[0, nan], [0, 0]]"), HasSubstr("row 1 of heights_m must be a finite number"));
 }
@@ -77,7 +77,7 @@ TEST(HeightFieldParser, RefusesATableWithItsLine) {
   EXPECT_EQ(error_of_file("0,0\n0,inf\n"), place + ":2: must have finite numbers only, got 'inf'");
   EXPECT_EQ(error_of_file("0,0\n0,0,0\n"), place + ":2: must have 2 numbers like the first, got 3");
   EXPECT_EQ(error_of_file("0,0\n0,\n"), place + ":2: must have finite numbers only, got ''");
-  EXPECT_THAT(error_of_file(""), EndsWith("a height field needs at least 2 rows of 2 numbers"));
+  EXPECT_THAT(error_of_file(""), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
   EXPECT_THAT(error_of("file = 'nowhere.csv'"), HasSubstr("nowhere.csv: cannot be read: No such file"));
 }
 

@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <fstream>
 
 #include "forcebound/text/names.hpp"
+#include "tests/support/scene_files.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -23,22 +22,12 @@ std::string error_of(const std::string& name_or_file) {
   return "no error";
 }
 
-/// The names of the files in server/scenes, in alphabetical order.
-std::vector<std::string> scene_files() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(FORCEBOUND_SOURCE_DIR "/server/scenes")) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 TEST(SceneLibrary, ShipsEveryFileOfItsFolderInAlphabeticalOrder) {
-  EXPECT_EQ(SceneLibrary::shipped().names(), text::join(scene_files()));
+  EXPECT_EQ(SceneLibrary::shipped().names(), text::join(test::scene_files()));
 }
 
 TEST(SceneLibrary, EverySceneIsNamedLikeItsFileAndDescribed) {
-  for (const std::string& name : scene_files()) {
+  for (const std::string& name : test::scene_files()) {
     const auto scene = load_scene(FORCEBOUND_SOURCE_DIR "/server/scenes/" + name + ".toml");
     EXPECT_EQ(scene->facts().name, name);
     EXPECT_TRUE(scene->facts().description.ends_with('.')) << name;
