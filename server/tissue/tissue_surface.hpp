@@ -15,6 +15,15 @@ struct SurfacePlace {
   Point weight = Point::Zero();  ///< of the triangle's corners, >= 0, in sum 1
 };
 
+/// One place by each of the triangles that have it.
+struct PlacesAround {
+  /// More triangles around one node are not looked at.
+  static constexpr int kMax = 24;
+
+  std::array<SurfacePlace, kMax> place;
+  int count = 0;
+};
+
 /// What contact asks of a surface at rest: which triangle lies beside which, where a way goes in, and which way is out.
 ///
 /// Real time: all but the constructor is noexcept, allocates nothing and takes time at most proportional to the number
@@ -37,6 +46,9 @@ class TissueSurface {
 
   /// The triangle across the edge opposite to a corner, or kNone where the surface is not closed or branches.
   [[nodiscard]] int beyond(int triangle, int corner) const noexcept { return beyond_[triangle][corner]; }
+
+  /// The place by each triangle that has it: one, two at an edge, and all around a corner.
+  [[nodiscard]] PlacesAround places_around(const SurfacePlace& place) const noexcept;
 
   /// Of the triangles around a node the one of least index: the one to count it, where each is to count once.
   [[nodiscard]] int first_triangle(int node) const noexcept { return first_triangles_[node]; }
@@ -69,6 +81,8 @@ class TissueSurface {
  private:
   void find_neighbours();
   void find_normals();
+  [[nodiscard]] SurfacePlace seen_from(const SurfacePlace& place, int triangle) const noexcept;
+  void go_around(const SurfacePlace& start, int node, int out, PlacesAround& found) const noexcept;
 
   std::vector<Point> nodes_m_;
   std::vector<Triangle> triangles_;
