@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Sparse>
+#include <cstddef>
 #include <vector>
 
 #include "forcebound/server/tissue/tetrahedral_mesh.hpp"
@@ -52,7 +53,7 @@ class FreeCoordinates {
   [[nodiscard]] int count() const noexcept { return count_; }
 
   /// Of three coordinates that follow each other the first, or kHeld.
-  [[nodiscard]] int first_of(int node) const noexcept { return first_[node]; }
+  [[nodiscard]] int first_of(int node) const noexcept { return first_[static_cast<std::size_t>(node)]; }
 
   /// Rows and columns of the free coordinates.
   [[nodiscard]] Eigen::SparseMatrix<double> reduced(const Eigen::SparseMatrix<double>& all) const;

@@ -1,31 +1,15 @@
 #include "forcebound/server/tissue/linear_tissue.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <stdexcept>
 
+#include "forcebound/server/tissue/held_stiffness.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
 namespace {
 
-using Cholesky = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
-
-// A pivot this much smaller than the stiffness it began as is rounding: nothing holds what it stands for.
-constexpr double kNotHeld = 1e-13;
-
 constexpr int kProbedForLocking = 64;
-
-void factorise(Cholesky& cholesky, const Eigen::SparseMatrix<double>& stiffness, const std::string& name) {
-  cholesky.compute(stiffness);
-  const Eigen::VectorXd stiffnesses = cholesky.permutationP() * Eigen::VectorXd(stiffness.diagonal());
-  if (cholesky.info() == Eigen::Success && (cholesky.vectorD().array() > kNotHeld * stiffnesses.array()).all()) {
-    return;
-  }
-  throw std::runtime_error(name +
-                           ": the held nodes leave the tissue free to move or to turn: hold at least three nodes, " +
-                           "not in a line, of each part that hangs together");
-}
 
 TissueSurface surface_of(const TetrahedralMesh& mesh) {
   std::vector<int> index(mesh.nodes_m().size(), 0);
@@ -59,7 +43,7 @@ LinearTissue::LinearTissue(TetrahedralMesh mesh, const ElasticMaterial& material
 }
 
 void LinearTissue::find_compliance(const FreeCoordinates& free) {
-  Cholesky cholesky;
+  SparseCholesky cholesky;
   factorise(cholesky, free.reduced(stiffness_matrix(mesh_, material_)), mesh_.name());
   compliance_m_per_N_ = Eigen::MatrixXd::Zero(3 * surface_nodes(), 3 * surface_nodes());
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(free.count(), 3);
@@ -80,7 +64,7 @@ void LinearTissue::find_compliance(const FreeCoordinates& free) {
 }
 
 void LinearTissue::find_locking(const FreeCoordinates& free) {
-  Cholesky softer;
+  SparseCholesky softer;
   factorise(softer, free.reduced(stiffness_matrix(mesh_, material_, VolumeLaw::per_node)), mesh_.name());
   const int stride = 1 + surface_nodes() / kProbedForLocking;
   double soft_m_per_N = 0;

@@ -14,64 +14,6 @@ constexpr double kWorthwhile = 1e-13;
 // Tries of a step, each half as long: more do not matter within one iteration.
 constexpr int kHalvings = 4;
 
-// More triangles around one node are not looked at.
-constexpr int kAroundMax = 24;
-
-struct Around {
-  std::array<SurfacePlace, kAroundMax> place;
-  int count = 0;
-};
-
-int corner_of(const TissueSurface::Triangle& triangle, int node) noexcept {
-  return static_cast<int>(std::ranges::find(triangle, node) - triangle.begin());
-}
-
-// The same place by the corners of another triangle, which has all corners that weigh.
-SurfacePlace seen_from(const TissueSurface& surface, const SurfacePlace& place, int triangle) noexcept {
-  SurfacePlace seen{.triangle = triangle, .weight = Point::Zero()};
-  for (int corner = 0; corner < 3; ++corner) {
-    if (!(place.weight[corner] > 0)) continue;
-    seen.weight[corner_of(surface.triangles()[triangle], surface.triangles()[place.triangle][corner])] =
-        place.weight[corner];
-  }
-  return seen;
-}
-
-// Goes around a node from triangle to triangle, out over the edge opposite to `out`, until it has come round or the
-// surface ends.
-void go_around(const TissueSurface& surface, const SurfacePlace& start, int node, int out, Around& found) noexcept {
-  int triangle = start.triangle;
-  while (found.count < kAroundMax) {
-    const int next = surface.beyond(triangle, out);
-    if (next == TissueSurface::kNone || next == start.triangle) return;
-    // In at this edge, out at the node's other one: its opposite corner is the one that both triangles have.
-    const auto& here = surface.triangles()[triangle];
-    const int shared = 3 - out - corner_of(here, node);
-    out = corner_of(surface.triangles()[next], here[shared]);
-    triangle = next;
-    found.place[found.count++] = seen_from(surface, start, triangle);
-  }
-}
-
-// The place by each triangle that has it: one, two at an edge, and all around a corner.
-Around triangles_around(const TissueSurface& surface, const SurfacePlace& place) noexcept {
-  Around found;
-  found.place[found.count++] = place;
-  const auto weighs = (place.weight.array() > 0).count();
-  if (weighs == 2) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const int other = surface.beyond(place.triangle, corner);
-      if (place.weight[corner] > 0 || other == TissueSurface::kNone) continue;
-      found.place[found.count++] = seen_from(surface, place, other);
-    }
-  } else if (weighs == 1) {
-    int corner = 0;
-    place.weight.maxCoeff(&corner);
-    go_around(surface, place, surface.triangles()[place.triangle][corner], (corner + 1) % 3, found);
-  }
-  return found;
-}
-
 std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
 Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
 
@@ -155,7 +97,7 @@ void PointContact::try_triangle(const Stuck& here, const SurfacePlace& place, Mo
 
 PointContact::Move PointContact::best_move(const Stuck& here) const noexcept {
   Move best{.to = here, .length_m = 0};
-  const Around around = triangles_around(surface_, here.place);
+  const PlacesAround around = surface_.places_around(here.place);
   for (int k = 0; k < around.count; ++k) try_triangle(here, around.place[k], best);
   return best;
 }

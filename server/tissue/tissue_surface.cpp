@@ -14,6 +14,10 @@ namespace {
 // A share of a triangle's edges, below which places are the same.
 constexpr double kSamePlace = 1e-9;
 
+int corner_of(const TissueSurface::Triangle& triangle, int node) noexcept {
+  return static_cast<int>(std::ranges::find(triangle, node) - triangle.begin());
+}
+
 double angle_between(const Point& a, const Point& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 }  // namespace
@@ -92,6 +96,50 @@ Point TissueSurface::normal_at(const SurfacePlace& place) const noexcept {
 Point TissueSurface::triangle_normal(int triangle) const noexcept {
   const Point& a = corner_m(triangle, 0);
   return (corner_m(triangle, 1) - a).cross(corner_m(triangle, 2) - a).stableNormalized();
+}
+
+// The same place by the corners of another triangle, which has all corners that weigh.
+SurfacePlace TissueSurface::seen_from(const SurfacePlace& place, int triangle) const noexcept {
+  SurfacePlace seen{.triangle = triangle, .weight = Point::Zero()};
+  for (int corner = 0; corner < 3; ++corner) {
+    if (!(place.weight[corner] > 0)) continue;
+    seen.weight[corner_of(triangles_[triangle], triangles_[place.triangle][corner])] = place.weight[corner];
+  }
+  return seen;
+}
+
+// Goes around a node from triangle to triangle, out over the edge opposite to `out`, until it has come round or the
+// surface ends.
+void TissueSurface::go_around(const SurfacePlace& start, int node, int out, PlacesAround& found) const noexcept {
+  int triangle = start.triangle;
+  while (found.count < PlacesAround::kMax) {
+    const int next = beyond(triangle, out);
+    if (next == kNone || next == start.triangle) return;
+    // In at this edge, out at the node's other one: its opposite corner is the one that both triangles have.
+    const Triangle& here = triangles_[triangle];
+    const int shared = 3 - out - corner_of(here, node);
+    out = corner_of(triangles_[next], here[shared]);
+    triangle = next;
+    found.place[found.count++] = seen_from(start, triangle);
+  }
+}
+
+PlacesAround TissueSurface::places_around(const SurfacePlace& place) const noexcept {
+  PlacesAround found;
+  found.place[found.count++] = place;
+  const auto weighs = (place.weight.array() > 0).count();
+  if (weighs == 2) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const int other = beyond(place.triangle, corner);
+      if (place.weight[corner] > 0 || other == kNone) continue;
+      found.place[found.count++] = seen_from(place, other);
+    }
+  } else if (weighs == 1) {
+    int corner = 0;
+    place.weight.maxCoeff(&corner);
+    go_around(place, triangles_[place.triangle][corner], (corner + 1) % 3, found);
+  }
+  return found;
 }
 
 std::optional<SurfacePlace> TissueSurface::entry(const Point& from_m, const Point& to_m) const noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,15 @@ namespace forcebound::server {
 struct SurfacePlace {
   int triangle = 0;
   Point weight = Point::Zero();  ///< of the triangle's corners, >= 0, in sum 1
+};
+
+/// One place by each of the triangles that have it.
+struct PlacesAround {
+  /// More triangles around one node are not looked at.
+  static constexpr int kMax = 24;
+
+  std::array<SurfacePlace, kMax> place;
+  int count = 0;
 };
 
 /// What contact asks of a surface at rest: which triangle lies beside which, where a way goes in, and which way is out.
@@ -31,20 +41,23 @@ class TissueSurface {
   [[nodiscard]] const std::vector<Point>& nodes_m() const noexcept { return nodes_m_; }
   [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
   [[nodiscard]] const Point& corner_m(int triangle, int corner) const noexcept {
-    return nodes_m_[triangles_[triangle][corner]];
+    return nodes_m_[index(triangles_[index(triangle)][index(corner)])];
   }
   [[nodiscard]] Point at(const SurfacePlace& place) const noexcept;
 
   /// The triangle across the edge opposite to a corner, or kNone where the surface is not closed or branches.
-  [[nodiscard]] int beyond(int triangle, int corner) const noexcept { return beyond_[triangle][corner]; }
+  [[nodiscard]] int beyond(int triangle, int corner) const noexcept { return beyond_[index(triangle)][index(corner)]; }
+
+  /// The place by each triangle that has it: one, two at an edge, and all around a corner.
+  [[nodiscard]] PlacesAround places_around(const SurfacePlace& place) const noexcept;
 
   /// Of the triangles around a node the one of least index: the one to count it, where each is to count once.
-  [[nodiscard]] int first_triangle(int node) const noexcept { return first_triangles_[node]; }
+  [[nodiscard]] int first_triangle(int node) const noexcept { return first_triangles_[index(node)]; }
 
   [[nodiscard]] double longest_edge_m() const noexcept;
 
   /// Unit, out of a node: the mean of the triangles around it by their angles there.
-  [[nodiscard]] const Point& node_normal(int node) const noexcept { return node_normals_[node]; }
+  [[nodiscard]] const Point& node_normal(int node) const noexcept { return node_normals_[index(node)]; }
 
   /// Unit, between those of the nodes around.
   [[nodiscard]] Point normal_at(const SurfacePlace& place) const noexcept;
@@ -67,8 +80,12 @@ class TissueSurface {
   }
 
  private:
+  [[nodiscard]] static std::size_t index(int number) noexcept { return static_cast<std::size_t>(number); }
+
   void find_neighbours();
   void find_normals();
+  [[nodiscard]] SurfacePlace seen_from(const SurfacePlace& place, int triangle) const noexcept;
+  void go_around(const SurfacePlace& start, int node, int out, PlacesAround& found) const noexcept;
 
   std::vector<Point> nodes_m_;
   std::vector<Triangle> triangles_;

@@ -11,6 +11,7 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "forcebound/server/tissue/corotational_tissue.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
 #include "tests/support/tissue_block.hpp"
 
@@ -61,6 +62,35 @@ void sphere_step(benchmark::State& timing) {
         1e-3 * static_cast<double>(timing.range(1)));
 }
 
+// The same circle, felt by a point, under large motion.
+void corotational_step(benchmark::State& timing) {
+  TetrahedralMesh mesh = mesh_of_600();
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  const CorotationalTissue tissue(std::move(mesh), kSoft, held, {});
+  CorotationalWorkspace workspace = tissue.make_workspace();
+  std::vector<double> displacement_m(tissue.coordinates(), 0);
+  TissueState state{};
+  double iterations = 0;
+  double residual_m = 0;
+  int n = 0;
+  const auto place = [&](int step, double depth_m) {
+    const double angle = 2e-3 * 3.14159265358979 * step;
+    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.04 - depth_m);
+  };
+  for (int step = -1; step <= 4; ++step) {
+    static_cast<void>(tissue.step(state, displacement_m, workspace, place(0, 1e-3 * step)));
+  }
+  for (auto _ : timing) {
+    const TissueResult result = tissue.step(state, displacement_m, workspace, place(n, 4e-3));
+    benchmark::DoNotOptimize(result);
+    iterations += result.iterations;
+    residual_m = std::max(residual_m, result.residual_m);
+    n = (n + 1) % 1000;
+  }
+  timing.counters["iterations"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
+  timing.counters["residual_m"] = residual_m;
+}
+
 void eight_sparse_solves(benchmark::State& timing) {
   const TetrahedralMesh mesh = mesh_of_600();
   const FreeCoordinates free(static_cast<int>(mesh.nodes_m().size()), nodes_below(mesh, Point::Zero(), Point::UnitZ()));
@@ -87,7 +117,14 @@ void dense_solve_of_24(benchmark::State& timing) {
 }
 
 BENCHMARK(point_step);
-BENCHMARK(sphere_step)->ArgNames({"radius_mm", "depth_mm"})->Args({5, 3})->Args({10, 4})->Args({10, 8})->Args({20, 8});
+BENCHMARK(sphere_step)
+    ->ArgNames({"radius_mm", "depth_mm"})
+    ->Args({5, 3})
+    ->Args({10, 4})
+    ->Args({10, 8})
+    ->Args({20, 4})
+    ->Args({20, 10});
+BENCHMARK(corotational_step);
 BENCHMARK(eight_sparse_solves);
 BENCHMARK(dense_solve_of_24);
 

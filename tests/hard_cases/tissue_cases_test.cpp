@@ -62,7 +62,11 @@ TEST(HardCase37, TissueUnderUniformStrainPassesThePatchTest) {
   Eigen::Matrix3d gradient;
   gradient << 0.02, 0.01, 0, -0.01, 0.03, 0.02, 0.005, 0, -0.04;
   Eigen::VectorXd displacement(81);
-  for (int node = 0; node < 27; ++node) displacement.segment<3>(3 * node) = gradient * mesh.nodes_m()[node];
+  Eigen::Index coordinate = 0;
+  for (const Point& node : mesh.nodes_m()) {
+    displacement.segment<3>(coordinate) = gradient * node;
+    coordinate += 3;
+  }
   const FreeCoordinates free(27, mesh.surface_nodes());
   ASSERT_EQ(free.count(), 3);
   Eigen::VectorXd boundary = displacement;

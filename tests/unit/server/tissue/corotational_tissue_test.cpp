@@ -1,0 +1,237 @@
+#include "forcebound/server/tissue/corotational_tissue.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "forcebound/server/tissue/linear_tissue.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/tissue_block.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using test::tetrahedra_of;
+
+const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
+const CorotationalOptions kPatient{.iterations_max = 60, .linear_iterations_max = 400, .tolerance = 1e-6};
+
+CorotationalTissue block_tissue(const CorotationalOptions& options) {
+  TetrahedralMesh mesh(tetrahedra_of({.cubes = {4, 4, 2}, .cube_m = 0.01}));
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  return {std::move(mesh), kSoft, held, options};
+}
+
+/// 100 mm along x, 20 mm square, held at x = 0.
+CorotationalTissue bar_tissue(const CorotationalOptions& options) {
+  TetrahedralMesh mesh(tetrahedra_of({.cubes = {10, 2, 2}, .cube_m = 0.01}));
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitX());
+  return {std::move(mesh), {.young_Pa = 5000, .poisson = 0.3}, held, options};
+}
+
+struct Felt {
+  explicit Felt(const CorotationalTissue& model)
+      : tissue(model), displacement_m(model.coordinates(), 0), workspace(model.make_workspace()) {}
+
+  TissueResult step(const Point& probe_m) { return tissue.step(state, displacement_m, workspace, probe_m); }
+  TissueResult go(const Point& from_m, const Point& to_m, int steps) {
+    TissueResult result;
+    for (int n = 0; n <= steps; ++n) result = step(from_m + (to_m - from_m) * n / steps);
+    return result;
+  }
+  [[nodiscard]] Point node_m(int node) const {
+    return tissue.mesh().nodes_m()[node] +
+           Eigen::Map<const Point>(displacement_m.data() + 3 * static_cast<std::ptrdiff_t>(node));
+  }
+
+  const CorotationalTissue& tissue;
+  TissueState state{};
+  std::vector<double> displacement_m;
+  CorotationalWorkspace workspace;
+};
+
+std::vector<double> field(const TetrahedralMesh& mesh, const Eigen::Matrix3d& deformation, const Point& shift_m) {
+  std::vector<double> displacement_m;
+  for (const Point& node : mesh.nodes_m()) {
+    const Point moved = deformation * node + shift_m - node;
+    displacement_m.insert(displacement_m.end(), moved.data(), moved.data() + 3);
+  }
+  return displacement_m;
+}
+
+TEST(CorotationalTissue, RigidMotionTakesNoForce) {
+  const CorotationalTissue tissue = block_tissue({});
+  CorotationalWorkspace workspace = tissue.make_workspace();
+  std::vector<double> force_N(tissue.coordinates());
+  for (const double angle : {0.1, 1.0, std::numbers::pi / 2, 3.1, std::numbers::pi}) {
+    const Eigen::Matrix3d rotation(Eigen::AngleAxisd(angle, Point(1, 2, -2).normalized()));
+    const double energy_J = tissue.elastic_energy(field(tissue.mesh(), rotation, {0.3, -0.2, 0.1}), force_N, workspace);
+    EXPECT_LT(energy_J, 1e-25);
+    EXPECT_LT(Eigen::Map<Eigen::VectorXd>(force_N.data(), static_cast<Eigen::Index>(force_N.size())).norm(), 1e-12);
+  }
+}
+
+TEST(CorotationalTissue, ForceIsTheGradientOfItsEnergyAlsoInsideOut) {
+  const CorotationalTissue tissue = block_tissue({});
+  CorotationalWorkspace workspace = tissue.make_workspace();
+  std::mt19937_64 random(3);
+  for (const double wild_m : {0.001, 0.004, 0.02}) {
+    std::uniform_real_distribution<double> any_m(-wild_m, wild_m);
+    std::vector<double> displacement_m(tissue.coordinates());
+    for (double& one : displacement_m) one = any_m(random);
+    std::vector<double> force_N(tissue.coordinates());
+    std::vector<double> unused(tissue.coordinates());
+    static_cast<void>(tissue.elastic_energy(displacement_m, force_N, workspace));
+    for (const std::size_t coordinate : {0U, 17U, 64U, 101U}) {
+      const auto energy_J = [&](double step_m) {
+        std::vector<double> moved = displacement_m;
+        moved[coordinate] += step_m;
+        return tissue.elastic_energy(moved, unused, workspace);
+      };
+      const double gradient = (energy_J(1e-8) - energy_J(-1e-8)) / 2e-8;
+      EXPECT_NEAR(force_N[coordinate], -gradient, 1e-5 * (1 + std::abs(gradient))) << wild_m;
+    }
+  }
+}
+
+TEST(CorotationalTissue, SmallMotionIsThatOfLinearTissue) {
+  const CorotationalTissue tissue = block_tissue(kPatient);
+  Felt felt(tissue);
+  const Point over(0.0213, 0.0178, 0.02);
+  const TissueResult result = felt.go(over + Point(0, 0, 1e-6), over - Point(0, 0, 1e-5), 1);
+  TetrahedralMesh mesh = tissue.mesh();
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  const TissueModel linear(LinearTissue(std::move(mesh), kSoft, held), {.contact_stiffness_N_per_m = 1e3});
+  TissueState state{};
+  static_cast<void>(linear.step(state, over + Point(0, 0, 1e-6)));
+  const TissueResult expected = linear.step(state, over - Point(0, 0, 1e-5));
+  EXPECT_TRUE(result.converged) << result.residual_m << " m after " << result.iterations;
+  EXPECT_LT((result.force_N - expected.force_N).norm(), 2e-3 * expected.force_N.norm());
+}
+
+TEST(CorotationalTissue, ABentBarKeepsItsLengthAndVolumeWhereALinearOneGrows) {
+  const CorotationalTissue tissue = bar_tissue({.iterations_max = 60, .linear_iterations_max = 200});
+  Felt felt(tissue);
+  const TissueResult result = felt.go({0.062, 0.0102, 0.0205}, {0.0588, 0.0102, -0.001}, 100);
+  ASSERT_EQ(result.contacts, 1);
+  EXPECT_TRUE(result.converged) << result.residual_m << " m after " << result.iterations;
+  double length_m = 0;
+  double volume_m3 = 0;
+  const test::BlockOfCubes bar{.cubes = {10, 2, 2}};
+  for (std::size_t x = 0; x < 10; ++x) {
+    length_m +=
+        (felt.node_m(static_cast<int>(bar.node({x + 1, 1, 1}))) - felt.node_m(static_cast<int>(bar.node({x, 1, 1}))))
+            .norm();
+  }
+  for (const auto& [a, b, c, d] : tissue.mesh().tetrahedra()) {
+    const Point origin = felt.node_m(a);
+    volume_m3 += (felt.node_m(b) - origin).cross(felt.node_m(c) - origin).dot(felt.node_m(d) - origin) / 6;
+  }
+  const double drop_m = 0.01 - felt.node_m(static_cast<int>(bar.node({10, 1, 1}))).z();
+  EXPECT_GT(drop_m, 0.035) << "it must be bent to say something";
+  EXPECT_NEAR(length_m / 0.1, 1, 0.02) << "a linear bar would be longer by " << std::hypot(1, drop_m / 0.1) - 1;
+  EXPECT_NEAR(volume_m3 / 4e-5, 1, 0.03);
+}
+
+TEST(CorotationalTissue, RecoversFromAnInvertedStart) {
+  const CorotationalTissue tissue = block_tissue({.iterations_max = 10, .linear_iterations_max = 100});
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> any_m(-0.015, 0.015);
+  Felt felt(tissue);
+  for (int node = 0; node < static_cast<int>(tissue.mesh().nodes_m().size()); ++node) {
+    if (tissue.mesh().nodes_m()[node].z() == 0) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      felt.displacement_m[3 * static_cast<std::size_t>(node) + axis] = any_m(random);
+  }
+  int inverted = 0;
+  for (const auto& [a, b, c, d] : tissue.mesh().tetrahedra()) {
+    const Point origin = felt.node_m(a);
+    inverted += (felt.node_m(b) - origin).cross(felt.node_m(c) - origin).dot(felt.node_m(d) - origin) < 0 ? 1 : 0;
+  }
+  ASSERT_GT(inverted, 20);
+  double last_J = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < 40; ++n) {
+    const TissueResult result = felt.step({1, 1, 1});
+    EXPECT_LE(result.energy_J, last_J);
+    last_J = result.energy_J;
+  }
+  EXPECT_EQ(last_J, 0);
+  for (const double one : felt.displacement_m) EXPECT_EQ(one, 0);
+}
+
+TEST(CorotationalTissue, NoLoopReturnsMoreThanItTookConvergedOrNot) {
+  for (const int iterations : {1, 4}) {
+    SCOPED_TRACE(iterations);
+    const CorotationalTissue tissue = block_tissue({.iterations_max = iterations});
+    Felt felt(tissue);
+    TissueResult last;
+    Point before = Point::Zero();
+    double work_J = 0;
+    double peak_J = 0;
+    constexpr int kSteps = 1500;
+    for (int n = 0; n <= kSteps; ++n) {
+      const double angle = 2 * std::numbers::pi * n / kSteps;
+      const Point at(0.02 + 0.006 * std::sin(angle), 0.0187 + 0.004 * std::sin(2 * angle),
+                     0.021 - 0.003 * (1 - std::cos(angle)));
+      const TissueResult result = felt.step(at);
+      if (n > 0)
+        work_J += last.contacts == 0 ? result.energy_J : -0.5 * (result.force_N + last.force_N).dot(at - before);
+      peak_J = std::max(peak_J, result.energy_J);
+      // The force is read after the tissue has given way: the trapezoidal rule misses some of what was done before.
+      EXPECT_GE(work_J, result.energy_J - 3e-2 * std::max(peak_J, 1e-5));
+      last = result;
+      before = at;
+    }
+    EXPECT_GT(peak_J, 1e-4);
+  }
+}
+
+TEST(CorotationalTissue, ReportsTheResidualOfAnExhaustedBudget) {
+  const CorotationalTissue tissue = block_tissue({.iterations_max = 1, .linear_iterations_max = 2});
+  Felt felt(tissue);
+  TissueResult result = felt.go({0.0213, 0.0178, 0.021}, {0.0213, 0.0178, 0.014}, 1);
+  EXPECT_FALSE(result.converged);
+  EXPECT_GT(result.residual_m, 1e-6);
+  EXPECT_TRUE(result.force_N.allFinite());
+  for (int n = 0; n < 300; ++n) result = felt.step({0.0213, 0.0178, 0.014});
+  EXPECT_TRUE(result.converged) << "standing still it arrives";
+}
+
+TEST(CorotationalTissue, LeavesItsStateAloneWhereThePositionIsNotFinite) {
+  const CorotationalTissue tissue = block_tissue({});
+  Felt felt(tissue);
+  static_cast<void>(felt.step({0.02, 0.02, 0.018}));
+  const auto displacement_m = felt.displacement_m;
+  const TissueState before = felt.state;
+  EXPECT_FALSE(felt.step({0.02, std::nan(""), 0.018}).finite);
+  EXPECT_FALSE(felt.step({1e300, 0, -1e300}).finite);
+  EXPECT_EQ(felt.displacement_m, displacement_m);
+  EXPECT_EQ(std::memcmp(&felt.state, &before, sizeof before), 0);
+}
+
+TEST(CorotationalTissue, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const CorotationalTissue tissue = block_tissue({});
+  Felt felt(tissue);
+  const test::AllocationGuard guard;
+  const TissueResult result = felt.go({0.021, 0.018, 0.021}, {0.019, 0.022, 0.017}, 20);
+  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_EQ(result.contacts, 1);
+}
+
+TEST(CorotationalTissue, RefusesWhatNothingHoldsAndOptionsThatAreNone) {
+  const TetrahedralMesh mesh(tetrahedra_of({.cubes = {2, 2, 2}}));
+  EXPECT_THROW(CorotationalTissue(mesh, kSoft, {}, {}), std::runtime_error);
+  EXPECT_THROW(CorotationalTissue(mesh, {.young_Pa = 1, .poisson = 0.5}, {0, 1, 3}, {}), std::invalid_argument);
+  EXPECT_THROW(CorotationalTissue(mesh, kSoft, {0, 1, 3}, {.iterations_max = 0}), std::invalid_argument);
+  EXPECT_THROW(CorotationalTissue(mesh, kSoft, {0, 1, 3}, {.contact_stiffness_N_per_m = -1}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace forcebound::server
