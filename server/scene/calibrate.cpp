@@ -27,6 +27,7 @@ std::vector<Vector> stroke(const Point& middle_m, Eigen::Index rows) {
 MeasuredCost measure(SceneState state, const std::vector<Point>& middles_m, Eigen::Index rows,
                      const time::Clock& clock) {
   std::vector<std::vector<Vector>> strokes;
+  strokes.reserve(middles_m.size());
   for (const Point& middle_m : middles_m) strokes.push_back(stroke(middle_m, rows));
   std::vector<double> costs_ns;
   Nanoseconds device_time{0};

@@ -77,15 +77,18 @@ class Parser {
   template <class Read>
   static void each(CheckedTable& file, const std::string& what, Read read) {
     if (file.find(what) == nullptr) return;
+    const std::string not_a_table = what + " must be a table, [[" + what + "]]";
     std::vector<std::string> names;
     for (const toml::node& node : file.array(what)) {
-      if (!node.is_table()) file.fail(node, what + " must be a table, [[" + what + "]]");
-      std::string name = read(*node.as_table());
-      if (std::find(names.begin(), names.end(), name) != names.end()) {
-        file.fail(node, "two " + what + "s are named '" + name + "'");
-      }
-      names.push_back(std::move(name));
+      if (!node.is_table()) file.fail(node, not_a_table);
+      names.push_back(read(*node.as_table()));
+      if (std::count(names.begin(), names.end(), names.back()) > 1) refuse_namesake(file, node, what, names.back());
     }
+  }
+
+  [[noreturn]] static void refuse_namesake(const CheckedTable& file, const toml::node& node, const std::string& what,
+                                           const std::string& name) {
+    file.fail(node, "two " + what + "s are named '" + name + "'");
   }
 
   /// One surface is felt once: its effects belong to one object.
