@@ -13,8 +13,8 @@ namespace forcebound::server {
 ///
 ///     f = K (x_d - x_p) + B (v_d - v_p)   on the probe of mass m,    -f on the device
 ///
-/// x_d goes from the device's last position to its newest in the time between them. The damper is explicit in time, so
-/// the coupling by itself is stable only while both
+/// x_d comes straight to the device's newest position with its velocity v_d, over the time between two. The damper is
+/// explicit in time, so the coupling by itself is stable only while both
 ///
 ///     h^2 K/m + 2 h B/m < 4,     h B/m < 2
 struct Coupling {

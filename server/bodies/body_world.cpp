@@ -13,6 +13,7 @@ constexpr int kStepsMax = 50;
 // fly off.
 constexpr double kReach_m = 0.2;
 constexpr double kSpeed_m_per_s_max = 5;
+constexpr double kVelocityHeld_s = 0.01;
 
 Point at_most(const Point& vector, double length) noexcept {
   const double whole = vector.norm();
@@ -66,7 +67,7 @@ void BodyWorld::place(Probe& probe, const Point& position_m) noexcept {
   mju_zero(data_->qvel + velocities, 3);
 }
 
-void BodyWorld::move(int seat, const Point& position_m) noexcept {
+void BodyWorld::move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept {
   Probe& probe = probes_[static_cast<std::size_t>(seat)];
   if (!probe.placed) {
     probe.placed = true;
@@ -75,9 +76,10 @@ void BodyWorld::move(int seat, const Point& position_m) noexcept {
       place(probe, position_m);
       mj_kinematics(model_.get(), data_.get());
     }
-    probe.from_m = position_m;
   }
-  probe.to_m = position_m;
+  probe.device_m = position_m;
+  probe.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
+  probe.silent_s = 0;
 }
 
 void BodyWorld::advance(double elapsed_s) noexcept {
@@ -87,21 +89,23 @@ void BodyWorld::advance(double elapsed_s) noexcept {
   // A rounding's worth less than a step is a step.
   const double steps_due = std::floor(left_s_ / step_s + 1e-6);
   const int steps = static_cast<int>(std::min<double>(steps_due, kStepsMax));
-  for (int i = 0; i < steps && sound_; ++i) step_once((i + 1.0) / steps, elapsed_s);
+  for (int i = 1; i <= steps && sound_; ++i) step_once((steps - i) * step_s);
   left_s_ = std::max(0.0, left_s_ - steps_due * step_s);
   faults_.slipped_s += (steps_due - steps) * step_s;
-  if (steps == 0) return;
-  for (Probe& probe : probes_) probe.from_m = probe.to_m;
+  for (Probe& probe : probes_) probe.silent_s += steps * step_s;
 }
 
-void BodyWorld::step_once(double share, double elapsed_s) noexcept {
+void BodyWorld::step_once(double before_end_s) noexcept {
   for (Probe& probe : probes_) {
     if (!probe.placed) {
       if (probe.slides >= 0) pull(probe, position_of(*data_, probe.body), Point::Zero());
       continue;
     }
-    const Point way_m = probe.to_m - probe.from_m;
-    pull(probe, probe.from_m + share * way_m, elapsed_s > 0 ? Point(way_m / elapsed_s) : Point(Point::Zero()));
+    // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
+    // velocity is believed for a moment: without it every late motion would be a blow of the damper.
+    const double on_way_s = probe.silent_s > 0 ? 0 : before_end_s;
+    const bool moves = probe.silent_s < kVelocityHeld_s;
+    pull(probe, probe.device_m - on_way_s * probe.device_m_per_s, moves ? probe.device_m_per_s : Point(Point::Zero()));
   }
   const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
   sound_ = step(*model_, *data_);
@@ -111,7 +115,7 @@ void BodyWorld::step_once(double share, double elapsed_s) noexcept {
 
 void BodyWorld::pull(Probe& probe, const Point& device_m, const Point& device_m_per_s) noexcept {
   const Point place_m = position_of(*data_, probe.body);
-  const Point passing_m_per_s = at_most(device_m_per_s, kSpeed_m_per_s_max) - velocity_of(*model_, *data_, probe.body);
+  const Point passing_m_per_s = device_m_per_s - velocity_of(*model_, *data_, probe.body);
   const Point pull_N = coupling_.stiffness_N_per_m * at_most(device_m - place_m, kReach_m) +
                        coupling_.damping_N_s_per_m * passing_m_per_s;
   probe.force_N = -pull_N;
@@ -129,7 +133,7 @@ MediumTouch BodyWorld::touch(int seat) noexcept {
     const mjContact& contact = data_->contact[i];
     in_contact = model_->geom_bodyid[contact.geom1] == probe.body || model_->geom_bodyid[contact.geom2] == probe.body;
   }
-  const Point pushed_m = position_of(*data_, probe.body) - probe.to_m;
+  const Point pushed_m = position_of(*data_, probe.body) - probe.device_m;
   const double depth_m = pushed_m.norm();
   if (!in_contact || !(depth_m > 0)) return touch;
   touch.normal = pushed_m / depth_m;

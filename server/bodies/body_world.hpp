@@ -15,8 +15,9 @@ class BodyWorld final : public MediumState {
     int slides = -1;  ///< the first of its three coordinates and velocities; -1: a body of the author's own
     bool taken = false;
     bool placed = false;  ///< has been somewhere since it was taken
-    Point from_m = Point::Zero();
-    Point to_m = Point::Zero();
+    Point device_m = Point::Zero();
+    Point device_m_per_s = Point::Zero();
+    double silent_s = 0;            ///< simulated since the device was heard of
     Point force_N = Point::Zero();  ///< on the device, after the last step
   };
 
@@ -24,7 +25,7 @@ class BodyWorld final : public MediumState {
 
   int join() override;
   void leave(int seat) override;
-  void move(int seat, const Point& position_m) noexcept override;
+  void move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept override;
   void advance(double elapsed_s) noexcept override;
   MediumTouch touch(int seat) noexcept override;
   [[nodiscard]] bool sound() const noexcept override { return sound_; }
@@ -38,7 +39,7 @@ class BodyWorld final : public MediumState {
   void park(std::size_t probe) noexcept;
   void place(Probe& probe, const Point& position_m) noexcept;
   void pull(Probe& probe, const Point& device_m, const Point& device_m_per_s) noexcept;
-  void step_once(double share, double elapsed_s) noexcept;
+  void step_once(double before_end_s) noexcept;
 
   ModelPointer model_;
   DataPointer data_;

@@ -35,8 +35,9 @@ class MediumState {
   [[nodiscard]] virtual int join() = 0;
   virtual void leave(int seat) = 0;
 
-  /// The probe's device is now there (finite); the medium learns of it over the time that passes next.
-  virtual void move(int seat, const Point& position_m) noexcept = 0;
+  /// The probe's device is now there, and came with that velocity (both finite): on the straight way that the velocity
+  /// gives, over the time that passes next.
+  virtual void move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept = 0;
 
   /// Time passes for all probes, >= 0.
   virtual void advance(double elapsed_s) noexcept = 0;

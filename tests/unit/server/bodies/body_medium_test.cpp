@@ -30,7 +30,10 @@ class Hand {
   explicit Hand(MediumState& state) : state_(state), seat_(state.join()) {}
 
   MediumTouch to(const Point& position_m) {
-    state_.move(seat_, position_m);
+    const Point velocity_m_per_s = moved_ ? Point((position_m - last_m_) / 1e-3) : Point(Point::Zero());
+    moved_ = true;
+    last_m_ = position_m;
+    state_.move(seat_, position_m, velocity_m_per_s);
     state_.advance(1e-3);
     return state_.touch(seat_);
   }
@@ -52,6 +55,8 @@ class Hand {
  private:
   MediumState& state_;
   int seat_;
+  bool moved_ = false;
+  Point last_m_ = Point::Zero();
 };
 
 std::string error_of(const BodiesDescription& description) {
@@ -197,12 +202,12 @@ TEST(BodyMedium, DoesNotAllocateOncePlaced) {
   const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}}, "test");
   const auto state = medium.make_state(1);
   const int seat = state->join();
-  state->move(seat, {-0.03, 0, 0.02});
+  state->move(seat, {-0.03, 0, 0.02}, Point::Zero());
   state->advance(1e-3);
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const test::AllocationGuard guard;
   for (int i = 0; i < 100; ++i) {
-    state->move(seat, {-0.03 + 1e-4 * i, 0, 0.02});
+    state->move(seat, {-0.03 + 1e-4 * i, 0, 0.02}, {0.1, 0, 0});
     state->advance(1e-3);
     (void)state->touch(seat);
   }
