@@ -34,6 +34,11 @@ void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const w
                final_counts.motions_reordered, final_counts.forces_sent);
 }
 
+void LogObserver::on_quarantined(const SessionInfo& info, std::string_view object) noexcept {
+  spdlog::error("{} feels '{}' of scene '{}' no more: its force was not finite", net::to_string(info.address), object,
+                info.scene);
+}
+
 void LogObserver::on_refused(const net::Address& address, std::string_view text) {
   const time::Nanoseconds now = clock_.now();
   if (any_refusal_ && now - refusal_logged_ < std::chrono::seconds{1}) {

@@ -13,6 +13,7 @@ class LogObserver : public ServerObserver {
   void on_opened(const SessionInfo& info) override;
   void on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) override;
   void on_refused(const net::Address& address, std::string_view text) override;
+  void on_quarantined(const SessionInfo& info, std::string_view object) noexcept override;
 
  private:
   const time::Clock& clock_;

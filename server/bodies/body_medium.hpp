@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "forcebound/server/bodies/description.hpp"
 #include "forcebound/server/bodies/mujoco.hpp"
@@ -33,25 +34,27 @@ struct Coupling {
 class BodyMedium final : public Medium {
  public:
   /// From a description.
-  /// @throws BodiesError also for a coupling that would be unstable, with the numbers.
+  /// @throws BodiesError also for a coupling that would be unstable, and for bodies that begin within each other and
+  /// would fly apart, with the numbers.
   BodyMedium(BodiesDescription description, std::string name);
 
-  /// From MJCF: the device drags the body called `probe`, of which there is one.
+  /// From MJCF: devices drag the bodies called `probes`, one each.
   /// @throws BodiesError
-  BodyMedium(ModelPointer model, const std::string& probe, const Coupling& coupling, std::string name);
+  BodyMedium(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling, std::string name);
 
   [[nodiscard]] std::unique_ptr<MediumState> make_state(int seats) const override;
   [[nodiscard]] MediumFacts facts() const override;
 
  private:
-  void check_coupling(double mass_kg, double step_s) const;
+  void check_coupling(double mass_kg) const;
+  void check_overlap() const;
   [[nodiscard]] ModelPointer copy_of_model() const;
 
   BodiesDescription description_;  ///< no bodies: there is an MJCF model
   std::string name_;
   Coupling coupling_;
   ModelPointer model_;
-  int probe_body_ = -1;  ///< in the MJCF model
+  std::vector<int> probe_bodies_{};  ///< in the MJCF model
 };
 
 }  // namespace forcebound::server

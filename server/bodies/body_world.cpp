@@ -14,9 +14,11 @@ constexpr int kStepsMax = 50;
 constexpr double kReach_m = 0.2;
 constexpr double kSpeed_m_per_s_max = 5;
 constexpr double kVelocityHeld_s = 0.01;
+// A device that is farther away than that is a stranger's nonsense, which must not break what others feel.
+constexpr double kFar_m = 100;
 
 Point at_most(const Point& vector, double length) noexcept {
-  const double whole = vector.norm();
+  const double whole = vector.stableNorm();
   return whole > length ? Point(vector * (length / whole)) : vector;
 }
 
@@ -73,11 +75,11 @@ void BodyWorld::move(int seat, const Point& position_m, const Point& velocity_m_
     probe.placed = true;
     // A probe of ours begins where its device is; a body of the author's is drawn to it.
     if (probe.slides >= 0) {
-      place(probe, position_m);
+      place(probe, at_most(position_m, kFar_m));
       mj_kinematics(model_.get(), data_.get());
     }
   }
-  probe.device_m = position_m;
+  probe.device_m = at_most(position_m, kFar_m);
   probe.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
   probe.silent_s = 0;
 }

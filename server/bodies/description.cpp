@@ -34,15 +34,19 @@ std::string quoted(const std::string& name) {
 
 std::string geometry(const BodyDescription& body) {
   const Point half = 0.5 * body.size_m;
+  const auto along = [&](const char* type) {
+    return "type=\"" + std::string(type) + "\" size=\"" + to_text(half.x()) + "\" fromto=\"" +
+           numbers(-body.half_axis_m) + " " + numbers(body.half_axis_m) + "\"";
+  };
   switch (body.shape) {
     case BodyDescription::Shape::box:
       return "type=\"box\" size=\"" + numbers(half) + "\"";
     case BodyDescription::Shape::sphere:
       return "type=\"sphere\" size=\"" + to_text(half.x()) + "\"";
     case BodyDescription::Shape::capsule:
-      return "type=\"capsule\" size=\"" + to_text(half.x()) + " " + to_text(half.z()) + "\"";
+      return along("capsule");
     case BodyDescription::Shape::cylinder:
-      return "type=\"cylinder\" size=\"" + to_text(half.x()) + " " + to_text(half.z()) + "\"";
+      return along("cylinder");
   }
   return {};
 }

@@ -13,11 +13,11 @@ struct BodyDescription {
 
   std::string name;
   Shape shape = Shape::box;
-  Point size_m =
-      Point::Zero();   ///< box: its edges; sphere: its diameter thrice; capsule, cylinder: diameter, ., length
-  double mass_kg = 0;  ///< > 0; 0: fixed
-  Point position_m = Point::Zero();  ///< of its middle
-  double friction = 0.5;             ///< coefficient
+  Point size_m = Point::Zero();       ///< box: its edges; else: its diameter thrice
+  Point half_axis_m = Point::Zero();  ///< capsule, cylinder: from the middle to an end
+  double mass_kg = 0;                 ///< > 0; 0: fixed
+  Point position_m = Point::Zero();   ///< of its middle
+  double friction = 0.5;              ///< coefficient
 };
 
 /// How the device's point takes part: as a small ball of its own mass, on a spring and a damper.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,6 +58,7 @@ struct MediumFacts {
   double stiffness_N_per_m = 0;  ///< the most that is felt
   double cost_ns = 0;            ///< for one motion, roughly
   Point on_surface_m = Point::Zero();
+  int seats_max = std::numeric_limits<int>::max();
   std::vector<std::string> lines{};  ///< what it consists of, what it assumes, how near to instability it is
 };
 
@@ -64,6 +66,8 @@ struct MediumFacts {
 class Medium {
  public:
   virtual ~Medium() = default;
+
+  /// @param seats from 1 to MediumFacts::seats_max
   [[nodiscard]] virtual std::unique_ptr<MediumState> make_state(int seats) const = 0;
   [[nodiscard]] virtual MediumFacts facts() const = 0;
 };

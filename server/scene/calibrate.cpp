@@ -44,8 +44,11 @@ MeasuredCost measure(SceneState state, const std::vector<Point>& middles_m, Eige
   return {costs_ns[kBatches / 2], costs_ns[kBatches * 99 / 100]};
 }
 
-Point middle_of(const PlanStep& step) {
-  return step.shape == nullptr ? Point::Zero() : step.shape->facts().on_surface_m;
+Point middle_of(const Scene& scene, std::size_t part) {
+  const auto steps = scene.plan().steps();
+  if (part >= steps.size()) return scene.media()[part - steps.size()].medium->facts().on_surface_m;
+  const Shape* shape = steps[part].shape;
+  return shape == nullptr ? Point::Zero() : shape->facts().on_surface_m;
 }
 
 }  // namespace
@@ -56,10 +59,10 @@ Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clo
   const auto dof = static_cast<std::uint32_t>(rows);
   Calibration calibration;
   std::vector<Point> middles_m;
-  for (std::size_t i = 0; i < scene->plan().steps().size(); ++i) {
-    const Point middle_m = middle_of(scene->plan().steps()[i]);
+  for (std::size_t i = 0; i < scene->plan().steps().size() + scene->media().size(); ++i) {
+    const Point middle_m = middle_of(*scene, i);
     middles_m.push_back(middle_m);
-    calibration.steps.push_back(measure(SceneState::of_step(scene, dof, i), {middle_m}, rows, clock));
+    calibration.parts.push_back(measure(SceneState::of_part(scene, dof, i), {middle_m}, rows, clock));
   }
   if (middles_m.empty()) middles_m.emplace_back(Point::Zero());
   calibration.whole = measure(SceneState(scene, dof), middles_m, rows, clock);

@@ -15,12 +15,12 @@ struct MeasuredCost {
 };
 
 struct Calibration {
-  std::vector<MeasuredCost> steps{};  ///< of the plan, each alone
+  std::vector<MeasuredCost> parts{};  ///< each alone: the steps of the plan, then the media
   MeasuredCost whole{};               ///< all of the scene
 };
 
 /// Measures what the scene takes on this machine now: a device of three axes (less if the scene has less) strokes each
-/// object in turn, in and out of its surface. Takes some tens of milliseconds an object.
+/// object and medium in turn, in and out of its surface. Takes some tens of milliseconds an object.
 Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clock& clock);
 
 }  // namespace forcebound::server

@@ -83,6 +83,14 @@ double CheckedTable::number(const NumberParameter& parameter) {
   return value;
 }
 
+int CheckedTable::whole(const NumberParameter& parameter) {
+  const double value = number(parameter);
+  if (value != std::floor(value)) {
+    fail(at(parameter.key), std::string(parameter.key) + " must be a whole number, got " + text::to_text(value));
+  }
+  return static_cast<int>(value);
+}
+
 Point CheckedTable::point(std::string_view key, Eigen::Index rows, double rest) {
   const toml::array& values = array(key);
   if (values.size() != static_cast<std::size_t>(rows)) {
@@ -128,6 +136,21 @@ bool CheckedTable::flag(std::string_view key, bool preset) {
   const auto value = node->value_exact<bool>();
   if (!value) fail(*node, std::string(key) + " must be true or false, got " + as_written(*node));
   return *value;
+}
+
+void CheckedTable::each(std::string_view what, const std::function<std::string(const toml::table&)>& read) {
+  if (find(what) == nullptr) return;
+  const std::string kind(what);
+  const std::string not_a_table = kind + " must be a table, [[" + kind + "]]";
+  std::vector<std::string> names;
+  for (const toml::node& node : array(what)) {
+    if (!node.is_table()) fail(node, not_a_table);
+    names.push_back(read(*node.as_table()));
+    if (std::count(names.begin(), names.end(), names.back()) > 1) {
+      // NOLINTNEXTLINE(performance-inefficient-string-concatenation): once, at the end
+      fail(node, "two " + kind + "s are named '" + names.back() + "'");
+    }
+  }
 }
 
 void CheckedTable::refuse_unknown_keys() const {

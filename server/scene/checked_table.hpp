@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,7 @@ class CheckedTable {
   const toml::table& table(std::string_view key);
   const toml::array& array(std::string_view key);
   double number(const NumberParameter& parameter);
+  int whole(const NumberParameter& parameter);
 
   /// Unit length, any but zero in the file.
   Point direction(std::string_view key, Eigen::Index rows);
@@ -47,6 +49,9 @@ class CheckedTable {
 
   /// A number of a list; `key` for errors.
   double finite(const toml::node& node, std::string_view key) const;
+
+  /// Every table of the array `what`, if there is one, by `read`, which returns its name; no two may have the same.
+  void each(std::string_view what, const std::function<std::string(const toml::table&)>& read);
 
   /// Adds to values_text: what was read by other means.
   void note(std::string_view key, const std::string& value);

@@ -96,9 +96,29 @@ std::string explain_part(const std::string& what, const SceneObject& part, const
   return text + "  stability:  " + stability_text(sum.stiffness_N_per_m) + "\n";
 }
 
+std::string explain_medium(const SceneMedium& medium, const MeasuredCost* measured) {
+  const MediumFacts facts = medium.medium->facts();
+  std::string text = "medium '" + medium.name + "': " + medium.text + "\n";
+  for (const std::string& line : facts.lines) text += "  " + line + "\n";
+  text += "  implies:    velocity from successive motions, and the time between them\n";
+  text += "  cost:       " + cost_text(facts.cost_ns, measured) + "\n";
+  text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
+          " for each state\n";
+  return text + "  stability:  " + stability_text(facts.stiffness_N_per_m) + "\n";
+}
+
+std::string sharing_text(const Scene& scene) {
+  if (scene.media().empty()) return {};
+  if (!scene.facts().shared) return "each client has media of its own\n";
+  return "shared: up to " + std::to_string(scene.facts().clients_max) + " clients feel the same media\n";
+}
+
 std::string not_simulated_text(const Scene& scene) {
   std::string text = "not simulated: torques";
-  if (!scene.plan().inputs().velocity) text += "; velocity (no effect needs it)";
+  if (scene.media().empty()) {
+    if (!scene.plan().inputs().velocity) text += "; velocity (no effect needs it)";
+    text += "; bodies and tissue (there are none)";
+  }
   if (!scene.facts().effects_not_requested.empty())
     text += "; effects nobody asked for: " + text::join(scene.facts().effects_not_requested);
   return text + "\n";
@@ -109,6 +129,7 @@ std::string total_text(const Scene& scene, const ExplainFacts& facts) {
   for (const auto* parts : {&scene.objects(), &scene.fields()}) {
     for (const SceneObject& part : *parts) predicted_ns += sum_of(part).cost_ns;
   }
+  for (const SceneMedium& medium : scene.media()) predicted_ns += medium.medium->facts().cost_ns;
   const MeasuredCost* measured = facts.calibration ? &facts.calibration->whole : nullptr;
   const double cost_ns = measured != nullptr ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
@@ -137,14 +158,16 @@ std::string explain(const Scene& scene, const ExplainFacts& facts) {
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(scene.facts().hash));
   std::string text = "scene '" + scene.facts().name + "' (hash " + hash + "): " + scene.facts().description + "\n";
   text += "devices: " + scene.accepted_degrees_of_freedom() + " degrees of freedom\n";
-  std::size_t step = 0;
+  std::size_t part = 0;
   const auto measured = [&] {
-    const std::size_t now = step++;
-    return facts.calibration ? &facts.calibration->steps.at(now) : nullptr;
+    const std::size_t now = part++;
+    return facts.calibration ? &facts.calibration->parts.at(now) : nullptr;
   };
   for (const SceneObject& object : scene.objects()) text += explain_part("object", object, measured());
   for (const SceneObject& field : scene.fields()) text += explain_part("field", field, measured());
-  if (scene.objects().empty() && scene.fields().empty()) text += "no objects: every force is zero\n";
+  for (const SceneMedium& medium : scene.media()) text += explain_medium(medium, measured());
+  if (part == 0) text += "no objects: every force is zero\n";
+  text += sharing_text(scene);
   return text + not_simulated_text(scene) + total_text(scene, facts);
 }
 
@@ -152,6 +175,9 @@ std::string summary(const Scene& scene) {
   std::string text;
   for (const auto* parts : {&scene.objects(), &scene.fields()}) {
     for (const SceneObject& part : *parts) text += (text.empty() ? "" : "; ") + summary_of(part);
+  }
+  for (const SceneMedium& medium : scene.media()) {
+    text += (text.empty() ? "" : "; ") + medium.name + " (" + medium.text + ")";
   }
   return text.empty() ? "nothing: every force is zero" : text;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/server/effects/medium.hpp"
 #include "forcebound/server/scene/plan.hpp"
 
 namespace forcebound::server {
@@ -16,16 +17,25 @@ struct SceneFacts {
   std::string description;
   int degrees_of_freedom = 3;  ///< 1 to 3, or kAnyDegreesOfFreedom
   bool shared = false;         ///< all clients feel the same bodies and tissue
+  int clients_max = 1;         ///< of a shared scene, at once; else any number
   std::uint64_t hash = 0;      ///< FNV-1a of the file's text: the same hash, the same scene
   std::vector<std::string> effects_not_requested{};
 };
 
 inline constexpr int kAnyDegreesOfFreedom = 0;
 
+/// What moves or deforms by itself: a [[tissue]], all [[body]]s with shapes together, or a [[body]] of an MJCF file.
+struct SceneMedium {
+  std::string name;
+  std::string text;  ///< "tissue, file liver.msh, young_Pa 5000, ..."
+  std::unique_ptr<Medium> medium;
+};
+
 /// What a scene is made of.
 struct SceneParts {
   std::vector<SceneObject> objects{};
   std::vector<SceneObject> fields{};
+  std::vector<SceneMedium> media{};
 };
 
 /// A scene and its plan. Immutable, shared by all clients.
@@ -36,6 +46,7 @@ class Scene {
   [[nodiscard]] const SceneFacts& facts() const noexcept { return facts_; }
   [[nodiscard]] const std::vector<SceneObject>& objects() const noexcept { return parts_.objects; }
   [[nodiscard]] const std::vector<SceneObject>& fields() const noexcept { return parts_.fields; }
+  [[nodiscard]] const std::vector<SceneMedium>& media() const noexcept { return parts_.media; }
   [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
 
   /// Of the object or field of a step of the plan.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "forcebound/server/scene/body_parser.hpp"
 #include "forcebound/server/scene/checked_table.hpp"
 #include "forcebound/server/scene/part_parser.hpp"
 #include "forcebound/text/names.hpp"
@@ -46,15 +47,17 @@ class Parser {
     const PartParser parser(file_, registry_, rows);
 
     SceneParts parts;
-    each(file, "object", [&](const toml::table& table) {
+    file.each("object", [&](const toml::table& table) {
       parts.objects.push_back(parser.object(table));
       return parts.objects.back().name;
     });
-    each(file, "field", [&](const toml::table& table) {
+    file.each("field", [&](const toml::table& table) {
       parts.fields.push_back(parser.field(table));
       return parts.fields.back().name;
     });
+    parts.media = parse_bodies(file);
     file.refuse_unknown_keys();
+    check_media(file, facts, parts.media);
     refuse_coincident(file, parts.objects);
     for (const EffectKind& kind : registry_.kinds()) {
       if (!requested(parts, kind.name)) facts.effects_not_requested.emplace_back(kind.name);
@@ -69,26 +72,26 @@ class Parser {
                      .description = scene.text("description"),
                      .degrees_of_freedom = parse_degrees_of_freedom(scene),
                      .shared = scene.flag("shared", false)};
+    if (facts.shared)
+      facts.clients_max = static_cast<int>(scene.whole({.key = "clients_max", .preset = 4, .least = 1, .most = 16}));
     scene.refuse_unknown_keys();
     return facts;
   }
 
-  /// Every table of the array `what`, by `read`, which returns its name.
-  template <class Read>
-  static void each(CheckedTable& file, const std::string& what, Read read) {
-    if (file.find(what) == nullptr) return;
-    const std::string not_a_table = what + " must be a table, [[" + what + "]]";
-    std::vector<std::string> names;
-    for (const toml::node& node : file.array(what)) {
-      if (!node.is_table()) file.fail(node, not_a_table);
-      names.push_back(read(*node.as_table()));
-      if (std::count(names.begin(), names.end(), names.back()) > 1) refuse_namesake(file, node, what, names.back());
+  static void check_media(CheckedTable& file, const SceneFacts& facts, const std::vector<SceneMedium>& media) {
+    if (facts.shared && media.empty()) {
+      file.fail(file.at("scene"), "shared scenes share bodies and tissue, of which this one has neither");
     }
-  }
-
-  [[noreturn]] static void refuse_namesake(const CheckedTable& file, const toml::node& node, const std::string& what,
-                                           const std::string& name) {
-    file.fail(node, "two " + what + "s are named '" + name + "'");
+    for (const SceneMedium& medium : media) {
+      if (facts.degrees_of_freedom != 3) {
+        file.fail(file.at("scene"), "bodies and tissue need a scene of 3 degrees of freedom");
+      }
+      const int seats = medium.medium->facts().seats_max;
+      if (facts.clients_max <= seats) continue;
+      file.fail(file.at("scene"), "'" + medium.name + "' has room for " + std::to_string(seats) +
+                                      (seats == 1 ? " client" : " clients") + ", got clients_max " +
+                                      std::to_string(facts.clients_max));
+    }
   }
 
   /// One surface is felt once: its effects belong to one object.

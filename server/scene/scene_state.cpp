@@ -5,39 +5,44 @@
 #include <numeric>
 
 namespace forcebound::server {
-namespace {
-
-/// Wrapped around where a stranger's times lie further apart than 64 bits hold.
-double seconds_between(Nanoseconds from, Nanoseconds to) noexcept {
-  const auto elapsed =
-      static_cast<std::int64_t>(static_cast<std::uint64_t>(to.count()) - static_cast<std::uint64_t>(from.count()));
-  return elapsed > 0 ? static_cast<double>(elapsed) * 1e-9 : 0;
-}
-
-}  // namespace
-
-SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom)
+SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const MediaNow& media,
+                       bool shares_media)
     : scene_(std::move(scene)),
       rows_(degrees_of_freedom),
       translations_(std::min<Eigen::Index>(rows_, 3)),
       bytes_(scene_->plan().state_bytes()),
-      steps_(scene_->plan().steps().size()) {
+      steps_(scene_->plan().steps().size()),
+      shares_media_(shares_media) {
   std::iota(steps_.begin(), steps_.end(), 0U);
+  seats_.reserve(media.size());
+  for (const auto& medium : media) seats_.emplace_back(medium);
+  media_.resize(seats_.size());
+  std::iota(media_.begin(), media_.end(), 0U);
 }
 
-SceneState SceneState::of_step(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t step) {
-  SceneState state(std::move(scene), degrees_of_freedom);
-  state.steps_ = {static_cast<std::uint32_t>(step)};
+SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom)
+    : SceneState(scene, degrees_of_freedom, begin_media(*scene, 1), false) {}
+
+SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const MediaNow& shared)
+    : SceneState(std::move(scene), degrees_of_freedom, shared, true) {}
+
+SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part) {
+  const std::size_t steps = scene->plan().steps().size();
+  MediaNow media;
+  if (part >= steps) media.push_back(std::make_shared<MediumNow>(scene->media()[part - steps], 1));
+  SceneState state(std::move(scene), degrees_of_freedom, media, false);
+  state.steps_.clear();
+  if (part < steps) state.steps_.push_back(static_cast<std::uint32_t>(part));
   return state;
 }
 
-SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time) noexcept {
+SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time) noexcept {
   const Plan& plan = scene_->plan();
   Probe probe;
   probe.position_m.head(translations_) = position.head(translations_);
-  if (plan.inputs().velocity || plan.inputs().time) look_at_time(probe, device_time);
+  if (plan.inputs().velocity || plan.inputs().time || !media_.empty()) look_at_time(probe, device_time);
 
-  Point total = Point::Zero();
+  Point total_N = Point::Zero();
   SceneAnswer answer;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const PlanStep& step = plan.steps()[steps_[i]];
@@ -46,23 +51,46 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time) 
     probe.normal = surface.normal;
     probe.penetration_m = surface.penetration_m;
     act(step, probe, reaction);
-    if (!surface.normal.allFinite() || !(total + reaction.force_N).allFinite()) {
-      ++faults_.quarantined;
-      answer.quarantined = &scene_->name_of_step(steps_[i]);
-      steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
-      continue;
-    }
-    total += reaction.force_N;
-    if (!(surface.penetration_m > 0)) continue;
-    if (surface.normal_is_old) ++faults_.old_normals;
-    if (surface.penetration_m > answer.penetration_m) {
-      answer.penetration_m = surface.penetration_m;
-      answer.contact_normal = in_device_rows(surface.normal);
-      answer.texture = reaction.texture;
-    }
+    if (add(reaction, surface, total_N, answer)) continue;
+    quarantine(scene_->name_of_step(steps_[i]), answer);
+    steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
-  answer.force = in_device_rows(total);
+  for (std::size_t i = 0; i < media_.size(); ++i) {
+    MediumSeat& seat = seats_[media_[i]];
+    const MediumTouch touch = seat.feel(probe, shares_media_ ? server_time : device_time, faults_.media);
+    const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
+    if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) continue;
+    quarantine(seat.name(), answer);
+    media_.erase(media_.begin() + static_cast<std::ptrdiff_t>(i--));
+  }
+  answer.force = in_device_rows(total_N);
   return answer;
+}
+
+bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
+                     SceneAnswer& answer) noexcept {
+  if (!surface.normal.allFinite() || !(total_N + reaction.force_N).allFinite()) return false;
+  total_N += reaction.force_N;
+  if (!(surface.penetration_m > 0)) return true;
+  if (surface.normal_is_old) ++faults_.old_normals;
+  if (surface.penetration_m > answer.penetration_m) {
+    answer.penetration_m = surface.penetration_m;
+    answer.contact_normal = in_device_rows(surface.normal);
+    answer.texture = reaction.texture;
+  }
+  return true;
+}
+
+void SceneState::quarantine(const std::string& name, SceneAnswer& answer) noexcept {
+  ++faults_.quarantined;
+  answer.quarantined = &name;
+}
+
+MediaNow SceneState::media() const {
+  MediaNow media;
+  media.reserve(seats_.size());
+  for (const MediumSeat& seat : seats_) media.push_back(seat.now());
+  return media;
 }
 
 Vector SceneState::in_device_rows(const Point& point) const noexcept {
@@ -106,7 +134,11 @@ void SceneState::look_at_time(Probe& probe, Nanoseconds device_time) noexcept {
   if (has_last_) {
     probe.interval_s = seconds_between(last_time_, device_time);
     probe.time_s = seconds_between(first_time_, device_time);
-    if (probe.interval_s > 0) probe.velocity_m_per_s = (probe.position_m - last_position_m_) / probe.interval_s;
+    if (probe.interval_s > 0) {
+      const Point velocity_m_per_s = (probe.position_m - last_position_m_) / probe.interval_s;
+      // From one end of the numbers to the other is farther than any number.
+      if (velocity_m_per_s.allFinite()) probe.velocity_m_per_s = velocity_m_per_s;
+    }
   } else {
     first_time_ = device_time;
   }

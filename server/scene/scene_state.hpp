@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "forcebound/control/vector.hpp"
-#include "forcebound/server/scene/scene.hpp"
-#include "forcebound/time/clock.hpp"
+#include "forcebound/server/scene/medium_seat.hpp"
 
 namespace forcebound::server {
 
 using control::Vector;
-using time::Nanoseconds;
 
 /// What the scene answers to one motion; the vectors have the device's rows, rotations are zero.
 struct SceneAnswer {
@@ -20,32 +18,43 @@ struct SceneAnswer {
   Vector contact_normal{};                   ///< unit, out of the surface touched (deepest one); no rows: no contact
   double penetration_m = 0;                  ///< depth below that surface, 0: no contact
   Texture texture{};                         ///< of that surface
-  const std::string* quarantined = nullptr;  ///< the object or field left out from now on; null: none on this motion
+  const std::string* quarantined = nullptr;  ///< what is left out from now on; null: nothing new on this motion
 };
 
 /// What went wrong within a scene and was kept from the client.
 struct SceneFaults {
   std::uint64_t old_normals = 0;  ///< contacts whose direction had to be the last valid one
-  std::uint64_t quarantined = 0;  ///< objects and fields whose force was not finite: left out from then on
+  std::uint64_t quarantined = 0;  ///< objects, fields and media whose force was not finite: left out from then on
+  MediumFaults media{};           ///< while this client's motions were answered
 };
 
 /// One client's state of a scene.
 ///
-/// An object or field whose force is not finite is left out from then on, for this client; the others keep their
-/// states.
+/// An object, field or medium whose force is not finite is left out from then on, for this client; the others keep
+/// their states.
 ///
-/// Real time: `answer` is noexcept, allocates nothing and is O(effects). Not thread-safe.
+/// Real time: `answer` is noexcept, allocates nothing and is O(effects), and what the media take. Not thread-safe, nor
+/// are states that share media.
 class SceneState {
  public:
+  /// With media of its own, in which time goes by the device's clock.
   /// The scene accepts so many degrees of freedom.
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom);
 
-  /// One object or field of it alone, the step of the plan.
-  static SceneState of_step(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t step);
+  /// In the media of somebody else's state of this scene, or in new ones for several; time goes there by the server's
+  /// clock.
+  SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const MediaNow& shared);
+
+  /// One part of it alone: the object or field of a step of the plan, or, counted on from there, a medium.
+  static SceneState of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part);
 
   /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
   /// clock. The velocity is the mean since the previous call; a time that does not advance gives none.
-  [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time) noexcept;
+  /// @param server_time when that is answered; only shared media look at it
+  [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time,
+                                   Nanoseconds server_time = Nanoseconds{0}) noexcept;
+
+  [[nodiscard]] MediaNow media() const;
 
   /// With the device's rows; rotations are zero.
   [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
@@ -54,6 +63,13 @@ class SceneState {
   [[nodiscard]] const SceneFaults& faults() const noexcept { return faults_; }
 
  private:
+  SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const MediaNow& media,
+             bool shares_media);
+
+  /// Adds what one part does to the answer and the force so far; false if that is not finite.
+  [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
+                         SceneAnswer& answer) noexcept;
+  void quarantine(const std::string& name, SceneAnswer& answer) noexcept;
   void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
   [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;
   void act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept;
@@ -65,6 +81,9 @@ class SceneState {
   Eigen::Index translations_;         ///< of them
   std::vector<std::byte> bytes_;      ///< the states of all effects and shapes
   std::vector<std::uint32_t> steps_;  ///< of the plan, less those quarantined
+  std::vector<MediumSeat> seats_;     ///< in all media
+  std::vector<std::uint32_t> media_;  ///< of the seats, less those quarantined
+  bool shares_media_;
   Point last_position_m_ = Point::Zero();
   Nanoseconds first_time_{0};
   Nanoseconds last_time_{0};

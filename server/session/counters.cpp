@@ -21,6 +21,14 @@ std::string line(std::string_view subject, Count always, std::initializer_list<C
 
 }  // namespace
 
+void ServerCounters::add(const SceneFaults& faults) noexcept {
+  old_normals += faults.old_normals;
+  objects_quarantined += faults.quarantined;
+  contacts_left_out += faults.media.contacts_left_out;
+  not_converged += faults.media.not_converged;
+  slipped_s += faults.media.slipped_s;
+}
+
 std::string ServerCounters::text() const {
   return line("sessions", {"opened", sessions_opened},
               {{"ended by the client", sessions_ended},
@@ -41,7 +49,10 @@ std::string ServerCounters::text() const {
          line("forces", {"sent", forces_sent},
               {{"datagrams not sent", sends_failed},
                {"of objects not finite and left out", objects_quarantined},
-               {"with the last valid normal", old_normals}}) +
+               {"with the last valid normal", old_normals},
+               {"contacts beyond the room for them", contacts_left_out},
+               {"steps of tissue not converged", not_converged},
+               {"ms of bodies' time left out", static_cast<std::uint64_t>(slipped_s * 1e3)}}) +
          line("datagrams", {"received", datagrams},
               {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
                {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},

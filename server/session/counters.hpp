@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "forcebound/server/scene/scene_state.hpp"
 #include "forcebound/wire/codec.hpp"
 
 namespace forcebound::server {
@@ -36,6 +37,13 @@ struct ServerCounters {
 
   std::uint64_t old_normals = 0;          ///< contacts whose direction had to be the last valid one
   std::uint64_t objects_quarantined = 0;  ///< objects of a session whose force was not finite: left out from then on
+
+  std::uint64_t contacts_left_out = 0;  ///< in tissue or among bodies: more than there was room for
+  std::uint64_t not_converged = 0;      ///< steps of tissue that their budget ended
+  double slipped_s = 0;  ///< simulated time of bodies left out, because there was too much to make up for
+
+  /// Those of one session.
+  void add(const SceneFaults& faults) noexcept;
 
   /// One line per subject; what never happened is left out.
   [[nodiscard]] std::string text() const;

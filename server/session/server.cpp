@@ -102,8 +102,7 @@ void Server::stop() {
 ServerCounters Server::counters() const noexcept {
   ServerCounters total = counters_;
   for (const auto& [id, session] : sessions_) {
-    total.old_normals += session.scene.faults().old_normals;
-    total.objects_quarantined += session.scene.faults().quarantined;
+    total.add(session.scene.faults());
   }
   return total;
 }
@@ -148,20 +147,40 @@ bool Server::refused(const wire::Hello& hello, const net::Address& from, Nanosec
   if (!scene->accepts(hello.degrees_of_freedom)) {
     return refuse(RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(*scene, hello));
   }
-  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now)) {
+  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
     return refuse(RefusalReason::server_full,
                   "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later");
+  }
+  if (scene->facts().shared && is_full(*scene) && !evict_unproven(now, scene.get())) {
+    return refuse(RefusalReason::server_full, "all " + std::to_string(scene->facts().clients_max) +
+                                                  " places in the shared scene '" + scene->facts().name +
+                                                  "' are taken, try again later");
   }
   return false;
 }
 
-bool Server::evict_unproven(Nanoseconds now) {
+bool Server::is_full(const Scene& scene) const {
+  const auto there = std::count_if(sessions_.begin(), sessions_.end(),
+                                   [&](const auto& entry) { return &entry.second.scene.scene() == &scene; });
+  return there >= scene.facts().clients_max;
+}
+
+SceneState Server::enter(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom) const {
+  if (!scene->facts().shared) return {scene, degrees_of_freedom};
+  for (const auto& [id, session] : sessions_) {
+    if (&session.scene.scene() == scene.get()) return {scene, degrees_of_freedom, session.scene.media()};
+  }
+  return {scene, degrees_of_freedom, begin_media(*scene, scene->facts().clients_max)};
+}
+
+bool Server::evict_unproven(Nanoseconds now, const Scene* scene) {
   // A client that is there sends motion at once; who never did may be nobody at all.
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
   auto oldest = sessions_.end();
   for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
     const Session& session = it->second;
     const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
+    if (scene != nullptr && &session.scene.scene() != scene) continue;
     if (unproven && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard)) oldest = it;
   }
   if (oldest == sessions_.end()) return false;
@@ -178,8 +197,8 @@ Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) 
   return nullptr;
 }
 
-Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
-                              Nanoseconds now) {
+Server::Session& Server::open(const wire::Hello& hello, const std::shared_ptr<const Scene>& scene,
+                              const net::Address& from, Nanoseconds now) {
   std::uint64_t id = session_ids_();
   // Zero means "no session" on the wire.
   while (id == 0 || sessions_.contains(id)) id = session_ids_();
@@ -193,7 +212,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Sc
   Session session{
       .info = std::move(info),
       .nonce = hello.client_nonce,
-      .scene = SceneState(std::move(scene), hello.degrees_of_freedom),
+      .scene = enter(scene, hello.degrees_of_freedom),
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
   session.arrivals.counts.session = id;
@@ -271,7 +290,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
 void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {
   observer_.on_motion(motion);
   const Nanoseconds begin = clock_.now();
-  const SceneAnswer scene = session.scene.answer(motion.position, motion.device_time);
+  const SceneAnswer scene = session.scene.answer(motion.position, motion.device_time, now);
   const Nanoseconds end = clock_.now();
 
   const auto wave = [&](int i) {
@@ -327,8 +346,7 @@ bool Server::send(const wire::Message& message, const net::Address& to) noexcept
 }
 
 void Server::close(const Session& session, CloseReason reason) {
-  counters_.old_normals += session.scene.faults().old_normals;
-  counters_.objects_quarantined += session.scene.faults().quarantined;
+  counters_.add(session.scene.faults());
   observer_.on_closed(session.info, reason, session.arrivals.counts);
 }
 

@@ -29,7 +29,8 @@ struct ServerOptions {
   int hellos_per_s_max = 50;                            ///< over all clients
 };
 
-/// Who is connected, and the answer to each of their motions. Every client has its own state of its scene.
+/// Who is connected, and the answer to each of their motions. Every client has its own state of its scene, but for the
+/// media of a shared scene, which begin with the first client and end with the last.
 ///
 /// Hello: the same nonce from the same address always means the same session. Motion: if newer than every other of its
 /// session it is answered at once; copies and latecomers are counted, in the session too, so that client and server
@@ -90,12 +91,18 @@ class Server {
   void on_bye(const wire::Bye& bye, const net::Address& from);
 
   [[nodiscard]] bool refused(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
-  [[nodiscard]] bool evict_unproven(Nanoseconds now);
+
+  /// @param scene only who is in this one; null: anybody
+  [[nodiscard]] bool evict_unproven(Nanoseconds now, const Scene* scene);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
-  Session& open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
+  Session& open(const wire::Hello& hello, const std::shared_ptr<const Scene>& scene, const net::Address& from,
                 Nanoseconds now);
+  [[nodiscard]] bool is_full(const Scene& scene) const;
+
+  /// In a shared scene into the media of those who are there.
+  [[nodiscard]] SceneState enter(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom) const;
   void welcome(const Session& session);
   void answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
   bool send(const wire::Message& message, const net::Address& to) noexcept;

@@ -190,7 +190,7 @@ TEST(BodyMedium, MjcfErrorsNameFileAndBody) {
   ModelPointer model = compile_mjcf(
       R"(<mujoco><worldbody><body name="peg"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>)", "peg.xml");
   try {
-    const BodyMedium medium(std::move(model), "pegg", {}, "peg.xml");
+    const BodyMedium medium(std::move(model), {"pegg"}, {}, "peg.xml");
     FAIL();
   } catch (const BodiesError& error) {
     EXPECT_STREQ(error.what(), "peg.xml: no body 'pegg' to be the probe, did you mean 'peg'? (known: peg)");

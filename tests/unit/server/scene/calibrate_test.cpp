@@ -21,8 +21,8 @@ TEST(Calibrate, MeasuresEachPartAloneAndTheWhole) {
   const auto scene = test::scene_with_own_effects(test::table("table", "'surface'") +
                                                   "[[field]]\nname = 'fog'\neffects = ['clock']\n");
   const Calibration found = calibrate(scene, CountingClock());
-  ASSERT_EQ(found.steps.size(), 2U);
-  for (const MeasuredCost& cost : {found.steps[0], found.steps[1], found.whole}) {
+  ASSERT_EQ(found.parts.size(), 2U);
+  for (const MeasuredCost& cost : {found.parts[0], found.parts[1], found.whole}) {
     EXPECT_EQ(cost.median_ns, 100) << "32 motions between two looks at the clock";
     EXPECT_EQ(cost.p99_ns, 100);
   }
@@ -30,7 +30,7 @@ TEST(Calibrate, MeasuresEachPartAloneAndTheWhole) {
 
 TEST(Calibrate, OfAnEmptySceneHasOnlyTheWhole) {
   const Calibration found = calibrate(load_scene("free"), CountingClock());
-  EXPECT_TRUE(found.steps.empty());
+  EXPECT_TRUE(found.parts.empty());
   EXPECT_EQ(found.whole.median_ns, 100);
 }
 

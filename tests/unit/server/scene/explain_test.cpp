@@ -19,7 +19,7 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
   EXPECT_THAT(text, HasSubstr("object 'table': half_space, through_m [0, 0, 0], normal [0, 0, 1]\n"));
   EXPECT_THAT(text, HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
   EXPECT_THAT(text, HasSubstr("velocity from successive motions\n"));
-  EXPECT_THAT(text, AllOf(HasSubstr("not simulated: torques; effects nobody asked for: "),
+  EXPECT_THAT(text, AllOf(HasSubstr("not simulated: torques; bodies and tissue (there are none); effects nobody asked for: "),
                           Not(HasSubstr("velocity (no effect"))));
 }
 
@@ -42,7 +42,7 @@ TEST(Explain, SaysWhatEachPartCostsAndWhetherItCanRing) {
 }
 
 TEST(Explain, ShowsWhatWasMeasuredBesideWhatWasPredicted) {
-  const ExplainFacts facts{.calibration = Calibration{.steps = {{1500, 2500}}, .whole = {1.6e6, 2e6}}};
+  const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500}}, .whole = {1.6e6, 2e6}}};
   const std::string text = explain(*load_scene("wall"), facts);
   EXPECT_THAT(text, HasSubstr("predicted, 1.5 us measured (p99 2.5 us)\n"));
   EXPECT_THAT(text, HasSubstr("1.6 ms measured (p99 2 ms) of the 1 ms of a tick: 200 % for each client\n"));

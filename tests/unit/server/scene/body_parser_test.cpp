@@ -1,0 +1,108 @@
+#include "forcebound/server/scene/body_parser.hpp"
+
+#include <gmock/gmock.h>
+
+#include "forcebound/server/scene/explain.hpp"
+#include "forcebound/server/scene/scene_parser.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string with_bodies(const std::string& rest) {
+  return "[scene]\nname = \"bodies\"\ndescription = \"\"\ndegrees_of_freedom = 3\n" + rest;
+}
+
+std::shared_ptr<const Scene> parse(const std::string& rest) { return parse_scene(with_bodies(rest), "bodies.toml"); }
+
+auto refused(const std::string& what) {
+  return testing::ThrowsMessage<SceneError>(AllOf(StartsWith("bodies.toml:"), HasSubstr(what)));
+}
+
+const std::string kFloor =
+    "[[body]]\nname = \"floor\"\nfixed = true\n"
+    "shape = { kind = \"box\", center_m = [0, 0, -0.05], size_m = [1, 1, 0.1] }\n";
+const std::string kBall =
+    "[[body]]\nname = \"ball\"\nmass_kg = 0.1\nshape = { kind = \"sphere\", center_m = [0, 0, 0.02], radius_m = 0.02 "
+    "}\n";
+
+TEST(BodyParser, MakesOneMediumOfAllBodiesWithShapes) {
+  const auto scene =
+      parse(kFloor + kBall +
+            "[[body]]\nname = \"rod\"\nmass_kg = 0.1\n"
+            "shape = { kind = \"capsule\", from_m = [0.1, 0, 0.01], to_m = [0.2, 0, 0.01], radius_m = 0.01 }\n");
+  ASSERT_EQ(scene->media().size(), 1U);
+  EXPECT_EQ(scene->media().front().text, "bodies 'floor', 'ball', 'rod'");
+  EXPECT_THAT(explain(*scene), AllOf(HasSubstr("degrees of freedom, by MuJoCo in steps of 0.001 s"),
+                                     HasSubstr("each client has media of its own")));
+}
+
+TEST(BodyParser, ScenesWithoutBodiesSayThatNoneAreSimulated) {
+  EXPECT_THAT(explain(*parse("")), HasSubstr("bodies and tissue (there are none)"));
+}
+
+TEST(BodyParser, TakesMjcfFromTheSceneItself) {
+  const auto scene = parse(
+      "[[body]]\nname = \"pendulum\"\nprobes = [\"bob\"]\nmjcf_text = '''<mujoco><worldbody><body name=\"bob\">"
+      "<freejoint/><geom size=\"0.1\"/></body></worldbody></mujoco>'''\n");
+  ASSERT_EQ(scene->media().size(), 1U);
+  EXPECT_EQ(scene->media().front().name, "pendulum");
+  EXPECT_EQ(scene->media().front().medium->facts().seats_max, 1);
+}
+
+TEST(BodyParser, RefusesWhatIsWrongByNameAndLine) {
+  EXPECT_THAT(
+      [] { parse("[[body]]\nname = \"a\"\nshape = { kind = \"sphere\", center_m = [0, 0, 0], radius_m = 1 }\n"); },
+      refused("body 'a': 'mass_kg' is missing"));
+  EXPECT_THAT([] { parse(kBall + "fixed = true\n"); }, refused("body 'ball': a body is either fixed or has mass_kg"));
+  EXPECT_THAT([] { parse(kBall + "mas_kg = 3\n"); }, refused("unknown key 'mas_kg', did you mean 'mass_kg'?"));
+  EXPECT_THAT([] { parse(kBall + kBall); }, refused("two bodys are named 'ball'"));
+  EXPECT_THAT([] { parse("[bodies]\ntimestep_s = 0.001\n"); }, refused("of which there is none"));
+  EXPECT_THAT([] { parse(kBall + "[bodies]\ntimestep_s = 0.1\n"); }, refused("timestep_s must be"));
+  EXPECT_THAT([] { parse("[[body]]\nname = \"a\"\nprobes = [\"x\"]\nmjcf = \"none.xml\"\n"); }, refused("none.xml"));
+  EXPECT_THAT([] { parse("[[body]]\nname = \"a\"\nprobes = [\"x\"]\nmjcf_text = '<mujoco><worl/></mujoco>'\n"); },
+              refused("mjcf_text"));
+}
+
+TEST(BodyParser, RefusesACouplingThatWouldRing) {
+  EXPECT_THAT([] { parse(kBall + "[bodies]\nstiffness_N_per_m = 200000\n"); }, refused("is unstable with a mass of"));
+}
+
+TEST(BodyParser, RefusesBodiesThatBeginWithinEachOther) {
+  EXPECT_THAT(
+      [] {
+        parse(kBall +
+              "[[body]]\nname = \"twin\"\nmass_kg = 1\n"
+              "shape = { kind = \"sphere\", center_m = [0.01, 0, 0.02], radius_m = 0.02 }\n");
+      },
+      refused("'ball' and 'twin' begin 0.03 m within each other"));
+}
+
+TEST(BodyParser, NeedsThreeAxes) {
+  EXPECT_THAT(
+      [] {
+        parse_scene("[scene]\nname = \"flat\"\ndescription = \"\"\ndegrees_of_freedom = 2\n" + kBall, "bodies.toml");
+      },
+      refused("bodies and tissue need a scene of 3 degrees of freedom"));
+}
+
+TEST(BodyParser, SharedScenesNeedSomethingToShareAndRoomInIt) {
+  const std::string shared = "[scene]\nname = \"s\"\ndescription = \"\"\ndegrees_of_freedom = 3\nshared = true\n";
+  EXPECT_THAT([&] { parse_scene(shared, "bodies.toml"); }, refused("of which this one has neither"));
+  EXPECT_EQ(parse_scene(shared + kBall, "bodies.toml")->facts().clients_max, 4);
+  EXPECT_THAT(
+      [&] {
+        parse_scene(
+            shared +
+                "[[body]]\nname = \"one\"\nprobes = [\"bob\"]\nmjcf_text = '''<mujoco><worldbody><body name=\"bob\">"
+                "<freejoint/><geom size=\"0.1\"/></body></worldbody></mujoco>'''\n",
+            "bodies.toml");
+      },
+      refused("'one' has room for 1 client, got clients_max 4"));
+}
+
+}  // namespace
+}  // namespace forcebound::server
