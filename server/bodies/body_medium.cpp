@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "forcebound/server/bodies/body_world.hpp"
 #include "forcebound/text/names.hpp"
@@ -108,7 +109,8 @@ MediumFacts BodyMedium::facts() const {
   facts.lines = {std::to_string(model_->nbody - 1) + " bodies, " + std::to_string(model_->nv) +
                      " degrees of freedom, by MuJoCo in steps of " + to_text(model_->opt.timestep) + " s",
                  "coupling " + to_text(coupling_.stiffness_N_per_m) + " N/m, " + to_text(coupling_.damping_N_s_per_m) +
-                     " N s/m to a probe of " + to_text(mass_kg) + " kg: at " + to_text(load) + " of what is stable"};
+                     " N s/m to a probe of " + to_text(mass_kg) + " kg: at " + to_text(std::round(1000 * load) / 10) +
+                     " % of what is stable"};
   facts.on_surface_m = Eigen::Map<const Point>(model_->body_pos + 3 * (ours ? 1 : probe_bodies_.front()));
   if (!ours) facts.seats_max = static_cast<int>(probe_bodies_.size());
   return facts;

@@ -71,10 +71,13 @@ std::string to_mjcf(const ProbeDescription& probe, int number) {
 }  // namespace
 
 std::string to_mjcf(const BodiesDescription& description, int probes) {
+  // A box on another has four contacts, of three rows each. MuJoCo's memory grows with the square of the rows.
+  const std::size_t contacts = 32 + 12 * description.bodies.size() + 8 * static_cast<std::size_t>(probes);
   std::string text = "<mujoco>\n  <option timestep=\"" + to_text(description.timestep_s) + "\" gravity=\"" +
                      numbers(description.gravity_m_per_s2) +
-                     "\" integrator=\"implicit\" cone=\"elliptic\"/>\n"
-                     "  <size nconmax=\"500\" njmax=\"2000\"/>\n"
+                     "\" integrator=\"implicit\" cone=\"elliptic\"/>\n  <size nconmax=\"" + std::to_string(contacts) +
+                     "\" njmax=\"" + std::to_string(3 * contacts) +
+                     "\"/>\n"
                      "  <default><geom contype=\"1\" conaffinity=\"3\" condim=\"3\"/></default>\n  <worldbody>\n";
   for (const BodyDescription& body : description.bodies) text += to_mjcf(body);
   for (int i = 0; i < probes; ++i) text += to_mjcf(description.probe, i);

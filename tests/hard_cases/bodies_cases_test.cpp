@@ -39,6 +39,25 @@ double energy_J(const BodyWorld& bodies) {
   return kinetic_J(bodies) + potential_J;
 }
 
+TEST(HardCase31, MoreContactsThanMuJoCoWasGivenRoomForAreCountedAndNothingBreaks) {
+  // A box on a plate has four contacts; here is room for two, so that it tilts.
+  const BodyMedium medium(compile_mjcf(R"(<mujoco><size nconmax="2" njmax="100"/><worldbody>
+      <geom type="box" size="1 1 0.05" pos="0 0 -0.05"/>
+      <body name="box" pos="0 0 0.02"><freejoint/><geom type="box" size="0.02 0.02 0.02" mass="0.1"/></body>
+    </worldbody></mujoco>)",
+                                       "box.xml"),
+                          {"box"}, {.stiffness_N_per_m = 100, .damping_N_s_per_m = 1}, "box.xml");
+  const auto state = medium.make_state(1);
+  const int seat = state->join();
+  for (int i = 0; i < 1000; ++i) {
+    state->move(seat, {0, 0, 0.02}, Point::Zero());
+    state->advance(1e-3);
+    ASSERT_TRUE(state->touch(seat).force_N.allFinite());
+  }
+  EXPECT_TRUE(state->sound());
+  EXPECT_GT(state->faults().contacts_left_out, 0U);
+}
+
 TEST(HardCase32, ACouplingAtTwiceItsStableStepIsRefusedWithTheNumbers) {
   BodiesDescription stiff{.bodies = {floor_plate()}};
   // h omega = 2: sqrt(4e4 / 0.01) 1e-3.

@@ -1,0 +1,101 @@
+#include "tests/unit/server/session/server_fixture.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Two places around a ball without weight.
+class SharedSceneTest : public ServerFixture {
+ protected:
+  void SetUp() override {
+    SceneLibrary scenes;
+    scenes.add(
+        parse_scene("[scene]\nname = \"ball\"\ndescription = \"\"\ndegrees_of_freedom = 3\n"
+                    "shared = true\nclients_max = 2\n"
+                    "[bodies]\ngravity_m_per_s2 = [0, 0, 0]\n"
+                    "[[body]]\nname = \"ball\"\nmass_kg = 0.1\n"
+                    "shape = { kind = \"sphere\", center_m = [0, 0, 0], radius_m = 0.02 }\n",
+                    "ball.toml"));
+    ServerOptions options;
+    options.scene = "ball";
+    server.emplace(
+        options, std::move(scenes), link, clock, [this] { return ++ids_; }, &diary);
+  }
+
+  static wire::Hello hello_of(std::uint64_t nonce) {
+    return {.client_nonce = nonce, .degrees_of_freedom = 3, .device = "omni", .period_s = 1e-3};
+  }
+
+  std::uint64_t enter(std::uint16_t who) {
+    arrive(hello_of(who), address(who));
+    return only_answer<wire::Welcome>().session;
+  }
+
+  double force_N(std::uint64_t session, std::uint64_t sequence, double x_m, std::uint16_t who) {
+    arrive(wire::MotionSample{.session = session,
+                              .sequence = sequence,
+                              .device_time = milliseconds{sequence},
+                              .position = vector_of({x_m, 0, 0})},
+           address(who));
+    return only_answer<wire::EnvironmentForce>().force[0];
+  }
+
+  /// The left hand pushes the ball against the right one, which rests; the force on the right one at the end.
+  double push(std::uint64_t left, std::uint64_t right) {
+    double felt_N = 0;
+    for (std::uint64_t i = 1; i <= 300; ++i) {
+      clock.time += milliseconds{1};
+      (void)force_N(left, i, -0.04 + std::min(1e-4 * static_cast<double>(i), 0.025), 1);
+      felt_N = force_N(right, i, 0.023, 2);
+    }
+    return felt_N;
+  }
+
+ private:
+  std::uint64_t ids_ = 0;
+};
+
+TEST_F(SharedSceneTest, OneClientFeelsWhatTheOtherPushes) {
+  const auto left = enter(1);
+  const auto right = enter(2);
+  EXPECT_GT(push(left, right), 0.05);
+}
+
+TEST_F(SharedSceneTest, RefusesOneMoreThanThereIsRoomForUntilSomebodyLeaves) {
+  const auto left = enter(1);
+  const auto right = enter(2);
+  (void)push(left, right);
+  arrive(hello_of(3), address(3));
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::server_full);
+  EXPECT_THAT(std::string(refusal.text), HasSubstr("all 2 places in the shared scene 'ball' are taken"));
+  arrive(wire::Bye{.session = left}, address(1));
+  (void)answers();
+  EXPECT_NE(enter(3), 0U);
+}
+
+TEST_F(SharedSceneTest, WhoNeverMovedGivesUpItsPlace) {
+  (void)enter(1);
+  (void)enter(2);
+  clock.time += seconds{2};
+  EXPECT_NE(enter(3), 0U);
+  EXPECT_THAT(diary.lines,
+              ElementsAre("opened omni in ball", "opened omni in ball", "closed omni: idle", "opened omni in ball"));
+}
+
+TEST_F(SharedSceneTest, BeginsAnewWhenAllHaveLeft) {
+  const auto left = enter(1);
+  const auto right = enter(2);
+  (void)push(left, right);
+  arrive(wire::Bye{.session = left}, address(1));
+  arrive(wire::Bye{.session = right}, address(2));
+  (void)answers();
+  // The ball is where it was at first: a hand at 23 mm does not touch it.
+  const auto again = enter(3);
+  EXPECT_NEAR(force_N(again, 1, 0.0245, 3), 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace forcebound::server
