@@ -78,7 +78,8 @@ std::string to_mjcf(const BodiesDescription& description, int probes) {
                      "\" integrator=\"implicit\" cone=\"elliptic\"/>\n  <size nconmax=\"" + std::to_string(contacts) +
                      "\" njmax=\"" + std::to_string(3 * contacts) +
                      "\"/>\n"
-                     "  <default><geom contype=\"1\" conaffinity=\"3\" condim=\"3\"/></default>\n  <worldbody>\n";
+                     "  <default><geom contype=\"1\" conaffinity=\"3\" condim=\"3\" solref=\"" +
+                     to_text(description.contact_time_s) + " 1\"/></default>\n  <worldbody>\n";
   for (const BodyDescription& body : description.bodies) text += to_mjcf(body);
   for (int i = 0; i < probes; ++i) text += to_mjcf(description.probe, i);
   return text + "  </worldbody>\n</mujoco>\n";

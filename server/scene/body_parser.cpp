@@ -78,6 +78,8 @@ BodiesDescription parse_setting(CheckedTable& table) {
   BodiesDescription all;
   if (table.find("gravity_m_per_s2") != nullptr) all.gravity_m_per_s2 = table.point("gravity_m_per_s2", kAxes);
   all.timestep_s = table.number({.key = "timestep_s", .preset = all.timestep_s, .least = 1e-5, .most = 0.01});
+  all.contact_time_s =
+      table.number({.key = "contact_time_s", .preset = all.contact_time_s, .least = 2 * all.timestep_s, .most = 1});
   all.probe.radius_m = positive(table, "probe_radius_m", all.probe.radius_m);
   all.probe.mass_kg = positive(table, "probe_mass_kg", all.probe.mass_kg);
   const Coupling coupling = parse_coupling(table);

@@ -170,8 +170,8 @@ TEST(BodyMedium, MjcfIsDraggedByItsProbe) {
   const std::string text = R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
     <body name="block" pos="0 0 0"><freejoint/><geom type="box" size="0.02 0.02 0.02" mass="0.2"/></body>
   </worldbody></mujoco>)";
-  const BodyMedium medium(compile_mjcf(text, "block.xml"), {"block"}, {.stiffness_N_per_m = 300, .damping_N_s_per_m = 10},
-                          "block.xml");
+  const BodyMedium medium(compile_mjcf(text, "block.xml"), {"block"},
+                          {.stiffness_N_per_m = 300, .damping_N_s_per_m = 10}, "block.xml");
   const auto state = medium.make_state(1);
   Hand hand(*state);
   const MediumTouch begin = hand.along({0, 0, 0}, {0.002, 0, 0});
