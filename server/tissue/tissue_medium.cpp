@@ -1,0 +1,159 @@
+#include "forcebound/server/tissue/tissue_medium.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "forcebound/server/tissue/tissue_world.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using text::to_text;
+
+// Nodes that are lower than the highest by less than this share of the body's height are as high.
+constexpr double kAsHigh = 1e-3;
+
+// What a step costs, roughly.
+constexpr double kPoint_ns = 3000;
+constexpr double kSphere_ns = 3000;
+constexpr double kSphereTriangle_ns = 10;
+constexpr double kContact_ns = 3000;
+constexpr double kCorotationalTetrahedron_ns = 5000;
+
+constexpr std::size_t kCorotationalTetrahedron_bytes = 600;
+
+// A place on top: of the highest free nodes the one in the middle.
+Point top_of(const TetrahedralMesh& mesh, const std::vector<bool>& held) {
+  double highest_m = -std::numeric_limits<double>::infinity();
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (const int node : mesh.surface_nodes()) {
+    const double height_m = mesh.nodes_m()[node].z();
+    lowest_m = std::min(lowest_m, height_m);
+    if (!held[node]) highest_m = std::max(highest_m, height_m);
+  }
+  std::vector<int> high;
+  Point middle_m = Point::Zero();
+  for (const int node : mesh.surface_nodes()) {
+    if (held[node] || mesh.nodes_m()[node].z() < highest_m - kAsHigh * (highest_m - lowest_m)) continue;
+    high.push_back(node);
+    middle_m += mesh.nodes_m()[node];
+  }
+  if (high.empty()) return mesh.nodes_m()[mesh.surface_nodes().front()];
+  middle_m /= static_cast<double>(high.size());
+  const auto from_middle_m = [&](int node) { return (mesh.nodes_m()[node] - middle_m).squaredNorm(); };
+  return mesh.nodes_m()[*std::ranges::min_element(high, {}, from_middle_m)];
+}
+
+struct Range {
+  double least = 0;
+  double most = 0;
+};
+
+// Of one contact at each free node, the tissue and the contact in series, along the direction in which that is
+// stiffest.
+Range stiffness_of(const LinearTissue& tissue, const std::vector<bool>& held, double contact_N_per_m) {
+  Range range{.least = contact_N_per_m};
+  for (int node = 0; node < tissue.surface_nodes(); ++node) {
+    if (held[tissue.mesh().surface_nodes()[node]]) continue;
+    const Eigen::Matrix3d compliance = tissue.compliance_m_per_N(node, node);
+    const double least_m_per_N = compliance.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
+    const double series_N_per_m = 1 / (std::max(least_m_per_N, 0.0) + 1 / contact_N_per_m);
+    range.least = std::min(range.least, series_N_per_m);
+    range.most = std::max(range.most, series_N_per_m);
+  }
+  return range;
+}
+
+std::string rounded(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return to_text(std::round(value / unit) * unit);
+}
+
+}  // namespace
+
+TissueMedium::TissueMedium(TissueDescription description)
+    : held_nodes_(description.held_nodes),
+      probe_(description.probe),
+      material_(description.material),
+      law_(law_of(std::move(description))) {}
+
+TissueMedium::Law TissueMedium::law_of(TissueDescription&& description) {
+  description.probe.check();
+  if (!description.large_motion) {
+    return TissueModel(LinearTissue(std::move(description.mesh), description.material, description.held_nodes),
+                       description.probe);
+  }
+  if (description.probe.radius_m > 0) {
+    throw std::invalid_argument("under large motion the probe is a point: radius_m must be 0, got " +
+                                to_text(description.probe.radius_m));
+  }
+  return CorotationalTissue(std::move(description.mesh), description.material, description.held_nodes,
+                            {.contact_stiffness_N_per_m = description.probe.contact_stiffness_N_per_m});
+}
+
+std::unique_ptr<MediumState> TissueMedium::make_state(int seats) const {
+  if (seats != 1) throw std::invalid_argument("a tissue has one seat, got " + std::to_string(seats));
+  if (const auto* linear = std::get_if<TissueModel>(&law_)) return std::make_unique<LinearTissueWorld>(*linear, seats);
+  return std::make_unique<CorotationalTissueWorld>(std::get<CorotationalTissue>(law_), seats);
+}
+
+MediumFacts TissueMedium::facts() const {
+  const auto* linear = std::get_if<TissueModel>(&law_);
+  const TetrahedralMesh& mesh = linear != nullptr ? linear->tissue().mesh() : std::get<CorotationalTissue>(law_).mesh();
+  std::vector<bool> held(mesh.nodes_m().size(), false);
+  for (const int node : held_nodes_) held[node] = true;
+  MediumFacts facts;
+  facts.on_surface_m = top_of(mesh, held);
+  facts.stiffness_N_per_m = probe_.contact_stiffness_N_per_m;
+  facts.lines = {
+      std::to_string(mesh.nodes_m().size()) + " nodes, " + std::to_string(mesh.tetrahedra().size()) + " tetrahedra, " +
+          std::to_string(mesh.surface_nodes().size()) + " nodes on the surface, " +
+          std::to_string(std::ranges::count(held, true)) + " held",
+      "elastic: Young's modulus " + to_text(material_.young_Pa) + " Pa, Poisson's ratio " + to_text(material_.poisson)};
+  if (linear != nullptr) {
+    describe(*linear, held, facts);
+  } else {
+    describe(std::get<CorotationalTissue>(law_), facts);
+  }
+  return facts;
+}
+
+void TissueMedium::describe(const TissueModel& model, const std::vector<bool>& held, MediumFacts& facts) const {
+  const LinearTissue& tissue = model.tissue();
+  facts.memory_bytes = tissue.memory_bytes();
+  facts.state_bytes = sizeof(LinearTissueWorld);
+  const auto triangles = static_cast<double>(tissue.surface().triangles().size());
+  facts.cost_ns =
+      probe_.radius_m > 0 ? kSphere_ns + kSphereTriangle_ns * triangles + kContact_ns * probe_.contacts_max : kPoint_ns;
+  const Range stiffness = stiffness_of(tissue, held, probe_.contact_stiffness_N_per_m);
+  if (std::ranges::none_of(tissue.mesh().surface_nodes(), [&](int node) { return held[node]; })) {
+    facts.stiffness_N_per_m = stiffness.most;
+  }
+  facts.lines.emplace_back("linear: small displacements and rotations, no inertia");
+  facts.lines.push_back((probe_.radius_m > 0 ? "felt by a sphere of " + to_text(probe_.radius_m) + " m, at most " +
+                                                   std::to_string(probe_.contacts_max) + " contacts of "
+                                             : std::string("felt by a point, a contact of ")) +
+                        to_text(probe_.contact_stiffness_N_per_m) + " N/m: at nodes of the surface " +
+                        rounded(stiffness.least) + " to " + rounded(stiffness.most) +
+                        " N/m with the tissue, where it is held the contact alone");
+  if (const std::string warning = tissue.warning(); !warning.empty()) facts.lines.push_back(warning);
+}
+
+void TissueMedium::describe(const CorotationalTissue& tissue, MediumFacts& facts) const {
+  const auto tetrahedra = tissue.mesh().tetrahedra().size();
+  facts.memory_bytes = tetrahedra * kCorotationalTetrahedron_bytes;
+  const CorotationalWorkspace workspace = tissue.make_workspace();
+  facts.state_bytes = sizeof(CorotationalTissueWorld) + 10 * tissue.coordinates() * sizeof(double) +
+                      workspace.rotations.size() * sizeof(Eigen::Matrix3d);
+  facts.cost_ns = kCorotationalTetrahedron_ns * static_cast<double>(tetrahedra);
+  facts.lines.emplace_back("corotational: large motion, small strain, no inertia");
+  facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +
+                        " N/m: the most that is felt");
+}
+
+}  // namespace forcebound::server

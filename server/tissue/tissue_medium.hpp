@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "forcebound/server/effects/medium.hpp"
+#include "forcebound/server/tissue/corotational_tissue.hpp"
+#include "forcebound/server/tissue/tissue_contact.hpp"
+
+namespace forcebound::server {
+
+/// What is said of a soft tissue and of what touches it.
+struct TissueDescription {
+  TetrahedralMesh mesh;
+  ElasticMaterial material;
+  std::vector<int> held_nodes;  ///< of the mesh, which do not move
+  ProbeOptions probe{};
+  bool large_motion = false;  ///< CorotationalTissue against a point, instead of TissueModel
+};
+
+/// Soft tissue, and probes on it.
+///
+/// Quasi-static: a motion is answered by where the probe is, whatever the time. `move` does the step, `touch` returns
+/// what it came to.
+///
+/// Immutable; states keep a reference to it and must not outlive it.
+class TissueMedium final : public Medium {
+ public:
+  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for a sphere under
+  /// large motion
+  /// @throws std::runtime_error beginning with the mesh's name, for what LinearTissue, TissueModel or
+  /// CorotationalTissue refuse
+  explicit TissueMedium(TissueDescription description);
+
+  [[nodiscard]] std::unique_ptr<MediumState> make_state(int seats) const override;
+  [[nodiscard]] MediumFacts facts() const override;
+
+ private:
+  using Law = std::variant<TissueModel, CorotationalTissue>;
+
+  static Law law_of(TissueDescription&& description);
+  void describe(const TissueModel& model, const std::vector<bool>& held, MediumFacts& facts) const;
+  void describe(const CorotationalTissue& tissue, MediumFacts& facts) const;
+
+  std::vector<int> held_nodes_;
+  ProbeOptions probe_;
+  ElasticMaterial material_;
+  Law law_;
+};
+
+}  // namespace forcebound::server

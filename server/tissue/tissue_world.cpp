@@ -1,0 +1,56 @@
+#include "forcebound/server/tissue/tissue_world.hpp"
+
+#include <algorithm>
+
+namespace forcebound::server {
+namespace {
+
+// A device that is farther away than that is a stranger's nonsense, which must not break what others feel.
+constexpr double kFar_m = 100;
+
+}  // namespace
+
+TissueWorld::TissueWorld(int seats) : seats_(static_cast<std::size_t>(seats)) {}
+
+int TissueWorld::join() {
+  const auto free = std::ranges::find(seats_, false, &Seat::taken);
+  if (free == seats_.end()) return -1;
+  *free = {.taken = true};
+  return static_cast<int>(free - seats_.begin());
+}
+
+void TissueWorld::leave(int seat) { at(seat) = {}; }
+
+void TissueWorld::move(int seat, const Point& position_m, const Point& /*velocity_m_per_s*/) noexcept {
+  const Point probe_m = position_m.cwiseMax(-kFar_m).cwiseMin(kFar_m);
+  const TissueResult result = step(static_cast<std::size_t>(seat), probe_m);
+  sound_ = sound_ && result.finite;
+  faults_.contacts_left_out += static_cast<std::uint64_t>(result.contacts_left_out);
+  if (!result.converged) ++faults_.not_converged;
+  MediumTouch& touch = at(seat).touch;
+  touch.force_N = result.force_N;
+  touch.penetration_m = result.depth_m;
+  if (result.contacts > 0) touch.normal = result.normal;
+}
+
+void TissueWorld::advance(double /*elapsed_s*/) noexcept {
+  // Quasi-static.
+}
+
+MediumTouch TissueWorld::touch(int seat) noexcept { return at(seat).touch; }
+
+TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
+  return model_.step(seats()[seat].state, probe_m);
+}
+
+CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
+    : TissueWorld(seats),
+      tissue_(tissue),
+      displacement_m_(tissue.coordinates(), 0),
+      workspace_(tissue.make_workspace()) {}
+
+TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
+  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m);
+}
+
+}  // namespace forcebound::server
