@@ -16,43 +16,45 @@ std::string read_file(const std::string& path) try {
   throw SceneError(error.what());
 }
 
-std::vector<std::string> names_of(const std::vector<std::shared_ptr<const Scene>>& scenes) {
-  std::vector<std::string> names;
-  names.reserve(scenes.size());
-  for (const auto& scene : scenes) names.push_back(scene->facts().name);
-  return names;
-}
-
 }  // namespace
 
-SceneLibrary SceneLibrary::shipped(const EffectRegistry& registry) {
+SceneLibrary SceneLibrary::shipped(EffectRegistry registry) {
   SceneLibrary library;
+  library.registry_ = std::make_shared<const EffectRegistry>(std::move(registry));
   for (const EmbeddedText& scene : shipped_scenes()) {
-    library.add(parse_scene(scene.text, "scenes/" + std::string(scene.name) + ".toml", registry));
+    library.scenes_.push_back({.name = std::string(scene.name), .text = scene.text});
   }
   return library;
 }
 
 void SceneLibrary::add(std::shared_ptr<const Scene> scene) {
-  for (auto& known : scenes_) {
-    if (known->facts().name != scene->facts().name) continue;
-    known = std::move(scene);
+  for (Entry& known : scenes_) {
+    if (known.name != scene->facts().name) continue;
+    known.scene = std::move(scene);
     return;
   }
-  scenes_.push_back(std::move(scene));
+  scenes_.push_back({.name = scene->facts().name, .scene = std::move(scene)});
 }
 
-std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const noexcept {
-  for (const auto& scene : scenes_) {
-    if (scene->facts().name == name) return scene;
-  }
-  return nullptr;
+std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const {
+  const auto found =
+      std::find_if(scenes_.begin(), scenes_.end(), [&](const Entry& known) { return known.name == name; });
+  if (found == scenes_.end()) return nullptr;
+  if (!found->scene) found->scene = parse_scene(found->text, "scenes/" + found->name + ".toml", *registry_);
+  return found->scene;
 }
 
-std::string SceneLibrary::names() const { return text::join(names_of(scenes_)); }
+std::vector<std::string> SceneLibrary::all_names() const {
+  std::vector<std::string> names;
+  names.reserve(scenes_.size());
+  for (const Entry& known : scenes_) names.push_back(known.name);
+  return names;
+}
+
+std::string SceneLibrary::names() const { return text::join(all_names()); }
 
 std::string SceneLibrary::unknown_scene_text(std::string_view name) const {
-  return "no scene '" + std::string(name) + "'" + text::suggestion(name, names_of(scenes_));
+  return "no scene '" + std::string(name) + "'" + text::suggestion(name, all_names());
 }
 
 std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry) {

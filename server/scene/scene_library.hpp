@@ -10,17 +10,18 @@
 
 namespace forcebound::server {
 
-/// The scenes that clients may ask for, by name.
+/// The scenes that clients may ask for, by name. One that ships is compiled when it is first asked for, once: that
+/// takes milliseconds, with tissue a tenth of a second, and a server starts without it. Not thread-safe.
 class SceneLibrary {
  public:
   /// Those that ship with the server.
-  static SceneLibrary shipped(const EffectRegistry& registry = EffectRegistry::standard());
+  static SceneLibrary shipped(EffectRegistry registry = EffectRegistry::standard());
 
   /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
   void add(std::shared_ptr<const Scene> scene);
 
   /// Null if there is none. Never looks at files, so that a client cannot either.
-  [[nodiscard]] std::shared_ptr<const Scene> find(std::string_view name) const noexcept;
+  [[nodiscard]] std::shared_ptr<const Scene> find(std::string_view name) const;
 
   /// "box, circle, ...".
   [[nodiscard]] std::string names() const;
@@ -29,7 +30,16 @@ class SceneLibrary {
   [[nodiscard]] std::string unknown_scene_text(std::string_view name) const;
 
  private:
-  std::vector<std::shared_ptr<const Scene>> scenes_;
+  struct Entry {
+    std::string name;
+    std::string_view text{};                       ///< of a scene that ships
+    mutable std::shared_ptr<const Scene> scene{};  ///< null: not yet compiled
+  };
+
+  [[nodiscard]] std::vector<std::string> all_names() const;
+
+  std::shared_ptr<const EffectRegistry> registry_{};  ///< for those that ship
+  std::vector<Entry> scenes_{};
 };
 
 /// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.

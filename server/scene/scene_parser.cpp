@@ -5,6 +5,7 @@
 #include "forcebound/server/scene/body_parser.hpp"
 #include "forcebound/server/scene/checked_table.hpp"
 #include "forcebound/server/scene/part_parser.hpp"
+#include "forcebound/server/scene/tissue_parser.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
@@ -56,6 +57,7 @@ class Parser {
       return parts.fields.back().name;
     });
     parts.media = parse_bodies(file);
+    for (SceneMedium& tissue : parse_tissues(file)) parts.media.push_back(std::move(tissue));
     file.refuse_unknown_keys();
     check_media(file, facts, parts.media);
     refuse_coincident(file, parts.objects);

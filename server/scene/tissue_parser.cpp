@@ -1,0 +1,129 @@
+#include "forcebound/server/scene/tissue_parser.hpp"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "forcebound/server/tissue/tetrahedral_block.hpp"
+#include "forcebound/server/tissue/tissue_medium.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr Eigen::Index kAxes = 3;
+
+/// What the tissue says, at the place in the scene that led there.
+template <class Make>
+auto made(const CheckedTable& table, const toml::node& where, Make make) {
+  try {
+    return make();
+  } catch (const std::runtime_error& error) {
+    table.fail(where, error.what());
+  } catch (const std::invalid_argument& error) {
+    table.fail(where, error.what());
+  }
+}
+
+Point sizes(CheckedTable& table, std::string_view key) {
+  const Point size_m = table.point(key, kAxes);
+  const toml::node& node = table.at(key);
+  if (!(size_m.minCoeff() > 0))
+    table.fail(node, std::string(key) + " must be > 0 on every axis, got " + as_written(node));
+  return size_m;
+}
+
+TetrahedralMesh parse_block(CheckedTable& shape) {
+  constexpr double kCellsMost = 64;
+  const Point center_m = shape.point("center_m", kAxes);
+  BlockDescription block{.cells = {}, .from_m = {}, .size_m = sizes(shape, "size_m")};
+  block.from_m = center_m - 0.5 * block.size_m;
+  const Point cells = shape.point("cells", kAxes);
+  for (std::size_t axis = 0; axis < block.cells.size(); ++axis) {
+    const double count = cells[static_cast<Eigen::Index>(axis)];
+    if (!(count >= 1 && count <= kCellsMost) || count != std::floor(count)) {
+      shape.fail(shape.at("cells"), "cells must be whole numbers from 1 to 64, got " + as_written(shape.at("cells")));
+    }
+    block.cells[axis] = static_cast<std::size_t>(count);
+  }
+  return made(shape, shape.at("size_m"), [&] { return TetrahedralMesh(tetrahedral_block(block)); });
+}
+
+TetrahedralMesh parse_mesh(CheckedTable& shape) {
+  const std::string path = shape.path("file");
+  const double scale_m = shape.number({.key = "scale", .preset = 1, .least = 0, .least_excluded = true, .most = 1e9});
+  return made(shape, shape.at("file"), [&] { return TetrahedralMesh(load_gmsh(path), scale_m); });
+}
+
+TetrahedralMesh parse_shape(CheckedTable& tissue, std::string& text) {
+  static constexpr std::array<std::string_view, 2> kKinds{"mesh", "block"};
+  CheckedTable shape(tissue.table("shape"), tissue.file(), tissue.place() + ", shape");
+  (void)shape.at("kind");
+  TetrahedralMesh mesh = shape.choice("kind", kKinds) == "mesh" ? parse_mesh(shape) : parse_block(shape);
+  shape.refuse_unknown_keys();
+  text += shape.values_text();
+  return mesh;
+}
+
+/// What lies below a plane, or within a box.
+std::vector<int> parse_held(CheckedTable& tissue, const TetrahedralMesh& mesh) {
+  CheckedTable held(tissue.table("held"), tissue.file(), tissue.place() + ", held");
+  std::vector<int> nodes;
+  if (held.find("center_m") != nullptr) {
+    const Point center_m = held.point("center_m", kAxes);
+    nodes = nodes_in_box(mesh, center_m, sizes(held, "size_m"));
+  } else {
+    const Point through_m = held.point("through_m", kAxes);
+    nodes = nodes_below(mesh, through_m, held.direction("normal", kAxes));
+  }
+  held.refuse_unknown_keys();
+  return nodes;
+}
+
+ElasticMaterial parse_material(CheckedTable& tissue) {
+  return {.young_Pa = tissue.number({.key = "young_Pa", .least = 0, .least_excluded = true}),
+          .poisson = tissue.number({.key = "poisson", .least = 0, .most = 0.4999})};
+}
+
+ProbeOptions parse_probe(CheckedTable& tissue) {
+  ProbeOptions probe;
+  probe.radius_m = tissue.number({.key = "probe_radius_m", .preset = probe.radius_m, .least = 0});
+  probe.contact_stiffness_N_per_m = tissue.number({.key = "contact_stiffness_N_per_m",
+                                                   .preset = probe.contact_stiffness_N_per_m,
+                                                   .least = 0,
+                                                   .least_excluded = true});
+  probe.contacts_max =
+      tissue.whole({.key = "contacts_max", .preset = probe.contacts_max, .least = 1, .most = kContactsMax});
+  return probe;
+}
+
+SceneMedium parse_tissue(CheckedTable& table, const toml::table& where, const std::string& name) {
+  (void)table.at("name");
+  std::string text = "tissue, ";
+  TetrahedralMesh mesh = parse_shape(table, text);
+  std::vector<int> held = parse_held(table, mesh);
+  TissueDescription tissue{.mesh = std::move(mesh),
+                           .material = parse_material(table),
+                           .held_nodes = std::move(held),
+                           .probe = parse_probe(table),
+                           .large_motion = table.flag("large_motion", false)};
+  text += ", " + table.values_text();
+  table.refuse_unknown_keys();
+  return made(table, where, [&] {
+    return SceneMedium{.name = name, .text = text, .medium = std::make_unique<TissueMedium>(std::move(tissue))};
+  });
+}
+
+}  // namespace
+
+std::vector<SceneMedium> parse_tissues(CheckedTable& file) {
+  std::vector<SceneMedium> media;
+  file.each("tissue", [&](const toml::table& tissue) {
+    const std::string name = CheckedTable(tissue, file.file(), "tissue").name("name");
+    CheckedTable table(tissue, file.file(), "tissue '" + name + "'");
+    media.push_back(parse_tissue(table, tissue, name));
+    return name;
+  });
+  return media;
+}
+
+}  // namespace forcebound::server

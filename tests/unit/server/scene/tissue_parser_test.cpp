@@ -1,0 +1,104 @@
+#include "forcebound/server/scene/tissue_parser.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "forcebound/server/scene/explain.hpp"
+#include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/server/scene/scene_state.hpp"
+#include "tests/support/recorded_data.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string pad(const std::string& rest = "", const std::string& shape =
+                                                  "{ kind = \"block\", center_m = [0, 0, -0.02], "
+                                                  "size_m = [0.08, 0.08, 0.04], cells = [6, 6, 3] }") {
+  return "[scene]\nname = \"pad\"\ndescription = \"\"\ndegrees_of_freedom = 3\n"
+         "[[tissue]]\nname = \"pad\"\nshape = " +
+         shape + "\nheld = { through_m = [0, 0, -0.04], normal = [0, 0, 1] }\nyoung_Pa = 10000\npoisson = 0.3\n" + rest;
+}
+
+auto refused(const std::string& what) {
+  return testing::ThrowsMessage<SceneError>(AllOf(StartsWith("pad.toml:"), HasSubstr(what)));
+}
+
+/// Pressed from above the middle down to a depth, a motion a millisecond; the force at the end.
+Point press(SceneState& state, double depth_m) {
+  SceneAnswer answer;
+  for (int i = 0; i <= 100; ++i) {
+    const Point place_m(0.001, 0.002, 0.002 - (depth_m + 0.002) * i / 100);
+    answer = state.answer(control::Vector(place_m), milliseconds(i));
+  }
+  return answer.force;
+}
+
+TEST(TissueParser, PushesBackMoreTheDeeperItIsPressed) {
+  const auto scene = parse_scene(pad(), "pad.toml");
+  SceneState once(scene, 3);
+  SceneState twice(scene, 3);
+  const Point force_N = press(once, 0.001);
+  EXPECT_GT(force_N.z(), 0.01);
+  EXPECT_NEAR(press(twice, 0.002).z() / force_N.z(), 2, 0.2);
+}
+
+TEST(TissueParser, LargeMotionIsAskedForByName) {
+  const auto scene = parse_scene(pad("large_motion = true\ncontact_stiffness_N_per_m = 500\n"), "pad.toml");
+  SceneState state(scene, 3);
+  EXPECT_GT(press(state, 0.004).z(), 0.01);
+  EXPECT_THAT(explain(*scene), HasSubstr("rotation"));
+}
+
+TEST(TissueParser, RefusesWhatIsWrongByNameAndLine) {
+  EXPECT_THAT([] { parse_scene(pad("poison = 0.4\n"), "pad.toml"); },
+              refused("tissue 'pad': unknown key 'poison', did you mean 'poisson'?"));
+  EXPECT_THAT([] { parse_scene(pad("contacts_max = 2.5\n"), "pad.toml"); }, refused("contacts_max must be a whole"));
+  EXPECT_THAT([] { parse_scene(pad("probe_radius_m = 0.0001\n"), "pad.toml"); }, refused("is too small beside edges"));
+  EXPECT_THAT([] { parse_scene(pad("", "{ kind = \"mesh\", file = \"none.msh\" }"), "pad.toml"); },
+              refused("none.msh"));
+  EXPECT_THAT(
+      [] {
+        parse_scene(pad("", "{ kind = \"block\", center_m = [0, 0, 0], size_m = [0.1, 0.1, 0.1], cells = [0, 1, 1] }"),
+                    "pad.toml");
+      },
+      refused("cells must be whole numbers from 1 to 64, got [ 0, 1, 1 ]"));
+  EXPECT_THAT(
+      [] {
+        parse_scene(pad("", "{ kind = \"block\", center_m = [0, 0, 1], size_m = [0.1, 0.1, 0.1], cells = [1, 1, 1] }"),
+                    "pad.toml");
+      },
+      refused("held"));
+}
+
+TEST(TissueParser, TheLiverLoadsAndPushesBack) {
+  const auto file = test::recorded_data("meshes/liver.msh");
+  if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
+  // Some 130 mm wide at this scale; what lies below its middle is held.
+  const auto scene = parse_scene(
+      "[scene]\nname = \"liver\"\ndescription = \"\"\ndegrees_of_freedom = 3\n"
+      "[[tissue]]\nname = \"liver\"\nyoung_Pa = 5000\npoisson = 0.4\n"
+      "shape = { kind = \"mesh\", file = \"" +
+          file->string() +
+          "\", scale = 0.02 }\n"
+          "held = { through_m = [0, 0.02, 0], normal = [0, 1, 0] }\n",
+      "liver.toml");
+  const Point top_m = scene->media().front().medium->facts().on_surface_m;
+  SceneState state(scene, 3);
+  SceneAnswer answer;
+  for (int i = 0; i <= 100; ++i) {
+    const Point place_m = top_m + Point(0, 0, 0.002 - 4e-5 * i);
+    answer = state.answer(control::Vector(place_m), milliseconds(i));
+  }
+  EXPECT_GT(answer.penetration_m, 0);
+  EXPECT_GT(answer.force[2], 0.001);
+  EXPECT_EQ(state.faults().quarantined, 0U);
+}
+
+}  // namespace
+}  // namespace forcebound::server
