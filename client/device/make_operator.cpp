@@ -19,8 +19,9 @@ struct Entry {
   Made (*make)(OperatorSettings settings, int dof);
 };
 
-constexpr std::array<Entry, 4> kOperators = {{
+constexpr std::array<Entry, 5> kOperators = {{
     {"press", [](OperatorSettings s, int dof) -> Made { return std::make_unique<PressOperator>(std::move(s), dof); }},
+    {"stroke", [](OperatorSettings s, int dof) -> Made { return std::make_unique<StrokeOperator>(std::move(s), dof); }},
     {"trace-circle",
      [](OperatorSettings s, int dof) -> Made {
        return std::make_unique<TraceOperator>(std::move(s), dof, TraceOperator::Wall::around);

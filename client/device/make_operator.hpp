@@ -8,8 +8,8 @@
 namespace forcebound::client {
 
 /// A simulated hand from its specification, `NAME[:KEY=VALUE,...]` or `replay:FILE.csv[,KEY=VALUE...]`:
-/// press, trace-circle, trace-sphere, wave, replay. Each knows mass_kg, stiffness_N_per_m and damping_N_s_per_m of the
-/// hand.
+/// press, stroke, trace-circle, trace-sphere, wave, replay. Each knows mass_kg, stiffness_N_per_m and damping_N_s_per_m
+/// of the hand.
 ///
 /// @param dof of the device that it moves, 1 to 6.
 /// @throws std::invalid_argument with what was wrong and what would be accepted; for a recorded motion `FILE:LINE:

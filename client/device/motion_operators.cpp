@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
 #include "forcebound/client/device/smooth_step.hpp"
 
@@ -16,6 +17,7 @@ using Allowed = OperatorSettings::Allowed;
 constexpr Hand kPressHand{.mass_kg = 0.05, .stiffness_N_per_m = 1000, .damping_N_s_per_m = 4};
 constexpr Hand kCircleHand{.mass_kg = 0.12, .stiffness_N_per_m = 100, .damping_N_s_per_m = 2.25};
 constexpr Hand kSphereHand{.mass_kg = 0.1, .stiffness_N_per_m = 200, .damping_N_s_per_m = 0.3};
+constexpr Hand kStrokeHand{.mass_kg = 0.1, .stiffness_N_per_m = 200, .damping_N_s_per_m = 1};
 constexpr Hand kWaveHand{.mass_kg = 0, .stiffness_N_per_m = 150, .damping_N_s_per_m = 0.3};
 
 Operator::Target at_rest(int dof) noexcept { return {Vector::Zero(dof), Vector::Zero(dof)}; }
@@ -68,6 +70,37 @@ Operator::Target TraceOperator::target(double time_s) const noexcept {
   target.position.head(2) << radius * std::cos(angle), radius * std::sin(angle);
   target.velocity.head(2) << outward * std::cos(angle) - along * std::sin(angle),
       outward * std::sin(angle) + along * std::cos(angle);
+  return target;
+}
+
+StrokeOperator::StrokeOperator(OperatorSettings settings, int dof)
+    : SpecifiedOperator(settings, dof, kStrokeHand),
+      height_m_(settings.number("height_m", Allowed::not_negative, 0.02)),
+      depth_m_(settings.number("depth_m", Allowed::any, 0.008)),
+      length_m_(settings.number("length_m", Allowed::not_negative, 0.03)),
+      turn_s_(settings.number("turn_s", Allowed::positive, 2)),
+      approach_s_(settings.number("approach_s", Allowed::positive, 1)),
+      offset_m_(settings.offset(dof)) {
+  if (dof < 3) {
+    throw std::invalid_argument("operator '" + settings.name() + "': needs 3 degrees of freedom, has " +
+                                std::to_string(dof));
+  }
+  finish(settings);
+}
+
+Operator::Target StrokeOperator::target(double time_s) const noexcept {
+  const SmoothStep approach = smooth_step(time_s / approach_s_);
+  // Once there, the turning sets in as gently, and takes as long to do so.
+  const SmoothStep turning = smooth_step(time_s / approach_s_ - 1);
+  const double full_speed = 2 * std::numbers::pi / turn_s_;
+  const double angle = full_speed * approach_s_ * turning.integral;
+  const double half_m = 0.5 * length_m_;
+  Target target{offset_m_, Vector::Zero(degrees_of_freedom())};
+  target.position.head(3) += Eigen::Vector3d(half_m * std::sin(angle), 0.5 * half_m * std::sin(2 * angle),
+                                             height_m_ - (height_m_ + depth_m_) * approach.value);
+  target.velocity.head(3) << full_speed * turning.value * half_m *
+                                 Eigen::Vector2d(std::cos(angle), std::cos(2 * angle)),
+      -(height_m_ + depth_m_) / approach_s_ * approach.slope;
   return target;
 }
 

@@ -34,6 +34,22 @@ class TraceOperator final : public SpecifiedOperator {
   double approach_s_;
 };
 
+/// Comes down along the third axis onto what lies at the offset, and strokes it there in a figure of eight, `stroke`: a
+/// length along the first axis and half of it along the second.
+class StrokeOperator final : public SpecifiedOperator {
+ public:
+  StrokeOperator(OperatorSettings settings, int dof);
+  [[nodiscard]] Target target(double time_s) const noexcept override;
+
+ private:
+  double height_m_;
+  double depth_m_;
+  double length_m_;
+  double turn_s_;
+  double approach_s_;
+  Vector offset_m_;
+};
+
 /// Free motion, `wave`: on each axis two sines of unrelated frequencies, faded in during the first second.
 class WaveOperator final : public SpecifiedOperator {
  public:

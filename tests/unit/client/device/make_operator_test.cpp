@@ -50,8 +50,23 @@ TEST(MakeOperator, TraceSphereComesFromOutsideAndPressesIn) {
   EXPECT_LT((trace->target(5).position - trace->target(11).position).norm(), 1e-15);  // one turn in 6 s
 }
 
+TEST(MakeOperator, StrokeComesFromAboveAndGoesToAndFroInItsDepth) {
+  const auto stroke = make_operator("stroke:offset_z_m=0.1,height_m=0.02,depth_m=0.005,length_m=0.04,turn_s=2", 3);
+  EXPECT_NEAR((stroke->target(0).position - Eigen::Vector3d(0, 0, 0.12)).norm(), 0, 1e-15);
+  double least_m = 0;
+  double most_m = 0;
+  for (double t = 2; t < 4; t += 0.01) {
+    const Vector position = stroke->target(t).position;
+    EXPECT_NEAR(position[2], 0.095, 1e-15);
+    least_m = std::min(least_m, position[0]);
+    most_m = std::max(most_m, position[0]);
+  }
+  EXPECT_NEAR(most_m, 0.02, 1e-4);
+  EXPECT_NEAR(least_m, -0.02, 1e-4);
+}
+
 TEST(MakeOperator, EveryTargetBeginsAtRestAndItsVelocityIsTheDerivative) {
-  for (const char* specification : {"press", "trace-circle", "trace-sphere", "wave:offset_y_m=0.01"}) {
+  for (const char* specification : {"press", "stroke", "trace-circle", "trace-sphere", "wave:offset_y_m=0.01"}) {
     SCOPED_TRACE(specification);
     const auto hand = make_operator(specification, 3);
     EXPECT_EQ(hand->target(0).velocity.norm(), 0);
@@ -85,7 +100,7 @@ TEST(MakeOperator, WorksForOneToSixDegreesOfFreedom) {
 }
 
 TEST(MakeOperator, RefusalsSayWhatIsWrongAndWhatWouldDo) {
-  EXPECT_THAT(refusal_of("pres"), HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, "
+  EXPECT_THAT(refusal_of("pres"), HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, stroke, "
                                             "trace-circle, trace-sphere, wave, replay:FILE.csv)"));
   EXPECT_THAT(refusal_of("press:dept_m=1"), HasSubstr("operator 'press': unknown key 'dept_m' (known: "));
   EXPECT_THAT(refusal_of("press:stifness_N_per_m=1"), HasSubstr("did you mean 'stiffness_N_per_m'?"));
@@ -96,6 +111,7 @@ TEST(MakeOperator, RefusalsSayWhatIsWrongAndWhatWouldDo) {
   EXPECT_EQ(refusal_of("press:mass_kg=-1"), "operator 'press': mass_kg must be >= 0, got -1");
   EXPECT_EQ(refusal_of("press:approach_s=0"), "operator 'press': approach_s must be > 0, got 0");
   EXPECT_EQ(refusal_of("press:axis=3"), "operator 'press': axis must be a whole number from 0 to 2, got 3");
+  EXPECT_EQ(refusal_of("stroke", 2), "operator 'stroke': needs 3 degrees of freedom, has 2");
   EXPECT_EQ(refusal_of("trace-circle", 1), "operator 'trace-circle': needs 2 degrees of freedom, has 1");
   EXPECT_EQ(refusal_of("replay:"), "operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
   EXPECT_EQ(refusal_of("replay:no/such.csv,scale=1"), "no/such.csv: cannot be read: No such file or directory");
