@@ -140,7 +140,8 @@ class CorotationalTissue::Step {
   }
 
   [[nodiscard]] TissueState state() const noexcept {
-    TissueState next{.started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .direction = {}, .contact = {}};
+    TissueState next{
+        .started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .shift_m = {}, .direction = {}, .contact = {}};
     if (place_) next.contact[next.contacts++] = {place_->triangle, to_array(place_->weight)};
     return next;
   }
