@@ -50,7 +50,8 @@ class LinearTissue {
   }
 
   /// The same between places.
-  [[nodiscard]] Eigen::Matrix3d compliance_m_per_N(const SurfacePlace& moved, const SurfacePlace& pushed) const noexcept;
+  [[nodiscard]] Eigen::Matrix3d compliance_m_per_N(const SurfacePlace& moved,
+                                                   const SurfacePlace& pushed) const noexcept;
 
   /// How many times too small displacements under a probe are, estimated: those under forces along the normal at nodes
   /// of the surface, with the change of volume averaged around each node, over those of this model. Never below 1; a

@@ -37,9 +37,9 @@ int OtherContacts::add(const TissueState& probe) noexcept {
   const Point probe_m = to_point(probe.probe_m);
   int left_out = 0;
   for (std::uint32_t k = 0; k < probe.contacts; ++k) {
-    Contact contact{.place = {.triangle = static_cast<int>(probe.contact[k].triangle),
-                              .weight = to_point(probe.contact[k].weight)},
-                    .directions = Eigen::Matrix3d::Identity()};
+    Contact contact{
+        .place = {.triangle = static_cast<int>(probe.contact[k].triangle), .weight = to_point(probe.contact[k].weight)},
+        .directions = Eigen::Matrix3d::Identity()};
     contact.depth_m = probe_m - tissue_.surface().at(contact.place);
     if (radius_m_ > 0) {
       const Point direction = to_point(probe.direction);
@@ -62,8 +62,8 @@ void OtherContacts::put_in(Contact& contact) noexcept {
   const Eigen::Index before = rows();
   const Eigen::Index size = contact.directions.cols();
   const Rows coupling = coupled(contact.place, contact.directions);
-  SmallMatrix left = contact.directions.transpose() * tissue_.compliance_m_per_N(contact.place, contact.place) *
-                     contact.directions;
+  SmallMatrix left =
+      contact.directions.transpose() * tissue_.compliance_m_per_N(contact.place, contact.place) * contact.directions;
   left.diagonal().array() += yield_m_per_N_;
   left -= coupling.transpose().lazyProduct(coupling);
   const Eigen::LLT<SmallMatrix> factor(left);
@@ -73,8 +73,7 @@ void OtherContacts::put_in(Contact& contact) noexcept {
   const auto known = Row(drive_);
   drive_.resize(before + size);
   drive_.head(before) = known;
-  drive_.tail(size) =
-      factor.matrixL().solve(contact.depth_m.head(size) - coupling.transpose().lazyProduct(known));
+  drive_.tail(size) = factor.matrixL().solve(contact.depth_m.head(size) - coupling.transpose().lazyProduct(known));
 }
 
 OtherContacts::Rows OtherContacts::coupled(const SurfacePlace& place, const Directions& directions) const noexcept {

@@ -11,15 +11,17 @@ namespace forcebound::server {
 
 /// How other probes hold a tissue while one probe steps on it.
 ///
-/// Each of their contacts is a spring of 1/k along one direction e (a sphere's) or three (a point's), between a place of
-/// the surface and where its probe holds it, d beyond the place at rest. All probes on a tissue together have one energy,
+/// Each of their contacts is a spring of 1/k along one direction e (a sphere's) or three (a point's), between a place
+/// of the surface and where its probe holds it, d beyond the place at rest. All probes on a tissue together have one
+/// energy,
 ///
 ///     E = max over f, p   f'b + p'd - 1/2 (f, p)' (A + I/k) (f, p)
 ///
-/// f being the forces of the probe that steps and p those of the others. With L L' the others' rows of A + I/k, y = L^-1 d
-/// and z_k = L^-1 A_k the p are eliminated, exactly: what is left for f is a tissue whose surface the others alone have
-/// moved by z_k . y, and which yields by z_k . z_l less. So one probe's step minimises the energy of all, with the others'
-/// places and the set of their contacts held; those that would pull then are left out, and the step is done once more.
+/// f being the forces of the probe that steps and p those of the others. With L L' the others' rows of A + I/k, y =
+/// L^-1 d and z_k = L^-1 A_k the p are eliminated, exactly: what is left for f is a tissue whose surface the others
+/// alone have moved by z_k . y, and which yields by z_k . z_l less. So one probe's step minimises the energy of all,
+/// with the others' places and the set of their contacts held; those that would pull then are left out, and the step is
+/// done once more.
 ///
 /// Real time: all but the constructor is noexcept and allocates nothing. Scratch memory, for one thread at a time.
 class OtherContacts {

@@ -69,7 +69,7 @@ TissueResult TissueModel::step_among(OtherContacts* others, TissueState& state, 
       state.started = 1;
       state.probe_m = to_array(probe_m);
       state.shift_m = {};
-      return {};
+      return {.energy_J = others != nullptr ? others->energy_J() : 0};
     }
   }
   TissueState next = state;

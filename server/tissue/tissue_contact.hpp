@@ -83,8 +83,8 @@ struct TissueResult {
 /// another normal, that is the new m, as soon as that does not raise E.
 ///
 /// *Several probes* on one tissue have one energy; each step lowers it over what is its own, see OtherContacts. The
-/// places where a probe may touch are those of the tissue as the others have moved it: a probe without contact counts as
-/// where it would be beside the tissue at rest.
+/// places where a probe may touch are those of the tissue as the others have moved it: a probe without contact counts
+/// as where it would be beside the tissue at rest.
 ///
 /// Real time: `step` is noexcept, allocates nothing, and takes bounded time. Immutable: sessions share a model, each
 /// with a state. A model takes the memory of its LinearTissue and little more.

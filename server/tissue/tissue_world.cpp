@@ -41,8 +41,7 @@ void TissueWorld::advance(double /*elapsed_s*/) noexcept {
 
 MediumTouch TissueWorld::touch(int seat) noexcept {
   const Seat& touched = at(seat);
-  return {
-      .force_N = touched.result.force_N, .normal = touched.normal, .penetration_m = touched.result.depth_m};
+  return {.force_N = touched.result.force_N, .normal = touched.normal, .penetration_m = touched.result.depth_m};
 }
 
 int LinearTissueWorld::gather_others(std::size_t seat) noexcept {
@@ -51,7 +50,6 @@ int LinearTissueWorld::gather_others(std::size_t seat) noexcept {
   for (std::size_t other = 0; other < seats().size(); ++other) {
     if (other != seat) left_out += others_.add(seats()[other].state);
   }
-  for (int n = 0; n < kDropsMax && others_.drop_pulling();) ++n;
   return left_out;
 }
 

@@ -47,8 +47,8 @@ class TissueWorld : public MediumState {
 };
 
 /// Each step is that of one probe while the contacts of the others follow it, so that the order of the motions does not
-/// matter to probes that stay at their places: see OtherContacts. Where a probe touches is looked for at its own motions
-/// only: the others feel its last contacts until then.
+/// matter to probes that stay at their places: see OtherContacts. Where a probe touches is looked for at its own
+/// motions only: the others feel its last contacts until then.
 class LinearTissueWorld final : public TissueWorld {
  public:
   LinearTissueWorld(const TissueModel& model, int seats) : TissueWorld(seats), model_(model), others_(model) {}

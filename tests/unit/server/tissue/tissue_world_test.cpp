@@ -82,8 +82,7 @@ std::vector<Row> rows_of(const TissueModel& model, const LinearTissueWorld& worl
       if (model.options().radius_m > 0) {
         const Point direction = to_point(state.direction);
         const SphereDepth depth(from_place_m, direction, model.options().radius_m);
-        rows.push_back(
-            {place, -direction, depth.depth_m, seat, direction + depth.aside_m / model.options().radius_m});
+        rows.push_back({place, -direction, depth.depth_m, seat, direction + depth.aside_m / model.options().radius_m});
         continue;
       }
       for (int axis = 0; axis < 3; ++axis) {
@@ -148,7 +147,9 @@ TEST(LinearTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherFeelsOf
     SCOPED_TRACE(model.options().radius_m);
     Two two(model);
     two.press(kBeside_m);
-    constexpr double kStep_m = 1e-7;
+    for (int n = 0; n < 1000; ++n) two.move(n % 2, kBeside_m[static_cast<std::size_t>(n % 2)]);
+    // So short that a point does not slide.
+    constexpr double kStep_m = 1e-10;
     // How the force on one changes with the place of the other.
     const auto coupling = [&](int moved, int felt) {
       Eigen::Matrix3d change_N_per_m;
@@ -156,7 +157,7 @@ TEST(LinearTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherFeelsOf
         std::array<Point, 2> force_N;
         for (const std::size_t side : {0U, 1U}) {
           const Point step_m = (side == 0 ? -kStep_m : kStep_m) * Point::Unit(axis);
-          for (int n = 0; n < 5; ++n) {
+          for (int n = 0; n < 3; ++n) {
             two.move(moved, kBeside_m[static_cast<std::size_t>(moved)] + step_m);
             force_N[side] = two.move(felt, kBeside_m[static_cast<std::size_t>(felt)]).force_N;
           }
@@ -261,11 +262,13 @@ Work go_round(const TissueModel& model, int steps) {
 
 TEST(LinearTissueWorld, TwoHandsGoingRoundGetNoMoreThanTheyGave) {
   for (const TissueModel& model : models()) {
-    const Work coarse = go_round(model, 1000);
-    const Work fine = go_round(model, 4000);
-    EXPECT_GT(fine.peak_J, 1e-4);
-    std::printf("radius %g: peak %g coarse %g fine %g\n", model.options().radius_m, fine.peak_J,
-                coarse.by_hands_J / fine.peak_J, fine.by_hands_J / fine.peak_J);
+    SCOPED_TRACE(model.options().radius_m);
+    const Work work = go_round(model, 4000);
+    EXPECT_GT(work.peak_J, 5e-4);
+    // That each knows where the other was a motion before costs one part in some thousands; a point slips, and only
+    // loses.
+    EXPECT_GT(work.by_hands_J, -1e-4 * work.peak_J);
+    EXPECT_LT(work.by_hands_J, (model.options().radius_m > 0 ? 1e-4 : 5e-3) * work.peak_J);
   }
 }
 
