@@ -11,6 +11,8 @@ constexpr double kFar_m = 100;
 // Times that contacts which pull are left out: once is nearly always enough.
 constexpr int kDropsMax = 4;
 
+Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
+
 }  // namespace
 
 TissueWorld::TissueWorld(int seats) : seats_(static_cast<std::size_t>(seats)) {}
@@ -69,11 +71,19 @@ TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noe
 CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
     : TissueWorld(seats),
       tissue_(tissue),
+      others_(static_cast<std::size_t>(seats)),
       displacement_m_(tissue.coordinates(), 0),
       workspace_(tissue.make_workspace()) {}
 
 TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
-  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m);
+  std::size_t count = 0;
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    const TissueState& state = seats()[other].state;
+    if (other == seat || state.contacts == 0) continue;
+    others_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), to_point(state.contact[0].weight)},
+                        .probe_m = to_point(state.probe_m)};
+  }
+  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m, {others_.data(), count});
 }
 
 }  // namespace forcebound::server
