@@ -50,10 +50,7 @@ CorotationalTissue::CorotationalTissue(TetrahedralMesh mesh, const ElasticMateri
   if (free_.count() == 0) throw std::runtime_error(mesh_.name() + ": all nodes are held: expected some that can move");
   SparseCholesky cholesky;
   factorise(cholesky, free_.reduced(stiffness_matrix(mesh_, material_)), mesh_.name());
-  factors_.lower = cholesky.matrixL().nestedExpression();
-  factors_.pivots = cholesky.vectorD();
-  const auto& order = cholesky.permutationP().indices();
-  factors_.permuted.assign(order.data(), order.data() + order.size());
+  factors_ = StiffnessFactors(cholesky);
 }
 
 CorotationalWorkspace CorotationalTissue::make_workspace() const {
@@ -93,37 +90,21 @@ double CorotationalTissue::elastic_energy(std::span<const double> displacement_m
   return energy_J;
 }
 
-void CorotationalTissue::Factors::solve(const Eigen::VectorXd& right, Eigen::VectorXd& solved,
-                                        Eigen::VectorXd& scratch) const noexcept {
-  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
-  const Eigen::Index size = lower.rows();
-  for (Eigen::Index row = 0; row < size; ++row) scratch[permuted[row]] = right[row];
-  for (Eigen::Index column = 0; column < size; ++column) {
-    for (Entry entry(lower, column); entry; ++entry) {
-      if (entry.row() > column) scratch[entry.row()] -= entry.value() * scratch[column];
-    }
-  }
-  for (Eigen::Index row = 0; row < size; ++row) scratch[row] /= pivots[row];
-  for (Eigen::Index column = size - 1; column >= 0; --column) {
-    for (Entry entry(lower, column); entry; ++entry) {
-      if (entry.row() > column) scratch[column] -= entry.value() * scratch[entry.row()];
-    }
-  }
-  for (Eigen::Index row = 0; row < size; ++row) solved[row] = scratch[permuted[row]];
-}
-
 class CorotationalTissue::Step {
  public:
   Step(const CorotationalTissue& tissue, std::span<double> displacement_m, CorotationalWorkspace& workspace,
-       const Point& probe_m) noexcept
+       const Point& probe_m, std::span<CorotationalTie> others) noexcept
       : tissue_(tissue),
         displacement_m_(displacement_m.data(), static_cast<Eigen::Index>(displacement_m.size())),
         work_(workspace),
-        probe_m_(probe_m) {}
+        probe_m_(probe_m),
+        others_(others) {}
 
   TissueResult run(const TissueState& last) noexcept {
+    find_shift(last);
     locate(last);
-    if (!place_ && displacement_m_.isZero(0)) return result_;
+    if (!place_ && others_.empty() && displacement_m_.isZero(0)) return result_;
+    for (CorotationalTie& other : others_) other.pulls = false;
     elastic_J_ = elastic(displacement_m_, work_.force);
     slide();
     while (result_.iterations < tissue_.options_.iterations_max) {
@@ -140,7 +121,12 @@ class CorotationalTissue::Step {
   }
 
   [[nodiscard]] TissueState state() const noexcept {
-    TissueState next{.started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .direction = {}, .contact = {}};
+    TissueState next{.started = 1,
+                     .contacts = 0,
+                     .probe_m = to_array(probe_m_),
+                     .shift_m = to_array(shift_m_),
+                     .direction = {},
+                     .contact = {}};
     if (place_) next.contact[next.contacts++] = {place_->triangle, to_array(place_->weight)};
     return next;
   }
@@ -148,14 +134,25 @@ class CorotationalTissue::Step {
  private:
   using Vector = Eigen::VectorXd;
 
+  // How far the surface near the probe has moved already: without contact the probe counts as where it would be beside
+  // the tissue at rest. Which place is nearest depends on that: a fixed point, followed from step to step.
+  void find_shift(const TissueState& last) noexcept {
+    if (displacement_m_.isZero(0)) return;
+    if (last.started != 0) shift_m_ = to_point(last.shift_m);
+    SurfacePlace place{.triangle = static_cast<int>(last.contact[0].triangle),
+                       .weight = to_point(last.contact[0].weight)};
+    if (last.contacts == 0) place = tissue_.surface_.nearest(probe_m_ - shift_m_).place;
+    shift_m_ = corners(displacement_m_, place.triangle) * place.weight - tissue_.surface_.at(place);
+  }
+
   void locate(const TissueState& last) noexcept {
     if (last.contacts > 0) {
       place_ = SurfacePlace{.triangle = static_cast<int>(last.contact[0].triangle),
                             .weight = to_point(last.contact[0].weight)};
     } else if (last.started != 0) {
-      place_ = tissue_.surface_.entry(to_point(last.probe_m), probe_m_);
+      place_ = tissue_.surface_.entry(to_point(last.probe_m) - to_point(last.shift_m), probe_m_ - shift_m_);
     } else {
-      const TissueSurface::Nearest nearest = tissue_.surface_.nearest(probe_m_);
+      const TissueSurface::Nearest nearest = tissue_.surface_.nearest(probe_m_ - shift_m_);
       if (nearest.height_m < 0) place_ = nearest.place;
     }
   }
@@ -178,18 +175,39 @@ class CorotationalTissue::Step {
     return columns;
   }
 
-  // From the place to the probe.
+  // From a place to the probe that holds it.
   template <typename Displacement>
-  [[nodiscard]] Point stretch(const Displacement& displacement_m) const noexcept {
-    return probe_m_ - corners(displacement_m, place_->triangle) * place_->weight;
+  [[nodiscard]] Point stretch(const Displacement& displacement_m, const CorotationalTie& tie) const noexcept {
+    return tie.probe_m - corners(displacement_m, tie.place.triangle) * tie.place.weight;
+  }
+
+  [[nodiscard]] CorotationalTie own_tie() const noexcept { return {.place = *place_, .probe_m = probe_m_}; }
+
+  // All that hold the tissue.
+  template <typename Do>
+  void for_each_tie(const Do& act) const noexcept {
+    if (place_) act(own_tie());
+    for (const CorotationalTie& other : others_) {
+      if (!other.pulls) act(other);
+    }
   }
 
   [[nodiscard]] double tie_energy(double square_m2) const noexcept {
     return 0.5 * tissue_.options_.contact_stiffness_N_per_m * square_m2;
   }
 
+  template <typename Displacement>
+  [[nodiscard]] double energy_of_others(const Displacement& displacement_m) const noexcept {
+    double sum_J = 0;
+    for (const CorotationalTie& other : others_) {
+      if (!other.pulls) sum_J += tie_energy(stretch(displacement_m, other).squaredNorm());
+    }
+    return sum_J;
+  }
+
   [[nodiscard]] double total_energy() const noexcept {
-    return elastic_J_ + (place_ ? tie_energy(stretch(displacement_m_).squaredNorm()) : 0);
+    return elastic_J_ + energy_of_others(displacement_m_) +
+           (place_ ? tie_energy(stretch(displacement_m_, own_tie()).squaredNorm()) : 0);
   }
 
   void release_held(Vector& force_N) const noexcept {
@@ -198,15 +216,17 @@ class CorotationalTissue::Step {
     }
   }
 
-  void add_at_place(Vector& force_N, const Point& at_place_N) const noexcept {
+  void add_at(const SurfacePlace& place, const Point& at_place_N, Vector& force_N) const noexcept {
     for (int a = 0; a < 3; ++a) {
-      force_N.segment<3>(3 * tissue_.surface_.triangles()[place_->triangle][a]) += place_->weight[a] * at_place_N;
+      force_N.segment<3>(3 * tissue_.surface_.triangles()[place.triangle][a]) += place.weight[a] * at_place_N;
     }
   }
 
   void total_force(Vector& force_N) const noexcept {
     force_N = work_.force;
-    if (place_) add_at_place(force_N, tissue_.options_.contact_stiffness_N_per_m * stretch(displacement_m_));
+    for_each_tie([&](const CorotationalTie& tie) {
+      add_at(tie.place, tissue_.options_.contact_stiffness_N_per_m * stretch(displacement_m_, tie), force_N);
+    });
     release_held(force_N);
   }
 
@@ -246,15 +266,15 @@ class CorotationalTissue::Step {
           rotation * (tissue_.mesh_.volumes_m3()[t] * stress) * tissue_.gradients_[t];
       for (int a = 0; a < 4; ++a) force_N.segment<3>(3 * nodes[a]) += forces.col(a);
     }
-    if (place_) {
+    for_each_tie([&](const CorotationalTie& tie) {
       Point at_place_m = Point::Zero();
       for (int a = 0; a < 3; ++a) {
-        at_place_m += place_->weight[a] * moved_m.segment<3>(3 * tissue_.surface_.triangles()[place_->triangle][a]);
+        at_place_m += tie.place.weight[a] * moved_m.segment<3>(3 * tissue_.surface_.triangles()[tie.place.triangle][a]);
       }
       // Across its own direction the tie gives way, since the place slides.
-      const Point along = stretch(displacement_m_).stableNormalized();
-      add_at_place(force_N, tissue_.options_.contact_stiffness_N_per_m * along.dot(at_place_m) * along);
-    }
+      const Point along = stretch(displacement_m_, tie).stableNormalized();
+      add_at(tie.place, tissue_.options_.contact_stiffness_N_per_m * along.dot(at_place_m) * along, force_N);
+    });
     release_held(force_N);
   }
 
@@ -287,7 +307,7 @@ class CorotationalTissue::Step {
       work_.trial = displacement_m_ + share * work_.direction;
       const double elastic_J = elastic(work_.trial, work_.trial_force);
       const double tie_J = place_ ? tie_energy(slid(work_.trial).square_m2) : 0;
-      if (!(elastic_J + tie_J <= before_J - kWorthwhile * share * slope_J)) continue;
+      if (!(elastic_J + tie_J + energy_of_others(work_.trial) <= before_J - kWorthwhile * share * slope_J)) continue;
       displacement_m_ = work_.trial;
       work_.force.swap(work_.trial_force);
       elastic_J_ = elastic_J;
@@ -304,7 +324,7 @@ class CorotationalTissue::Step {
   // From the place to the nearest of those around, from triangle to triangle.
   template <typename Displacement>
   [[nodiscard]] Slid slid(const Displacement& displacement_m) const noexcept {
-    Slid best{*place_, stretch(displacement_m).squaredNorm()};
+    Slid best{*place_, stretch(displacement_m, own_tie()).squaredNorm()};
     for (int hop = 0; hop < kHopsMax; ++hop) {
       const PlacesAround around = tissue_.surface_.places_around(best.place);
       const double before_m2 = best.square_m2;
@@ -319,13 +339,18 @@ class CorotationalTissue::Step {
     return best;
   }
 
+  [[nodiscard]] bool pulls(const CorotationalTie& tie) const noexcept {
+    const Eigen::Matrix3d here = corners(displacement_m_, tie.place.triangle);
+    const Point outward = (here.col(1) - here.col(0)).cross(here.col(2) - here.col(0));
+    return stretch(displacement_m_, tie).dot(outward) >= 0;
+  }
+
   // Away, where the tie would pull.
   void slide() noexcept {
+    for (CorotationalTie& other : others_) other.pulls = other.pulls || pulls(other);
     if (!place_) return;
     *place_ = slid(displacement_m_).place;
-    const Eigen::Matrix3d here = corners(displacement_m_, place_->triangle);
-    const Point outward = (here.col(1) - here.col(0)).cross(here.col(2) - here.col(0));
-    if (stretch(displacement_m_).dot(outward) >= 0) place_.reset();
+    if (pulls(own_tie())) place_.reset();
   }
 
   void conclude() noexcept {
@@ -335,14 +360,14 @@ class CorotationalTissue::Step {
     result_.energy_J = total_energy();
     if (!place_) {
       // At rest to within the tolerance is at rest: nothing is left to do in the steps to come.
-      if (result_.converged && displacement_m_.lpNorm<Eigen::Infinity>() <= tissue_.tolerance_m_) {
+      if (result_.converged && others_.empty() && displacement_m_.lpNorm<Eigen::Infinity>() <= tissue_.tolerance_m_) {
         displacement_m_.setZero();
         result_.energy_J = 0;
       }
       return;
     }
     result_.contacts = 1;
-    result_.force_N = -tissue_.options_.contact_stiffness_N_per_m * stretch(displacement_m_);
+    result_.force_N = -tissue_.options_.contact_stiffness_N_per_m * stretch(displacement_m_, own_tie());
     result_.normal = result_.force_N.stableNormalized();
     result_.depth_m = std::max(0.0, (tissue_.surface_.at(*place_) - probe_m_).dot(result_.normal));
   }
@@ -351,15 +376,18 @@ class CorotationalTissue::Step {
   Eigen::Map<Eigen::VectorXd> displacement_m_;
   CorotationalWorkspace& work_;
   Point probe_m_;
+  std::span<CorotationalTie> others_;
+  Point shift_m_ = Point::Zero();
   std::optional<SurfacePlace> place_;
   double elastic_J_ = 0;
   TissueResult result_;
 };
 
 TissueResult CorotationalTissue::step(TissueState& state, std::span<double> displacement_m,
-                                      CorotationalWorkspace& workspace, const Point& probe_m) const noexcept {
+                                      CorotationalWorkspace& workspace, const Point& probe_m,
+                                      std::span<CorotationalTie> others) const noexcept {
   if (!probe_m.allFinite()) return {.finite = false};
-  Step step(*this, displacement_m, workspace, probe_m);
+  Step step(*this, displacement_m, workspace, probe_m, others);
   const TissueResult result = step.run(state);
   if (!result.force_N.allFinite() || !std::isfinite(result.energy_J)) return {.finite = false};
   state = step.state();

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Sparse>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "forcebound/server/tissue/elasticity.hpp"
+#include "forcebound/server/tissue/held_stiffness.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
 
 namespace forcebound::server {
@@ -19,6 +19,13 @@ struct CorotationalOptions {
 
   /// @throws std::invalid_argument unless all are as said above.
   void check() const;
+};
+
+/// A probe that holds a place of the surface.
+struct CorotationalTie {
+  SurfacePlace place;
+  Point probe_m = Point::Zero();
+  bool pulls = false;  ///< would pull, hence is left out: found in each step anew
 };
 
 /// Memory of a step, not of the tissue: one for any number of models' states that are stepped one after the other.
@@ -39,6 +46,9 @@ struct CorotationalWorkspace {
 /// returns more than it took, converged or not; a tissue that has not converged lags, and says so by its residual.
 /// Inverted tetrahedra recover, since R stays a rotation.
 ///
+/// *Several probes* on one tissue have one energy, with a tie each. A step moves one probe; the others hold on where
+/// they touched last, and what would pull is left out.
+///
 /// A state is a TissueState and three coordinates of displacement [m] per node of the mesh, all zero at rest.
 ///
 /// Real time: `step` is noexcept, allocates nothing, and takes bounded time, about iterations_max times
@@ -57,9 +67,10 @@ class CorotationalTissue {
 
   [[nodiscard]] CorotationalWorkspace make_workspace() const;
 
-  /// Those of held nodes are not looked at, and stay.
+  /// Displacements of held nodes are not looked at, and stay.
+  /// @param others on the same tissue
   TissueResult step(TissueState& state, std::span<double> displacement_m, CorotationalWorkspace& workspace,
-                    const Point& probe_m) const noexcept;
+                    const Point& probe_m, std::span<CorotationalTie> others = {}) const noexcept;
 
   /// The elastic energy [J] of a displacement, and the forces [N] with which the tissue pushes its nodes back.
   double elastic_energy(std::span<const double> displacement_m, std::span<double> force_N,
@@ -68,22 +79,13 @@ class CorotationalTissue {
  private:
   class Step;
 
-  // P^-1 L D L' P of the stiffness at rest, in the form that a solve without the heap asks for.
-  struct Factors {
-    Eigen::SparseMatrix<double> lower;  // unit diagonal left out
-    Eigen::VectorXd pivots;
-    std::vector<int> permuted;
-
-    void solve(const Eigen::VectorXd& right, Eigen::VectorXd& solved, Eigen::VectorXd& scratch) const noexcept;
-  };
-
   TetrahedralMesh mesh_;
   ElasticMaterial material_;
   CorotationalOptions options_;
   TissueSurface surface_;
   std::vector<ShapeGradients> gradients_;
   FreeCoordinates free_;
-  Factors factors_;
+  StiffnessFactors factors_;
   double tolerance_m_ = 0;
 };
 

@@ -21,4 +21,29 @@ void factorise(SparseCholesky& cholesky, const Eigen::SparseMatrix<double>& stif
                            "not in a line, of each part that hangs together");
 }
 
+StiffnessFactors::StiffnessFactors(const SparseCholesky& cholesky)
+    : lower_(cholesky.matrixL().nestedExpression()), pivots_(cholesky.vectorD()) {
+  const auto& order = cholesky.permutationP().indices();
+  permuted_.assign(order.data(), order.data() + order.size());
+}
+
+void StiffnessFactors::solve(const Eigen::VectorXd& right, Eigen::VectorXd& solved,
+                             Eigen::VectorXd& scratch) const noexcept {
+  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
+  const Eigen::Index size = lower_.rows();
+  for (Eigen::Index row = 0; row < size; ++row) scratch[permuted_[row]] = right[row];
+  for (Eigen::Index column = 0; column < size; ++column) {
+    for (Entry entry(lower_, column); entry; ++entry) {
+      if (entry.row() > column) scratch[entry.row()] -= entry.value() * scratch[column];
+    }
+  }
+  for (Eigen::Index row = 0; row < size; ++row) scratch[row] /= pivots_[row];
+  for (Eigen::Index column = size - 1; column >= 0; --column) {
+    for (Entry entry(lower_, column); entry; ++entry) {
+      if (entry.row() > column) scratch[column] -= entry.value() * scratch[entry.row()];
+    }
+  }
+  for (Eigen::Index row = 0; row < size; ++row) solved[row] = scratch[permuted_[row]];
+}
+
 }  // namespace forcebound::server

@@ -63,6 +63,19 @@ void LinearTissue::find_compliance(const FreeCoordinates& free) {
   compliance_m_per_N_ = (0.5 * (compliance_m_per_N_ + compliance_m_per_N_.transpose())).eval();
 }
 
+Eigen::Matrix3d LinearTissue::compliance_m_per_N(const SurfacePlace& moved, const SurfacePlace& pushed) const noexcept {
+  const auto& at = surface_.triangles()[moved.triangle];
+  const auto& by = surface_.triangles()[pushed.triangle];
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      const double weight = moved.weight[a] * pushed.weight[b];
+      if (weight > 0) sum += weight * compliance_m_per_N(at[a], by[b]);
+    }
+  }
+  return sum;
+}
+
 void LinearTissue::find_locking(const FreeCoordinates& free) {
   SparseCholesky softer;
   factorise(softer, free.reduced(stiffness_matrix(mesh_, material_, VolumeLaw::per_node)), mesh_.name());

@@ -49,6 +49,10 @@ class LinearTissue {
     return compliance_m_per_N_.block<3, 3>(3 * static_cast<Eigen::Index>(moved), 3 * static_cast<Eigen::Index>(pushed));
   }
 
+  /// The same between places.
+  [[nodiscard]] Eigen::Matrix3d compliance_m_per_N(const SurfacePlace& moved,
+                                                   const SurfacePlace& pushed) const noexcept;
+
   /// How many times too small displacements under a probe are, estimated: those under forces along the normal at nodes
   /// of the surface, with the change of volume averaged around each node, over those of this model. Never below 1; a
   /// coarse mesh shows some 1.1 at any ratio.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/server/tissue/other_contacts.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -19,20 +21,30 @@ Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map
 
 }  // namespace
 
+// From a place, as others have moved it, to the probe.
+Point PointContact::moved_from(const SurfacePlace& place) const noexcept {
+  const Point from_rest_m = probe_m_ - surface_.at(place);
+  if (others_ == nullptr) return from_rest_m;
+  return from_rest_m - others_->moved_m(place);
+}
+
 PointContact::Stuck PointContact::stick(const SurfacePlace& place) const noexcept {
-  const auto& nodes = surface_.triangles()[place.triangle];
-  Eigen::Matrix3d compliance = yield_m_per_N_ * Eigen::Matrix3d::Identity();
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < 3; ++b) {
-      const double weight = place.weight[a] * place.weight[b];
-      if (weight > 0) compliance += weight * tissue_.compliance_m_per_N(nodes[a], nodes[b]);
-    }
+  Eigen::Matrix3d compliance = tissue_.compliance_m_per_N(place, place);
+  compliance.diagonal().array() += yield_m_per_N_;
+  if (others_ != nullptr) {
+    const OtherContacts::Rows coupled = others_->coupled(place, Eigen::Matrix3d::Identity());
+    compliance -= coupled.transpose().lazyProduct(coupled);
   }
-  const Point moved_m = probe_m_ - surface_.at(place);
+  const Point moved_m = moved_from(place);
   Stuck here{.place = place, .stiffness_N_per_m = compliance.inverse()};
   here.pushed_N = here.stiffness_N_per_m * moved_m;
   here.energy_J = 0.5 * moved_m.dot(here.pushed_N);
   return here;
+}
+
+void PointContact::tell_others(const Stuck& here) const noexcept {
+  if (others_ == nullptr) return;
+  others_->respond(others_->coupled(here.place, Eigen::Matrix3d::Identity()) * here.pushed_N);
 }
 
 Eigen::Matrix3d PointContact::deformed_corners(const Stuck& here, int triangle) const noexcept {
@@ -45,6 +57,7 @@ Eigen::Matrix3d PointContact::deformed_corners(const Stuck& here, int triangle) 
       if (!(here.place.weight[a] > 0)) continue;
       position_m += tissue_.compliance_m_per_N(node, pushed[a]) * (here.place.weight[a] * here.pushed_N);
     }
+    if (others_ != nullptr) position_m += others_->moved_m(node) + others_->yielded_m(node);
     corners.col(corner) = position_m;
   }
   return corners;
@@ -97,6 +110,7 @@ void PointContact::try_triangle(const Stuck& here, const SurfacePlace& place, Mo
 
 PointContact::Move PointContact::best_move(const Stuck& here) const noexcept {
   Move best{.to = here, .length_m = 0};
+  tell_others(here);
   const PlacesAround around = surface_.places_around(here.place);
   for (int k = 0; k < around.count; ++k) try_triangle(here, around.place[k], best);
   return best;
@@ -105,25 +119,28 @@ PointContact::Move PointContact::best_move(const Stuck& here) const noexcept {
 bool PointContact::pulls(const Stuck& here) const noexcept {
   const Eigen::Matrix3d corners = deformed_corners(here, here.place.triangle);
   const Point outward = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
-  const Point moved_m = probe_m_ - surface_.at(here.place);
-  return here.pushed_N.dot(outward) >= 0 && moved_m.dot(surface_.triangle_normal(here.place.triangle)) >= 0;
+  return here.pushed_N.dot(outward) >= 0 &&
+         moved_from(here.place).dot(surface_.triangle_normal(here.place.triangle)) >= 0;
+}
+
+std::optional<SurfacePlace> PointContact::start(const TissueState& last) const noexcept {
+  if (last.contacts > 0) {
+    return SurfacePlace{.triangle = static_cast<int>(last.contact[0].triangle),
+                        .weight = to_point(last.contact[0].weight)};
+  }
+  const Point beside_rest_m = probe_m_ - shift_m_;
+  if (last.started != 0) return surface_.entry(to_point(last.probe_m) - to_point(last.shift_m), beside_rest_m);
+  const TissueSurface::Nearest nearest = surface_.nearest(beside_rest_m);
+  if (nearest.height_m < 0) return nearest.place;
+  return std::nullopt;
 }
 
 TissueResult PointContact::step(TissueState& last) const noexcept {
-  std::optional<SurfacePlace> start;
-  if (last.contacts > 0) {
-    start = SurfacePlace{.triangle = static_cast<int>(last.contact[0].triangle),
-                         .weight = to_point(last.contact[0].weight)};
-  } else if (last.started != 0) {
-    start = surface_.entry(to_point(last.probe_m), probe_m_);
-  } else {
-    const TissueSurface::Nearest nearest = surface_.nearest(probe_m_);
-    if (nearest.height_m < 0) start = nearest.place;
-  }
-  TissueResult result;
-  TissueState next{.started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .direction = {}, .contact = {}};
-  if (start) {
-    Stuck here = stick(*start);
+  TissueResult result{.energy_J = others_ != nullptr ? others_->energy_J() : 0};
+  TissueState next{
+      .started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .shift_m = {}, .direction = {}, .contact = {}};
+  if (const auto began = start(last)) {
+    Stuck here = stick(*began);
     while (result.iterations < iterations_max_) {
       ++result.iterations;
       const Move move = best_move(here);
@@ -134,15 +151,17 @@ TissueResult PointContact::step(TissueState& last) const noexcept {
       if (move.length_m <= tolerance_m_) break;
     }
     result.converged = result.residual_m <= tolerance_m_;
+    tell_others(here);
     if (!pulls(here)) {
       result.contacts = 1;
       result.force_N = -here.pushed_N;
       result.normal = result.force_N.stableNormalized();
-      result.energy_J = here.energy_J;
-      result.depth_m =
-          std::max(0.0, (surface_.at(here.place) - probe_m_).dot(surface_.triangle_normal(here.place.triangle)));
+      result.energy_J += here.energy_J;
+      result.depth_m = std::max(0.0, -moved_from(here.place).dot(surface_.triangle_normal(here.place.triangle)));
       next.contacts = 1;
       next.contact[0] = {here.place.triangle, to_array(here.place.weight)};
+    } else if (others_ != nullptr) {
+      others_->respond_to_none();
     }
   }
   last = next;

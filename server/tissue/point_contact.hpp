@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "forcebound/server/tissue/tissue_contact.hpp"
 
 namespace forcebound::server {
@@ -9,11 +11,15 @@ namespace forcebound::server {
 /// Real time: noexcept, no allocation, bounded.
 class PointContact {
  public:
-  PointContact(const LinearTissue& tissue, const ProbeOptions& options, double tolerance_m,
-               const Point& probe_m) noexcept
+  /// @param others may be null
+  /// @param shift_m how far they have moved the surface near the probe
+  PointContact(const LinearTissue& tissue, const ProbeOptions& options, OtherContacts* others, double tolerance_m,
+               const Point& probe_m, const Point& shift_m) noexcept
       : tissue_(tissue),
         surface_(tissue.surface()),
+        others_(others),
         probe_m_(probe_m),
+        shift_m_(shift_m),
         tolerance_m_(tolerance_m),
         iterations_max_(options.iterations_max),
         yield_m_per_N_(1 / options.contact_stiffness_N_per_m) {}
@@ -35,6 +41,9 @@ class PointContact {
     double length_m = 0;
   };
 
+  [[nodiscard]] std::optional<SurfacePlace> start(const TissueState& last) const noexcept;
+  [[nodiscard]] Point moved_from(const SurfacePlace& place) const noexcept;
+  void tell_others(const Stuck& here) const noexcept;
   [[nodiscard]] Stuck stick(const SurfacePlace& place) const noexcept;
   [[nodiscard]] Move best_move(const Stuck& here) const noexcept;
   void try_triangle(const Stuck& here, const SurfacePlace& place, Move& best) const noexcept;
@@ -44,7 +53,9 @@ class PointContact {
 
   const LinearTissue& tissue_;
   const TissueSurface& surface_;
+  OtherContacts* others_;
   Point probe_m_;
+  Point shift_m_;
   double tolerance_m_;
   int iterations_max_;
   double yield_m_per_N_;

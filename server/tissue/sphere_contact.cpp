@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/server/tissue/sphere_depth.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -24,11 +26,12 @@ std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(),
 Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
 
 // Where a sphere without contact would first have one.
-SurfacePlace first_place(const TissueSurface& surface, const TissueState& last, const Point& probe_m) noexcept {
+SurfacePlace first_place(const TissueSurface& surface, const TissueState& last, const Point& beside_rest_m) noexcept {
   if (last.started != 0) {
-    if (const auto came_in = surface.entry(to_point(last.probe_m), probe_m)) return *came_in;
+    const Point from_m = to_point(last.probe_m) - to_point(last.shift_m);
+    if (const auto came_in = surface.entry(from_m, beside_rest_m)) return *came_in;
   }
-  return surface.nearest(probe_m).place;
+  return surface.nearest(beside_rest_m).place;
 }
 
 // And along which direction it would be held off.
@@ -41,28 +44,31 @@ Point direction_at(const TissueSurface& surface, const SurfacePlace& place, cons
 
 }  // namespace
 
-SphereContact::SphereContact(const Setting& setting, const TissueState& last, const Point& probe_m,
-                             const Point& direction, const SurfacePlace& first) noexcept
+SphereContact::SphereContact(const Setting& setting, const TissueState& last, const Begin& begin,
+                             const Point& direction) noexcept
     : tissue_(setting.tissue),
       surface_(setting.tissue.surface()),
       options_(setting.options),
+      others_(setting.others),
       last_(last),
-      probe_m_(probe_m),
+      probe_m_(begin.probe_m),
+      beside_rest_m_(begin.probe_m - begin.shift_m),
       direction_(direction),
       tolerance_m_(setting.tolerance_m),
       divisions_(setting.divisions),
       force_N_(ContactVector::Zero(0)) {
-  find_anchors(first);
+  find_anchors(begin.first);
   fill_pool();
   take_from_state();
 }
 
 SphereContact::Pushed SphereContact::pushed_at(const SurfacePlace& place) const noexcept {
-  Pushed one{.place = place, .aside_m = probe_m_ - surface_.at(place)};
-  one.below_m = -one.aside_m.dot(direction_);
-  one.aside_m += one.below_m * direction_;
-  one.depth_m = one.below_m + options_.radius_m - one.aside_m.squaredNorm() / (2 * options_.radius_m);
-  return one;
+  const SphereDepth at_rest(probe_m_ - surface_.at(place), direction_, options_.radius_m);
+  const double moved_m = others_ != nullptr ? others_->moved_m(place).dot(direction_) : 0;
+  return {.place = place,
+          .depth_m = at_rest.depth_m + moved_m,
+          .below_m = at_rest.below_m + moved_m,
+          .aside_m = at_rest.aside_m};
 }
 
 void SphereContact::find_anchors(const SurfacePlace& first) noexcept {
@@ -84,7 +90,8 @@ void SphereContact::fill_pool() noexcept {
     const Point& a = surface_.corner_m(t, 0);
     const Point& b = surface_.corner_m(t, 1);
     const Point& c = surface_.corner_m(t, 2);
-    const Point outside_m = (a.cwiseMin(b).cwiseMin(c) - probe_m_).cwiseMax(probe_m_ - a.cwiseMax(b).cwiseMax(c));
+    const Point outside_m =
+        (a.cwiseMin(b).cwiseMin(c) - beside_rest_m_).cwiseMax(beside_rest_m_ - a.cwiseMax(b).cwiseMax(c));
     if (outside_m.cwiseMax(0).squaredNorm() <= wide_m * wide_m) fill_pool_from(t);
   }
 }
@@ -171,6 +178,7 @@ double SphereContact::yield(const Pushed& k, const Pushed& l) const noexcept {
 
 void SphereContact::solve() noexcept {
   compliance_.resize(working_count_, working_count_);
+  couple();
   ContactVector gap_m(working_count_);
   for (int k = 0; k < working_count_; ++k) {
     gap_m[k] = -pool_[working_[k]].depth_m;
@@ -179,7 +187,27 @@ void SphereContact::solve() noexcept {
     }
     compliance_(k, k) += 1 / options_.contact_stiffness_N_per_m;
   }
+  if (others_ != nullptr) compliance_ -= coupled_.transpose().lazyProduct(coupled_);
   force_N_ = solve_contacts(compliance_, gap_m, kSetsMax).force_N;
+  tell_others();
+}
+
+void SphereContact::couple() noexcept {
+  if (others_ == nullptr) return;
+  for (int k = 0; k < working_count_; ++k) {
+    const OtherContacts::Rows column = others_->coupled(pool_[working_[k]].place, -direction_);
+    if (k == 0) coupled_.resize(column.rows(), working_count_);
+    coupled_.col(k) = column;
+  }
+}
+
+void SphereContact::tell_others() const noexcept {
+  if (others_ == nullptr) return;
+  if (force_N_.size() == 0) {
+    others_->respond_to_none();
+  } else {
+    others_->respond(coupled_ * force_N_);
+  }
 }
 
 void SphereContact::deform() noexcept {
@@ -206,6 +234,7 @@ void SphereContact::deform() noexcept {
       const int node = surface_.triangles()[groups_[g].triangle][corner];
       Point moved_m = Point::Zero();
       for (int l = 0; l < count; ++l) moved_m += tissue_.compliance_m_per_N(node, loads[l].node) * loads[l].force_N;
+      if (others_ != nullptr) moved_m += others_->yielded_m(node);
       groups_[g].moved_m.col(corner) = moved_m;
     }
   }
@@ -238,7 +267,7 @@ int SphereContact::deepest_at_rest() const noexcept {
 }
 
 TissueResult SphereContact::solve_all() noexcept {
-  TissueResult result;
+  TissueResult result{.energy_J = others_ != nullptr ? others_->energy_J() : 0};
   if (pool_count_ == 0) return result;
   if (working_count_ == 0) working_[working_count_++] = deepest_at_rest();
   for (;;) {
@@ -281,12 +310,16 @@ void SphereContact::conclude(TissueResult& result) const noexcept {
   if (result.contacts == 0) return;
   result.normal = result.force_N.stableNormalized();
   result.depth_m = pool_[deepest_at_rest()].depth_m;
-  result.energy_J = 0.5 * force_N_.dot(compliance_ * force_N_);
+  result.energy_J += 0.5 * force_N_.dot(compliance_ * force_N_);
 }
 
 void SphereContact::put_into(TissueState& state) const noexcept {
-  state = {
-      .started = 1, .contacts = 0, .probe_m = to_array(probe_m_), .direction = to_array(direction_), .contact = {}};
+  state = {.started = 1,
+           .contacts = 0,
+           .probe_m = to_array(probe_m_),
+           .shift_m = {},
+           .direction = to_array(direction_),
+           .contact = {}};
   for (int k = 0; k < working_count_; ++k) {
     if (force_N_[k] > 0) remember(working_[k], state);
   }
@@ -298,25 +331,27 @@ void SphereContact::remember(int candidate, TissueState& state) const noexcept {
   state.contact[state.contacts++] = {place.triangle, to_array(place.weight)};
 }
 
-TissueResult SphereContact::step(const Setting& setting, TissueState& state, const Point& probe_m) noexcept {
+TissueResult SphereContact::step(const Setting& setting, TissueState& state, const Point& probe_m,
+                                 const Point& shift_m) noexcept {
   const TissueSurface& surface = setting.tissue.surface();
-  SurfacePlace first;
+  Begin begin{.probe_m = probe_m, .shift_m = shift_m, .first = {}};
   Point direction = to_point(state.direction);
   if (state.contacts == 0) {
-    first = first_place(surface, state, probe_m);
-    direction = direction_at(surface, first, probe_m);
+    begin.first = first_place(surface, state, probe_m - shift_m);
+    direction = direction_at(surface, begin.first, probe_m - shift_m);
   }
-  SphereContact contact(setting, state, probe_m, direction, first);
+  SphereContact contact(setting, state, begin, direction);
   const TissueResult result = contact.solve_all();
   TissueState next = state;
   contact.put_into(next);
   if (result.contacts > 0 && contact.mean_normal().dot(direction) < kAligned) {
-    SphereContact turned(setting, next, probe_m, contact.mean_normal(), first);
+    SphereContact turned(setting, next, begin, contact.mean_normal());
     const TissueResult better = turned.solve_all();
     if (better.contacts > 0 && better.converged && better.energy_J <= result.energy_J) {
       turned.put_into(state);
       return better;
     }
+    contact.tell_others();
   }
   state = next;
   return result;

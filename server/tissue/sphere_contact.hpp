@@ -1,5 +1,6 @@
 #pragma once
 
+#include "forcebound/server/tissue/other_contacts.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
 
 namespace forcebound::server {
@@ -15,24 +16,33 @@ class SphereContact {
   struct Setting {
     const LinearTissue& tissue;
     const ProbeOptions& options;
+    OtherContacts* others = nullptr;  // may be none
     double tolerance_m = 0;
     int divisions = 1;  // of a triangle's edges
   };
 
   /// Along the direction of the last step, or another one, if that fits the surface better and does not raise the
   /// energy.
-  static TissueResult step(const Setting& setting, TissueState& state, const Point& probe_m) noexcept;
+  /// @param shift_m how far others have moved the surface near the probe
+  static TissueResult step(const Setting& setting, TissueState& state, const Point& probe_m,
+                           const Point& shift_m) noexcept;
 
  private:
+  // Where a sphere is, and where its contact may begin if there was none.
+  struct Begin {
+    Point probe_m;
+    Point shift_m;
+    SurfacePlace first;
+  };
+
   // @param direction unit, along which the sphere is held off
-  // @param first where contact may begin, if there was none
-  SphereContact(const Setting& setting, const TissueState& last, const Point& probe_m, const Point& direction,
-                const SurfacePlace& first) noexcept;
+  SphereContact(const Setting& setting, const TissueState& last, const Begin& begin, const Point& direction) noexcept;
 
   TissueResult solve_all() noexcept;
   void put_into(TissueState& state) const noexcept;
+  void tell_others() const noexcept;
 
-  // A place that the sphere may push, and how deep the sphere is in it while the surface rests.
+  // A place that the sphere may push, and how deep the sphere is in it without pushing.
   struct Pushed {
     SurfacePlace place;
     double depth_m = 0;
@@ -59,6 +69,7 @@ class SphereContact {
   [[nodiscard]] bool is_reached(const Pushed& one) const noexcept;
   void take_from_state() noexcept;
   void solve() noexcept;
+  void couple() noexcept;
   [[nodiscard]] double yield(const Pushed& k, const Pushed& l) const noexcept;
   void deform() noexcept;
   [[nodiscard]] double gap(int candidate) const noexcept;
@@ -71,8 +82,10 @@ class SphereContact {
   const LinearTissue& tissue_;
   const TissueSurface& surface_;
   const ProbeOptions& options_;
+  OtherContacts* others_;
   const TissueState& last_;
   Point probe_m_;
+  Point beside_rest_m_;  // where the probe would be beside the tissue at rest, had others not moved that
   Point direction_;
   double tolerance_m_;
   int divisions_;
@@ -93,6 +106,7 @@ class SphereContact {
   int pending_ = -1;  // would have come next, had there been another iteration: the next step begins with it
   ContactVector force_N_;
   ContactMatrix compliance_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, OtherContacts::kRowsMax, kContactsMax> coupled_;
 };
 
 }  // namespace forcebound::server

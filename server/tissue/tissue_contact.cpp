@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "forcebound/server/tissue/other_contacts.hpp"
 #include "forcebound/server/tissue/point_contact.hpp"
 #include "forcebound/server/tissue/sphere_contact.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -12,6 +13,9 @@ namespace {
 
 // The places that a sphere pushes are this share of its radius apart.
 constexpr double kApart = 0.5;
+
+// A probe that begins where others have moved the surface is looked for so many times.
+constexpr int kTimesAtFirst = 4;
 
 int divisions_for(const LinearTissue& tissue, double radius_m) {
   if (!(radius_m > 0)) return 1;
@@ -24,6 +28,7 @@ int divisions_for(const LinearTissue& tissue, double radius_m) {
                            text::to_text(longest_m / (kApart * SphereContact::kDivisionsMax)) + " m, or a finer mesh");
 }
 
+std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
 Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
 
 }  // namespace
@@ -49,28 +54,50 @@ TissueModel::TissueModel(LinearTissue tissue, const ProbeOptions& options)
   divisions_ = divisions_for(tissue_, options_.radius_m);
 }
 
-TissueResult TissueModel::step(TissueState& state, const Point& probe_m) const noexcept {
+TissueResult TissueModel::step(TissueState& state, const Point& probe_m, OtherContacts& others) const noexcept {
+  return step_among(others.empty() ? nullptr : &others, state, probe_m);
+}
+
+TissueResult TissueModel::step_among(OtherContacts* others, TissueState& state, const Point& probe_m) const noexcept {
   if (!probe_m.allFinite()) return {.finite = false};
   if (state.contacts == 0) {
+    const double reach_m = options_.radius_m + (others != nullptr ? others->reach_m() : 0);
     const Point from_m = state.started == 0 ? probe_m : to_point(state.probe_m);
-    const Point low_m = from_m.cwiseMin(probe_m).array() - options_.radius_m;
-    const Point high_m = from_m.cwiseMax(probe_m).array() + options_.radius_m;
+    const Point low_m = from_m.cwiseMin(probe_m).array() - reach_m;
+    const Point high_m = from_m.cwiseMax(probe_m).array() + reach_m;
     if (tissue_.surface().is_clear_of(low_m, high_m)) {
       state.started = 1;
-      Eigen::Map<Point>(state.probe_m.data()) = probe_m;
-      return {};
+      state.probe_m = to_array(probe_m);
+      state.shift_m = {};
+      return {.energy_J = others != nullptr ? others->energy_J() : 0};
     }
   }
   TissueState next = state;
   TissueResult result;
+  const Point shift_m = others != nullptr ? shift_near(*others, state, probe_m) : Point(Point::Zero());
   if (options_.radius_m > 0) {
-    result = SphereContact::step({tissue_, options_, tolerance_m_, divisions_}, next, probe_m);
+    const SphereContact::Setting setting{tissue_, options_, others, tolerance_m_, divisions_};
+    result = SphereContact::step(setting, next, probe_m, shift_m);
   } else {
-    result = PointContact(tissue_, options_, tolerance_m_, probe_m).step(next);
+    result = PointContact(tissue_, options_, others, tolerance_m_, probe_m, shift_m).step(next);
   }
   if (!result.force_N.allFinite() || !std::isfinite(result.energy_J)) return {.finite = false};
+  next.shift_m = to_array(shift_m);
   state = next;
   return result;
+}
+
+// How far the others have moved the surface near the probe. Which place is nearest depends on how far it has moved: a
+// fixed point, followed from step to step.
+Point TissueModel::shift_near(OtherContacts& others, const TissueState& state, const Point& probe_m) const noexcept {
+  if (state.contacts > 0) {
+    return others.moved_m(
+        {.triangle = static_cast<int>(state.contact[0].triangle), .weight = to_point(state.contact[0].weight)});
+  }
+  Point shift_m = state.started != 0 ? to_point(state.shift_m) : Point(Point::Zero());
+  const int times = state.started != 0 ? 1 : kTimesAtFirst;
+  for (int n = 0; n < times; ++n) shift_m = others.moved_m(tissue_.surface().nearest(probe_m - shift_m).place);
+  return shift_m;
 }
 
 }  // namespace forcebound::server

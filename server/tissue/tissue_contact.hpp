@@ -11,6 +11,8 @@
 
 namespace forcebound::server {
 
+class OtherContacts;
+
 struct ProbeOptions {
   double radius_m = 0;  ///< of the spherical probe; 0: a point
   double contact_stiffness_N_per_m =
@@ -33,6 +35,7 @@ struct TissueState {
   std::uint32_t started;                      ///< 0: `probe_m` means nothing yet
   std::uint32_t contacts;                     ///< how many of `contact` hold
   std::array<double, 3> probe_m;              ///< where the probe was
+  std::array<double, 3> shift_m;              ///< how far other probes had moved the surface near it
   std::array<double, 3> direction;            ///< unit, along which a sphere is held off; meaningless without contact
   std::array<Contact, kContactsMax> contact;  ///< those that push
 };
@@ -42,8 +45,8 @@ static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<Tis
 struct TissueResult {
   Point force_N = Point::Zero();  ///< on the probe
   Point normal = Point::Zero();   ///< unit, along the force; zero without contact
-  double depth_m = 0;             ///< of the probe below the surface as it rests, at the deepest contact
-  double energy_J = 0;            ///< elastic, of tissue and contacts
+  double depth_m = 0;             ///< of the probe below the surface without it, at the deepest contact
+  double energy_J = 0;            ///< elastic, of tissue and contacts, those of other probes too
   double residual_m = 0;          ///< how far the contacts are yet from where they belong
   int contacts = 0;               ///< that push
   int contacts_left_out = 0;      ///< would push, but are beyond contacts_max: an error to report
@@ -79,8 +82,12 @@ struct TissueResult {
 /// the surface leads there from the last contacts: thin tissue does not let it pop through. Where the surface has
 /// another normal, that is the new m, as soon as that does not raise E.
 ///
+/// *Several probes* on one tissue have one energy; each step lowers it over what is its own, see OtherContacts. The
+/// places where a probe may touch are those of the tissue as the others have moved it: a probe without contact counts
+/// as where it would be beside the tissue at rest.
+///
 /// Real time: `step` is noexcept, allocates nothing, and takes bounded time. Immutable: sessions share a model, each
-/// with a state, or share the state as well. A model takes the memory of its LinearTissue and little more.
+/// with a state. A model takes the memory of its LinearTissue and little more.
 class TissueModel {
  public:
   /// @throws std::invalid_argument for options that `check` refuses
@@ -90,9 +97,17 @@ class TissueModel {
   [[nodiscard]] const LinearTissue& tissue() const noexcept { return tissue_; }
   [[nodiscard]] const ProbeOptions& options() const noexcept { return options_; }
   /// @param state of this model; changed.
-  [[nodiscard]] TissueResult step(TissueState& state, const Point& probe_m) const noexcept;
+  [[nodiscard]] TissueResult step(TissueState& state, const Point& probe_m) const noexcept {
+    return step_among(nullptr, state, probe_m);
+  }
+
+  /// @param others on the same tissue; they respond to the step.
+  [[nodiscard]] TissueResult step(TissueState& state, const Point& probe_m, OtherContacts& others) const noexcept;
 
  private:
+  TissueResult step_among(OtherContacts* others, TissueState& state, const Point& probe_m) const noexcept;
+  Point shift_near(OtherContacts& others, const TissueState& state, const Point& probe_m) const noexcept;
+
   LinearTissue tissue_;
   ProbeOptions options_;
   double tolerance_m_ = 0;

@@ -97,7 +97,7 @@ TissueMedium::Law TissueMedium::law_of(TissueDescription&& description) {
 }
 
 std::unique_ptr<MediumState> TissueMedium::make_state(int seats) const {
-  if (seats != 1) throw std::invalid_argument("a tissue has one seat, got " + std::to_string(seats));
+  if (seats < 1) throw std::invalid_argument("a tissue has at least one seat, got " + std::to_string(seats));
   if (const auto* linear = std::get_if<TissueModel>(&law_)) return std::make_unique<LinearTissueWorld>(*linear, seats);
   return std::make_unique<CorotationalTissueWorld>(std::get<CorotationalTissue>(law_), seats);
 }

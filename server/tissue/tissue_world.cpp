@@ -8,6 +8,11 @@ namespace {
 // A device that is farther away than that is a stranger's nonsense, which must not break what others feel.
 constexpr double kFar_m = 100;
 
+// Times that contacts which pull are left out: once is nearly always enough.
+constexpr int kDropsMax = 4;
+
+Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
+
 }  // namespace
 
 TissueWorld::TissueWorld(int seats) : seats_(static_cast<std::size_t>(seats)) {}
@@ -15,7 +20,8 @@ TissueWorld::TissueWorld(int seats) : seats_(static_cast<std::size_t>(seats)) {}
 int TissueWorld::join() {
   const auto free = std::ranges::find(seats_, false, &Seat::taken);
   if (free == seats_.end()) return -1;
-  *free = {.taken = true};
+  *free = {};
+  free->taken = true;
   return static_cast<int>(free - seats_.begin());
 }
 
@@ -27,30 +33,57 @@ void TissueWorld::move(int seat, const Point& position_m, const Point& /*velocit
   sound_ = sound_ && result.finite;
   faults_.contacts_left_out += static_cast<std::uint64_t>(result.contacts_left_out);
   if (!result.converged) ++faults_.not_converged;
-  MediumTouch& touch = at(seat).touch;
-  touch.force_N = result.force_N;
-  touch.penetration_m = result.depth_m;
-  if (result.contacts > 0) touch.normal = result.normal;
+  at(seat).result = result;
+  if (result.contacts > 0) at(seat).normal = result.normal;
 }
 
 void TissueWorld::advance(double /*elapsed_s*/) noexcept {
   // Quasi-static.
 }
 
-MediumTouch TissueWorld::touch(int seat) noexcept { return at(seat).touch; }
+MediumTouch TissueWorld::touch(int seat) noexcept {
+  const Seat& touched = at(seat);
+  return {.force_N = touched.result.force_N, .normal = touched.normal, .penetration_m = touched.result.depth_m};
+}
+
+int LinearTissueWorld::gather_others(std::size_t seat) noexcept {
+  int left_out = 0;
+  others_.clear();
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    if (other != seat) left_out += others_.add(seats()[other].state);
+  }
+  return left_out;
+}
 
 TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
-  return model_.step(seats()[seat].state, probe_m);
+  const int left_out = gather_others(seat);
+  TissueState& state = seats()[seat].state;
+  const TissueState before = state;
+  TissueResult result = model_.step(state, probe_m, others_);
+  for (int n = 0; n < kDropsMax && others_.drop_pulling(); ++n) {
+    state = before;
+    result = model_.step(state, probe_m, others_);
+  }
+  result.contacts_left_out += left_out;
+  return result;
 }
 
 CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
     : TissueWorld(seats),
       tissue_(tissue),
+      others_(static_cast<std::size_t>(seats)),
       displacement_m_(tissue.coordinates(), 0),
       workspace_(tissue.make_workspace()) {}
 
 TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
-  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m);
+  std::size_t count = 0;
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    const TissueState& state = seats()[other].state;
+    if (other == seat || state.contacts == 0) continue;
+    others_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), to_point(state.contact[0].weight)},
+                        .probe_m = to_point(state.probe_m)};
+  }
+  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m, {others_.data(), count});
 }
 
 }  // namespace forcebound::server

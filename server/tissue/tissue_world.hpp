@@ -5,6 +5,7 @@
 
 #include "forcebound/server/effects/medium.hpp"
 #include "forcebound/server/tissue/corotational_tissue.hpp"
+#include "forcebound/server/tissue/other_contacts.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
 
 namespace forcebound::server {
@@ -20,13 +21,16 @@ class TissueWorld : public MediumState {
   [[nodiscard]] bool sound() const noexcept final { return sound_; }
   [[nodiscard]] MediumFaults faults() const noexcept final { return faults_; }
 
- protected:
   struct Seat {
     bool taken = false;
     TissueState state{};
-    MediumTouch touch{};
+    TissueResult result{};  ///< of the last step
+    Point normal = Point::UnitX();
   };
 
+  [[nodiscard]] const Seat& seat(int index) const noexcept { return seats_[static_cast<std::size_t>(index)]; }
+
+ protected:
   explicit TissueWorld(int seats);
 
   /// One probe has moved there.
@@ -42,14 +46,19 @@ class TissueWorld : public MediumState {
   MediumFaults faults_;
 };
 
+/// Each step is that of one probe while the contacts of the others follow it, so that the order of the motions does not
+/// matter to probes that stay at their places: see OtherContacts. Where a probe touches is looked for at its own
+/// motions only: the others feel its last contacts until then.
 class LinearTissueWorld final : public TissueWorld {
  public:
-  LinearTissueWorld(const TissueModel& model, int seats) : TissueWorld(seats), model_(model) {}
+  LinearTissueWorld(const TissueModel& model, int seats) : TissueWorld(seats), model_(model), others_(model) {}
 
  private:
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;
+  int gather_others(std::size_t seat) noexcept;
 
   const TissueModel& model_;
+  OtherContacts others_;
 };
 
 class CorotationalTissueWorld final : public TissueWorld {
@@ -60,6 +69,7 @@ class CorotationalTissueWorld final : public TissueWorld {
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;
 
   const CorotationalTissue& tissue_;
+  std::vector<CorotationalTie> others_;  // room for all
   std::vector<double> displacement_m_;
   CorotationalWorkspace workspace_;
 };

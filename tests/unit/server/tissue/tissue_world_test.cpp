@@ -1,0 +1,287 @@
+#include "forcebound/server/tissue/tissue_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "forcebound/server/tissue/sphere_depth.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/tissue_block.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr double kTop_m = 0.03;
+constexpr double kYield_m_per_N = 1e-4;
+
+TissueModel block_model(double radius_m) {
+  TetrahedralMesh mesh(test::tetrahedra_of({.cubes = {6, 6, 3}, .cube_m = 0.01}));
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  return {LinearTissue(std::move(mesh), {.young_Pa = 5000, .poisson = 0.4}, held),
+          {.radius_m = radius_m, .contact_stiffness_N_per_m = 1 / kYield_m_per_N, .contacts_max = 16}};
+}
+
+std::vector<TissueModel> models() {
+  std::vector<TissueModel> all;
+  for (const double radius_m : {0.0, 0.005, 0.01}) all.push_back(block_model(radius_m));
+  return all;
+}
+
+Point to_point(const std::array<double, 3>& values) { return Eigen::Map<const Point>(values.data()); }
+
+/// Two probes, one beside the other.
+class Two {
+ public:
+  explicit Two(const TissueModel& model) : world_(model, 2), radius_m_(model.options().radius_m) {
+    static_cast<void>(world_.join());
+    static_cast<void>(world_.join());
+  }
+
+  /// @param tip_m of the probe
+  const TissueResult& move(int seat, const Point& tip_m) {
+    world_.move(seat, tip_m + radius_m_ * Point::UnitZ(), Point::Zero());
+    return world_.seat(seat).result;
+  }
+
+  /// Both come down from above, in turns.
+  void press(const std::array<Point, 2>& tips_m) {
+    for (int n = 0; n <= 40; ++n) {
+      const Point above_m(0, 0, 0.01 * (1 - std::min(1.0, n / 30.0)));
+      for (int seat = 0; seat < 2; ++seat) move(seat, tips_m[static_cast<std::size_t>(seat)] + above_m);
+    }
+  }
+
+  [[nodiscard]] LinearTissueWorld& world() { return world_; }
+
+ private:
+  LinearTissueWorld world_;
+  double radius_m_;
+};
+
+const std::array<Point, 2> kBeside_m{Point(0.0243, 0.0332, kTop_m - 0.004), Point(0.0381, 0.0277, kTop_m - 0.003)};
+
+struct Row {
+  SurfacePlace place;
+  Point direction;
+  double depth_m = 0;
+  int seat = 0;
+  Point felt;  ///< force on the probe, per newton in the row
+};
+
+/// All contacts of both, as the states say.
+std::vector<Row> rows_of(const TissueModel& model, const LinearTissueWorld& world) {
+  std::vector<Row> rows;
+  for (int seat = 0; seat < 2; ++seat) {
+    const TissueState& state = world.seat(seat).state;
+    for (std::size_t k = 0; k < state.contacts; ++k) {
+      const SurfacePlace place{static_cast<int>(state.contact[k].triangle), to_point(state.contact[k].weight)};
+      const Point from_place_m = to_point(state.probe_m) - model.tissue().surface().at(place);
+      if (model.options().radius_m > 0) {
+        const Point direction = to_point(state.direction);
+        const SphereDepth depth(from_place_m, direction, model.options().radius_m);
+        rows.push_back({place, -direction, depth.depth_m, seat, direction + depth.aside_m / model.options().radius_m});
+        continue;
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        rows.push_back({place, Point::Unit(axis), from_place_m[axis], seat, -Point::Unit(axis)});
+      }
+    }
+  }
+  return rows;
+}
+
+/// The forces on both, by one dense solve over all contacts together.
+std::array<Point, 2> solved_together(const TissueModel& model, const std::vector<Row>& rows) {
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd compliance(size, size);
+  Eigen::VectorXd depth_m(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    depth_m[k] = rows[k].depth_m;
+    for (Eigen::Index l = 0; l < size; ++l) {
+      const Eigen::Matrix3d between = model.tissue().compliance_m_per_N(rows[k].place, rows[l].place);
+      compliance(k, l) = rows[k].direction.dot(between * rows[l].direction) + (k == l ? kYield_m_per_N : 0);
+    }
+  }
+  const Eigen::VectorXd force_N = compliance.llt().solve(depth_m);
+  std::array<Point, 2> felt_N{Point::Zero(), Point::Zero()};
+  for (Eigen::Index k = 0; k < size; ++k) felt_N[static_cast<std::size_t>(rows[k].seat)] += force_N[k] * rows[k].felt;
+  return felt_N;
+}
+
+TEST(LinearTissueWorld, TwoProbesFeelWhatOneSolveOfAllTheirContactsGives) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    Two two(model);
+    two.press(kBeside_m);
+    const auto rows = rows_of(model, two.world());
+    ASSERT_GE(rows.size(), 2U);
+    const auto together_N = solved_together(model, rows);
+    for (int seat = 0; seat < 2; ++seat) {
+      const Point expected_N = together_N[static_cast<std::size_t>(seat)];
+      EXPECT_GT(expected_N.z(), 0.1);
+      // The first to move knows where the second has been before its last slide.
+      const double share = seat == 1 ? 1e-10 : 1e-6;
+      EXPECT_LT((two.world().seat(seat).result.force_N - expected_N).norm(), share * expected_N.norm()) << seat;
+    }
+  }
+}
+
+TEST(LinearTissueWorld, OneProbesPressureSoftensWhatTheOtherFeelsByTheCompliance) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    Two two(model);
+    const Point alone_N = two.move(1, kBeside_m[1]).force_N;
+    Two both(model);
+    both.press(kBeside_m);
+    const Point beside_N = both.world().seat(1).result.force_N;
+    EXPECT_LT(beside_N.z(), 0.95 * alone_N.z()) << "the other has pressed the surface away";
+    EXPECT_GT(beside_N.z(), 0.2 * alone_N.z());
+  }
+}
+
+TEST(LinearTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherFeelsOfItsOwn) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    Two two(model);
+    two.press(kBeside_m);
+    for (int n = 0; n < 1000; ++n) two.move(n % 2, kBeside_m[static_cast<std::size_t>(n % 2)]);
+    // So short that a point does not slide.
+    constexpr double kStep_m = 1e-10;
+    // How the force on one changes with the place of the other.
+    const auto coupling = [&](int moved, int felt) {
+      Eigen::Matrix3d change_N_per_m;
+      for (int axis = 0; axis < 3; ++axis) {
+        std::array<Point, 2> force_N;
+        for (const std::size_t side : {0U, 1U}) {
+          const Point step_m = (side == 0 ? -kStep_m : kStep_m) * Point::Unit(axis);
+          for (int n = 0; n < 3; ++n) {
+            two.move(moved, kBeside_m[static_cast<std::size_t>(moved)] + step_m);
+            force_N[side] = two.move(felt, kBeside_m[static_cast<std::size_t>(felt)]).force_N;
+          }
+        }
+        two.move(moved, kBeside_m[static_cast<std::size_t>(moved)]);
+        change_N_per_m.col(axis) = (force_N[1] - force_N[0]) / (2 * kStep_m);
+      }
+      return change_N_per_m;
+    };
+    const Eigen::Matrix3d there = coupling(0, 1);
+    const Eigen::Matrix3d back = coupling(1, 0);
+    EXPECT_GT(there.norm(), 1);
+    EXPECT_LT((there - back.transpose()).norm(), 1e-4 * there.norm()) << there << "\n\n" << back.transpose();
+  }
+}
+
+TEST(LinearTissueWorld, ASeatWithoutContactChangesNothing) {
+  for (const TissueModel& model : models()) {
+    Two two(model);
+    LinearTissueWorld alone(model, 1);
+    const int seat = alone.join();
+    for (int n = 0; n < 60; ++n) {
+      const Point tip_m(0.02 + 2e-4 * n, 0.031, kTop_m + 0.002 - 1e-4 * n);
+      two.move(1, {0.04, 0.03, kTop_m + 0.02});
+      alone.move(seat, tip_m + model.options().radius_m * Point::UnitZ(), Point::Zero());
+      EXPECT_EQ(two.move(0, tip_m).force_N, alone.touch(seat).force_N);
+    }
+    EXPECT_GT(alone.touch(seat).force_N.norm(), 0.05);
+  }
+}
+
+TEST(LinearTissueWorld, LeavingTakesTheLoadAway) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    Two two(model);
+    for (int n = 0; n < 10; ++n) two.move(1, kBeside_m[1]);
+    const Point alone_N = two.move(1, kBeside_m[1]).force_N;
+    two.press(kBeside_m);
+    EXPECT_GT((two.move(1, kBeside_m[1]).force_N - alone_N).norm(), 0.05 * alone_N.norm());
+    two.world().leave(0);
+    TissueResult last;
+    for (int n = 0; n < 10; ++n) last = two.move(1, kBeside_m[1]);
+    EXPECT_LT((last.force_N - alone_N).norm(), 1e-6 * alone_N.norm());
+    EXPECT_EQ(two.world().join(), 0);
+    EXPECT_EQ(two.world().touch(0).force_N, Point::Zero());
+  }
+}
+
+TEST(LinearTissueWorld, InTheOthersDimpleThereIsNothingToFeelUntilTheOtherGoes) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    const double beside_m = 0.004 + 0.5 * model.options().radius_m;
+    Two two(model);
+    const Point pressed_m(0.03, 0.03, kTop_m - 0.008);
+    for (int n = 0; n <= 40; ++n) two.move(0, pressed_m + Point(0, 0, 0.01 * (1 - n / 40.0)));
+    // Below the surface at rest, above it as it is.
+    const Point hover_m(0.03 + beside_m, 0.03, kTop_m - 0.001);
+    for (int n = 0; n <= 40; ++n) {
+      const TissueResult& hovering = two.move(1, hover_m + Point(0, 0, 0.005 * (1 - n / 40.0)));
+      EXPECT_EQ(hovering.contacts, 0);
+      EXPECT_EQ(hovering.force_N, Point::Zero());
+    }
+    // The surface comes up with the other, and meets the probe.
+    for (int n = 0; n <= 40; ++n) {
+      two.move(0, pressed_m + Point(0, 0, 0.01 * n / 40.0));
+      two.move(1, hover_m);
+    }
+    const TissueResult met = two.move(1, hover_m);
+    EXPECT_GT(met.force_N.z(), 0.01);
+    EXPECT_EQ(two.world().seat(0).result.contacts, 0);
+  }
+}
+
+struct Work {
+  double by_hands_J = 0;
+  double peak_J = 0;
+};
+
+// Both press and go round, in turns, each on a closed way of its own; each hand's work by the trapezoidal rule over the
+// forces as it was told them.
+Work go_round(const TissueModel& model, int steps) {
+  Two two(model);
+  std::array<Point, 2> before_m{Point::Zero(), Point::Zero()};
+  std::array<Point, 2> before_N{Point::Zero(), Point::Zero()};
+  Work work;
+  for (int n = 0; n <= steps; ++n) {
+    for (const std::size_t seat : {0U, 1U}) {
+      const double angle = 2 * std::numbers::pi * n / steps - (seat == 0 ? 0 : 0.4);
+      const double depth_m = 0.002 - 0.005 * 0.5 * (1 - std::cos(angle));
+      const Point tip_m(0.022 + 0.016 * static_cast<double>(seat) + 0.006 * std::sin(angle),
+                        0.033 + 0.004 * std::sin(2 * angle), kTop_m + depth_m);
+      const TissueResult& result = two.move(static_cast<int>(seat), tip_m);
+      EXPECT_EQ(result.contacts_left_out, 0);
+      if (n > 0) work.by_hands_J -= 0.5 * (result.force_N + before_N[seat]).dot(tip_m - before_m[seat]);
+      work.peak_J = std::max(work.peak_J, result.energy_J);
+      before_m[seat] = tip_m;
+      before_N[seat] = result.force_N;
+    }
+  }
+  return work;
+}
+
+TEST(LinearTissueWorld, TwoHandsGoingRoundGetNoMoreThanTheyGave) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    const Work work = go_round(model, 4000);
+    EXPECT_GT(work.peak_J, 5e-4);
+    // That each knows where the other was a motion before costs one part in some thousands; a point slips, and only
+    // loses.
+    EXPECT_GT(work.by_hands_J, -1e-4 * work.peak_J);
+    EXPECT_LT(work.by_hands_J, (model.options().radius_m > 0 ? 1e-4 : 5e-3) * work.peak_J);
+  }
+}
+
+TEST(LinearTissueWorld, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const TissueModel& model : models()) {
+    Two two(model);
+    const test::AllocationGuard guard;
+    two.press(kBeside_m);
+    EXPECT_EQ(guard.heap_operations(), 0U);
+    EXPECT_GT(two.world().seat(1).result.contacts, 0);
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::server
