@@ -8,12 +8,17 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "forcebound/text/numbers.hpp"
+
 namespace forcebound::server {
 namespace {
 
 // MuJoCo's handler must not return, and an exception must not pass its C code, which has nothing to clean up: a jump.
 thread_local std::jmp_buf way_back;
 thread_local bool has_way_back = false;
+
+// A longer step than that is no haptics.
+constexpr double kTimestep_s_max = 0.01;
 
 [[noreturn]] void leave_mujoco(const char*) {
   if (has_way_back) std::longjmp(way_back, 1);  // NOLINT(cert-err52-cpp): the one way out of a C library
@@ -31,12 +36,13 @@ struct Handlers {
 
 void install_handlers() { static const Handlers kHandlers; }
 
-/// Only plain values: a jump runs no destructors.
-bool step_or_jump(const mjModel* model, mjData* data) noexcept {
+/// Whether `call` came to its end. It has only plain values, since a jump runs no destructors.
+template <class Call>
+bool guarded(const Call& call) noexcept {
   has_way_back = true;
   bool done = false;
   if (setjmp(way_back) == 0) {  // NOLINT(cert-err52-cpp): see above
-    mj_step(model, data);
+    call();
     done = true;
   }
   has_way_back = false;
@@ -59,8 +65,20 @@ struct FreeVfs {
 ModelPointer load(const char* file, const mjVFS* files, const std::string& name) {
   install_handlers();
   std::array<char, 1000> error{};
-  ModelPointer model(mj_loadXML(file, files, error.data(), static_cast<int>(error.size())));
+  mjModel* loaded = nullptr;
+  // What MuJoCo had taken when it gave up is lost: an error at load, once.
+  const bool done = guarded([&] { loaded = mj_loadXML(file, files, error.data(), static_cast<int>(error.size())); });
+  ModelPointer model(loaded);
+  if (!done) throw BodiesError(name + ": MuJoCo gave up on it, without a reason");
   if (!model) throw BodiesError(name + ": " + in_one_line(error.data()));
+  if (const double step_s = model->opt.timestep; !(step_s > 0 && step_s <= kTimestep_s_max)) {
+    throw BodiesError(name + ": timestep must be > 0 and <= " + text::to_text(kTimestep_s_max) + " s, got " +
+                      text::to_text(step_s));
+  }
+  const DataPointer data = make_data(*model);
+  if (!step(*model, *data)) {
+    throw BodiesError(name + ": MuJoCo cannot take the first step: expected forces and sizes that it can count with");
+  }
   return model;
 }
 
@@ -71,6 +89,7 @@ void DeleteData::operator()(mjData_* data) const noexcept { mj_deleteData(data);
 
 ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
   constexpr const char* kFile = "bodies.xml";
+  if (text.empty()) throw BodiesError(name + ": is empty, expected <mujoco>...</mujoco>");
   // 2000 names of files: too much for a stack.
   const std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
   mj_defaultVFS(files.get());
@@ -84,14 +103,16 @@ ModelPointer load_mjcf(const std::string& path) { return load(path.c_str(), null
 
 DataPointer make_data(const mjModel_& model) {
   install_handlers();
-  DataPointer data(mj_makeData(&model));
+  mjData* made = nullptr;
+  (void)guarded([&] { made = mj_makeData(&model); });
+  DataPointer data(made);
   if (!data) throw BodiesError("not enough memory for the state of " + std::to_string(model.nbody) + " bodies");
-  mj_forward(&model, data.get());
+  if (!guarded([&] { mj_forward(&model, data.get()); })) throw BodiesError("MuJoCo cannot compute where bodies are");
   return data;
 }
 
 bool step(const mjModel_& model, mjData_& data) noexcept {
-  if (!step_or_jump(&model, &data)) return false;
+  if (!guarded([&] { mj_step(&model, &data); })) return false;
   return data.warning[mjWARN_BADQPOS].number == 0 && data.warning[mjWARN_BADQVEL].number == 0 &&
          data.warning[mjWARN_BADQACC].number == 0;
 }

@@ -269,8 +269,8 @@ class GmshReader {
   };
 
   Announced announced(const char* unit) {
-    const std::string expected = std::string("number of blocks, number of ") + unit +
-                                 "s, smallest and largest number of a " + unit + ", such as 1 14 1 14";
+    const std::string expected =
+        std::string("number of blocks, number of ") + unit + "s, their smallest and largest number, such as 1 14 1 14";
     const auto numbers = header(4, expected);
     return {unit, number_, numbers[0], numbers[1], numbers[2], numbers[3]};
   }

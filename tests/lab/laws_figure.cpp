@@ -44,9 +44,8 @@ record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emp
 void LawsFigure::draw_to(const std::filesystem::path& png) const {
   Panel penetration{.title = "How deep the hand gets in", .y_label = "penetration [mm]", .y_min = 0};
   Panel force{.title = "Force on the device", .y_label = "magnitude [N]", .y_min = 0};
-  Panel passivity{.title = "Passivity: energy dissipated less energy returned",
-                  .y_label = "P [mJ]",
-                  .references = {{0, "passive above"}}};
+  Panel passivity{
+      .title = "Passivity: energy taken less returned", .y_label = "P [mJ]", .references = {{0, "passive above"}}};
   Panel stiffness{.title = "Displayed stiffness", .y_label = "K [N/mm]", .y_min = 0};
   double usual_N_per_mm = 0;
   double most_N_per_mm = 0;

@@ -198,6 +198,31 @@ TEST(BodyMedium, MjcfErrorsNameFileAndBody) {
   EXPECT_THROW((void)load_mjcf("/no/such.xml"), BodiesError);
 }
 
+TEST(CompileMjcf, RefusesWhatWouldEndMuJoCoOrItsFirstStep) {
+  const auto refusal = [](const std::string& option) -> std::string {
+    try {
+      (void)compile_mjcf(
+          "<mujoco>" + option + R"(<worldbody><body name="a"><freejoint/><geom size="1"/></body></worldbody></mujoco>)",
+          "a.xml");
+    } catch (const BodiesError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal(""), "accepted");
+  EXPECT_EQ(refusal(R"(<option timestep="0"/>)"), "a.xml: timestep must be > 0 and <= 0.01 s, got 0");
+  EXPECT_EQ(refusal(R"(<option timestep="-1"/>)"), "a.xml: timestep must be > 0 and <= 0.01 s, got -1");
+  EXPECT_THAT(refusal(R"(<option timestep="nan"/>)"), testing::HasSubstr("timestep must be > 0"));
+  EXPECT_THAT(refusal(R"(<option gravity="0 0 1e300"/>)"), testing::HasSubstr("cannot take the first step"));
+  EXPECT_THAT(refusal(R"(<size nstack="10"/>)"), testing::StartsWith("a.xml: "));
+  try {
+    (void)compile_mjcf("", "empty.xml");
+    ADD_FAILURE() << "accepted";
+  } catch (const BodiesError& error) {
+    EXPECT_STREQ(error.what(), "empty.xml: is empty, expected <mujoco>...</mujoco>");
+  }
+}
+
 TEST(BodyMedium, DoesNotAllocateOncePlaced) {
   const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}}, "test");
   const auto state = medium.make_state(1);
