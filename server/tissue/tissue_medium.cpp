@@ -23,7 +23,7 @@ constexpr double kPoint_ns = 500;
 constexpr double kSphere_ns = 2000;
 constexpr double kSphereTriangle_ns = 5;
 constexpr double kContact_ns = 3000;
-constexpr double kCorotationalTetrahedron_ns = 5000;
+constexpr double kCorotationalTetrahedron_ns = 4000;
 
 constexpr std::size_t kCorotationalTetrahedron_bytes = 600;
 

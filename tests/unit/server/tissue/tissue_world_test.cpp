@@ -120,7 +120,7 @@ TEST(LinearTissueWorld, TwoProbesFeelWhatOneSolveOfAllTheirContactsGives) {
     ASSERT_GE(rows.size(), 2U);
     const auto together_N = solved_together(model, rows);
     for (int seat = 0; seat < 2; ++seat) {
-      const Point expected_N = together_N[static_cast<std::size_t>(seat)];
+      const Point& expected_N = together_N[static_cast<std::size_t>(seat)];
       EXPECT_GT(expected_N.z(), 0.1);
       // The first to move knows where the second has been before its last slide.
       const double share = seat == 1 ? 1e-10 : 1e-6;
