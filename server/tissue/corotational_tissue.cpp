@@ -249,6 +249,22 @@ class CorotationalTissue::Step {
     result_.residual_m = work_.preconditioned.lpNorm<Eigen::Infinity>();
   }
 
+  // Of a motion of the tie's place what the tie resists: along a triangle and along an edge it gives way, since the
+  // place slides.
+  [[nodiscard]] Point held_part(const CorotationalTie& tie, const Point& moved_m) const noexcept {
+    const auto weighs = (tie.place.weight.array() > 0).count();
+    if (weighs == 1) return moved_m;
+    if (weighs == 3) {
+      const Point along = stretch(displacement_m_, tie).stableNormalized();
+      return along.dot(moved_m) * along;
+    }
+    const Eigen::Matrix3d here = corners(displacement_m_, tie.place.triangle);
+    int away = 0;
+    tie.place.weight.minCoeff(&away);
+    const Point edge = (here.col((away + 1) % 3) - here.col((away + 2) % 3)).stableNormalized();
+    return moved_m - edge.dot(moved_m) * edge;
+  }
+
   // The stiffness with the rotations held, times a displacement.
   void stiffness_times(const Vector& moved_m, Vector& force_N) const noexcept {
     force_N.setZero();
@@ -271,9 +287,7 @@ class CorotationalTissue::Step {
       for (int a = 0; a < 3; ++a) {
         at_place_m += tie.place.weight[a] * moved_m.segment<3>(3 * tissue_.surface_.triangles()[tie.place.triangle][a]);
       }
-      // Across its own direction the tie gives way, since the place slides.
-      const Point along = stretch(displacement_m_, tie).stableNormalized();
-      add_at(tie.place, tissue_.options_.contact_stiffness_N_per_m * along.dot(at_place_m) * along, force_N);
+      add_at(tie.place, tissue_.options_.contact_stiffness_N_per_m * held_part(tie, at_place_m), force_N);
     });
     release_held(force_N);
   }

@@ -19,11 +19,11 @@ using text::to_text;
 constexpr double kAsHigh = 1e-3;
 
 // What a step costs, roughly.
-constexpr double kPoint_ns = 3000;
-constexpr double kSphere_ns = 3000;
-constexpr double kSphereTriangle_ns = 10;
+constexpr double kPoint_ns = 500;
+constexpr double kSphere_ns = 2000;
+constexpr double kSphereTriangle_ns = 5;
 constexpr double kContact_ns = 3000;
-constexpr double kCorotationalTetrahedron_ns = 5000;
+constexpr double kCorotationalTetrahedron_ns = 4000;
 
 constexpr std::size_t kCorotationalTetrahedron_bytes = 600;
 
@@ -69,6 +69,24 @@ Range stiffness_of(const LinearTissue& tissue, const std::vector<bool>& held, do
   return range;
 }
 
+// Under large motion a stiffer tie than that converges too slowly to be felt as what it is.
+constexpr double kTie_N_per_m_max = 1e4;
+
+// Half a micrometre where triangles are 5 mm wide.
+constexpr double kCorotationalTolerance = 1e-4;
+
+ProbeOptions checked(const TissueDescription& description) {
+  ProbeOptions probe = description.probe;
+  probe.check();
+  if (!description.large_motion) return probe;
+  if (probe.radius_m > 0) {
+    throw std::invalid_argument("under large motion the probe is a point: radius_m must be 0, got " +
+                                to_text(probe.radius_m));
+  }
+  probe.contact_stiffness_N_per_m = std::min(probe.contact_stiffness_N_per_m, kTie_N_per_m_max);
+  return probe;
+}
+
 std::string rounded(double value) {
   const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
   return to_text(std::round(value / unit) * unit);
@@ -78,22 +96,17 @@ std::string rounded(double value) {
 
 TissueMedium::TissueMedium(TissueDescription description)
     : held_nodes_(description.held_nodes),
-      probe_(description.probe),
+      probe_(checked(description)),
       material_(description.material),
-      law_(law_of(std::move(description))) {}
+      law_(law_of(std::move(description), probe_)) {}
 
-TissueMedium::Law TissueMedium::law_of(TissueDescription&& description) {
-  description.probe.check();
+TissueMedium::Law TissueMedium::law_of(TissueDescription&& description, const ProbeOptions& probe) {
   if (!description.large_motion) {
-    return TissueModel(LinearTissue(std::move(description.mesh), description.material, description.held_nodes),
-                       description.probe);
+    return TissueModel(LinearTissue(std::move(description.mesh), description.material, description.held_nodes), probe);
   }
-  if (description.probe.radius_m > 0) {
-    throw std::invalid_argument("under large motion the probe is a point: radius_m must be 0, got " +
-                                to_text(description.probe.radius_m));
-  }
-  return CorotationalTissue(std::move(description.mesh), description.material, description.held_nodes,
-                            {.contact_stiffness_N_per_m = description.probe.contact_stiffness_N_per_m});
+  return CorotationalTissue(
+      std::move(description.mesh), description.material, description.held_nodes,
+      {.contact_stiffness_N_per_m = probe.contact_stiffness_N_per_m, .tolerance = kCorotationalTolerance});
 }
 
 std::unique_ptr<MediumState> TissueMedium::make_state(int seats) const {

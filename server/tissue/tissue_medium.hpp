@@ -16,7 +16,9 @@ struct TissueDescription {
   ElasticMaterial material;
   std::vector<int> held_nodes;  ///< of the mesh, which do not move
   ProbeOptions probe{};
-  bool large_motion = false;  ///< CorotationalTissue against a point, instead of TissueModel
+  /// CorotationalTissue against a point, instead of TissueModel: several milliseconds a thousand tetrahedra, and a
+  /// contact of at most 1e4 N/m.
+  bool large_motion = false;
 };
 
 /// Soft tissue, and probes on it.
@@ -39,7 +41,7 @@ class TissueMedium final : public Medium {
  private:
   using Law = std::variant<TissueModel, CorotationalTissue>;
 
-  static Law law_of(TissueDescription&& description);
+  static Law law_of(TissueDescription&& description, const ProbeOptions& probe);
   void describe(const TissueModel& model, const std::vector<bool>& held, MediumFacts& facts) const;
   void describe(const CorotationalTissue& tissue, MediumFacts& facts) const;
 

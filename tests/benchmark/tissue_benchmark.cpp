@@ -13,6 +13,7 @@
 
 #include "forcebound/server/tissue/corotational_tissue.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
+#include "forcebound/server/tissue/tissue_world.hpp"
 #include "tests/support/tissue_block.hpp"
 
 namespace forcebound::server {
@@ -60,6 +61,30 @@ void point_step(benchmark::State& timing) { slide(timing, {}, 0.004); }
 void sphere_step(benchmark::State& timing) {
   slide(timing, {.radius_m = 1e-3 * static_cast<double>(timing.range(0)), .contacts_max = 16},
         1e-3 * static_cast<double>(timing.range(1)));
+}
+
+// A sphere that slides with eight contacts while others, with as many, hold the same tissue.
+void sphere_step_beside(benchmark::State& timing) {
+  const TissueModel model(tissue_of_600(), {.radius_m = 0.02, .contacts_max = 8});
+  LinearTissueWorld world(model, 1 + static_cast<int>(timing.range(0)));
+  while (world.join() >= 0) continue;
+  const auto place = [&](int seat, int step) {
+    const double angle = 2e-3 * 3.14159265358979 * step + seat;
+    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.046);
+  };
+  for (int seat = 0; seat <= timing.range(0); ++seat) {
+    for (const double above_m : {0.02, 0.01, 0.0}) {
+      world.move(seat, place(seat, 0) + Point(0, 0, above_m), Point::Zero());
+    }
+  }
+  double contacts = 0;
+  int n = 0;
+  for (auto _ : timing) {
+    world.move(0, place(0, n), Point::Zero());
+    contacts += world.seat(0).result.contacts;
+    n = (n + 1) % 1000;
+  }
+  timing.counters["contacts"] = benchmark::Counter(contacts, benchmark::Counter::kAvgIterations);
 }
 
 // The same circle, felt by a point, under large motion.
@@ -123,7 +148,10 @@ BENCHMARK(sphere_step)
     ->Args({10, 4})
     ->Args({10, 8})
     ->Args({20, 4})
-    ->Args({20, 10});
+    ->Args({20, 10})
+    ->Args({20, 14})
+    ->Args({25, 14});
+BENCHMARK(sphere_step_beside)->ArgNames({"others"})->DenseRange(0, 3);
 BENCHMARK(corotational_step);
 BENCHMARK(eight_sparse_solves);
 BENCHMARK(dense_solve_of_24);

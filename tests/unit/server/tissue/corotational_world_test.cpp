@@ -33,8 +33,8 @@ const TissueResult& move(World& world, int seat, const Point& position_m) {
 template <typename World>
 void press(World& world, double depth_m) {
   while (world.join() >= 0) continue;
-  for (int n = 0; n <= 120; ++n) {
-    const Point at_m(0, 0, 0.004 - (0.004 + depth_m) * std::min(1.0, n / 80.0));
+  for (int n = 0; n <= 50; ++n) {
+    const Point at_m(0, 0, 0.004 - (0.004 + depth_m) * std::min(1.0, n / 40.0));
     for (int seat = 0; seat < 2; ++seat) move(world, seat, kBeside_m[static_cast<std::size_t>(seat)] + at_m);
   }
 }
@@ -63,12 +63,12 @@ TEST(CorotationalTissueWorld, OnePressedBesideTheOtherIsFeltUntilItLeaves) {
   const Point beside_N = both.seat(1).result.force_N;
   both.leave(0);
   const Point at_m = kBeside_m[1] - Point(0, 0, 0.005);
-  for (int n = 0; n < 40; ++n) move(both, 1, at_m);
+  for (int n = 0; n < 10; ++n) move(both, 1, at_m);
   CorotationalTissueWorld alone(tissue, 2);
   static_cast<void>(alone.join());
   static_cast<void>(alone.join());
-  for (int n = 0; n <= 120; ++n) {
-    move(alone, 1, kBeside_m[1] + Point(0, 0, 0.004 - 0.009 * std::min(1.0, n / 80.0)));
+  for (int n = 0; n <= 50; ++n) {
+    move(alone, 1, kBeside_m[1] + Point(0, 0, 0.004 - 0.009 * std::min(1.0, n / 40.0)));
   }
   const Point alone_N = alone.seat(1).result.force_N;
   EXPECT_GT((beside_N - alone_N).norm(), 0.02 * alone_N.norm());
@@ -84,7 +84,7 @@ TEST(CorotationalTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherF
     std::array<double, 2> force_N{};
     for (const std::size_t side : {0U, 1U}) {
       const Point step_m(0, 0, side == 0 ? -kStep_m : kStep_m);
-      for (int n = 0; n < 40; ++n) {
+      for (int n = 0; n < 30; ++n) {
         move(world, static_cast<int>(moved), kBeside_m[moved] + step_m - Point(0, 0, 0.005));
         force_N[side] = move(world, static_cast<int>(felt), kBeside_m[felt] - Point(0, 0, 0.005)).force_N.z();
       }
@@ -105,7 +105,7 @@ TEST(CorotationalTissueWorld, ReturnsNoMoreEnergyToTwoHandsThanTheyGave) {
   std::array<Point, 2> before_N{Point::Zero(), Point::Zero()};
   double work_J = 0;
   double peak_J = 0;
-  constexpr int kSteps = 1000;
+  constexpr int kSteps = 200;
   for (int n = 0; n <= kSteps; ++n) {
     for (const std::size_t seat : {0U, 1U}) {
       const double angle = 2 * std::numbers::pi * n / kSteps - 0.4 * static_cast<double>(seat);

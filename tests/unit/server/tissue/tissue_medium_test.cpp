@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/LU>
+
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -36,7 +38,7 @@ std::vector<TissueMedium> blocks() {
   std::vector<TissueMedium> media;
   media.push_back(block({.radius_m = 0}));
   media.push_back(block({.radius_m = 0.01}));
-  media.push_back(block({.contact_stiffness_N_per_m = 1e3}, true));
+  media.push_back(block({}, true));
   return media;
 }
 
@@ -81,6 +83,143 @@ TEST(TissueMedium, TimeDoesNotMatter) {
       EXPECT_EQ(slow->touch(slow_seat).force_N, fast->touch(fast_seat).force_N);
     }
     EXPECT_GT(slow->touch(slow_seat).force_N.z(), 0.01);
+  }
+}
+
+TEST(TissueMedium, FactsSayWhatItConsistsOf) {
+  const auto media = blocks();
+  const MediumFacts linear = media[0].facts();
+  EXPECT_THAT(linear.lines, Contains("196 nodes, 648 tetrahedra, 146 nodes on the surface, 49 held"));
+  EXPECT_THAT(linear.lines, Contains("elastic: Young's modulus 5000 Pa, Poisson's ratio 0.4"));
+  EXPECT_THAT(linear.lines, Contains("linear: small displacements and rotations, no inertia"));
+  EXPECT_THAT(linear.lines, Contains(HasSubstr("felt by a point, a contact of 1e+05 N/m")));
+  EXPECT_GT(linear.memory_bytes, 146U * 146U * 72U);
+  EXPECT_GT(linear.state_bytes, 1000U);
+  EXPECT_THAT(media[1].facts().lines, Contains(HasSubstr("felt by a sphere of 0.01 m, at most 8 contacts of 1e+05")));
+  EXPECT_GT(media[1].facts().cost_ns, 5 * linear.cost_ns);
+  EXPECT_THAT(media[2].facts().lines, Contains(HasSubstr("corotational: large motion")));
+  EXPECT_EQ(media[2].facts().stiffness_N_per_m, 1e4);
+  EXPECT_GT(media[2].facts().memory_bytes, 100U * 648U);
+}
+
+TEST(TissueMedium, StiffnessIsThatOfTheStiffestPlaceThatCanBeTouched) {
+  EXPECT_EQ(block({}).facts().stiffness_N_per_m, 1e5) << "held nodes are on the surface, and give way nowhere";
+  // Held within, where no probe comes: tissue and contact in series.
+  TissueDescription inside = block_description();
+  inside.held_nodes = nodes_in_box(inside.mesh, {0.03, 0.03, 0.015}, {0.021, 0.021, 0.011});
+  const double contact_N_per_m = inside.probe.contact_stiffness_N_per_m;
+  const LinearTissue tissue(inside.mesh, inside.material, inside.held_nodes);
+  const double stiffness_N_per_m = TissueMedium(std::move(inside)).facts().stiffness_N_per_m;
+  double stiffest_N_per_m = 0;
+  for (int node = 0; node < tissue.surface_nodes(); ++node) {
+    const Eigen::Matrix3d yields =
+        tissue.compliance_m_per_N(node, node) + 1 / contact_N_per_m * Eigen::Matrix3d::Identity();
+    // The longest of what unit motions take, by the power method.
+    Point along = Point(1, 0.9, 0.8);
+    for (int n = 0; n < 200; ++n) along = yields.inverse() * along.normalized();
+    stiffest_N_per_m = std::max(stiffest_N_per_m, along.norm());
+  }
+  EXPECT_LT(stiffness_N_per_m, 1e4);
+  EXPECT_NEAR(stiffness_N_per_m / stiffest_N_per_m, 1, 1e-6);
+}
+
+TEST(TissueMedium, WarnsOfTissueThatLocks) {
+  TissueDescription locking = block_description();
+  locking.material.poisson = 0.4999;
+  EXPECT_THAT(TissueMedium(std::move(locking)).facts().lines, Contains(HasSubstr("the tetrahedra lock")));
+}
+
+TEST(TissueMedium, CountsWhatItCouldNotDo) {
+  const TissueMedium medium = block({.radius_m = 0.02, .contacts_max = 2});
+  const auto state = medium.make_state(1);
+  const int seat = state->join();
+  const Point on_top_m = medium.facts().on_surface_m + Point(0, 0, 0.02);
+  static_cast<void>(go(*state, seat, on_top_m + Point(0, 0, 0.001), on_top_m));
+  EXPECT_EQ(state->faults().contacts_left_out, 0U);
+  static_cast<void>(go(*state, seat, on_top_m, on_top_m - Point(0, 0, 0.004)));
+  EXPECT_GT(state->faults().contacts_left_out, 0U);
+  EXPECT_GT(state->faults().not_converged, 0U);
+}
+
+TEST(TissueMedium, AStrangersNonsenseBreaksNothing) {
+  for (const TissueMedium& medium : blocks()) {
+    const auto state = medium.make_state(2);
+    const int seat = state->join();
+    const int stranger = state->join();
+    const Point surface_m = medium.facts().on_surface_m;
+    static_cast<void>(go(*state, seat, surface_m + Point(0, 0, 0.03), surface_m - Point(0, 0, 0.001)));
+    for (const double far_m : {1e300, -1e300, 1e3, -1e3}) {
+      state->move(stranger, {far_m, -far_m, far_m}, {far_m, far_m, far_m});
+      EXPECT_TRUE(state->touch(stranger).force_N.allFinite());
+    }
+    state->leave(stranger);
+    EXPECT_GT(go(*state, seat, surface_m + Point(0, 0, 0.03), surface_m - Point(0, 0, 0.001)).force_N.z(), 0.01);
+    EXPECT_TRUE(state->sound());
+  }
+}
+
+TEST(TissueMedium, HasAsManySeatsAsItWasTold) {
+  for (const TissueMedium& medium : blocks()) {
+    const auto state = medium.make_state(3);
+    for (int seat = 0; seat < 3; ++seat) EXPECT_EQ(state->join(), seat);
+    EXPECT_EQ(state->join(), -1);
+    state->leave(1);
+    EXPECT_EQ(state->join(), 1);
+    EXPECT_EQ(state->join(), -1);
+    EXPECT_THROW(static_cast<void>(medium.make_state(0)), std::invalid_argument);
+  }
+}
+
+TEST(TissueMedium, RefusesWhatMakesNoSense) {
+  const auto refusal = [](const ProbeOptions& probe, bool large_motion) -> std::string {
+    try {
+      static_cast<void>(block(probe, large_motion));
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal({.radius_m = 0.01}, true), "under large motion the probe is a point: radius_m must be 0, got 0.01");
+  EXPECT_EQ(refusal({.radius_m = -1}, false), "radius_m must be >= 0, got -1");
+  EXPECT_EQ(refusal({.contacts_max = 0}, true), "contacts_max must be from 1 to 16, got 0");
+  EXPECT_THAT(refusal({.radius_m = 0.001}, false), HasSubstr("block: a sphere of radius 0.001 m is too small"));
+  TissueDescription loose = block_description();
+  loose.held_nodes = {};
+  EXPECT_THROW(TissueMedium(std::move(loose)), std::runtime_error);
+}
+
+TEST(TissueMedium, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const TissueMedium& medium : blocks()) {
+    const auto state = medium.make_state(2);
+    const int seat = state->join();
+    const int other = state->join();
+    const Point surface_m = medium.facts().on_surface_m;
+    const test::AllocationGuard guard;
+    static_cast<void>(go(*state, other, surface_m + Point(0.01, 0, 0.03), surface_m + Point(0.01, 0, -0.002)));
+    const MediumTouch touch = go(*state, seat, surface_m + Point(0, 0, 0.03), surface_m - Point(0, 0, 0.004));
+    EXPECT_EQ(guard.heap_operations(), 0U);
+    EXPECT_GT(touch.penetration_m, 0);
+  }
+}
+
+TEST(TissueMedium, TheLiverIsFelt) {
+  const auto path = test::recorded_data("meshes/liver.msh");
+  if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
+  for (const bool large_motion : {false, true}) {
+    TetrahedralMesh mesh(load_gmsh(path->string()), 0.01);
+    std::vector<int> held = nodes_below(mesh, {0, 0, 0}, Point::UnitZ());
+    ASSERT_FALSE(held.empty());
+    const TissueMedium medium({.mesh = std::move(mesh),
+                               .material = {.young_Pa = 5000, .poisson = 0.4},
+                               .held_nodes = std::move(held),
+                               .large_motion = large_motion});
+    const Point surface_m = medium.facts().on_surface_m;
+    const auto state = medium.make_state(1);
+    const int seat = state->join();
+    const MediumTouch touch = go(*state, seat, surface_m + Point(0, 0, 0.005), surface_m - Point(0, 0, 0.005));
+    EXPECT_GT(touch.force_N.z(), 0.01);
+    EXPECT_TRUE(state->sound());
   }
 }
 

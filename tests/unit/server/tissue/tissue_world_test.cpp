@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "forcebound/server/tissue/sphere_depth.hpp"
@@ -120,7 +121,7 @@ TEST(LinearTissueWorld, TwoProbesFeelWhatOneSolveOfAllTheirContactsGives) {
     ASSERT_GE(rows.size(), 2U);
     const auto together_N = solved_together(model, rows);
     for (int seat = 0; seat < 2; ++seat) {
-      const Point expected_N = together_N[static_cast<std::size_t>(seat)];
+      const Point& expected_N = together_N[static_cast<std::size_t>(seat)];
       EXPECT_GT(expected_N.z(), 0.1);
       // The first to move knows where the second has been before its last slide.
       const double share = seat == 1 ? 1e-10 : 1e-6;
@@ -269,6 +270,40 @@ TEST(LinearTissueWorld, TwoHandsGoingRoundGetNoMoreThanTheyGave) {
     // loses.
     EXPECT_GT(work.by_hands_J, -1e-4 * work.peak_J);
     EXPECT_LT(work.by_hands_J, (model.options().radius_m > 0 ? 1e-4 : 5e-3) * work.peak_J);
+  }
+}
+
+TEST(LinearTissueWorld, ThreeHandsAtRandomNeverHaveMoreOfItThanIsLeft) {
+  for (const TissueModel& model : models()) {
+    SCOPED_TRACE(model.options().radius_m);
+    LinearTissueWorld world(model, 3);
+    while (world.join() >= 0) continue;
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> aside_m(-0.01, 0.07);
+    std::uniform_real_distribution<double> height_m(kTop_m - 0.006, kTop_m + 0.01);
+    std::array<Point, 3> at_m{Point(0.01, 0.03, 0.06), Point(0.03, 0.03, 0.06), Point(0.05, 0.03, 0.06)};
+    std::array<Point, 3> target_m = at_m;
+    std::array<Point, 3> felt_N{Point::Zero(), Point::Zero(), Point::Zero()};
+    double work_J = 0;
+    double peak_J = 0;
+    for (int n = 0; n < 6000; ++n) {
+      for (std::size_t seat = 0; seat < 3; ++seat) {
+        if ((n + 400 * static_cast<int>(seat)) % 1200 == 0) {
+          target_m[seat] = {aside_m(random), aside_m(random), height_m(random) + model.options().radius_m};
+        }
+        const Point step_m = 0.004 * (target_m[seat] - at_m[seat]);
+        at_m[seat] += step_m;
+        world.move(static_cast<int>(seat), at_m[seat], Point::Zero());
+        const TissueResult& result = world.seat(static_cast<int>(seat)).result;
+        work_J -= 0.5 * (result.force_N + felt_N[seat]).dot(step_m);
+        felt_N[seat] = result.force_N;
+        peak_J = std::max(peak_J, result.energy_J);
+        // The step that first touches is paid for by half, as at any sampled wall.
+        ASSERT_GE(work_J, result.energy_J - 5e-3 * std::max(peak_J, 1e-3)) << n;
+      }
+    }
+    EXPECT_GT(peak_J, 1e-3);
+    EXPECT_TRUE(world.sound());
   }
 }
 
