@@ -10,6 +10,7 @@
 #include "forcebound/server/app/serve.hpp"
 #include "forcebound/server/scene/explain.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/server/scene/schema.hpp"
 #include "forcebound/server/session/answer_size.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
@@ -36,6 +37,10 @@ int main(int argc, char** argv) {
   auto [options, exit_code] = forcebound::server::parse_command_line(argc, argv);
   if (exit_code) return *exit_code;
   try {
+    if (options.schema) {
+      std::cout << forcebound::server::schema(forcebound::server::EffectRegistry::standard());
+      return 0;
+    }
     if (options.explain) {
       explain(options);
       return 0;

@@ -24,6 +24,7 @@ std::string footer() {
          "  forcebound-server                          the wall, for clients on this machine\n"
          "  forcebound-server --scene sphere --explain what would be simulated, in words\n"
          "  forcebound-server --scene my.toml --explain --calibrate   and what it costs here\n"
+         "  forcebound-server --schema                 how to write a scene, with every effect\n"
          "  forcebound-server --listen 0.0.0.0:47800   for clients elsewhere: there is neither\n"
          "                                             encryption nor a password, so use it within\n"
          "                                             a network that you trust\n"
@@ -46,6 +47,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
       ->needs("--explain");
+  app.add_flag("--schema", options.schema, "print all that a scene file may have, as Markdown, and end");
   app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
       ->type_name("FILE.mcap");
   app.add_option("--sessions-max", options.server.sessions_max, "clients at once, at most")

@@ -59,7 +59,7 @@ EffectKind adhesion_effect() {
                      NumberParameter{
                          .key = "tear_N", .meaning = "where it tears", .least = 0, .least_excluded = true, .most = 1e6},
                      NumberParameter{.key = "shear_stiffness_N_per_m",
-                                     .meaning = "sideways; where the scene is silent, K",
+                                     .meaning = "sideways; if left out, K",
                                      .preset = 0,
                                      .least = 0,
                                      .least_excluded = true,

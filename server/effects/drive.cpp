@@ -74,28 +74,36 @@ class Drive final : public Effect {
 };
 
 std::vector<EffectParameter> parameters() {
-  return {
-      ChoiceParameter{
-          .key = "waveform", .meaning = "s", .choices = {"sine", "square", "triangle", "sawtooth", "pulse", "chirp"}},
-      PointParameter{.key = "direction", .meaning = "e", .is_direction = true},
-      NumberParameter{.key = "amplitude_N", .meaning = "A", .least = 0, .most = 1e6},
-      NumberParameter{.key = "frequency_Hz", .meaning = "f0", .least = 0, .least_excluded = true, .most = 1e6},
-      NumberParameter{.key = "frequency_end_Hz",
-                      .meaning = "f1, where a chirp ends",
-                      .preset = kNotGiven,
-                      .least = 0,
-                      .least_excluded = true,
-                      .most = 1e6},
-      NumberParameter{
-          .key = "phase_rad", .meaning = "where in its period it starts", .preset = 0, .least = -1e6, .most = 1e6},
-      NumberParameter{.key = "start_s", .meaning = "t0, after the first motion", .preset = 0, .least = 0},
-      NumberParameter{.key = "duration_s", .meaning = "D", .preset = kInfinity, .least = 0, .least_excluded = true},
-      NumberParameter{.key = "duty",
-                      .meaning = "the share of its period that a square or pulse is on",
-                      .preset = kDutyPreset,
-                      .least = 0,
-                      .least_excluded = true,
-                      .most = 1}};
+  return {ChoiceParameter{.key = "waveform",
+                          .meaning = "s, the shape of the wave",
+                          .choices = {"sine", "square", "triangle", "sawtooth", "pulse", "chirp"}},
+          PointParameter{.key = "direction", .meaning = "e, where it pushes to", .is_direction = true},
+          NumberParameter{.key = "amplitude_N", .meaning = "A, from the middle to the top", .least = 0, .most = 1e6},
+          NumberParameter{.key = "frequency_Hz",
+                          .meaning = "f0, how often; of a chirp, at its start",
+                          .least = 0,
+                          .least_excluded = true,
+                          .most = 1e6},
+          NumberParameter{.key = "frequency_end_Hz",
+                          .meaning = "f1, where a chirp ends",
+                          .preset = kNotGiven,
+                          .least = 0,
+                          .least_excluded = true,
+                          .most = 1e6},
+          NumberParameter{
+              .key = "phase_rad", .meaning = "where in its period it starts", .preset = 0, .least = -1e6, .most = 1e6},
+          NumberParameter{.key = "start_s", .meaning = "t0, after the first motion", .preset = 0, .least = 0},
+          NumberParameter{.key = "duration_s",
+                          .meaning = "D, how long it acts",
+                          .preset = kInfinity,
+                          .least = 0,
+                          .least_excluded = true},
+          NumberParameter{.key = "duty",
+                          .meaning = "the share of its period that a square or pulse is on",
+                          .preset = kDutyPreset,
+                          .least = 0,
+                          .least_excluded = true,
+                          .most = 1}};
 }
 
 }  // namespace

@@ -30,11 +30,14 @@ EffectKind flow_effect() {
           .purpose = "a stream that drags the device along",
           .law = "f = B u + C |u| u, u = w - v",
           .place = EffectPlace::space,
-          .parameters =
-              {PointParameter{.key = "velocity_m_per_s", .meaning = "w, of the medium"},
-               NumberParameter{.key = "damping_N_s_per_m", .meaning = "B", .least = 0, .most = 1e6},
-               NumberParameter{
-                   .key = "drag_N_s2_per_m2", .meaning = "C, of fast streams", .preset = 0, .least = 0, .most = 1e6}},
+          .parameters = {PointParameter{.key = "velocity_m_per_s", .meaning = "w, of the medium"},
+                         NumberParameter{
+                             .key = "damping_N_s_per_m", .meaning = "B, what slow streams do", .least = 0, .most = 1e6},
+                         NumberParameter{.key = "drag_N_s2_per_m2",
+                                         .meaning = "C, what fast streams do besides",
+                                         .preset = 0,
+                                         .least = 0,
+                                         .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Flow>(values); }};
 }
 

@@ -46,10 +46,10 @@ EffectKind friction_effect() {
           .purpose = "holds the point to the surface, and drags when it slips",
           .law = "|f_t| <= mu_s N while sticking, = mu_d N while slipping; an elastoplastic bristle between",
           .parameters =
-              {NumberParameter{.key = "static_coefficient", .meaning = "mu_s", .least = 0, .most = 100},
+              {NumberParameter{.key = "static_coefficient", .meaning = "mu_s, while it holds", .least = 0, .most = 100},
                // Below zero stands for the scene's silence, which cannot say "the same".
                NumberParameter{.key = "dynamic_coefficient",
-                               .meaning = "mu_d <= mu_s; where the scene is silent, mu_s",
+                               .meaning = "mu_d <= mu_s, while it slips; if left out, mu_s",
                                .preset = -1,
                                .least = 0,
                                .most = 100},

@@ -23,10 +23,11 @@ EffectKind gravity_effect() {
           .purpose = "the weight of something in the hand",
           .law = "f = m g e",
           .place = EffectPlace::space,
-          .parameters = {NumberParameter{.key = "mass_kg", .meaning = "m", .least = 0, .most = 1e6},
-                         PointParameter{.key = "direction", .meaning = "e, where it falls to", .is_direction = true},
-                         NumberParameter{
-                             .key = "gravity_m_per_s2", .meaning = "g", .preset = 9.81, .least = 0, .most = 1e6}},
+          .parameters =
+              {NumberParameter{.key = "mass_kg", .meaning = "m, of what is held", .least = 0, .most = 1e6},
+               PointParameter{.key = "direction", .meaning = "e, where it falls to", .is_direction = true},
+               NumberParameter{
+                   .key = "gravity_m_per_s2", .meaning = "g, of the planet", .preset = 9.81, .least = 0, .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Gravity>(values); }};
 }
 

@@ -1,8 +1,18 @@
 #include "forcebound/server/effects/parameter.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
+#include "forcebound/text/numbers.hpp"
+
 namespace forcebound::server {
+
+std::string range_text(const NumberParameter& parameter) {
+  std::string text;
+  if (std::isfinite(parameter.least)) text = (parameter.least_excluded ? "> " : ">= ") + text::to_text(parameter.least);
+  if (std::isfinite(parameter.most)) text += (text.empty() ? "<= " : " and <= ") + text::to_text(parameter.most);
+  return text.empty() ? "any" : text;
+}
 
 std::string_view key_of(const EffectParameter& parameter) noexcept {
   return std::visit([](const auto& any) { return any.key; }, parameter);

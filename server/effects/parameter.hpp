@@ -22,6 +22,9 @@ struct NumberParameter {
   double most = std::numeric_limits<double>::infinity();
 };
 
+/// "> 0 and <= 100", "any" where there is no bound.
+std::string range_text(const NumberParameter& parameter);
+
 /// A place, a velocity or a force, or a direction of any length but zero; as many numbers as the scene has axes.
 struct PointParameter {
   std::string_view key;

@@ -27,7 +27,7 @@ EffectKind spring_to_point_effect() {
           .purpose = "holds the device at a point",
           .law = "f = -(o/e) min(K s, F) - min(B, F/|v|) v while s = e - R > 0; o = x - c, e = |o|",
           .place = EffectPlace::space,
-          .parameters = GuideSpring::parameters({PointParameter{.key = "center_m", .meaning = "c"}}),
+          .parameters = GuideSpring::parameters({PointParameter{.key = "center_m", .meaning = "c, where it holds"}}),
           .make = [](const EffectValues& values) { return std::make_unique<SpringToPoint>(values); }};
 }
 

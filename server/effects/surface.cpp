@@ -33,20 +33,23 @@ class Surface final : public Effect {
 }  // namespace
 
 EffectKind surface_effect() {
-  return {
-      .name = "surface",
-      .purpose = "pushes out of the object, like a spring and a damper",
-      .law = "f = n max(0, K d + G d^2 - B v.n) while the depth d > 0",
-      .parameters =
-          {NumberParameter{.key = "stiffness_N_per_m", .meaning = "K", .least = 0, .least_excluded = true, .most = 1e9},
-           NumberParameter{
-               .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6},
-           NumberParameter{.key = "stiffening_N_per_m2",
-                           .meaning = "G, stiffer the deeper",
-                           .preset = 0,
-                           .least = 0,
-                           .most = 1e12}},
-      .make = [](const EffectValues& values) { return std::make_unique<Surface>(values); }};
+  return {.name = "surface",
+          .purpose = "pushes out of the object, like a spring and a damper",
+          .law = "f = n max(0, K d + G d^2 - B v.n) while the depth d > 0",
+          .parameters =
+              {NumberParameter{.key = "stiffness_N_per_m",
+                               .meaning = "K, along the normal",
+                               .least = 0,
+                               .least_excluded = true,
+                               .most = 1e9},
+               NumberParameter{
+                   .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6},
+               NumberParameter{.key = "stiffening_N_per_m2",
+                               .meaning = "G, stiffer the deeper",
+                               .preset = 0,
+                               .least = 0,
+                               .most = 1e12}},
+          .make = [](const EffectValues& values) { return std::make_unique<Surface>(values); }};
 }
 
 }  // namespace forcebound::server

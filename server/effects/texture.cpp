@@ -41,7 +41,11 @@ EffectKind texture_effect() {
           .purpose = "ripples, rendered at the device at its own rate",
           .law = "f = n A mean_i sin(k_i . x) at the device's own position x, |k_i| = 2 pi / wavelength",
           .parameters =
-              {NumberParameter{.key = "amplitude_N", .meaning = "A", .least = 0, .least_excluded = true, .most = 1e6},
+              {NumberParameter{.key = "amplitude_N",
+                               .meaning = "A, from the middle to the top",
+                               .least = 0,
+                               .least_excluded = true,
+                               .most = 1e6},
                NumberParameter{.key = "wavelength_m", .meaning = "from ridge to ridge", .least = 1e-6, .most = 1e3},
                PointParameter{
                    .key = "direction", .meaning = "across the ridges", .preset = Point::UnitX(), .is_direction = true},

@@ -34,22 +34,23 @@ class Vibration final : public Effect {
 }  // namespace
 
 EffectKind vibration_effect() {
-  return {.name = "vibration",
-          .purpose = "hums while it is touched",
-          .law = "f = A w(frequency t + phase) u",
-          .parameters = {NumberParameter{.key = "amplitude_N", .meaning = "A", .least = 0, .most = 1e6},
-                         NumberParameter{.key = "frequency_Hz",
-                                         .meaning = "how often; motions at 1 kHz carry no more",
-                                         .least = 0,
-                                         .most = kFrequency_Hz_most},
-                         NumberParameter{.key = "phase_turns", .meaning = "where it begins", .preset = 0},
-                         ChoiceParameter{.key = "along", .meaning = "direction u", .choices = {"normal", "axis"}},
-                         PointParameter{.key = "axis",
-                                        .meaning = "u, where along is \"axis\"",
-                                        .preset = Point::UnitX(),
-                                        .is_direction = true},
-                         ChoiceParameter{.key = "waveform", .meaning = "w", .choices = waveform_names()}},
-          .make = [](const EffectValues& values) { return std::make_unique<Vibration>(values); }};
+  return {
+      .name = "vibration",
+      .purpose = "hums while it is touched",
+      .law = "f = A w(frequency t + phase) u",
+      .parameters =
+          {NumberParameter{.key = "amplitude_N", .meaning = "A, from the middle to the top", .least = 0, .most = 1e6},
+           NumberParameter{.key = "frequency_Hz",
+                           .meaning = "how often; motions at 1 kHz carry no more",
+                           .least = 0,
+                           .most = kFrequency_Hz_most},
+           NumberParameter{.key = "phase_turns", .meaning = "where it begins", .preset = 0},
+           ChoiceParameter{
+               .key = "along", .meaning = "what u is: out of the surface, or the axis", .choices = {"normal", "axis"}},
+           PointParameter{
+               .key = "axis", .meaning = "u, where along is \"axis\"", .preset = Point::UnitX(), .is_direction = true},
+           ChoiceParameter{.key = "waveform", .meaning = "w, the shape of the wave", .choices = waveform_names()}},
+      .make = [](const EffectValues& values) { return std::make_unique<Vibration>(values); }};
 }
 
 }  // namespace forcebound::server

@@ -24,7 +24,8 @@ EffectKind viscosity_effect() {
           .purpose = "resists every motion, like honey",
           .law = "f = -B v",
           .place = EffectPlace::space,
-          .parameters = {NumberParameter{.key = "damping_N_s_per_m", .meaning = "B", .least = 0, .most = 1e6}},
+          .parameters = {NumberParameter{
+              .key = "damping_N_s_per_m", .meaning = "B, how thick it is", .least = 0, .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Viscosity>(values); }};
 }
 

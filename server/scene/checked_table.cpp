@@ -14,12 +14,6 @@ namespace {
 
 constexpr std::size_t kNameBytesMax = 64;
 
-std::string range_text(const NumberParameter& parameter) {
-  std::string text = (parameter.least_excluded ? "> " : ">= ") + text::to_text(parameter.least);
-  if (std::isfinite(parameter.most)) text += " and <= " + text::to_text(parameter.most);
-  return text;
-}
-
 }  // namespace
 
 std::string as_written(const toml::node& node) {

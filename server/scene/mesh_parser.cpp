@@ -28,9 +28,7 @@ auto made(const CheckedTable& table, const toml::node& where, Make make) {
 
 std::shared_ptr<const TriangleMesh> parse_file(CheckedTable& table) {
   const std::string path = table.path("file");
-  const MeshPlacement placement{
-      .scale = table.number({.key = "scale", .preset = 1, .least = 0, .least_excluded = true, .most = 1e9}),
-      .offset_m = offset(table, "offset_m")};
+  const MeshPlacement placement{.scale = table.number(kMeshScale), .offset_m = offset(table, "offset_m")};
   auto mesh =
       made(table, table.at("file"), [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
   table.note("that is", to_text(mesh->report()));
@@ -66,7 +64,7 @@ std::unique_ptr<Shape> parse_distance_field(CheckedTable& table, double reach_m)
 
 std::unique_ptr<Shape> parse_lathe(CheckedTable& table, double reach_m) {
   const std::vector<LathePoint> profile = parse_profile(table);
-  const double segments = table.number({.key = "segments", .preset = 128, .least = 3, .most = 4096});
+  const double segments = table.number(kLatheSegments);
   const Point origin_m = offset(table, "origin_m");
   return made(table, table.at("profile_m"), [&] {
     auto mesh =

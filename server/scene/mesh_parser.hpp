@@ -7,6 +7,17 @@
 
 namespace forcebound::server {
 
+/// What a file's numbers are multiplied with.
+inline constexpr NumberParameter kMeshScale{.key = "scale",
+                                            .meaning = "metres per unit of the file",
+                                            .preset = 1,
+                                            .least = 0,
+                                            .least_excluded = true,
+                                            .most = 1e9};
+
+inline constexpr NumberParameter kLatheSegments{
+    .key = "segments", .meaning = "around the axis", .preset = 128, .least = 3, .most = 4096};
+
 /// Reads a triangle mesh: `file` beside the scene's, `scale` (default 1: metres) and `offset_m`; felt through a god
 /// object, from the front unless `two_sided`.
 /// @param reach_m how far outside of it the distance is wanted

@@ -74,8 +74,12 @@ class Parser {
                      .description = scene.text("description"),
                      .degrees_of_freedom = parse_degrees_of_freedom(scene),
                      .shared = scene.flag("shared", false)};
-    if (facts.shared)
-      facts.clients_max = static_cast<int>(scene.whole({.key = "clients_max", .preset = 4, .least = 1, .most = 16}));
+    const toml::node* clients = scene.find("clients_max");
+    if (facts.shared) {
+      facts.clients_max = scene.whole(kClientsMax);
+    } else if (clients != nullptr) {
+      scene.fail(*clients, "clients_max is for shared scenes; any number of clients may feel another one, each alone");
+    }
     scene.refuse_unknown_keys();
     return facts;
   }

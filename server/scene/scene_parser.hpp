@@ -16,6 +16,10 @@ class SceneError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of a shared scene.
+inline constexpr NumberParameter kClientsMax{
+    .key = "clients_max", .meaning = "at once in a shared scene, a whole number", .preset = 4, .least = 1, .most = 16};
+
 /// Compiles the text of a scene file (server/scenes has examples).
 ///
 /// Points have as many numbers as the scene has degrees of freedom; a scene for "any" device lies on its first axis, so
