@@ -123,8 +123,8 @@ std::string overview(const EffectRegistry& registry) {
       "| --- | --- | --- |\n";
   for (const EffectKind& kind : registry.kinds()) {
     const std::string name(kind.name);
-    text += "| [`" + name + "`](#" + name + ") | " + cell(std::string(kind.purpose)) + " | " + place_text(kind.place) +
-            " |\n";
+    text.append("| [`").append(name).append("`](#").append(name).append(") | ");
+    text.append(cell(std::string(kind.purpose))).append(" | ").append(place_text(kind.place)).append(" |\n");
   }
   return text + "\n";
 }

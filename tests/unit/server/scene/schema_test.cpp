@@ -136,7 +136,7 @@ TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
       "shape = { kind = 'sphere', center_m = [0], radius_m = 1 }\n";
   const std::string field = "[[field]]\nname = 'x'\neffects = ['viscosity']\nviscosity = { damping_N_s_per_m = 1 }\n";
   const std::map<std::string, std::pair<std::string, std::vector<std::string>>> wrong{
-      {"`[scene]`", {scene + nobodys, {}}},
+      {"`[scene]`", {scene + "shared = true\n" + nobodys, {}}},
       {"`[[object]]`", {scene + object + nobodys, {"viscosity"}}},
       {"`[[field]]`", {scene + field + nobodys, {"viscosity"}}}};
   for (const SchemaTable& table : part_tables()) {
