@@ -33,7 +33,9 @@ void SceneLibrary::add(std::shared_ptr<const Scene> scene) {
     known.scene = std::move(scene);
     return;
   }
-  scenes_.push_back({.name = scene->facts().name, .scene = std::move(scene)});
+  Entry& entry = scenes_.emplace_back();
+  entry.name = scene->facts().name;
+  entry.scene = std::move(scene);
 }
 
 std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const {

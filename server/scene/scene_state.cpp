@@ -20,7 +20,7 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
   std::iota(media_.begin(), media_.end(), 0U);
 }
 
-SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom)
+SceneState::SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom)
     : SceneState(scene, degrees_of_freedom, begin_media(*scene, 1), false) {}
 
 SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const MediaNow& shared)

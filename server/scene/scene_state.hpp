@@ -39,7 +39,7 @@ class SceneState {
  public:
   /// With media of its own, in which time goes by the device's clock.
   /// The scene accepts so many degrees of freedom.
-  SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom);
+  SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom);
 
   /// In the media of somebody else's state of this scene, or in new ones for several; time goes there by the server's
   /// clock.

@@ -7,7 +7,9 @@ namespace forcebound::server {
 TetrahedralSoup tetrahedral_block(const BlockDescription& block) {
   using Steps = std::array<std::size_t, 3>;
   TetrahedralSoup soup{.name = "block", .nodes = {}, .tetrahedra = {}};
-  const auto& [nx, ny, nz] = block.cells;
+  const std::size_t nx = block.cells[0];
+  const std::size_t ny = block.cells[1];
+  const std::size_t nz = block.cells[2];
   const auto node = [&](const Steps& at) { return at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]); };
   const Point counts(static_cast<double>(nx), static_cast<double>(ny), static_cast<double>(nz));
   for (std::size_t z = 0; z <= nz; ++z) {

@@ -28,9 +28,9 @@ std::array<Vector, kPlaces> places() {
   return all;
 }
 
-void answers(benchmark::State& state, std::shared_ptr<const Scene> scene) {
+void answers(benchmark::State& state, const std::shared_ptr<const Scene>& scene) {
   const auto path = places();
-  SceneState client(std::move(scene), 3);
+  SceneState client(scene, 3);
   Nanoseconds now{0};
   std::size_t next = 0;
   for (auto _ : state) {

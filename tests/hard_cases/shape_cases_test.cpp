@@ -35,7 +35,7 @@ std::shared_ptr<const Scene> two_planes(const std::string& first, const std::str
 
 class Feeler {
  public:
-  explicit Feeler(std::shared_ptr<const Scene> scene) : state_(std::move(scene), 3) {}
+  explicit Feeler(const std::shared_ptr<const Scene>& scene) : state_(scene, 3) {}
 
   Point operator()(const Point& position_m) {
     const SceneAnswer answer = state_.answer(position_m, Nanoseconds{0});

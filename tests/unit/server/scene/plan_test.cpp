@@ -19,7 +19,7 @@ using test::vector_of;
 /// A client that moves up and down, a motion every millisecond.
 class Client {
  public:
-  explicit Client(std::shared_ptr<const Scene> scene) : state_(std::move(scene), 3) {}
+  explicit Client(const std::shared_ptr<const Scene>& scene) : state_(scene, 3) {}
   Vector at(double z_m) { return state_.answer(vector_of({0, 0, z_m}), milliseconds{++now_}).force; }
   SceneState& state() { return state_; }
 
