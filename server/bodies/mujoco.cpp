@@ -17,7 +17,8 @@ namespace {
 thread_local std::jmp_buf way_back;
 thread_local bool has_way_back = false;
 
-// A longer step than that is no haptics.
+// Shorter ones than that would be more than a motion has time for, a longer one is no haptics.
+constexpr double kTimestep_s_min = 1e-4;
 constexpr double kTimestep_s_max = 0.01;
 
 [[noreturn]] void leave_mujoco(const char*) {
@@ -71,9 +72,9 @@ ModelPointer load(const char* file, const mjVFS* files, const std::string& name)
   ModelPointer model(loaded);
   if (!done) throw BodiesError(name + ": MuJoCo gave up on it, without a reason");
   if (!model) throw BodiesError(name + ": " + in_one_line(error.data()));
-  if (const double step_s = model->opt.timestep; !(step_s > 0 && step_s <= kTimestep_s_max)) {
-    throw BodiesError(name + ": timestep must be > 0 and <= " + text::to_text(kTimestep_s_max) + " s, got " +
-                      text::to_text(step_s));
+  if (const double step_s = model->opt.timestep; !(step_s >= kTimestep_s_min && step_s <= kTimestep_s_max)) {
+    throw BodiesError(name + ": timestep must be >= " + text::to_text(kTimestep_s_min) +
+                      " and <= " + text::to_text(kTimestep_s_max) + " s, got " + text::to_text(step_s));
   }
   const DataPointer data = make_data(*model);
   if (!step(*model, *data)) {

@@ -1,5 +1,6 @@
 #include "forcebound/server/scene/body_parser.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "forcebound/server/bodies/body_medium.hpp"
@@ -77,7 +78,7 @@ Coupling parse_coupling(CheckedTable& table) {
 BodiesDescription parse_setting(CheckedTable& table) {
   BodiesDescription all;
   if (table.find("gravity_m_per_s2") != nullptr) all.gravity_m_per_s2 = table.point("gravity_m_per_s2", kAxes);
-  all.timestep_s = table.number({.key = "timestep_s", .preset = all.timestep_s, .least = 1e-5, .most = 0.01});
+  all.timestep_s = table.number({.key = "timestep_s", .preset = all.timestep_s, .least = 1e-4, .most = 0.01});
   all.contact_time_s =
       table.number({.key = "contact_time_s", .preset = all.contact_time_s, .least = 2 * all.timestep_s, .most = 1});
   all.probe.radius_m = positive(table, "probe_radius_m", all.probe.radius_m);
@@ -104,6 +105,9 @@ std::vector<std::string> parse_probes(CheckedTable& table) {
   for (const toml::node& node : table.array("probes")) {
     const auto probe = node.value_exact<std::string>();
     if (!probe) table.fail(node, "probes must be names of bodies, got " + as_written(node));
+    if (std::find(probes.begin(), probes.end(), *probe) != probes.end()) {
+      table.fail(node, "probes must differ, got '" + *probe + "' twice");
+    }
     probes.push_back(*probe);
   }
   if (probes.empty()) table.fail(table.at("probes"), "probes must name at least one body that the device drags");

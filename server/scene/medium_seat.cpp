@@ -35,6 +35,7 @@ MediumSeat::~MediumSeat() {
 
 MediumTouch MediumSeat::feel(const Probe& probe, Nanoseconds moment, MediumFaults& faults) noexcept {
   MediumState& state = now_->state();
+  if (!state.sound()) return {};
   const MediumFaults before = state.faults();
   state.move(seat_, probe.position_m, probe.velocity_m_per_s);
   now_->advance_to(moment);

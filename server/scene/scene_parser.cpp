@@ -93,10 +93,22 @@ class Parser {
         file.fail(file.at("scene"), "bodies and tissue need a scene of 3 degrees of freedom");
       }
       const int seats = medium.medium->facts().seats_max;
-      if (facts.clients_max <= seats) continue;
+      if (facts.clients_max <= seats) {
+        check_states(file, medium, facts.clients_max);
+        continue;
+      }
       file.fail(file.at("scene"), "'" + medium.name + "' has room for " + std::to_string(seats) +
                                       (seats == 1 ? " client" : " clients") + ", got clients_max " +
                                       std::to_string(facts.clients_max));
+    }
+  }
+
+  /// What a medium cannot begin with so many clients shall be known now, not when the first of them comes.
+  static void check_states(CheckedTable& file, const SceneMedium& medium, int clients) {
+    try {
+      (void)medium.medium->make_state(clients);
+    } catch (const std::exception& error) {
+      file.fail(file.at("scene"), "'" + medium.name + "' for " + std::to_string(clients) + " clients: " + error.what());
     }
   }
 

@@ -39,7 +39,7 @@ SchemaTable setting_table() {
                     "What holds for all bodies with shapes, and for the ball that is the device among them. The table "
                     "may be left out.",
                     {{"gravity_m_per_s2", "of all bodies", "a vector", "[0, 0, -9.80665]"},
-                     {"timestep_s", "of MuJoCo", ">= 1e-05 and <= 0.01", text::to_text(preset.timestep_s)},
+                     {"timestep_s", "of MuJoCo", ">= 1e-04 and <= 0.01", text::to_text(preset.timestep_s)},
                      {"contact_time_s", "in which a contact pushes apart what has sunk in: the less the harder",
                       "at least two time steps, <= 1", text::to_text(preset.contact_time_s)},
                      positive("probe_radius_m", "of the ball", preset.probe.radius_m),

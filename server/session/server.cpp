@@ -147,14 +147,14 @@ bool Server::refused(const wire::Hello& hello, const net::Address& from, Nanosec
   if (!scene->accepts(hello.degrees_of_freedom)) {
     return refuse(RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(*scene, hello));
   }
-  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
-    return refuse(RefusalReason::server_full,
-                  "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later");
-  }
   if (scene->facts().shared && is_full(*scene) && !evict_unproven(now, scene.get())) {
     return refuse(RefusalReason::server_full, "all " + std::to_string(scene->facts().clients_max) +
                                                   " places in the shared scene '" + scene->facts().name +
                                                   "' are taken, try again later");
+  }
+  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
+    return refuse(RefusalReason::server_full,
+                  "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later");
   }
   return false;
 }
@@ -168,7 +168,10 @@ bool Server::is_full(const Scene& scene) const {
 SceneState Server::enter(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom) const {
   if (!scene->facts().shared) return {scene, degrees_of_freedom};
   for (const auto& [id, session] : sessions_) {
-    if (&session.scene.scene() == scene.get()) return {scene, degrees_of_freedom, session.scene.media()};
+    if (&session.scene.scene() != scene.get()) continue;
+    const MediaNow media = session.scene.media();
+    const bool sound = std::all_of(media.begin(), media.end(), [](const auto& now) { return now->state().sound(); });
+    if (sound) return {scene, degrees_of_freedom, media};
   }
   return {scene, degrees_of_freedom, begin_media(*scene, scene->facts().clients_max)};
 }

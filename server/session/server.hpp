@@ -101,7 +101,7 @@ class Server {
                 Nanoseconds now);
   [[nodiscard]] bool is_full(const Scene& scene) const;
 
-  /// In a shared scene into the media of those who are there.
+  /// In a shared scene into the media of those who are there, if these are still numbers.
   [[nodiscard]] SceneState enter(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom) const;
   void welcome(const Session& session);
   void answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;

@@ -106,7 +106,8 @@ class CorotationalTissue::Step {
     if (!place_ && others_.empty() && displacement_m_.isZero(0)) return result_;
     for (CorotationalTie& other : others_) other.pulls = false;
     elastic_J_ = elastic(displacement_m_, work_.force);
-    slide();
+    if (place_) *place_ = slid(displacement_m_).place;
+    let_go();
     while (result_.iterations < tissue_.options_.iterations_max) {
       ++result_.iterations;
       total_force(work_.residual);
@@ -114,8 +115,10 @@ class CorotationalTissue::Step {
       if (result_.residual_m <= tissue_.tolerance_m_) break;
       solve_linearised();
       if (!search_along()) break;
-      slide();
+      if (place_) *place_ = slid(displacement_m_).place;
     }
+    // Not before: on its way Newton's method may press the surface past a probe that it does not leave.
+    let_go();
     conclude();
     return result_;
   }
@@ -360,11 +363,9 @@ class CorotationalTissue::Step {
   }
 
   // Away, where the tie would pull.
-  void slide() noexcept {
+  void let_go() noexcept {
     for (CorotationalTie& other : others_) other.pulls = other.pulls || pulls(other);
-    if (!place_) return;
-    *place_ = slid(displacement_m_).place;
-    if (pulls(own_tie())) place_.reset();
+    if (place_ && pulls(own_tie())) place_.reset();
   }
 
   void conclude() noexcept {

@@ -147,6 +147,8 @@ void TissueMedium::describe(const TissueModel& model, const std::vector<bool>& h
   if (std::ranges::none_of(tissue.mesh().surface_nodes(), [&](int node) { return held[node]; })) {
     facts.stiffness_N_per_m = stiffness.most;
   }
+  constexpr int kPointRows = 3;
+  facts.seats_max = 1 + OtherContacts::kRowsMax / (probe_.radius_m > 0 ? probe_.contacts_max : kPointRows);
   facts.lines.emplace_back("linear: small displacements and rotations, no inertia");
   facts.lines.push_back((probe_.radius_m > 0 ? "felt by a sphere of " + to_text(probe_.radius_m) + " m, at most " +
                                                    std::to_string(probe_.contacts_max) + " contacts of "

@@ -1,5 +1,6 @@
 #include "forcebound/server/tissue/tissue_world.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace forcebound::server {
@@ -15,7 +16,12 @@ Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map
 
 }  // namespace
 
-TissueWorld::TissueWorld(int seats) : seats_(static_cast<std::size_t>(seats)) {}
+TissueWorld::TissueWorld(int seats, const TetrahedralMesh& mesh) : seats_(static_cast<std::size_t>(seats)) {
+  Eigen::AlignedBox3d box;
+  for (const Point& node : mesh.nodes_m()) box.extend(node);
+  middle_m_ = box.center();
+  size_m_ = box.diagonal().norm();
+}
 
 int TissueWorld::join() {
   const auto free = std::ranges::find(seats_, false, &Seat::taken);
@@ -29,12 +35,18 @@ void TissueWorld::leave(int seat) { at(seat) = {}; }
 
 void TissueWorld::move(int seat, const Point& position_m, const Point& /*velocity_m_per_s*/) noexcept {
   const Point probe_m = position_m.cwiseMax(-kFar_m).cwiseMin(kFar_m);
+  if (lets_go(at(seat).state, probe_m)) at(seat).state = {};
   const TissueResult result = step(static_cast<std::size_t>(seat), probe_m);
   sound_ = sound_ && result.finite;
   faults_.contacts_left_out += static_cast<std::uint64_t>(result.contacts_left_out);
   if (!result.converged) ++faults_.not_converged;
   at(seat).result = result;
   if (result.contacts > 0) at(seat).normal = result.normal;
+}
+
+bool TissueWorld::lets_go(const TissueState& state, const Point& probe_m) const noexcept {
+  if (state.started == 0) return false;
+  return (probe_m - to_point(state.probe_m)).norm() > size_m_ || (probe_m - middle_m_).norm() > 1.5 * size_m_;
 }
 
 void TissueWorld::advance(double /*elapsed_s*/) noexcept {
@@ -69,7 +81,7 @@ TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noe
 }
 
 CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
-    : TissueWorld(seats),
+    : TissueWorld(seats, tissue.mesh()),
       tissue_(tissue),
       others_(static_cast<std::size_t>(seats)),
       displacement_m_(tissue.coordinates(), 0),

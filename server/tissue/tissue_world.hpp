@@ -11,6 +11,9 @@
 namespace forcebound::server {
 
 /// The probes on a tissue at a moment. One motion is one step; the time between two does not matter.
+///
+/// A probe that leaps in one motion over more than the tissue's size, or goes that far away from it, lets go of it:
+/// that is no hand, and would drag the tissue along for all others.
 class TissueWorld : public MediumState {
  public:
   int join() override;
@@ -31,7 +34,7 @@ class TissueWorld : public MediumState {
   [[nodiscard]] const Seat& seat(int index) const noexcept { return seats_[static_cast<std::size_t>(index)]; }
 
  protected:
-  explicit TissueWorld(int seats);
+  TissueWorld(int seats, const TetrahedralMesh& mesh);
 
   /// One probe has moved there.
   virtual TissueResult step(std::size_t seat, const Point& probe_m) noexcept = 0;
@@ -41,7 +44,11 @@ class TissueWorld : public MediumState {
  private:
   [[nodiscard]] Seat& at(int seat) noexcept { return seats_[static_cast<std::size_t>(seat)]; }
 
+  [[nodiscard]] bool lets_go(const TissueState& state, const Point& probe_m) const noexcept;
+
   std::vector<Seat> seats_;
+  Point middle_m_;
+  double size_m_;  ///< of the tissue, from corner to corner
   bool sound_ = true;
   MediumFaults faults_;
 };
@@ -51,7 +58,8 @@ class TissueWorld : public MediumState {
 /// motions only: the others feel its last contacts until then.
 class LinearTissueWorld final : public TissueWorld {
  public:
-  LinearTissueWorld(const TissueModel& model, int seats) : TissueWorld(seats), model_(model), others_(model) {}
+  LinearTissueWorld(const TissueModel& model, int seats)
+      : TissueWorld(seats, model.tissue().mesh()), model_(model), others_(model) {}
 
  private:
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;

@@ -210,9 +210,9 @@ TEST(CompileMjcf, RefusesWhatWouldEndMuJoCoOrItsFirstStep) {
     return "accepted";
   };
   EXPECT_EQ(refusal(""), "accepted");
-  EXPECT_EQ(refusal(R"(<option timestep="0"/>)"), "a.xml: timestep must be > 0 and <= 0.01 s, got 0");
-  EXPECT_EQ(refusal(R"(<option timestep="-1"/>)"), "a.xml: timestep must be > 0 and <= 0.01 s, got -1");
-  EXPECT_THAT(refusal(R"(<option timestep="nan"/>)"), testing::HasSubstr("timestep must be > 0"));
+  EXPECT_EQ(refusal(R"(<option timestep="0"/>)"), "a.xml: timestep must be >= 1e-04 and <= 0.01 s, got 0");
+  EXPECT_EQ(refusal(R"(<option timestep="-1"/>)"), "a.xml: timestep must be >= 1e-04 and <= 0.01 s, got -1");
+  EXPECT_THAT(refusal(R"(<option timestep="nan"/>)"), testing::HasSubstr("timestep must be >= 1e-04"));
   EXPECT_THAT(refusal(R"(<option gravity="0 0 1e300"/>)"), testing::HasSubstr("cannot take the first step"));
   EXPECT_THAT(refusal(R"(<size nstack="10"/>)"), testing::StartsWith("a.xml: "));
   try {

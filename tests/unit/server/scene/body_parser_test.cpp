@@ -81,6 +81,28 @@ TEST(BodyParser, RefusesBodiesThatBeginWithinEachOther) {
       refused("'ball' and 'twin' begin 0.03 m within each other"));
 }
 
+TEST(BodyParser, RefusesAProbeThatTwoDevicesWouldDrag) {
+  EXPECT_THAT(
+      [] {
+        parse(
+            "[[body]]\nname = \"a\"\nprobes = [\"x\", \"x\"]\nmjcf_text = '''<mujoco><worldbody><body name=\"x\">"
+            "<freejoint/><geom size=\"0.1\"/></body></worldbody></mujoco>'''\n");
+      },
+      refused("probes must differ, got 'x' twice"));
+}
+
+TEST(BodyParser, RefusesASharedSceneThatCouldNotBeginForAllItsClients) {
+  const std::string shared = "[scene]\nname = \"s\"\ndescription = \"\"\ndegrees_of_freedom = 3\nshared = true\n";
+  EXPECT_THAT(
+      [&] {
+        parse_scene(shared +
+                        "[[body]]\nname = \"probe 1\"\nmass_kg = 1\n"
+                        "shape = { kind = \"sphere\", center_m = [0, 0, 0], radius_m = 0.02 }\n",
+                    "bodies.toml");
+      },
+      refused("'bodies' for 4 clients: "));
+}
+
 TEST(BodyParser, NeedsThreeAxes) {
   EXPECT_THAT(
       [] {

@@ -9,6 +9,7 @@
 
 #include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/text/file.hpp"
+#include "tests/support/process.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -36,10 +37,10 @@ const std::map<std::string, Keys> kShapes{
 
 /// The start of the error that a scene file is refused with, or "no error". A mesh lies beside it.
 std::string error_of(const std::string& scene) {
-  const std::string folder = testing::TempDir();
-  std::ofstream(folder + "solid.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.file("solid.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   try {
-    (void)parse_scene(scene, folder + "x.toml");
+    (void)parse_scene(scene, folder.file("x.toml"));
   } catch (const SceneError& error) {
     return error.what();
   }
