@@ -35,8 +35,8 @@ void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const w
 }
 
 void LogObserver::on_quarantined(const SessionInfo& info, std::string_view object) noexcept {
-  spdlog::error("{} feels '{}' of scene '{}' no more: its force was not finite", net::to_string(info.address), object,
-                info.scene);
+  spdlog::error("{} feels '{}' of scene '{}' no more: it came to no finite numbers", net::to_string(info.address),
+                object, info.scene);
 }
 
 void LogObserver::on_refused(const net::Address& address, std::string_view text) {

@@ -12,6 +12,7 @@
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
+#include "forcebound/server/app/scene_compiler.hpp"
 #include "forcebound/server/scene/explain.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -64,12 +65,14 @@ void report(const Server& server) {
                counters.motions_received, counters.forces_sent, counters.datagrams);
 }
 
-void run(net::UdpLink& link, Server& server, const time::Clock& clock, bool verbose) {
+void run(net::UdpLink& link, Server& server, SceneCompiler& compiler, const time::Clock& clock, bool verbose) {
   Nanoseconds timer = clock.now() + kTimerPeriod;
   Nanoseconds next_report = clock.now() + kReportPeriod;
   const std::array descriptors{link.descriptor()};
   while (stop_wanted == 0) {
-    if (net::wait_readable(descriptors, timer - clock.now())) drain(link, server, clock);
+    const bool readable = net::wait_readable(descriptors, timer - clock.now());
+    compiler.deliver();
+    if (readable) drain(link, server, clock);
     const Nanoseconds now = clock.now();
     if (now < timer) continue;
     server.on_timer(now);
@@ -98,6 +101,7 @@ void serve(ProgramOptions options) {
   const auto scene = load_scene(options.scene);
   SceneLibrary scenes = SceneLibrary::shipped();
   scenes.add(scene);
+  SceneCompiler compiler(scenes);
   options.server.scene = scene->facts().name;
 
   stop_on_signals();
@@ -108,7 +112,7 @@ void serve(ProgramOptions options) {
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
                summary(*scene));
 
-  run(link, server, clock, options.verbose);
+  run(link, server, compiler, clock, options.verbose);
   server.stop();
   std::cout << server.counters().text();
   if (const auto lost = link.counters().overflowed; lost > 0) {

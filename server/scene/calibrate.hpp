@@ -12,6 +12,7 @@ namespace forcebound::server {
 struct MeasuredCost {
   double median_ns = 0;
   double p99_ns = 0;
+  bool left_out = false;  ///< something came to no finite numbers meanwhile: the figures are not those of the whole
 };
 
 struct Calibration {

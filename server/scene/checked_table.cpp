@@ -136,14 +136,16 @@ void CheckedTable::each(std::string_view what, const std::function<std::string(c
   if (find(what) == nullptr) return;
   const std::string kind(what);
   const std::string not_a_table = kind + " must be a table, [[" + kind + "]]";
-  std::vector<std::string> names;
   for (const toml::node& node : array(what)) {
     if (!node.is_table()) fail(node, not_a_table);
-    names.push_back(read(*node.as_table()));
-    if (std::count(names.begin(), names.end(), names.back()) > 1) {
-      // NOLINTNEXTLINE(performance-inefficient-string-concatenation): once, at the end
-      fail(node, "two " + kind + "s are named '" + names.back() + "'");
+    Named part{kind, read(*node.as_table())};
+    const auto known = std::ranges::find(named_, part.name, &Named::name);
+    if (known != named_.end()) {
+      const std::string both =
+          known->kind == kind ? "two [[" + kind + "]]" : "[[" + known->kind + "]] and [[" + kind + "]]";
+      fail(node, both + " are named '" + part.name + "'");
     }
+    named_.push_back(std::move(part));
   }
 }
 

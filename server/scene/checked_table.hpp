@@ -50,7 +50,8 @@ class CheckedTable {
   /// A number of a list; `key` for errors.
   double finite(const toml::node& node, std::string_view key) const;
 
-  /// Every table of the array `what`, if there is one, by `read`, which returns its name; no two may have the same.
+  /// Every table of the array `what`, if there is one, by `read`, which returns its name; no two of this table's arrays
+  /// may have the same.
   void each(std::string_view what, const std::function<std::string(const toml::table&)>& read);
 
   /// Adds to values_text: what was read by other means.
@@ -73,6 +74,11 @@ class CheckedTable {
   std::string file_;
   std::string place_;
   std::vector<std::string> known_;
+  struct Named {
+    std::string kind;
+    std::string name;
+  };
+  std::vector<Named> named_;
   std::string values_text_;
 };
 

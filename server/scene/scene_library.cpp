@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "embedded/shipped_scenes.hpp"
 #include "forcebound/text/file.hpp"
@@ -18,38 +19,70 @@ std::string read_file(const std::string& path) try {
 
 }  // namespace
 
+struct SceneLibrary::Shelf {
+  struct Entry {
+    std::string name;
+    std::string_view text{};               // of a scene that ships
+    std::shared_ptr<const Scene> scene{};  // null: not yet compiled
+    bool coming = false;
+  };
+
+  Entry* find(std::string_view name) {
+    const auto found = std::ranges::find(entries, name, &Entry::name);
+    return found == entries.end() ? nullptr : &*found;
+  }
+
+  std::shared_ptr<const EffectRegistry> registry{};  // for those that ship
+  std::function<void(Compilation)> elsewhere{};
+  std::vector<Entry> entries{};
+
+  [[nodiscard]] Compilation compilation_of(const Entry& entry) const {
+    return [registry = registry, name = entry.name, text = entry.text] {
+      return parse_scene(text, "scenes/" + name + ".toml", *registry);
+    };
+  }
+};
+
+SceneLibrary::SceneLibrary() : shelf_(std::make_shared<Shelf>()) {}
+
 SceneLibrary SceneLibrary::shipped(EffectRegistry registry) {
   SceneLibrary library;
-  library.registry_ = std::make_shared<const EffectRegistry>(std::move(registry));
+  library.shelf_->registry = std::make_shared<const EffectRegistry>(std::move(registry));
   for (const EmbeddedText& scene : shipped_scenes()) {
-    library.scenes_.push_back({.name = std::string(scene.name), .text = scene.text});
+    library.shelf_->entries.push_back({.name = std::string(scene.name), .text = scene.text});
   }
   return library;
 }
 
 void SceneLibrary::add(std::shared_ptr<const Scene> scene) {
-  for (Entry& known : scenes_) {
-    if (known.name != scene->facts().name) continue;
-    known.scene = std::move(scene);
-    return;
-  }
-  Entry& entry = scenes_.emplace_back();
-  entry.name = scene->facts().name;
-  entry.scene = std::move(scene);
+  Shelf::Entry* entry = shelf_->find(scene->facts().name);
+  if (entry == nullptr) entry = &shelf_->entries.emplace_back();
+  entry->name = scene->facts().name;
+  entry->scene = std::move(scene);
+}
+
+void SceneLibrary::compile_elsewhere(std::function<void(Compilation)> elsewhere) {
+  shelf_->elsewhere = std::move(elsewhere);
 }
 
 std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const {
-  const auto found =
-      std::find_if(scenes_.begin(), scenes_.end(), [&](const Entry& known) { return known.name == name; });
-  if (found == scenes_.end()) return nullptr;
-  if (!found->scene) found->scene = parse_scene(found->text, "scenes/" + found->name + ".toml", *registry_);
-  return found->scene;
+  Shelf::Entry* const entry = shelf_->find(name);
+  if (entry == nullptr) return nullptr;
+  if (!entry->scene) entry->scene = shelf_->compilation_of(*entry)();
+  return entry->scene;
+}
+
+SceneLibrary::Requested SceneLibrary::request(std::string_view name) const {
+  Shelf::Entry* const entry = shelf_->find(name);
+  if (entry == nullptr || entry->scene || !shelf_->elsewhere) return {.scene = find(name)};
+  if (!std::exchange(entry->coming, true)) shelf_->elsewhere(shelf_->compilation_of(*entry));
+  return {.coming = true};
 }
 
 std::vector<std::string> SceneLibrary::all_names() const {
   std::vector<std::string> names;
-  names.reserve(scenes_.size());
-  for (const Entry& known : scenes_) names.push_back(known.name);
+  names.reserve(shelf_->entries.size());
+  for (const Shelf::Entry& known : shelf_->entries) names.push_back(known.name);
   return names;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,17 +12,36 @@
 namespace forcebound::server {
 
 /// The scenes that clients may ask for, by name. One that ships is compiled when it is first asked for, once: that
-/// takes milliseconds, with tissue a tenth of a second, and a server starts without it. Not thread-safe.
+/// takes milliseconds, with tissue a tenth of a second, and a server starts without it.
+///
+/// Copies are the same library. Not thread-safe.
 class SceneLibrary {
  public:
+  SceneLibrary();
+
   /// Those that ship with the server.
   static SceneLibrary shipped(EffectRegistry registry = EffectRegistry::standard());
 
   /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
   void add(std::shared_ptr<const Scene> scene);
 
+  /// What is left to do for a scene; it does not touch the library, and may be done on another thread.
+  using Compilation = std::function<std::shared_ptr<const Scene>()>;
+
+  /// Who asks by `request` for a scene that is not compiled does not wait: `elsewhere` is given what is to be done, and
+  /// `add` what came of it.
+  void compile_elsewhere(std::function<void(Compilation)> elsewhere);
+
   /// Null if there is none. Never looks at files, so that a client cannot either.
   [[nodiscard]] std::shared_ptr<const Scene> find(std::string_view name) const;
+
+  struct Requested {
+    std::shared_ptr<const Scene> scene{};
+    bool coming = false;  ///< being compiled elsewhere: ask again
+  };
+
+  /// As `find`, for those who cannot wait.
+  [[nodiscard]] Requested request(std::string_view name) const;
 
   /// "box, circle, ...".
   [[nodiscard]] std::string names() const;
@@ -30,16 +50,10 @@ class SceneLibrary {
   [[nodiscard]] std::string unknown_scene_text(std::string_view name) const;
 
  private:
-  struct Entry {
-    std::string name;
-    std::string_view text{};                       ///< of a scene that ships
-    mutable std::shared_ptr<const Scene> scene{};  ///< null: not yet compiled
-  };
-
+  struct Shelf;
   [[nodiscard]] std::vector<std::string> all_names() const;
 
-  std::shared_ptr<const EffectRegistry> registry_{};  ///< for those that ship
-  std::vector<Entry> scenes_{};
+  std::shared_ptr<Shelf> shelf_;
 };
 
 /// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.

@@ -18,6 +18,7 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
   for (const auto& medium : media) seats_.emplace_back(medium);
   media_.resize(seats_.size());
   std::iota(media_.begin(), media_.end(), 0U);
+  quarantined_.reserve(steps_.size() + seats_.size());
 }
 
 SceneState::SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom)
@@ -44,6 +45,7 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
 
   Point total_N = Point::Zero();
   SceneAnswer answer;
+  quarantined_.clear();
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const PlanStep& step = plan.steps()[steps_[i]];
     Reaction reaction;
@@ -52,7 +54,7 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
     probe.penetration_m = surface.penetration_m;
     act(step, probe, reaction);
     if (add(reaction, surface, total_N, answer)) continue;
-    quarantine(scene_->name_of_step(steps_[i]), answer);
+    quarantine(scene_->name_of_step(steps_[i]));
     steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
   for (std::size_t i = 0; i < media_.size(); ++i) {
@@ -60,9 +62,10 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
     const MediumTouch touch = seat.feel(probe, shares_media_ ? server_time : device_time, faults_.media);
     const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
     if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) continue;
-    quarantine(seat.name(), answer);
+    quarantine(seat.name());
     media_.erase(media_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
+  answer.quarantined = quarantined_;
   answer.force = in_device_rows(total_N);
   return answer;
 }
@@ -81,9 +84,9 @@ bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Poin
   return true;
 }
 
-void SceneState::quarantine(const std::string& name, SceneAnswer& answer) noexcept {
+void SceneState::quarantine(const std::string& name) noexcept {
   ++faults_.quarantined;
-  answer.quarantined = &name;
+  quarantined_.push_back(&name);
 }
 
 MediaNow SceneState::media() const {

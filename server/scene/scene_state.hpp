@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,12 @@ using control::Vector;
 
 /// What the scene answers to one motion; the vectors have the device's rows, rotations are zero.
 struct SceneAnswer {
-  Vector force;                              ///< on the device [N], then torque [N m]; always finite
-  Vector contact_normal{};                   ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;                  ///< depth below that surface, 0: no contact
-  Texture texture{};                         ///< of that surface
-  const std::string* quarantined = nullptr;  ///< what is left out from now on; null: nothing new on this motion
+  Vector force;              ///< on the device [N], then torque [N m]; always finite
+  Vector contact_normal{};   ///< unit, out of the surface touched (deepest one); no rows: no contact
+  double penetration_m = 0;  ///< depth below that surface, 0: no contact
+  Texture texture{};         ///< of that surface
+  /// Names of what is left out from now on, nothing new on most motions. Valid until the next one.
+  std::span<const std::string* const> quarantined{};
 };
 
 /// What went wrong within a scene and was kept from the client.
@@ -69,7 +71,7 @@ class SceneState {
   /// Adds what one part does to the answer and the force so far; false if that is not finite.
   [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
                          SceneAnswer& answer) noexcept;
-  void quarantine(const std::string& name, SceneAnswer& answer) noexcept;
+  void quarantine(const std::string& name) noexcept;
   void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
   [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;
   void act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept;
@@ -77,12 +79,13 @@ class SceneState {
   void forget(std::uint32_t begin, std::uint32_t end) noexcept;
 
   std::shared_ptr<const Scene> scene_;
-  Eigen::Index rows_;                 ///< of the device
-  Eigen::Index translations_;         ///< of them
-  std::vector<std::byte> bytes_;      ///< the states of all effects and shapes
-  std::vector<std::uint32_t> steps_;  ///< of the plan, less those quarantined
-  std::vector<MediumSeat> seats_;     ///< in all media
-  std::vector<std::uint32_t> media_;  ///< of the seats, less those quarantined
+  Eigen::Index rows_;                            ///< of the device
+  Eigen::Index translations_;                    ///< of them
+  std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes
+  std::vector<std::uint32_t> steps_;             ///< of the plan, less those quarantined
+  std::vector<MediumSeat> seats_;                ///< in all media
+  std::vector<std::uint32_t> media_;             ///< of the seats, less those quarantined
+  std::vector<const std::string*> quarantined_;  ///< on this motion; room for all
   bool shares_media_;
   Point last_position_m_ = Point::Zero();
   Nanoseconds first_time_{0};

@@ -34,6 +34,7 @@ std::string ServerCounters::text() const {
               {{"ended by the client", sessions_ended},
                {"closed as idle", sessions_idle},
                {"hellos refused", hellos_refused},
+               {"hellos before their scene was compiled", hellos_too_early},
                {"hellos repeated", hellos_repeated},
                {"hellos after bye", hellos_after_bye},
                {"hellos over the rate", hellos_over_rate},

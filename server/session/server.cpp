@@ -125,38 +125,49 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     ++counters_.hellos_after_bye;
     return;
   }
-  if (refused(hello, from, now)) return;
-  const auto scene = scenes_.find(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
-  Session& session = open(hello, scene, from, now);
+  if (hello.protocol_version != wire::kProtocolVersion) {
+    refuse(hello, from, {RefusalReason::version_mismatch, refusal_of_version(hello.protocol_version)});
+    return;
+  }
+  const auto wanted = scenes_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
+  if (wanted.coming) {
+    // Whose motions are answered meanwhile shall not wait; the client says Hello again.
+    ++counters_.hellos_too_early;
+    return;
+  }
+  if (!wanted.scene) {
+    refuse(hello, from, {RefusalReason::unknown_scene, scenes_.unknown_scene_text(printable(hello.scene))});
+    return;
+  }
+  if (const auto refusal = refusal_of(hello, *wanted.scene, now)) {
+    refuse(hello, from, *refusal);
+    return;
+  }
+  Session& session = open(hello, wanted.scene, from, now);
   welcome(session);
   observer_.on_opened(session.info);
 }
 
-bool Server::refused(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
-  const auto refuse = [&](RefusalReason reason, const std::string& text) {
-    ++counters_.hellos_refused;
-    send(wire::Refusal{.client_nonce = hello.client_nonce, .reason = reason, .text = text}, from);
-    observer_.on_refused(from, text);
-    return true;
-  };
-  if (hello.protocol_version != wire::kProtocolVersion) {
-    return refuse(RefusalReason::version_mismatch, refusal_of_version(hello.protocol_version));
+void Server::refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused) {
+  ++counters_.hellos_refused;
+  send(wire::Refusal{.client_nonce = hello.client_nonce, .reason = refused.reason, .text = refused.text}, from);
+  observer_.on_refused(from, refused.text);
+}
+
+std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const Scene& scene, Nanoseconds now) {
+  if (!scene.accepts(hello.degrees_of_freedom)) {
+    return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(scene, hello)};
   }
-  const auto scene = scenes_.find(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
-  if (!scene) return refuse(RefusalReason::unknown_scene, scenes_.unknown_scene_text(printable(hello.scene)));
-  if (!scene->accepts(hello.degrees_of_freedom)) {
-    return refuse(RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(*scene, hello));
-  }
-  if (scene->facts().shared && is_full(*scene) && !evict_unproven(now, scene.get())) {
-    return refuse(RefusalReason::server_full, "all " + std::to_string(scene->facts().clients_max) +
-                                                  " places in the shared scene '" + scene->facts().name +
-                                                  "' are taken, try again later");
+  if (scene.facts().shared && is_full(scene) && !evict_unproven(now, &scene)) {
+    return Refused{RefusalReason::server_full, "all " + std::to_string(scene.facts().clients_max) +
+                                                   " places in the shared scene '" + scene.facts().name +
+                                                   "' are taken, try again later"};
   }
   if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
-    return refuse(RefusalReason::server_full,
-                  "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later");
+    return Refused{RefusalReason::server_full,
+                   "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later"};
   }
-  return false;
+  return std::nullopt;
 }
 
 bool Server::is_full(const Scene& scene) const {
@@ -317,7 +328,7 @@ void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseco
                                      .texture_N = scene.texture.amplitude_N,
                                      .texture_wave = wave(0),
                                      .texture_across = wave(1)};
-  if (scene.quarantined != nullptr) observer_.on_quarantined(session.info, *scene.quarantined);
+  for (const std::string* name : scene.quarantined) observer_.on_quarantined(session.info, *name);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -90,7 +91,14 @@ class Server {
   void on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept;
   void on_bye(const wire::Bye& bye, const net::Address& from);
 
-  [[nodiscard]] bool refused(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
+  struct Refused {
+    wire::RefusalReason reason;
+    std::string text;  ///< for people
+  };
+  void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
+
+  /// None: there is room, if need be instead of somebody who never sent motion.
+  [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const Scene& scene, Nanoseconds now);
 
   /// @param scene only who is in this one; null: anybody
   [[nodiscard]] bool evict_unproven(Nanoseconds now, const Scene* scene);

@@ -59,7 +59,7 @@ TEST(BodyParser, RefusesWhatIsWrongByNameAndLine) {
       refused("body 'a': 'mass_kg' is missing"));
   EXPECT_THAT([] { parse(kBall + "fixed = true\n"); }, refused("body 'ball': a body is either fixed or has mass_kg"));
   EXPECT_THAT([] { parse(kBall + "mas_kg = 3\n"); }, refused("unknown key 'mas_kg', did you mean 'mass_kg'?"));
-  EXPECT_THAT([] { parse(kBall + kBall); }, refused("two bodys are named 'ball'"));
+  EXPECT_THAT([] { parse(kBall + kBall); }, refused("two [[body]] are named 'ball'"));
   EXPECT_THAT([] { parse("[bodies]\ntimestep_s = 0.001\n"); }, refused("of which there is none"));
   EXPECT_THAT([] { parse(kBall + "[bodies]\ntimestep_s = 0.1\n"); }, refused("timestep_s must be"));
   EXPECT_THAT([] { parse("[[body]]\nname = \"a\"\nprobes = [\"x\"]\nmjcf = \"none.xml\"\n"); }, refused("none.xml"));

@@ -7,6 +7,7 @@
 #include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/server/scene/scene_state.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/frail_medium.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -111,40 +112,28 @@ TEST(SharedScene, AStrangersNonsenseBreaksNothingForTheOthers) {
     (void)stranger.answer(at(wild), milliseconds(i % 3), milliseconds(i));
     const SceneAnswer answer = honest.answer(at(-0.03), milliseconds(i), milliseconds(i));
     ASSERT_TRUE(answer.force.allFinite());
-    ASSERT_EQ(answer.quarantined, nullptr);
+    ASSERT_TRUE(answer.quarantined.empty());
   }
 }
 
-/// A medium that is sound for three motions.
-class Frail final : public Medium {
- public:
-  class State final : public MediumState {
-   public:
-    int join() override { return 0; }
-    void leave(int) override {}
-    void move(int, const Point&, const Point&) noexcept override {}
-    void advance(double) noexcept override { ++moments_; }
-    MediumTouch touch(int) noexcept override { return {.force_N = Point(0, 0, 1)}; }
-    [[nodiscard]] bool sound() const noexcept override { return moments_ <= 3; }
-
-   private:
-    int moments_ = 0;
-  };
-  [[nodiscard]] std::unique_ptr<MediumState> make_state(int) const override { return std::make_unique<State>(); }
-  [[nodiscard]] MediumFacts facts() const override { return {}; }
-};
-
 TEST(SceneState, QuarantinesAMediumByNameAndTheOthersGoOn) {
-  SceneParts parts;
-  parts.media.push_back({.name = "frail", .text = "", .medium = std::make_unique<Frail>()});
-  const auto scene = std::make_shared<const Scene>(SceneFacts{.name = "s", .description = ""}, std::move(parts));
-  SceneState state(scene, 3);
+  SceneState state(test::frail_scene({.name = "s", .description = ""}, {"frail"}), 3);
   for (int i = 0; i < 6; ++i) {
     const SceneAnswer answer = state.answer(at(0), milliseconds(i));
     EXPECT_EQ(answer.force[2], i < 3 ? 1 : 0) << i;
-    EXPECT_EQ(answer.quarantined == nullptr ? "" : *answer.quarantined, i == 3 ? "frail" : "") << i;
+    EXPECT_EQ(answer.quarantined.empty() ? "" : *answer.quarantined.front(), i == 3 ? "frail" : "") << i;
   }
   EXPECT_EQ(state.faults().quarantined, 1U);
+}
+
+TEST(SceneState, NamesAllThatAreQuarantinedOnOneMotion) {
+  SceneState state(test::frail_scene({.name = "s", .description = ""}, {"first", "second"}), 3);
+  std::vector<std::string> names;
+  for (int i = 0; i < 6; ++i) {
+    for (const std::string* name : state.answer(at(0), milliseconds(i)).quarantined) names.push_back(*name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"first", "second"}));
+  EXPECT_EQ(state.faults().quarantined, 2U);
 }
 
 TEST(SceneWithBodies, DoesNotAllocate) {

@@ -79,6 +79,24 @@ TEST(SceneLibrary, TheOwnersSceneReplacesAShippedOne) {
   EXPECT_EQ(library.names(), SceneLibrary::shipped().names());
 }
 
+TEST(SceneLibrary, WhoCannotWaitAsksAgainWhileASceneIsCompiledElsewhere) {
+  SceneLibrary library = SceneLibrary::shipped();
+  std::vector<SceneLibrary::Compilation> wanted;
+  library.compile_elsewhere([&](SceneLibrary::Compilation what) { wanted.push_back(std::move(what)); });
+  for (int i = 0; i < 3; ++i) {
+    const auto requested = library.request("sphere");
+    EXPECT_TRUE(requested.coming);
+    EXPECT_EQ(requested.scene, nullptr);
+  }
+  ASSERT_EQ(wanted.size(), 1U);
+  const auto compiled = wanted.front()();
+  library.add(compiled);
+  EXPECT_EQ(library.request("sphere").scene, compiled);
+  EXPECT_FALSE(library.request("sphere").coming);
+  EXPECT_FALSE(library.request("no such scene").coming);
+  EXPECT_EQ(wanted.size(), 1U);
+}
+
 TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }
 
 TEST(LoadScene, UnknownNameListsTheKnownOnes) {

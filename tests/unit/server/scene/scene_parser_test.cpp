@@ -180,7 +180,18 @@ TEST(ParseScene, ShapesWithoutExtentAreRefused) {
 
 TEST(ParseScene, ObjectsHaveNamesOfTheirOwn) {
   const std::string object{kGood.substr(kGood.find("[[object]]"))};
-  EXPECT_EQ(error_of(std::string(kGood) + object), "scenes/wall.toml:14: scene file: two objects are named 'wall'");
+  EXPECT_EQ(error_of(std::string(kGood) + object), "scenes/wall.toml:14: scene file: two [[object]] are named 'wall'");
+}
+
+TEST(ParseScene, ANameIsThatOfOnePartWhateverItsKind) {
+  const std::string field =
+      "[[field]]\nname = \"wall\"\neffects = [\"viscosity\"]\nviscosity = { damping_N_s_per_m = 1 }\n";
+  try {
+    (void)parse_scene(std::string(kGood) + field, "a.toml");
+    ADD_FAILURE() << "no error";
+  } catch (const SceneError& error) {
+    EXPECT_STREQ(error.what(), "a.toml:14: scene file: [[object]] and [[field]] are named 'wall'");
+  }
 }
 
 TEST(ParseScene, NamesMayStandInALogLine) {

@@ -31,10 +31,16 @@ class Diary final : public ServerObserver {
   void on_refused(const net::Address&, std::string_view text) override {
     lines.push_back("refused " + std::string(text));
   }
+  void on_quarantined(const SessionInfo&, std::string_view object) noexcept override {
+    left_out = object;
+    ++times_left_out;
+  }
   void on_motion(const wire::MotionSample&) noexcept override { ++motions; }
   void on_force(const wire::EnvironmentForce&) noexcept override { ++forces; }
 
   std::vector<std::string> lines;
+  std::string left_out;  ///< short, hence never on the heap
+  int times_left_out = 0;
   int motions = 0;
   int forces = 0;
 };

@@ -1,3 +1,4 @@
+#include "tests/support/frail_medium.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
 namespace forcebound::server {
@@ -10,16 +11,20 @@ using testing::HasSubstr;
 class SharedSceneTest : public ServerFixture {
  protected:
   void SetUp() override {
-    SceneLibrary scenes;
-    scenes.add(
+    serve(
         parse_scene("[scene]\nname = \"ball\"\ndescription = \"\"\ndegrees_of_freedom = 3\n"
                     "shared = true\nclients_max = 2\n"
                     "[bodies]\ngravity_m_per_s2 = [0, 0, 0]\n"
                     "[[body]]\nname = \"ball\"\nmass_kg = 0.1\n"
                     "shape = { kind = \"sphere\", center_m = [0, 0, 0], radius_m = 0.02 }\n",
                     "ball.toml"));
+  }
+
+  void serve(const std::shared_ptr<const Scene>& scene) {
+    SceneLibrary scenes;
+    scenes.add(scene);
     ServerOptions options;
-    options.scene = "ball";
+    options.scene = scene->facts().name;
     server.emplace(
         options, std::move(scenes), link, clock, [this] { return ++ids_; }, &diary);
   }
@@ -95,6 +100,27 @@ TEST_F(SharedSceneTest, BeginsAnewWhenAllHaveLeft) {
   // The ball is where it was at first: a hand at 23 mm does not touch it.
   const auto again = enter(3);
   EXPECT_NEAR(force_N(again, 1, 0.0245, 3), 0, 1e-9);
+}
+
+TEST_F(SharedSceneTest, WhoComesAfterAMediumWasQuarantinedFeelsANewOne) {
+  serve(test::frail_scene(
+      {.name = "frail", .description = "", .degrees_of_freedom = 3, .shared = true, .clients_max = 3}, {"jelly"}));
+  const auto first = enter(1);
+  const auto second = enter(2);
+  const auto force_z_N = [&](std::uint64_t session, std::uint64_t sequence, std::uint16_t who) {
+    clock.time += milliseconds{1};
+    arrive(wire::MotionSample{.session = session, .sequence = sequence, .position = vector_of({0, 0, 0})},
+           address(who));
+    return only_answer<wire::EnvironmentForce>().force[2];
+  };
+  EXPECT_EQ(force_z_N(first, 1, 1), 1);
+  for (std::uint64_t i = 2; i < 6; ++i) (void)force_z_N(first, i, 1);
+  EXPECT_EQ(force_z_N(first, 6, 1), 0);
+  EXPECT_EQ(force_z_N(second, 1, 2), 0) << "who shares it feels nothing of it either";
+  EXPECT_EQ(server->counters().objects_quarantined, 2U);
+  EXPECT_EQ(diary.left_out, "jelly");
+  EXPECT_EQ(diary.times_left_out, 2);
+  EXPECT_EQ(force_z_N(enter(3), 1, 3), 1);
 }
 
 }  // namespace

@@ -37,6 +37,22 @@ TEST_F(ServerTest, SameNonceFromTheSameAddressIsTheSameSession) {
   EXPECT_NE(join(8), session);
 }
 
+TEST_F(ServerTest, AHelloThatComesBeforeItsSceneIsCompiledIsToBeSaidAgain) {
+  SceneLibrary scenes = SceneLibrary::shipped();
+  (void)scenes.find("wall");
+  scenes.compile_elsewhere([](const SceneLibrary::Compilation&) {});
+  server.emplace(
+      ServerOptions{}, scenes, link, clock, [] { return 1U; }, &diary);
+  auto question = hello();
+  question.scene = "free";
+  arrive(question);
+  EXPECT_TRUE(answers().empty());
+  EXPECT_EQ(server->counters().hellos_too_early, 1U);
+  (void)scenes.find("free");
+  arrive(question);
+  EXPECT_EQ(only_answer<wire::Welcome>().scene, "free");
+}
+
 TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
   auto question = hello(9);
   question.protocol_version = 2;
