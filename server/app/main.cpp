@@ -26,7 +26,7 @@ void log_to_stderr() {
 void explain(const forcebound::server::ProgramOptions& options) {
   using namespace forcebound::server;
   const auto scene = load_scene(options.scene);
-  ExplainFacts facts{.answer_bytes = answer_bytes(*scene)};
+  ExplainFacts facts{.answer_bytes = answer_bytes(*scene), .device = options.device};
   if (options.calibrate) facts.calibration = calibrate(scene, forcebound::time::SteadyClock());
   std::cout << explain(*scene, facts);
 }

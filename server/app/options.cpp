@@ -13,7 +13,8 @@ constexpr const char* kDescription =
     "\n"
     "Each client (forcebound-client) sends where its device is, by UDP, and gets back the\n"
     "force that the scene exerts there. However late that force arrives, the client keeps\n"
-    "it passive; the server may be far away. Every client feels a scene of its own.\n";
+    "it passive; the server may be far away. Every client feels a scene of its\n"
+    "own, unless the scene says that it is shared.\n";
 
 std::string footer() {
   return "Scenes: " + SceneLibrary::shipped().names() +
@@ -33,7 +34,8 @@ std::string footer() {
          "Exit code: 0 done, 1 failed, 2 wrong use.";
 }
 
-void describe(CLI::App& app, ProgramOptions& options, std::string& listen, double& idle_timeout_s) {
+void describe(CLI::App& app, ProgramOptions& options, std::string& listen, double& idle_timeout_s,
+              double& round_trip_ms) {
   app.description(kDescription);
   app.footer(footer());
   app.set_version_flag("--version", std::string(kProgram) + " " + FORCEBOUND_VERSION, "print the version, and end");
@@ -46,6 +48,16 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->capture_default_str();
   app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
+      ->needs("--explain");
+  app.add_option("--device-damping", options.device.damping_N_s_per_m,
+                 "with --explain: of the device that margins are for")
+      ->type_name("N_S_PER_M")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str()
+      ->needs("--explain");
+  app.add_option("--round-trip", round_trip_ms, "with --explain: also say the margins behind such a network")
+      ->type_name("MS")
+      ->check(CLI::Range(0.0, 60000.0))
       ->needs("--explain");
   app.add_flag("--schema", options.schema, "print all that a scene file may have, as Markdown, and end");
   app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
@@ -69,11 +81,13 @@ ParsedCommandLine parse_command_line(int argc, const char* const* argv) {
   ParsedCommandLine parsed;
   std::string listen = "127.0.0.1:47800";
   double idle_timeout_s = time::to_seconds(parsed.options.server.idle_timeout);
+  double round_trip_ms = 0;
   CLI::App app("", kProgram);
-  describe(app, parsed.options, listen, idle_timeout_s);
+  describe(app, parsed.options, listen, idle_timeout_s, round_trip_ms);
   try {
     app.parse(argc, argv);
     parsed.options.listen = net::parse_endpoint(listen);
+    parsed.options.device.round_trip_s = round_trip_ms * 1e-3;
     parsed.options.server.idle_timeout = time::from_seconds(idle_timeout_s);
   } catch (const CLI::Success& success) {
     // Help and version arrive as exceptions; CLI11 knows what to print.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/server/scene/stability.hpp"
 #include "forcebound/server/session/server.hpp"
 
 namespace forcebound::server {
@@ -15,6 +16,7 @@ struct ProgramOptions {
   bool explain = false;        ///< print what would be simulated, and end
   bool schema = false;         ///< print what a scene file may have, and end
   bool calibrate = false;      ///< measure it too
+  RingingDevice device{};      ///< for the margins that are explained
   std::string record;          ///< file; empty: no recording
   bool verbose = false;
   bool realtime = false;

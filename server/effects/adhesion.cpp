@@ -1,5 +1,7 @@
 #include "forcebound/server/effects/adhesion.hpp"
 
+#include <algorithm>
+
 #include "forcebound/server/effects/bristle.hpp"
 
 namespace forcebound::server {
@@ -33,7 +35,7 @@ class Adhesion final : public Effect {
   EffectFacts facts() const override {
     return {.state_bytes = sizeof(Glue),
             .reach_m = tear_N_ / stiffness_N_per_m_,
-            .stiffness_N_per_m = stiffness_N_per_m_,
+            .stiffness_N_per_m = std::max(stiffness_N_per_m_, shear_.stiffness_N_per_m),
             .cost_ns = 20};
   }
 

@@ -60,7 +60,7 @@ class Drive final : public Effect {
     reaction.force_N += wave_(cycles - std::floor(cycles), duty_) * amplitude_N_;
   }
 
-  EffectFacts facts() const override { return {.inputs = {.time = true}, .cost_ns = 20}; }
+  EffectFacts facts() const override { return {.inputs = {.time = true}, .drives = true, .cost_ns = 20}; }
 
  private:
   Wave wave_;

@@ -53,10 +53,13 @@ struct Reaction {
 /// What the plan and people need to know of an effect as a scene parametrised it.
 struct EffectFacts {
   Inputs inputs{};
-  std::size_t state_bytes = 0;   ///< kept for each session; zeros at first, and again after contact is lost
-  double reach_m = 0;            ///< > 0: acts so far above the surface too; else only within
-  double stiffness_N_per_m = 0;  ///< the most: a sampled device of period T needs the damping K T/2 for it
-  double cost_ns = 5;            ///< for one motion, roughly, on a machine of today
+  std::size_t state_bytes = 0;     ///< kept for each session; zeros at first, and again after contact is lost
+  double reach_m = 0;              ///< > 0: acts so far above the surface too; else only within
+  double stiffness_N_per_m = 0;    ///< K, the steepest that the force rises with the way into it
+  double stiffening_N_per_m2 = 0;  ///< how much steeper for each metre of depth
+  double damping_N_s_per_m = 0;    ///< B, the steepest that the force rises with the velocity
+  bool drives = false;             ///< puts in energy of its own: no damping makes that passive
+  double cost_ns = 5;              ///< for one motion, roughly, on a machine of today
 };
 
 /// What one object or field does to the device's point: motion in, force out. One file per effect.

@@ -15,7 +15,12 @@ class Flow final : public Effect {
     reaction.force_N += (damping_N_s_per_m_ + drag_N_s2_per_m2_ * seen_m_per_s.norm()) * seen_m_per_s;
   }
 
-  EffectFacts facts() const override { return {.inputs = {.velocity = true}, .cost_ns = 8}; }
+  EffectFacts facts() const override {
+    return {.inputs = {.velocity = true},
+            .damping_N_s_per_m = damping_N_s_per_m_ + 2 * drag_N_s2_per_m2_ * velocity_m_per_s_.norm(),
+            .drives = !velocity_m_per_s_.isZero(0),
+            .cost_ns = 8};
+  }
 
  private:
   Point velocity_m_per_s_;

@@ -30,6 +30,7 @@ class Friction final : public Effect {
     return {.inputs = {.time = law_.damping_N_s_per_m > 0, .pressure = true},
             .state_bytes = sizeof(Bristle),
             .stiffness_N_per_m = law_.stiffness_N_per_m,
+            .damping_N_s_per_m = law_.damping_N_s_per_m,
             .cost_ns = 20};
   }
 

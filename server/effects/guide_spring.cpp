@@ -22,7 +22,10 @@ void GuideSpring::pull(const Point& out_m, const Point& velocity_m_per_s, Reacti
 }
 
 EffectFacts GuideSpring::facts() const {
-  return {.inputs = {.velocity = damping_N_s_per_m_ > 0}, .stiffness_N_per_m = stiffness_N_per_m_, .cost_ns = 10};
+  return {.inputs = {.velocity = damping_N_s_per_m_ > 0},
+          .stiffness_N_per_m = stiffness_N_per_m_,
+          .damping_N_s_per_m = damping_N_s_per_m_,
+          .cost_ns = 10};
 }
 
 std::vector<EffectParameter> GuideSpring::parameters(std::vector<EffectParameter> own) {

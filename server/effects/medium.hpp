@@ -56,6 +56,8 @@ struct MediumFacts {
   std::size_t memory_bytes = 0;  ///< shared by all
   std::size_t state_bytes = 0;   ///< of one state, roughly
   double stiffness_N_per_m = 0;  ///< the most that is felt
+  double damping_N_s_per_m = 0;  ///< of what ties the device to it
+  double age_s = 0;              ///< of its newest force, at most: it steps at a rate of its own
   double cost_ns = 0;            ///< for one motion, roughly
   Point on_surface_m = Point::Zero();
   int seats_max = std::numeric_limits<int>::max();

@@ -21,7 +21,11 @@ class Surface final : public Effect {
   }
 
   EffectFacts facts() const override {
-    return {.inputs = {.velocity = damping_N_s_per_m_ > 0}, .stiffness_N_per_m = stiffness_N_per_m_, .cost_ns = 6};
+    return {.inputs = {.velocity = damping_N_s_per_m_ > 0},
+            .stiffness_N_per_m = stiffness_N_per_m_,
+            .stiffening_N_per_m2 = 2 * stiffening_N_per_m2_,
+            .damping_N_s_per_m = damping_N_s_per_m_,
+            .cost_ns = 6};
   }
 
  private:

@@ -11,7 +11,9 @@ class Viscosity final : public Effect {
     reaction.force_N -= damping_N_s_per_m_ * probe.velocity_m_per_s;
   }
 
-  EffectFacts facts() const override { return {.inputs = {.velocity = true}, .cost_ns = 2}; }
+  EffectFacts facts() const override {
+    return {.inputs = {.velocity = true}, .damping_N_s_per_m = damping_N_s_per_m_, .cost_ns = 2};
+  }
 
  private:
   double damping_N_s_per_m_;

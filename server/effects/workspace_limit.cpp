@@ -30,7 +30,10 @@ class WorkspaceLimit final : public Effect {
   }
 
   EffectFacts facts() const override {
-    return {.inputs = {.velocity = damping_N_s_per_m_ > 0}, .stiffness_N_per_m = stiffness_N_per_m_, .cost_ns = 10};
+    return {.inputs = {.velocity = damping_N_s_per_m_ > 0},
+            .stiffness_N_per_m = stiffness_N_per_m_,
+            .damping_N_s_per_m = damping_N_s_per_m_,
+            .cost_ns = 10};
   }
 
  private:

@@ -9,13 +9,12 @@
 namespace forcebound::server {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+using text::rounded;
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+constexpr double kTick_ns = 1e6;
+// What every motion takes, before any part, on a machine of today.
+constexpr double kMotion_ns = 35;
+const std::string kIndent = "              ";
 
 std::string time_text(double ns) {
   if (ns < 1e3) return rounded(ns) + " ns";
@@ -25,13 +24,14 @@ std::string time_text(double ns) {
 std::string bytes_text(std::size_t bytes) {
   const auto size = static_cast<double>(bytes);
   if (size < 10e3) return std::to_string(bytes) + " bytes";
-  return size < 10e6 ? rounded(size * 1e-3) + " kB" : rounded(size * 1e-6) + " MB";
+  return size < 1e6 ? rounded(size * 1e-3) + " kB" : rounded(size * 1e-6) + " MB";
 }
 
 std::string cost_text(double predicted_ns, const MeasuredCost* measured) {
   std::string text = time_text(predicted_ns) + " predicted";
   if (measured != nullptr) {
-    text += ", " + time_text(measured->median_ns) + " measured (p99 " + time_text(measured->p99_ns) + ")";
+    text += ", " + time_text(measured->median_ns) + " measured (p99 " + time_text(measured->p99_ns) + ")" +
+            (measured->left_out ? ", but left out on the way: it came to no finite numbers" : "");
   }
   return text;
 }
@@ -40,7 +40,7 @@ std::string cost_text(double predicted_ns, const MeasuredCost* measured) {
 struct PartSum {
   Inputs inputs{};
   double cost_ns = 0;
-  double stiffness_N_per_m = 0;
+  Ringing ringing{};
   std::size_t state_bytes = 0;
   std::size_t memory_bytes = 0;
   double reach_m = 0;
@@ -56,11 +56,22 @@ PartSum sum_of(const SceneObject& part) {
     const EffectFacts effect = requested.effect->facts();
     sum.inputs = sum.inputs.with(effect.inputs);
     sum.cost_ns += effect.cost_ns;
-    sum.stiffness_N_per_m += effect.stiffness_N_per_m;
+    sum.ringing = sum.ringing.with({.stiffness_N_per_m = effect.stiffness_N_per_m,
+                                    .stiffening_N_per_m2 = effect.stiffening_N_per_m2,
+                                    .damping_N_s_per_m = effect.damping_N_s_per_m,
+                                    .drives = effect.drives});
     sum.state_bytes += effect.state_bytes;
     sum.reach_m = std::max(sum.reach_m, effect.reach_m);
   }
   return sum;
+}
+
+std::vector<std::string> implied_by(const Inputs& inputs) {
+  std::vector<std::string> implied;
+  if (inputs.velocity) implied.emplace_back("velocity from successive motions");
+  if (inputs.time) implied.emplace_back("time by the device's clock");
+  if (inputs.pressure) implied.emplace_back("pressure of the effects before");
+  return implied;
 }
 
 std::string implied_text(const SceneObject& part, const PartSum& sum) {
@@ -69,19 +80,12 @@ std::string implied_text(const SceneObject& part, const PartSum& sum) {
     implied.emplace_back("depth and normal at the nearest point of the shape");
     if (sum.reach_m > 0) implied.push_back("distance above it, up to " + rounded(sum.reach_m * 1e3) + " mm");
   }
-  if (sum.inputs.velocity) implied.emplace_back("velocity from successive motions");
-  if (sum.inputs.time) implied.emplace_back("time by the device's clock");
-  if (sum.inputs.pressure) implied.emplace_back("pressure of the effects before");
+  for (std::string& input : implied_by(sum.inputs)) implied.push_back(std::move(input));
   return implied.empty() ? "nothing but the position" : text::join(implied);
 }
 
-std::string stability_text(double stiffness_N_per_m) {
-  if (!(stiffness_N_per_m > 0)) return "no stiffness: nothing that could ring";
-  return text::to_text(stiffness_N_per_m) + " N/m is passive without a law on a device with damping above " +
-         text::to_text(stiffness_N_per_m * kPeriod_s / 2) + " N s/m at 1 kHz and no delay (b > K T/2)";
-}
-
-std::string explain_part(const std::string& what, const SceneObject& part, const MeasuredCost* measured) {
+std::string explain_part(const std::string& what, const SceneObject& part, const RingingDevice& device,
+                         const MeasuredCost* measured) {
   const PartSum sum = sum_of(part);
   std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n";
   for (const RequestedEffect& requested : part.effects) {
@@ -90,21 +94,28 @@ std::string explain_part(const std::string& what, const SceneObject& part, const
     text += "    law:      " + requested.law + "\n";
   }
   text += "  implies:    " + implied_text(part, sum) + "\n";
-  text += "  cost:       " + cost_text(sum.cost_ns, measured) + "\n";
+  text += "  cost:       " + cost_text(kMotion_ns + sum.cost_ns, measured) + "\n";
   text += "  memory:     " + bytes_text(sum.memory_bytes) + " shared by all, " + bytes_text(sum.state_bytes) +
           " for each client\n";
-  return text + "  stability:  " + stability_text(sum.stiffness_N_per_m) + "\n";
+  return text + "  stability:  " + stability_text(sum.ringing, device, kIndent) + "\n";
 }
 
-std::string explain_medium(const SceneMedium& medium, const MeasuredCost* measured) {
+Ringing ringing_of(const MediumFacts& facts) {
+  return {
+      .stiffness_N_per_m = facts.stiffness_N_per_m, .damping_N_s_per_m = facts.damping_N_s_per_m, .age_s = facts.age_s};
+}
+
+std::string explain_medium(const SceneMedium& medium, const RingingDevice& device, const MeasuredCost* measured) {
   const MediumFacts facts = medium.medium->facts();
   std::string text = "medium '" + medium.name + "': " + medium.text + "\n";
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
   text += "  implies:    velocity from successive motions, and the time between them\n";
-  text += "  cost:       " + cost_text(facts.cost_ns, measured) + "\n";
+  text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";
   text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
           " for each state\n";
-  return text + "  stability:  " + stability_text(facts.stiffness_N_per_m) + "\n";
+  const Ringing ringing{
+      .stiffness_N_per_m = facts.stiffness_N_per_m, .damping_N_s_per_m = facts.damping_N_s_per_m, .age_s = facts.age_s};
+  return text + "  stability:  " + stability_text(ringing, device, kIndent) + "\n";
 }
 
 std::string sharing_text(const Scene& scene) {
@@ -124,21 +135,42 @@ std::string not_simulated_text(const Scene& scene) {
   return text + "\n";
 }
 
-std::string total_text(const Scene& scene, const ExplainFacts& facts) {
-  double predicted_ns = 0;
-  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
-    for (const SceneObject& part : *parts) predicted_ns += sum_of(part).cost_ns;
+std::string clients_text(const SceneFacts& scene, double cost_ns) {
+  if (scene.shared) {
+    return ", " + rounded(scene.clients_max * cost_ns / kTick_ns * 100) + " % for all " +
+           std::to_string(scene.clients_max);
   }
-  for (const SceneMedium& medium : scene.media()) predicted_ns += medium.medium->facts().cost_ns;
+  // More clients than that have their network to fear first.
+  if (cost_ns < 1e-3 * kTick_ns) return {};
+  return "; at 1 kHz one core holds " + std::to_string(static_cast<int>(kTick_ns / cost_ns));
+}
+
+std::string total_text(const Scene& scene, const ExplainFacts& facts) {
+  double predicted_ns = kMotion_ns;
+  Ringing ringing;
+  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
+    for (const SceneObject& part : *parts) {
+      const PartSum sum = sum_of(part);
+      predicted_ns += sum.cost_ns;
+      ringing = ringing.with(sum.ringing);
+    }
+  }
+  for (const SceneMedium& medium : scene.media()) {
+    const MediumFacts medium_facts = medium.medium->facts();
+    predicted_ns += medium_facts.cost_ns;
+    ringing = ringing.with(ringing_of(medium_facts));
+  }
   const MeasuredCost* measured = facts.calibration ? &facts.calibration->whole : nullptr;
   const double cost_ns = measured != nullptr ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
-                     " of the 1 ms of a tick: " + rounded(cost_ns / 1e6 * 100) + " % for each client\n";
+                     " of the 1 ms of a tick: " + rounded(cost_ns / kTick_ns * 100) + " % for each client" +
+                     clients_text(scene.facts(), cost_ns) + "\n";
   if (facts.answer_bytes > 0) {
-    text += "              " + std::to_string(facts.answer_bytes) + " bytes an answer, " +
+    text += kIndent + std::to_string(facts.answer_bytes) + " bytes an answer, " +
             rounded(static_cast<double>(facts.answer_bytes)) + " kB/s to each client at 1 kHz\n";
   }
-  return text;
+  if (scene.objects().size() + scene.fields().size() + scene.media().size() < 2) return text;
+  return text + kIndent + "all at one place: " + stability_text(ringing, facts.device, kIndent) + "\n";
 }
 
 std::string summary_of(const SceneObject& part) {
@@ -163,9 +195,9 @@ std::string explain(const Scene& scene, const ExplainFacts& facts) {
     const std::size_t now = part++;
     return facts.calibration ? &facts.calibration->parts.at(now) : nullptr;
   };
-  for (const SceneObject& object : scene.objects()) text += explain_part("object", object, measured());
-  for (const SceneObject& field : scene.fields()) text += explain_part("field", field, measured());
-  for (const SceneMedium& medium : scene.media()) text += explain_medium(medium, measured());
+  for (const SceneObject& object : scene.objects()) text += explain_part("object", object, facts.device, measured());
+  for (const SceneObject& field : scene.fields()) text += explain_part("field", field, facts.device, measured());
+  for (const SceneMedium& medium : scene.media()) text += explain_medium(medium, facts.device, measured());
   if (part == 0) text += "no objects: every force is zero\n";
   text += sharing_text(scene);
   return text + not_simulated_text(scene) + total_text(scene, facts);

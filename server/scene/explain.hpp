@@ -5,6 +5,7 @@
 
 #include "forcebound/server/scene/calibrate.hpp"
 #include "forcebound/server/scene/scene.hpp"
+#include "forcebound/server/scene/stability.hpp"
 
 namespace forcebound::server {
 
@@ -12,6 +13,7 @@ namespace forcebound::server {
 struct ExplainFacts {
   std::size_t answer_bytes = 0;                           ///< of the datagram that answers a motion in contact
   std::optional<Calibration> calibration = std::nullopt;  ///< none: the costs are predictions alone
+  RingingDevice device{};                                 ///< for the margins of stability
 };
 
 /// What will be simulated, and what will not, in lines for a person: for each object and field what is asked for, what

@@ -150,6 +150,15 @@ SchemaKey described(const EffectParameter& parameter) {
   return std::visit([](const auto& any) { return words_for(any); }, parameter);
 }
 
+constexpr const char* kTimeOfMedia =
+    "Where each client has its own, time goes by the clock of its device: a motion that comes late is answered as if "
+    "it had\n"
+    "come in time. In a shared scene there is one time, the server's, and a motion counts when it arrives; between two "
+    "motions\n"
+    "a device is taken to go on as it went, for 10 ms, and then to rest. Who holds still, or is not heard of, holds "
+    "still what\n"
+    "it touches. When the last client leaves, the scene begins anew for the next one.\n\n";
+
 std::vector<SchemaTable> part_tables() {
   const SchemaKey name{"name", "for errors, logs and `--explain`", "1 to 64 printable characters"};
   const SchemaKey effects{"effects", "see [Effects](#effects)", "a list of names"};
@@ -192,6 +201,7 @@ std::string schema(const EffectRegistry& registry) {
   text += "### Shapes\n\nThe `shape` of an object has `kind = \"NAME\"`, and the keys of that kind.\n\n";
   text += sections("####", shape_tables());
   text += "## Bodies and tissue\n\nWhat moves or deforms by itself. It needs a scene of 3 degrees of freedom.\n\n";
+  text += kTimeOfMedia;
   text += sections("###", medium_tables());
   text += overview(registry) + sections("###", effect_tables(registry));
   while (text.ends_with("\n\n")) text.pop_back();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace forcebound::text {
 namespace {
 
@@ -20,6 +22,18 @@ TEST(FiniteNumber, RefusesWhatIsNotWhollyOneFiniteNumber) {
   for (const char* text : {"", " ", "1,5", "1 ", "two", "inf", "nan", "1e999"}) {
     EXPECT_FALSE(finite_number(text)) << "'" << text << "'";
   }
+}
+
+TEST(Rounded, ToThreeDigitsAsPeopleWriteThem) {
+  EXPECT_EQ(rounded(0), "0");
+  EXPECT_EQ(rounded(123456), "123000");
+  EXPECT_EQ(rounded(50000), "50000");
+  EXPECT_EQ(rounded(9999), "10000");
+  EXPECT_EQ(rounded(0.0123456), "0.0123");
+  EXPECT_EQ(rounded(-1.2345), "-1.23");
+  EXPECT_EQ(rounded(1.5e-7), "1.5e-07");
+  EXPECT_EQ(rounded(1e30), "1e+30");
+  EXPECT_EQ(rounded(std::numeric_limits<double>::infinity()), "inf");
 }
 
 }  // namespace

@@ -35,9 +35,10 @@ TEST(Explain, SaysWhatIsNotSimulated) {
 
 TEST(Explain, SaysWhatEachPartCostsAndWhetherItCanRing) {
   const std::string text = explain(*load_scene("wall"), {.answer_bytes = 123});
-  EXPECT_THAT(text, HasSubstr("50000 N/m is passive without a law on a device with damping above 25 N s/m at 1 kHz"));
+  EXPECT_THAT(text, HasSubstr("passive without a law on a device with damping above 25 N s/m (b > K T/2 + B: "));
   EXPECT_THAT(text, HasSubstr("0 bytes for each client\n"));
   EXPECT_THAT(text, HasSubstr("ns predicted of the 1 ms of a tick"));
+  EXPECT_THAT(text, HasSubstr("\n              margin 0.04 for a device of 1 N s/m\n"));
   EXPECT_THAT(text, HasSubstr("123 bytes an answer, 123 kB/s to each client at 1 kHz\n"));
   EXPECT_THAT(text, Not(HasSubstr("measured")));
 }
@@ -46,7 +47,32 @@ TEST(Explain, ShowsWhatWasMeasuredBesideWhatWasPredicted) {
   const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500}}, .whole = {1.6e6, 2e6}}};
   const std::string text = explain(*load_scene("wall"), facts);
   EXPECT_THAT(text, HasSubstr("predicted, 1.5 us measured (p99 2.5 us)\n"));
-  EXPECT_THAT(text, HasSubstr("1.6 ms measured (p99 2 ms) of the 1 ms of a tick: 200 % for each client\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "1.6 ms measured (p99 2 ms) of the 1 ms of a tick: 200 % for each client; at 1 kHz one core holds 0\n"));
+}
+
+TEST(Explain, SaysWhatCouldNotBeMeasuredToItsEnd) {
+  const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500, true}}, .whole = {1.6e6, 2e6, true}}};
+  EXPECT_THAT(explain(*load_scene("wall"), facts), HasSubstr("(p99 2.5 us), but left out on the way"));
+}
+
+TEST(Explain, MarginsAreForTheDeviceAndTheNetworkThatWereSaid) {
+  const std::string text = explain(*load_scene("plane"), {.device = {.damping_N_s_per_m = 4, .round_trip_s = 0.0195}});
+  EXPECT_THAT(text, HasSubstr("damping above 2 N s/m (b > K T/2 + B: K 2000 N/m, B 1 N s/m, T 1 ms)"));
+  EXPECT_THAT(text, HasSubstr("margin 2 for a device of 4 N s/m, 0.0976 behind a round trip of 19.5 ms\n"));
+}
+
+TEST(Explain, AddsUpWhatIsFeltAtOnePlace) {
+  const std::string text = explain(*load_scene("microsurgery"));
+  EXPECT_THAT(text, HasSubstr("all at one place: passive without a law on a device with damping above 12.2 N s/m"));
+  EXPECT_THAT(explain(*load_scene("wall")), Not(HasSubstr("all at one place")));
+}
+
+TEST(Explain, TellsWhatDrivesByItself) {
+  EXPECT_THAT(explain(*load_scene("drive")), HasSubstr("drives the device with energy of its own"));
+  EXPECT_THAT(explain(*load_scene("gravity")), Not(HasSubstr("energy of its own")));
 }
 
 TEST(Explain, TellsAFieldFromAnObject) {
@@ -54,7 +80,7 @@ TEST(Explain, TellsAFieldFromAnObject) {
   EXPECT_THAT(text, HasSubstr("field 'fog'\n  effect 'clock'\n"));
   EXPECT_THAT(text, HasSubstr("implies:    time by the device's clock\n"));
   EXPECT_THAT(text, HasSubstr("8 bytes for each client\n"));
-  EXPECT_THAT(text, HasSubstr("no stiffness: nothing that could ring\n"));
+  EXPECT_THAT(text, HasSubstr("stability:  neither stiffness nor damping: nothing that could ring\n"));
 }
 
 TEST(Summary, IsOneLine) {
