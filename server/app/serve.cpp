@@ -53,10 +53,11 @@ void drain(net::UdpLink& link, Server& server, const time::Clock& clock) {
   std::array<std::byte, net::kDatagramBytesMax> buffer;
   for (int i = 0; i < kDatagramsPerTurn; ++i) {
     const auto received = link.receive(buffer);
-    if (!received) return;
+    if (!received) break;
     const std::size_t bytes = std::min(received->bytes, buffer.size());
-    server.on_datagram(std::span{buffer}.first(bytes), received->from, clock.now());
+    server.take_in(std::span{buffer}.first(bytes), received->from, clock.now());
   }
+  server.answer_waiting();
 }
 
 void report(const Server& server) {

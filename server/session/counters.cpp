@@ -44,6 +44,7 @@ std::string ServerCounters::text() const {
          line("motions", {"received", motions_received},
               {{"duplicated", motions_duplicated},
                {"reordered", motions_reordered},
+               {"overtaken before their answer", motions_overtaken},
                {"over the rate", motions_over_rate},
                {"of wrong size", motions_of_wrong_size},
                {"without a session", motions_without_session}}) +

@@ -30,6 +30,7 @@ struct ServerCounters {
   std::uint64_t motions_received = 0;
   std::uint64_t motions_duplicated = 0;
   std::uint64_t motions_reordered = 0;
+  std::uint64_t motions_overtaken = 0;        ///< received, but a newer one was there before its answer
   std::uint64_t motions_over_rate = 0;        ///< received, but not answered
   std::uint64_t motions_of_wrong_size = 0;    ///< not as many rows as the session's device has
   std::uint64_t motions_without_session = 0;  ///< refused

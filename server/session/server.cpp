@@ -57,10 +57,24 @@ Server::Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& li
     throw std::invalid_argument("sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max must be > 0");
   }
   sessions_.reserve(options_.sessions_max);
+  waiting_.reserve(2 * options_.sessions_max);
   ended_.resize(std::min(options_.sessions_max, kEndedMax));
 }
 
 void Server::on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  take_in(datagram, from, now);
+  answer_waiting();
+}
+
+void Server::answer_waiting() noexcept {
+  for (const std::uint64_t id : waiting_) {
+    const auto found = sessions_.find(id);
+    if (found != sessions_.end() && std::exchange(found->second.waits, false)) answer(found->second);
+  }
+  waiting_.clear();
+}
+
+void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
   ++counters_.datagrams;
   const auto decoded = codec_.decode(datagram);
   if (const auto* malformed = std::get_if<wire::Malformed>(&decoded)) {
@@ -298,10 +312,20 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
     ++counters_.motions_over_rate;
     return;
   }
-  answer(session, motion, now);
+  session.waiting = motion;
+  session.waiting_since = now;
+  if (std::exchange(session.waits, true)) {
+    ++counters_.motions_overtaken;
+    return;
+  }
+  // Nobody who opens sessions and ends them between two answers shall make this grow.
+  if (waiting_.size() == waiting_.capacity()) answer_waiting();
+  waiting_.push_back(motion.session);
 }
 
-void Server::answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {
+void Server::answer(Session& session) noexcept {
+  const wire::MotionSample& motion = session.waiting;
+  const Nanoseconds now = session.waiting_since;
   observer_.on_motion(motion);
   const Nanoseconds begin = clock_.now();
   const SceneAnswer scene = session.scene.answer(motion.position, motion.device_time, now);

@@ -34,8 +34,8 @@ struct ServerOptions {
 /// media of a shared scene, which begin with the first client and end with the last.
 ///
 /// Hello: the same nonce from the same address always means the same session. Motion: if newer than every other of its
-/// session it is answered at once; copies and latecomers are counted, in the session too, so that client and server
-/// agree on what the network did. Motion of an unknown session (the server restarted) is refused at once with fewer
+/// session it is answered; copies and latecomers are counted, in the session too, so that client and server agree on
+/// what the network did. Motion of an unknown session (the server restarted) is refused at once with fewer
 /// bytes than it had. A session follows its client to another address if the newest motion comes from there, because
 /// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost; sent
 /// as well to a client that was there and fell silent, because perhaps only the way up has died.
@@ -50,8 +50,16 @@ class Server {
   Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& link, const time::Clock& clock,
          std::function<std::uint64_t()> session_ids, ServerObserver* observer = nullptr);
 
-  /// Whatever came from the network; `now` is when it came. Real time for motion: no allocation, O(objects of the
-  /// scene).
+  /// Whatever came from the network; `now` is when it came. Motion waits for `answer_waiting`, and a newer one of its
+  /// session takes its place. Real time for motion: no allocation.
+  void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+
+  /// Answers the newest motion of each session. Whoever reads all that has come before calling it never falls behind: a
+  /// scene that takes longer than a tick is felt less often, not later and later. Real time: no allocation, O(objects
+  /// of the scenes).
+  void answer_waiting() noexcept;
+
+  /// Both: for one datagram at a time.
   void on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
 
   /// Closes what is idle. To be called a few times a second.
@@ -77,6 +85,9 @@ class Server {
     time::TokenBucket rate;
     Nanoseconds last_heard;
     Arrivals arrivals{};
+    wire::MotionSample waiting{};  ///< for its answer, if `waits`
+    Nanoseconds waiting_since{0};
+    bool waits = false;
   };
 
   /// What remains of a session that the client ended: its motion that was still on its way is counted, further copies
@@ -112,7 +123,7 @@ class Server {
   /// In a shared scene into the media of those who are there, if these are still numbers.
   [[nodiscard]] SceneState enter(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom) const;
   void welcome(const Session& session);
-  void answer(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
+  void answer(Session& session) noexcept;
   bool send(const wire::Message& message, const net::Address& to) noexcept;
 
   /// Tells the observer and keeps what the totals need; the caller erases.
@@ -127,7 +138,8 @@ class Server {
   ServerObserver& observer_;
   wire::Codec codec_;
   std::unordered_map<std::uint64_t, Session> sessions_;
-  std::vector<Ended> ended_;  ///< a ring of the last ones
+  std::vector<std::uint64_t> waiting_;  ///< sessions of which some may have ended since, in the order of their motions
+  std::vector<Ended> ended_;            ///< a ring of the last ones
   std::size_t ended_next_ = 0;
   time::TokenBucket hellos_;
   time::TokenBucket refusals_;

@@ -299,5 +299,37 @@ TEST_F(ServerTest, RefusesToServeASceneThatIsNotThere) {
   EXPECT_THROW(start({.idle_timeout = seconds{0}}), std::invalid_argument);
 }
 
+TEST_F(ServerTest, AnswersTheNewestOfTheMotionsThatCameWhileItWasBusy) {
+  const auto first = join(1, address(1));
+  const auto second = join(2, address(2));
+  const auto take_in = [&](std::uint64_t session, std::uint64_t sequence, std::uint16_t who) {
+    wire::Codec codec;
+    server->take_in(codec.encode(motion(session, sequence, 1e-3 * static_cast<double>(sequence))), address(who),
+                    clock.time);
+  };
+  for (std::uint64_t i = 1; i <= 5; ++i) take_in(first, i, 1);
+  take_in(second, 1, 2);
+  EXPECT_TRUE(answers().empty());
+  server->answer_waiting();
+  const auto forces = answers();
+  ASSERT_EQ(forces.size(), 2U);
+  EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[0]).motion_sequence, 5U);
+  EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[0]).motions_received, 5U);
+  EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[1]).session, second);
+  EXPECT_EQ(server->counters().motions_overtaken, 4U);
+  server->answer_waiting();
+  EXPECT_TRUE(answers().empty());
+}
+
+TEST_F(ServerTest, AMotionWhoseSessionEndedWhileItWaitedIsNotAnswered) {
+  const auto session = join();
+  wire::Codec codec;
+  server->take_in(codec.encode(motion(session, 1)), address(1), clock.time);
+  server->take_in(codec.encode(wire::Bye{.session = session}), address(1), clock.time);
+  EXPECT_EQ(only_answer<wire::Bye>().motions_received, 1U);
+  server->answer_waiting();
+  EXPECT_TRUE(answers().empty());
+}
+
 }  // namespace
 }  // namespace forcebound::server
