@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/server/bodies/description.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -16,26 +18,38 @@ constexpr double kSpeed_m_per_s_max = 5;
 constexpr double kVelocityHeld_s = 0.01;
 // A device that is farther away than that is a stranger's nonsense, which must not break what others feel.
 constexpr double kFar_m = 100;
+// In which the coupling comes to the device, at least: longer than a hand takes to notice and to give way.
+constexpr double kArrival_s_min = 0.5;
+constexpr double kArrival_m_per_s_max = 0.4;
+// How often a ball within bodies is pushed out of the one it is deepest in, and what does not count as within.
+constexpr int kPushesMax = 8;
+constexpr double kWithin_m = 1e-6;
 
 Point at_most(const Point& vector, double length) noexcept {
   const double whole = vector.stableNorm();
   return whole > length ? Point(vector * (length / whole)) : vector;
 }
 
+// A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling give
+// back no more than it took.
+Point position_of(const mjData& data, int body) noexcept { return Eigen::Map<const Point>(data.xipos + 3 * body); }
+
 Point velocity_of(const mjModel& model, const mjData& data, int body) noexcept {
   mjtNum velocity[6];
-  mj_objectVelocity(&model, &data, mjOBJ_XBODY, body, velocity, 0);
+  mj_objectVelocity(&model, &data, mjOBJ_BODY, body, velocity, 0);
   return {velocity[3], velocity[4], velocity[5]};
 }
 
-Point position_of(const mjData& data, int body) noexcept { return Eigen::Map<const Point>(data.xpos + 3 * body); }
+bool touches(const mjModel& model, const mjContact& contact, int body) noexcept {
+  return model.geom_bodyid[contact.geom1] == body || model.geom_bodyid[contact.geom2] == body;
+}
 
 }  // namespace
 
 BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, std::vector<Probe> probes)
     : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling), probes_(std::move(probes)) {
   for (std::size_t i = 0; i < probes_.size(); ++i) park(i);
-  mj_forward(model_.get(), data_.get());
+  forward(*model_, *data_);
 }
 
 int BodyWorld::join() {
@@ -58,30 +72,50 @@ void BodyWorld::park(std::size_t probe) noexcept {
   Probe& parked = probes_[probe];
   parked.placed = false;
   parked.force_N.setZero();
-  mju_zero(data_->xfrc_applied + 6 * parked.body, 6);
+  parked.pushed_m.setZero();
   if (parked.slides >= 0) place(parked, parking_m(static_cast<int>(probe)));
+  Eigen::Map<Point>(data_->xfrc_applied + 6 * parked.body) = bearing_N(parked);
 }
 
-void BodyWorld::place(Probe& probe, const Point& position_m) noexcept {
+void BodyWorld::place(const Probe& probe, const Point& position_m) noexcept {
   // Slides begin at the origin, where their body is.
   for (int axis = 0; axis < 3; ++axis) data_->qpos[probe.slides + axis] = position_m[axis];
   const int velocities = model_->jnt_dofadr[model_->body_jntadr[probe.body]];
   mju_zero(data_->qvel + velocities, 3);
 }
 
+void BodyWorld::place_outside(const Probe& probe, Point position_m) noexcept {
+  for (int i = 0; i <= kPushesMax; ++i) {
+    place(probe, position_m);
+    sound_ = sound_ && find_contacts(*model_, *data_);
+    const mjContact* deepest = nullptr;
+    for (int at = 0; at < data_->ncon; ++at) {
+      const mjContact& contact = data_->contact[at];
+      if (touches(*model_, contact, probe.body) && (deepest == nullptr || contact.dist < deepest->dist)) {
+        deepest = &contact;
+      }
+    }
+    if (deepest == nullptr || deepest->dist > -kWithin_m) return;
+    // A contact's normal is out of its first geom.
+    const double out = model_->geom_bodyid[deepest->geom2] == probe.body ? 1 : -1;
+    position_m -= out * deepest->dist * Eigen::Map<const Point>(deepest->frame);
+  }
+}
+
+void BodyWorld::appear(Probe& probe) noexcept {
+  probe.placed = true;
+  probe.placed_s = 0;
+  if (probe.slides >= 0) place_outside(probe, probe.device_m);
+  probe.begins_aside_m = position_of(*data_, probe.body) - probe.device_m;
+  probe.arrival_s = std::max(kArrival_s_min, probe.begins_aside_m.norm() / kArrival_m_per_s_max);
+}
+
 void BodyWorld::move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept {
   Probe& probe = probes_[static_cast<std::size_t>(seat)];
-  if (!probe.placed) {
-    probe.placed = true;
-    // A probe of ours begins where its device is; a body of the author's is drawn to it.
-    if (probe.slides >= 0) {
-      place(probe, at_most(position_m, kFar_m));
-      mj_kinematics(model_.get(), data_.get());
-    }
-  }
   probe.device_m = at_most(position_m, kFar_m);
   probe.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
   probe.silent_s = 0;
+  if (!probe.placed) appear(probe);
 }
 
 void BodyWorld::advance(double elapsed_s) noexcept {
@@ -98,47 +132,50 @@ void BodyWorld::advance(double elapsed_s) noexcept {
 }
 
 void BodyWorld::step_once(double before_end_s) noexcept {
-  for (Probe& probe : probes_) {
-    if (!probe.placed) {
-      if (probe.slides >= 0) pull(probe, position_of(*data_, probe.body), Point::Zero());
-      continue;
-    }
-    // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
-    // velocity is believed for a moment: without it every late motion would be a blow of the damper.
-    const double on_way_s = probe.silent_s > 0 ? 0 : before_end_s;
-    const bool moves = probe.silent_s < kVelocityHeld_s;
-    pull(probe, probe.device_m - on_way_s * probe.device_m_per_s, moves ? probe.device_m_per_s : Point(Point::Zero()));
-  }
   const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
-  sound_ = step(*model_, *data_);
+  sound_ = begin_step(*model_, *data_);
   faults_.contacts_left_out += static_cast<std::uint64_t>(data_->warning[mjWARN_CONTACTFULL].number +
                                                           data_->warning[mjWARN_CNSTRFULL].number - overfull);
+  if (!sound_) return;
+  for (Probe& probe : probes_) {
+    if (probe.placed) pull(probe, before_end_s);
+  }
+  sound_ = end_step(*model_, *data_);
 }
 
-void BodyWorld::pull(Probe& probe, const Point& device_m, const Point& device_m_per_s) noexcept {
-  const Point place_m = position_of(*data_, probe.body);
-  const Point passing_m_per_s = device_m_per_s - velocity_of(*model_, *data_, probe.body);
-  const Point pull_N = coupling_.stiffness_N_per_m * at_most(device_m - place_m, kReach_m) +
-                       coupling_.damping_N_s_per_m * passing_m_per_s;
-  probe.force_N = -pull_N;
-  Eigen::Map<Point> applied(data_->xfrc_applied + 6 * probe.body);
-  applied = pull_N;
-  // Its weight is the device's matter, not the hand's.
-  if (probe.slides >= 0) applied -= model_->body_mass[probe.body] * Eigen::Map<const Point>(model_->opt.gravity);
+void BodyWorld::pull(Probe& probe, double before_end_s) noexcept {
+  // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
+  // velocity is believed for a moment: without it every late motion would be a blow of the damper.
+  Point end_m = probe.device_m;
+  Point end_m_per_s = Point::Zero();
+  if (!(probe.silent_s > 0)) end_m -= before_end_s * probe.device_m_per_s;
+  if (probe.silent_s < kVelocityHeld_s) end_m_per_s = probe.device_m_per_s;
+  probe.placed_s += model_->opt.timestep;
+  if (const double left = 1 - probe.placed_s / probe.arrival_s; left > 0) {
+    // Without a jump of position or velocity at either end.
+    end_m += left * left * (3 - 2 * left) * probe.begins_aside_m;
+    end_m_per_s -= 6 * left * (1 - left) / probe.arrival_s * probe.begins_aside_m;
+  }
+  probe.pushed_m = position_of(*data_, probe.body) - end_m;
+  probe.force_N = coupling_.stiffness_N_per_m * at_most(probe.pushed_m, kReach_m) +
+                  coupling_.damping_N_s_per_m * (velocity_of(*model_, *data_, probe.body) - end_m_per_s);
+  Eigen::Map<Point>(data_->xfrc_applied + 6 * probe.body) = bearing_N(probe) - probe.force_N;
+}
+
+Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
+  // A ball's weight is the device's matter, not the hand's.
+  if (probe.slides < 0) return Point::Zero();
+  return -model_->body_mass[probe.body] * Eigen::Map<const Point>(model_->opt.gravity);
 }
 
 MediumTouch BodyWorld::touch(int seat) noexcept {
   const Probe& probe = probes_[static_cast<std::size_t>(seat)];
   MediumTouch touch{.force_N = probe.force_N};
   bool in_contact = false;
-  for (int i = 0; i < data_->ncon && !in_contact; ++i) {
-    const mjContact& contact = data_->contact[i];
-    in_contact = model_->geom_bodyid[contact.geom1] == probe.body || model_->geom_bodyid[contact.geom2] == probe.body;
-  }
-  const Point pushed_m = position_of(*data_, probe.body) - probe.device_m;
-  const double depth_m = pushed_m.norm();
+  for (int i = 0; i < data_->ncon && !in_contact; ++i) in_contact = touches(*model_, data_->contact[i], probe.body);
+  const double depth_m = probe.pushed_m.norm();
   if (!in_contact || !(depth_m > 0)) return touch;
-  touch.normal = pushed_m / depth_m;
+  touch.normal = probe.pushed_m / depth_m;
   touch.penetration_m = depth_m;
   return touch;
 }

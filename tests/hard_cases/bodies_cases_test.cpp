@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "forcebound/server/bodies/body_medium.hpp"
 #include "forcebound/server/bodies/body_world.hpp"
 
 namespace forcebound::server {
@@ -61,7 +62,8 @@ TEST(HardCase31, MoreContactsThanMuJoCoWasGivenRoomForAreCountedAndNothingBreaks
 TEST(HardCase32, ACouplingAtTwiceItsStableStepIsRefusedWithTheNumbers) {
   BodiesDescription stiff{.bodies = {floor_plate()}};
   // h omega = 2: sqrt(4e4 / 0.01) 1e-3.
-  stiff.probe = {.mass_kg = 0.01, .stiffness_N_per_m = 4e4, .damping_N_s_per_m = 0};
+  stiff.probe.mass_kg = 0.01;
+  stiff.coupling = {.stiffness_N_per_m = 4e4, .damping_N_s_per_m = 0};
   EXPECT_THROW(BodyMedium(stiff, "test"), BodiesError);
   stiff.timestep_s = 0.9e-3;
   EXPECT_NO_THROW(BodyMedium(stiff, "test"));

@@ -141,7 +141,8 @@ TEST(BodyMedium, StepsAreOfFixedLengthAndWhatCannotBeMadeUpForIsCounted) {
 
 TEST(BodyMedium, AnUnstableCouplingIsRefusedWithTheNumbers) {
   BodiesDescription stiff{.bodies = {floor_plate()}};
-  stiff.probe = {.mass_kg = 0.001, .stiffness_N_per_m = 5000, .damping_N_s_per_m = 0};
+  stiff.probe.mass_kg = 0.001;
+  stiff.coupling = {.stiffness_N_per_m = 5000, .damping_N_s_per_m = 0};
   EXPECT_EQ(error_of(stiff),
             "scene.toml: bodies: the probe's coupling of 5000 N/m and 0 N s/m is unstable with a mass of 0.001 kg in "
             "steps of 0.001 s (1.25 of what is stable): take a softer one, a heavier probe or shorter steps");
@@ -162,7 +163,7 @@ TEST(Coupling, AtItsLimitIsTheLimitOfTheRecursion) {
     const double limit = (4 - 2e-3 * damping / 0.01) * 0.01 / 1e-6;
     EXPECT_FALSE(grows(0.999 * limit, damping));
     EXPECT_TRUE(grows(1.001 * limit, damping));
-    EXPECT_NEAR((Coupling{limit, damping}.load(0.01, 1e-3)), 1, 1e-9);
+    EXPECT_NEAR((Coupling{limit, damping}.share_of_stable(0.01, 1e-3)), 1, 1e-9);
   }
 }
 
