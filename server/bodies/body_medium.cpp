@@ -39,6 +39,12 @@ Point top_m(const mjModel& model, mjData& data, int ball) {
   return from_m + down * mj_ray(&model, &data, from_m.data(), down.data(), nullptr, 1, ball, &met);
 }
 
+/// What was computed is not exact to the last digit.
+std::string rounded(double value) {
+  const double scale = std::pow(10, 4 - std::floor(std::log10(value)));
+  return to_text(std::round(value * scale) / scale);
+}
+
 std::size_t bytes_of(const mjModel& model) { return static_cast<std::size_t>(mj_sizeModel(&model)); }
 
 }  // namespace
@@ -92,9 +98,9 @@ double BodyMedium::share_of_stable() const noexcept {
 void BodyMedium::check_coupling() const {
   if (share_of_stable() < 1) return;
   throw BodiesError(name_ + ": the probe's coupling of " + to_text(coupling_.stiffness_N_per_m) + " N/m and " +
-                    to_text(coupling_.damping_N_s_per_m) + " N s/m is unstable with a mass of " +
-                    to_text(apparent_mass_kg_) + " kg in steps of " + to_text(model_->opt.timestep) + " s (" +
-                    to_text(share_of_stable()) +
+                    to_text(coupling_.damping_N_s_per_m) + " N s/m is unstable with an apparent mass of " +
+                    rounded(apparent_mass_kg_) + " kg in steps of " + to_text(model_->opt.timestep) + " s (" +
+                    rounded(share_of_stable()) +
                     " of what is stable): take a softer one, a heavier probe or shorter steps");
 }
 
@@ -123,8 +129,8 @@ MediumFacts BodyMedium::facts() const {
   facts.lines = {std::to_string(model_->nbody - 1) + " bodies, " + std::to_string(model_->nv) +
                      " degrees of freedom, by MuJoCo in steps of " + to_text(step_s) + " s",
                  "coupling " + to_text(coupling_.stiffness_N_per_m) + " N/m, " + to_text(coupling_.damping_N_s_per_m) +
-                     " N s/m to a probe that weighs " + to_text(apparent_mass_kg_) + " kg at the beginning: at " +
-                     to_text(std::round(1000 * share_of_stable()) / 10) + " % of what is stable"};
+                     " N s/m to an apparent mass of " + rounded(apparent_mass_kg_) + " kg at the start: at " +
+                     rounded(100 * share_of_stable()) + " % of what is stable"};
   if (!dragged_.empty()) facts.seats_max = static_cast<int>(dragged_.size());
   return facts;
 }
