@@ -24,7 +24,9 @@ thread_local WayOut way_out = WayOut::none;
 thread_local std::jmp_buf way_back;
 thread_local std::array<char, 1000> last_error{};
 
-void (*handler_before)(const char*) = nullptr;
+// The program's own, if it has some.
+void (*error_before)(const char*) = nullptr;
+void (*warning_before)(const char*) = nullptr;
 
 // Shorter ones than that would be more than a motion has time for, a longer one is no haptics.
 constexpr double kTimestep_s_min = 1e-4;
@@ -36,17 +38,19 @@ void leave_mujoco(const char* error) {
     std::snprintf(last_error.data(), last_error.size(), "%s", error);
     std::longjmp(way_back, 1);  // NOLINT(cert-err52-cpp): the one way out of a C library
   }
-  if (handler_before != nullptr) return handler_before(error);
+  if (error_before != nullptr) return error_before(error);
   std::fprintf(stderr, "MuJoCo: %s\n", error);
   std::abort();
 }
 
-void say_nothing(const char*) {}
+void take_warning(const char* warning) {
+  if (way_out == WayOut::none && warning_before != nullptr) warning_before(warning);
+}
 
 void install_handlers() {
   static const bool kInstalled = [] {
-    handler_before = std::exchange(mju_user_error, leave_mujoco);
-    mju_user_warning = say_nothing;
+    error_before = std::exchange(mju_user_error, leave_mujoco);
+    warning_before = std::exchange(mju_user_warning, take_warning);
     return true;
   }();
   (void)kInstalled;
@@ -54,17 +58,18 @@ void install_handlers() {
 
 /// Whether `call`, of C alone, came to its end; if not, last_error says why.
 template <class Call>
-bool ends(const Call& call) noexcept {
+bool completes(const Call& call) noexcept {
   static_assert(noexcept(call()),
                 "a jump out of it must not pass what is to be cleaned up, nor an exception pass this");
   way_out = WayOut::jump;
-  bool done = false;
-  if (setjmp(way_back) == 0) {  // NOLINT(cert-err52-cpp): see above
-    call();
-    done = true;
+  last_error.front() = '\0';
+  if (setjmp(way_back) != 0) {  // NOLINT(cert-err52-cpp): see above
+    way_out = WayOut::none;
+    return false;
   }
+  call();
   way_out = WayOut::none;
-  return done;
+  return true;
 }
 
 [[noreturn]] void throw_last_error(const std::string& what) { throw BodiesError(what + ": " + last_error.data()); }
@@ -110,10 +115,10 @@ ModelPointer load(const char* file, const mjVFS* files) {
   if (!model) throw BodiesError(error.data());
   check_options(*model);
   const DataPointer data = make_data(*model);
-  last_error.front() = '\0';
   if (!step(*model, *data)) {
-    const std::string reason = last_error.front() != '\0' ? last_error.data() : "something is no number any more";
-    throw BodiesError("MuJoCo cannot take the first step: " + reason);
+    const bool gave_up = last_error.front() != '\0';
+    throw BodiesError(std::string("MuJoCo cannot take the first step: ") +
+                      (gave_up ? last_error.data() : "it leads to what is no number"));
   }
   return model;
 }
@@ -162,7 +167,7 @@ ModelPointer load_mjcf(const std::string& path) {
 ModelPointer copy_of(const mjModel_& model) {
   install_handlers();
   mjModel* made = nullptr;
-  const bool done = ends([&]() noexcept { made = mj_copyModel(nullptr, &model); });
+  const bool done = completes([&]() noexcept { made = mj_copyModel(nullptr, &model); });
   ModelPointer copy(made);
   if (!done) throw_last_error("MuJoCo cannot copy its model");
   if (!copy) throw BodiesError("not enough memory for a model of " + std::to_string(model.nbody) + " bodies");
@@ -172,7 +177,7 @@ ModelPointer copy_of(const mjModel_& model) {
 DataPointer make_data(const mjModel_& model) {
   install_handlers();
   mjData* made = nullptr;
-  const bool done = ends([&]() noexcept { made = mj_makeData(&model); });
+  const bool done = completes([&]() noexcept { made = mj_makeData(&model); });
   DataPointer data(made);
   if (!done) throw_last_error("MuJoCo cannot make the state of " + std::to_string(model.nbody) + " bodies");
   if (!data) throw BodiesError("not enough memory for the state of " + std::to_string(model.nbody) + " bodies");
@@ -182,21 +187,22 @@ DataPointer make_data(const mjModel_& model) {
 
 void forward(const mjModel_& model, mjData_& data) {
   install_handlers();
-  if (!ends([&]() noexcept { mj_forward(&model, &data); })) throw_last_error("MuJoCo cannot compute where bodies are");
+  if (!completes([&]() noexcept { mj_forward(&model, &data); }))
+    throw_last_error("MuJoCo cannot compute where bodies are");
 }
 
 bool begin_step(const mjModel_& model, mjData_& data) noexcept {
-  return ends([&]() noexcept { mj_step1(&model, &data); }) && is_sound(data);
+  return completes([&]() noexcept { mj_step1(&model, &data); }) && is_sound(data);
 }
 
 bool end_step(const mjModel_& model, mjData_& data) noexcept {
-  return ends([&]() noexcept { mj_step2(&model, &data); }) && is_sound(data);
+  return completes([&]() noexcept { mj_step2(&model, &data); }) && is_sound(data);
 }
 
 bool step(const mjModel_& model, mjData_& data) noexcept { return begin_step(model, data) && end_step(model, data); }
 
 bool find_contacts(const mjModel_& model, mjData_& data) noexcept {
-  return ends([&]() noexcept {
+  return completes([&]() noexcept {
     mj_kinematics(&model, &data);
     mj_collision(&model, &data);
   });

@@ -12,10 +12,10 @@ namespace forcebound::server {
 /// MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
 /// only counted by MuJoCo itself, and an error ends the call that caused it.
 ///
-/// MuJoCo has one handler of errors and one of warnings for the whole process. Ours are put in its place at the first
-/// call from here, for good. An error that comes about in a program's own calls of MuJoCo goes on to the handler that
-/// was there before, or ends the process as MuJoCo would. A program that installs its own handler later takes the
-/// errors here upon itself: MuJoCo expects of it not to return.
+/// MuJoCo has one handler of errors and one of warnings for the whole process. Ours are put in their place at the first
+/// call from here, for good. What comes about in a program's own calls of MuJoCo goes on to the handlers that were
+/// there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
+/// later takes the errors here upon itself: MuJoCo expects of it not to return.
 
 /// Bodies that cannot be had: one line, with the file and what MuJoCo says of it.
 class BodiesError : public std::runtime_error {

@@ -20,6 +20,7 @@ struct Apparent {
 
   double mass_kg(const std::vector<std::string>& names) {
     std::vector<int> bodies;
+    bodies.reserve(names.size());
     for (const std::string& name : names) bodies.push_back(mj_name2id(model.get(), mjOBJ_BODY, name.c_str()));
     return apparent_mass_kg(*model, *data, bodies);
   }

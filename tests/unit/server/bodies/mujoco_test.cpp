@@ -92,17 +92,19 @@ TEST(Step, ThatMuJoCoGivesUpIsFalse) {
   EXPECT_FALSE(find_contacts(*model, *data));
 }
 
-TEST(ErrorHandlers, OfTheProgramHearOfItsOwnErrors) {
+TEST(ErrorHandlers, OfTheProgramHearOfItsOwnErrorsAndWarnings) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto own_error = [] {
+    mju_user_warning = [](const char* warning) { std::fprintf(stderr, "the program's %s, ", warning); };
     mju_user_error = [](const char* error) {
-      std::fprintf(stderr, "the program's: %s\n", error);
+      std::fprintf(stderr, "the program's %s", error);
       std::_Exit(3);
     };
     (void)compile_mjcf(kBall, "ball.xml");
-    mju_error("its own");
+    mju_warning("own warning");
+    mju_error("own error");
   };
-  EXPECT_EXIT(own_error(), testing::ExitedWithCode(3), "the program's: its own");
+  EXPECT_EXIT(own_error(), testing::ExitedWithCode(3), "the program's own warning, the program's own error");
 }
 
 TEST(ErrorHandlers, WithoutAnyTheProcessEndsAndSaysWhy) {
