@@ -108,14 +108,14 @@ std::unique_ptr<MediumState> BodyMedium::make_state(int seats) const {
   std::vector<BodyWorld::Probe> probes;
   if (!dragged_.empty()) {
     for (const int body : dragged_) probes.push_back({.body = body});
-    return std::make_unique<BodyWorld>(copy_of(*model_), coupling_, std::move(probes));
+    return std::make_unique<BodyWorld>(copy_of(*model_), coupling_, probes);
   }
   ModelPointer model = seats == 1 ? copy_of(*model_) : compile_mjcf(to_mjcf(description_, seats), name_);
   for (int i = 0; i < seats; ++i) {
     const int body = find_ball(*model, i);
     probes.push_back({.body = body, .slides = model->jnt_qposadr[model->body_jntadr[body]]});
   }
-  return std::make_unique<BodyWorld>(std::move(model), coupling_, std::move(probes));
+  return std::make_unique<BodyWorld>(std::move(model), coupling_, probes);
 }
 
 MediumFacts BodyMedium::facts() const {

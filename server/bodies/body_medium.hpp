@@ -15,8 +15,8 @@ namespace forcebound::server {
 /// the rest is counted as slipped. Real time but for what MuJoCo does with its own memory, of which it allocates none
 /// after the start.
 ///
-/// A coupling must be stable with the mass that it meets where the bodies begin. An MJCF model whose probe meets a
-/// smaller one elsewhere needs to be left that room by its author.
+/// A coupling must be stable with the apparent mass that it meets as the bodies begin. Elsewhere it is not judged: a
+/// probe of MJCF that meets a smaller mass when its joints have turned needs that much room below what is stable.
 class BodyMedium final : public Medium {
  public:
   /// From a description: a device drags a ball.
