@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/server/bodies/apparent_mass.hpp"
 #include "forcebound/server/bodies/body_world.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -12,6 +13,7 @@
 namespace forcebound::server {
 namespace {
 
+using text::rounded;
 using text::to_text;
 
 int find_body(const mjModel& model, const std::string& wanted, const std::string& file) {
@@ -24,95 +26,110 @@ int find_body(const mjModel& model, const std::string& wanted, const std::string
   throw BodiesError(file + ": no body '" + wanted + "' to be the probe" + text::suggestion(wanted, names));
 }
 
+int find_ball(const mjModel& model, int number) {
+  return mj_name2id(&model, mjOBJ_BODY, name_of_probe(number).c_str());
+}
+
+/// What a device meets first on its way down to the middle of the first body.
+Point top_m(const mjModel& model, mjData& data, int ball) {
+  double above_m = 0;
+  for (int i = 0; i < model.ngeom; ++i) above_m = std::max(above_m, data.geom_xpos[3 * i + 2] + model.geom_rbound[i]);
+  const Point from_m(data.xpos[3], data.xpos[4], above_m + 1);
+  const Point down = -Point::UnitZ();
+  int met = -1;
+  return from_m + down * mj_ray(&model, &data, from_m.data(), down.data(), nullptr, 1, ball, &met);
+}
+
+/// What was computed is not exact to the last digit.
 std::size_t bytes_of(const mjModel& model) { return static_cast<std::size_t>(mj_sizeModel(&model)); }
 
 }  // namespace
 
-double Coupling::load(double mass_kg, double step_s) const noexcept {
-  const double spring = step_s * step_s * stiffness_N_per_m / mass_kg;
-  const double damper = step_s * damping_N_s_per_m / mass_kg;
-  return std::max((spring + 2 * damper) / 4, damper / 2);
-}
-
 BodyMedium::BodyMedium(BodiesDescription description, std::string name)
     : description_(std::move(description)),
       name_(std::move(name)),
-      coupling_{description_.probe.stiffness_N_per_m, description_.probe.damping_N_s_per_m},
-      model_(compile_mjcf(to_mjcf(description_, 1), name_)) {
-  check_coupling(description_.probe.mass_kg);
-  check_overlap();
+      coupling_(description_.coupling),
+      model_(compile_mjcf(to_mjcf(description_, 1), name_)),
+      apparent_mass_kg_(description_.probe.mass_kg) {
+  check_coupling();
+  const DataPointer data = make_data(*model_);
+  const int ball = find_ball(*model_, 0);
+  check_overlap(*data, ball);
+  on_surface_m_ = top_m(*model_, *data, ball);
 }
 
 BodyMedium::BodyMedium(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling,
                        std::string name)
     : name_(std::move(name)), coupling_(coupling), model_(std::move(model)) {
+  const DataPointer data = make_data(*model_);
   for (const std::string& probe : probes) {
-    const int body = find_body(*model_, probe, name_);
-    const double mass_kg = model_->body_subtreemass[body];
-    if (!(mass_kg > 0) || model_->body_weldid[body] == 0) {
-      throw BodiesError(name_ + ": body '" + probe + "' must have a mass and a joint to be the probe");
+    dragged_.push_back(find_body(*model_, probe, name_));
+    if (std::isinf(apparent_mass_kg(*model_, *data, {dragged_.back()}))) {
+      throw BodiesError(name_ + ": body '" + probe +
+                        "' must have a joint that moves its centre of mass to be the probe");
     }
-    check_coupling(mass_kg);
-    probe_bodies_.push_back(body);
   }
+  apparent_mass_kg_ = apparent_mass_kg(*model_, *data, dragged_);
+  check_coupling();
+  on_surface_m_ = Eigen::Map<const Point>(data->xipos + 3 * dragged_.front());
 }
 
-void BodyMedium::check_overlap() const {
+void BodyMedium::check_overlap(const mjData_& data, int ball) const {
   constexpr double kAllowed_m = 1e-4;
-  const DataPointer data = make_data(*model_);
-  const int probe = mj_name2id(model_.get(), mjOBJ_BODY, "probe 0");
-  for (int i = 0; i < data->ncon; ++i) {
-    const mjContact& contact = data->contact[i];
+  for (int i = 0; i < data.ncon; ++i) {
+    const mjContact& contact = data.contact[i];
     const int first = model_->geom_bodyid[contact.geom1];
     const int second = model_->geom_bodyid[contact.geom2];
-    if (contact.dist > -kAllowed_m || first == probe || second == probe) continue;
+    if (contact.dist > -kAllowed_m || first == ball || second == ball) continue;
     throw BodiesError(name_ + ": '" + mj_id2name(model_.get(), mjOBJ_BODY, first) + "' and '" +
                       mj_id2name(model_.get(), mjOBJ_BODY, second) + "' begin " + to_text(-contact.dist) +
                       " m within each other: expected at most " + to_text(kAllowed_m));
   }
 }
 
-void BodyMedium::check_coupling(double mass_kg) const {
-  const double step_s = model_->opt.timestep;
-  const double load = coupling_.load(mass_kg, step_s);
-  if (load < 1) return;
+double BodyMedium::share_of_stable() const noexcept {
+  return coupling_.share_of_stable(apparent_mass_kg_, model_->opt.timestep);
+}
+
+void BodyMedium::check_coupling() const {
+  if (share_of_stable() < 1) return;
   throw BodiesError(name_ + ": the probe's coupling of " + to_text(coupling_.stiffness_N_per_m) + " N/m and " +
-                    to_text(coupling_.damping_N_s_per_m) + " N s/m is unstable with a mass of " + to_text(mass_kg) +
-                    " kg in steps of " + to_text(step_s) + " s (" + to_text(load) +
+                    to_text(coupling_.damping_N_s_per_m) + " N s/m is unstable with an apparent mass of " +
+                    rounded(apparent_mass_kg_) + " kg in steps of " + to_text(model_->opt.timestep) + " s (" +
+                    rounded(share_of_stable()) +
                     " of what is stable): take a softer one, a heavier probe or shorter steps");
 }
 
-ModelPointer BodyMedium::copy_of_model() const { return ModelPointer(mj_copyModel(nullptr, model_.get())); }
-
 std::unique_ptr<MediumState> BodyMedium::make_state(int seats) const {
   std::vector<BodyWorld::Probe> probes;
-  if (!probe_bodies_.empty()) {
-    for (const int body : probe_bodies_) probes.push_back({.body = body});
-    return std::make_unique<BodyWorld>(copy_of_model(), coupling_, std::move(probes));
+  if (!dragged_.empty()) {
+    for (const int body : dragged_) probes.push_back({.body = body});
+    return std::make_unique<BodyWorld>(copy_of(*model_), coupling_, probes);
   }
-  ModelPointer model = seats == 1 ? copy_of_model() : compile_mjcf(to_mjcf(description_, seats), name_);
+  ModelPointer model = seats == 1 ? copy_of(*model_) : compile_mjcf(to_mjcf(description_, seats), name_);
   for (int i = 0; i < seats; ++i) {
-    const int body = mj_name2id(model.get(), mjOBJ_BODY, ("probe " + std::to_string(i)).c_str());
+    const int body = find_ball(*model, i);
     probes.push_back({.body = body, .slides = model->jnt_qposadr[model->body_jntadr[body]]});
   }
-  return std::make_unique<BodyWorld>(std::move(model), coupling_, std::move(probes));
+  return std::make_unique<BodyWorld>(std::move(model), coupling_, probes);
 }
 
 MediumFacts BodyMedium::facts() const {
-  const bool ours = probe_bodies_.empty();
-  const double mass_kg = ours ? description_.probe.mass_kg : model_->body_subtreemass[probe_bodies_.front()];
-  const double load = coupling_.load(mass_kg, model_->opt.timestep);
+  const double step_s = model_->opt.timestep;
+  const double steps_per_motion = std::max(1.0, 1e-3 / step_s);
   MediumFacts facts{.memory_bytes = bytes_of(*model_),
                     .state_bytes = bytes_of(*model_) + static_cast<std::size_t>(model_->nstack) * sizeof(mjtNum),
                     .stiffness_N_per_m = coupling_.stiffness_N_per_m,
-                    .cost_ns = 2000.0 + 1500.0 * model_->nv};
+                    .damping_N_s_per_m = coupling_.damping_N_s_per_m,
+                    .age_s = step_s,
+                    .cost_ns = steps_per_motion * (2000.0 + 1500.0 * model_->nv),
+                    .on_surface_m = on_surface_m_};
   facts.lines = {std::to_string(model_->nbody - 1) + " bodies, " + std::to_string(model_->nv) +
-                     " degrees of freedom, by MuJoCo in steps of " + to_text(model_->opt.timestep) + " s",
+                     " degrees of freedom, by MuJoCo in steps of " + to_text(step_s) + " s",
                  "coupling " + to_text(coupling_.stiffness_N_per_m) + " N/m, " + to_text(coupling_.damping_N_s_per_m) +
-                     " N s/m to a probe of " + to_text(mass_kg) + " kg: at " + to_text(std::round(1000 * load) / 10) +
-                     " % of what is stable"};
-  facts.on_surface_m = Eigen::Map<const Point>(model_->body_pos + 3 * (ours ? 1 : probe_bodies_.front()));
-  if (!ours) facts.seats_max = static_cast<int>(probe_bodies_.size());
+                     " N s/m to an apparent mass of " + rounded(apparent_mass_kg_) + " kg at the start: at " +
+                     rounded(100 * share_of_stable()) + " % of what is stable"};
+  if (!dragged_.empty()) facts.seats_max = static_cast<int>(dragged_.size());
   return facts;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/server/bodies/description.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -16,72 +18,104 @@ constexpr double kSpeed_m_per_s_max = 5;
 constexpr double kVelocityHeld_s = 0.01;
 // A device that is farther away than that is a stranger's nonsense, which must not break what others feel.
 constexpr double kFar_m = 100;
+// In which the coupling comes to the device, at least: longer than a hand takes to notice and to give way.
+constexpr double kArrival_s_min = 0.5;
+constexpr double kArrival_m_per_s_max = 0.4;
+// How often a ball within bodies is pushed out of the one it is deepest in, and what does not count as within.
+constexpr int kPushesMax = 8;
+constexpr double kWithin_m = 1e-6;
 
 Point at_most(const Point& vector, double length) noexcept {
   const double whole = vector.stableNorm();
   return whole > length ? Point(vector * (length / whole)) : vector;
 }
 
+// A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling give
+// back no more than it took.
+Point position_of(const mjData& data, int body) noexcept { return Eigen::Map<const Point>(data.xipos + 3 * body); }
+
 Point velocity_of(const mjModel& model, const mjData& data, int body) noexcept {
   mjtNum velocity[6];
-  mj_objectVelocity(&model, &data, mjOBJ_XBODY, body, velocity, 0);
+  mj_objectVelocity(&model, &data, mjOBJ_BODY, body, velocity, 0);
   return {velocity[3], velocity[4], velocity[5]};
 }
 
-Point position_of(const mjData& data, int body) noexcept { return Eigen::Map<const Point>(data.xpos + 3 * body); }
+bool touches(const mjModel& model, const mjContact& contact, int body) noexcept {
+  return model.geom_bodyid[contact.geom1] == body || model.geom_bodyid[contact.geom2] == body;
+}
 
 }  // namespace
 
-BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, std::vector<Probe> probes)
-    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling), probes_(std::move(probes)) {
-  for (std::size_t i = 0; i < probes_.size(); ++i) park(i);
-  mj_forward(model_.get(), data_.get());
+BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes)
+    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling) {
+  seats_.reserve(probes.size());
+  for (const Probe& probe : probes) {
+    seats_.push_back({probe});
+    park(static_cast<int>(seats_.size()) - 1);
+  }
+  forward(*model_, *data_);
 }
 
 int BodyWorld::join() {
-  for (std::size_t i = 0; i < probes_.size(); ++i) {
-    if (probes_[i].taken) continue;
-    probes_[i].taken = true;
-    probes_[i].placed = false;
-    return static_cast<int>(i);
-  }
-  return -1;
+  const auto free = std::find_if(seats_.begin(), seats_.end(), [](const Seat& seat) { return !seat.taken; });
+  if (free == seats_.end()) return -1;
+  free->taken = true;
+  return static_cast<int>(free - seats_.begin());
 }
 
 void BodyWorld::leave(int seat) {
-  const auto i = static_cast<std::size_t>(seat);
-  probes_[i].taken = false;
-  park(i);
+  park(seat);
+  seats_[static_cast<std::size_t>(seat)].taken = false;
 }
 
-void BodyWorld::park(std::size_t probe) noexcept {
-  Probe& parked = probes_[probe];
+void BodyWorld::park(int seat) noexcept {
+  Seat& parked = seats_[static_cast<std::size_t>(seat)];
   parked.placed = false;
   parked.force_N.setZero();
-  mju_zero(data_->xfrc_applied + 6 * parked.body, 6);
-  if (parked.slides >= 0) place(parked, parking_m(static_cast<int>(probe)));
+  parked.pushed_m.setZero();
+  if (parked.slides >= 0) place(parked, parking_m(seat));
+  Eigen::Map<Point>(data_->xfrc_applied + 6 * parked.body) = bearing_N(parked);
 }
 
-void BodyWorld::place(Probe& probe, const Point& position_m) noexcept {
+void BodyWorld::place(const Probe& ball, const Point& position_m) noexcept {
   // Slides begin at the origin, where their body is.
-  for (int axis = 0; axis < 3; ++axis) data_->qpos[probe.slides + axis] = position_m[axis];
-  const int velocities = model_->jnt_dofadr[model_->body_jntadr[probe.body]];
+  for (int axis = 0; axis < 3; ++axis) data_->qpos[ball.slides + axis] = position_m[axis];
+  const int velocities = model_->jnt_dofadr[model_->body_jntadr[ball.body]];
   mju_zero(data_->qvel + velocities, 3);
 }
 
-void BodyWorld::move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept {
-  Probe& probe = probes_[static_cast<std::size_t>(seat)];
-  if (!probe.placed) {
-    probe.placed = true;
-    // A probe of ours begins where its device is; a body of the author's is drawn to it.
-    if (probe.slides >= 0) {
-      place(probe, at_most(position_m, kFar_m));
-      mj_kinematics(model_.get(), data_.get());
+void BodyWorld::place_outside(const Probe& ball, Point position_m) noexcept {
+  for (int i = 0; i <= kPushesMax; ++i) {
+    place(ball, position_m);
+    sound_ = sound_ && find_contacts(*model_, *data_);
+    const mjContact* deepest = nullptr;
+    for (int at = 0; at < data_->ncon; ++at) {
+      const mjContact& contact = data_->contact[at];
+      if (touches(*model_, contact, ball.body) && (deepest == nullptr || contact.dist < deepest->dist)) {
+        deepest = &contact;
+      }
     }
+    if (deepest == nullptr || deepest->dist > -kWithin_m) return;
+    // A contact's normal is out of its first geom.
+    const double out = model_->geom_bodyid[deepest->geom2] == ball.body ? 1 : -1;
+    position_m -= out * deepest->dist * Eigen::Map<const Point>(deepest->frame);
   }
-  probe.device_m = at_most(position_m, kFar_m);
-  probe.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
-  probe.silent_s = 0;
+}
+
+void BodyWorld::appear(Seat& seat) noexcept {
+  seat.placed = true;
+  seat.placed_s = 0;
+  if (seat.slides >= 0) place_outside(seat, seat.device_m);
+  seat.begins_aside_m = position_of(*data_, seat.body) - seat.device_m;
+  seat.arrival_s = std::max(kArrival_s_min, seat.begins_aside_m.norm() / kArrival_m_per_s_max);
+}
+
+void BodyWorld::move(int at, const Point& position_m, const Point& velocity_m_per_s) noexcept {
+  Seat& seat = seats_[static_cast<std::size_t>(at)];
+  seat.device_m = at_most(position_m, kFar_m);
+  seat.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
+  seat.silent_s = 0;
+  if (!seat.placed) appear(seat);
 }
 
 void BodyWorld::advance(double elapsed_s) noexcept {
@@ -94,51 +128,54 @@ void BodyWorld::advance(double elapsed_s) noexcept {
   for (int i = 1; i <= steps && sound_; ++i) step_once((steps - i) * step_s);
   left_s_ = std::max(0.0, left_s_ - steps_due * step_s);
   faults_.slipped_s += (steps_due - steps) * step_s;
-  for (Probe& probe : probes_) probe.silent_s += steps * step_s;
+  for (Seat& seat : seats_) seat.silent_s += steps * step_s;
 }
 
 void BodyWorld::step_once(double before_end_s) noexcept {
-  for (Probe& probe : probes_) {
-    if (!probe.placed) {
-      if (probe.slides >= 0) pull(probe, position_of(*data_, probe.body), Point::Zero());
-      continue;
-    }
-    // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
-    // velocity is believed for a moment: without it every late motion would be a blow of the damper.
-    const double on_way_s = probe.silent_s > 0 ? 0 : before_end_s;
-    const bool moves = probe.silent_s < kVelocityHeld_s;
-    pull(probe, probe.device_m - on_way_s * probe.device_m_per_s, moves ? probe.device_m_per_s : Point(Point::Zero()));
-  }
   const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
-  sound_ = step(*model_, *data_);
+  sound_ = begin_step(*model_, *data_);
   faults_.contacts_left_out += static_cast<std::uint64_t>(data_->warning[mjWARN_CONTACTFULL].number +
                                                           data_->warning[mjWARN_CNSTRFULL].number - overfull);
-}
-
-void BodyWorld::pull(Probe& probe, const Point& device_m, const Point& device_m_per_s) noexcept {
-  const Point place_m = position_of(*data_, probe.body);
-  const Point passing_m_per_s = device_m_per_s - velocity_of(*model_, *data_, probe.body);
-  const Point pull_N = coupling_.stiffness_N_per_m * at_most(device_m - place_m, kReach_m) +
-                       coupling_.damping_N_s_per_m * passing_m_per_s;
-  probe.force_N = -pull_N;
-  Eigen::Map<Point> applied(data_->xfrc_applied + 6 * probe.body);
-  applied = pull_N;
-  // Its weight is the device's matter, not the hand's.
-  if (probe.slides >= 0) applied -= model_->body_mass[probe.body] * Eigen::Map<const Point>(model_->opt.gravity);
-}
-
-MediumTouch BodyWorld::touch(int seat) noexcept {
-  const Probe& probe = probes_[static_cast<std::size_t>(seat)];
-  MediumTouch touch{.force_N = probe.force_N};
-  bool in_contact = false;
-  for (int i = 0; i < data_->ncon && !in_contact; ++i) {
-    const mjContact& contact = data_->contact[i];
-    in_contact = model_->geom_bodyid[contact.geom1] == probe.body || model_->geom_bodyid[contact.geom2] == probe.body;
+  if (!sound_) return;
+  for (Seat& seat : seats_) {
+    if (seat.placed) pull(seat, before_end_s);
   }
-  const Point pushed_m = position_of(*data_, probe.body) - probe.device_m;
-  const double depth_m = pushed_m.norm();
+  sound_ = end_step(*model_, *data_);
+}
+
+void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
+  // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
+  // velocity is believed for a moment: without it every late motion would be a blow of the damper.
+  Point end_m = seat.device_m;
+  Point end_m_per_s = Point::Zero();
+  if (!(seat.silent_s > 0)) end_m -= before_end_s * seat.device_m_per_s;
+  if (seat.silent_s < kVelocityHeld_s) end_m_per_s = seat.device_m_per_s;
+  seat.placed_s += model_->opt.timestep;
+  if (const double left = 1 - seat.placed_s / seat.arrival_s; left > 0) {
+    // Without a jump of position or velocity at either end.
+    end_m += left * left * (3 - 2 * left) * seat.begins_aside_m;
+    end_m_per_s -= 6 * left * (1 - left) / seat.arrival_s * seat.begins_aside_m;
+  }
+  seat.pushed_m = position_of(*data_, seat.body) - end_m;
+  seat.force_N = coupling_.stiffness_N_per_m * at_most(seat.pushed_m, kReach_m) +
+                 coupling_.damping_N_s_per_m * (velocity_of(*model_, *data_, seat.body) - end_m_per_s);
+  Eigen::Map<Point>(data_->xfrc_applied + 6 * seat.body) = bearing_N(seat) - seat.force_N;
+}
+
+Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
+  // A ball's weight is the device's matter, not the hand's.
+  if (probe.slides < 0) return Point::Zero();
+  return -model_->body_mass[probe.body] * Eigen::Map<const Point>(model_->opt.gravity);
+}
+
+MediumTouch BodyWorld::touch(int at) noexcept {
+  const Seat& seat = seats_[static_cast<std::size_t>(at)];
+  MediumTouch touch{.force_N = seat.force_N};
+  bool in_contact = false;
+  for (int i = 0; i < data_->ncon && !in_contact; ++i) in_contact = touches(*model_, data_->contact[i], seat.body);
+  const double depth_m = seat.pushed_m.norm();
   if (!in_contact || !(depth_m > 0)) return touch;
-  touch.normal = pushed_m / depth_m;
+  touch.normal = seat.pushed_m / depth_m;
   touch.penetration_m = depth_m;
   return touch;
 }

@@ -2,26 +2,27 @@
 
 #include <vector>
 
-#include "forcebound/server/bodies/body_medium.hpp"
+#include "forcebound/server/bodies/coupling.hpp"
+#include "forcebound/server/bodies/mujoco.hpp"
+#include "forcebound/server/effects/medium.hpp"
 
 namespace forcebound::server {
 
 /// The bodies at a moment.
+///
+/// Where a device appears, the far end of its coupling begins at the probe and comes smoothly to the device, in half a
+/// second if it is near: nothing jerks the hand. A ball of ours appears at the device, or where that is within a body,
+/// on its surface; a body of the author's stays where it is.
 class BodyWorld final : public MediumState {
  public:
-  /// One probe: a body of the model, and whether it is ours to park, on three slides.
+  /// What a device drags.
   struct Probe {
     int body = -1;
-    int slides = -1;  ///< the first of its three coordinates and velocities; -1: a body of the author's own
-    bool taken = false;
-    bool placed = false;  ///< has been somewhere since it was taken
-    Point device_m = Point::Zero();
-    Point device_m_per_s = Point::Zero();
-    double silent_s = 0;            ///< simulated since the device was heard of
-    Point force_N = Point::Zero();  ///< on the device, after the last step
+    int slides = -1;  ///< a ball of ours: the first of its three coordinates; -1: a body of the author's
   };
 
-  BodyWorld(ModelPointer model, const Coupling& coupling, std::vector<Probe> probes);
+  /// @throws BodiesError
+  BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes);
 
   int join() override;
   void leave(int seat) override;
@@ -36,15 +37,31 @@ class BodyWorld final : public MediumState {
   [[nodiscard]] mjData_& data() noexcept { return *data_; }
 
  private:
-  void park(std::size_t probe) noexcept;
-  void place(Probe& probe, const Point& position_m) noexcept;
-  void pull(Probe& probe, const Point& device_m, const Point& device_m_per_s) noexcept;
+  struct Seat : Probe {
+    bool taken = false;
+    bool placed = false;  ///< has been somewhere since it was taken
+    Point device_m = Point::Zero();
+    Point device_m_per_s = Point::Zero();
+    double silent_s = 0;                   ///< simulated since the device was heard of
+    Point begins_aside_m = Point::Zero();  ///< how far from the device the coupling's far end began
+    double placed_s = 0;                   ///< simulated since then
+    double arrival_s = 0;                  ///< when it is at the device
+    Point force_N = Point::Zero();         ///< on the device, in the last step
+    Point pushed_m = Point::Zero();        ///< from the coupling's far end to the probe then
+  };
+
+  void park(int seat) noexcept;
+  void appear(Seat& seat) noexcept;
+  void place(const Probe& ball, const Point& position_m) noexcept;
+  void place_outside(const Probe& ball, Point position_m) noexcept;
   void step_once(double before_end_s) noexcept;
+  void pull(Seat& seat, double before_end_s) noexcept;
+  [[nodiscard]] Point bearing_N(const Probe& probe) const noexcept;
 
   ModelPointer model_;
   DataPointer data_;
   Coupling coupling_;
-  std::vector<Probe> probes_;
+  std::vector<Seat> seats_;
   double left_s_ = 0;
   bool sound_ = true;
   MediumFaults faults_;

@@ -63,12 +63,14 @@ std::string to_mjcf(const ProbeDescription& probe, int number) {
   std::string slides;
   for (const char* axis : {"1 0 0", "0 1 0", "0 0 1"})
     slides += "<joint type=\"slide\" axis=\"" + std::string(axis) + "\"/>";
-  return "    <body name=\"probe " + std::to_string(number) + "\">" + slides + "<geom type=\"sphere\" size=\"" +
+  return "    <body name=\"" + name_of_probe(number) + "\">" + slides + "<geom type=\"sphere\" size=\"" +
          to_text(probe.radius_m) + "\" mass=\"" + to_text(probe.mass_kg) +
          "\" contype=\"2\" conaffinity=\"1\" priority=\"1\" solref=\"0.004 1\" solimp=\"0.95 0.99 0.001\"/></body>\n";
 }
 
 }  // namespace
+
+std::string name_of_probe(int number) { return "probe " + std::to_string(number); }
 
 std::string to_mjcf(const BodiesDescription& description, int probes) {
   // A box on another has four contacts, of three rows each. MuJoCo's memory grows with the square of the rows.

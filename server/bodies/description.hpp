@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/server/bodies/coupling.hpp"
 #include "forcebound/server/geometry/point.hpp"
 
 namespace forcebound::server {
@@ -20,12 +21,10 @@ struct BodyDescription {
   double friction = 0.5;              ///< coefficient
 };
 
-/// How the device's point takes part: as a small ball of its own mass, on a spring and a damper.
+/// How the device's point takes part: as a small ball of its own mass, coupled to it.
 struct ProbeDescription {
   double radius_m = 0.004;
   double mass_kg = 0.03;
-  double stiffness_N_per_m = 600;
-  double damping_N_s_per_m = 4;
 };
 
 struct BodiesDescription {
@@ -36,9 +35,13 @@ struct BodiesDescription {
   /// twenty boxes, but a body a thousand times as heavy as what bears it would press through.
   double contact_time_s = 0.02;
   ProbeDescription probe{};
+  Coupling coupling{};
 };
 
-/// As MJCF, with `probes` probes named "probe 0", "probe 1", ...: each a ball that is moved along three slides and
+/// "probe 0", "probe 1", ...
+std::string name_of_probe(int number);
+
+/// As MJCF, with `probes` probes: each a ball that is moved along three slides and
 /// meets bodies, but no other probe. The integrator is implicit in velocity, which keeps a body that tumbles from
 /// gaining.
 std::string to_mjcf(const BodiesDescription& description, int probes);

@@ -5,50 +5,83 @@
 #include <algorithm>
 #include <array>
 #include <csetjmp>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
 namespace {
 
-// MuJoCo's handler must not return, and an exception must not pass its C code, which has nothing to clean up: a jump.
+// MuJoCo's handler must not return. There are two ways out. Loading is C++, whose frames hold memory: an exception
+// cleans them up, and passes the C frames between, which x86-64 and arm64 compile with unwind tables (Debian's library
+// has them; without, the process would end, as it would by MuJoCo's own handler). Stepping is C, with nothing to clean
+// up, and must not allocate, as a throw does: a jump.
+enum class WayOut { none, exception, jump };
+thread_local WayOut way_out = WayOut::none;
 thread_local std::jmp_buf way_back;
-thread_local bool has_way_back = false;
+thread_local std::array<char, 1000> last_error{};
+
+// The program's own, if it has some.
+void (*error_before)(const char*) = nullptr;
+void (*warning_before)(const char*) = nullptr;
 
 // Shorter ones than that would be more than a motion has time for, a longer one is no haptics.
 constexpr double kTimestep_s_min = 1e-4;
 constexpr double kTimestep_s_max = 0.01;
 
-[[noreturn]] void leave_mujoco(const char*) {
-  if (has_way_back) std::longjmp(way_back, 1);  // NOLINT(cert-err52-cpp): the one way out of a C library
+void leave_mujoco(const char* error) {
+  if (way_out == WayOut::exception) throw BodiesError(error);
+  if (way_out == WayOut::jump) {
+    std::snprintf(last_error.data(), last_error.size(), "%s", error);
+    std::longjmp(way_back, 1);  // NOLINT(cert-err52-cpp): the one way out of a C library
+  }
+  if (error_before != nullptr) return error_before(error);
+  std::fprintf(stderr, "MuJoCo: %s\n", error);
   std::abort();
 }
 
-void say_nothing(const char*) {}
-
-struct Handlers {
-  Handlers() {
-    mju_user_error = leave_mujoco;
-    mju_user_warning = say_nothing;
-  }
-};
-
-void install_handlers() { static const Handlers kHandlers; }
-
-/// Whether `call` came to its end. It has only plain values, since a jump runs no destructors.
-template <class Call>
-bool guarded(const Call& call) noexcept {
-  has_way_back = true;
-  bool done = false;
-  if (setjmp(way_back) == 0) {  // NOLINT(cert-err52-cpp): see above
-    call();
-    done = true;
-  }
-  has_way_back = false;
-  return done;
+void take_warning(const char* warning) {
+  if (way_out == WayOut::none && warning_before != nullptr) warning_before(warning);
 }
+
+void install_handlers() {
+  static const bool kInstalled = [] {
+    error_before = std::exchange(mju_user_error, leave_mujoco);
+    warning_before = std::exchange(mju_user_warning, take_warning);
+    return true;
+  }();
+  (void)kInstalled;
+}
+
+/// Whether `call`, of C alone, came to its end; if not, last_error says why.
+template <class Call>
+bool completes(const Call& call) noexcept {
+  static_assert(noexcept(call()),
+                "a jump out of it must not pass what is to be cleaned up, nor an exception pass this");
+  way_out = WayOut::jump;
+  last_error.front() = '\0';
+  if (setjmp(way_back) != 0) {  // NOLINT(cert-err52-cpp): see above
+    way_out = WayOut::none;
+    return false;
+  }
+  call();
+  way_out = WayOut::none;
+  return true;
+}
+
+[[noreturn]] void throw_last_error(const std::string& what) { throw BodiesError(what + ": " + last_error.data()); }
+
+/// Errors within its life are exceptions.
+class ErrorsThrow {
+ public:
+  ErrorsThrow() noexcept { way_out = WayOut::exception; }
+  ~ErrorsThrow() { way_out = WayOut::none; }
+  ErrorsThrow(const ErrorsThrow&) = delete;
+  ErrorsThrow& operator=(const ErrorsThrow&) = delete;
+};
 
 std::string in_one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -63,24 +96,46 @@ struct FreeVfs {
   }
 };
 
-ModelPointer load(const char* file, const mjVFS* files, const std::string& name) {
-  install_handlers();
-  std::array<char, 1000> error{};
-  mjModel* loaded = nullptr;
-  // What MuJoCo had taken when it gave up is lost: an error at load, once.
-  const bool done = guarded([&] { loaded = mj_loadXML(file, files, error.data(), static_cast<int>(error.size())); });
-  ModelPointer model(loaded);
-  if (!done) throw BodiesError(name + ": MuJoCo gave up on it, without a reason");
-  if (!model) throw BodiesError(name + ": " + in_one_line(error.data()));
-  if (const double step_s = model->opt.timestep; !(step_s >= kTimestep_s_min && step_s <= kTimestep_s_max)) {
-    throw BodiesError(name + ": timestep must be >= " + text::to_text(kTimestep_s_min) +
+void check_options(const mjModel& model) {
+  if (const double step_s = model.opt.timestep; !(step_s >= kTimestep_s_min && step_s <= kTimestep_s_max)) {
+    throw BodiesError("timestep must be >= " + text::to_text(kTimestep_s_min) +
                       " and <= " + text::to_text(kTimestep_s_max) + " s, got " + text::to_text(step_s));
   }
+  // Between its four stages a force from outside would be held: another law of what is stable.
+  if (model.opt.integrator == mjINT_RK4) throw BodiesError("integrator must be Euler or implicit, got RK4");
+}
+
+ModelPointer load(const char* file, const mjVFS* files) {
+  std::array<char, 1000> error{};
+  ModelPointer model;
+  {
+    const ErrorsThrow guard;
+    model.reset(mj_loadXML(file, files, error.data(), static_cast<int>(error.size())));
+  }
+  if (!model) throw BodiesError(error.data());
+  check_options(*model);
   const DataPointer data = make_data(*model);
   if (!step(*model, *data)) {
-    throw BodiesError(name + ": MuJoCo cannot take the first step: expected forces and sizes that it can count with");
+    const bool gave_up = last_error.front() != '\0';
+    throw BodiesError(std::string("MuJoCo cannot take the first step: ") +
+                      (gave_up ? last_error.data() : "it leads to what is no number"));
   }
   return model;
+}
+
+template <class Load>
+ModelPointer named(const std::string& name, const Load& load) {
+  install_handlers();
+  try {
+    return load();
+  } catch (const BodiesError& error) {
+    throw BodiesError(name + ": " + in_one_line(error.what()));
+  }
+}
+
+bool is_sound(const mjData& data) noexcept {
+  return data.warning[mjWARN_BADQPOS].number == 0 && data.warning[mjWARN_BADQVEL].number == 0 &&
+         data.warning[mjWARN_BADQACC].number == 0;
 }
 
 }  // namespace
@@ -89,33 +144,68 @@ void DeleteModel::operator()(mjModel_* model) const noexcept { mj_deleteModel(mo
 void DeleteData::operator()(mjData_* data) const noexcept { mj_deleteData(data); }
 
 ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
-  constexpr const char* kFile = "bodies.xml";
-  if (text.empty()) throw BodiesError(name + ": is empty, expected <mujoco>...</mujoco>");
-  // 2000 names of files: too much for a stack.
-  const std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
-  mj_defaultVFS(files.get());
-  const int at = mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size()));
-  if (at < 0) throw BodiesError(name + ": too large for MuJoCo");
-  std::memcpy(files->filedata[at], text.data(), text.size());
-  return load(kFile, files.get(), name);
+  return named(name, [&] {
+    constexpr const char* kFile = "bodies.xml";
+    if (text.empty()) throw BodiesError("is empty, expected <mujoco>...</mujoco>");
+    // 2000 names of files: too much for a stack.
+    const std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
+    mj_defaultVFS(files.get());
+    const int at = [&] {
+      const ErrorsThrow guard;
+      return mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size()));
+    }();
+    if (at < 0) throw BodiesError("too large for MuJoCo");
+    std::memcpy(files->filedata[at], text.data(), text.size());
+    return load(kFile, files.get());
+  });
 }
 
-ModelPointer load_mjcf(const std::string& path) { return load(path.c_str(), nullptr, path); }
+ModelPointer load_mjcf(const std::string& path) {
+  return named(path, [&] { return load(path.c_str(), nullptr); });
+}
+
+ModelPointer copy_of(const mjModel_& model) {
+  install_handlers();
+  mjModel* made = nullptr;
+  const bool done = completes([&]() noexcept { made = mj_copyModel(nullptr, &model); });
+  ModelPointer copy(made);
+  if (!done) throw_last_error("MuJoCo cannot copy its model");
+  if (!copy) throw BodiesError("not enough memory for a model of " + std::to_string(model.nbody) + " bodies");
+  return copy;
+}
 
 DataPointer make_data(const mjModel_& model) {
   install_handlers();
   mjData* made = nullptr;
-  (void)guarded([&] { made = mj_makeData(&model); });
+  const bool done = completes([&]() noexcept { made = mj_makeData(&model); });
   DataPointer data(made);
+  if (!done) throw_last_error("MuJoCo cannot make the state of " + std::to_string(model.nbody) + " bodies");
   if (!data) throw BodiesError("not enough memory for the state of " + std::to_string(model.nbody) + " bodies");
-  if (!guarded([&] { mj_forward(&model, data.get()); })) throw BodiesError("MuJoCo cannot compute where bodies are");
+  forward(model, *data);
   return data;
 }
 
-bool step(const mjModel_& model, mjData_& data) noexcept {
-  if (!guarded([&] { mj_step(&model, &data); })) return false;
-  return data.warning[mjWARN_BADQPOS].number == 0 && data.warning[mjWARN_BADQVEL].number == 0 &&
-         data.warning[mjWARN_BADQACC].number == 0;
+void forward(const mjModel_& model, mjData_& data) {
+  install_handlers();
+  if (!completes([&]() noexcept { mj_forward(&model, &data); }))
+    throw_last_error("MuJoCo cannot compute where bodies are");
+}
+
+bool begin_step(const mjModel_& model, mjData_& data) noexcept {
+  return completes([&]() noexcept { mj_step1(&model, &data); }) && is_sound(data);
+}
+
+bool end_step(const mjModel_& model, mjData_& data) noexcept {
+  return completes([&]() noexcept { mj_step2(&model, &data); }) && is_sound(data);
+}
+
+bool step(const mjModel_& model, mjData_& data) noexcept { return begin_step(model, data) && end_step(model, data); }
+
+bool find_contacts(const mjModel_& model, mjData_& data) noexcept {
+  return completes([&]() noexcept {
+    mj_kinematics(&model, &data);
+    mj_collision(&model, &data);
+  });
 }
 
 }  // namespace forcebound::server

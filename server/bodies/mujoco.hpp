@@ -9,6 +9,14 @@ struct mjData_;
 
 namespace forcebound::server {
 
+/// MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
+/// only counted by MuJoCo itself, and an error ends the call that caused it.
+///
+/// MuJoCo has one handler of errors and one of warnings for the whole process. Ours are put in their place at the first
+/// call from here, for good. What comes about in a program's own calls of MuJoCo goes on to the handlers that were
+/// there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
+/// later takes the errors here upon itself: MuJoCo expects of it not to return.
+
 /// Bodies that cannot be had: one line, with the file and what MuJoCo says of it.
 class BodiesError : public std::runtime_error {
  public:
@@ -24,9 +32,6 @@ struct DeleteData {
 using ModelPointer = std::unique_ptr<mjModel_, DeleteModel>;
 using DataPointer = std::unique_ptr<mjData_, DeleteData>;
 
-/// MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Here a warning is only counted by
-/// MuJoCo itself, and an error ends the call that caused it.
-
 /// Compiles MJCF text. @param name for errors. @throws BodiesError
 ModelPointer compile_mjcf(const std::string& text, const std::string& name);
 
@@ -34,9 +39,24 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name);
 ModelPointer load_mjcf(const std::string& path);
 
 /// @throws BodiesError if there is not enough memory.
+ModelPointer copy_of(const mjModel_& model);
+
+/// Where everything is at the model's start. @throws BodiesError, such as for too little memory.
 DataPointer make_data(const mjModel_& model);
 
-/// One step; false if MuJoCo gave up, or reset itself because something was no number. Real time: noexcept.
+/// Brings up to date all that follows from the positions and velocities. @throws BodiesError
+void forward(const mjModel_& model, mjData_& data);
+
+/// A step in two halves: first all that follows from positions and velocities, for forces to be set by it; then the
+/// motion under these forces. Each is false if MuJoCo gave up, or reset itself because something was no number. Real
+/// time: noexcept, no allocation.
+bool begin_step(const mjModel_& model, mjData_& data) noexcept;
+bool end_step(const mjModel_& model, mjData_& data) noexcept;
+
+/// Both.
 bool step(const mjModel_& model, mjData_& data) noexcept;
+
+/// Finds what touches what as the bodies are placed now. Real time as above.
+bool find_contacts(const mjModel_& model, mjData_& data) noexcept;
 
 }  // namespace forcebound::server

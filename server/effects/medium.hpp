@@ -58,7 +58,9 @@ struct MediumFacts {
   double stiffness_N_per_m = 0;  ///< the most that is felt
   double damping_N_s_per_m = 0;  ///< of what ties the device to it
   double age_s = 0;              ///< of its newest force, at most: it steps at a rate of its own
-  double cost_ns = 0;            ///< for one motion, roughly
+  double cost_ns = 0;            ///< for one motion of a device at 1 kHz, roughly
+  /// Where a device meets it as it begins: some point of a surface that a probe can reach; where devices drag a body,
+  /// the point at which the first one does.
   Point on_surface_m = Point::Zero();
   int seats_max = std::numeric_limits<int>::max();
   std::vector<std::string> lines{};  ///< what it consists of, what it assumes, how near to instability it is

@@ -83,9 +83,7 @@ BodiesDescription parse_setting(CheckedTable& table) {
       table.number({.key = "contact_time_s", .preset = all.contact_time_s, .least = 2 * all.timestep_s, .most = 1});
   all.probe.radius_m = positive(table, "probe_radius_m", all.probe.radius_m);
   all.probe.mass_kg = positive(table, "probe_mass_kg", all.probe.mass_kg);
-  const Coupling coupling = parse_coupling(table);
-  all.probe.stiffness_N_per_m = coupling.stiffness_N_per_m;
-  all.probe.damping_N_s_per_m = coupling.damping_N_s_per_m;
+  all.coupling = parse_coupling(table);
   table.refuse_unknown_keys();
   return all;
 }

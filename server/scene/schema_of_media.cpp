@@ -51,7 +51,9 @@ SchemaTable setting_table() {
 SchemaTable mjcf_table() {
   SchemaTable table{
       "`[[body]]` of an MJCF model",
-      "A world of its own, as MuJoCo reads it. The device drags one of its bodies.",
+      "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`. The device drags one of its bodies "
+      "by "
+      "the center of mass.",
       {name(),
        {"mjcf", "the model, one of the two", "a file beside the scene's", "`mjcf_text`"},
        {"mjcf_text", "the same in the scene itself", "`<mujoco>...</mujoco>`", "`mjcf`"},

@@ -7,6 +7,7 @@
 #include <benchmark/benchmark.h>
 #include <mujoco/mujoco.h>
 
+#include "forcebound/server/bodies/body_medium.hpp"
 #include "forcebound/server/bodies/body_world.hpp"
 
 namespace forcebound::server {

@@ -8,56 +8,12 @@
 
 #include "forcebound/server/bodies/body_world.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/unit/server/bodies/hand.hpp"
 
 namespace forcebound::server {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr double kGravity = 9.80665;
-
-BodyDescription floor_plate() {
-  return {.name = "floor", .size_m = {1, 1, 0.1}, .mass_kg = 0, .position_m = {0, 0, -0.05}};
-}
-
-BodyDescription cube(double mass_kg, const Point& position_m) {
-  return {.name = "cube", .size_m = {0.04, 0.04, 0.04}, .mass_kg = mass_kg, .position_m = position_m};
-}
-
-/// A device that goes where the test says, a motion every millisecond.
-class Hand {
- public:
-  explicit Hand(MediumState& state) : state_(state), seat_(state.join()) {}
-
-  MediumTouch to(const Point& position_m) {
-    const Point velocity_m_per_s = moved_ ? Point((position_m - last_m_) / 1e-3) : Point(Point::Zero());
-    moved_ = true;
-    last_m_ = position_m;
-    state_.move(seat_, position_m, velocity_m_per_s);
-    state_.advance(1e-3);
-    return state_.touch(seat_);
-  }
-
-  /// In steps of at most 0.1 mm.
-  MediumTouch along(const Point& from_m, const Point& to_m) {
-    const int steps = static_cast<int>(std::ceil((to_m - from_m).norm() / 1e-4));
-    MediumTouch touch;
-    for (int i = 1; i <= steps; ++i) touch = to(from_m + (to_m - from_m) * (static_cast<double>(i) / steps));
-    return touch;
-  }
-
-  MediumTouch rest_at(const Point& position_m, int milliseconds) {
-    MediumTouch touch;
-    for (int i = 0; i < milliseconds; ++i) touch = to(position_m);
-    return touch;
-  }
-
- private:
-  MediumState& state_;
-  int seat_;
-  bool moved_ = false;
-  Point last_m_ = Point::Zero();
-};
 
 std::string error_of(const BodiesDescription& description) {
   try {
@@ -141,29 +97,12 @@ TEST(BodyMedium, StepsAreOfFixedLengthAndWhatCannotBeMadeUpForIsCounted) {
 
 TEST(BodyMedium, AnUnstableCouplingIsRefusedWithTheNumbers) {
   BodiesDescription stiff{.bodies = {floor_plate()}};
-  stiff.probe = {.mass_kg = 0.001, .stiffness_N_per_m = 5000, .damping_N_s_per_m = 0};
+  stiff.probe.mass_kg = 0.001;
+  stiff.coupling = {.stiffness_N_per_m = 5000, .damping_N_s_per_m = 0};
   EXPECT_EQ(error_of(stiff),
-            "scene.toml: bodies: the probe's coupling of 5000 N/m and 0 N s/m is unstable with a mass of 0.001 kg in "
+            "scene.toml: bodies: the probe's coupling of 5000 N/m and 0 N s/m is unstable with an apparent mass of "
+            "0.001 kg in "
             "steps of 0.001 s (1.25 of what is stable): take a softer one, a heavier probe or shorter steps");
-}
-
-TEST(Coupling, AtItsLimitIsTheLimitOfTheRecursion) {
-  // The semi-implicit step itself: just below the limit it stays, just above it grows.
-  const auto grows = [](double stiffness_N_per_m, double damping_N_s_per_m) {
-    double x = 1;
-    double v = 0;
-    for (int i = 0; i < 20000; ++i) {
-      v += 1e-3 / 0.01 * (-stiffness_N_per_m * x - damping_N_s_per_m * v);
-      x += 1e-3 * v;
-    }
-    return std::abs(x) > 10;
-  };
-  for (const double damping : {1.0, 4.0, 9.0}) {
-    const double limit = (4 - 2e-3 * damping / 0.01) * 0.01 / 1e-6;
-    EXPECT_FALSE(grows(0.999 * limit, damping));
-    EXPECT_TRUE(grows(1.001 * limit, damping));
-    EXPECT_NEAR((Coupling{limit, damping}.load(0.01, 1e-3)), 1, 1e-9);
-  }
 }
 
 TEST(BodyMedium, MjcfIsDraggedByItsProbe) {
@@ -179,64 +118,70 @@ TEST(BodyMedium, MjcfIsDraggedByItsProbe) {
   EXPECT_LT(hand.rest_at({0.002, 0, 0}, 2000).force_N.norm(), 1e-3) << "it has come after";
 }
 
-TEST(BodyMedium, MjcfErrorsNameFileAndBody) {
-  try {
-    (void)compile_mjcf("<mujoco><worldbody><bdy/></worldbody></mujoco>", "broken.xml");
-    FAIL();
-  } catch (const BodiesError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("broken.xml: XML Error: Schema violation: unrecognized element"));
-    EXPECT_THAT(error.what(), HasSubstr("line 1"));
-  }
-  ModelPointer model = compile_mjcf(
-      R"(<mujoco><worldbody><body name="peg"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>)", "peg.xml");
-  try {
-    const BodyMedium medium(std::move(model), {"pegg"}, {}, "peg.xml");
-    FAIL();
-  } catch (const BodiesError& error) {
-    EXPECT_STREQ(error.what(), "peg.xml: no body 'pegg' to be the probe, did you mean 'peg'? (known: peg)");
-  }
-  EXPECT_THROW((void)load_mjcf("/no/such.xml"), BodiesError);
-}
-
-TEST(CompileMjcf, RefusesWhatWouldEndMuJoCoOrItsFirstStep) {
-  const auto refusal = [](const std::string& option) -> std::string {
+TEST(BodyMedium, AProbeOfMjcfMustBeThereAndMoveByAPullAtItsCenterOfMass) {
+  const auto refusal = [](const std::string& bodies, const std::string& probe) -> std::string {
     try {
-      (void)compile_mjcf(
-          "<mujoco>" + option + R"(<worldbody><body name="a"><freejoint/><geom size="1"/></body></worldbody></mujoco>)",
-          "a.xml");
+      const BodyMedium medium(compile_mjcf("<mujoco><worldbody>" + bodies + "</worldbody></mujoco>", "peg.xml"),
+                              {probe}, {}, "peg.xml");
     } catch (const BodiesError& error) {
       return error.what();
     }
     return "accepted";
   };
-  EXPECT_EQ(refusal(""), "accepted");
-  EXPECT_EQ(refusal(R"(<option timestep="0"/>)"), "a.xml: timestep must be >= 1e-04 and <= 0.01 s, got 0");
-  EXPECT_EQ(refusal(R"(<option timestep="-1"/>)"), "a.xml: timestep must be >= 1e-04 and <= 0.01 s, got -1");
-  EXPECT_THAT(refusal(R"(<option timestep="nan"/>)"), testing::HasSubstr("timestep must be >= 1e-04"));
-  EXPECT_THAT(refusal(R"(<option gravity="0 0 1e300"/>)"), testing::HasSubstr("cannot take the first step"));
-  EXPECT_THAT(refusal(R"(<size nstack="10"/>)"), testing::StartsWith("a.xml: "));
-  try {
-    (void)compile_mjcf("", "empty.xml");
-    ADD_FAILURE() << "accepted";
-  } catch (const BodiesError& error) {
-    EXPECT_STREQ(error.what(), "empty.xml: is empty, expected <mujoco>...</mujoco>");
-  }
+  EXPECT_EQ(refusal("<body name='peg'><freejoint/><geom size='0.1'/></body>", "pegg"),
+            "peg.xml: no body 'pegg' to be the probe, did you mean 'peg'? (known: peg)");
+  const std::string immovable = "peg.xml: body 'peg' must have a joint that moves its centre of mass to be the probe";
+  EXPECT_EQ(refusal("<body name='peg'><geom size='0.1'/></body>", "peg"), immovable);
+  EXPECT_EQ(refusal("<body name='peg'><joint axis='1 2 3'/><geom size='0.1'/></body>", "peg"), immovable);
 }
 
-TEST(BodyMedium, DoesNotAllocateOncePlaced) {
+TEST(BodyMedium, DoesNotAllocate) {
   const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}}, "test");
   const auto state = medium.make_state(1);
-  const int seat = state->join();
-  state->move(seat, {-0.03, 0, 0.02}, Point::Zero());
-  state->advance(1e-3);
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const test::AllocationGuard guard;
+  const int seat = state->join();
   for (int i = 0; i < 100; ++i) {
-    state->move(seat, {-0.03 + 1e-4 * i, 0, 0.02}, {0.1, 0, 0});
+    // It begins within the cube.
+    state->move(seat, {-0.01 - 1e-4 * i, 0, 0.02}, {-0.1, 0, 0});
     state->advance(1e-3);
     (void)state->touch(seat);
   }
+  state->leave(seat);
   EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+TEST(BodyMedium, IsTriedWhereADeviceMeetsItFromAbove) {
+  const auto at = [](std::vector<BodyDescription> bodies) {
+    return BodyMedium({.bodies = std::move(bodies)}, "test").facts().on_surface_m;
+  };
+  EXPECT_LT((at({floor_plate()}) - Point(0, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((at({cube(0.1, {0.3, 0.1, 0.5})}) - Point(0.3, 0.1, 0.52)).norm(), 1e-12);
+  EXPECT_LT((at({floor_plate(), cube(0.1, {0, 0, 0.02})}) - Point(0, 0, 0.04)).norm(), 1e-12)
+      << "the floor's middle is covered";
+  const BodyDescription upright{.name = "rod",
+                                .shape = BodyDescription::Shape::capsule,
+                                .size_m = Point::Constant(0.02),
+                                .half_axis_m = {0, 0, 0.1},
+                                .mass_kg = 1,
+                                .position_m = {0.2, 0, 0}};
+  EXPECT_LT((at({upright}) - Point(0.2, 0, 0.11)).norm(), 1e-12);
+}
+
+TEST(BodyMedium, IsTriedWhereADeviceDragsABodyOfTheAuthors) {
+  const BodyMedium medium(compile_mjcf(R"(<mujoco><worldbody><body name="rod" pos="0.1 0 0.5"><joint axis="0 1 0"/>
+      <geom type="box" pos="0.2 0 0" size="0.1 0.01 0.01"/></body></worldbody></mujoco>)",
+                                       "rod.xml"),
+                          {"rod"}, {}, "rod.xml");
+  EXPECT_LT((medium.facts().on_surface_m - Point(0.3, 0, 0.5)).norm(), 1e-12);
+}
+
+TEST(BodyMedium, PredictsAsManyStepsAsAMotionTakes) {
+  const auto cost_ns = [](double timestep_s) {
+    return BodyMedium({.bodies = {floor_plate()}, .timestep_s = timestep_s}, "test").facts().cost_ns;
+  };
+  EXPECT_NEAR(cost_ns(1e-4), 10 * cost_ns(1e-3), 1e-6);
+  EXPECT_EQ(cost_ns(5e-3), cost_ns(1e-3)) << "the motion that takes the step takes all of it";
 }
 
 TEST(BodyMedium, StateThatIsNoNumberAnyMoreIsSaidAndWritesNoLogFile) {

@@ -67,8 +67,28 @@ TEST(BodyParser, RefusesWhatIsWrongByNameAndLine) {
               refused("mjcf_text"));
 }
 
+TEST(BodyParser, PassesOnTheReasonThatMuJoCoGivesForABadModel) {
+  const auto with = [](const std::string& model) {
+    return [model] {
+      parse("[[body]]\nname = \"peg\"\nprobes = [\"b\"]\nmjcf_text = '''<mujoco>" + model + "</mujoco>'''\n");
+    };
+  };
+  const auto geom = [&](const std::string& attributes) {
+    return with("<worldbody><body name=\"b\"><freejoint/><geom " + attributes + "/></body></worldbody>");
+  };
+  const auto peg = [](const std::string& reason) { return refused("body 'peg': mjcf_text: " + reason); };
+  EXPECT_THAT(geom("type=\"box\" size=\"0.1\""), peg("Error: sizes must be positive in object"));
+  EXPECT_THAT(geom("type=\"bax\" size=\"0.1\""), peg("XML Error: invalid keyword: 'bax'"));
+  EXPECT_THAT(geom("size=\"0.1\" mass=\"-1\""), peg("Error: mass, inertia or density are negative"));
+  EXPECT_THAT(geom("type=\"mesh\" mesh=\"none\""), peg("Error: mesh 'none' not found in geom"));
+  EXPECT_THAT(geom("type=\"mesh\" mesh=\"none\""), refused("line = 1"));
+  EXPECT_THAT(with("<size nstack=\"10\"/>"), peg("Error: engine error: Stack overflow"));
+  EXPECT_THAT(with("<option integrator=\"RK4\"/>"), peg("integrator must be Euler or implicit, got RK4"));
+}
+
 TEST(BodyParser, RefusesACouplingThatWouldRing) {
-  EXPECT_THAT([] { parse(kBall + "[bodies]\nstiffness_N_per_m = 200000\n"); }, refused("is unstable with a mass of"));
+  EXPECT_THAT([] { parse(kBall + "[bodies]\nstiffness_N_per_m = 200000\n"); },
+              refused("is unstable with an apparent mass of"));
 }
 
 TEST(BodyParser, RefusesBodiesThatBeginWithinEachOther) {
