@@ -25,8 +25,6 @@ constexpr double kSphereTriangle_ns = 5;
 constexpr double kContact_ns = 3000;
 constexpr double kCorotationalTetrahedron_ns = 4000;
 
-constexpr std::size_t kCorotationalTetrahedron_bytes = 600;
-
 // A place on top: of the highest free nodes the one in the middle.
 Point top_of(const TetrahedralMesh& mesh, const std::vector<bool>& held) {
   double highest_m = -std::numeric_limits<double>::infinity();
@@ -161,10 +159,8 @@ void TissueMedium::describe(const TissueModel& model, const std::vector<bool>& h
 
 void TissueMedium::describe(const CorotationalTissue& tissue, MediumFacts& facts) const {
   const auto tetrahedra = tissue.mesh().tetrahedra().size();
-  facts.memory_bytes = tetrahedra * kCorotationalTetrahedron_bytes;
-  const CorotationalWorkspace workspace = tissue.make_workspace();
-  facts.state_bytes = sizeof(CorotationalTissueWorld) + 10 * tissue.coordinates() * sizeof(double) +
-                      workspace.rotations.size() * sizeof(Eigen::Matrix3d);
+  facts.memory_bytes = tissue.memory_bytes();
+  facts.state_bytes = sizeof(CorotationalTissueWorld) + tissue.at_rest().memory_bytes();
   facts.cost_ns = kCorotationalTetrahedron_ns * static_cast<double>(tetrahedra);
   facts.lines.emplace_back("corotational: large motion, small strain, no inertia");
   facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +

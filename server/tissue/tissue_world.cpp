@@ -84,8 +84,7 @@ CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissu
     : TissueWorld(seats, tissue.mesh()),
       tissue_(tissue),
       others_(static_cast<std::size_t>(seats)),
-      displacement_m_(tissue.coordinates(), 0),
-      workspace_(tissue.make_workspace()) {}
+      body_(tissue.at_rest()) {}
 
 TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
   std::size_t count = 0;
@@ -95,7 +94,7 @@ TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_
     others_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), to_point(state.contact[0].weight)},
                         .probe_m = to_point(state.probe_m)};
   }
-  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m, {others_.data(), count});
+  return tissue_.step(seats()[seat].state, body_, probe_m, {others_.data(), count});
 }
 
 }  // namespace forcebound::server

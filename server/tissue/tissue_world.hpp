@@ -77,9 +77,8 @@ class CorotationalTissueWorld final : public TissueWorld {
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;
 
   const CorotationalTissue& tissue_;
-  std::vector<CorotationalTie> others_;  // room for all
-  std::vector<double> displacement_m_;
-  CorotationalWorkspace workspace_;
+  std::vector<SurfaceTie> others_;  // room for all
+  CorotationalBody body_;
 };
 
 }  // namespace forcebound::server
