@@ -105,7 +105,8 @@ MediumFacts BodyMedium::facts() const {
   MediumFacts facts{.memory_bytes = bytes_of(*model_),
                     .state_bytes = bytes_of(*model_) + static_cast<std::size_t>(model_->nstack) * sizeof(mjtNum),
                     .stiffness_N_per_m = coupling_.stiffness_N_per_m,
-                    .cost_ns = 2000.0 + 1500.0 * model_->nv};
+                    .cost_ns = 2000.0 + 1500.0 * model_->nv,
+                    .inputs = {.velocity = true, .time = true}};
   facts.lines = {std::to_string(model_->nbody - 1) + " bodies, " + std::to_string(model_->nv) +
                      " degrees of freedom, by MuJoCo in steps of " + to_text(model_->opt.timestep) + " s",
                  "coupling " + to_text(coupling_.stiffness_N_per_m) + " N/m, " + to_text(coupling_.damping_N_s_per_m) +

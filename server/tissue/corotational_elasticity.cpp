@@ -12,7 +12,7 @@ using First = std::array<Eigen::Index, 4>;
 constexpr double kLoose = 0.1;
 
 // Of the last three corners beside the first, in columns.
-Eigen::Matrix3d beside_first(const Eigen::VectorXd& all, const First& first) noexcept {
+inline Eigen::Matrix3d beside_first(const Eigen::VectorXd& all, const First& first) noexcept {
   Eigen::Matrix3d columns;
   for (int corner = 0; corner < 3; ++corner) {
     columns.col(corner) = all.segment<3>(first[corner + 1]) - all.segment<3>(first[0]);
@@ -20,7 +20,7 @@ Eigen::Matrix3d beside_first(const Eigen::VectorXd& all, const First& first) noe
   return columns;
 }
 
-void add_forces(const Eigen::Matrix3d& on_last_three_N, const First& first, Eigen::VectorXd& force_N) noexcept {
+inline void add_forces(const Eigen::Matrix3d& on_last_three_N, const First& first, Eigen::VectorXd& force_N) noexcept {
   for (int corner = 0; corner < 3; ++corner) force_N.segment<3>(first[corner + 1]) += on_last_three_N.col(corner);
   force_N.segment<3>(first[0]) -= on_last_three_N.rowwise().sum();
 }

@@ -14,17 +14,16 @@ constexpr int kHalvingsMax = 8;           // of a line search
 constexpr double kWorthwhile = 1e-4;      // share of the fall that the slope promises (Armijo)
 constexpr double kLinearlySolved = 1e-2;  // of the first residual: Newton's method mends the rest
 
-std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
-
 }  // namespace
 
 void CorotationalOptions::check() const {
   const auto refuse = [](const std::string& what, double value) {
     throw std::invalid_argument(what + ", got " + text::to_text(value));
   };
-  if (!(contact_stiffness_N_per_m > 0) || !std::isfinite(contact_stiffness_N_per_m)) {
-    refuse("contact_stiffness_N_per_m must be > 0", contact_stiffness_N_per_m);
+  if (!(contact_stiffness_N_per_m > 0 && contact_stiffness_N_per_m <= kContactStiffnessMost_N_per_m)) {
+    refuse("contact_stiffness_N_per_m must be > 0 and <= " + text::to_text(kContactStiffnessMost_N_per_m) +
+               " under large motion",
+           contact_stiffness_N_per_m);
   }
   if (iterations_max < 1) refuse("iterations_max must be >= 1", iterations_max);
   if (linear_iterations_max < 1) refuse("linear_iterations_max must be >= 1", linear_iterations_max);
@@ -59,7 +58,7 @@ std::size_t CorotationalBody::memory_bytes() const noexcept {
          linearised.size() * (2 * sizeof(PolarParts) + sizeof(LinearisedTetrahedron));
 }
 
-CorotationalBody CorotationalTissue::at_rest() const {
+CorotationalBody CorotationalTissue::make_body() const {
   const DeformedBody rest = elasticity_.at_rest();
   const Eigen::VectorXd zeros = Eigen::VectorXd::Zero(rest.displacement_m.size());
   return {.now = rest,
@@ -91,6 +90,7 @@ class CorotationalTissue::Step {
     for (SurfaceTie& other : others_) other.pulls = false;
     slide();
     (void)let_go();
+    body_.at_rest = false;
     for (;;) {
       find_residual();
       if (result_.residual_m <= tissue_.tolerance_m_ || result_.iterations == tissue_.options_.iterations_max) break;
@@ -100,7 +100,7 @@ class CorotationalTissue::Step {
       slide();
       if (own_) own_->balanced_m = surface().stretch_m(*own_);
     }
-    // Not before: on its way Newton's method may press the surface past a probe that it does not leave.
+    body_.at_rest = result_.residual_m <= tissue_.tolerance_m_;
     if (let_go()) find_residual();
     conclude();
     return result_;
@@ -163,11 +163,15 @@ class CorotationalTissue::Step {
     }
   }
 
-  [[nodiscard]] double energy_of(const DeformedBody& body) const noexcept {
-    const DeformedSurface deformed(tissue_.surface_, body.displacement_m);
+  [[nodiscard]] double energy_of_ties(const Eigen::VectorXd& displacement_m) const noexcept {
+    const DeformedSurface deformed(tissue_.surface_, displacement_m);
     double square_m2 = 0;
     for_each_tie([&](const SurfaceTie& tie) { square_m2 += deformed.slid(tie).square_m2; });
-    return body.energy_J + 0.5 * stiffness_N_per_m() * square_m2;
+    return 0.5 * stiffness_N_per_m() * square_m2;
+  }
+
+  [[nodiscard]] double energy_now() const noexcept {
+    return body_.now.energy_J + energy_of_ties(body_.now.displacement_m);
   }
 
   void find_total_force() noexcept {
@@ -220,19 +224,23 @@ class CorotationalTissue::Step {
     find_total_force();
     const double slope_J = body_.residual.dot(body_.direction);
     if (!(slope_J > 0)) return false;
-    const double before_J = energy_of(body_.now);
+    const double before_J = energy_now();
     double share = 1;
     for (int halving = 0; halving < kHalvingsMax; ++halving, share *= 0.5) {
       body_.trial.displacement_m = body_.now.displacement_m + share * body_.direction;
+      const double elastic_J_most =
+          before_J - kWorthwhile * share * slope_J - energy_of_ties(body_.trial.displacement_m);
+      if (!(elastic_J_most >= 0)) continue;
       tissue_.elasticity_.evaluate(body_.trial, body_.now);
-      if (!(energy_of(body_.trial) <= before_J - kWorthwhile * share * slope_J)) continue;
+      if (!(body_.trial.energy_J <= elastic_J_most)) continue;
       std::swap(body_.now, body_.trial);
       return true;
     }
     return false;
   }
 
-  // Away, where the tie would pull. Whether any was.
+  // Away, where the tie would pull; whether any was. The probe's own only while the tissue is at rest: on its way, over
+  // more than one step where it snaps, it may press the surface past a probe that it does not leave.
   bool let_go() noexcept {
     const DeformedSurface deformed = surface();
     bool any = false;
@@ -240,7 +248,8 @@ class CorotationalTissue::Step {
       if (other.pulls || !deformed.pulls(other)) continue;
       any = other.pulls = true;
     }
-    if (own_ && deformed.pulls(*own_)) {
+    if (own_ && body_.at_rest && deformed.pulls(*own_)) {
+      shift_m_ = deformed.at(own_->place) - tissue_.surface_.at(own_->place);
       own_.reset();
       any = true;
     }
@@ -249,17 +258,17 @@ class CorotationalTissue::Step {
 
   void conclude() noexcept {
     result_.converged = result_.residual_m <= tissue_.tolerance_m_;
+    result_.energy_J = energy_now();
     if (!own_) {
       // At rest to within the tolerance is at rest: nothing is left to do in the steps to come.
       if (result_.converged && others_.empty() &&
           body_.now.displacement_m.lpNorm<Eigen::Infinity>() <= tissue_.tolerance_m_) {
         body_.now.displacement_m.setZero();
         tissue_.elasticity_.evaluate(body_.now, body_.now);
+        result_.energy_J = 0;
       }
-      result_.energy_J = energy_of(body_.now);
       return;
     }
-    result_.energy_J = energy_of(body_.now);
     result_.contacts = 1;
     result_.force_N = -stiffness_N_per_m() * surface().stretch_m(*own_);
     result_.normal = result_.force_N.stableNormalized();

@@ -13,7 +13,10 @@
 namespace forcebound::server {
 
 struct CorotationalOptions {
-  double contact_stiffness_N_per_m = 1e3;  ///< between the probe and the place where it touches
+  /// A stiffer tie than that converges too slowly to be felt as what it is.
+  static constexpr double kContactStiffnessMost_N_per_m = 1e4;
+
+  double contact_stiffness_N_per_m = 1e3;  ///< between the probe and the place where it touches, > 0
   int iterations_max = 4;                  ///< of Newton's method in one step, >= 1
   int linear_iterations_max = 30;          ///< of conjugate gradients in each, >= 1
   double tolerance = 1e-5;                 ///< residual accepted, as a share of the surface's mean edge
@@ -28,6 +31,7 @@ struct CorotationalBody {
   DeformedBody trial;
   std::vector<LinearisedTetrahedron> linearised;
   Eigen::VectorXd direction, residual, preconditioned, search, product, scratch;
+  bool at_rest = true;  ///< the last step converged
 
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 };
@@ -39,11 +43,11 @@ struct CorotationalBody {
 ///     E = elastic energy + k/2 |c - x_s|^2
 ///
 /// The place is found as by TissueModel: where the probe came in, from there always the nearest of the places around as
-/// they are deformed. It is let go when the tie would pull. Newton's method with the whole second derivative, conjugate
-/// gradients preconditioned by the factors of the stiffness at rest, and a line search take E down from where the last
-/// step left it. Every change at a fixed c lowers E, so that no motion returns more than it took, converged or not; a
-/// tissue that has not converged lags, and says so by its residual. Inverted tetrahedra recover, since their rotations
-/// stay rotations.
+/// they are deformed. It is let go when the tie would pull at rest. Newton's method with the whole second derivative,
+/// conjugate gradients preconditioned by the factors of the stiffness at rest, and a line search take E down from where
+/// the last step left it. Every change at a fixed c lowers E, so that no motion returns more than it took, converged or
+/// not; a tissue that has not converged lags, and says so by its residual. Inverted tetrahedra recover, since their
+/// rotations stay rotations.
 ///
 /// *Several probes* on one tissue have one energy, with a tie each. A step moves one probe; the others hold on where
 /// they touched last, and what would pull is left out.
@@ -58,9 +62,10 @@ class CorotationalTissue {
                      const CorotationalOptions& options);
 
   [[nodiscard]] const TetrahedralMesh& mesh() const noexcept { return mesh_; }
+  [[nodiscard]] const StiffnessFactors& factors() const noexcept { return factors_; }
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
-  [[nodiscard]] CorotationalBody at_rest() const;
+  [[nodiscard]] CorotationalBody make_body() const;
 
   /// Puts the nodes elsewhere, by three coordinates [m] each. Those of held nodes stay there from then on.
   void deform(CorotationalBody& body, const Eigen::VectorXd& displacement_m) const noexcept;

@@ -35,6 +35,8 @@ class StiffnessFactors {
   /// at, and stay. None of the vectors is another one. Real time: noexcept, no allocation.
   void solve(const Eigen::VectorXd& force_N, Eigen::VectorXd& moved_m, Eigen::VectorXd& scratch) const noexcept;
 
+  /// Of L, below the diagonal: what a solve passes over twice.
+  [[nodiscard]] std::size_t blocks() const noexcept { return blocks_.size(); }
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:

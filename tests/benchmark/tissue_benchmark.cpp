@@ -92,7 +92,7 @@ void corotational_step(benchmark::State& timing) {
   TetrahedralMesh mesh = mesh_of_600();
   const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
   const CorotationalTissue tissue(std::move(mesh), kSoft, held, {});
-  CorotationalBody body = tissue.at_rest();
+  CorotationalBody body = tissue.make_body();
   TissueState state{};
   double iterations = 0;
   double residual_m = 0;
