@@ -77,8 +77,11 @@ SchemaTable tissue_table() {
                 text::to_text(CorotationalOptions{}.contact_stiffness_N_per_m)},
            {"contacts_max", "at once", "a whole number from 1 to " + std::to_string(kContactsMax),
             std::to_string(preset.contacts_max)},
-           {"large_motion", "whether it may bend far: for a point only, and so much dearer that a thousand tetrahedra may take the whole tick, "
-            "as `--explain` says", "`true` or `false`", "`false`"}}};
+           {"large_motion",
+            "whether it may bend far: for a point only, and so much dearer that a thousand tetrahedra may take the "
+            "whole tick, "
+            "as `--explain` says",
+            "`true` or `false`", "`false`"}}};
 }
 
 }  // namespace

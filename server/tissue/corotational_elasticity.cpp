@@ -75,6 +75,20 @@ void CorotationalElasticity::evaluate(DeformedBody& body, const DeformedBody& ne
   }
 }
 
+void CorotationalElasticity::find_turns(const DeformedBody& body,
+                                        std::vector<Eigen::Quaterniond>& of_nodes) const noexcept {
+  for (Eigen::Quaterniond& turn : of_nodes) turn.coeffs().setZero();
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const Eigen::Vector4d& turn = body.parts[t].rotation.coeffs();
+    for (const Eigen::Index first : elements_[t].first) {
+      // A quaternion and its opposite are the same rotation.
+      auto& sum = of_nodes[static_cast<std::size_t>(first / 3)].coeffs();
+      sum += sum.dot(turn) < 0 ? Eigen::Vector4d(-turn) : turn;
+    }
+  }
+  for (Eigen::Quaterniond& turn : of_nodes) turn.normalize();
+}
+
 void CorotationalElasticity::linearise(const DeformedBody& body,
                                        std::vector<LinearisedTetrahedron>& linearised) const noexcept {
   for (std::size_t t = 0; t < elements_.size(); ++t) {

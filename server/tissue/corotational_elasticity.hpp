@@ -44,6 +44,9 @@ class CorotationalElasticity {
   /// @param near with rotations not far from those to be found, for speed; may be the same body
   void evaluate(DeformedBody& body, const DeformedBody& near) const noexcept;
 
+  /// How each node has turned, roughly: the mean of the tetrahedra around it.
+  void find_turns(const DeformedBody& body, std::vector<Eigen::Quaterniond>& of_nodes) const noexcept;
+
   /// @param linearised as many as there are tetrahedra
   void linearise(const DeformedBody& body, std::vector<LinearisedTetrahedron>& linearised) const noexcept;
 

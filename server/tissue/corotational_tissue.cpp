@@ -55,7 +55,8 @@ std::size_t CorotationalTissue::memory_bytes() const noexcept {
 std::size_t CorotationalBody::memory_bytes() const noexcept {
   constexpr std::size_t kVectors = 10;  // two in each DeformedBody, and the six here
   return kVectors * static_cast<std::size_t>(direction.size()) * sizeof(double) +
-         linearised.size() * (2 * sizeof(PolarParts) + sizeof(LinearisedTetrahedron));
+         linearised.size() * (2 * sizeof(PolarParts) + sizeof(LinearisedTetrahedron)) +
+         turns.size() * sizeof(Eigen::Quaterniond);
 }
 
 CorotationalBody CorotationalTissue::make_body() const {
@@ -64,6 +65,7 @@ CorotationalBody CorotationalTissue::make_body() const {
   return {.now = rest,
           .trial = rest,
           .linearised = std::vector<LinearisedTetrahedron>(mesh_.tetrahedra().size()),
+          .turns = std::vector<Eigen::Quaterniond>(mesh_.nodes_m().size(), Eigen::Quaterniond::Identity()),
           .direction = zeros,
           .residual = zeros,
           .preconditioned = zeros,
@@ -91,6 +93,7 @@ class CorotationalTissue::Step {
     slide();
     (void)let_go();
     body_.at_rest = false;
+    tissue_.elasticity_.find_turns(body_.now, body_.turns);
     for (;;) {
       find_residual();
       if (result_.residual_m <= tissue_.tolerance_m_ || result_.iterations == tissue_.options_.iterations_max) break;
@@ -189,7 +192,9 @@ class CorotationalTissue::Step {
     result_.residual_m = body_.preconditioned.lpNorm<Eigen::Infinity>();
   }
 
-  void precondition() noexcept { tissue_.factors_.solve(body_.residual, body_.preconditioned, body_.scratch); }
+  void precondition() noexcept {
+    tissue_.factors_.solve(body_.turns, body_.residual, body_.preconditioned, body_.scratch);
+  }
 
   // Conjugate gradients from the residual and what it is preconditioned to. What held nodes are pushed by is not looked
   // at, since they never move. Where the energy does not curve upwards, what is found so far still leads down.

@@ -18,7 +18,7 @@ struct CorotationalOptions {
 
   double contact_stiffness_N_per_m = 1e3;  ///< between the probe and the place where it touches, > 0
   int iterations_max = 4;                  ///< of Newton's method in one step, >= 1
-  int linear_iterations_max = 30;          ///< of conjugate gradients in each, >= 1
+  int linear_iterations_max = 15;          ///< of conjugate gradients in each, >= 1
   double tolerance = 1e-5;                 ///< residual accepted, as a share of the surface's mean edge
 
   /// @throws std::invalid_argument unless all are as said above.
@@ -30,6 +30,7 @@ struct CorotationalBody {
   DeformedBody now;
   DeformedBody trial;
   std::vector<LinearisedTetrahedron> linearised;
+  std::vector<Eigen::Quaterniond> turns;  ///< of the nodes
   Eigen::VectorXd direction, residual, preconditioned, search, product, scratch;
   bool at_rest = true;  ///< the last step converged
 
@@ -44,10 +45,10 @@ struct CorotationalBody {
 ///
 /// The place is found as by TissueModel: where the probe came in, from there always the nearest of the places around as
 /// they are deformed. It is let go when the tie would pull at rest. Newton's method with the whole second derivative,
-/// conjugate gradients preconditioned by the factors of the stiffness at rest, and a line search take E down from where
-/// the last step left it. Every change at a fixed c lowers E, so that no motion returns more than it took, converged or
-/// not; a tissue that has not converged lags, and says so by its residual. Inverted tetrahedra recover, since their
-/// rotations stay rotations.
+/// conjugate gradients preconditioned by the factors of the stiffness at rest, turned with each node, and a line search
+/// take E down from where the last step left it. Every change at a fixed c lowers E, so that no motion returns more
+/// than it took, converged or not; a tissue that has not converged lags, and says so by its residual. Inverted
+/// tetrahedra recover, since their rotations stay rotations.
 ///
 /// *Several probes* on one tissue have one energy, with a tie each. A step moves one probe; the others hold on where
 /// they touched last, and what would pull is left out.

@@ -80,10 +80,13 @@ void StiffnessFactors::take_column(const Eigen::SparseMatrix<double>& lower, con
   begin_.push_back(blocks_.size());
 }
 
-void StiffnessFactors::solve(const Eigen::VectorXd& force_N, Eigen::VectorXd& moved_m,
-                             Eigen::VectorXd& scratch) const noexcept {
+void StiffnessFactors::solve(const std::vector<Eigen::Quaterniond>& turns, const Eigen::VectorXd& force_N,
+                             Eigen::VectorXd& moved_m, Eigen::VectorXd& scratch) const noexcept {
   const std::size_t size = first_.size();
-  for (std::size_t k = 0; k < size; ++k) scratch.segment<3>(3 * k) = force_N.segment<3>(first_[k]);
+  const auto turn = [&](std::size_t k) -> const Eigen::Quaterniond& { return turns[first_[k] / 3]; };
+  for (std::size_t k = 0; k < size; ++k) {
+    scratch.segment<3>(3 * k) = turn(k).conjugate() * Eigen::Vector3d(force_N.segment<3>(first_[k]));
+  }
   for (std::size_t k = 0; k < size; ++k) {
     const Eigen::Vector3d here = scratch.segment<3>(3 * k);
     for (std::size_t b = begin_[k]; b < begin_[k + 1]; ++b) scratch.segment<3>(row_[b]) -= blocks_[b] * here;
@@ -94,7 +97,7 @@ void StiffnessFactors::solve(const Eigen::VectorXd& force_N, Eigen::VectorXd& mo
       here -= blocks_[b].transpose() * scratch.segment<3>(row_[b]);
     }
     scratch.segment<3>(3 * k) = here;
-    moved_m.segment<3>(first_[k]) = here;
+    moved_m.segment<3>(first_[k]) = turn(k) * here;
   }
 }
 

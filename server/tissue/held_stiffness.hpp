@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 #include <cstddef>
@@ -31,9 +32,12 @@ class StiffnessFactors {
   StiffnessFactors() = default;
   StiffnessFactors(const SparseCholesky& cholesky, const FreeCoordinates& free);
 
-  /// How far the nodes move under forces. Vectors have the coordinates of all nodes; those of held nodes are not looked
-  /// at, and stay. None of the vectors is another one. Real time: noexcept, no allocation.
-  void solve(const Eigen::VectorXd& force_N, Eigen::VectorXd& moved_m, Eigen::VectorXd& scratch) const noexcept;
+  /// How far the nodes move under forces, where the stiffness has turned with each node. Vectors have the coordinates
+  /// of all nodes; those of held nodes are not looked at, and stay. None of the vectors is another one. Real time:
+  /// noexcept, no allocation.
+  /// @param turns of all nodes
+  void solve(const std::vector<Eigen::Quaterniond>& turns, const Eigen::VectorXd& force_N, Eigen::VectorXd& moved_m,
+             Eigen::VectorXd& scratch) const noexcept;
 
   /// Of L, below the diagonal: what a solve passes over twice.
   [[nodiscard]] std::size_t blocks() const noexcept { return blocks_.size(); }

@@ -84,7 +84,7 @@ TEST(CorotationalTissue, SlidingIsFeltAsWithoutABudget) {
   std::vector<Point> expected_N;
   const CorotationalTissue patient = block_tissue(kPatient);
   slide(patient, [&](int /*step*/, const TissueResult& result) {
-    EXPECT_TRUE(result.converged);
+    EXPECT_LT(result.residual_m, 1e-6);
     expected_N.push_back(result.force_N);
   });
   int converged = 0;
