@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/server/effects/effect.hpp"
 #include "forcebound/server/geometry/point.hpp"
 
 namespace forcebound::server {
@@ -63,6 +64,7 @@ struct MediumFacts {
   /// the point at which the first one does.
   Point on_surface_m = Point::Zero();
   int seats_max = std::numeric_limits<int>::max();
+  Inputs inputs{};                   ///< beside the position: velocity of `move`, time of `advance`
   std::vector<std::string> lines{};  ///< what it consists of, what it assumes, how near to instability it is
 };
 

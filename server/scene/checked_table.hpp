@@ -4,11 +4,13 @@
 
 #include <functional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "forcebound/server/effects/parameter.hpp"
+#include "forcebound/server/scene/scene_parser.hpp"
 
 namespace forcebound::server {
 
@@ -62,6 +64,20 @@ class CheckedTable {
 
   /// What the file says of numbers, points and words read so far, "radius_m 0.02, center_m [0, 0]".
   [[nodiscard]] const std::string& values_text() const noexcept { return values_text_; }
+
+  /// What `make` makes of what the table says; what it refuses is said of the place in the file that led there.
+  template <class Make>
+  auto built_at(const toml::node& where, Make make) const {
+    try {
+      return make();
+    } catch (const SceneError&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      fail(where, error.what());
+    } catch (const std::invalid_argument& error) {
+      fail(where, error.what());
+    }
+  }
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] const std::string& place() const noexcept { return place_; }

@@ -109,13 +109,12 @@ std::string explain_medium(const SceneMedium& medium, const RingingDevice& devic
   const MediumFacts facts = medium.medium->facts();
   std::string text = "medium '" + medium.name + "': " + medium.text + "\n";
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
-  text += "  implies:    velocity from successive motions, and the time between them\n";
+  const std::vector<std::string> implied = implied_by(facts.inputs);
+  text += "  implies:    " + (implied.empty() ? "nothing but the position" : text::join(implied)) + "\n";
   text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";
   text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
           " for each state\n";
-  const Ringing ringing{
-      .stiffness_N_per_m = facts.stiffness_N_per_m, .damping_N_s_per_m = facts.damping_N_s_per_m, .age_s = facts.age_s};
-  return text + "  stability:  " + stability_text(ringing, device, kIndent) + "\n";
+  return text + "  stability:  " + stability_text(ringing_of(facts), device, kIndent) + "\n";
 }
 
 std::string sharing_text(const Scene& scene) {
@@ -126,10 +125,8 @@ std::string sharing_text(const Scene& scene) {
 
 std::string not_simulated_text(const Scene& scene) {
   std::string text = "not simulated: torques";
-  if (scene.media().empty()) {
-    if (!scene.plan().inputs().velocity) text += "; velocity (no effect needs it)";
-    text += "; bodies and tissue (there are none)";
-  }
+  if (!scene.inputs().velocity) text += "; velocity (nothing needs it)";
+  if (scene.media().empty()) text += "; bodies and tissue (there are none)";
   if (!scene.facts().effects_not_requested.empty())
     text += "; effects nobody asked for: " + text::join(scene.facts().effects_not_requested);
   return text + "\n";

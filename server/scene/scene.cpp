@@ -5,7 +5,12 @@
 namespace forcebound::server {
 
 Scene::Scene(SceneFacts facts, SceneParts parts)
-    : facts_(std::move(facts)), parts_(std::move(parts)), plan_(parts_.objects, parts_.fields) {}
+    : facts_(std::move(facts)),
+      parts_(std::move(parts)),
+      plan_(parts_.objects, parts_.fields),
+      inputs_(plan_.inputs()) {
+  for (const SceneMedium& medium : parts_.media) inputs_ = inputs_.with(medium.medium->facts().inputs);
+}
 
 const std::string& Scene::name_of_step(std::size_t step) const noexcept {
   const std::size_t objects = parts_.objects.size();

@@ -49,6 +49,9 @@ class Scene {
   [[nodiscard]] const std::vector<SceneMedium>& media() const noexcept { return parts_.media; }
   [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
 
+  /// All that some effect or medium looks at.
+  [[nodiscard]] const Inputs& inputs() const noexcept { return inputs_; }
+
   /// Of the object or field of a step of the plan.
   [[nodiscard]] const std::string& name_of_step(std::size_t step) const noexcept;
 
@@ -62,6 +65,7 @@ class Scene {
   SceneFacts facts_;
   SceneParts parts_;
   Plan plan_;
+  Inputs inputs_;
 };
 
 }  // namespace forcebound::server

@@ -41,7 +41,7 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
   const Plan& plan = scene_->plan();
   Probe probe;
   probe.position_m.head(translations_) = position.head(translations_);
-  if (plan.inputs().velocity || plan.inputs().time || !media_.empty()) look_at_time(probe, device_time);
+  if (scene_->inputs().velocity || scene_->inputs().time) look_at_time(probe, device_time);
 
   Point total_N = Point::Zero();
   SceneAnswer answer;

@@ -1,5 +1,6 @@
 #include "forcebound/server/bodies/body_medium.hpp"
 #include "forcebound/server/scene/schema.hpp"
+#include "forcebound/server/tissue/corotational_tissue.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -72,11 +73,17 @@ SchemaTable tissue_table() {
            positive("young_Pa", "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin"),
            {"poisson", "Poisson's ratio; what is above 0.45 locks, and `--explain` says so", ">= 0 and <= 0.4999"},
            not_negative("probe_radius_m", "of the sphere that touches it; 0: a point", preset.radius_m),
-           positive("contact_stiffness_N_per_m", "of each contact, in series with the tissue",
-                    preset.contact_stiffness_N_per_m),
+           {"contact_stiffness_N_per_m", "of each contact, in series with the tissue",
+            "> 0; with `large_motion` <= " + text::to_text(CorotationalOptions::kContactStiffnessMost_N_per_m),
+            text::to_text(preset.contact_stiffness_N_per_m) + "; with `large_motion` " +
+                text::to_text(CorotationalOptions{}.contact_stiffness_N_per_m)},
            {"contacts_max", "at once", "a whole number from 1 to " + std::to_string(kContactsMax),
             std::to_string(preset.contacts_max)},
-           {"large_motion", "whether it may bend far: dearer, and for a point only", "`true` or `false`", "`false`"}}};
+           {"large_motion",
+            "whether it may bend far: for a point only, and so much dearer that a thousand tetrahedra may take the "
+            "whole tick, "
+            "as `--explain` says",
+            "`true` or `false`", "`false`"}}};
 }
 
 }  // namespace

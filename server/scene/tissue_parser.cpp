@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <stdexcept>
+#include <limits>
 
 #include "forcebound/server/tissue/tetrahedral_block.hpp"
 #include "forcebound/server/tissue/tissue_medium.hpp"
@@ -11,18 +11,6 @@ namespace forcebound::server {
 namespace {
 
 constexpr Eigen::Index kAxes = 3;
-
-/// What the tissue says, at the place in the scene that led there.
-template <class Make>
-auto made(const CheckedTable& table, const toml::node& where, Make make) {
-  try {
-    return make();
-  } catch (const std::runtime_error& error) {
-    table.fail(where, error.what());
-  } catch (const std::invalid_argument& error) {
-    table.fail(where, error.what());
-  }
-}
 
 Point sizes(CheckedTable& table, std::string_view key) {
   const Point size_m = table.point(key, kAxes);
@@ -45,13 +33,13 @@ TetrahedralMesh parse_block(CheckedTable& shape) {
     }
     block.cells[axis] = static_cast<std::size_t>(count);
   }
-  return made(shape, shape.at("size_m"), [&] { return TetrahedralMesh(tetrahedral_block(block)); });
+  return shape.built_at(shape.at("size_m"), [&] { return TetrahedralMesh(tetrahedral_block(block)); });
 }
 
 TetrahedralMesh parse_mesh(CheckedTable& shape) {
   const std::string path = shape.path("file");
   const double scale_m = shape.number({.key = "scale", .preset = 1, .least = 0, .least_excluded = true, .most = 1e9});
-  return made(shape, shape.at("file"), [&] { return TetrahedralMesh(load_gmsh(path), scale_m); });
+  return shape.built_at(shape.at("file"), [&] { return TetrahedralMesh(load_gmsh(path), scale_m); });
 }
 
 TetrahedralMesh parse_shape(CheckedTable& tissue, std::string& text) {
@@ -84,13 +72,20 @@ ElasticMaterial parse_material(CheckedTable& tissue) {
           .poisson = tissue.number({.key = "poisson", .least = 0, .most = 0.4999})};
 }
 
-ProbeOptions parse_probe(CheckedTable& tissue) {
+/// @param large_motion under which a tie takes the place of contacts
+ProbeOptions parse_probe(CheckedTable& tissue, bool large_motion) {
   ProbeOptions probe;
+  double stiffness_N_per_m_most = std::numeric_limits<double>::infinity();
+  if (large_motion) {
+    probe.contact_stiffness_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
+    stiffness_N_per_m_most = CorotationalOptions::kContactStiffnessMost_N_per_m;
+  }
   probe.radius_m = tissue.number({.key = "probe_radius_m", .preset = probe.radius_m, .least = 0});
   probe.contact_stiffness_N_per_m = tissue.number({.key = "contact_stiffness_N_per_m",
                                                    .preset = probe.contact_stiffness_N_per_m,
                                                    .least = 0,
-                                                   .least_excluded = true});
+                                                   .least_excluded = true,
+                                                   .most = stiffness_N_per_m_most});
   probe.contacts_max =
       tissue.whole({.key = "contacts_max", .preset = probe.contacts_max, .least = 1, .most = kContactsMax});
   return probe;
@@ -101,14 +96,15 @@ SceneMedium parse_tissue(CheckedTable& table, const toml::table& where, const st
   std::string text = "tissue, ";
   TetrahedralMesh mesh = parse_shape(table, text);
   std::vector<int> held = parse_held(table, mesh);
+  const bool large_motion = table.flag("large_motion", false);
   TissueDescription tissue{.mesh = std::move(mesh),
                            .material = parse_material(table),
                            .held_nodes = std::move(held),
-                           .probe = parse_probe(table),
-                           .large_motion = table.flag("large_motion", false)};
+                           .probe = parse_probe(table, large_motion),
+                           .large_motion = large_motion};
   text += ", " + table.values_text();
   table.refuse_unknown_keys();
-  return made(table, where, [&] {
+  return table.built_at(where, [&] {
     return SceneMedium{.name = name, .text = text, .medium = std::make_unique<TissueMedium>(std::move(tissue))};
   });
 }

@@ -1,26 +1,18 @@
 #include "forcebound/server/tissue/corotational_tissue.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
-#include "forcebound/server/tissue/held_stiffness.hpp"
-#include "forcebound/server/tissue/rotation.hpp"
-#include "forcebound/server/tissue/triangle.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
 namespace {
 
 constexpr int kHalvingsMax = 8;           // of a line search
-constexpr int kHopsMax = 16;              // of the place from triangle to triangle in one slide
 constexpr double kWorthwhile = 1e-4;      // share of the fall that the slope promises (Armijo)
-constexpr double kLinearlySolved = 1e-3;  // of the first residual: Newton's method mends the rest
-
-std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
+constexpr double kLinearlySolved = 1e-2;  // of the first residual: Newton's method mends the rest
 
 }  // namespace
 
@@ -28,8 +20,10 @@ void CorotationalOptions::check() const {
   const auto refuse = [](const std::string& what, double value) {
     throw std::invalid_argument(what + ", got " + text::to_text(value));
   };
-  if (!(contact_stiffness_N_per_m > 0) || !std::isfinite(contact_stiffness_N_per_m)) {
-    refuse("contact_stiffness_N_per_m must be > 0", contact_stiffness_N_per_m);
+  if (!(contact_stiffness_N_per_m > 0 && contact_stiffness_N_per_m <= kContactStiffnessMost_N_per_m)) {
+    refuse("contact_stiffness_N_per_m must be > 0 and <= " + text::to_text(kContactStiffnessMost_N_per_m) +
+               " under large motion",
+           contact_stiffness_N_per_m);
   }
   if (iterations_max < 1) refuse("iterations_max must be >= 1", iterations_max);
   if (linear_iterations_max < 1) refuse("linear_iterations_max must be >= 1", linear_iterations_max);
@@ -39,86 +33,78 @@ void CorotationalOptions::check() const {
 CorotationalTissue::CorotationalTissue(TetrahedralMesh mesh, const ElasticMaterial& material,
                                        const std::vector<int>& held_nodes, const CorotationalOptions& options)
     : mesh_(std::move(mesh)),
-      material_(material),
       options_(options),
       surface_(mesh_.nodes_m(), mesh_.triangles()),
-      gradients_(shape_gradients(mesh_)),
-      free_(static_cast<int>(mesh_.nodes_m().size()), held_nodes),
+      elasticity_(mesh_, material),
       tolerance_m_(options.tolerance * mesh_.mean_edge_m()) {
-  material_.check();
+  material.check();
   options_.check();
-  if (free_.count() == 0) throw std::runtime_error(mesh_.name() + ": all nodes are held: expected some that can move");
+  const FreeCoordinates free(static_cast<int>(mesh_.nodes_m().size()), held_nodes);
+  if (free.count() == 0) throw std::runtime_error(mesh_.name() + ": all nodes are held: expected some that can move");
   SparseCholesky cholesky;
-  factorise(cholesky, free_.reduced(stiffness_matrix(mesh_, material_)), mesh_.name());
-  factors_ = StiffnessFactors(cholesky);
+  factorise(cholesky, free.reduced(stiffness_matrix(mesh_, material)), mesh_.name());
+  factors_ = StiffnessFactors(cholesky, free);
 }
 
-CorotationalWorkspace CorotationalTissue::make_workspace() const {
-  const Eigen::VectorXd zeros = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(coordinates()));
-  return {.rotations = std::vector<Eigen::Matrix3d>(mesh_.tetrahedra().size(), Eigen::Matrix3d::Identity()),
-          .force = zeros,
-          .trial = zeros,
-          .trial_force = zeros,
+std::size_t CorotationalTissue::memory_bytes() const noexcept {
+  return elasticity_.memory_bytes() + factors_.memory_bytes() + surface_.nodes_m().size() * 3 * sizeof(Point) +
+         surface_.triangles().size() * 2 * sizeof(TetrahedralMesh::Triangle) +
+         mesh_.tetrahedra().size() * (sizeof(TetrahedralMesh::Tetrahedron) + sizeof(double));
+}
+
+std::size_t CorotationalBody::memory_bytes() const noexcept {
+  constexpr std::size_t kVectors = 10;  // two in each DeformedBody, and the six here
+  return kVectors * static_cast<std::size_t>(direction.size()) * sizeof(double) +
+         linearised.size() * (2 * sizeof(PolarParts) + sizeof(LinearisedTetrahedron)) +
+         turns.size() * sizeof(Eigen::Quaterniond);
+}
+
+CorotationalBody CorotationalTissue::make_body() const {
+  const DeformedBody rest = elasticity_.at_rest();
+  const Eigen::VectorXd zeros = Eigen::VectorXd::Zero(rest.displacement_m.size());
+  return {.now = rest,
+          .trial = rest,
+          .linearised = std::vector<LinearisedTetrahedron>(mesh_.tetrahedra().size()),
+          .turns = std::vector<Eigen::Quaterniond>(mesh_.nodes_m().size(), Eigen::Quaterniond::Identity()),
           .direction = zeros,
           .residual = zeros,
           .preconditioned = zeros,
           .search = zeros,
-          .product = zeros};
+          .product = zeros,
+          .scratch = zeros};
 }
 
-double CorotationalTissue::elastic_energy(std::span<const double> displacement_m, std::span<double> force_N,
-                                          CorotationalWorkspace& workspace) const noexcept {
-  std::ranges::fill(force_N, 0.0);
-  double energy_J = 0;
-  const auto at = [](auto span, int node) { return span.data() + 3 * static_cast<std::ptrdiff_t>(node); };
-  for (std::size_t t = 0; t < gradients_.size(); ++t) {
-    Eigen::Matrix<double, 3, 4> moved_m;
-    for (int a = 0; a < 4; ++a) moved_m.col(a) = Eigen::Map<const Point>(at(displacement_m, mesh_.tetrahedra()[t][a]));
-    const Eigen::Matrix3d deformation = Eigen::Matrix3d::Identity() + moved_m * gradients_[t].transpose();
-    const Eigen::Matrix3d rotation = nearest_rotation(deformation);
-    const Eigen::Matrix3d strain = deformation - rotation;
-    const double volume_change = rotation.cwiseProduct(deformation).sum() - 3;
-    const double volume_m3 = mesh_.volumes_m3()[t];
-    energy_J += volume_m3 * (material_.mu_Pa() * strain.squaredNorm() +
-                             0.5 * material_.lambda_Pa() * volume_change * volume_change);
-    const Eigen::Matrix3d stress =
-        volume_m3 * (2 * material_.mu_Pa() * strain + material_.lambda_Pa() * volume_change * rotation);
-    const Eigen::Matrix<double, 3, 4> forces = -stress * gradients_[t];
-    for (int a = 0; a < 4; ++a) Eigen::Map<Point>(at(force_N, mesh_.tetrahedra()[t][a])) += forces.col(a);
-    workspace.rotations[t] = rotation;
-  }
-  return energy_J;
+void CorotationalTissue::deform(CorotationalBody& body, const Eigen::VectorXd& displacement_m) const noexcept {
+  body.now.displacement_m = displacement_m;
+  elasticity_.evaluate(body.now, body.now);
 }
 
 class CorotationalTissue::Step {
  public:
-  Step(const CorotationalTissue& tissue, std::span<double> displacement_m, CorotationalWorkspace& workspace,
-       const Point& probe_m, std::span<CorotationalTie> others) noexcept
-      : tissue_(tissue),
-        displacement_m_(displacement_m.data(), static_cast<Eigen::Index>(displacement_m.size())),
-        work_(workspace),
-        probe_m_(probe_m),
-        others_(others) {}
+  Step(const CorotationalTissue& tissue, CorotationalBody& body, const Point& probe_m,
+       std::span<SurfaceTie> others) noexcept
+      : tissue_(tissue), body_(body), probe_m_(probe_m), others_(others) {}
 
   TissueResult run(const TissueState& last) noexcept {
     find_shift(last);
     locate(last);
-    if (!place_ && others_.empty() && displacement_m_.isZero(0)) return result_;
-    for (CorotationalTie& other : others_) other.pulls = false;
-    elastic_J_ = elastic(displacement_m_, work_.force);
-    if (place_) *place_ = slid(displacement_m_).place;
-    let_go();
-    while (result_.iterations < tissue_.options_.iterations_max) {
+    if (!own_ && others_.empty() && body_.now.displacement_m.isZero(0)) return result_;
+    for (SurfaceTie& other : others_) other.pulls = false;
+    slide();
+    (void)let_go();
+    body_.at_rest = false;
+    tissue_.elasticity_.find_turns(body_.now, body_.turns);
+    for (;;) {
+      find_residual();
+      if (result_.residual_m <= tissue_.tolerance_m_ || result_.iterations == tissue_.options_.iterations_max) break;
       ++result_.iterations;
-      total_force(work_.residual);
-      estimate_residual();
-      if (result_.residual_m <= tissue_.tolerance_m_) break;
       solve_linearised();
       if (!search_along()) break;
-      if (place_) *place_ = slid(displacement_m_).place;
+      slide();
+      if (own_) own_->balanced_m = surface().stretch_m(*own_);
     }
-    // Not before: on its way Newton's method may press the surface past a probe that it does not leave.
-    let_go();
+    body_.at_rest = result_.residual_m <= tissue_.tolerance_m_;
+    if (let_go()) find_residual();
     conclude();
     return result_;
   }
@@ -130,279 +116,183 @@ class CorotationalTissue::Step {
                      .shift_m = to_array(shift_m_),
                      .direction = {},
                      .contact = {}};
-    if (place_) next.contact[next.contacts++] = {place_->triangle, to_array(place_->weight)};
+    if (own_) next.contact[next.contacts++] = {own_->place.triangle, to_array(own_->place.weight)};
     return next;
   }
 
  private:
-  using Vector = Eigen::VectorXd;
+  [[nodiscard]] DeformedSurface surface() const noexcept { return {tissue_.surface_, body_.now.displacement_m}; }
+  [[nodiscard]] double stiffness_N_per_m() const noexcept { return tissue_.options_.contact_stiffness_N_per_m; }
+
+  static SurfacePlace last_place(const TissueState& last) noexcept {
+    return {.triangle = static_cast<int>(last.contact[0].triangle), .weight = to_point(last.contact[0].weight)};
+  }
 
   // How far the surface near the probe has moved already: without contact the probe counts as where it would be beside
   // the tissue at rest. Which place is nearest depends on that: a fixed point, followed from step to step.
   void find_shift(const TissueState& last) noexcept {
-    if (displacement_m_.isZero(0)) return;
+    if (body_.now.displacement_m.isZero(0)) return;
     if (last.started != 0) shift_m_ = to_point(last.shift_m);
-    SurfacePlace place{.triangle = static_cast<int>(last.contact[0].triangle),
-                       .weight = to_point(last.contact[0].weight)};
-    if (last.contacts == 0) place = tissue_.surface_.nearest(probe_m_ - shift_m_).place;
-    shift_m_ = corners(displacement_m_, place.triangle) * place.weight - tissue_.surface_.at(place);
+    const SurfacePlace place =
+        last.contacts > 0 ? last_place(last) : tissue_.surface_.nearest(probe_m_ - shift_m_).place;
+    shift_m_ = surface().at(place) - tissue_.surface_.at(place);
   }
 
   void locate(const TissueState& last) noexcept {
+    std::optional<SurfacePlace> place;
     if (last.contacts > 0) {
-      place_ = SurfacePlace{.triangle = static_cast<int>(last.contact[0].triangle),
-                            .weight = to_point(last.contact[0].weight)};
+      place = last_place(last);
     } else if (last.started != 0) {
-      place_ = tissue_.surface_.entry(to_point(last.probe_m) - to_point(last.shift_m), probe_m_ - shift_m_);
+      place = tissue_.surface_.entry(to_point(last.probe_m) - to_point(last.shift_m), probe_m_ - shift_m_);
     } else {
       const TissueSurface::Nearest nearest = tissue_.surface_.nearest(probe_m_ - shift_m_);
-      if (nearest.height_m < 0) place_ = nearest.place;
+      if (nearest.height_m < 0) place = nearest.place;
     }
+    if (!place) return;
+    own_ = SurfaceTie{.place = *place, .probe_m = probe_m_, .slides = true};
+    if (last.contacts > 0) own_->balanced_m = to_point(last.probe_m) - surface().at(*place);
   }
 
-  template <typename Displacement>
-  double elastic(const Displacement& displacement_m, Vector& force_N) const noexcept {
-    const auto size = static_cast<std::size_t>(displacement_m.size());
-    return tissue_.elastic_energy({displacement_m.data(), size}, {force_N.data(), size}, work_);
+  void slide() noexcept {
+    if (own_) own_->place = surface().slid(*own_).place;
   }
-
-  template <typename Displacement>
-  [[nodiscard]] Point node(const Displacement& displacement_m, int index) const noexcept {
-    return tissue_.mesh_.nodes_m()[index] + displacement_m.template segment<3>(3 * index);
-  }
-
-  template <typename Displacement>
-  [[nodiscard]] Eigen::Matrix3d corners(const Displacement& displacement_m, int triangle) const noexcept {
-    Eigen::Matrix3d columns;
-    for (int a = 0; a < 3; ++a) columns.col(a) = node(displacement_m, tissue_.surface_.triangles()[triangle][a]);
-    return columns;
-  }
-
-  // From a place to the probe that holds it.
-  template <typename Displacement>
-  [[nodiscard]] Point stretch(const Displacement& displacement_m, const CorotationalTie& tie) const noexcept {
-    return tie.probe_m - corners(displacement_m, tie.place.triangle) * tie.place.weight;
-  }
-
-  [[nodiscard]] CorotationalTie own_tie() const noexcept { return {.place = *place_, .probe_m = probe_m_}; }
 
   // All that hold the tissue.
   template <typename Do>
   void for_each_tie(const Do& act) const noexcept {
-    if (place_) act(own_tie());
-    for (const CorotationalTie& other : others_) {
+    if (own_) act(*own_);
+    for (const SurfaceTie& other : others_) {
       if (!other.pulls) act(other);
     }
   }
 
-  [[nodiscard]] double tie_energy(double square_m2) const noexcept {
-    return 0.5 * tissue_.options_.contact_stiffness_N_per_m * square_m2;
+  [[nodiscard]] double energy_of_ties(const Eigen::VectorXd& displacement_m) const noexcept {
+    const DeformedSurface deformed(tissue_.surface_, displacement_m);
+    double square_m2 = 0;
+    for_each_tie([&](const SurfaceTie& tie) { square_m2 += deformed.slid(tie).square_m2; });
+    return 0.5 * stiffness_N_per_m() * square_m2;
   }
 
-  template <typename Displacement>
-  [[nodiscard]] double energy_of_others(const Displacement& displacement_m) const noexcept {
-    double sum_J = 0;
-    for (const CorotationalTie& other : others_) {
-      if (!other.pulls) sum_J += tie_energy(stretch(displacement_m, other).squaredNorm());
-    }
-    return sum_J;
+  [[nodiscard]] double energy_now() const noexcept {
+    return body_.now.energy_J + energy_of_ties(body_.now.displacement_m);
   }
 
-  [[nodiscard]] double total_energy() const noexcept {
-    return elastic_J_ + energy_of_others(displacement_m_) +
-           (place_ ? tie_energy(stretch(displacement_m_, own_tie()).squaredNorm()) : 0);
-  }
-
-  void release_held(Vector& force_N) const noexcept {
-    for (int n = 0; n < static_cast<int>(tissue_.mesh_.nodes_m().size()); ++n) {
-      if (tissue_.free_.first_of(n) == FreeCoordinates::kHeld) force_N.segment<3>(3 * n).setZero();
-    }
-  }
-
-  void add_at(const SurfacePlace& place, const Point& at_place_N, Vector& force_N) const noexcept {
-    for (int a = 0; a < 3; ++a) {
-      force_N.segment<3>(3 * tissue_.surface_.triangles()[place.triangle][a]) += place.weight[a] * at_place_N;
-    }
-  }
-
-  void total_force(Vector& force_N) const noexcept {
-    force_N = work_.force;
-    for_each_tie([&](const CorotationalTie& tie) {
-      add_at(tie.place, tissue_.options_.contact_stiffness_N_per_m * stretch(displacement_m_, tie), force_N);
+  void find_total_force() noexcept {
+    body_.residual = body_.now.force_N;
+    const DeformedSurface deformed = surface();
+    for_each_tie([&](const SurfaceTie& tie) {
+      deformed.add_at(tie.place, stiffness_N_per_m() * deformed.stretch_m(tie), body_.residual);
     });
-    release_held(force_N);
   }
 
-  // What the stiffness at rest would move under the residual forces.
-  void precondition(const Vector& force_N, Vector& moved_m) noexcept {
-    for (int n = 0; n < static_cast<int>(tissue_.mesh_.nodes_m().size()); ++n) {
-      const int first = tissue_.free_.first_of(n);
-      if (first != FreeCoordinates::kHeld) work_.trial.segment<3>(first) = force_N.segment<3>(3 * n);
-    }
-    tissue_.factors_.solve(work_.trial, work_.product, work_.trial_force);
-    moved_m.setZero();
-    for (int n = 0; n < static_cast<int>(tissue_.mesh_.nodes_m().size()); ++n) {
-      const int first = tissue_.free_.first_of(n);
-      if (first != FreeCoordinates::kHeld) moved_m.segment<3>(3 * n) = work_.product.segment<3>(first);
-    }
+  // What is left of all forces on the nodes, and how far that would move them, were they as stiff as at rest.
+  void find_residual() noexcept {
+    find_total_force();
+    precondition();
+    result_.residual_m = body_.preconditioned.lpNorm<Eigen::Infinity>();
   }
 
-  void estimate_residual() noexcept {
-    precondition(work_.residual, work_.preconditioned);
-    result_.residual_m = work_.preconditioned.lpNorm<Eigen::Infinity>();
+  void precondition() noexcept {
+    tissue_.factors_.solve(body_.turns, body_.residual, body_.preconditioned, body_.scratch);
   }
 
-  // Of a motion of the tie's place what the tie resists: along a triangle and along an edge it gives way, since the
-  // place slides.
-  [[nodiscard]] Point held_part(const CorotationalTie& tie, const Point& moved_m) const noexcept {
-    const auto weighs = (tie.place.weight.array() > 0).count();
-    if (weighs == 1) return moved_m;
-    if (weighs == 3) {
-      const Point along = stretch(displacement_m_, tie).stableNormalized();
-      return along.dot(moved_m) * along;
-    }
-    const Eigen::Matrix3d here = corners(displacement_m_, tie.place.triangle);
-    int away = 0;
-    tie.place.weight.minCoeff(&away);
-    const Point edge = (here.col((away + 1) % 3) - here.col((away + 2) % 3)).stableNormalized();
-    return moved_m - edge.dot(moved_m) * edge;
-  }
-
-  // The stiffness with the rotations held, times a displacement.
-  void stiffness_times(const Vector& moved_m, Vector& force_N) const noexcept {
-    force_N.setZero();
-    const double mu_Pa = tissue_.material_.mu_Pa();
-    const double lambda_Pa = tissue_.material_.lambda_Pa();
-    for (std::size_t t = 0; t < tissue_.gradients_.size(); ++t) {
-      const auto& nodes = tissue_.mesh_.tetrahedra()[t];
-      Eigen::Matrix<double, 3, 4> corner_m;
-      for (int a = 0; a < 4; ++a) corner_m.col(a) = moved_m.segment<3>(3 * nodes[a]);
-      const Eigen::Matrix3d& rotation = work_.rotations[t];
-      const Eigen::Matrix3d turned_back = rotation.transpose() * (corner_m * tissue_.gradients_[t].transpose());
-      Eigen::Matrix3d stress = mu_Pa * (turned_back + turned_back.transpose());
-      stress.diagonal().array() += lambda_Pa * turned_back.trace();
-      const Eigen::Matrix<double, 3, 4> forces =
-          rotation * (tissue_.mesh_.volumes_m3()[t] * stress) * tissue_.gradients_[t];
-      for (int a = 0; a < 4; ++a) force_N.segment<3>(3 * nodes[a]) += forces.col(a);
-    }
-    for_each_tie([&](const CorotationalTie& tie) {
-      Point at_place_m = Point::Zero();
-      for (int a = 0; a < 3; ++a) {
-        at_place_m += tie.place.weight[a] * moved_m.segment<3>(3 * tissue_.surface_.triangles()[tie.place.triangle][a]);
-      }
-      add_at(tie.place, tissue_.options_.contact_stiffness_N_per_m * held_part(tie, at_place_m), force_N);
-    });
-    release_held(force_N);
-  }
-
-  // Conjugate gradients; `residual` and its `preconditioned` are there already.
+  // Conjugate gradients from the residual and what it is preconditioned to. What held nodes are pushed by is not looked
+  // at, since they never move. Where the energy does not curve upwards, what is found so far still leads down.
   void solve_linearised() noexcept {
-    work_.direction.setZero();
-    work_.search = work_.preconditioned;
-    double square = work_.residual.dot(work_.preconditioned);
+    tissue_.elasticity_.linearise(body_.now, body_.linearised);
+    const DeformedSurface deformed = surface();
+    body_.direction.setZero();
+    body_.search = body_.preconditioned;
+    double square = body_.residual.dot(body_.preconditioned);
     const double enough = kLinearlySolved * kLinearlySolved * square;
     for (int n = 0; n < tissue_.options_.linear_iterations_max && square > enough; ++n) {
-      stiffness_times(work_.search, work_.product);
-      const double curvature = work_.search.dot(work_.product);
-      if (!(curvature > 0)) break;
-      work_.direction += square / curvature * work_.search;
-      work_.residual -= square / curvature * work_.product;
-      precondition(work_.residual, work_.preconditioned);
-      const double next = work_.residual.dot(work_.preconditioned);
-      work_.search = work_.preconditioned + next / square * work_.search;
+      tissue_.elasticity_.resist(body_.linearised, body_.search, body_.product);
+      for_each_tie([&](const SurfaceTie& tie) {
+        deformed.add_resistance(tie, stiffness_N_per_m(), body_.search, body_.product);
+      });
+      const double curvature = body_.search.dot(body_.product);
+      if (!(curvature > 0)) {
+        if (n == 0) body_.direction = body_.search;
+        break;
+      }
+      const double length = square / curvature;
+      body_.direction += length * body_.search;
+      body_.residual -= length * body_.product;
+      precondition();
+      const double next = body_.residual.dot(body_.preconditioned);
+      body_.search = body_.preconditioned + next / square * body_.search;
       square = next;
     }
   }
 
   bool search_along() noexcept {
-    total_force(work_.residual);
-    const double slope_J = work_.residual.dot(work_.direction);
-    const double before_J = total_energy();
+    find_total_force();
+    const double slope_J = body_.residual.dot(body_.direction);
     if (!(slope_J > 0)) return false;
+    const double before_J = energy_now();
     double share = 1;
     for (int halving = 0; halving < kHalvingsMax; ++halving, share *= 0.5) {
-      work_.trial = displacement_m_ + share * work_.direction;
-      const double elastic_J = elastic(work_.trial, work_.trial_force);
-      const double tie_J = place_ ? tie_energy(slid(work_.trial).square_m2) : 0;
-      if (!(elastic_J + tie_J + energy_of_others(work_.trial) <= before_J - kWorthwhile * share * slope_J)) continue;
-      displacement_m_ = work_.trial;
-      work_.force.swap(work_.trial_force);
-      elastic_J_ = elastic_J;
+      body_.trial.displacement_m = body_.now.displacement_m + share * body_.direction;
+      const double elastic_J_most =
+          before_J - kWorthwhile * share * slope_J - energy_of_ties(body_.trial.displacement_m);
+      if (!(elastic_J_most >= 0)) continue;
+      tissue_.elasticity_.evaluate(body_.trial, body_.now);
+      if (!(body_.trial.energy_J <= elastic_J_most)) continue;
+      std::swap(body_.now, body_.trial);
       return true;
     }
     return false;
   }
 
-  struct Slid {
-    SurfacePlace place;
-    double square_m2 = 0;  // of the tie's length
-  };
-
-  // From the place to the nearest of those around, from triangle to triangle.
-  template <typename Displacement>
-  [[nodiscard]] Slid slid(const Displacement& displacement_m) const noexcept {
-    Slid best{*place_, stretch(displacement_m, own_tie()).squaredNorm()};
-    for (int hop = 0; hop < kHopsMax; ++hop) {
-      const PlacesAround around = tissue_.surface_.places_around(best.place);
-      const double before_m2 = best.square_m2;
-      for (int k = 0; k < around.count; ++k) {
-        const Eigen::Matrix3d here = corners(displacement_m, around.place[k].triangle);
-        const Point weight = nearest_weights(here.col(0), here.col(1), here.col(2), probe_m_);
-        const double square_m2 = (probe_m_ - here * weight).squaredNorm();
-        if (square_m2 < best.square_m2) best = {{around.place[k].triangle, weight}, square_m2};
-      }
-      if (!(best.square_m2 < before_m2)) break;
+  // Away, where the tie would pull; whether any was. The probe's own only while the tissue is at rest: on its way, over
+  // more than one step where it snaps, it may press the surface past a probe that it does not leave.
+  bool let_go() noexcept {
+    const DeformedSurface deformed = surface();
+    bool any = false;
+    for (SurfaceTie& other : others_) {
+      if (other.pulls || !deformed.pulls(other)) continue;
+      any = other.pulls = true;
     }
-    return best;
-  }
-
-  [[nodiscard]] bool pulls(const CorotationalTie& tie) const noexcept {
-    const Eigen::Matrix3d here = corners(displacement_m_, tie.place.triangle);
-    const Point outward = (here.col(1) - here.col(0)).cross(here.col(2) - here.col(0));
-    return stretch(displacement_m_, tie).dot(outward) >= 0;
-  }
-
-  // Away, where the tie would pull.
-  void let_go() noexcept {
-    for (CorotationalTie& other : others_) other.pulls = other.pulls || pulls(other);
-    if (place_ && pulls(own_tie())) place_.reset();
+    if (own_ && body_.at_rest && deformed.pulls(*own_)) {
+      shift_m_ = deformed.at(own_->place) - tissue_.surface_.at(own_->place);
+      own_.reset();
+      any = true;
+    }
+    return any;
   }
 
   void conclude() noexcept {
-    total_force(work_.residual);
-    estimate_residual();
     result_.converged = result_.residual_m <= tissue_.tolerance_m_;
-    result_.energy_J = total_energy();
-    if (!place_) {
+    result_.energy_J = energy_now();
+    if (!own_) {
       // At rest to within the tolerance is at rest: nothing is left to do in the steps to come.
-      if (result_.converged && others_.empty() && displacement_m_.lpNorm<Eigen::Infinity>() <= tissue_.tolerance_m_) {
-        displacement_m_.setZero();
+      if (result_.converged && others_.empty() &&
+          body_.now.displacement_m.lpNorm<Eigen::Infinity>() <= tissue_.tolerance_m_) {
+        body_.now.displacement_m.setZero();
+        tissue_.elasticity_.evaluate(body_.now, body_.now);
         result_.energy_J = 0;
       }
       return;
     }
     result_.contacts = 1;
-    result_.force_N = -tissue_.options_.contact_stiffness_N_per_m * stretch(displacement_m_, own_tie());
+    result_.force_N = -stiffness_N_per_m() * surface().stretch_m(*own_);
     result_.normal = result_.force_N.stableNormalized();
-    result_.depth_m = std::max(0.0, (tissue_.surface_.at(*place_) - probe_m_).dot(result_.normal));
+    result_.depth_m = std::max(0.0, (tissue_.surface_.at(own_->place) - probe_m_).dot(result_.normal));
   }
 
   const CorotationalTissue& tissue_;
-  Eigen::Map<Eigen::VectorXd> displacement_m_;
-  CorotationalWorkspace& work_;
+  CorotationalBody& body_;
   Point probe_m_;
-  std::span<CorotationalTie> others_;
+  std::span<SurfaceTie> others_;
   Point shift_m_ = Point::Zero();
-  std::optional<SurfacePlace> place_;
-  double elastic_J_ = 0;
+  std::optional<SurfaceTie> own_;
   TissueResult result_;
 };
 
-TissueResult CorotationalTissue::step(TissueState& state, std::span<double> displacement_m,
-                                      CorotationalWorkspace& workspace, const Point& probe_m,
-                                      std::span<CorotationalTie> others) const noexcept {
+TissueResult CorotationalTissue::step(TissueState& state, CorotationalBody& body, const Point& probe_m,
+                                      std::span<SurfaceTie> others) const noexcept {
   if (!probe_m.allFinite()) return {.finite = false};
-  Step step(*this, displacement_m, workspace, probe_m, others);
+  Step step(*this, body, probe_m, others);
   const TissueResult result = step.run(state);
   if (!result.force_N.allFinite() || !std::isfinite(result.energy_J)) return {.finite = false};
   state = step.state();

@@ -51,6 +51,7 @@ class FreeCoordinates {
   FreeCoordinates(int nodes, const std::vector<int>& held_nodes);
 
   [[nodiscard]] int count() const noexcept { return count_; }
+  [[nodiscard]] int nodes() const noexcept { return static_cast<int>(first_.size()); }
 
   /// Of three coordinates that follow each other the first, or kHeld.
   [[nodiscard]] int first_of(int node) const noexcept { return first_[static_cast<std::size_t>(node)]; }

@@ -10,8 +10,6 @@ namespace {
 
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
-
 }  // namespace
 
 OtherContacts::OtherContacts(const TissueModel& model)

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,8 +21,14 @@ namespace forcebound::server {
 /// f being the forces of the probe that steps and p those of the others. With L L' the others' rows of A + I/k, y =
 /// L^-1 d and z_k = L^-1 A_k the p are eliminated, exactly: what is left for f is a tissue whose surface the others
 /// alone have moved by z_k . y, and which yields by z_k . z_l less. So one probe's step minimises the energy of all,
-/// with the others' places and the set of their contacts held; those that would pull then are left out, and the step is
-/// done once more.
+/// with the others' places and the set of their contacts held.
+///
+/// Contacts that would pull then are left out by drop_pulling, for the step to be done again without them, as often as
+/// any pull (LinearTissueWorld ends it after four times). To leave one out takes a spring away, which lowers E: energy
+/// is only lost. Whether one that was left out would push again, when the next has followed it, is not asked: if so it
+/// is back with the next step, and adds to E what no hand has paid for, at most k/2 times the square of how deep its
+/// probe lies then. A contact there is no room for is counted and felt by nobody; while it stays out it holds no energy
+/// either.
 ///
 /// Real time: all but the constructor is noexcept and allocates nothing. Scratch memory, for one thread at a time.
 class OtherContacts {
@@ -36,6 +43,11 @@ class OtherContacts {
   using Directions = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 
   explicit OtherContacts(const TissueModel& model);
+
+  /// What one takes, for a tissue with so many nodes on its surface.
+  [[nodiscard]] static std::size_t memory_bytes(int surface_nodes) noexcept {
+    return sizeof(OtherContacts) + static_cast<std::size_t>(surface_nodes) * sizeof(Moved);
+  }
 
   void clear() noexcept;
 

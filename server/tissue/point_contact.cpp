@@ -16,9 +16,6 @@ constexpr double kWorthwhile = 1e-13;
 // Tries of a step, each half as long: more do not matter within one iteration.
 constexpr int kHalvings = 4;
 
-std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
-
 }  // namespace
 
 // From a place, as others have moved it, to the probe.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace forcebound::server {
 
@@ -10,5 +11,29 @@ namespace forcebound::server {
 ///
 /// Real time: noexcept, no allocation, bounded.
 [[nodiscard]] Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& deformation) noexcept;
+
+/// A deformation F = R S by its nearest rotation R and its stretch S, symmetric.
+struct PolarParts {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
+};
+
+/// How much a stretch holds its rotation: turning R by a small w changes |F - R|^2 by w'G w.
+///
+///     G = tr(S) I - S
+///
+/// Where G is positive definite, a rotation that makes S symmetric is the nearest one: the sum of squares has no other
+/// minimum (its eigenvalues are the sums of two stretches each, and only the smallest may be negative).
+[[nodiscard]] inline Eigen::Matrix3d hold_on_rotation(const Eigen::Matrix3d& stretch) noexcept {
+  Eigen::Matrix3d hold = -stretch;
+  hold.diagonal().array() += stretch.trace();
+  return hold;
+}
+
+/// Both parts, by Newton's method from a rotation `near`, which is two turns where R has changed little; where that
+/// does not lead to it, by nearest_rotation. What comes out depends on `near` by rounding alone.
+///
+/// Real time: noexcept, no allocation, bounded.
+[[nodiscard]] PolarParts polar_parts(const Eigen::Matrix3d& deformation, const Eigen::Quaterniond& near) noexcept;
 
 }  // namespace forcebound::server

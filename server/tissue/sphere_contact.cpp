@@ -22,9 +22,6 @@ constexpr double kSteepest = 2;
 // The direction is as good as the surface's if they differ by less (cosine of 8 degrees).
 constexpr double kAligned = 0.99;
 
-std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
-
 // Where a sphere without contact would first have one.
 SurfacePlace first_place(const TissueSurface& surface, const TissueState& last, const Point& beside_rest_m) noexcept {
   if (last.started != 0) {

@@ -28,9 +28,6 @@ int divisions_for(const LinearTissue& tissue, double radius_m) {
                            text::to_text(longest_m / (kApart * SphereContact::kDivisionsMax)) + " m, or a finer mesh");
 }
 
-std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
-
 }  // namespace
 
 void ProbeOptions::check() const {

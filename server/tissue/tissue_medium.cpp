@@ -13,6 +13,7 @@
 namespace forcebound::server {
 namespace {
 
+using text::rounded;
 using text::to_text;
 
 // Nodes that are lower than the highest by less than this share of the body's height are as high.
@@ -23,9 +24,11 @@ constexpr double kPoint_ns = 500;
 constexpr double kSphere_ns = 2000;
 constexpr double kSphereTriangle_ns = 5;
 constexpr double kContact_ns = 3000;
-constexpr double kCorotationalTetrahedron_ns = 4000;
+constexpr double kCorotationalTetrahedron_ns = 120;
+constexpr double kCorotationalBlock_ns = 45;
 
-constexpr std::size_t kCorotationalTetrahedron_bytes = 600;
+// A probe that slides deep below the surface takes that many times what one takes that comes and goes.
+constexpr double kSliding = 3;
 
 // A place on top: of the highest free nodes the one in the middle.
 Point top_of(const TetrahedralMesh& mesh, const std::vector<bool>& held) {
@@ -69,27 +72,17 @@ Range stiffness_of(const LinearTissue& tissue, const std::vector<bool>& held, do
   return range;
 }
 
-// Under large motion a stiffer tie than that converges too slowly to be felt as what it is.
-constexpr double kTie_N_per_m_max = 1e4;
-
 // Half a micrometre where triangles are 5 mm wide.
 constexpr double kCorotationalTolerance = 1e-4;
 
-ProbeOptions checked(const TissueDescription& description) {
-  ProbeOptions probe = description.probe;
+const ProbeOptions& checked(const TissueDescription& description) {
+  const ProbeOptions& probe = description.probe;
   probe.check();
-  if (!description.large_motion) return probe;
-  if (probe.radius_m > 0) {
+  if (description.large_motion && probe.radius_m > 0) {
     throw std::invalid_argument("under large motion the probe is a point: radius_m must be 0, got " +
                                 to_text(probe.radius_m));
   }
-  probe.contact_stiffness_N_per_m = std::min(probe.contact_stiffness_N_per_m, kTie_N_per_m_max);
   return probe;
-}
-
-std::string rounded(double value) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
-  return to_text(std::round(value / unit) * unit);
 }
 
 }  // namespace
@@ -139,7 +132,7 @@ MediumFacts TissueMedium::facts() const {
 void TissueMedium::describe(const TissueModel& model, const std::vector<bool>& held, MediumFacts& facts) const {
   const LinearTissue& tissue = model.tissue();
   facts.memory_bytes = tissue.memory_bytes();
-  facts.state_bytes = sizeof(LinearTissueWorld);
+  facts.state_bytes = sizeof(LinearTissueWorld) + sizeof(TissueWorld::Seat);
   const auto triangles = static_cast<double>(tissue.surface().triangles().size());
   facts.cost_ns =
       probe_.radius_m > 0 ? kSphere_ns + kSphereTriangle_ns * triangles + kContact_ns * probe_.contacts_max : kPoint_ns;
@@ -156,19 +149,23 @@ void TissueMedium::describe(const TissueModel& model, const std::vector<bool>& h
                         to_text(probe_.contact_stiffness_N_per_m) + " N/m: at nodes of the surface " +
                         rounded(stiffness.least) + " to " + rounded(stiffness.most) +
                         " N/m with the tissue, where it is held the contact alone");
+  facts.lines.push_back("shared, by at most " + std::to_string(facts.seats_max) + " clients, it takes " +
+                        std::to_string(OtherContacts::memory_bytes(tissue.surface_nodes())) +
+                        " bytes more, and more time the more of them touch it");
   if (const std::string warning = tissue.warning(); !warning.empty()) facts.lines.push_back(warning);
 }
 
 void TissueMedium::describe(const CorotationalTissue& tissue, MediumFacts& facts) const {
   const auto tetrahedra = tissue.mesh().tetrahedra().size();
-  facts.memory_bytes = tetrahedra * kCorotationalTetrahedron_bytes;
-  const CorotationalWorkspace workspace = tissue.make_workspace();
-  facts.state_bytes = sizeof(CorotationalTissueWorld) + 10 * tissue.coordinates() * sizeof(double) +
-                      workspace.rotations.size() * sizeof(Eigen::Matrix3d);
-  facts.cost_ns = kCorotationalTetrahedron_ns * static_cast<double>(tetrahedra);
+  facts.memory_bytes = tissue.memory_bytes();
+  facts.state_bytes = sizeof(CorotationalTissueWorld) + tissue.make_body().memory_bytes();
+  facts.cost_ns = kCorotationalTetrahedron_ns * static_cast<double>(tetrahedra) +
+                  kCorotationalBlock_ns * static_cast<double>(tissue.factors().blocks());
   facts.lines.emplace_back("corotational: large motion, small strain, no inertia");
   facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +
                         " N/m: the most that is felt");
+  facts.lines.push_back("sliding deep takes about " + rounded(kSliding * facts.cost_ns * 1e-6) +
+                        " ms a motion of the 1 ms of a tick; what it has no time for it goes on with at the next one");
 }
 
 }  // namespace forcebound::server

@@ -16,8 +16,8 @@ struct TissueDescription {
   ElasticMaterial material;
   std::vector<int> held_nodes;  ///< of the mesh, which do not move
   ProbeOptions probe{};
-  /// CorotationalTissue against a point, instead of TissueModel: several milliseconds a thousand tetrahedra, and a
-  /// contact of at most 1e4 N/m.
+  /// CorotationalTissue against a point, instead of TissueModel: some milliseconds a thousand tetrahedra, and a contact
+  /// no stiffer than CorotationalOptions allow.
   bool large_motion = false;
 };
 
@@ -29,8 +29,8 @@ struct TissueDescription {
 /// Immutable; states keep a reference to it and must not outlive it.
 class TissueMedium final : public Medium {
  public:
-  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for a sphere under
-  /// large motion
+  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for a sphere or
+  /// too stiff a contact under large motion
   /// @throws std::runtime_error beginning with the mesh's name, for what LinearTissue, TissueModel or
   /// CorotationalTissue refuse
   explicit TissueMedium(TissueDescription description);

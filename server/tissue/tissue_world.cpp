@@ -9,10 +9,8 @@ namespace {
 // A device that is farther away than that is a stranger's nonsense, which must not break what others feel.
 constexpr double kFar_m = 100;
 
-// Times that contacts which pull are left out: once is nearly always enough.
+// Times that a step is done again without the others' contacts that pull: once is nearly always enough.
 constexpr int kDropsMax = 4;
-
-Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
 
 }  // namespace
 
@@ -58,23 +56,36 @@ MediumTouch TissueWorld::touch(int seat) noexcept {
   return {.force_N = touched.result.force_N, .normal = touched.normal, .penetration_m = touched.result.depth_m};
 }
 
-int LinearTissueWorld::gather_others(std::size_t seat) noexcept {
+LinearTissueWorld::LinearTissueWorld(const TissueModel& model, int seats)
+    : TissueWorld(seats, model.tissue().mesh()),
+      model_(model),
+      others_(seats > 1 ? std::make_unique<OtherContacts>(model) : nullptr) {}
+
+TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
+  return others_ == nullptr ? model_.step(seats()[seat].state, probe_m) : step_among(*others_, seat, probe_m);
+}
+
+int LinearTissueWorld::gather(OtherContacts& others, std::size_t seat) noexcept {
   int left_out = 0;
-  others_.clear();
+  others.clear();
   for (std::size_t other = 0; other < seats().size(); ++other) {
-    if (other != seat) left_out += others_.add(seats()[other].state);
+    if (other != seat) left_out += others.add(seats()[other].state);
   }
   return left_out;
 }
 
-TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
-  const int left_out = gather_others(seat);
+TissueResult LinearTissueWorld::step_among(OtherContacts& others, std::size_t seat, const Point& probe_m) noexcept {
+  const int left_out = gather(others, seat);
   TissueState& state = seats()[seat].state;
   const TissueState before = state;
-  TissueResult result = model_.step(state, probe_m, others_);
-  for (int n = 0; n < kDropsMax && others_.drop_pulling(); ++n) {
+  TissueResult result = model_.step(state, probe_m, others);
+  for (int n = 0; others.drop_pulling(); ++n) {
+    if (n == kDropsMax) {
+      result.converged = false;
+      break;
+    }
     state = before;
-    result = model_.step(state, probe_m, others_);
+    result = model_.step(state, probe_m, others);
   }
   result.contacts_left_out += left_out;
   return result;
@@ -83,9 +94,8 @@ TissueResult LinearTissueWorld::step(std::size_t seat, const Point& probe_m) noe
 CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
     : TissueWorld(seats, tissue.mesh()),
       tissue_(tissue),
-      others_(static_cast<std::size_t>(seats)),
-      displacement_m_(tissue.coordinates(), 0),
-      workspace_(tissue.make_workspace()) {}
+      others_(static_cast<std::size_t>(seats - 1)),
+      body_(tissue.make_body()) {}
 
 TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
   std::size_t count = 0;
@@ -95,7 +105,7 @@ TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_
     others_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), to_point(state.contact[0].weight)},
                         .probe_m = to_point(state.probe_m)};
   }
-  return tissue_.step(seats()[seat].state, displacement_m_, workspace_, probe_m, {others_.data(), count});
+  return tissue_.step(seats()[seat].state, body_, probe_m, {others_.data(), count});
 }
 
 }  // namespace forcebound::server

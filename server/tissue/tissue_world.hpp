@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "forcebound/server/effects/medium.hpp"
@@ -56,17 +57,20 @@ class TissueWorld : public MediumState {
 /// Each step is that of one probe while the contacts of the others follow it, so that the order of the motions does not
 /// matter to probes that stay at their places: see OtherContacts. Where a probe touches is looked for at its own
 /// motions only: the others feel its last contacts until then.
+///
+/// Where contacts of others pull, the step is done again without them. A fifth time is not: what was found last is felt
+/// then, in which a contact may still pull, and counts as not converged.
 class LinearTissueWorld final : public TissueWorld {
  public:
-  LinearTissueWorld(const TissueModel& model, int seats)
-      : TissueWorld(seats, model.tissue().mesh()), model_(model), others_(model) {}
+  LinearTissueWorld(const TissueModel& model, int seats);
 
  private:
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;
-  int gather_others(std::size_t seat) noexcept;
+  TissueResult step_among(OtherContacts& others, std::size_t seat, const Point& probe_m) noexcept;
+  int gather(OtherContacts& others, std::size_t seat) noexcept;
 
   const TissueModel& model_;
-  OtherContacts others_;
+  std::unique_ptr<OtherContacts> others_;  // none where there is one seat
 };
 
 class CorotationalTissueWorld final : public TissueWorld {
@@ -77,9 +81,8 @@ class CorotationalTissueWorld final : public TissueWorld {
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;
 
   const CorotationalTissue& tissue_;
-  std::vector<CorotationalTie> others_;  // room for all
-  std::vector<double> displacement_m_;
-  CorotationalWorkspace workspace_;
+  std::vector<SurfaceTie> others_;  // room for all but one
+  CorotationalBody body_;
 };
 
 }  // namespace forcebound::server

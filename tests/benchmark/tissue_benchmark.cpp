@@ -92,8 +92,7 @@ void corotational_step(benchmark::State& timing) {
   TetrahedralMesh mesh = mesh_of_600();
   const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
   const CorotationalTissue tissue(std::move(mesh), kSoft, held, {});
-  CorotationalWorkspace workspace = tissue.make_workspace();
-  std::vector<double> displacement_m(tissue.coordinates(), 0);
+  CorotationalBody body = tissue.make_body();
   TissueState state{};
   double iterations = 0;
   double residual_m = 0;
@@ -103,10 +102,10 @@ void corotational_step(benchmark::State& timing) {
     return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.04 - depth_m);
   };
   for (int step = -1; step <= 4; ++step) {
-    static_cast<void>(tissue.step(state, displacement_m, workspace, place(0, 1e-3 * step)));
+    static_cast<void>(tissue.step(state, body, place(0, 1e-3 * step)));
   }
   for (auto _ : timing) {
-    const TissueResult result = tissue.step(state, displacement_m, workspace, place(n, 4e-3));
+    const TissueResult result = tissue.step(state, body, place(n, 4e-3));
     benchmark::DoNotOptimize(result);
     iterations += result.iterations;
     residual_m = std::max(residual_m, result.residual_m);

@@ -27,7 +27,7 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
 TEST(Explain, SaysWhatIsNotSimulated) {
   const std::string wall = explain(*load_scene("wall"));
   EXPECT_THAT(wall, Not(HasSubstr("velocity from")));
-  EXPECT_THAT(wall, HasSubstr("not simulated: torques; velocity (no effect needs it)"));
+  EXPECT_THAT(wall, HasSubstr("not simulated: torques; velocity (nothing needs it)"));
   const std::string free = explain(*load_scene("free"));
   EXPECT_THAT(free, HasSubstr("no objects: every force is zero\n"));
   EXPECT_THAT(free, HasSubstr("effects nobody asked for: surface, "));

@@ -76,6 +76,33 @@ TEST(TissueParser, RefusesWhatIsWrongByNameAndLine) {
       refused("held"));
 }
 
+TEST(TissueParser, UnderLargeMotionTheContactIsAsStiffAsItMayBe) {
+  const auto stiffness_of = [](const std::string& rest) {
+    return parse_scene(pad("large_motion = true\n" + rest), "pad.toml")
+        ->media()
+        .front()
+        .medium->facts()
+        .stiffness_N_per_m;
+  };
+  EXPECT_EQ(stiffness_of(""), 1000);
+  EXPECT_EQ(stiffness_of("contact_stiffness_N_per_m = 3000\n"), 3000);
+  EXPECT_THAT([&] { stiffness_of("contact_stiffness_N_per_m = 2e4\n"); },
+              refused("12: tissue 'pad': contact_stiffness_N_per_m must be > 0 and <= 10000, got 20000.0"));
+}
+
+TEST(TissueParser, SaysHowManyClientsThereIsRoomFor) {
+  const auto shared_by = [](int clients, const std::string& rest) {
+    std::string text = pad(rest);
+    text.insert(text.find("[[tissue]]"), "shared = true\nclients_max = " + std::to_string(clients) + "\n");
+    return parse_scene(text, "pad.toml")->facts().clients_max;
+  };
+  EXPECT_EQ(shared_by(16, ""), 16);
+  const std::string sphere = "probe_radius_m = 0.01\ncontacts_max = 8\n";
+  EXPECT_EQ(shared_by(9, sphere), 9);
+  EXPECT_THAT([&] { shared_by(10, sphere); }, refused("'pad' has room for 9 clients, got clients_max 10"));
+  EXPECT_EQ(shared_by(16, "probe_radius_m = 0.01\ncontacts_max = 4\n"), 16);
+}
+
 TEST(TissueParser, TheLiverLoadsAndPushesBack) {
   const auto file = test::recorded_data("meshes/liver.msh");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";

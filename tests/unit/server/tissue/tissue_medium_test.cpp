@@ -20,6 +20,8 @@ using testing::HasSubstr;
 
 constexpr double kTop_m = 0.03;
 
+const ProbeOptions kTied{.contact_stiffness_N_per_m = 1e3};
+
 TissueDescription block_description() {
   TetrahedralMesh mesh(test::tetrahedra_of({.cubes = {6, 6, 3}, .cube_m = 0.01}));
   std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
@@ -38,7 +40,7 @@ std::vector<TissueMedium> blocks() {
   std::vector<TissueMedium> media;
   media.push_back(block({.radius_m = 0}));
   media.push_back(block({.radius_m = 0.01}));
-  media.push_back(block({}, true));
+  media.push_back(block(kTied, true));
   return media;
 }
 
@@ -93,13 +95,27 @@ TEST(TissueMedium, FactsSayWhatItConsistsOf) {
   EXPECT_THAT(linear.lines, Contains("elastic: Young's modulus 5000 Pa, Poisson's ratio 0.4"));
   EXPECT_THAT(linear.lines, Contains("linear: small displacements and rotations, no inertia"));
   EXPECT_THAT(linear.lines, Contains(HasSubstr("felt by a point, a contact of 1e+05 N/m")));
+  EXPECT_FALSE(linear.inputs.velocity || linear.inputs.time) << "quasi-static";
   EXPECT_GT(linear.memory_bytes, 146U * 146U * 72U);
-  EXPECT_GT(linear.state_bytes, 1000U);
+  EXPECT_GT(linear.state_bytes, sizeof(TissueState));
   EXPECT_THAT(media[1].facts().lines, Contains(HasSubstr("felt by a sphere of 0.01 m, at most 8 contacts of 1e+05")));
   EXPECT_GT(media[1].facts().cost_ns, 5 * linear.cost_ns);
   EXPECT_THAT(media[2].facts().lines, Contains(HasSubstr("corotational: large motion")));
-  EXPECT_EQ(media[2].facts().stiffness_N_per_m, 1e4);
+  EXPECT_EQ(media[2].facts().stiffness_N_per_m, 1e3);
   EXPECT_GT(media[2].facts().memory_bytes, 100U * 648U);
+}
+
+TEST(TissueMedium, OneSeatHasNothingOfWhatOthersWouldNeed) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const TissueMedium medium = block({});
+  const auto heap_operations = [&](int seats) {
+    const test::AllocationGuard guard;
+    const auto state = medium.make_state(seats);
+    return guard.heap_operations();
+  };
+  EXPECT_EQ(heap_operations(1), 2U) << "itself and its seat";
+  EXPECT_GT(heap_operations(2), heap_operations(1));
+  EXPECT_LT(medium.facts().state_bytes, 2000U);
 }
 
 TEST(TissueMedium, StiffnessIsThatOfTheStiffestPlaceThatCanBeTouched) {
@@ -181,6 +197,7 @@ TEST(TissueMedium, RefusesWhatMakesNoSense) {
   };
   EXPECT_EQ(refusal({.radius_m = 0.01}, true), "under large motion the probe is a point: radius_m must be 0, got 0.01");
   EXPECT_EQ(refusal({.radius_m = -1}, false), "radius_m must be >= 0, got -1");
+  EXPECT_EQ(refusal({}, true), "contact_stiffness_N_per_m must be > 0 and <= 10000 under large motion, got 1e+05");
   EXPECT_EQ(refusal({.contacts_max = 0}, true), "contacts_max must be from 1 to 16, got 0");
   EXPECT_THAT(refusal({.radius_m = 0.001}, false), HasSubstr("block: a sphere of radius 0.001 m is too small"));
   TissueDescription loose = block_description();
@@ -213,6 +230,7 @@ TEST(TissueMedium, TheLiverIsFelt) {
     const TissueMedium medium({.mesh = std::move(mesh),
                                .material = {.young_Pa = 5000, .poisson = 0.4},
                                .held_nodes = std::move(held),
+                               .probe = kTied,
                                .large_motion = large_motion});
     const Point surface_m = medium.facts().on_surface_m;
     const auto state = medium.make_state(1);

@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -30,8 +32,6 @@ std::vector<TissueModel> models() {
   for (const double radius_m : {0.0, 0.005, 0.01}) all.push_back(block_model(radius_m));
   return all;
 }
-
-Point to_point(const std::array<double, 3>& values) { return Eigen::Map<const Point>(values.data()); }
 
 /// Two probes, one beside the other.
 class Two {
@@ -72,10 +72,10 @@ struct Row {
   Point felt;  ///< force on the probe, per newton in the row
 };
 
-/// All contacts of both, as the states say.
-std::vector<Row> rows_of(const TissueModel& model, const LinearTissueWorld& world) {
+/// All contacts of all, as the states say.
+std::vector<Row> rows_of(const TissueModel& model, const LinearTissueWorld& world, int seats) {
   std::vector<Row> rows;
-  for (int seat = 0; seat < 2; ++seat) {
+  for (int seat = 0; seat < seats; ++seat) {
     const TissueState& state = world.seat(seat).state;
     for (std::size_t k = 0; k < state.contacts; ++k) {
       const SurfacePlace place{static_cast<int>(state.contact[k].triangle), to_point(state.contact[k].weight)};
@@ -94,8 +94,8 @@ std::vector<Row> rows_of(const TissueModel& model, const LinearTissueWorld& worl
   return rows;
 }
 
-/// The forces on both, by one dense solve over all contacts together.
-std::array<Point, 2> solved_together(const TissueModel& model, const std::vector<Row>& rows) {
+/// The forces on all, by one dense solve over all contacts together.
+std::vector<Point> solved_together(const TissueModel& model, const std::vector<Row>& rows) {
   const auto size = static_cast<Eigen::Index>(rows.size());
   Eigen::MatrixXd compliance(size, size);
   Eigen::VectorXd depth_m(size);
@@ -107,7 +107,7 @@ std::array<Point, 2> solved_together(const TissueModel& model, const std::vector
     }
   }
   const Eigen::VectorXd force_N = compliance.llt().solve(depth_m);
-  std::array<Point, 2> felt_N{Point::Zero(), Point::Zero()};
+  std::vector<Point> felt_N(static_cast<std::size_t>(rows.back().seat) + 1, Point::Zero());
   for (Eigen::Index k = 0; k < size; ++k) felt_N[static_cast<std::size_t>(rows[k].seat)] += force_N[k] * rows[k].felt;
   return felt_N;
 }
@@ -117,7 +117,7 @@ TEST(LinearTissueWorld, TwoProbesFeelWhatOneSolveOfAllTheirContactsGives) {
     SCOPED_TRACE(model.options().radius_m);
     Two two(model);
     two.press(kBeside_m);
-    const auto rows = rows_of(model, two.world());
+    const auto rows = rows_of(model, two.world(), 2);
     ASSERT_GE(rows.size(), 2U);
     const auto together_N = solved_together(model, rows);
     for (int seat = 0; seat < 2; ++seat) {
@@ -304,6 +304,53 @@ TEST(LinearTissueWorld, ThreeHandsAtRandomNeverHaveMoreOfItThanIsLeft) {
     }
     EXPECT_GT(peak_J, 5e-4);
     EXPECT_TRUE(world.sound());
+  }
+}
+
+constexpr int kCrowd = 16;
+
+/// Sixteen points, four by four, each with a depth of its own.
+Point in_crowd_m(int seat) {
+  return {0.0113 + 0.0121 * (seat % 4), 0.0127 + 0.0117 * (seat / 4), kTop_m - 0.0015 - 0.0001 * (seat % 5)};
+}
+
+/// All come down, then move by turns, each in the same order or in another, until nothing changes.
+std::unique_ptr<LinearTissueWorld> crowd_on(const TissueModel& model, const std::function<int(int)>& turn) {
+  auto world = std::make_unique<LinearTissueWorld>(model, kCrowd);
+  while (world->join() >= 0) continue;
+  for (int n = 0; n <= 120; ++n) {
+    const Point above_m(0, 0, 0.003 * (1 - std::min(1.0, n / 30.0)));
+    for (int k = 0; k < kCrowd; ++k) world->move(turn(k), in_crowd_m(turn(k)) + above_m, Point::Zero());
+  }
+  return world;
+}
+
+TEST(LinearTissueWorld, SixteenPointsAreAllFeltWhateverTheirOrder) {
+  const TissueModel model = block_model(0);
+  const auto forth = crowd_on(model, [](int k) { return k; });
+  const auto back = crowd_on(model, [](int k) { return kCrowd - 1 - k; });
+  const auto mixed = crowd_on(model, [](int k) { return (7 * k + 3) % kCrowd; });
+  for (int seat = 0; seat < kCrowd; ++seat) {
+    const Point force_N = forth->seat(seat).result.force_N;
+    EXPECT_TRUE(force_N.allFinite());
+    EXPECT_GT(force_N.z(), 0.001) << seat;
+    EXPECT_EQ(forth->seat(seat).result.contacts_left_out, 0);
+    EXPECT_LT((back->seat(seat).result.force_N - force_N).norm(), 1e-4 * force_N.norm()) << seat;
+    EXPECT_LT((mixed->seat(seat).result.force_N - force_N).norm(), 1e-4 * force_N.norm()) << seat;
+  }
+  EXPECT_TRUE(forth->sound());
+}
+
+// Which is reciprocal, its matrix being symmetric.
+TEST(LinearTissueWorld, SixteenPointsFeelWhatOneSolveOfAllTheirContactsGives) {
+  const TissueModel model = block_model(0);
+  const auto world = crowd_on(model, [](int k) { return k; });
+  const auto together_N = solved_together(model, rows_of(model, *world, kCrowd));
+  ASSERT_EQ(together_N.size(), static_cast<std::size_t>(kCrowd));
+  for (int seat = 0; seat < kCrowd; ++seat) {
+    const Point& expected_N = together_N[static_cast<std::size_t>(seat)];
+    const double share = seat == kCrowd - 1 ? 1e-10 : 1e-4;
+    EXPECT_LT((world->seat(seat).result.force_N - expected_N).norm(), share * expected_N.norm()) << seat;
   }
 }
 
