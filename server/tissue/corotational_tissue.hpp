@@ -19,7 +19,7 @@ struct CorotationalOptions {
   double contact_stiffness_N_per_m = 1e3;  ///< between the probe and the place where it touches, > 0
   int iterations_max = 4;                  ///< of Newton's method in one step, >= 1
   int linear_iterations_max = 15;          ///< of conjugate gradients in each, >= 1
-  double tolerance = 1e-5;                 ///< residual accepted, as a share of the surface's mean edge
+  double tolerance = 1e-4;                 ///< residual accepted, as a share of the surface's mean edge
 
   /// @throws std::invalid_argument unless all are as said above.
   void check() const;

@@ -50,6 +50,10 @@ Point answer_of(const Slides& slides, const Eigen::Matrix3d& corners_m, const Po
 
 }  // namespace
 
+Eigen::Index DeformedSurface::first_of(int triangle, int corner) const noexcept {
+  return 3 * static_cast<Eigen::Index>(surface_.triangles()[triangle][corner]);
+}
+
 Eigen::Matrix3d DeformedSurface::corners_m(int triangle) const noexcept {
   Eigen::Matrix3d columns;
   for (int corner = 0; corner < 3; ++corner) {

@@ -58,9 +58,8 @@ class DeformedSurface {
   void add_at(const SurfacePlace& place, const Point& force_N, Eigen::VectorXd& all_N) const noexcept;
 
  private:
-  [[nodiscard]] Eigen::Index first_of(int triangle, int corner) const noexcept {
-    return 3 * static_cast<Eigen::Index>(surface_.triangles()[triangle][corner]);
-  }
+  /// Coordinate of a corner.
+  [[nodiscard]] Eigen::Index first_of(int triangle, int corner) const noexcept;
 
   const TissueSurface& surface_;
   const Eigen::VectorXd& displacement_m_;

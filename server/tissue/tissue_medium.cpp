@@ -72,9 +72,6 @@ Range stiffness_of(const LinearTissue& tissue, const std::vector<bool>& held, do
   return range;
 }
 
-// Half a micrometre where triangles are 5 mm wide.
-constexpr double kCorotationalTolerance = 1e-4;
-
 const ProbeOptions& checked(const TissueDescription& description) {
   const ProbeOptions& probe = description.probe;
   probe.check();
@@ -97,9 +94,8 @@ TissueMedium::Law TissueMedium::law_of(TissueDescription&& description, const Pr
   if (!description.large_motion) {
     return TissueModel(LinearTissue(std::move(description.mesh), description.material, description.held_nodes), probe);
   }
-  return CorotationalTissue(
-      std::move(description.mesh), description.material, description.held_nodes,
-      {.contact_stiffness_N_per_m = probe.contact_stiffness_N_per_m, .tolerance = kCorotationalTolerance});
+  return CorotationalTissue(std::move(description.mesh), description.material, description.held_nodes,
+                            {.contact_stiffness_N_per_m = probe.contact_stiffness_N_per_m});
 }
 
 std::unique_ptr<MediumState> TissueMedium::make_state(int seats) const {

@@ -82,14 +82,16 @@ void slide(const CorotationalTissue& tissue, const Look& look) {
 
 TEST(CorotationalTissue, SlidingIsFeltAsWithoutABudget) {
   std::vector<Point> expected_N;
+  int converged = 0;
   const CorotationalTissue patient = block_tissue(kPatient);
   slide(patient, [&](int /*step*/, const TissueResult& result) {
-    EXPECT_LT(result.residual_m, 1e-6);
+    converged += result.converged ? 1 : 0;
     expected_N.push_back(result.force_N);
   });
-  int converged = 0;
+  EXPECT_GT(converged, 990);
+  converged = 0;
   int alike = 0;
-  const CorotationalTissue hasty = block_tissue({.tolerance = 1e-4});
+  const CorotationalTissue hasty = block_tissue({});
   slide(hasty, [&](int step, const TissueResult& result) {
     const Point& rightly_N = expected_N[static_cast<std::size_t>(step)];
     converged += result.converged ? 1 : 0;
@@ -102,7 +104,7 @@ TEST(CorotationalTissue, SlidingIsFeltAsWithoutABudget) {
 
 TEST(CorotationalTissue, AStiffTieSnapsOverEdgesWithoutLettingGo) {
   for (const double stiffness_N_per_m : {5e3, CorotationalOptions::kContactStiffnessMost_N_per_m}) {
-    const CorotationalTissue tissue = block_tissue({.contact_stiffness_N_per_m = stiffness_N_per_m, .tolerance = 1e-4});
+    const CorotationalTissue tissue = block_tissue({.contact_stiffness_N_per_m = stiffness_N_per_m});
     slide(tissue, [&](int step, const TissueResult& result) {
       ASSERT_EQ(result.contacts, 1) << stiffness_N_per_m << ", step " << step;
     });
@@ -110,7 +112,7 @@ TEST(CorotationalTissue, AStiffTieSnapsOverEdgesWithoutLettingGo) {
 }
 
 TEST(CorotationalTissue, LeavingIsNotHeldBack) {
-  const CorotationalTissue tissue = block_tissue({.tolerance = 1e-4});
+  const CorotationalTissue tissue = block_tissue({});
   Felt felt(tissue);
   static_cast<void>(felt.go({0.0213, 0.0178, 0.021}, {0.0213, 0.0178, 0.016}, 50));
   double most_pull_N = 0;
