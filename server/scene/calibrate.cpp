@@ -46,13 +46,6 @@ MeasuredCost measure(SceneState state, const std::vector<Point>& middles_m, Eige
   return {costs_ns[kBatches / 2], costs_ns[kBatches * 99 / 100], left_out};
 }
 
-Point middle_of(const Scene& scene, std::size_t part) {
-  const auto steps = scene.plan().steps();
-  if (part >= steps.size()) return scene.media()[part - steps.size()].medium->facts().on_surface_m;
-  const Shape* shape = steps[part].shape;
-  return shape == nullptr ? Point::Zero() : shape->facts().on_surface_m;
-}
-
 }  // namespace
 
 Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clock& clock) {
@@ -61,8 +54,8 @@ Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clo
   const auto dof = static_cast<std::uint32_t>(rows);
   Calibration calibration;
   std::vector<Point> middles_m;
-  for (std::size_t i = 0; i < scene->plan().steps().size() + scene->media().size(); ++i) {
-    const Point middle_m = middle_of(*scene, i);
+  for (std::size_t i = 0; i < scene->parts(); ++i) {
+    const Point middle_m = scene->on_surface_m(i);
     middles_m.push_back(middle_m);
     calibration.parts.push_back(measure(SceneState::of_part(scene, dof, i), {middle_m}, rows, clock));
   }

@@ -17,6 +17,12 @@ const std::string& Scene::name_of_step(std::size_t step) const noexcept {
   return step < objects ? parts_.objects[step].name : parts_.fields[step - objects].name;
 }
 
+Point Scene::on_surface_m(std::size_t part) const {
+  const auto steps = plan_.steps();
+  if (part >= steps.size()) return parts_.media[part - steps.size()].medium->facts().on_surface_m;
+  return steps[part].shape == nullptr ? Point::Zero() : steps[part].shape->facts().on_surface_m;
+}
+
 bool Scene::accepts(std::uint32_t device_degrees_of_freedom) const noexcept {
   const auto ours = static_cast<std::uint32_t>(facts_.degrees_of_freedom);
   if (ours == kAnyDegreesOfFreedom)

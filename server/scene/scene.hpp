@@ -55,6 +55,12 @@ class Scene {
   /// Of the object or field of a step of the plan.
   [[nodiscard]] const std::string& name_of_step(std::size_t step) const noexcept;
 
+  /// How many parts it has: the steps of the plan, then the media.
+  [[nodiscard]] std::size_t parts() const noexcept { return plan_.steps().size() + parts_.media.size(); }
+
+  /// Where a device meets a part as the scene begins; the origin for a field.
+  [[nodiscard]] Point on_surface_m(std::size_t part) const;
+
   /// Whether a device of so many degrees of freedom can feel it: the same number, or 6 where the scene has 3.
   [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;
 

@@ -17,6 +17,8 @@ std::string read_file(const std::string& path) try {
   throw SceneError(error.what());
 }
 
+std::string file_of(const std::string& shipped) { return "scenes/" + shipped + ".toml"; }
+
 }  // namespace
 
 struct SceneLibrary::Shelf {
@@ -38,7 +40,7 @@ struct SceneLibrary::Shelf {
 
   [[nodiscard]] Compilation compilation_of(const Entry& entry) const {
     return [registry = registry, name = entry.name, text = entry.text] {
-      return parse_scene(text, "scenes/" + name + ".toml", *registry);
+      return parse_scene(text, file_of(name), *registry);
     };
   }
 };
@@ -92,12 +94,18 @@ std::string SceneLibrary::unknown_scene_text(std::string_view name) const {
   return "no scene '" + std::string(name) + "'" + text::suggestion(name, all_names());
 }
 
-std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry) {
+SceneSource scene_source(const std::string& name_or_file) {
   const bool is_file = name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml");
-  if (is_file) return parse_scene(read_file(name_or_file), name_or_file, registry);
-  const SceneLibrary library = SceneLibrary::shipped(registry);
-  if (auto scene = library.find(name_or_file)) return scene;
-  throw SceneError(library.unknown_scene_text(name_or_file) + "; a file is given as FILE.toml");
+  if (is_file) return {read_file(name_or_file), name_or_file};
+  for (const EmbeddedText& scene : shipped_scenes()) {
+    if (scene.name == name_or_file) return {std::string(scene.text), file_of(name_or_file)};
+  }
+  throw SceneError(SceneLibrary::shipped().unknown_scene_text(name_or_file) + "; a file is given as FILE.toml");
+}
+
+std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry) {
+  const SceneSource source = scene_source(name_or_file);
+  return parse_scene(source.text, source.file, registry);
 }
 
 }  // namespace forcebound::server

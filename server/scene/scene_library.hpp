@@ -56,6 +56,15 @@ class SceneLibrary {
   std::shared_ptr<Shelf> shelf_;
 };
 
+/// The text of a scene, and the name of its file for errors and for files beside it.
+struct SceneSource {
+  std::string text;
+  std::string file;
+};
+
+/// As `load_scene`, not yet compiled. @throws SceneError
+SceneSource scene_source(const std::string& name_or_file);
+
 /// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.
 /// @throws SceneError
 std::shared_ptr<const Scene> load_scene(const std::string& name_or_file,

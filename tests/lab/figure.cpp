@@ -86,6 +86,25 @@ void write_y_axis(std::ostream& out, const Panel& panel) {
       << (panel.y_log ? "set logscale y\n" : "unset logscale y\n");
 }
 
+std::string style_of(const Series& series) {
+  std::ostringstream style;
+  switch (series.mark) {
+    case Series::Mark::none:
+      style << "with lines linewidth " << series.width;
+      break;
+    case Series::Mark::dot:
+      style << "with linespoints pointtype 7 pointsize 0.9 linewidth " << series.width;
+      break;
+    case Series::Mark::ring:
+      style << "with points pointtype 6 pointsize 2.4 linewidth 2.4";
+      break;
+    case Series::Mark::cross:
+      style << "with points pointtype 2 pointsize 1.6 linewidth 2.4";
+      break;
+  }
+  return style.str();
+}
+
 void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int height) {
   const Panel& panel = figure.panels[index];
   const auto y_of = [height](double pixels) { return 1 - pixels / height; };
@@ -113,8 +132,8 @@ void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int
   for (std::size_t s = 0; s < panel.series.size(); ++s) {
     const Series& series = panel.series[s];
     if (series.x.empty()) continue;
-    out << separator << "$data_" << index << '_' << s << " using 1:2 with lines linewidth " << series.width
-        << " linecolor rgb '" << series.colour << "' title " << quoted(series.label);
+    out << separator << "$data_" << index << '_' << s << " using 1:2 " << style_of(series) << " linecolor rgb '"
+        << series.colour << "' " << (series.label.empty() ? "notitle" : "title " + quoted(series.label));
     separator = ", ";
   }
   out << '\n';
@@ -150,7 +169,7 @@ std::string script_of(const Figure& figure, const std::filesystem::path& png) {
       << "set offsets 0, 0, graph 0.06, graph 0.03\nset grid xtics ytics back linetype 1 linewidth 1 linecolor rgb '"
       << kGrid << "'\n"
       << "set format y '%g'\nset xrange [" << x_least << ':' << x_most << "]\n"
-      << "nothing = NaN\n";
+      << (figure.x_log ? "set logscale x\n" : "") << "nothing = NaN\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     if (p == 0) {
       out << "set label 10 " << quoted(figure.title) << " at screen 0.5,screen " << 1 - 30.0 / height

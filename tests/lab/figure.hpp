@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -31,6 +32,8 @@ struct Series {
   std::vector<double> y{};
   const char* colour = colour::kApplied;
   double width = 1.6;
+  enum class Mark : std::uint8_t { none, dot, ring, cross };  ///< of each point; rings and crosses have no curve
+  Mark mark = Mark::none;
 };
 
 /// A horizontal line to compare with, such as a limit.
@@ -56,6 +59,7 @@ struct Figure {
   std::string subtitle{};
   std::string x_label = "time [s]";
   std::vector<Panel> panels{};
+  bool x_log = false;
 };
 
 /// Shows a panel only to half above its usual most, where the most of all is more than that: a moment of force at

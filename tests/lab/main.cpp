@@ -19,8 +19,11 @@ int main(int argc, char** argv) {
       "  forcebound-lab report run.mcap --figures out    what a client recorded with --record run.mcap\n"
       "  forcebound-lab passivity --figure leaks.png     what each law leaks on a real device, and what that costs\n"
       "  forcebound-lab soak --seeds 1000                hostile runs, each from its seed, checked on every tick\n"
+      "  forcebound-lab accuracy palpation --rtt 1,20    what a finer tissue costs, and what is left of it at the "
+      "device\n"
       "  forcebound-lab table a.json b.mcap              runs side by side\n\n"
       "Exit code: 0 done, 1 failed, 2 wrong use.");
+  forcebound::lab::add_accuracy(app);
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_passivity(app);

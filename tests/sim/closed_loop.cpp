@@ -24,6 +24,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       server_clock_(clock_, settings_.server_clock),
       schedule_(settings_.timing, time::from_seconds(settings_.device.facts.period_s), settings_.seed),
       network_(clock_, settings_.network),
+      busy_(settings_.server_turn),
       device_(settings_.device,
               settings_.make_hand ? settings_.make_hand()
                                   : client::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom())),
@@ -31,7 +32,12 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       sinks_(sinks) {
   sinks_.push_back(&summary_);
   network_.set_server_handler([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds now) {
-    if (server_) server_->on_datagram(datagram, from, server_clock_.shown_at(now));
+    if (!server_) return;
+    if (settings_.server_turn > Nanoseconds{0}) {
+      busy_.arrive(datagram, from, now);
+    } else {
+      server_->on_datagram(datagram, from, server_clock_.shown_at(now));
+    }
   });
   if (settings_.environment) {
     environment_ = make_environment(*settings_.environment);
@@ -77,16 +83,29 @@ void ClosedLoop::start_server() {
 
 void ClosedLoop::kill_server() {
   network_.detach_server();
+  busy_.forget();
   server_.reset();
 }
 
 void ClosedLoop::live_until(Nanoseconds time) {
   // The server reads the clock too: let it show when each datagram comes.
-  for (auto next = network_.next_event(); next && *next <= time; next = network_.next_event()) {
-    clock_.set(std::max(*next, clock_.now()));
+  while (true) {
+    const auto arrival = network_.next_event();
+    const auto turn = busy_.next_event();
+    const Nanoseconds next = std::min(arrival.value_or(Nanoseconds::max()), turn.value_or(Nanoseconds::max()));
+    if (next > time) break;
+    clock_.set(std::max(next, clock_.now()));
+    if (turn == next) end_server_turn();
     network_.deliver_due(clock_.now());
   }
   clock_.set(time);
+}
+
+void ClosedLoop::end_server_turn() {
+  busy_.end_turn([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds arrival) {
+    server_->take_in(datagram, from, server_clock_.shown_at(arrival));
+  });
+  server_->answer_waiting();
 }
 
 void ClosedLoop::run(Nanoseconds duration) {

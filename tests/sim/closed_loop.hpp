@@ -12,6 +12,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/server/session/server.hpp"
+#include "tests/sim/busy_server.hpp"
 #include "tests/sim/environment.hpp"
 #include "tests/sim/simulated_network.hpp"
 #include "tests/sim/skewed_clock.hpp"
@@ -26,7 +27,7 @@ namespace forcebound::sim {
 ///         ticks late or not     |                                   (may lie)    another clock
 ///                            ledger
 ///
-/// The server takes no time. Everything follows from the settings: same settings, same run.
+/// The server takes no time but what it is told to. Everything follows from the settings: same settings, same run.
 class ClosedLoop {
  public:
   /// Something that goes wrong for a while, noticed with the first tick from its beginning on.
@@ -58,6 +59,7 @@ class ClosedLoop {
     ClockSkew server_clock{};
     std::optional<EnvironmentSetting> environment{};  ///< none: what the server says
     std::vector<Fault> faults{};
+    Nanoseconds server_turn{0};  ///< how long it computes before it answers; meanwhile what comes waits
   };
 
   /// @param sinks see every tick, beside the summary; they must outlive the loop.
@@ -91,6 +93,7 @@ class ClosedLoop {
 
  private:
   void live_until(Nanoseconds time);
+  void end_server_turn();
   void plan_next_tick();
   void note_faults();
   std::span<const std::byte> tampered(std::span<const std::byte> datagram, Nanoseconds now);
@@ -103,6 +106,7 @@ class ClosedLoop {
   SkewedClock server_clock_;
   TickSchedule schedule_;
   SimulatedNetwork network_;
+  BusyServer busy_;
   client::SimulatedDevice device_;
   record::Summary summary_;
   std::vector<record::TickSink*> sinks_;

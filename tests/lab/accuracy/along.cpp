@@ -1,0 +1,114 @@
+#include "tests/lab/accuracy/along.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace forcebound::lab {
+namespace {
+
+using std::chrono::milliseconds;
+
+double share_of(std::vector<double>& values, double share) {
+  if (values.empty()) return 0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+double since_ns(time::Nanoseconds begin, const time::Clock& clock) {
+  return static_cast<double>((clock.now() - begin).count());
+}
+
+std::string trouble_of(const server::SceneFaults& faults, std::size_t steps) {
+  const auto share = [&](std::uint64_t count) {
+    return std::to_string(count) + " of " + std::to_string(steps) + " steps";
+  };
+  if (faults.quarantined > 0) return "came to no finite numbers";
+  if (faults.media.not_converged > steps / 100) return "not converged on " + share(faults.media.not_converged);
+  if (faults.media.slipped_s > 0) return "too many steps for a motion: time left out";
+  return {};
+}
+
+}  // namespace
+
+StepCost cost_of(std::vector<double> durations_ns) {
+  const double most = *std::ranges::max_element(durations_ns);
+  return {share_of(durations_ns, 0.5) * 1e-3, share_of(durations_ns, 0.99) * 1e-3, most * 1e-3};
+}
+
+Along run_along(const std::shared_ptr<const server::Scene>& scene, const std::vector<Vector>& positions_m,
+                const time::Clock& clock) {
+  Along run;
+  server::SceneState state(scene, static_cast<std::uint32_t>(positions_m.front().rows()));
+  std::vector<double> felt_ns;
+  std::vector<double> free_ns;
+  time::Nanoseconds now{0};
+  for (const Vector& position_m : positions_m) {
+    const time::Nanoseconds begin = clock.now();
+    server::SceneAnswer answer = state.answer(position_m, now);
+    const double duration_ns = since_ns(begin, clock);
+    (answer.force.isZero(0) ? free_ns : felt_ns).push_back(duration_ns);
+    now += milliseconds{1};
+    if (!run.forces.empty()) {
+      const Vector moved_m = position_m - positions_m[run.forces.size() - 1];
+      run.work_J += 0.5 * (answer.force + run.forces.back()).dot(moved_m);
+    }
+    run.forces.push_back(std::move(answer.force));
+    run.penetrations_m.push_back(answer.penetration_m);
+  }
+  run.cost = cost_of(std::move(felt_ns.empty() ? free_ns : felt_ns));
+  run.trouble = trouble_of(state.faults(), positions_m.size());
+  return run;
+}
+
+StepCost idle_noise(double about_us, int times, const time::Clock& clock) {
+  volatile double sink = 1;
+  const auto spin = [&](std::int64_t turns) {
+    for (std::int64_t i = 0; i < turns; ++i) sink = sink * 1.0000001;
+  };
+  constexpr std::int64_t kTrial = 100000;
+  const time::Nanoseconds begin = clock.now();
+  spin(kTrial);
+  const double ns_a_turn = std::max(1e-3, since_ns(begin, clock) / static_cast<double>(kTrial));
+  const auto turns = static_cast<std::int64_t>(about_us * 1e3 / ns_a_turn);
+  std::vector<double> durations_ns;
+  for (int i = 0; i < times; ++i) {
+    const time::Nanoseconds before = clock.now();
+    spin(turns);
+    durations_ns.push_back(since_ns(before, clock));
+  }
+  return cost_of(std::move(durations_ns));
+}
+
+StateError state_error(const Along& run, const Along& reference) {
+  StateError error;
+  const double size_N = rms(reference.forces);
+  if (size_N > 0) error.force = rms_difference(run.forces, reference.forces) / size_N;
+  std::vector<double> angles_deg;
+  double in_contact = 0;
+  double depth_m2 = 0;
+  double force_N2 = 0;
+  for (std::size_t i = 0; i < run.forces.size(); ++i) {
+    const Vector& is = run.forces[i];
+    const Vector& should = reference.forces[i];
+    if (is.norm() > 0.01 * size_N && should.norm() > 0.01 * size_N) {
+      // Of the half angle, whose sine does not round small angles away.
+      const double half = std::min(1.0, 0.5 * (is.normalized() - should.normalized()).norm());
+      angles_deg.push_back(2 * std::asin(half) * 180 / std::numbers::pi);
+    }
+    if (!(run.penetrations_m[i] > 0)) continue;
+    ++in_contact;
+    error.penetration_m += run.penetrations_m[i];
+    depth_m2 += run.penetrations_m[i] * run.penetrations_m[i];
+    force_N2 += is.squaredNorm();
+  }
+  error.direction_median_deg = share_of(angles_deg, 0.5);
+  error.direction_p95_deg = share_of(angles_deg, 0.95);
+  if (in_contact > 0) error.penetration_m /= in_contact;
+  if (depth_m2 > 0) error.displayed_stiffness_N_per_m = std::sqrt(force_N2 / depth_m2);
+  error.work_J = run.work_J - reference.work_J;
+  return error;
+}
+
+}  // namespace forcebound::lab

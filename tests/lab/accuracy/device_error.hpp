@@ -1,0 +1,53 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "forcebound/control/vector.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::lab {
+
+using control::Vector;
+using time::Nanoseconds;
+
+/// What a device got on one tick, and what it should have got.
+struct DeviceTick {
+  Nanoseconds time{0};  ///< of the reading
+  bool answered = false;
+  Nanoseconds motion_time{0};  ///< of the motion that the force in use answers, if `answered`
+  Vector reference{};          ///< at the device's true position, now [N]
+  Vector arrived{};            ///< what the server said of that motion [N]
+  Vector request{};            ///< after the late-force policy [N]
+  Vector applied{};            ///< what the law let through [N]
+};
+
+/// The error at the device, E = RMS |applied - reference| / RMS |reference| over all ticks, and what it comes from:
+///
+///     applied - reference(t) = model + age + hold + bounding
+///     model     = arrived - reference(motion)           the server's model against the reference, at the same state
+///     age       = reference(t - least) - reference(t)   the least age of any force in the run: network and computation
+///     hold      = reference(motion) - reference(t - least) + request - arrived
+///                                                       forces that were late, lost, rare, held or faded besides
+///     bounding  = applied - request                     what the law took away for passivity
+///
+/// The errors e_i of the parts add up as vectors, on each tick, so that they partly cancel. The share of a part is its
+/// component along the whole, E_i = <e_i, e> / (|e| |reference|): these add up to E exactly. One below zero makes up
+/// for others. `alone` is what the part would come to without the others, |e_i| / |reference|.
+struct DeviceError {
+  struct Part {
+    double share = 0;
+    double alone = 0;
+  };
+  double total = 0;  ///< E
+  Part model{};
+  Part age{};
+  Part hold{};
+  Part bounding{};
+  Nanoseconds least_age{0};
+};
+
+/// @param ticks in the order of time; on those before the first answer all that is missing counts as held back.
+DeviceError device_error(std::span<const DeviceTick> ticks);
+
+}  // namespace forcebound::lab

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "tests/lab/accuracy/device_error.hpp"
+#include "tests/sim/closed_loop.hpp"
+
+namespace forcebound::lab {
+
+/// A run of the closed loop as the device lived it.
+struct DeviceRun {
+  std::vector<DeviceTick> ticks{};       ///< `reference` not yet filled in
+  std::vector<Vector> true_positions{};  ///< of the tip, at each tick's reading [m]
+  double passivity_minimum_J = 0;        ///< P of the audit
+  double turns_missed = 0;               ///< share of the motions that the server did not come to
+};
+
+/// @param settings whose server takes its time, behind their network
+DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s);
+
+}  // namespace forcebound::lab

@@ -1,0 +1,68 @@
+#include "tests/lab/accuracy/reference_model.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+// Cells are whole numbers, so that no ratio is kept quite.
+constexpr double kOneRatio = 0.02;
+
+std::uint32_t rows_of(const std::vector<Vector>& positions) {
+  return static_cast<std::uint32_t>(positions.front().rows());
+}
+
+}  // namespace
+
+ReferenceModel::ReferenceModel(std::shared_ptr<const server::Scene> scene)
+    : fine_(std::move(scene)), why_("scene '" + fine_->facts().name + "', taken as exact") {}
+
+ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Scene>> levels,
+                               std::span<const double> spacings, const std::vector<Vector>& positions_m,
+                               const time::Clock& clock)
+    : fine_(levels.back()) {
+  const std::size_t last = levels.size() - 1;
+  const Forces fine = run_along(fine_, positions_m, clock).forces;
+  const Forces middle = run_along(levels[last - 1], positions_m, clock).forces;
+  const double size_N = rms(fine);
+  uncertainty_ = size_N > 0 ? rms_difference(middle, fine) / size_N : 0;
+  why_ = "the finest level, for lack of three levels in one ratio";
+  if (levels.size() < 3) return;
+  const double ratio = spacings[last - 1] / spacings[last];
+  if (std::abs(spacings[last - 2] / spacings[last - 1] / ratio - 1) > kOneRatio) return;
+  const Extrapolation found = richardson(run_along(levels[last - 2], positions_m, clock).forces, middle, fine, ratio);
+  uncertainty_ = found.uncertainty;
+  order_ = found.order;
+  why_ = found.why;
+  if (!(order_ > 0)) return;
+  middle_ = levels[last - 1];
+  further_ = 1 / (std::pow(ratio, order_) - 1);
+}
+
+Along ReferenceModel::along(const std::vector<Vector>& positions_m, const time::Clock& clock) const {
+  Along fine = run_along(fine_, positions_m, clock);
+  if (middle_ == nullptr) return fine;
+  const Along middle = run_along(middle_, positions_m, clock);
+  for (std::size_t i = 0; i < fine.forces.size(); ++i) {
+    fine.forces[i] += further_ * (fine.forces[i] - middle.forces[i]);
+  }
+  fine.work_J += further_ * (fine.work_J - middle.work_J);
+  return fine;
+}
+
+void ReferenceModel::fill_in(DeviceRun& run) const {
+  if (run.ticks.empty()) return;
+  server::SceneState fine(fine_, rows_of(run.true_positions));
+  std::optional<server::SceneState> middle;
+  if (middle_ != nullptr) middle.emplace(middle_, rows_of(run.true_positions));
+  for (std::size_t i = 0; i < run.ticks.size(); ++i) {
+    DeviceTick& tick = run.ticks[i];
+    tick.reference = fine.answer(run.true_positions[i], tick.time).force;
+    if (middle) tick.reference += further_ * (tick.reference - middle->answer(run.true_positions[i], tick.time).force);
+  }
+}
+
+}  // namespace forcebound::lab

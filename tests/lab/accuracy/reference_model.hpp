@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/lab/accuracy/along.hpp"
+#include "tests/lab/accuracy/device_run.hpp"
+
+namespace forcebound::lab {
+
+/// What counts as the true force of a scene at any states: another scene's, or what a series of finer and finer ones
+/// tends to.
+class ReferenceModel {
+ public:
+  /// A scene that is right by itself, such as a closed form.
+  explicit ReferenceModel(std::shared_ptr<const server::Scene> scene);
+
+  /// From the last three levels, coarse to fine, by Richardson's extrapolation along saved states, if their spacings
+  /// have one ratio; otherwise, and where they do not converge, the finest.
+  /// @param levels at least two
+  /// @param spacings of each, falling
+  ReferenceModel(std::span<const std::shared_ptr<const server::Scene>> levels, std::span<const double> spacings,
+                 const std::vector<Vector>& positions_m, const time::Clock& clock);
+
+  [[nodiscard]] Along along(const std::vector<Vector>& positions_m, const time::Clock& clock) const;
+
+  /// Fills in the reference of each tick, at the device's true position.
+  void fill_in(DeviceRun& run) const;
+
+  [[nodiscard]] double uncertainty() const noexcept { return uncertainty_; }  ///< a share of its RMS
+  [[nodiscard]] double order() const noexcept { return order_; }              ///< observed; 0: none
+  [[nodiscard]] const std::string& why() const noexcept { return why_; }
+
+ private:
+  std::shared_ptr<const server::Scene> fine_;
+  std::shared_ptr<const server::Scene> middle_;  ///< null: nothing to extrapolate from
+  double further_ = 0;                           ///< F = F0 + further (F0 - F1)
+  double uncertainty_ = 0;
+  double order_ = 0;
+  std::string why_;
+};
+
+}  // namespace forcebound::lab

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forcebound::lab {
+
+/// One key of a scene file, and what is to be tried for it.
+struct Sweep {
+  std::string key;                    ///< "tissue.pad.shape.cells"; a "[[tissue]]" is found by its name
+  std::vector<std::string> values{};  ///< each as TOML writes it, "[4, 4, 2]"
+};
+
+/// "KEY=V1,V2,..." with values as TOML writes them; commas within brackets and quotes do not separate.
+/// @throws std::invalid_argument
+Sweep parse_sweep(std::string_view text);
+
+/// The text of a scene with another value for a key, which may be new.
+/// @throws std::invalid_argument naming what is not there
+std::string scene_variant(std::string_view scene_text, const std::string& key, const std::string& value);
+
+}  // namespace forcebound::lab

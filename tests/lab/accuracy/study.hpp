@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/lab/accuracy/device_error.hpp"
+#include "tests/lab/accuracy/harmonic_hand.hpp"
+#include "tests/lab/accuracy/reference_model.hpp"
+#include "tests/lab/accuracy/scene_variant.hpp"
+
+namespace forcebound::lab {
+
+/// What accuracy costs in time: one key of a scene, its values from coarse to fine, and networks from near to far.
+struct Study {
+  std::string scene_text;
+  std::string scene_file;  ///< files in the scene lie beside it
+  Sweep sweep;
+  std::vector<double> round_trips_s{};
+  HarmonicMotion motion{};
+  std::string device = "cartesian-3dof";
+  std::string law = "fba-exact";
+  double duration_s = 2;
+  double server_turn_least_s = 0;                    ///< a server that is asked to answer less often
+  std::shared_ptr<const server::Scene> reference{};  ///< null: what the levels tend to
+};
+
+/// One value of the key.
+struct StudiedSetting {
+  std::string value;
+  StepCost cost{};
+  StepCost idle{};  ///< of a loop that takes as long, in the same minute
+  StateError at_states{};
+  std::string trouble{};  ///< not empty: failed or not converged, a cross in the figure
+  struct Behind {
+    double round_trip_s = 0;
+    DeviceError error{};
+    double passivity_minimum_J = 0;
+    double turns_missed = 0;
+  };
+  std::vector<Behind> behind{};  ///< one for each round trip
+};
+
+struct StudyResult {
+  std::string key;
+  std::string hand;
+  double reference_uncertainty = 0;
+  double reference_order = 0;
+  std::string reference_why;
+  std::vector<StudiedSetting> settings{};
+};
+
+/// @throws what the scene's variants, device and law refuse
+StudyResult carry_out(Study study, const time::Clock& clock);
+
+/// The value with the least error at the device behind a round trip, of those within a budget; crosses do not count.
+/// None: there is none.
+std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t round_trip, double budget_us);
+
+/// A sweep that shows what the scene has to offer: a tissue's cells, a distance field's cell, the bodies' time step.
+/// @throws std::invalid_argument if there is nothing of the kind
+Sweep usual_sweep(const std::string& scene_text);
+
+/// How coarse a value is, in any unit: of a list the inverse of its first number, of a number whose key ends in _m or
+/// _s itself, of another number its inverse. Nothing for what is no number.
+std::optional<double> spacing_of(const std::string& key, const std::string& value);
+
+}  // namespace forcebound::lab

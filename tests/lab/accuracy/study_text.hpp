@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "tests/lab/accuracy/study.hpp"
+
+namespace forcebound::lab {
+
+/// A table for people: what each setting costs, how wrong it is at the same states, and how wrong at the device behind
+/// each network, with its parts. What lies within three times the reference's uncertainty is shown as "<=".
+std::string to_text(const StudyResult& result);
+
+/// Which setting to take behind each network, a line each; where the settings hardly differ, that they do not matter.
+std::string recommendation(const StudyResult& result, double budget_us = std::numeric_limits<double>::infinity());
+
+nlohmann::ordered_json to_json(const StudyResult& result);
+
+/// The error at the device over the time a step takes, a curve for each round trip, its best point marked; and what the
+/// error comes from behind the nearest and the farthest network.
+void draw(const StudyResult& result, const std::string& title, const std::filesystem::path& png);
+
+}  // namespace forcebound::lab
