@@ -40,7 +40,25 @@ Point top_m(const mjModel& model, mjData& data, int ball) {
   return from_m + down * mj_ray(&model, &data, from_m.data(), down.data(), nullptr, 1, ball, &met);
 }
 
-/// What was computed is not exact to the last digit.
+constexpr const char* kHowToBeStable =
+    ", left alone but for a nudge: it is unstable by itself, take a shorter timestep, softer springs and actuators, or "
+    "for strong damping the integrator implicit";
+
+int fastest_of(const mjModel& model, const mjData& data) {
+  int fastest = -1;
+  for (int i = 0; i < model.nv; ++i) {
+    if (fastest < 0 || std::abs(data.qvel[i]) > std::abs(data.qvel[fastest])) fastest = i;
+  }
+  return fastest;
+}
+
+std::string joint_at(const mjModel& model, int velocity) {
+  const int joint = model.dof_jntid[velocity];
+  if (const char* name = mj_id2name(&model, mjOBJ_JOINT, joint)) return "joint '" + std::string(name) + "'";
+  const char* body = mj_id2name(&model, mjOBJ_BODY, model.jnt_bodyid[joint]);
+  return body != nullptr ? "a joint of body '" + std::string(body) + "'" : "joint " + std::to_string(joint);
+}
+
 std::size_t bytes_of(const mjModel& model) { return static_cast<std::size_t>(mj_sizeModel(&model)); }
 
 }  // namespace
@@ -72,6 +90,7 @@ BodyMedium::BodyMedium(ModelPointer model, const std::vector<std::string>& probe
   apparent_mass_kg_ = apparent_mass_kg(*model_, *data, dragged_);
   check_coupling();
   on_surface_m_ = Eigen::Map<const Point>(data->xipos + 3 * dragged_.front());
+  check_motion();
 }
 
 void BodyMedium::check_overlap(const mjData_& data, int ball) const {
@@ -81,8 +100,9 @@ void BodyMedium::check_overlap(const mjData_& data, int ball) const {
     const int first = model_->geom_bodyid[contact.geom1];
     const int second = model_->geom_bodyid[contact.geom2];
     if (contact.dist > -kAllowed_m || first == ball || second == ball) continue;
-    throw BodiesError(name_ + ": '" + mj_id2name(model_.get(), mjOBJ_BODY, first) + "' and '" +
-                      mj_id2name(model_.get(), mjOBJ_BODY, second) + "' begin " + to_text(-contact.dist) +
+    // Body 0 is the world.
+    const auto name = [&](int body) { return description_.bodies[static_cast<std::size_t>(body - 1)].name; };
+    throw BodiesError(name_ + ": '" + name(first) + "' and '" + name(second) + "' begin " + to_text(-contact.dist) +
                       " m within each other: expected at most " + to_text(kAllowed_m));
   }
 }
@@ -100,12 +120,44 @@ void BodyMedium::check_coupling() const {
                     " of what is stable): take a softer one, a heavier probe or shorter steps");
 }
 
-std::unique_ptr<MediumState> BodyMedium::make_state(int seats) const {
-  std::vector<BodyWorld::Probe> probes;
-  if (!dragged_.empty()) {
-    for (const int body : dragged_) probes.push_back({.body = body});
-    return std::make_unique<BodyWorld>(copy_of(*model_), coupling_, probes);
+void BodyMedium::check_motion() const {
+  constexpr int kSteps = 500;
+  constexpr double kNudge_m_per_s = 1e-3;  // or rad/s
+  constexpr double kAside_m = 1e-3;
+  // Metres or radians: what swings by 1.5 of them at the very edge of what
+  // is stable stays below that.
+  constexpr double kPerStep_max = 3;
+  const double step_s = model_->opt.timestep;
+  const std::unique_ptr<BodyWorld> world = make_world();
+  for (const int body : dragged_) {
+    const Point begin_m = Eigen::Map<const Point>(world->data().xipos + 3 * body);
+    world->move(world->join(), begin_m + Point::Constant(kAside_m), Point::Zero());
   }
+  // Along every mode, none of which is this.
+  for (int i = 0; i < model_->nv; ++i) world->data().qvel[i] += kNudge_m_per_s * std::cos(i);
+  for (int i = 1; i <= kSteps; ++i) {
+    world->advance(step_s);
+    const auto after = [&] { return " after " + std::to_string(i) + " steps of " + to_text(step_s) + " s"; };
+    if (!world->sound()) throw BodiesError(name_ + ": MuJoCo gives up" + after() + kHowToBeStable);
+    const int fastest = fastest_of(*model_, world->data());
+    // What falls may.
+    const double fallen_m_per_s = i * step_s * mju_norm3(model_->opt.gravity);
+    const double speed = fastest < 0 ? 0 : std::abs(world->data().qvel[fastest]);
+    if (step_s * (speed - fallen_m_per_s) <= kPerStep_max) continue;
+    throw BodiesError(name_ + ": " + joint_at(*model_, fastest) + " is at " + rounded(speed) + " m/s or rad/s" +
+                      after() + kHowToBeStable);
+  }
+}
+
+std::unique_ptr<BodyWorld> BodyMedium::make_world() const {
+  std::vector<BodyWorld::Probe> probes;
+  for (const int body : dragged_) probes.push_back({.body = body});
+  return std::make_unique<BodyWorld>(copy_of(*model_), coupling_, probes);
+}
+
+std::unique_ptr<MediumState> BodyMedium::make_state(int seats) const {
+  if (!dragged_.empty()) return make_world();
+  std::vector<BodyWorld::Probe> probes;
   ModelPointer model = seats == 1 ? copy_of(*model_) : compile_mjcf(to_mjcf(description_, seats), name_);
   for (int i = 0; i < seats; ++i) {
     const int body = find_ball(*model, i);

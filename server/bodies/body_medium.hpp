@@ -9,6 +9,8 @@
 
 namespace forcebound::server {
 
+class BodyWorld;
+
 /// Rigid bodies by MuJoCo, and probes among them.
 ///
 /// A step is MuJoCo's, of fixed length; what time is left is kept for the next advance. At most 50 steps an advance,
@@ -16,7 +18,8 @@ namespace forcebound::server {
 /// after the start.
 ///
 /// A coupling must be stable with the apparent mass that it meets as the bodies begin. Elsewhere it is not judged: a
-/// probe of MJCF that meets a smaller mass when its joints have turned needs that much room below what is stable.
+/// probe of MJCF that meets a smaller mass when its joints have turned needs that much room below what is stable. What
+/// MJCF is unstable by itself is found by trying: 500 steps with the devices held a millimetre aside.
 class BodyMedium final : public Medium {
  public:
   /// From a description: a device drags a ball.
@@ -25,7 +28,8 @@ class BodyMedium final : public Medium {
   BodyMedium(BodiesDescription description, std::string name);
 
   /// From MJCF: devices drag the bodies called `probes`, at least one, one each, by their centres of mass.
-  /// @throws BodiesError also for a coupling that would be unstable, with the numbers.
+  /// @throws BodiesError also for a coupling that would be unstable, with the numbers, and for what flies apart or
+  /// stops MuJoCo within those 500 steps.
   BodyMedium(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling, std::string name);
 
   [[nodiscard]] std::unique_ptr<MediumState> make_state(int seats) const override;
@@ -34,6 +38,8 @@ class BodyMedium final : public Medium {
  private:
   void check_overlap(const mjData_& data, int ball) const;
   void check_coupling() const;
+  void check_motion() const;
+  [[nodiscard]] std::unique_ptr<BodyWorld> make_world() const;
   [[nodiscard]] double share_of_stable() const noexcept;
 
   BodiesDescription description_;  ///< no bodies: there is an MJCF model

@@ -20,7 +20,7 @@ constexpr double kVelocityHeld_s = 0.01;
 constexpr double kFar_m = 100;
 // In which the coupling comes to the device, at least: longer than a hand takes to notice and to give way.
 constexpr double kArrival_s_min = 0.5;
-constexpr double kArrival_m_per_s_max = 0.4;
+constexpr double kArrival_m_per_s_max = 0.6;
 // How often a ball within bodies is pushed out of the one it is deepest in, and what does not count as within.
 constexpr int kPushesMax = 8;
 constexpr double kWithin_m = 1e-6;
@@ -107,13 +107,15 @@ void BodyWorld::appear(Seat& seat) noexcept {
   seat.placed_s = 0;
   if (seat.slides >= 0) place_outside(seat, seat.device_m);
   seat.begins_aside_m = position_of(*data_, seat.body) - seat.device_m;
-  seat.arrival_s = std::max(kArrival_s_min, seat.begins_aside_m.norm() / kArrival_m_per_s_max);
+  // The way eased at both ends is fastest half way, at 3/2 of its mean speed.
+  seat.arrival_s = std::max(kArrival_s_min, 1.5 * seat.begins_aside_m.norm() / kArrival_m_per_s_max);
 }
 
 void BodyWorld::move(int at, const Point& position_m, const Point& velocity_m_per_s) noexcept {
   Seat& seat = seats_[static_cast<std::size_t>(at)];
   seat.device_m = at_most(position_m, kFar_m);
   seat.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
+  seat.heard = true;
   seat.silent_s = 0;
   if (!seat.placed) appear(seat);
 }
@@ -128,15 +130,17 @@ void BodyWorld::advance(double elapsed_s) noexcept {
   for (int i = 1; i <= steps && sound_; ++i) step_once((steps - i) * step_s);
   left_s_ = std::max(0.0, left_s_ - steps_due * step_s);
   faults_.slipped_s += (steps_due - steps) * step_s;
-  for (Seat& seat : seats_) seat.silent_s += steps * step_s;
+  if (steps == 0) return;
+  for (Seat& seat : seats_) seat.heard = false;
 }
 
 void BodyWorld::step_once(double before_end_s) noexcept {
   const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
   sound_ = begin_step(*model_, *data_);
+  // A reset of MuJoCo's has cleared its counts.
+  if (!sound_) return;
   faults_.contacts_left_out += static_cast<std::uint64_t>(data_->warning[mjWARN_CONTACTFULL].number +
                                                           data_->warning[mjWARN_CNSTRFULL].number - overfull);
-  if (!sound_) return;
   for (Seat& seat : seats_) {
     if (seat.placed) pull(seat, before_end_s);
   }
@@ -148,8 +152,9 @@ void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
   // velocity is believed for a moment: without it every late motion would be a blow of the damper.
   Point end_m = seat.device_m;
   Point end_m_per_s = Point::Zero();
-  if (!(seat.silent_s > 0)) end_m -= before_end_s * seat.device_m_per_s;
-  if (seat.silent_s < kVelocityHeld_s) end_m_per_s = seat.device_m_per_s;
+  if (seat.heard) end_m -= before_end_s * seat.device_m_per_s;
+  if (seat.heard || seat.silent_s < kVelocityHeld_s) end_m_per_s = seat.device_m_per_s;
+  seat.silent_s += model_->opt.timestep;
   seat.placed_s += model_->opt.timestep;
   if (const double left = 1 - seat.placed_s / seat.arrival_s; left > 0) {
     // Without a jump of position or velocity at either end.

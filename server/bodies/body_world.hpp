@@ -42,6 +42,7 @@ class BodyWorld final : public MediumState {
     bool placed = false;  ///< has been somewhere since it was taken
     Point device_m = Point::Zero();
     Point device_m_per_s = Point::Zero();
+    bool heard = false;                    ///< of the device, since the last advance
     double silent_s = 0;                   ///< simulated since the device was heard of
     Point begins_aside_m = Point::Zero();  ///< how far from the device the coupling's far end began
     double placed_s = 0;                   ///< simulated since then

@@ -32,6 +32,12 @@ std::string quoted(const std::string& name) {
   return "\"" + text + "\"";
 }
 
+/// Another for each, and none of those that MuJoCo and the probes have.
+std::string name_in_mjcf(const std::string& name) {
+  const auto begins = [&](const char* with) { return name.rfind(with, 0) == 0; };
+  return name == "world" || begins("probe ") || begins("body ") ? "body " + name : name;
+}
+
 std::string geometry(const BodyDescription& body) {
   const Point half = 0.5 * body.size_m;
   const auto along = [&](const char* type) {
@@ -53,7 +59,7 @@ std::string geometry(const BodyDescription& body) {
 
 std::string to_mjcf(const BodyDescription& body) {
   const bool moves = body.mass_kg > 0;
-  return "    <body name=" + quoted(body.name) + " pos=\"" + numbers(body.position_m) + "\">" +
+  return "    <body name=" + quoted(name_in_mjcf(body.name)) + " pos=\"" + numbers(body.position_m) + "\">" +
          (moves ? "<freejoint/>" : "") + "<geom " + geometry(body) +
          (moves ? " mass=\"" + to_text(body.mass_kg) + "\"" : "") + " friction=\"" + to_text(body.friction) +
          " 0.0001 0.00001\"/></body>\n";

@@ -41,9 +41,10 @@ struct BodiesDescription {
 /// "probe 0", "probe 1", ...
 std::string name_of_probe(int number);
 
-/// As MJCF, with `probes` probes: each a ball that is moved along three slides and
-/// meets bodies, but no other probe. The integrator is implicit in velocity, which keeps a body that tumbles from
-/// gaining.
+/// As MJCF, with the bodies in their order and then `probes` probes: each a ball that is moved along three slides and
+/// meets bodies, but no other probe. A body keeps its name but for those that are taken there, 'world' and those that
+/// begin with "probe ": it is put after "body ", and so is one that begins with this. The integrator is implicit in
+/// velocity, which keeps a body that tumbles from gaining.
 std::string to_mjcf(const BodiesDescription& description, int probes);
 
 /// Where a probe without a client waits, where nothing else is.

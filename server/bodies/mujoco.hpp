@@ -9,13 +9,17 @@ struct mjData_;
 
 namespace forcebound::server {
 
-/// MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
-/// only counted by MuJoCo itself, and an error ends the call that caused it.
-///
-/// MuJoCo has one handler of errors and one of warnings for the whole process. Ours are put in their place at the first
-/// call from here, for good. What comes about in a program's own calls of MuJoCo goes on to the handlers that were
-/// there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
-/// later takes the errors here upon itself: MuJoCo expects of it not to return.
+// MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
+// only counted by MuJoCo itself, and an error ends the call that caused it.
+//
+// MuJoCo has one handler of errors and one of warnings for the whole process. Ours are put in their place at the first
+// call from here, for good. What comes about in a program's own calls of MuJoCo goes on to the handlers that were
+// there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
+// later takes the errors here upon itself: MuJoCo expects of it not to return.
+//
+// Any thread may call these functions, each with data of its own, and several may compile at once: in MuJoCo 2.2.2
+// what a compilation shares with others is the last model's XML, behind a lock of MuJoCo's own; its error handler and
+// locale are the thread's.
 
 /// Bodies that cannot be had: one line, with the file and what MuJoCo says of it.
 class BodiesError : public std::runtime_error {

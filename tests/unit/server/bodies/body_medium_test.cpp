@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "forcebound/server/bodies/body_world.hpp"
 #include "tests/support/allocation_guard.hpp"
@@ -12,6 +13,10 @@
 
 namespace forcebound::server {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr double kGravity = 9.80665;
 
@@ -133,6 +138,80 @@ TEST(BodyMedium, AProbeOfMjcfMustBeThereAndMoveByAPullAtItsCenterOfMass) {
   const std::string immovable = "peg.xml: body 'peg' must have a joint that moves its centre of mass to be the probe";
   EXPECT_EQ(refusal("<body name='peg'><geom size='0.1'/></body>", "peg"), immovable);
   EXPECT_EQ(refusal("<body name='peg'><joint axis='1 2 3'/><geom size='0.1'/></body>", "peg"), immovable);
+}
+
+std::string refusal_of_mjcf(const std::string& option, const std::string& bodies) {
+  try {
+    const BodyMedium medium(
+        compile_mjcf("<mujoco><option timestep='0.002' " + option + "/>" + bodies + "</mujoco>", "peg.xml"), {"peg"},
+        {}, "peg.xml");
+  } catch (const BodiesError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string peg_on(const std::string& joint) {
+  return "<worldbody><body name='peg'><joint " + joint + "/><geom size='0.01' mass='0.05'/></body></worldbody>";
+}
+
+TEST(BodyMedium, RefusesMjcfThatIsUnstableByItselfAndSaysWhatHelps) {
+  const auto spring = [](double h2_k_over_m) {
+    const double stiffness_N_per_m = h2_k_over_m * 0.05 / (0.002 * 0.002);
+    return peg_on("name='rail' type='slide' stiffness='" + std::to_string(stiffness_N_per_m) + "'");
+  };
+  EXPECT_THAT(refusal_of_mjcf("", spring(4.8)),
+              AllOf(StartsWith("peg.xml: joint 'rail' is at "), HasSubstr(" steps of 0.002 s, left alone but for a"),
+                    HasSubstr("take a shorter timestep, softer springs and actuators, or for strong damping the "
+                              "integrator implicit")));
+  // The coupling's own 0.05 and 0.32 m/h^2 count.
+  EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", spring(4.05)), StartsWith("peg.xml: joint 'rail' is at "));
+  EXPECT_EQ(refusal_of_mjcf("", spring(3.5)), "accepted");
+}
+
+TEST(BodyMedium, FindsWhatIsUnstableAsideOfTheProbeAndWithoutAForceAtTheStart) {
+  const std::string other =
+      "<worldbody><body name='peg'><freejoint/><geom size='0.01' mass='0.05'/></body><body name='other' pos='1 0 0'>";
+  const std::string ball = "<geom size='0.01' mass='0.05'/></body></worldbody>";
+  EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", other + "<joint type='slide' stiffness='60000'/>" + ball),
+              StartsWith("peg.xml: a joint of body 'other' is at "));
+  // Turned by no more than half a turn, it never leaves the numbers.
+  EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", other + "<joint type='ball' stiffness='3'/>" + ball),
+              StartsWith("peg.xml: a joint of body 'other' is at "));
+}
+
+TEST(BodyMedium, DampingThatIsTooMuchForEulerIsTakenWithImplicit) {
+  const std::string held =
+      peg_on("name='rail' type='slide'") + "<actuator><velocity joint='rail' kv='200'/></actuator>";
+  EXPECT_THAT(refusal_of_mjcf("", held), HasSubstr("joint 'rail' is at "));
+  EXPECT_EQ(refusal_of_mjcf("integrator='implicit'", held), "accepted");
+}
+
+TEST(BodyMedium, TakesMjcfThatFallsSwingsOrIsDriven) {
+  const std::string falls = "<worldbody><body name='peg'><freejoint/><geom size='0.01' mass='1'/></body></worldbody>";
+  EXPECT_EQ(refusal_of_mjcf("gravity='0 0 -1000'", falls), "accepted");
+  const std::string upright =
+      "<worldbody><body name='a'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.005'/>"
+      "<body name='peg' pos='0 0 .1'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.005'/>"
+      "</body></body></worldbody>";
+  EXPECT_EQ(refusal_of_mjcf("", upright), "accepted") << "it tips over, which is no fault of the numbers";
+  EXPECT_EQ(refusal_of_mjcf("", peg_on("name='rail' type='slide' springref='0.5' stiffness='1000'") +
+                                    "<actuator><position joint='rail' kp='1000'/></actuator>"),
+            "accepted");
+}
+
+TEST(BodyMedium, BodiesMayBeCalledWhatMuJoCoAndTheProbesAreCalled) {
+  std::vector<BodyDescription> bodies{floor_plate()};
+  for (const char* name : {"world", "probe 0", "probe 1", "body probe 1", "body world"}) {
+    bodies.push_back(cube(0.1, {0, 0, 0.021 + 0.041 * static_cast<double>(bodies.size() - 1)}));
+    bodies.back().name = name;
+  }
+  const BodyMedium medium({.bodies = bodies}, "test");
+  const auto state = medium.make_state(2);
+  Hand hand(*state);
+  EXPECT_LT(hand.rest_at({0.3, 0, 0.1}, 100).force_N.norm(), 1e-9) << "it drags a probe, no cube";
+  bodies[2].position_m = bodies[1].position_m;
+  EXPECT_EQ(error_of({.bodies = bodies}).rfind("scene.toml: bodies: 'world' and 'probe 0' begin ", 0), 0U);
 }
 
 TEST(BodyMedium, DoesNotAllocate) {

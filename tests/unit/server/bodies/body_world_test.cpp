@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "forcebound/server/bodies/body_medium.hpp"
@@ -196,6 +197,48 @@ TEST(BodyWorld, ABodyFarFromItsDeviceComesWithoutAJerk) {
     last_N = force_N;
   }
   EXPECT_LT((center_of_mass_m(*bodies, "b") - Point(0.15, 0, 0)).norm(), 1e-6);
+}
+
+TEST(BodyWorld, ABodyFarFromItsDeviceComesNoFasterThanAHandCanFollow) {
+  const auto bodies = world_of(
+      "<option gravity='0 0 0' timestep='0.001'/><worldbody><body name='b'><freejoint/><geom size='0.01' mass='0.1'/>"
+      "</body></worldbody>",
+      "b", {.stiffness_N_per_m = 300, .damping_N_s_per_m = 10});
+  Hand hand(*bodies);
+  double fastest_m_per_s = 0;
+  for (int i = 0; i < 3000; ++i) {
+    (void)hand.to({0.9, 0, 0});
+    fastest_m_per_s = std::max(fastest_m_per_s, mju_norm3(bodies->data().qvel));
+  }
+  EXPECT_NEAR(fastest_m_per_s, 0.6, 0.01);
+  EXPECT_LT((center_of_mass_m(*bodies, "b") - Point(0.9, 0, 0)).norm(), 1e-6);
+}
+
+TEST(BodyWorld, AReturnOfMuJoCoToTheStartTakesNoContactsFromThoseLeftOut) {
+  const auto bodies = world_of(
+      "<size nconmax='2' njmax='100'/><worldbody><geom type='box' size='1 1 0.05' pos='0 0 -0.05'/><body name='box' "
+      "pos='0 0 0.02'><freejoint/><geom type='box' size='0.02 0.02 0.02' mass='0.1'/></body></worldbody>",
+      "box", {.stiffness_N_per_m = 100, .damping_N_s_per_m = 1});
+  bodies->advance(0.05);
+  const std::uint64_t before = bodies->faults().contacts_left_out;
+  EXPECT_GT(before, 0U);
+  bodies->data().qvel[0] = std::nan("");
+  bodies->advance(0.05);
+  EXPECT_FALSE(bodies->sound());
+  EXPECT_EQ(bodies->faults().contacts_left_out, before);
+}
+
+TEST(BodyWorld, ASilentDevicesVelocityIsBelievedAsLongInOneAdvanceAsInMany) {
+  const auto force_N = [](int advances) -> Point {
+    const BodyMedium medium({.bodies = {floor_plate()}}, "test");
+    const auto state = medium.make_state(1);
+    Hand hand(*state);
+    (void)hand.along({0, 0, 0.1}, {0.1, 0, 0.1});
+    for (int i = 0; i < advances; ++i) state->advance(0.04 / advances);
+    return state->touch(0).force_N;
+  };
+  EXPECT_GT(force_N(40).norm(), 1e-4) << "it still swings";
+  EXPECT_LT((force_N(1) - force_N(40)).norm(), 1e-9);
 }
 
 TEST(BodyWorld, TheSmallestStepKeepsPaceWithAKilohertz) {
