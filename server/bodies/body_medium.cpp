@@ -124,8 +124,7 @@ void BodyMedium::check_motion() const {
   constexpr int kSteps = 500;
   constexpr double kNudge_m_per_s = 1e-3;  // or rad/s
   constexpr double kAside_m = 1e-3;
-  // Metres or radians: what swings by 1.5 of them at the very edge of what
-  // is stable stays below that.
+  // Metres or radians: what swings by 1.5 of them at the very edge of what is stable stays below that.
   constexpr double kPerStep_max = 3;
   const double step_s = model_->opt.timestep;
   const std::unique_ptr<BodyWorld> world = make_world();
@@ -133,7 +132,7 @@ void BodyMedium::check_motion() const {
     const Point begin_m = Eigen::Map<const Point>(world->data().xipos + 3 * body);
     world->move(world->join(), begin_m + Point::Constant(kAside_m), Point::Zero());
   }
-  // Along every mode, none of which is this.
+  // Of every mode a part.
   for (int i = 0; i < model_->nv; ++i) world->data().qvel[i] += kNudge_m_per_s * std::cos(i);
   for (int i = 1; i <= kSteps; ++i) {
     world->advance(step_s);
