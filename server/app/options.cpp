@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "forcebound/text/numbers.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -15,6 +17,18 @@ constexpr const char* kDescription =
     "force that the scene exerts there. However late that force arrives, the client keeps\n"
     "it passive; the server may be far away. Every client feels a scene of its\n"
     "own, unless the scene says that it is shared.\n";
+
+/// CLI::Range takes "nan" for a number in any range.
+CLI::Validator within(double least, double most) {
+  const std::string range = text::to_text(least) + " to " + text::to_text(most);
+  return {[=](const std::string& value) -> std::string {
+            const auto number = text::finite_number(value);
+            return number && *number >= least && *number <= most
+                       ? ""
+                       : "must be a number from " + range + ", got '" + value + "'";
+          },
+          range};
+}
 
 std::string footer() {
   return "Scenes: " + SceneLibrary::shipped().names() +
@@ -52,12 +66,12 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_option("--device-damping", options.device.damping_N_s_per_m,
                  "with --explain: of the device that margins are for")
       ->type_name("N_S_PER_M")
-      ->check(CLI::Range(1e-6, 1e6))
+      ->check(within(1e-6, 1e6))
       ->capture_default_str()
       ->needs("--explain");
   app.add_option("--round-trip", round_trip_ms, "with --explain: also say the margins behind such a network")
       ->type_name("MS")
-      ->check(CLI::Range(0.0, 60000.0))
+      ->check(within(0, 60000))
       ->needs("--explain");
   app.add_flag("--schema", options.schema, "print all that a scene file may have, as Markdown, and end");
   app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
@@ -69,7 +83,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_option("--idle-timeout", idle_timeout_s,
                  "forget a client that is silent for so long; mobile networks pause 15 s")
       ->type_name("SECONDS")
-      ->check(CLI::Range(1.0, 86400.0))
+      ->check(within(1, 86400))
       ->capture_default_str();
   app.add_flag("--realtime", options.realtime, "ask the system for real-time scheduling and locked memory");
   app.add_flag("-v,--verbose", options.verbose, "print totals every 10 s");

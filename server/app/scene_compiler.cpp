@@ -19,30 +19,38 @@ SceneCompiler::SceneCompiler(SceneLibrary library)
 }
 
 void SceneCompiler::deliver() {
-  std::vector<std::shared_ptr<const Scene>> compiled;
+  std::vector<Outcome> outcomes;
   {
     const std::lock_guard lock(guard_);
-    compiled.swap(compiled_);
+    outcomes.swap(outcomes_);
   }
-  for (auto& scene : compiled) library_.add(std::move(scene));
+  for (Outcome& outcome : outcomes) {
+    if (outcome.scene) {
+      library_.add(std::move(outcome.scene));
+      continue;
+    }
+    spdlog::error("scene '{}' cannot be had: {}", outcome.name, outcome.why_not);
+    library_.give_up(outcome.name, std::move(outcome.why_not));
+  }
 }
 
 void SceneCompiler::run(const std::stop_token& stop) {
   while (true) {
-    SceneLibrary::Compilation compile;
+    SceneLibrary::Compilation compilation;
     {
       std::unique_lock lock(guard_);
-      if (!wanted_changed_.wait(lock, stop, [this] { return !wanted_.empty(); })) return;
-      compile = std::move(wanted_.front());
+      if (!wanted_changed_.wait(lock, stop, [this] { return !wanted_.empty(); }) || stop.stop_requested()) return;
+      compilation = std::move(wanted_.front());
       wanted_.pop_front();
     }
+    Outcome outcome{.name = compilation.name};
     try {
-      auto scene = compile();
-      const std::lock_guard lock(guard_);
-      compiled_.push_back(std::move(scene));
+      outcome.scene = compilation.compile();
     } catch (const std::exception& error) {
-      spdlog::error("a scene that a client asked for cannot be had: {}", error.what());
+      outcome.why_not = error.what();
     }
+    const std::lock_guard lock(guard_);
+    outcomes_.push_back(std::move(outcome));
   }
 }
 

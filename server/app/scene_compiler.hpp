@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -17,7 +18,7 @@ class SceneCompiler {
  public:
   explicit SceneCompiler(SceneLibrary library);
 
-  /// Puts what was compiled meanwhile into the library; to be called by the library's own thread.
+  /// Tells the library what came of it meanwhile; to be called by the library's own thread.
   void deliver();
 
  private:
@@ -27,7 +28,12 @@ class SceneCompiler {
   std::mutex guard_;  // of the two lists
   std::condition_variable_any wanted_changed_;
   std::deque<SceneLibrary::Compilation> wanted_;
-  std::vector<std::shared_ptr<const Scene>> compiled_;
+  struct Outcome {
+    std::string name;
+    std::shared_ptr<const Scene> scene{};  // null: not had
+    std::string why_not{};
+  };
+  std::vector<Outcome> outcomes_;
   std::jthread thread_;  // last: ends before what it uses
 };
 

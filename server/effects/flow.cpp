@@ -3,6 +3,8 @@
 namespace forcebound::server {
 namespace {
 
+constexpr double kHand_m_per_s = 0.5;
+
 class Flow final : public Effect {
  public:
   explicit Flow(const EffectValues& values)
@@ -16,10 +18,12 @@ class Flow final : public Effect {
   }
 
   EffectFacts facts() const override {
-    return {.inputs = {.velocity = true},
-            .damping_N_s_per_m = damping_N_s_per_m_ + 2 * drag_N_s2_per_m2_ * velocity_m_per_s_.norm(),
-            .drives = !velocity_m_per_s_.isZero(0),
-            .cost_ns = 8};
+    return {
+        .inputs = {.velocity = true},
+        // The drag's own grows with the speed: as of a fast hand against the stream.
+        .damping_N_s_per_m = damping_N_s_per_m_ + 2 * drag_N_s2_per_m2_ * (velocity_m_per_s_.norm() + kHand_m_per_s),
+        .drives = !velocity_m_per_s_.isZero(0),
+        .cost_ns = 8};
   }
 
  private:

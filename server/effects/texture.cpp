@@ -22,7 +22,10 @@ class TextureEffect final : public Effect {
     reaction.texture = {amplitude_N_, waves_, {wave, probe.normal.cross(wave)}};
   }
 
-  EffectFacts facts() const override { return {.cost_ns = 10}; }
+  // Up on the crests and down in the troughs takes energy out of it each time.
+  EffectFacts facts() const override {
+    return {.stiffness_N_per_m = amplitude_N_ * wave_rad_per_m_, .drives = true, .cost_ns = 10};
+  }
 
  private:
   // Nearer to the normal than this a direction on the surface is made of rounding errors.

@@ -27,6 +27,7 @@ struct SceneLibrary::Shelf {
     std::string_view text{};               // of a scene that ships
     std::shared_ptr<const Scene> scene{};  // null: not yet compiled
     bool coming = false;
+    std::string why_not{};
   };
 
   Entry* find(std::string_view name) {
@@ -39,9 +40,9 @@ struct SceneLibrary::Shelf {
   std::vector<Entry> entries{};
 
   [[nodiscard]] Compilation compilation_of(const Entry& entry) const {
-    return [registry = registry, name = entry.name, text = entry.text] {
-      return parse_scene(text, file_of(name), *registry);
-    };
+    return {entry.name, [registry = registry, name = entry.name, text = entry.text] {
+              return parse_scene(text, file_of(name), *registry);
+            }};
   }
 };
 
@@ -67,16 +68,24 @@ void SceneLibrary::compile_elsewhere(std::function<void(Compilation)> elsewhere)
   shelf_->elsewhere = std::move(elsewhere);
 }
 
+void SceneLibrary::give_up(std::string_view name, std::string why) {
+  Shelf::Entry* const entry = shelf_->find(name);
+  if (entry == nullptr) return;
+  entry->coming = false;
+  entry->why_not = std::move(why);
+}
+
 std::shared_ptr<const Scene> SceneLibrary::find(std::string_view name) const {
   Shelf::Entry* const entry = shelf_->find(name);
   if (entry == nullptr) return nullptr;
-  if (!entry->scene) entry->scene = shelf_->compilation_of(*entry)();
+  if (!entry->scene) entry->scene = shelf_->compilation_of(*entry).compile();
   return entry->scene;
 }
 
 SceneLibrary::Requested SceneLibrary::request(std::string_view name) const {
   Shelf::Entry* const entry = shelf_->find(name);
   if (entry == nullptr || entry->scene || !shelf_->elsewhere) return {.scene = find(name)};
+  if (!entry->why_not.empty()) return {.why_not = std::exchange(entry->why_not, {})};
   if (!std::exchange(entry->coming, true)) shelf_->elsewhere(shelf_->compilation_of(*entry));
   return {.coming = true};
 }

@@ -26,18 +26,25 @@ class SceneLibrary {
   void add(std::shared_ptr<const Scene> scene);
 
   /// What is left to do for a scene; it does not touch the library, and may be done on another thread.
-  using Compilation = std::function<std::shared_ptr<const Scene>()>;
+  struct Compilation {
+    std::string name;
+    std::function<std::shared_ptr<const Scene>()> compile;  ///< @throws what keeps it from being had
+  };
 
   /// Who asks by `request` for a scene that is not compiled does not wait: `elsewhere` is given what is to be done, and
-  /// `add` what came of it.
+  /// `add` or `give_up` what came of it.
   void compile_elsewhere(std::function<void(Compilation)> elsewhere);
+
+  /// Who asks next is told why, and who asks then has it tried again.
+  void give_up(std::string_view name, std::string why);
 
   /// Null if there is none. Never looks at files, so that a client cannot either.
   [[nodiscard]] std::shared_ptr<const Scene> find(std::string_view name) const;
 
   struct Requested {
     std::shared_ptr<const Scene> scene{};
-    bool coming = false;  ///< being compiled elsewhere: ask again
+    bool coming = false;    ///< being compiled elsewhere: ask again
+    std::string why_not{};  ///< it is known, but could not be compiled
   };
 
   /// As `find`, for those who cannot wait.

@@ -152,12 +152,14 @@ SchemaKey described(const EffectParameter& parameter) {
 
 constexpr const char* kTimeOfMedia =
     "Where each client has its own, time goes by the clock of its device: a motion that comes late is answered as if "
-    "it had\n"
-    "come in time. In a shared scene there is one time, the server's, and a motion counts when it arrives; between two "
-    "motions\n"
-    "a device is taken to go on as it went, for 10 ms, and then to rest. Who holds still, or is not heard of, holds "
-    "still what\n"
-    "it touches. When the last client leaves, the scene begins anew for the next one.\n\n";
+    "it\n"
+    "had come in time. In a shared scene there is one time, the server's, and a motion counts when it arrives. Between "
+    "two\n"
+    "motions a device is held where it was, and the damper of a coupling believes its velocity for 10 ms more. Who "
+    "holds\n"
+    "still, or is not heard of, holds still what it touches. When the last client leaves, the scene begins anew for "
+    "the\n"
+    "next one.\n\n";
 
 std::vector<SchemaTable> part_tables() {
   const SchemaKey name{"name", "for errors, logs and `--explain`", "1 to 64 printable characters"};

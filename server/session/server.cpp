@@ -149,6 +149,12 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     ++counters_.hellos_too_early;
     return;
   }
+  if (!wanted.why_not.empty()) {
+    refuse(hello, from,
+           {RefusalReason::server_full,
+            "scene '" + printable(hello.scene) + "' cannot be had at the moment: " + wanted.why_not});
+    return;
+  }
   if (!wanted.scene) {
     refuse(hello, from, {RefusalReason::unknown_scene, scenes_.unknown_scene_text(printable(hello.scene))});
     return;

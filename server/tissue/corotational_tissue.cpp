@@ -91,8 +91,9 @@ class CorotationalTissue::Step {
     if (!own_ && others_.empty() && body_.now.displacement_m.isZero(0)) return result_;
     for (SurfaceTie& other : others_) other.pulls = false;
     slide();
-    (void)let_go();
+    // The tissue is not yet where it is for the probe's new place: what seems to pull may be a step back on the way.
     body_.at_rest = false;
+    (void)let_go();
     tissue_.elasticity_.find_turns(body_.now, body_.turns);
     for (;;) {
       find_residual();

@@ -44,17 +44,19 @@ struct CorotationalBody {
 ///     E = elastic energy + k/2 |c - x_s|^2
 ///
 /// The place is found as by TissueModel: where the probe came in, from there always the nearest of the places around as
-/// they are deformed. It is let go when the tie would pull at rest. Newton's method with the whole second derivative,
-/// conjugate gradients preconditioned by the factors of the stiffness at rest, turned with each node, and a line search
-/// take E down from where the last step left it. Every change at a fixed c lowers E, so that no motion returns more
-/// than it took, converged or not; a tissue that has not converged lags, and says so by its residual. Inverted
-/// tetrahedra recover, since their rotations stay rotations.
+/// they are deformed. It is let go when the tie pulls with the tissue at rest for the probe's new place. Newton's
+/// method with the whole second derivative, conjugate gradients preconditioned by the factors of the stiffness at rest,
+/// turned with each node, and a line search take E down from where the last step left it. Every change at a fixed c
+/// lowers E, so that no motion returns more than it took, converged or not; a tissue that has not converged lags, and
+/// says so by its residual. Inverted tetrahedra recover, since their rotations stay rotations.
 ///
 /// *Several probes* on one tissue have one energy, with a tie each. A step moves one probe; the others hold on where
-/// they touched last, and what would pull is left out.
+/// they touched last, and what would pull is left out of that step. A tie that comes back so may bring up to k/2 times
+/// the square of what it is stretched by.
 ///
-/// Real time: `step` is noexcept, allocates nothing, and takes bounded time, at most iterations_max times
-/// linear_iterations_max passes over the tetrahedra. Immutable, hence shared; each state has a body of its own.
+/// Real time: `step` is noexcept, allocates nothing, and takes bounded time: at most iterations_max times (8 + 1)
+/// passes over the tetrahedra and linear_iterations_max over the blocks of their stiffness, with a solution by the
+/// factors each. Immutable, hence shared; each state has a body of its own.
 class CorotationalTissue {
  public:
   /// @throws std::invalid_argument for a material or options that `check` refuses, and for a node that does not exist

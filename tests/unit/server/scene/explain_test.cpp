@@ -66,7 +66,7 @@ TEST(Explain, MarginsAreForTheDeviceAndTheNetworkThatWereSaid) {
 
 TEST(Explain, AddsUpWhatIsFeltAtOnePlace) {
   const std::string text = explain(*load_scene("microsurgery"));
-  EXPECT_THAT(text, HasSubstr("all at one place: passive without a law on a device with damping above 12.2 N s/m"));
+  EXPECT_THAT(text, HasSubstr("all at one place: passive without a law on a device with damping above 42.1 N s/m"));
   EXPECT_THAT(explain(*load_scene("wall")), Not(HasSubstr("all at one place")));
 }
 

@@ -89,12 +89,27 @@ TEST(SceneLibrary, WhoCannotWaitAsksAgainWhileASceneIsCompiledElsewhere) {
     EXPECT_EQ(requested.scene, nullptr);
   }
   ASSERT_EQ(wanted.size(), 1U);
-  const auto compiled = wanted.front()();
+  EXPECT_EQ(wanted.front().name, "sphere");
+  const auto compiled = wanted.front().compile();
   library.add(compiled);
   EXPECT_EQ(library.request("sphere").scene, compiled);
   EXPECT_FALSE(library.request("sphere").coming);
   EXPECT_FALSE(library.request("no such scene").coming);
   EXPECT_EQ(wanted.size(), 1U);
+}
+
+TEST(SceneLibrary, WhatCouldNotBeCompiledIsToldOnceAndThenTriedAgain) {
+  SceneLibrary library = SceneLibrary::shipped();
+  int asked = 0;
+  library.compile_elsewhere([&](const SceneLibrary::Compilation&) { ++asked; });
+  EXPECT_TRUE(library.request("sphere").coming);
+  library.give_up("sphere", "no memory");
+  const auto told = library.request("sphere");
+  EXPECT_EQ(told.why_not, "no memory");
+  EXPECT_FALSE(told.coming);
+  EXPECT_EQ(asked, 1);
+  EXPECT_TRUE(library.request("sphere").coming);
+  EXPECT_EQ(asked, 2);
 }
 
 TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }

@@ -53,6 +53,20 @@ TEST_F(ServerTest, AHelloThatComesBeforeItsSceneIsCompiledIsToBeSaidAgain) {
   EXPECT_EQ(only_answer<wire::Welcome>().scene, "free");
 }
 
+TEST_F(ServerTest, SaysWhyASceneCannotBeHad) {
+  SceneLibrary scenes = SceneLibrary::shipped();
+  (void)scenes.find("wall");
+  scenes.compile_elsewhere([&](const SceneLibrary::Compilation& wanted) { scenes.give_up(wanted.name, "no memory"); });
+  server.emplace(
+      ServerOptions{}, scenes, link, clock, [] { return 1U; }, &diary);
+  auto question = hello();
+  question.scene = "free";
+  arrive(question);
+  EXPECT_TRUE(answers().empty());
+  arrive(question);
+  EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'free' cannot be had at the moment: no memory");
+}
+
 TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
   auto question = hello(9);
   question.protocol_version = 2;

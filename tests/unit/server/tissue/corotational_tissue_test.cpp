@@ -186,12 +186,14 @@ TEST(CorotationalTissue, NoLoopReturnsMoreThanItTookConvergedOrNot) {
     Point before = Point::Zero();
     double work_J = 0;
     double peak_J = 0;
+    int entries = 0;
     constexpr int kSteps = 1500;
     for (int n = 0; n <= kSteps; ++n) {
       const double angle = 2 * std::numbers::pi * n / kSteps;
       const Point at(0.02 + 0.006 * std::sin(angle), 0.0187 + 0.004 * std::sin(2 * angle),
                      0.021 - 0.003 * (1 - std::cos(angle)));
       const TissueResult result = felt.step(at);
+      entries += last.contacts == 0 && result.contacts > 0 ? 1 : 0;
       if (n > 0)
         work_J += last.contacts == 0 ? result.energy_J : -0.5 * (result.force_N + last.force_N).dot(at - before);
       peak_J = std::max(peak_J, result.energy_J);
@@ -201,7 +203,56 @@ TEST(CorotationalTissue, NoLoopReturnsMoreThanItTookConvergedOrNot) {
       before = at;
     }
     EXPECT_GT(peak_J, 1e-4);
+    EXPECT_EQ(entries, 1) << "who lets go and is caught again is given energy at each time";
   }
+}
+
+/// A strip as stiff as gristle: the tie is stretched by less than a step of the hand.
+CorotationalTissue strip_tissue() {
+  TetrahedralMesh mesh(tetrahedra_of({.cubes = {10, 2, 2}, .cube_m = 0.01}));
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitX());
+  return {std::move(mesh), {.young_Pa = 20000, .poisson = 0.3}, held, {.contact_stiffness_N_per_m = 1e4}};
+}
+
+TEST(CorotationalTissue, WhoWithdrawsFasterThanTheTieIsStretchedIsNotLetGoUntilTheSurface) {
+  const CorotationalTissue tissue = strip_tissue();
+  for (const double step_m : {5e-6, 2e-5, 5e-5, 3e-4}) {
+    SCOPED_TRACE(step_m);
+    Felt felt(tissue);
+    const Point over(0.09, 0.0102, 0.021);
+    double last_N = felt.go(over, over - Point(0, 0, 0.006), 300).force_N.norm();
+    ASSERT_GT(last_N, 0.01);
+    int released = 0;
+    for (double z = 0.015; z < 0.0205; z += step_m) {
+      const TissueResult result = felt.step({over.x(), over.y(), z});
+      released += result.contacts == 0 && last_N > 0 ? 1 : 0;
+      EXPECT_LT(result.force_N.norm(), last_N + 2e-3) << z;
+      if (z < 0.0195) {
+        EXPECT_EQ(result.contacts, 1) << z;
+      }
+      last_N = result.contacts > 0 ? result.force_N.norm() : 0;
+    }
+    EXPECT_EQ(released, 1);
+  }
+}
+
+TEST(CorotationalTissue, AHandThatTremblesKeepsItsContactAndIsGivenNothing) {
+  const CorotationalTissue tissue = strip_tissue();
+  Felt felt(tissue);
+  const Point deep(0.09, 0.0102, 0.015);
+  (void)felt.go(deep + Point(0, 0, 0.006), deep, 300);
+  constexpr double kUp_m = 55e-6;  // an encoder's step
+  double given_J = 0;
+  for (int n = 0; n < 200; ++n) {
+    // Held over the step up with the force from below, over the step down with that from above.
+    const double up_N = felt.step(deep).force_N.z();
+    const TissueResult above = felt.step(deep + Point(0, 0, kUp_m));
+    EXPECT_EQ(above.contacts, 1);
+    given_J += (up_N - above.force_N.z()) * kUp_m;
+  }
+  const double felt_N_per_m = felt.step(deep).force_N.z() / 0.005;
+  // What a sampled spring gives in a cycle, K (dx)^2, and as much again for its stiffness being only estimated.
+  EXPECT_LT(given_J, 2 * 200 * felt_N_per_m * kUp_m * kUp_m);
 }
 
 TEST(CorotationalTissue, ReportsTheResidualOfAnExhaustedBudget) {
