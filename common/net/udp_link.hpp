@@ -45,6 +45,11 @@ class UdpLink final : public DatagramLink {
   [[nodiscard]] int descriptor() const noexcept;
 
  private:
+  friend class UdpBatch;
+  void note_refused() noexcept;
+  void note_overflowed(std::uint64_t overflowed) noexcept;
+  void note_send_failed() noexcept;
+
   struct Socket;
   explicit UdpLink(std::unique_ptr<Socket> socket) noexcept;
   std::unique_ptr<Socket> socket_;

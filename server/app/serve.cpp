@@ -9,6 +9,7 @@
 #include <memory>
 #include <random>
 
+#include "forcebound/net/udp_batch.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
@@ -29,7 +30,7 @@ constexpr Nanoseconds kReportPeriod = seconds{10};
 // Below a client's on the same machine, whose deadline is the hard one.
 constexpr int kPriority = 40;
 // A flood must not keep the loop from its timer and its end.
-constexpr int kDatagramsPerTurn = 256;
+constexpr int kBatchesPerTurn = 8;
 
 volatile std::sig_atomic_t stop_wanted = 0;
 
@@ -49,13 +50,15 @@ std::uint64_t random_session_id() {
   return std::uint64_t{device()} << 32U | device();
 }
 
-void drain(net::UdpLink& link, Server& server, const time::Clock& clock) {
-  std::array<std::byte, net::kDatagramBytesMax> buffer;
-  for (int i = 0; i < kDatagramsPerTurn; ++i) {
-    const auto received = link.receive(buffer);
-    if (!received) return;
-    const std::size_t bytes = std::min(received->bytes, buffer.size());
-    server.on_datagram(std::span{buffer}.first(bytes), received->from, clock.now());
+/// Answers what waits, a batch at a time.
+void drain(net::UdpBatch& batch, Server& server, const time::Clock& clock) {
+  for (int i = 0; i < kBatchesPerTurn; ++i) {
+    const auto arrived = batch.receive_all();
+    const Nanoseconds now = clock.now();
+    for (const auto& datagram : arrived) server.on_datagram(datagram.bytes, datagram.received.from, now);
+    batch.flush();
+    // Asking whether there are more costs a call; the next wait asks the same.
+    if (arrived.size() < net::UdpBatch::kDatagramsMax) return;
   }
 }
 
@@ -65,17 +68,19 @@ void report(const Server& server) {
                counters.motions_received, counters.forces_sent, counters.datagrams);
 }
 
-void run(net::UdpLink& link, Server& server, SceneCompiler& compiler, const time::Clock& clock, bool verbose) {
+void run(const net::UdpLink& link, net::UdpBatch& batch, Server& server, SceneCompiler& compiler,
+         const time::Clock& clock, bool verbose) {
   Nanoseconds timer = clock.now() + kTimerPeriod;
   Nanoseconds next_report = clock.now() + kReportPeriod;
   const std::array descriptors{link.descriptor()};
   while (stop_wanted == 0) {
     const bool readable = net::wait_readable(descriptors, timer - clock.now());
     compiler.deliver();
-    if (readable) drain(link, server, clock);
+    if (readable) drain(batch, server, clock);
     const Nanoseconds now = clock.now();
     if (now < timer) continue;
     server.on_timer(now);
+    batch.flush();
     timer = now + kTimerPeriod;
     if (!verbose || now < next_report) continue;
     report(server);
@@ -106,14 +111,16 @@ void serve(ProgramOptions options) {
 
   stop_on_signals();
   auto link = net::UdpLink::listen(net::resolve(options.listen));
+  net::UdpBatch batch(link);
   const auto observer = make_observer(options, *scene, clock);
-  Server server(options.server, std::move(scenes), link, clock, random_session_id, observer.get());
+  Server server(options.server, std::move(scenes), batch, clock, random_session_id, observer.get());
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
                summary(*scene));
 
-  run(link, server, compiler, clock, options.verbose);
+  run(link, batch, server, compiler, clock, options.verbose);
   server.stop();
+  batch.flush();
   std::cout << server.counters().text();
   if (const auto lost = link.counters().overflowed; lost > 0) {
     std::cout << "socket: " << lost << " datagrams lost because it was full\n";

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
       "  forcebound-lab soak --seeds 1000                hostile runs, each from its seed, checked on every tick\n"
       "  forcebound-lab table a.json b.mcap              runs side by side\n\n"
       "Exit code: 0 done, 1 failed, 2 wrong use.");
+  forcebound::lab::add_load(app);
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_passivity(app);
