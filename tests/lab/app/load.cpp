@@ -129,7 +129,10 @@ void Load::rest(Nanoseconds until) {
 }
 
 void Load::wait(Nanoseconds until) {
-  if (!options_.spin) net::wait_readable(descriptors_, until - now());
+  using Waiting = LoadOptions::Waiting;
+  const bool answer_missing = crew_.tally().answered < crew_.tally().sent;
+  const bool asleep = options_.waiting == Waiting::asleep || (options_.waiting == Waiting::ping_pong && answer_missing);
+  if (asleep) net::wait_readable(descriptors_, until - now());
   receive();
 }
 

@@ -14,9 +14,14 @@ namespace forcebound::lab {
 struct LoadOptions {
   std::string server;  ///< HOST:PORT
   Crew::Settings crew{};
-  Nanoseconds duration{};        ///< of one measurement
-  std::size_t sockets = 4;       ///< that the clients share
-  bool spin = false;             ///< never sleep
+  Nanoseconds duration{};   ///< of one measurement
+  std::size_t sockets = 4;  ///< that the clients share
+  enum class Waiting {
+    asleep,     ///< for the next motion's time and for answers
+    ping_pong,  ///< asleep for answers that are missing, otherwise spinning: as sockperf's ping-pong waits
+    spinning,
+  };
+  Waiting waiting = Waiting::asleep;
   std::optional<int> processor;  ///< to stay on
   std::optional<int> priority;   ///< SCHED_FIFO
 };

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -91,6 +92,10 @@ void add_load(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("load", "Many clients at 1 kHz each against a running server, over real sockets");
+  command->add_option("--sockets", options->load.sockets, "that they share")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_option("--server", options->load.server, "what to load")->required()->type_name("HOST:PORT");
   command->add_option("--clients", options->clients, "how many")
       ->type_name("N")
@@ -114,7 +119,15 @@ void add_load(CLI::App& app) {
       ->type_name("NAME");
   command->add_flag("--echo", options->load.crew.echo,
                     "the other end is no server of ours: it only sends back what it gets");
-  command->add_flag("--spin", options->load.spin, "never sleep: nothing is late because this program had to wake up");
+  static const std::map<std::string, LoadOptions::Waiting> kWaiting{{"sleep", LoadOptions::Waiting::asleep},
+                                                                    {"ping-pong", LoadOptions::Waiting::ping_pong},
+                                                                    {"spin", LoadOptions::Waiting::spinning}};
+  command
+      ->add_option("--wait", options->load.waiting,
+                   "sleep; or spin, so that nothing is late because this program had to wake up; or ping-pong: spin "
+                   "until the next motion, sleep for its answer")
+      ->transform(CLI::CheckedTransformer(kWaiting).description("sleep|ping-pong|spin"))
+      ->default_str("sleep");
   command->add_option("--cpu", options->load.processor, "processor to stay on")
       ->type_name("N")
       ->check(CLI::Range(0, 1023));
