@@ -6,6 +6,7 @@
 /// subcommand throws becomes one line on stderr: exit code 2 for CLI::Error, 1 for anything else.
 namespace forcebound::lab {
 
+void add_bench(CLI::App& app);
 void add_load(CLI::App& app);
 void add_passivity(CLI::App& app);
 void add_replay(CLI::App& app);

@@ -19,8 +19,10 @@ int main(int argc, char** argv) {
       "  forcebound-lab report run.mcap --figures out    what a client recorded with --record run.mcap\n"
       "  forcebound-lab passivity --figure leaks.png     what each law leaks on a real device, and what that costs\n"
       "  forcebound-lab soak --seeds 1000                hostile runs, each from its seed, checked on every tick\n"
+      "  forcebound-lab load --server 127.0.0.1:47800 --clients 20   20 clients at 1 kHz, over real sockets\n"
       "  forcebound-lab table a.json b.mcap              runs side by side\n\n"
       "Exit code: 0 done, 1 failed, 2 wrong use.");
+  forcebound::lab::add_bench(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);
