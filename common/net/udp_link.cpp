@@ -45,17 +45,16 @@ struct UdpLink::Socket {
   UdpCounters counters;
   udp::endpoint sender;
 
-  void open(const udp& protocol) {
+  void open(const udp& protocol, Stamps stamps) {
     socket.open(protocol);
     socket.non_blocking(true);
     // Larger buffers help, smaller ones work.
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
-    for (const int wanted : {SO_TIMESTAMPNS, SO_RXQ_OVFL}) {
-      const int on = 1;
-      setsockopt(socket.native_handle(), SOL_SOCKET, wanted, &on, sizeof on);
-    }
+    const int on = 1;
+    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
+    if (stamps == Stamps::taken) setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
     if (protocol == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   }
 };
@@ -65,10 +64,10 @@ UdpLink::UdpLink(UdpLink&&) noexcept = default;
 UdpLink& UdpLink::operator=(UdpLink&&) noexcept = default;
 UdpLink::~UdpLink() = default;
 
-UdpLink UdpLink::listen(const Address& local) try {
+UdpLink UdpLink::listen(const Address& local, Stamps stamps) try {
   const udp::endpoint endpoint = to_asio(local);
   auto socket = std::make_unique<Socket>();
-  socket->open(endpoint.protocol());
+  socket->open(endpoint.protocol(), stamps);
   socket->socket.bind(endpoint);
   return UdpLink(std::move(socket));
 } catch (const asio::system_error& error) {
@@ -78,7 +77,7 @@ UdpLink UdpLink::listen(const Address& local) try {
 UdpLink UdpLink::towards(const Address& peer) try {
   const udp::endpoint endpoint = to_asio(peer);
   auto socket = std::make_unique<Socket>();
-  socket->open(endpoint.protocol());
+  socket->open(endpoint.protocol(), Stamps::taken);
   socket->socket.connect(endpoint);
   return UdpLink(std::move(socket));
 } catch (const asio::system_error& error) {

@@ -110,7 +110,7 @@ void serve(ProgramOptions options) {
   options.server.scene = scene->facts().name;
 
   stop_on_signals();
-  auto link = net::UdpLink::listen(net::resolve(options.listen));
+  auto link = net::UdpLink::listen(net::resolve(options.listen), net::UdpLink::Stamps::left_out);
   net::UdpBatch batch(link);
   const auto observer = make_observer(options, *scene, clock);
   Server server(options.server, std::move(scenes), batch, clock, random_session_id, observer.get());

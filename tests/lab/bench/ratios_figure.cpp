@@ -1,5 +1,6 @@
 #include "tests/lab/bench/ratios_figure.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include "tests/lab/figure.hpp"
@@ -26,8 +27,8 @@ void write_bars(std::ostream& out, const std::vector<BenchRow>& rows) {
     const double y = -static_cast<double>(i);
     out << "set object rectangle from 1," << y - kHalfBar << " to " << rows[i].ratio << ',' << y + kHalfBar
         << " fillcolor rgb '" << hue << "' fillstyle solid noborder\n"
-        << "set label " << quoted(rows[i].ratio) << " at " << rows[i].ratio << ',' << y << " offset "
-        << (rows[i].ratio.starts_with("0.") ? "-5" : "0.6") << ",0 textcolor rgb '" << hue << "'\n";
+        << "set label " << quoted(rows[i].ratio) << " at " << std::max(1.0, std::stod(rows[i].ratio)) << ',' << y
+        << " offset 0.8,0 textcolor rgb '" << hue << "'\n";
     if (rows[i].wanted.size() < 4) continue;
     const std::string bound = rows[i].wanted.substr(3);
     out << "set arrow from " << bound << ',' << y - 0.45 << " to " << bound << ',' << y + 0.45
@@ -43,8 +44,10 @@ void draw_ratios(const BenchResults& results, const std::filesystem::path& png) 
   out << "set encoding utf8\nset terminal pngcairo noenhanced rounded size " << kWidth << ','
       << kHeadHeight + kBarHeight * static_cast<int>(rows.size())
       << " font 'DejaVu Sans,12' background rgb '#ffffff'\nset output " << quoted(png.string()) << '\n'
-      << "set title 'Ours over theirs: 1 is the yardstick, the dashed mark what is wanted' font 'DejaVu Sans Bold,16'\n"
-      << "set logscale x\nset border 1 linecolor rgb '#8a929a'\nset tics nomirror out scale 0.6\nset lmargin 62\n"
+      << "set label 'Ours over theirs: 1 is the yardstick, dashed is what is wanted' at screen 0.5,screen 0.95 center "
+         "font 'DejaVu Sans Bold,16'\nset tmargin 4\n"
+      << "set logscale x\nset border 1 linecolor rgb '#8a929a'\nset tics nomirror out scale 0.6 textcolor rgb "
+         "'#24292f'\nset lmargin 62\n"
       << "set rmargin 6\nset grid xtics linetype 1 linecolor rgb '#e3e6ea'\nunset key\nset xlabel 'ratio'\n"
       << "set yrange [" << -static_cast<double>(rows.size()) + 0.4 << ":0.6]\nset xrange [0.1:*]\nset ytics (";
   for (std::size_t i = 0; i < rows.size(); ++i) {

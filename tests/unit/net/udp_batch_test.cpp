@@ -88,6 +88,17 @@ TEST_F(UdpBatchTest, TellsHowLongADatagramWaited) {
   EXPECT_LE(arrived[0].received.waited, std::chrono::steady_clock::now() - sent + 5ms);
 }
 
+TEST(UdpBatch, KnowsNoWaitingWithoutStamps) {
+  UdpLink link = UdpLink::listen(resolve({"127.0.0.1", 0}), UdpLink::Stamps::left_out);
+  UdpBatch batch(link);
+  UdpLink peer = UdpLink::towards(link.local_address());
+  peer.send(bytes_of("x"), link.local_address());
+  std::this_thread::sleep_for(5ms);
+  const auto arrived = batch.receive_all();
+  ASSERT_EQ(arrived.size(), 1U);
+  EXPECT_EQ(arrived[0].received.waited, 0ns);
+}
+
 TEST_F(UdpBatchTest, SendsNothingBeforeTheFlushAndThenEachToItsAddress) {
   EXPECT_TRUE(batch_.send(bytes_of("for the first"), first_.local_address()));
   EXPECT_TRUE(batch_.send(bytes_of("for the second"), second_.local_address()));
