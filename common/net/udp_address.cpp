@@ -1,4 +1,4 @@
-#include "forcebound/net/udp_address.hpp"
+#include "forcebound/net/internal/udp_address.hpp"
 
 #include <sys/socket.h>
 

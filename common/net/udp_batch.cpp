@@ -6,7 +6,7 @@
 #include <array>
 #include <cerrno>
 
-#include "forcebound/net/udp_address.hpp"
+#include "forcebound/net/internal/udp_address.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::net {

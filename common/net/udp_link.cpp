@@ -14,7 +14,7 @@
 #include <string>
 
 #include "forcebound/net/endpoint.hpp"
-#include "forcebound/net/udp_address.hpp"
+#include "forcebound/net/internal/udp_address.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::net {

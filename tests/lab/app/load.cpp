@@ -24,6 +24,8 @@ constexpr Nanoseconds kTooLate = 1ms;
 constexpr Nanoseconds kAfter = 100ms;
 // Before a measurement: who spins in real time without ever sleeping is stopped by the system instead.
 constexpr Nanoseconds kRest = 100ms;
+// So often the other machine may say that nobody listens.
+constexpr std::uint64_t kRefusalsBorne = 10;
 // A server takes 50 in a second.
 constexpr Nanoseconds kHelloPause = 21ms;
 constexpr Nanoseconds kServerPatience = 5s;
@@ -114,7 +116,10 @@ void Load::connect(std::size_t clients) {
   for (std::size_t client = 0; client < clients; ++client) {
     for (const Nanoseconds first = now(); !crew_.connected(client);) {
       if (!crew_.refusal().empty()) throw std::runtime_error(options_.server + " refused: " + crew_.refusal());
-      if (now() - first > kServerPatience) throw std::runtime_error("no answer from " + options_.server);
+      const bool nobody = line_of(client).link.counters().refused > kRefusalsBorne;
+      if (nobody || now() - first > kServerPatience) {
+        throw std::runtime_error("no answer from " + options_.server + (nobody ? ": nobody listens there" : ""));
+      }
       send(crew_.hello(client), client);
       rest(now() + kHelloPause);
     }
