@@ -30,7 +30,10 @@ std::string or_dash(const std::string& text) { return text.empty() ? "-" : text;
 
 std::string joined(const std::vector<std::pair<std::string, std::string>>& machine) {
   std::string text;
-  for (const auto& [key, value] : machine) text += (text.empty() ? "" : ", ") + key + " " + value;
+  for (const auto& [key, value] : machine) {
+    if (!text.empty()) text += ", ";
+    text.append(key).append(" ").append(value);
+  }
   return text;
 }
 
@@ -90,7 +93,7 @@ BenchRow growth_row(std::string what, std::string size, double ours, std::string
 
 std::string to_csv(const BenchResults& results) {
   std::string csv;
-  for (const auto& [key, value] : results.machine) csv += "# " + key + ": " + value + '\n';
+  for (const auto& [key, value] : results.machine) csv.append("# ").append(key).append(": ").append(value).append("\n");
   csv += std::string(kHeader) + '\n';
   for (const BenchRow& row : results.rows) {
     csv += row.kind == BenchRow::Kind::ratio ? "ratio" : "growth";
