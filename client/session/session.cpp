@@ -134,6 +134,7 @@ void Session::receive_all(Nanoseconds now) noexcept {
   for (int i = 0; i < kDatagramsPerTickMax; ++i) {
     const auto received = link_.receive(buffer_);
     if (!received) return;
+    const Nanoseconds read_at = clock_.now();
     if (received->from != options_.server) {
       ++totals_.foreign_session;
       continue;
@@ -142,7 +143,8 @@ void Session::receive_all(Nanoseconds now) noexcept {
     if (const auto* reason = std::get_if<wire::Malformed>(&decoded)) {
       ++totals_.malformed[static_cast<std::size_t>(*reason)];
     } else {
-      receive(std::get<wire::Message>(decoded), now, now - received->waited);
+      // Waited until now, which is later than the tick's time by the reading and the sending.
+      receive(std::get<wire::Message>(decoded), now, read_at - received->waited);
     }
   }
 }

@@ -10,13 +10,11 @@
 #include <asio/ip/udp.hpp>
 #include <asio/ip/v6_only.hpp>
 #include <cerrno>
-#include <cstring>
-#include <ctime>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/net/internal/udp_address.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::net {
@@ -30,26 +28,6 @@ constexpr int kSocketBufferBytes = 1 << 20;
 // An absent peer's refusals, each reported once instead of data, must not keep a call busy.
 constexpr int kRefusalsSkippedMax = 16;
 
-udp::endpoint to_asio(const Address& address) noexcept {
-  const asio::ip::address_v6 v6(address.ip);
-  if (!v6.is_v4_mapped()) return {v6, address.port};
-  const auto& ip = address.ip;
-  return {asio::ip::address_v4({ip[12], ip[13], ip[14], ip[15]}), address.port};
-}
-
-Address from_asio(const udp::endpoint& endpoint) noexcept {
-  Address result;
-  result.port = endpoint.port();
-  if (endpoint.address().is_v6()) {
-    result.ip = endpoint.address().to_v6().to_bytes();
-    return result;
-  }
-  const auto bytes = endpoint.address().to_v4().to_bytes();
-  result.ip[10] = result.ip[11] = 0xff;
-  std::copy(bytes.begin(), bytes.end(), result.ip.begin() + 12);
-  return result;
-}
-
 std::string reason(const asio::error_code& error) {
   if (error == asio::error::address_in_use)
     return "the address is already in use, by another program or a copy of this one";
@@ -57,37 +35,6 @@ std::string reason(const asio::error_code& error) {
   if (error.value() == EADDRNOTAVAIL) return "no interface of this machine has that address";
   if (error == asio::error::address_family_not_supported) return "this machine does not speak that kind of address";
   return error.message();
-}
-
-constexpr std::size_t kControlBytes = 128;
-
-/// What the kernel tells along with a datagram.
-struct Told {
-  time::Nanoseconds waited{0};                ///< in the system's buffer
-  std::optional<std::uint32_t> overflowed{};  ///< since the socket was opened
-};
-
-template <class Value>
-Value value_of(const cmsghdr& part) noexcept {
-  Value value{};
-  std::memcpy(&value, CMSG_DATA(&part), sizeof value);
-  return value;
-}
-
-Told told(msghdr& message) noexcept {
-  constexpr time::Nanoseconds kMost = std::chrono::seconds{10};  // more is a jump of the wall clock
-  Told result;
-  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level != SOL_SOCKET) continue;
-    if (part->cmsg_type == SCM_TIMESTAMPNS) {
-      const auto stamp = value_of<timespec>(*part);
-      const auto arrival = std::chrono::seconds{stamp.tv_sec} + time::Nanoseconds{stamp.tv_nsec};
-      result.waited = std::clamp(time::wall_clock_now() - arrival, time::Nanoseconds{0}, kMost);
-    } else if (part->cmsg_type == SO_RXQ_OVFL) {
-      result.overflowed = value_of<std::uint32_t>(*part);
-    }
-  }
-  return result;
 }
 
 }  // namespace
@@ -98,17 +45,16 @@ struct UdpLink::Socket {
   UdpCounters counters;
   udp::endpoint sender;
 
-  void open(const udp& protocol) {
+  void open(const udp& protocol, Stamps stamps) {
     socket.open(protocol);
     socket.non_blocking(true);
     // Larger buffers help, smaller ones work.
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
-    for (const int wanted : {SO_TIMESTAMPNS, SO_RXQ_OVFL}) {
-      const int on = 1;
-      setsockopt(socket.native_handle(), SOL_SOCKET, wanted, &on, sizeof on);
-    }
+    const int on = 1;
+    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
+    if (stamps == Stamps::taken) setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
     if (protocol == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   }
 };
@@ -118,10 +64,10 @@ UdpLink::UdpLink(UdpLink&&) noexcept = default;
 UdpLink& UdpLink::operator=(UdpLink&&) noexcept = default;
 UdpLink::~UdpLink() = default;
 
-UdpLink UdpLink::listen(const Address& local) try {
+UdpLink UdpLink::listen(const Address& local, Stamps stamps) try {
   const udp::endpoint endpoint = to_asio(local);
   auto socket = std::make_unique<Socket>();
-  socket->open(endpoint.protocol());
+  socket->open(endpoint.protocol(), stamps);
   socket->socket.bind(endpoint);
   return UdpLink(std::move(socket));
 } catch (const asio::system_error& error) {
@@ -131,7 +77,7 @@ UdpLink UdpLink::listen(const Address& local) try {
 UdpLink UdpLink::towards(const Address& peer) try {
   const udp::endpoint endpoint = to_asio(peer);
   auto socket = std::make_unique<Socket>();
-  socket->open(endpoint.protocol());
+  socket->open(endpoint.protocol(), Stamps::taken);
   socket->socket.connect(endpoint);
   return UdpLink(std::move(socket));
 } catch (const asio::system_error& error) {
@@ -168,7 +114,7 @@ std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
     const ssize_t bytes = recvmsg(descriptor(), &message, MSG_TRUNC | MSG_DONTWAIT);
     if (bytes >= 0) {
       sender.resize(message.msg_namelen);
-      const Told extra = told(message);
+      const Told extra = told(message, time::wall_clock_now());
       if (extra.overflowed) socket_->counters.overflowed = *extra.overflowed;
       return Received{static_cast<std::size_t>(bytes), from_asio(sender), extra.waited};
     }
@@ -184,6 +130,10 @@ Address UdpLink::local_address() const noexcept {
 }
 
 const UdpCounters& UdpLink::counters() const noexcept { return socket_->counters; }
+
+void UdpLink::note_refused() noexcept { ++socket_->counters.refused; }
+void UdpLink::note_overflowed(std::uint64_t overflowed) noexcept { socket_->counters.overflowed = overflowed; }
+void UdpLink::note_send_failed() noexcept { ++socket_->counters.send_failed; }
 
 int UdpLink::descriptor() const noexcept { return socket_->socket.native_handle(); }
 

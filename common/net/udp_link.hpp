@@ -21,10 +21,14 @@ struct UdpCounters {
 /// Real time: send and receive return at once and allocate nothing. Not thread-safe.
 class UdpLink final : public DatagramLink {
  public:
+  /// Whether the system stamps each datagram that comes, for Received::waited; otherwise that is zero, and receiving
+  /// costs less.
+  enum class Stamps { taken, left_out };
+
   /// A server's end: bound to `local`; port 0 takes any free one. "::" also takes IPv4.
   ///
   /// @throws std::runtime_error saying plainly why not: in use, not an address of this machine, not permitted.
-  static UdpLink listen(const Address& local);
+  static UdpLink listen(const Address& local, Stamps stamps = Stamps::taken);
 
   /// A client's end: any free port, connected, so that only `peer` is heard and its absence is noticed (`refused`).
   ///
@@ -45,6 +49,11 @@ class UdpLink final : public DatagramLink {
   [[nodiscard]] int descriptor() const noexcept;
 
  private:
+  friend class UdpBatch;
+  void note_refused() noexcept;
+  void note_overflowed(std::uint64_t overflowed) noexcept;
+  void note_send_failed() noexcept;
+
   struct Socket;
   explicit UdpLink(std::unique_ptr<Socket> socket) noexcept;
   std::unique_ptr<Socket> socket_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -29,6 +30,19 @@ std::uint32_t checksum(std::span<const std::byte> datagram) noexcept {
   return static_cast<std::uint32_t>(
       crc32(kind, bytes + kHeaderBytes, static_cast<uInt>(datagram.size() - kHeaderBytes)));
 }
+
+/// Protocol Buffers writes to stderr about text that is not UTF-8; whom it comes from or goes to counts it. Only the
+/// kinds with text need it, and it locks.
+class Silence {
+ public:
+  explicit Silence(std::size_t kind) {
+    constexpr std::size_t kKindsWithText = 3;  // Hello, Welcome, Refusal
+    if (kind <= kKindsWithText) silencer_.emplace();
+  }
+
+ private:
+  std::optional<google::protobuf::LogSilencer> silencer_;
+};
 
 /// At most `bytes` of the text, not ending within a character.
 std::string_view cut(std::string_view text, std::size_t bytes) noexcept {
@@ -264,8 +278,7 @@ Codec::Codec(Codec&&) noexcept = default;
 Codec& Codec::operator=(Codec&&) noexcept = default;
 
 std::span<const std::byte> Codec::encode(const Message& message) noexcept {
-  // Protocol Buffers writes to stderr about text that is not UTF-8; the other end will count it.
-  const google::protobuf::LogSilencer silence;
+  const Silence silence(message.index() + 1);
   std::visit([this](const auto& value) { storage_->fill(value); }, message);
   switch (const std::size_t kind = message.index() + 1; kind) {
     case 1:
@@ -293,8 +306,9 @@ std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagr
   for (std::size_t i = 0; i < 4; ++i) sum |= std::to_integer<std::uint32_t>(datagram[kChecksumAt + i]) << (8 * i);
   if (sum != checksum(datagram)) return Malformed::corrupt;
 
-  const google::protobuf::LogSilencer silence;
-  switch (std::to_integer<int>(datagram[kKindAt])) {
+  const auto kind = std::to_integer<std::size_t>(datagram[kKindAt]);
+  const Silence silence(kind);
+  switch (kind) {
     case 1:
       return storage_->read(storage_->hello, datagram);
     case 2:

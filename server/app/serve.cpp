@@ -9,6 +9,7 @@
 #include <memory>
 #include <random>
 
+#include "forcebound/net/udp_batch.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
@@ -29,7 +30,9 @@ constexpr Nanoseconds kReportPeriod = seconds{10};
 // Below a client's on the same machine, whose deadline is the hard one.
 constexpr int kPriority = 40;
 // A flood must not keep the loop from its timer and its end.
-constexpr int kDatagramsPerTurn = 256;
+constexpr int kBatchesPerTurn = 64;
+// As long as answers may wait for others to go with them.
+constexpr Nanoseconds kAnswersTogether = std::chrono::microseconds{100};
 
 volatile std::sig_atomic_t stop_wanted = 0;
 
@@ -49,15 +52,23 @@ std::uint64_t random_session_id() {
   return std::uint64_t{device()} << 32U | device();
 }
 
-void drain(net::UdpLink& link, Server& server, const time::Clock& clock) {
-  std::array<std::byte, net::kDatagramBytesMax> buffer;
-  for (int i = 0; i < kDatagramsPerTurn; ++i) {
-    const auto received = link.receive(buffer);
-    if (!received) break;
-    const std::size_t bytes = std::min(received->bytes, buffer.size());
-    server.take_in(std::span{buffer}.first(bytes), received->from, clock.now());
+/// Takes in all that waits, a batch at a time, and then answers the newest motion of each client.
+void drain(net::UdpBatch& batch, Server& server, const time::Clock& clock) {
+  for (int i = 0; i < kBatchesPerTurn; ++i) {
+    const auto arrived = batch.receive_all();
+    const Nanoseconds now = clock.now();
+    for (const auto& datagram : arrived) server.take_in(datagram.bytes, datagram.received.from, now);
+    // Asking whether there are more costs a call; the next wait asks the same.
+    if (arrived.size() < net::UdpBatch::kDatagramsMax) break;
   }
-  server.answer_waiting();
+  // Who was answered shall not wait for a scene of somebody else's that takes long.
+  Nanoseconds flushed = clock.now();
+  while (server.answer_next()) {
+    if (clock.now() - flushed < kAnswersTogether) continue;
+    batch.flush();
+    flushed = clock.now();
+  }
+  batch.flush();
 }
 
 void report(const Server& server) {
@@ -66,17 +77,19 @@ void report(const Server& server) {
                counters.motions_received, counters.forces_sent, counters.datagrams);
 }
 
-void run(net::UdpLink& link, Server& server, SceneCompiler& compiler, const time::Clock& clock, bool verbose) {
+void run(const net::UdpLink& link, net::UdpBatch& batch, Server& server, SceneCompiler& compiler,
+         const time::Clock& clock, bool verbose) {
   Nanoseconds timer = clock.now() + kTimerPeriod;
   Nanoseconds next_report = clock.now() + kReportPeriod;
   const std::array descriptors{link.descriptor()};
   while (stop_wanted == 0) {
     const bool readable = net::wait_readable(descriptors, timer - clock.now());
     compiler.deliver();
-    if (readable) drain(link, server, clock);
+    if (readable) drain(batch, server, clock);
     const Nanoseconds now = clock.now();
     if (now < timer) continue;
     server.on_timer(now);
+    batch.flush();
     timer = now + kTimerPeriod;
     if (!verbose || now < next_report) continue;
     report(server);
@@ -106,15 +119,17 @@ void serve(ProgramOptions options) {
   options.server.scene = scene->facts().name;
 
   stop_on_signals();
-  auto link = net::UdpLink::listen(net::resolve(options.listen));
+  auto link = net::UdpLink::listen(net::resolve(options.listen), net::UdpLink::Stamps::left_out);
+  net::UdpBatch batch(link);
   const auto observer = make_observer(options, *scene, clock);
-  Server server(options.server, std::move(scenes), link, clock, random_session_id, observer.get());
+  Server server(options.server, std::move(scenes), batch, clock, random_session_id, observer.get());
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
                summary(*scene));
 
-  run(link, server, compiler, clock, options.verbose);
+  run(link, batch, server, compiler, clock, options.verbose);
   server.stop();
+  batch.flush();
   std::cout << server.counters().text();
   if (const auto lost = link.counters().overflowed; lost > 0) {
     std::cout << "socket: " << lost << " datagrams lost because it was full\n";

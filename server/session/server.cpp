@@ -67,11 +67,20 @@ void Server::on_datagram(std::span<const std::byte> datagram, const net::Address
 }
 
 void Server::answer_waiting() noexcept {
-  for (const std::uint64_t id : waiting_) {
-    const auto found = sessions_.find(id);
-    if (found != sessions_.end() && std::exchange(found->second.waits, false)) answer(found->second);
+  while (answer_next()) {
+  }
+}
+
+bool Server::answer_next() noexcept {
+  while (next_waiting_ < waiting_.size()) {
+    const auto found = sessions_.find(waiting_[next_waiting_++]);
+    if (found == sessions_.end() || !std::exchange(found->second.waits, false)) continue;
+    answer(found->second);
+    return true;
   }
   waiting_.clear();
+  next_waiting_ = 0;
+  return false;
 }
 
 void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {

@@ -59,6 +59,9 @@ class Server {
   /// of the scenes).
   void answer_waiting() noexcept;
 
+  /// The same for one session, who waited longest; false if nobody waits any more.
+  bool answer_next() noexcept;
+
   /// Both: for one datagram at a time.
   void on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
 
@@ -139,6 +142,7 @@ class Server {
   wire::Codec codec_;
   std::unordered_map<std::uint64_t, Session> sessions_;
   std::vector<std::uint64_t> waiting_;  ///< sessions of which some may have ended since, in the order of their motions
+  std::size_t next_waiting_ = 0;        ///< of them: those before are answered
   std::vector<Ended> ended_;            ///< a ring of the last ones
   std::size_t ended_next_ = 0;
   time::TokenBucket hellos_;

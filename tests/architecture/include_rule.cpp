@@ -32,7 +32,8 @@ const std::vector<Concept>& concepts() {
       {"server/scene",
        {"control", "text", "time", "server/geometry", "server/effects", "server/tissue", "server/bodies"}},
       {"server/session", {"control", "text", "time", "wire", "net", "server/scene"}},
-      {"server/app", {"control", "time", "wire", "net", "record", "server/effects", "server/scene", "server/session"}},
+      {"server/app",
+       {"control", "text", "time", "wire", "net", "record", "server/effects", "server/scene", "server/session"}},
   };
   return kConcepts;
 }
@@ -47,7 +48,7 @@ struct Privilege {
 
 const std::vector<Privilege>& privileges() {
   static const std::vector<Privilege> kPrivileges{
-      {"Asio", std::regex(R"(#include\s*[<"]asio)"), std::regex("common/net/udp.*|(client|server)/app/.*"),
+      {"Asio", std::regex(R"(#include\s*[<"]asio)"), std::regex("common/net/(internal/)?udp.*|(client|server)/app/.*"),
        "common/net/udp* and */app"},
       {"generated Protocol Buffers code", std::regex(R"(#include\s*[<"].*\.pb\.h[">])"),
        std::regex(R"(common/(wire|record)/.*\.cpp)"), "the .cpp files of common/wire and common/record"},
@@ -59,13 +60,13 @@ const std::vector<Privilege>& privileges() {
            R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
        std::regex("common/time/real_time\\.cpp|(client|server)/app/.*"), "common/time/real_time.cpp and */app"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
-       std::regex("common/net/udp.*|(client|server)/app/.*"), "common/net/udp* and */app"},
+       std::regex("common/net/(internal/)?udp.*|(client|server)/app/.*"), "common/net/udp* and */app"},
       {"the system's clock",
        std::regex(
            R"((system|steady|high_resolution)_clock\b|\bclock_(gettime|nanosleep)\b|\bgettimeofday\b|)"
            R"(\bnanosleep\b|std::this_thread|#include\s*"forcebound/time/(steady_clock|periodic_timer|real_time))"),
        std::regex(
-           R"(common/net/udp.*|common/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|(client|server)/app/.*)"),
+           R"(common/net/(internal/)?udp.*|common/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|(client|server)/app/.*)"),
        "common/time's steady_clock, periodic_timer and real_time, and */app"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\()"), std::regex("(client|server)/app/.*"),

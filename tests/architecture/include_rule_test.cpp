@@ -61,6 +61,7 @@ TEST(IncludeRule, KeepsGeneratedCodeOutOfHeaders) {
 
 TEST(IncludeRule, KeepsAsioInTheFilesOfUdp) {
   EXPECT_THAT(violations("common/net/udp_link.cpp", "#include <asio.hpp>\n"), IsEmpty());
+  EXPECT_THAT(violations("common/net/internal/udp_address.hpp", "#include <asio.hpp>\n"), IsEmpty());
   EXPECT_THAT(only_violation("common/net/impairment.cpp", "#include <asio/ip/udp.hpp>\n"), HasSubstr("Asio"));
 }
 

@@ -1,6 +1,7 @@
 // What one motion on a triangle mesh costs: a step of the god object that slides over a ball of 70 thousand triangles,
-// with Embree's ray and nearest point on the same mesh beside it. Embree computes in single precision, and its nearest
-// point asks our function for each triangle. Build it optimised:
+// with Embree's ray and nearest point and FCL's distance on the same mesh beside it. Embree computes in single
+// precision, and its nearest point asks our function for each triangle; FCL is asked for the distance of a ball of no
+// size. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target mesh_benchmark
 //     build/release/bin/mesh_benchmark --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
@@ -13,6 +14,7 @@
 
 #include "forcebound/server/geometry/distance_field.hpp"
 #include "tests/support/embree_scene.hpp"
+#include "tests/support/fcl_scene.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/shape_client.hpp"
 
@@ -103,15 +105,32 @@ void embree_segment(benchmark::State& state) {
                     [&](const Point& goal) { benchmark::DoNotOptimize(embree.first_hit(through_the_surface(goal))); });
 }
 
+/// The ball with so many triangles.
+server::TriangleMesh ball_of(std::int64_t triangles) {
+  std::uint32_t rows = 2;
+  while (4 * rows * (rows - 1) < triangles) ++rows;
+  return test::ball(kRadius_m, rows).moved(test::askew()).mesh();
+}
+
 void our_nearest_point(benchmark::State& state) {
-  const server::Bvh bvh(std::make_shared<const server::TriangleMesh>(ball().mesh()));
+  const server::Bvh bvh(std::make_shared<const server::TriangleMesh>(ball_of(state.range(0))));
   ask_along_the_way(state, [&](const Point& goal) { benchmark::DoNotOptimize(bvh.nearest(goal)); });
 }
 
 void embree_nearest_point(benchmark::State& state) {
-  const auto mesh = ball().mesh();
+  const auto mesh = ball_of(state.range(0));
   const test::EmbreeScene embree(mesh);
   ask_along_the_way(state, [&](const Point& goal) { benchmark::DoNotOptimize(embree.nearest_distance_m(goal)); });
+}
+
+void fcl_nearest_point(benchmark::State& state) {
+  const test::FclScene fcl(ball_of(state.range(0)));
+  ask_along_the_way(state, [&](const Point& goal) { benchmark::DoNotOptimize(fcl.nearest_distance_m(goal)); });
+}
+
+void sizes(benchmark::internal::Benchmark* nearest_point) {
+  nearest_point->ArgName("triangles");
+  for (const int rows : {17, 34, 67, 133}) nearest_point->Arg(4 * rows * (rows - 1));
 }
 
 BENCHMARK(god_object_slides)->ArgName("depth_um")->Arg(10)->Arg(1000)->Arg(10000);
@@ -119,8 +138,9 @@ BENCHMARK(god_object_moves_freely);
 BENCHMARK(distance_field_slides);
 BENCHMARK(our_segment);
 BENCHMARK(embree_segment);
-BENCHMARK(our_nearest_point);
-BENCHMARK(embree_nearest_point);
+BENCHMARK(our_nearest_point)->Apply(sizes);
+BENCHMARK(embree_nearest_point)->Apply(sizes);
+BENCHMARK(fcl_nearest_point)->Apply(sizes);
 
 }  // namespace
 }  // namespace forcebound

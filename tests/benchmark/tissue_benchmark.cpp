@@ -1,6 +1,7 @@
-// What a step of soft tissue costs: some 600 tetrahedra, a sphere that slides with eight contacts; beside it, in the
-// same run, what the same eight contacts would cost without the precomputed compliance, each by a solve with the sparse
-// Cholesky factors of all nodes, and a dense solve of their 24 coordinates alone. Build it optimised:
+// What a step of soft tissue costs: some 600 tetrahedra, a sphere that slides with eight
+// contacts; beside it, in the same run, what the same eight contacts would cost without the precomputed compliance,
+// each by a solve with the sparse Cholesky factors of all nodes, and a dense solve of their 24 coordinates alone. Build
+// it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target tissue_benchmark
 //     build/release/bin/tissue_benchmark
@@ -56,6 +57,14 @@ void slide(benchmark::State& timing, const ProbeOptions& options, double depth_m
   timing.counters["residual_m"] = residual_m;
 }
 
+// A cube of 40 mm of so many tetrahedra, six in each of n^3 cubes; or the block of 600.
+TetrahedralMesh mesh_of(std::int64_t tetrahedra) {
+  if (tetrahedra == 600) return mesh_of_600();
+  std::size_t n = 1;
+  while (6 * n * n * n < static_cast<std::size_t>(tetrahedra)) ++n;
+  return TetrahedralMesh(test::tetrahedra_of({.cubes = {n, n, n}, .cube_m = 0.04 / static_cast<double>(n)}));
+}
+
 void point_step(benchmark::State& timing) { slide(timing, {}, 0.004); }
 
 void sphere_step(benchmark::State& timing) {
@@ -89,7 +98,7 @@ void sphere_step_beside(benchmark::State& timing) {
 
 // The same circle, felt by a point, under large motion.
 void corotational_step(benchmark::State& timing) {
-  TetrahedralMesh mesh = mesh_of_600();
+  TetrahedralMesh mesh = mesh_of(timing.range(0));
   const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
   const CorotationalTissue tissue(std::move(mesh), kSoft, held, {});
   CorotationalBody body = tissue.make_body();
@@ -116,7 +125,7 @@ void corotational_step(benchmark::State& timing) {
 }
 
 void eight_sparse_solves(benchmark::State& timing) {
-  const TetrahedralMesh mesh = mesh_of_600();
+  const TetrahedralMesh mesh = mesh_of(timing.range(0));
   const FreeCoordinates free(static_cast<int>(mesh.nodes_m().size()), nodes_below(mesh, Point::Zero(), Point::UnitZ()));
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(free.reduced(stiffness_matrix(mesh, kSoft)));
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(free.count(), 8);
@@ -151,8 +160,8 @@ BENCHMARK(sphere_step)
     ->Args({20, 14})
     ->Args({25, 14});
 BENCHMARK(sphere_step_beside)->ArgNames({"others"})->DenseRange(0, 3);
-BENCHMARK(corotational_step);
-BENCHMARK(eight_sparse_solves);
+BENCHMARK(corotational_step)->ArgName("tetrahedra")->Arg(162)->Arg(384)->Arg(600)->Arg(1296);
+BENCHMARK(eight_sparse_solves)->ArgName("tetrahedra")->Arg(162)->Arg(384)->Arg(600)->Arg(1296);
 BENCHMARK(dense_solve_of_24);
 
 }  // namespace

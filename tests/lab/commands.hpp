@@ -7,6 +7,8 @@
 namespace forcebound::lab {
 
 void add_accuracy(CLI::App& app);
+void add_bench(CLI::App& app);
+void add_load(CLI::App& app);
 void add_passivity(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_report(CLI::App& app);

@@ -21,16 +21,6 @@ constexpr int kFootHeight = 66;
 constexpr const char* kInk = "#24292f";
 constexpr const char* kGrid = "#e3e6ea";
 
-/// A string as gnuplot reads it, whatever is in it.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) {
-    if (c == '\'') out += '\'';
-    out += c == '\n' ? ' ' : c;
-  }
-  return out + "'";
-}
-
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {
@@ -186,6 +176,15 @@ std::string script_of(const Figure& figure, const std::filesystem::path& png) {
 
 }  // namespace
 
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "'";
+}
+
 const char* colour::of_law(const std::string& law) {
   if (law == "none") return kDanger;
   if (law == "fba-less") return kNetwork;
@@ -201,11 +200,13 @@ void cut_spikes(Panel& panel, double usual_most, double most) {
   panel.title += " (spikes cut off)";
 }
 
-void draw(const Figure& figure, const std::filesystem::path& png) {
+void draw(const Figure& figure, const std::filesystem::path& png) { draw_script(script_of(figure, png), png); }
+
+void draw_script(const std::string& script, const std::filesystem::path& png) {
   const TemporaryDirectory directory;
-  const auto script = directory.path() / "figure.gnuplot";
-  std::ofstream(script) << script_of(figure, png);
-  const std::string command = "gnuplot '" + script.string() + "' 2>&1";
+  const auto file = directory.path() / "figure.gnuplot";
+  std::ofstream(file) << script;
+  const std::string command = "gnuplot '" + file.string() + "' 2>&1";
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("cannot start gnuplot");
   std::string said;

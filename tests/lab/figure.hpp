@@ -70,6 +70,12 @@ void cut_spikes(Panel& panel, double usual_most, double most);
 /// @throws std::runtime_error if the file cannot be written, or naming the package when gnuplot is missing.
 void draw(const Figure& figure, const std::filesystem::path& png);
 
+/// The same for a script of one's own that writes `png`.
+void draw_script(const std::string& script, const std::filesystem::path& png);
+
+/// A string as gnuplot reads it, whatever is in it.
+[[nodiscard]] std::string quoted(const std::string& text);
+
 /// Thins a curve of any length to at most 2000 columns with nothing that stands out lost: each column keeps its lowest
 /// and its highest point.
 ///

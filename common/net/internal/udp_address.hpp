@@ -1,0 +1,26 @@
+#pragma once
+
+#include <asio/ip/udp.hpp>
+
+#include "forcebound/net/datagram_link.hpp"
+
+struct msghdr;
+
+/// What the sockets' own files share: addresses as the system has them, and what it tells along with a datagram.
+namespace forcebound::net {
+
+[[nodiscard]] asio::ip::udp::endpoint to_asio(const Address& address) noexcept;
+[[nodiscard]] Address from_asio(const asio::ip::udp::endpoint& endpoint) noexcept;
+
+inline constexpr std::size_t kControlBytes = 128;
+
+/// What the kernel tells along with a datagram.
+struct Told {
+  time::Nanoseconds waited{0};                ///< in the system's buffer
+  std::optional<std::uint32_t> overflowed{};  ///< since the socket was opened
+};
+
+/// @param wall_clock_now now, by the clock of the kernel's stamps
+[[nodiscard]] Told told(msghdr& message, time::Nanoseconds wall_clock_now) noexcept;
+
+}  // namespace forcebound::net

@@ -1,0 +1,56 @@
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "forcebound/text/file.hpp"
+#include "tests/lab/bench/collect.hpp"
+#include "tests/lab/bench/ratios_figure.hpp"
+#include "tests/lab/bench/results.hpp"
+#include "tests/lab/commands.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+struct Options {
+  std::string from;
+  std::string csv;
+  std::string figure;
+  std::string readme;
+};
+
+void write(const std::string& file, const std::string& content) {
+  std::ofstream out(file, std::ios::binary);
+  out << content;
+  if (!out.flush()) throw std::runtime_error("cannot write '" + file + "'");
+}
+
+void run(const Options& options) {
+  const BenchResults results =
+      options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
+  std::cout << to_table(results) << std::flush;
+  if (!options.csv.empty()) write(options.csv, to_csv(results));
+  if (!options.figure.empty()) draw_ratios(results, options.figure);
+  if (!options.readme.empty()) {
+    write(options.readme, with_between_marks(text::read_file(options.readme), to_markdown(results)));
+  }
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("bench", "Turn what deploy/bench measured into its table of ratios");
+  command->add_option("from", options->from, "the folder with what its tools wrote, or results as CSV")
+      ->required()
+      ->type_name("DIR|FILE.csv");
+  command->add_option("--csv", options->csv, "write the results here")->type_name("FILE.csv");
+  command->add_option("--figure", options->figure, "draw the ratios here")->type_name("FILE.png");
+  command->add_option("--readme", options->readme, "put the results between the marks of this file")
+      ->type_name("README.md");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace forcebound::lab

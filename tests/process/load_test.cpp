@@ -1,0 +1,54 @@
+#include <gmock/gmock.h>
+
+#include "tests/process/programs.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(LabLoad, IsAnsweredByARealServerAndSaysGoodbye) {
+  Server server({"--scene", "sphere"});
+  const TemporaryFolder folder;
+  const Ran lab = run(kLab, {"load", "--server", server.address(), "--clients", "5", "--seconds", "0.3", "--json",
+                             folder.file("load.json")});
+  ASSERT_EQ(lab.exit_code, 0) << lab.err;
+  EXPECT_THAT(lab.out, HasSubstr("5 clients: "));
+  const auto result = nlohmann::json::parse(content(folder.file("load.json")));
+  EXPECT_EQ(result["clients"], 5);
+  EXPECT_EQ(result["sent"].get<int>() + result["unsent"].get<int>(), 1500);
+  EXPECT_GT(result["sent"].get<int>(), result["lost"].get<int>());
+  EXPECT_GT(result["service_us"]["p50"].get<double>(), 0);
+  EXPECT_LE(result["service_us"]["p50"].get<double>(), result["service_us"]["max"].get<double>());
+  EXPECT_LE(result["service_us"]["p50"].get<double>(), result["read_us"]["p50"].get<double>());
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_EQ(counted(server.out(), "sessions", "opened"), 5U);
+  EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 5U);
+}
+
+TEST(LabLoad, FindsAMostNotAboveItsLimit) {
+  Server server({"--scene", "sphere"});
+  const Ran lab = run(kLab, {"load", "--server", server.address(), "--find-most", "--limit", "2", "--seconds", "0.1"});
+  // A busy machine may have no millisecond for even one; then it says so.
+  if (lab.exit_code == 0) {
+    EXPECT_THAT(lab.out, testing::ContainsRegex("most: [12] clients"));
+  } else {
+    EXPECT_THAT(lab.err, HasSubstr("not even one client"));
+  }
+}
+
+TEST(LabLoad, PassesOnWhyTheServerRefuses) {
+  Server server({"--scene", "circle"});
+  const Ran lab = run(kLab, {"load", "--server", server.address(), "--dof", "3", "--seconds", "0.1"});
+  EXPECT_EQ(lab.exit_code, 1);
+  EXPECT_THAT(lab.err, HasSubstr("degrees of freedom"));
+}
+
+TEST(LabLoad, GivesUpWhereNobodyAnswers) {
+  const Ran lab = run(kLab, {"load", "--server", free_address(), "--seconds", "0.1"});
+  EXPECT_EQ(lab.exit_code, 1);
+  EXPECT_THAT(lab.err, testing::AllOf(HasSubstr("no answer from 127.0.0.1:"), HasSubstr("nobody listens there")));
+}
+
+}  // namespace
+}  // namespace forcebound::test
