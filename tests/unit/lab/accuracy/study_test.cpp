@@ -24,7 +24,7 @@ class EvenClock final : public time::Clock {
   mutable std::int64_t looks_ = 0;
 };
 
-StudiedSetting setting(double cost_us, std::vector<double> errors, const std::string& trouble = {}) {
+StudiedSetting setting(double cost_us, const std::vector<double>& errors, const std::string& trouble = {}) {
   StudiedSetting made{.value = std::to_string(static_cast<int>(cost_us)), .cost = {.median_us = cost_us}};
   made.trouble = trouble;
   for (const double error : errors) {
