@@ -27,6 +27,10 @@ struct ProbeDescription {
   double mass_kg = 0.03;
 };
 
+/// Of MuJoCo's: shorter ones would be more than a motion has time for, a longer one is no haptics.
+inline constexpr double kTimestepLeast_s = 1e-4;
+inline constexpr double kTimestepMost_s = 0.01;
+
 struct BodiesDescription {
   std::vector<BodyDescription> bodies{};
   Point gravity_m_per_s2 = Point(0, 0, -9.80665);

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <utility>
 
+#include "forcebound/server/bodies/description.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
@@ -27,10 +28,6 @@ thread_local std::array<char, 1000> last_error{};
 // The program's own, if it has some.
 void (*error_before)(const char*) = nullptr;
 void (*warning_before)(const char*) = nullptr;
-
-// Shorter ones than that would be more than a motion has time for, a longer one is no haptics.
-constexpr double kTimestep_s_min = 1e-4;
-constexpr double kTimestep_s_max = 0.01;
 
 void leave_mujoco(const char* error) {
   if (way_out == WayOut::exception) throw BodiesError(error);
@@ -97,9 +94,9 @@ struct FreeVfs {
 };
 
 void check_options(const mjModel& model) {
-  if (const double step_s = model.opt.timestep; !(step_s >= kTimestep_s_min && step_s <= kTimestep_s_max)) {
-    throw BodiesError("timestep must be >= " + text::to_text(kTimestep_s_min) +
-                      " and <= " + text::to_text(kTimestep_s_max) + " s, got " + text::to_text(step_s));
+  if (const double step_s = model.opt.timestep; !(step_s >= kTimestepLeast_s && step_s <= kTimestepMost_s)) {
+    throw BodiesError("timestep must be >= " + text::to_text(kTimestepLeast_s) +
+                      " and <= " + text::to_text(kTimestepMost_s) + " s, got " + text::to_text(step_s));
   }
   // Between its four stages a force from outside would be held: another law of what is stable.
   if (model.opt.integrator == mjINT_RK4) throw BodiesError("integrator must be Euler or implicit, got RK4");

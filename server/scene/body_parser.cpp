@@ -78,7 +78,8 @@ Coupling parse_coupling(CheckedTable& table) {
 BodiesDescription parse_setting(CheckedTable& table) {
   BodiesDescription all;
   if (table.find("gravity_m_per_s2") != nullptr) all.gravity_m_per_s2 = table.point("gravity_m_per_s2", kAxes);
-  all.timestep_s = table.number({.key = "timestep_s", .preset = all.timestep_s, .least = 1e-4, .most = 0.01});
+  all.timestep_s =
+      table.number({.key = "timestep_s", .preset = all.timestep_s, .least = kTimestepLeast_s, .most = kTimestepMost_s});
   all.contact_time_s =
       table.number({.key = "contact_time_s", .preset = all.contact_time_s, .least = 2 * all.timestep_s, .most = 1});
   all.probe.radius_m = positive(table, "probe_radius_m", all.probe.radius_m);
@@ -86,16 +87,6 @@ BodiesDescription parse_setting(CheckedTable& table) {
   all.coupling = parse_coupling(table);
   table.refuse_unknown_keys();
   return all;
-}
-
-/// What the bodies say, at the place in the scene that led there.
-template <class Make>
-auto made(const CheckedTable& table, const toml::node& where, Make make) {
-  try {
-    return make();
-  } catch (const BodiesError& error) {
-    table.fail(where, error.what());
-  }
 }
 
 std::vector<std::string> parse_probes(CheckedTable& table) {
@@ -120,7 +111,7 @@ SceneMedium parse_mjcf(CheckedTable& table, const std::string& name) {
   const std::vector<std::string> probes = parse_probes(table);
   const Coupling coupling = parse_coupling(table);
   const std::string source = is_file ? table.path("mjcf") : table.text("mjcf_text");
-  return made(table, table.at(is_file ? "mjcf" : "mjcf_text"), [&] {
+  return table.built_at(table.at(is_file ? "mjcf" : "mjcf_text"), [&] {
     ModelPointer model = is_file ? load_mjcf(source) : compile_mjcf(source, "mjcf_text");
     return SceneMedium{.name = name,
                        .text = "bodies, MJCF" + (table.values_text().empty() ? "" : ", " + table.values_text()),
@@ -161,7 +152,7 @@ std::vector<SceneMedium> parse_bodies(CheckedTable& file) {
   all = parse_setting(checked);
   all.bodies = std::move(bodies);
   const toml::node& where = setting != nullptr ? *setting : file.at("body");
-  media.push_back(made(file, where, [&] {
+  media.push_back(file.built_at(where, [&] {
     return SceneMedium{
         .name = "bodies", .text = "bodies " + names, .medium = std::make_unique<BodyMedium>(std::move(all), "bodies")};
   }));

@@ -16,21 +16,11 @@ Point offset(CheckedTable& table, std::string_view key) {
   return table.find(key) == nullptr ? Point(Point::Zero()) : table.point(key, kAxes);
 }
 
-/// What the geometry says, at the place in the scene that led there.
-template <class Make>
-auto made(const CheckedTable& table, const toml::node& where, Make make) {
-  try {
-    return make();
-  } catch (const GeometryError& error) {
-    table.fail(where, error.what());
-  }
-}
-
 std::shared_ptr<const TriangleMesh> parse_file(CheckedTable& table) {
   const std::string path = table.path("file");
   const MeshPlacement placement{.scale = table.number(kMeshScale), .offset_m = offset(table, "offset_m")};
-  auto mesh =
-      made(table, table.at("file"), [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
+  auto mesh = table.built_at(table.at("file"),
+                             [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
   table.note("that is", to_text(mesh->report()));
   return mesh;
 }
@@ -52,21 +42,21 @@ std::vector<LathePoint> parse_profile(CheckedTable& table) {
 std::unique_ptr<Shape> parse_mesh(CheckedTable& table, double reach_m) {
   const auto mesh = parse_file(table);
   const MeshShapeOptions options{.two_sided = table.flag("two_sided", false), .reach_m = reach_m};
-  return made(table, table.at("file"), [&] { return make_mesh(mesh, options); });
+  return table.built_at(table.at("file"), [&] { return make_mesh(mesh, options); });
 }
 
 std::unique_ptr<Shape> parse_distance_field(CheckedTable& table, double reach_m) {
   const auto mesh = parse_file(table);
   const DistanceFieldOptions options{
       .spacing_m = table.number({.key = "spacing_m", .least = 0, .least_excluded = true}), .reach_m = reach_m};
-  return made(table, table.at("file"), [&] { return make_distance_field(mesh, options); });
+  return table.built_at(table.at("file"), [&] { return make_distance_field(mesh, options); });
 }
 
 std::unique_ptr<Shape> parse_lathe(CheckedTable& table, double reach_m) {
   const std::vector<LathePoint> profile = parse_profile(table);
   const double segments = table.number(kLatheSegments);
   const Point origin_m = offset(table, "origin_m");
-  return made(table, table.at("profile_m"), [&] {
+  return table.built_at(table.at("profile_m"), [&] {
     auto mesh =
         std::make_shared<const TriangleMesh>(make_lathe("lathe", profile, static_cast<int>(segments), origin_m));
     table.note("that is", to_text(mesh->report()));

@@ -150,16 +150,14 @@ SchemaKey described(const EffectParameter& parameter) {
   return std::visit([](const auto& any) { return words_for(any); }, parameter);
 }
 
-constexpr const char* kTimeOfMedia =
-    "Where each client has its own, time goes by the clock of its device: a motion that comes late is answered as if "
-    "it\n"
-    "had come in time. In a shared scene there is one time, the server's, and a motion counts when it arrives. Between "
-    "two\n"
-    "motions a device is held where it was, and the damper of a coupling believes its velocity for 10 ms more. Who "
-    "holds\n"
-    "still, or is not heard of, holds still what it touches. When the last client leaves, the scene begins anew for "
-    "the\n"
-    "next one.\n\n";
+constexpr const char* kTimeOfMedia = R"(
+Where each client has its own, time goes by the clock of its device: a motion that comes late is answered as if it
+had come in time. In a shared scene there is one time, the server's, and a motion counts when it arrives. Between two
+motions a device is held where it was, and the damper of a coupling believes its velocity for 10 ms more. Who holds
+still, or is not heard of, holds still what it touches. When the last client leaves, the scene begins anew for the
+next one.
+
+)";
 
 std::vector<SchemaTable> part_tables() {
   const SchemaKey name{"name", "for errors, logs and `--explain`", "1 to 64 printable characters"};
@@ -202,7 +200,7 @@ std::string schema(const EffectRegistry& registry) {
   std::string text = introduction() + sections("##", part_tables());
   text += "### Shapes\n\nThe `shape` of an object has `kind = \"NAME\"`, and the keys of that kind.\n\n";
   text += sections("####", shape_tables());
-  text += "## Bodies and tissue\n\nWhat moves or deforms by itself. It needs a scene of 3 degrees of freedom.\n\n";
+  text += "## Bodies and tissue\n\nWhat moves or deforms by itself. It needs a scene of 3 degrees of freedom.\n";
   text += kTimeOfMedia;
   text += sections("###", medium_tables());
   text += overview(registry) + sections("###", effect_tables(registry));

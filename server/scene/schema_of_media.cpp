@@ -40,7 +40,11 @@ SchemaTable setting_table() {
                     "What holds for all bodies with shapes, and for the ball that is the device among them. The table "
                     "may be left out.",
                     {{"gravity_m_per_s2", "of all bodies", "a vector", "[0, 0, -9.80665]"},
-                     {"timestep_s", "of MuJoCo", ">= 1e-04 and <= 0.01", text::to_text(preset.timestep_s)},
+                     described(NumberParameter{.key = "timestep_s",
+                                               .meaning = "of MuJoCo",
+                                               .preset = preset.timestep_s,
+                                               .least = kTimestepLeast_s,
+                                               .most = kTimestepMost_s}),
                      {"contact_time_s", "in which a contact pushes apart what has sunk in: the less the harder",
                       "at least two time steps, <= 1", text::to_text(preset.contact_time_s)},
                      positive("probe_radius_m", "of the ball", preset.probe.radius_m),
@@ -52,9 +56,8 @@ SchemaTable setting_table() {
 SchemaTable mjcf_table() {
   SchemaTable table{
       "`[[body]]` of an MJCF model",
-      "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`. The device drags one of its bodies "
-      "by "
-      "the center of mass.",
+      "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`. The device drags one of "
+      "its bodies by the center of mass.",
       {name(),
        {"mjcf", "the model, one of the two", "a file beside the scene's", "`mjcf_text`"},
        {"mjcf_text", "the same in the scene itself", "`<mujoco>...</mujoco>`", "`mjcf`"},
@@ -80,9 +83,8 @@ SchemaTable tissue_table() {
            {"contacts_max", "at once", "a whole number from 1 to " + std::to_string(kContactsMax),
             std::to_string(preset.contacts_max)},
            {"large_motion",
-            "whether it may bend far: for a point only, and so much dearer that a thousand tetrahedra may take the "
-            "whole tick, "
-            "as `--explain` says",
+            "whether it may bend far: for a point only, and so much dearer that a thousand tetrahedra may take "
+            "the whole tick, as `--explain` says",
             "`true` or `false`", "`false`"}}};
 }
 
