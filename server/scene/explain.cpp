@@ -66,12 +66,12 @@ PartSum sum_of(const SceneObject& part) {
   return sum;
 }
 
-std::vector<std::string> implied_by(const Inputs& inputs) {
-  std::vector<std::string> implied;
+/// @param implied what is known to be, besides the inputs
+std::string implied_text(const Inputs& inputs, std::vector<std::string> implied = {}) {
   if (inputs.velocity) implied.emplace_back("velocity from successive motions");
   if (inputs.time) implied.emplace_back("time by the device's clock");
   if (inputs.pressure) implied.emplace_back("pressure of the effects before");
-  return implied;
+  return implied.empty() ? "nothing but the position" : text::join(implied);
 }
 
 std::string implied_text(const SceneObject& part, const PartSum& sum) {
@@ -80,8 +80,7 @@ std::string implied_text(const SceneObject& part, const PartSum& sum) {
     implied.emplace_back("depth and normal at the nearest point of the shape");
     if (sum.reach_m > 0) implied.push_back("distance above it, up to " + rounded(sum.reach_m * 1e3) + " mm");
   }
-  for (std::string& input : implied_by(sum.inputs)) implied.push_back(std::move(input));
-  return implied.empty() ? "nothing but the position" : text::join(implied);
+  return implied_text(sum.inputs, std::move(implied));
 }
 
 std::string explain_part(const std::string& what, const SceneObject& part, const RingingDevice& device,
@@ -109,8 +108,7 @@ std::string explain_medium(const SceneMedium& medium, const RingingDevice& devic
   const MediumFacts facts = medium.medium->facts();
   std::string text = "medium '" + medium.name + "': " + medium.text + "\n";
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
-  const std::vector<std::string> implied = implied_by(facts.inputs);
-  text += "  implies:    " + (implied.empty() ? "nothing but the position" : text::join(implied)) + "\n";
+  text += "  implies:    " + implied_text(facts.inputs) + "\n";
   text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";
   text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
           " for each state\n";
@@ -166,7 +164,7 @@ std::string total_text(const Scene& scene, const ExplainFacts& facts) {
     text += kIndent + std::to_string(facts.answer_bytes) + " bytes an answer, " +
             rounded(static_cast<double>(facts.answer_bytes)) + " kB/s to each client at 1 kHz\n";
   }
-  if (scene.objects().size() + scene.fields().size() + scene.media().size() < 2) return text;
+  if (scene.parts() < 2) return text;
   return text + kIndent + "all at one place: " + stability_text(ringing, facts.device, kIndent) + "\n";
 }
 
