@@ -82,7 +82,6 @@ bool UdpBatch::send(std::span<const std::byte> datagram, const Address& to) noex
   std::copy(datagram.begin(), datagram.end(), all.out.bytes[i].begin());
   all.out.parts[i].iov_len = datagram.size();
   all.out.peers[i] = to_asio(to);
-  all.out.messages[i].msg_hdr.msg_name = all.out.peers[i].data();
   all.out.messages[i].msg_hdr.msg_namelen = static_cast<socklen_t>(all.out.peers[i].size());
   return true;
 }
