@@ -81,6 +81,12 @@ class Server {
     wire::Bye counts{};
   };
 
+  /// A motion for its answer.
+  struct Waiting {
+    wire::MotionSample motion;
+    Nanoseconds since;
+  };
+
   struct Session {
     SessionInfo info;
     std::uint64_t nonce;
@@ -88,9 +94,7 @@ class Server {
     time::TokenBucket rate;
     Nanoseconds last_heard;
     Arrivals arrivals{};
-    wire::MotionSample waiting{};  ///< for its answer, if `waits`
-    Nanoseconds waiting_since{0};
-    bool waits = false;
+    std::optional<Waiting> waiting{};
   };
 
   /// What remains of a session that the client ended: its motion that was still on its way is counted, further copies
@@ -126,7 +130,7 @@ class Server {
   /// In a shared scene into the media of those who are there, if these are still numbers.
   [[nodiscard]] SceneState enter(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom) const;
   void welcome(const Session& session);
-  void answer(Session& session) noexcept;
+  void answer(Session& session, const Waiting& waiting) noexcept;
   bool send(const wire::Message& message, const net::Address& to) noexcept;
 
   /// Tells the observer and keeps what the totals need; the caller erases.

@@ -52,9 +52,9 @@ class ServerFixture : public testing::Test {
  protected:
   void SetUp() override { start({}); }
 
-  void start(const ServerOptions& options) {
+  void start(const ServerOptions& options, SceneLibrary scenes = SceneLibrary::shipped()) {
     server.emplace(
-        options, SceneLibrary::shipped(), link, clock, [this] { return next_id_ += 1000; }, &diary);
+        options, std::move(scenes), link, clock, [this] { return next_id_ += 1000; }, &diary);
   }
 
   void arrive(const wire::Message& message, const net::Address& from = address(1)) {

@@ -25,8 +25,7 @@ class SharedSceneTest : public ServerFixture {
     scenes.add(scene);
     ServerOptions options;
     options.scene = scene->facts().name;
-    server.emplace(
-        options, std::move(scenes), link, clock, [this] { return ++ids_; }, &diary);
+    start(options, std::move(scenes));
   }
 
   static wire::Hello hello_of(std::uint64_t nonce) {
@@ -57,9 +56,6 @@ class SharedSceneTest : public ServerFixture {
     }
     return felt_N;
   }
-
- private:
-  std::uint64_t ids_ = 0;
 };
 
 TEST_F(SharedSceneTest, OneClientFeelsWhatTheOtherPushes) {

@@ -41,8 +41,7 @@ TEST_F(ServerTest, AHelloThatComesBeforeItsSceneIsCompiledIsToBeSaidAgain) {
   SceneLibrary scenes = SceneLibrary::shipped();
   (void)scenes.find("wall");
   scenes.compile_elsewhere([](const SceneLibrary::Compilation&) {});
-  server.emplace(
-      ServerOptions{}, scenes, link, clock, [] { return 1U; }, &diary);
+  start({}, scenes);
   auto question = hello();
   question.scene = "free";
   arrive(question);
@@ -57,8 +56,7 @@ TEST_F(ServerTest, SaysWhyASceneCannotBeHad) {
   SceneLibrary scenes = SceneLibrary::shipped();
   (void)scenes.find("wall");
   scenes.compile_elsewhere([&](const SceneLibrary::Compilation& wanted) { scenes.give_up(wanted.name, "no memory"); });
-  server.emplace(
-      ServerOptions{}, scenes, link, clock, [] { return 1U; }, &diary);
+  start({}, scenes);
   auto question = hello();
   question.scene = "free";
   arrive(question);
