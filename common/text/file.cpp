@@ -19,4 +19,12 @@ std::string read_file(const std::string& path) {
   return text;
 }
 
+void write_file(const std::string& path, std::string_view content) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!file.write(content.data(), static_cast<std::streamsize>(content.size())).flush()) {
+    throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+  }
+}
+
 }  // namespace forcebound::text

@@ -1,13 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/lab/above_zero.hpp"
 #include "tests/lab/accuracy/study_text.hpp"
@@ -52,12 +51,7 @@ Study study_of(const Options& options) {
 void accuracy(const Options& options) {
   const StudyResult result = carry_out(study_of(options), time::SteadyClock());
   std::printf("%s\n%s", to_text(result).c_str(), recommendation(result, options.budget_us).c_str());
-  if (!options.json.empty()) {
-    std::ofstream out(options.json);
-    if (!out || !(out << to_json(result).dump(2) << '\n').flush()) {
-      throw std::runtime_error("cannot write '" + options.json + "': " + std::generic_category().message(errno));
-    }
-  }
+  if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
   if (options.figures.empty()) return;
   std::filesystem::create_directories(options.figures);
   const auto png = std::filesystem::path(options.figures) / "accuracy.png";

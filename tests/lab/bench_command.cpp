@@ -1,8 +1,6 @@
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "forcebound/text/file.hpp"
@@ -21,20 +19,14 @@ struct Options {
   std::string readme;
 };
 
-void write(const std::string& file, const std::string& content) {
-  std::ofstream out(file, std::ios::binary);
-  out << content;
-  if (!out.flush()) throw std::runtime_error("cannot write '" + file + "'");
-}
-
 void run(const Options& options) {
   const BenchResults results =
       options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
   std::cout << to_table(results) << std::flush;
-  if (!options.csv.empty()) write(options.csv, to_csv(results));
+  if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
   if (!options.figure.empty()) draw_ratios(results, options.figure);
   if (!options.readme.empty()) {
-    write(options.readme, with_between_marks(text::read_file(options.readme), to_markdown(results)));
+    text::write_file(options.readme, with_between_marks(text::read_file(options.readme), to_markdown(results)));
   }
 }
 

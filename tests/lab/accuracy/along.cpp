@@ -4,17 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/lab/percentile.hpp"
+
 namespace forcebound::lab {
 namespace {
 
 using std::chrono::milliseconds;
-
-double share_of(std::vector<double>& values, double share) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
 
 double since_ns(time::Nanoseconds begin, const time::Clock& clock) {
   return static_cast<double>((clock.now() - begin).count());
@@ -32,9 +27,9 @@ std::string trouble_of(const server::SceneFaults& faults, std::size_t steps) {
 
 }  // namespace
 
-StepCost cost_of(std::vector<double> durations_ns) {
-  const double most = *std::ranges::max_element(durations_ns);
-  return {share_of(durations_ns, 0.5) * 1e-3, share_of(durations_ns, 0.99) * 1e-3, most * 1e-3};
+StepCost cost_of(const std::vector<double>& durations_ns) {
+  return {percentile(durations_ns, 0.5) * 1e-3, percentile(durations_ns, 0.99) * 1e-3,
+          *std::ranges::max_element(durations_ns) * 1e-3};
 }
 
 Along run_along(const std::shared_ptr<const server::Scene>& scene, const std::vector<Vector>& positions_m,
@@ -57,7 +52,7 @@ Along run_along(const std::shared_ptr<const server::Scene>& scene, const std::ve
     run.forces.push_back(std::move(answer.force));
     run.penetrations_m.push_back(answer.penetration_m);
   }
-  run.cost = cost_of(std::move(felt_ns.empty() ? free_ns : felt_ns));
+  run.cost = cost_of(felt_ns.empty() ? free_ns : felt_ns);
   run.trouble = trouble_of(state.faults(), positions_m.size());
   return run;
 }
@@ -78,7 +73,7 @@ StepCost idle_noise(double about_us, int times, const time::Clock& clock) {
     spin(turns);
     durations_ns.push_back(since_ns(before, clock));
   }
-  return cost_of(std::move(durations_ns));
+  return cost_of(durations_ns);
 }
 
 StateError state_error(const Along& run, const Along& reference) {
@@ -103,8 +98,10 @@ StateError state_error(const Along& run, const Along& reference) {
     depth_m2 += run.penetrations_m[i] * run.penetrations_m[i];
     force_N2 += is.squaredNorm();
   }
-  error.direction_median_deg = share_of(angles_deg, 0.5);
-  error.direction_p95_deg = share_of(angles_deg, 0.95);
+  if (!angles_deg.empty()) {
+    error.direction_median_deg = percentile(angles_deg, 0.5);
+    error.direction_p95_deg = percentile(angles_deg, 0.95);
+  }
   if (in_contact > 0) error.penetration_m /= in_contact;
   if (depth_m2 > 0) error.displayed_stiffness_N_per_m = std::sqrt(force_N2 / depth_m2);
   error.work_J = run.work_J - reference.work_J;

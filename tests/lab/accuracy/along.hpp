@@ -18,7 +18,7 @@ struct StepCost {
 };
 
 /// @param durations_ns not empty
-StepCost cost_of(std::vector<double> durations_ns);
+StepCost cost_of(const std::vector<double>& durations_ns);
 
 /// A scene's answers along a way, one a tick: every setting at the same states.
 struct Along {

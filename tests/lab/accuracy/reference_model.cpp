@@ -21,19 +21,18 @@ ReferenceModel::ReferenceModel(std::shared_ptr<const server::Scene> scene)
     : fine_(std::move(scene)), why_("scene '" + fine_->facts().name + "', taken as exact") {}
 
 ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Scene>> levels,
-                               std::span<const double> spacings, const std::vector<Vector>& positions_m,
-                               const time::Clock& clock)
+                               std::span<const double> spacings, std::span<const Along> runs)
     : fine_(levels.back()) {
   const std::size_t last = levels.size() - 1;
-  const Forces fine = run_along(fine_, positions_m, clock).forces;
-  const Forces middle = run_along(levels[last - 1], positions_m, clock).forces;
+  const Forces& fine = runs[last].forces;
+  const Forces& middle = runs[last - 1].forces;
   const double size_N = rms(fine);
   uncertainty_ = size_N > 0 ? rms_difference(middle, fine) / size_N : 0;
   why_ = "the finest level, for lack of three levels in one ratio";
   if (levels.size() < 3) return;
   const double ratio = spacings[last - 1] / spacings[last];
   if (std::abs(spacings[last - 2] / spacings[last - 1] / ratio - 1) > kOneRatio) return;
-  const Extrapolation found = richardson(run_along(levels[last - 2], positions_m, clock).forces, middle, fine, ratio);
+  const Extrapolation found = richardson(runs[last - 2].forces, middle, fine, ratio);
   uncertainty_ = found.uncertainty;
   order_ = found.order;
   why_ = found.why;
@@ -42,10 +41,10 @@ ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Sce
   further_ = 1 / (std::pow(ratio, order_) - 1);
 }
 
-Along ReferenceModel::along(const std::vector<Vector>& positions_m, const time::Clock& clock) const {
-  Along fine = run_along(fine_, positions_m, clock);
+Along ReferenceModel::along(std::span<const Along> runs) const {
+  Along fine = runs.back();
   if (middle_ == nullptr) return fine;
-  const Along middle = run_along(middle_, positions_m, clock);
+  const Along& middle = runs[runs.size() - 2];
   for (std::size_t i = 0; i < fine.forces.size(); ++i) {
     fine.forces[i] += further_ * (fine.forces[i] - middle.forces[i]);
   }

@@ -22,10 +22,12 @@ class ReferenceModel {
   /// have one ratio; otherwise, and where they do not converge, the finest.
   /// @param levels at least two
   /// @param spacings of each, falling
+  /// @param runs of each, along the same states
   ReferenceModel(std::span<const std::shared_ptr<const server::Scene>> levels, std::span<const double> spacings,
-                 const std::vector<Vector>& positions_m, const time::Clock& clock);
+                 std::span<const Along> runs);
 
-  [[nodiscard]] Along along(const std::vector<Vector>& positions_m, const time::Clock& clock) const;
+  /// Along the states of these runs of the levels.
+  [[nodiscard]] Along along(std::span<const Along> runs) const;
 
   /// Fills in the reference of each tick, at the device's true position.
   void fill_in(DeviceRun& run) const;

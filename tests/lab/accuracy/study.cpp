@@ -38,7 +38,7 @@ sim::ClosedLoop::Settings settings_of(const Study& study, const ScenePointer& sc
 }
 
 ReferenceModel reference_of(const Study& study, const std::vector<ScenePointer>& scenes,
-                            const std::vector<Vector>& positions_m, const time::Clock& clock) {
+                            const std::vector<Along>& runs) {
   if (study.reference) return ReferenceModel(study.reference);
   if (scenes.size() < 2) {
     throw std::invalid_argument("a reference needs two values or more of " + study.sweep.key +
@@ -57,7 +57,7 @@ ReferenceModel reference_of(const Study& study, const std::vector<ScenePointer>&
     }
     spacings.push_back(*spacing);
   }
-  return {scenes, spacings, positions_m, clock};
+  return {scenes, spacings, runs};
 }
 
 }  // namespace
@@ -67,8 +67,10 @@ StudyResult carry_out(Study study, const time::Clock& clock) {
   const ScenePointer best = study.reference ? study.reference : scenes.back();
   if (best->parts() > 0) study.motion.on_surface_m = best->on_surface_m(0);
   const auto saved = run_device(settings_of(study, best, 0, 0), study.duration_s).true_positions;
-  const ReferenceModel reference = reference_of(study, scenes, saved, clock);
-  const Along right = reference.along(saved, clock);
+  std::vector<Along> runs;
+  for (const ScenePointer& scene : scenes) runs.push_back(run_along(scene, saved, clock));
+  const ReferenceModel reference = reference_of(study, scenes, runs);
+  const Along right = study.reference ? run_along(study.reference, saved, clock) : reference.along(runs);
 
   StudyResult result{.key = study.sweep.key,
                      .hand = make_harmonic_hand(study.motion, 3)->description(),
@@ -76,7 +78,7 @@ StudyResult carry_out(Study study, const time::Clock& clock) {
                      .reference_order = reference.order(),
                      .reference_why = reference.why()};
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const Along run = run_along(scenes[i], saved, clock);
+    const Along& run = runs[i];
     StudiedSetting setting{.value = study.sweep.values[i],
                            .cost = run.cost,
                            .idle = idle_noise(run.cost.median_us, static_cast<int>(saved.size()), clock),

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -9,6 +8,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "forcebound/text/file.hpp"
+#include "tests/lab/above_zero.hpp"
 #include "tests/lab/app/load.hpp"
 #include "tests/lab/commands.hpp"
 #include "tests/lab/load/capacity.hpp"
@@ -27,10 +28,15 @@ struct Options {
 
 constexpr double kServiceMost_us = 1000;
 
+// Of all motions: the machine may have held this program up, which is no fault of who is loaded.
+constexpr double kUnsentMost = 0.02;
+
 double in_us(double ns) { return 1e-3 * ns; }
 
 bool holds(const LoadResult& result) {
-  return result.lost() == 0 && result.unsent == 0 && in_us(result.tally.arrived_ns.percentile(0.99)) < kServiceMost_us;
+  const auto all = static_cast<double>(result.unsent + result.tally.sent);
+  return result.lost() == 0 && static_cast<double>(result.unsent) <= kUnsentMost * all &&
+         in_us(result.tally.arrived_ns.percentile(0.99)) < kServiceMost_us;
 }
 
 std::string line_of(const LoadResult& result) {
@@ -70,7 +76,8 @@ LoadResult most(const Options& options, Load& load) {
     return held;
   });
   if (!best) throw std::runtime_error("not even one client is answered in time");
-  std::cout << "most: " << clients << " clients with p99 of the service below 1 ms and nothing lost\n";
+  std::cout << "most: " << clients
+            << " clients with p99 of the service below 1 ms, nothing lost and 98 % sent in time\n";
   return *best;
 }
 
@@ -80,10 +87,7 @@ void run(Options& options) {
   const LoadResult result = options.find_most ? most(options, load) : load.run(options.clients);
   if (!options.find_most) std::cout << line_of(result);
   std::cout << std::flush;
-  if (options.json.empty()) return;
-  std::ofstream out(options.json);
-  out << to_json(result).dump(2) << '\n';
-  if (!out.flush()) throw std::runtime_error("cannot write '" + options.json + "'");
+  if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
 }
 
 }  // namespace
@@ -103,10 +107,11 @@ void add_load(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--seconds", options->duration_s, "length of one measurement")
       ->type_name("S")
-      ->check(CLI::Range(0.01, 3600.0))
+      ->check(above_zero())
       ->capture_default_str();
-  command->add_flag("--find-most", options->find_most,
-                    "search for the most clients with p99 of the service below 1 ms and nothing lost");
+  command->add_flag(
+      "--find-most", options->find_most,
+      "search for the most clients with p99 of the service below 1 ms, nothing lost and 98 % sent in time");
   command->add_option("--limit", options->search.limit, "with --find-most: try no more")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))

@@ -8,6 +8,7 @@
 
 #include "forcebound/text/file.hpp"
 #include "tests/lab/bench/readings.hpp"
+#include "tests/lab/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {

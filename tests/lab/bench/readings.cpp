@@ -66,13 +66,6 @@ std::vector<double> periods_us(double period_us, const std::vector<double>& late
   return periods;
 }
 
-double percentile(std::vector<double> values, double fraction) {
-  if (values.empty()) throw std::runtime_error("no values, so no percentile");
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(fraction * static_cast<double>(values.size()));
-  return values[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
-}
-
 Benchmarks read_benchmarks(std::string_view text) {
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("benchmarks")) throw std::runtime_error("not what a benchmark wrote");

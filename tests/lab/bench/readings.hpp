@@ -21,9 +21,6 @@ struct Sockperf {
 /// The periods between wake-ups that are late by so much: period + latency_n - latency_{n-1}.
 [[nodiscard]] std::vector<double> periods_us(double period_us, const std::vector<double>& latencies_us);
 
-/// The smallest value that at least `fraction` of all do not exceed. @throws std::runtime_error if there is none
-[[nodiscard]] double percentile(std::vector<double> values, double fraction);
-
 /// Processor time per iteration [ns] by benchmark: the median where a benchmark was repeated. From Google Benchmark's
 /// JSON.
 using Benchmarks = std::map<std::string, double>;

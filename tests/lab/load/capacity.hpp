@@ -13,8 +13,8 @@ struct CapacitySearch {
 };
 
 /// The most clients that hold, by doubling and halving; 0 if not even one does. As robust as the machine's noise
-/// allows: who
-/// fails has further attempts, who holds does not; and the number that bounded the search is tried again at its end.
+/// allows: who fails has further attempts, who holds does not; and the number that bounded the search is tried again at
+/// its end.
 ///
 /// @param holds tries so many clients once
 [[nodiscard]] std::size_t most_that_hold(const CapacitySearch& search, const std::function<bool(std::size_t)>& holds);

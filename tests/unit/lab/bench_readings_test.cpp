@@ -1,4 +1,5 @@
 #include "tests/lab/bench/readings.hpp"
+#include "tests/lab/percentile.hpp"
 
 #include <gmock/gmock.h>
 

@@ -27,5 +27,22 @@ TEST(ReadFile, SaysWhyAFileCannotBeRead) {
               ThrowsMessage<std::runtime_error>(StrEq("/: cannot be read: it is a directory")));
 }
 
+TEST(WriteFile, PutsEveryByteInPlaceOfWhatWasThere) {
+  const auto path = (std::filesystem::path(testing::TempDir()) / "write_file_test.txt").string();
+  write_file(path, std::string("one\r\n\0two", 9));
+  EXPECT_EQ(read_file(path), std::string("one\r\n\0two", 9));
+  write_file(path, "1");
+  EXPECT_EQ(read_file(path), "1");
+  std::filesystem::remove(path);
+}
+
+TEST(WriteFile, SaysWhyAFileCannotBeWritten) {
+  EXPECT_THAT(
+      [] { write_file("/nonexistent/file", "1"); },
+      ThrowsMessage<std::runtime_error>(StrEq("/nonexistent/file: cannot be written: No such file or directory")));
+  EXPECT_THAT([] { write_file("/dev/full", "1"); },
+              ThrowsMessage<std::runtime_error>(StrEq("/dev/full: cannot be written: No space left on device")));
+}
+
 }  // namespace
 }  // namespace forcebound::text
