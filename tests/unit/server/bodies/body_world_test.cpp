@@ -181,11 +181,15 @@ TEST(BodyWorld, ADeviceThatAppearsWithinABodyDoesNotThrowIt) {
   }
 }
 
-TEST(BodyWorld, ABodyFarFromItsDeviceComesWithoutAJerk) {
-  const auto bodies = world_of(
+auto floating_ball() {
+  return world_of(
       "<option gravity='0 0 0' timestep='0.001'/><worldbody><body name='b'><freejoint/><geom size='0.01' mass='0.1'/>"
       "</body></worldbody>",
       "b", {.stiffness_N_per_m = 300, .damping_N_s_per_m = 10});
+}
+
+TEST(BodyWorld, ABodyFarFromItsDeviceComesWithoutAJerk) {
+  const auto bodies = floating_ball();
   Hand hand(*bodies);
   double last_N = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -200,10 +204,7 @@ TEST(BodyWorld, ABodyFarFromItsDeviceComesWithoutAJerk) {
 }
 
 TEST(BodyWorld, ABodyFarFromItsDeviceComesNoFasterThanAHandCanFollow) {
-  const auto bodies = world_of(
-      "<option gravity='0 0 0' timestep='0.001'/><worldbody><body name='b'><freejoint/><geom size='0.01' mass='0.1'/>"
-      "</body></worldbody>",
-      "b", {.stiffness_N_per_m = 300, .damping_N_s_per_m = 10});
+  const auto bodies = floating_ball();
   Hand hand(*bodies);
   double fastest_m_per_s = 0;
   for (int i = 0; i < 3000; ++i) {
