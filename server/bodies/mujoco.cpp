@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "forcebound/server/bodies/description.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
@@ -158,6 +159,7 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
 }
 
 ModelPointer load_mjcf(const std::string& path) {
+  (void)text::read_file(path);  // says why it cannot be read, where MuJoCo speaks of XML
   return named(path, [&] { return load(path.c_str(), nullptr); });
 }
 
