@@ -23,6 +23,10 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+bool is_beginning_of(std::string_view wrong, std::string_view right) {
+  return wrong.size() >= 3 && right.starts_with(wrong);
+}
+
 }  // namespace
 
 std::string join(std::span<const std::string> names) {
@@ -37,13 +41,16 @@ std::string nearest_name(std::string_view wrong, std::span<const std::string> kn
   std::size_t fewest = wrong.size() / 2 + 1;
   for (const std::string& name : known) {
     // A unit left out is the commonest slip: "damping" for "damping_N_s_per_m".
-    const bool beginning = wrong.size() >= 3 && name.starts_with(wrong);
-    const std::size_t count = beginning ? 0 : edits(wrong, name);
+    const std::size_t count = is_beginning_of(wrong, name) ? 0 : edits(wrong, name);
     if (count >= fewest) continue;
     fewest = count;
     nearest = &name;
   }
   return nearest == nullptr ? "" : *nearest;
+}
+
+bool is_slip_of(std::string_view wrong, std::string_view right) {
+  return wrong != right && (is_beginning_of(wrong, right) || edits(wrong, right) <= 2);
 }
 
 std::string suggestion(std::string_view wrong, std::span<const std::string> known) {

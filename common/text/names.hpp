@@ -12,6 +12,9 @@ namespace forcebound::text {
 /// The known name that `wrong` is most likely a misspelling of, or nothing if none is near.
 [[nodiscard]] std::string nearest_name(std::string_view wrong, std::span<const std::string> known);
 
+/// Whether `wrong` is `right` but for two letters, or without its unit: "damping" for "damping_N_s_per_m".
+[[nodiscard]] bool is_slip_of(std::string_view wrong, std::string_view right);
+
 /// What an error about a name nobody knows ends with: ", did you mean 'sphere'? (known: box, sphere)", without the
 /// question where no name is near.
 [[nodiscard]] std::string suggestion(std::string_view wrong, std::span<const std::string> known);

@@ -17,6 +17,8 @@ constexpr std::size_t kNameBytesMax = 64;
 }  // namespace
 
 std::string as_written(const toml::node& node) {
+  // The library would give all 17 digits.
+  if (const auto* number = node.as_floating_point()) return text::to_text(number->get());
   std::ostringstream text;
   node.visit([&text](const auto& value) { text << value; });
   return text.str();
@@ -32,8 +34,15 @@ const toml::node* CheckedTable::find(std::string_view key) {
 
 const toml::node& CheckedTable::at(std::string_view key) {
   const toml::node* node = find(key);
-  if (node == nullptr) fail("'" + std::string(key) + "' is missing");
+  if (node == nullptr) fail("'" + std::string(key) + "' is missing" + misspelling_of(key));
   return *node;
+}
+
+std::string CheckedTable::misspelling_of(std::string_view key) const {
+  for (const auto& [name, node] : table_) {
+    if (text::is_slip_of(name.str(), key)) return ", is '" + std::string(name.str()) + "' meant to be it?";
+  }
+  return {};
 }
 
 std::string CheckedTable::text(std::string_view key) {

@@ -86,6 +86,9 @@ class CheckedTable {
   [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 
  private:
+  /// What an error about a missing key ends with, where another looks like it.
+  [[nodiscard]] std::string misspelling_of(std::string_view key) const;
+
   const toml::table& table_;
   std::string file_;
   std::string place_;

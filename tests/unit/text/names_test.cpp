@@ -24,6 +24,13 @@ TEST(NearestName, OffersNothingForAnotherWord) {
   EXPECT_EQ(nearest_name("", kScenes), "");
 }
 
+TEST(IsSlipOf, IsTwoLettersOrAUnitApartAndNoMore) {
+  EXPECT_TRUE(is_slip_of("mas_kg", "mass_kg"));
+  EXPECT_TRUE(is_slip_of("damping", "damping_N_s_per_m"));
+  EXPECT_FALSE(is_slip_of("static_coefficient", "dynamic_coefficient"));
+  EXPECT_FALSE(is_slip_of("mass_kg", "mass_kg"));
+}
+
 TEST(Suggestion, AsksAndListsWhatIsKnown) {
   EXPECT_EQ(suggestion("spere", kScenes), ", did you mean 'sphere'? (known: box, circle, sphere)");
   EXPECT_EQ(suggestion("x", kScenes), " (known: box, circle, sphere)");

@@ -116,6 +116,14 @@ TEST(ParseScene, UnknownEffectsAndShapesAreErrorsWithTheNearestKnown) {
 TEST(ParseScene, WhatIsMissingIsNamed) {
   EXPECT_EQ(error_of(with("stiffness_N_per_m = 200\n", "")),
             "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing");
+  EXPECT_EQ(
+      error_of(with("stiffness_N_per_m", "stifness_N_per_m")),
+      "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stifness_N_per_m' "
+      "meant to be it?");
+  EXPECT_EQ(
+      error_of(with("stiffness_N_per_m", "stiffness")),
+      "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' meant "
+      "to be it?");
   EXPECT_EQ(error_of(with("name = \"wall\"\nshape", "shape")), "scenes/wall.toml:6: object: 'name' is missing");
   EXPECT_EQ(error_of(with("effects = [\"surface\"]", "")), "scenes/wall.toml:6: object 'wall': 'effects' is missing");
   EXPECT_THAT(error_of(with("[\"surface\"]", "[]")),

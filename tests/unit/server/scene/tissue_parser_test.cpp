@@ -87,7 +87,7 @@ TEST(TissueParser, UnderLargeMotionTheContactIsAsStiffAsItMayBe) {
   EXPECT_EQ(stiffness_of(""), 1000);
   EXPECT_EQ(stiffness_of("contact_stiffness_N_per_m = 3000\n"), 3000);
   EXPECT_THAT([&] { stiffness_of("contact_stiffness_N_per_m = 2e4\n"); },
-              refused("12: tissue 'pad': contact_stiffness_N_per_m must be > 0 and <= 10000, got 20000.0"));
+              refused("12: tissue 'pad': contact_stiffness_N_per_m must be > 0 and <= 10000, got 20000"));
 }
 
 TEST(TissueParser, SaysHowManyClientsThereIsRoomFor) {
