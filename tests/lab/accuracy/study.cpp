@@ -68,6 +68,7 @@ StudyResult carry_out(Study study, const time::Clock& clock) {
   if (best->parts() > 0) study.motion.on_surface_m = best->on_surface_m(0);
   const auto saved = run_device(settings_of(study, best, 0, 0), study.duration_s).true_positions;
   std::vector<Along> runs;
+  runs.reserve(scenes.size());
   for (const ScenePointer& scene : scenes) runs.push_back(run_along(scene, saved, clock));
   const ReferenceModel reference = reference_of(study, scenes, runs);
   const Along right = study.reference ? run_along(study.reference, saved, clock) : reference.along(runs);
