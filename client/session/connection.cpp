@@ -37,13 +37,22 @@ bool Connection::on_welcome(const wire::Welcome& welcome) noexcept {
   return true;
 }
 
-bool Connection::on_refusal(const wire::Refusal& refusal) noexcept {
+Connection::Refused Connection::on_refusal(const wire::Refusal& refusal, Nanoseconds now) noexcept {
   if (refusal.reason == wire::RefusalReason::unknown_session) {
-    if (session_ == 0 || refusal.session != session_) return false;
+    if (session_ == 0 || refusal.session != session_) return Refused::not_us;
     lose_session();
-    return true;
+    return Refused::session;
   }
-  return session_ == 0 && refusal.client_nonce == nonce_;
+  if (refusal.client_nonce != nonce_) return Refused::not_us;
+  if (refusal.reason != wire::RefusalReason::round_trip_wanted) {
+    return session_ == 0 ? Refused::hello : Refused::not_us;
+  }
+  // Of several that were on their way, each says the same at another time; a time that was never ours is no news.
+  const Nanoseconds round_trip = now - refusal.client_time;
+  if (round_trip < Nanoseconds{0} || round_trip_ != Nanoseconds{0}) return Refused::not_us;
+  round_trip_ = std::max(round_trip, Nanoseconds{1});  // zero would say that it is not known
+  next_hello_ = Nanoseconds::min();
+  return Refused::for_now;
 }
 
 void Connection::lose_session() noexcept {
@@ -53,6 +62,7 @@ void Connection::lose_session() noexcept {
   state_ = SessionState::reconnecting;
   next_hello_ = Nanoseconds::min();
   pause_ = kPauseFirst;
+  round_trip_ = Nanoseconds{0};
 }
 
 bool Connection::hello_due(Nanoseconds now) noexcept {
@@ -63,13 +73,15 @@ bool Connection::hello_due(Nanoseconds now) noexcept {
   return true;
 }
 
-wire::Hello Connection::hello() const noexcept {
+wire::Hello Connection::hello(Nanoseconds now) const noexcept {
   return {.client_nonce = nonce_,
           .degrees_of_freedom = static_cast<std::uint32_t>(facts_.degrees_of_freedom),
           .device = facts_.device,
           .period_s = facts_.period_s,
           .force_N_max = facts_.force_N_max,
-          .scene = facts_.scene};
+          .scene = facts_.scene,
+          .client_time = now,
+          .round_trip = round_trip_};
 }
 
 }  // namespace forcebound::client

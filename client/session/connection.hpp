@@ -43,15 +43,23 @@ class Connection {
   /// True if this begins another session.
   bool on_welcome(const wire::Welcome& welcome) noexcept;
 
-  /// True if it concerns us.
-  bool on_refusal(const wire::Refusal& refusal) noexcept;
+  enum class Refused : std::uint8_t {
+    not_us,
+    session,  ///< the one that was is no more
+    hello,    ///< for people to know why
+    for_now,  ///< until the next Hello, which tells the round trip
+  };
+
+  /// @param now when it arrived
+  Refused on_refusal(const wire::Refusal& refusal, Nanoseconds now) noexcept;
 
   /// The server ended the session.
   void on_bye() noexcept { lose_session(); }
 
   /// Whether a Hello should go out now; if so, the next is due after the pause.
   [[nodiscard]] bool hello_due(Nanoseconds now) noexcept;
-  [[nodiscard]] wire::Hello hello() const noexcept;
+  /// @param now as in `on_refusal`
+  [[nodiscard]] wire::Hello hello(Nanoseconds now) const noexcept;
 
   [[nodiscard]] std::uint64_t sessions() const noexcept { return sessions_; }
 
@@ -67,6 +75,7 @@ class Connection {
   std::uint64_t sessions_ = 0;
   Nanoseconds next_hello_{Nanoseconds::min()};
   Nanoseconds pause_;
+  Nanoseconds round_trip_{0};  // as a server wanted to know it
 };
 
 }  // namespace forcebound::client

@@ -165,17 +165,28 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     text::make_printable(totals_.simulated);
     tell(Event::Kind::welcomed, now, totals_.simulated);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
-    if (!connection_.on_refusal(*refusal)) {
-      ++totals_.foreign_session;
-      return;
-    }
-    const bool unknown = refusal->reason == wire::RefusalReason::unknown_session;
-    refused_ = refused_ || !unknown;
-    tell(unknown ? Event::Kind::session_unknown : Event::Kind::refused, now, refusal->text);
+    receive_refusal(*refusal, now, arrival);
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     receive_bye(*bye, now);
   } else {
     ++totals_.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)];
+  }
+}
+
+void Session::receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept {
+  switch (connection_.on_refusal(refusal, arrival)) {
+    case Connection::Refused::not_us:
+      ++totals_.foreign_session;
+      break;
+    case Connection::Refused::session:
+      tell(Event::Kind::session_unknown, now, refusal.text);
+      break;
+    case Connection::Refused::hello:
+      refused_ = true;
+      tell(Event::Kind::refused, now, refusal.text);
+      break;
+    case Connection::Refused::for_now:
+      break;
   }
 }
 
@@ -225,7 +236,7 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
 
 void Session::keep_connected(Nanoseconds now) noexcept {
   connection_.on_silence(now - silent_since_, options_.policy.hold, options_.policy.drop);
-  if (connection_.hello_due(now)) (void)send(connection_.hello());
+  if (connection_.hello_due(now)) (void)send(connection_.hello(clock_.now()));
 }
 
 void Session::write_down(const Reading& reading, const Vector& applied, Nanoseconds now) noexcept {

@@ -69,6 +69,7 @@ class Session {
   bool send(const wire::Message& message) noexcept;
   void receive_all(Nanoseconds now) noexcept;
   void receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept;
+  void receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;

@@ -119,6 +119,8 @@ void Codec::Storage::fill(const Hello& from) noexcept {
   hello.set_period_s(from.period_s);
   hello.set_force_n_max(from.force_N_max);
   hello.mutable_scene()->assign(cut_name(from.scene));
+  hello.set_client_time_ns(from.client_time.count());
+  hello.set_round_trip_ns(from.round_trip.count());
   hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
 }
 
@@ -137,6 +139,7 @@ void Codec::Storage::fill(const Refusal& from) noexcept {
   refusal.set_session(from.session);
   refusal.set_reason(static_cast<v1::Refusal::Reason>(from.reason));
   refusal.mutable_text()->assign(cut_text(from.text));
+  refusal.set_client_time_ns(from.client_time.count());
 }
 
 void Codec::Storage::fill(const MotionSample& from) noexcept {
@@ -181,8 +184,12 @@ namespace {
 
 using Decoded = std::variant<Message, Malformed>;
 
+bool plausible(Nanoseconds time) noexcept { return time >= -kTimeMost && time <= kTimeMost; }
+
 Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
-  if (datagram_bytes != kFrameBytesMax) return Malformed::unreadable;
+  const Nanoseconds time{from.client_time_ns()};
+  const Nanoseconds round_trip{from.round_trip_ns()};
+  if (datagram_bytes != kFrameBytesMax || !plausible(time) || !plausible(round_trip)) return Malformed::unreadable;
   if (!std::isfinite(from.period_s()) || !std::isfinite(from.force_n_max())) return Malformed::non_finite;
   return Message{Hello{.protocol_version = from.protocol_version(),
                        .client_nonce = from.client_nonce(),
@@ -190,7 +197,9 @@ Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
                        .device = cut_name(from.device()),
                        .period_s = from.period_s(),
                        .force_N_max = from.force_n_max(),
-                       .scene = cut_name(from.scene())}};
+                       .scene = cut_name(from.scene()),
+                       .client_time = time,
+                       .round_trip = round_trip}};
 }
 
 Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
@@ -203,13 +212,14 @@ Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
 
 Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
   const bool known = v1::Refusal::Reason_IsValid(from.reason());
+  const Nanoseconds time{from.client_time_ns()};
+  if (!plausible(time)) return Malformed::unreadable;
   return Message{Refusal{.client_nonce = from.client_nonce(),
                          .session = from.session(),
                          .reason = known ? static_cast<RefusalReason>(from.reason()) : RefusalReason::unspecified,
-                         .text = cut_text(from.text())}};
+                         .text = cut_text(from.text()),
+                         .client_time = time}};
 }
-
-bool plausible(Nanoseconds time) noexcept { return time >= -kTimeMost && time <= kTimeMost; }
 
 Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
   MotionSample motion{

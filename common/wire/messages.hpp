@@ -29,6 +29,8 @@ struct Hello {
   double period_s = 0;        ///< how often motion will come
   double force_N_max = 0;     ///< more than this the device cannot show
   std::string_view scene{};   ///< wanted scene, empty: whatever the server runs
+  Nanoseconds client_time{0};
+  Nanoseconds round_trip{0};  ///< as a refusal `round_trip_wanted` let the client measure; 0: not measured
 };
 
 struct Welcome {
@@ -45,14 +47,16 @@ enum class RefusalReason : std::uint8_t {
   unknown_scene,
   wrong_degrees_of_freedom,
   server_full,
-  unknown_session,  ///< the answer to motion of a session this server does not know: it restarted, or forgot
+  unknown_session,    ///< the answer to motion of a session this server does not know: it restarted, or forgot
+  round_trip_wanted,  ///< what is simulated depends on it: say Hello again with what the echoed time tells
 };
 
 struct Refusal {
   std::uint64_t client_nonce = 0;  ///< of the Hello refused, or
   std::uint64_t session = 0;       ///< the session refused
   RefusalReason reason = RefusalReason::unspecified;
-  std::string_view text{};  ///< what, and what would be accepted, for people
+  std::string_view text{};     ///< what, and what would be accepted, for people
+  Nanoseconds client_time{0};  ///< of the Hello, echoed
 };
 
 /// Client to server, each tick.

@@ -25,9 +25,11 @@ void log_to_stderr() {
 
 void explain(const forcebound::server::ProgramOptions& options) {
   using namespace forcebound::server;
-  const auto scene = load_scene(options.scene);
+  const forcebound::time::SteadyClock clock;
+  const auto scene =
+      load_scene(options.scene, EffectRegistry::standard(), options.calibrate ? measured_by(clock) : MeasureCost{});
   ExplainFacts facts{.answer_bytes = answer_bytes(*scene), .device = options.device};
-  if (options.calibrate) facts.calibration = calibrate(scene, forcebound::time::SteadyClock());
+  if (options.calibrate) facts.calibration = calibrate(scene, clock);
   std::cout << explain(*scene, facts);
 }
 

@@ -112,8 +112,9 @@ std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, con
 
 void serve(ProgramOptions options) {
   const time::SteadyClock clock;
-  const auto scene = load_scene(options.scene);
-  SceneLibrary scenes = SceneLibrary::shipped();
+  const MeasureCost measure = measured_by(clock);
+  const auto scene = load_scene(options.scene, EffectRegistry::standard(), measure);
+  SceneLibrary scenes = SceneLibrary::shipped(EffectRegistry::standard(), measure);
   scenes.add(scene);
   SceneCompiler compiler(scenes);
   options.server.scene = scene->facts().name;

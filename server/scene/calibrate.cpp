@@ -13,37 +13,71 @@ constexpr int kMotionsPerBatch = 32;
 constexpr int kBatches = 1000;
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds{1};
 
+// What is slow enough needs no batches, nor as many of them.
+constexpr Nanoseconds kBatchLong = std::chrono::milliseconds{1};
+constexpr Nanoseconds kLong = std::chrono::milliseconds{300};
+constexpr int kBatchesLeast = 40;
+
 /// A stroke about 2 mm to and fro on each axis, that is on both sides of a surface through its middle.
-std::vector<Vector> stroke(const Point& middle_m, Eigen::Index rows) {
-  std::vector<Vector> places;
-  for (int motion = 0; motion < kMotionsPerBatch * kBatches; ++motion) {
-    const double turn = 0.01 * motion;
-    const Point place = middle_m + 1e-3 * Point(std::sin(turn), std::sin(0.77 * turn + 1), std::sin(1.31 * turn + 2));
-    places.emplace_back(place.head(rows));
-  }
-  return places;
+Vector on_stroke(const Point& middle_m, int motion, Eigen::Index rows) {
+  const double turn = 0.01 * motion;
+  const Point place = middle_m + 1e-3 * Point(std::sin(turn), std::sin(0.77 * turn + 1), std::sin(1.31 * turn + 2));
+  return place.head(rows);
 }
+
+/// Motions in one place after the other: a device does not leap between them.
+class Measurement {
+ public:
+  Measurement(SceneState state, Eigen::Index rows, const time::Clock& clock)
+      : state_(std::move(state)), rows_(rows), clock_(clock) {}
+
+  /// @param share of all batches and of all time
+  void stroke(const Point& middle_m, int share) {
+    const Nanoseconds begin = clock_.now();
+    int motion = 0;
+    for (int batch = 0; batch * share < kBatches; ++batch) {
+      if (batch >= kBatchesLeast && (clock_.now() - begin) * share > kLong) break;
+      motion += run_batch(middle_m, motion);
+    }
+  }
+
+  [[nodiscard]] MeasuredCost result() {
+    std::sort(costs_ns_.begin(), costs_ns_.end());
+    const std::size_t count = costs_ns_.size();
+    return {costs_ns_[count / 2], costs_ns_[count * 99 / 100], left_out_};
+  }
+
+ private:
+  int run_batch(const Point& middle_m, int first) {
+    places_.clear();
+    for (int i = 0; i < per_batch_; ++i) places_.push_back(on_stroke(middle_m, first + i, rows_));
+    const Nanoseconds begin = clock_.now();
+    for (const Vector& place : places_) {
+      device_time_ += kPeriod;
+      left_out_ = !state_.answer(place, device_time_).quarantined.empty() || left_out_;
+    }
+    const Nanoseconds taken = clock_.now() - begin;
+    const auto motions = static_cast<int>(places_.size());
+    costs_ns_.push_back(static_cast<double>(taken.count()) / motions);
+    if (taken > kBatchLong) per_batch_ = std::max(1, per_batch_ / 4);
+    return motions;
+  }
+
+  SceneState state_;
+  Eigen::Index rows_;
+  const time::Clock& clock_;
+  int per_batch_ = kMotionsPerBatch;
+  Nanoseconds device_time_{0};
+  std::vector<Vector> places_;
+  std::vector<double> costs_ns_;
+  bool left_out_ = false;
+};
 
 MeasuredCost measure(SceneState state, const std::vector<Point>& middles_m, Eigen::Index rows,
                      const time::Clock& clock) {
-  std::vector<std::vector<Vector>> strokes;
-  strokes.reserve(middles_m.size());
-  for (const Point& middle_m : middles_m) strokes.push_back(stroke(middle_m, rows));
-  std::vector<double> costs_ns;
-  Nanoseconds device_time{0};
-  bool left_out = false;
-  for (std::size_t batch = 0; batch < kBatches; ++batch) {
-    // One part after the other: a device does not leap between them.
-    const Vector* place = &strokes[batch * strokes.size() / kBatches][batch * kMotionsPerBatch];
-    const Nanoseconds begin = clock.now();
-    for (int i = 0; i < kMotionsPerBatch; ++i) {
-      device_time += kPeriod;
-      left_out = !state.answer(*place++, device_time).quarantined.empty() || left_out;
-    }
-    costs_ns.push_back(static_cast<double>((clock.now() - begin).count()) / kMotionsPerBatch);
-  }
-  std::sort(costs_ns.begin(), costs_ns.end());
-  return {costs_ns[kBatches / 2], costs_ns[kBatches * 99 / 100], left_out};
+  Measurement measurement(std::move(state), rows, clock);
+  for (const Point& middle_m : middles_m) measurement.stroke(middle_m, static_cast<int>(middles_m.size()));
+  return measurement.result();
 }
 
 }  // namespace
@@ -62,6 +96,10 @@ Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clo
   if (middles_m.empty()) middles_m.emplace_back(Point::Zero());
   calibration.whole = measure(SceneState(scene, dof), middles_m, rows, clock);
   return calibration;
+}
+
+MeasureCost measured_by(const time::Clock& clock) {
+  return [&clock](const std::shared_ptr<const Scene>& scene) { return 1e-9 * calibrate(scene, clock).whole.median_ns; };
 }
 
 }  // namespace forcebound::server

@@ -21,7 +21,12 @@ struct Calibration {
 };
 
 /// Measures what the scene takes on this machine now: a device of three axes (less if the scene has less) strokes each
-/// object and medium in turn, in and out of its surface. Takes some tens of milliseconds an object.
+/// object and medium in turn, in and out of its surface. Takes some tens of milliseconds an object, less than a second
+/// where one is slow.
 Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clock& clock);
+
+/// The median of all of a scene, as `calibrate` finds it.
+/// @param clock must outlive it, and may be asked by any thread that compiles scenes
+MeasureCost measured_by(const time::Clock& clock);
 
 }  // namespace forcebound::server

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "forcebound/server/scene/cost.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -12,8 +13,6 @@ namespace {
 using text::rounded;
 
 constexpr double kTick_ns = 1e6;
-// What every motion takes, before any part, on a machine of today.
-constexpr double kMotion_ns = 35;
 const std::string kIndent = "              ";
 
 std::string time_text(double ns) {
@@ -140,21 +139,29 @@ std::string clients_text(const SceneFacts& scene, double cost_ns) {
   return "; at 1 kHz one core holds " + std::to_string(static_cast<int>(kTick_ns / cost_ns));
 }
 
+std::string accuracy_text(const Scene& scene) {
+  const AutoAccuracy* const accuracy = scene.accuracy();
+  if (accuracy == nullptr) return {};
+  std::string text = "accuracy auto: by the client's round trip, one of\n";
+  for (const AccuracyLevel& level : accuracy->levels) {
+    text += "  " + accuracy->key + " = " + level.value + ": model " + rounded(100 * level.model_error) + " % off, " +
+            time_text(level.step_s * 1e9) + " a motion\n";
+  }
+  text += "  that is     ";
+  for (const double round_trip_ms : {1, 5, 20, 50}) {
+    text += (round_trip_ms > 1 ? ", " : "") + accuracy->best(round_trip_ms * 1e-3).value + " behind " +
+            rounded(round_trip_ms) + " ms";
+  }
+  return text + "\n";
+}
+
 std::string total_text(const Scene& scene, const ExplainFacts& facts) {
-  double predicted_ns = kMotion_ns;
+  const double predicted_ns = predicted_cost_ns(scene);
   Ringing ringing;
   for (const auto* parts : {&scene.objects(), &scene.fields()}) {
-    for (const SceneObject& part : *parts) {
-      const PartSum sum = sum_of(part);
-      predicted_ns += sum.cost_ns;
-      ringing = ringing.with(sum.ringing);
-    }
+    for (const SceneObject& part : *parts) ringing = ringing.with(sum_of(part).ringing);
   }
-  for (const SceneMedium& medium : scene.media()) {
-    const MediumFacts medium_facts = medium.medium->facts();
-    predicted_ns += medium_facts.cost_ns;
-    ringing = ringing.with(ringing_of(medium_facts));
-  }
+  for (const SceneMedium& medium : scene.media()) ringing = ringing.with(ringing_of(medium.medium->facts()));
   const MeasuredCost* measured = facts.calibration ? &facts.calibration->whole : nullptr;
   const double cost_ns = measured != nullptr ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
@@ -194,7 +201,7 @@ std::string explain(const Scene& scene, const ExplainFacts& facts) {
   for (const SceneObject& field : scene.fields()) text += explain_part("field", field, facts.device, measured());
   for (const SceneMedium& medium : scene.media()) text += explain_medium(medium, facts.device, measured());
   if (part == 0) text += "no objects: every force is zero\n";
-  text += sharing_text(scene);
+  text += accuracy_text(scene) + sharing_text(scene);
   return text + not_simulated_text(scene) + total_text(scene, facts);
 }
 

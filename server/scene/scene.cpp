@@ -4,11 +4,12 @@
 
 namespace forcebound::server {
 
-Scene::Scene(SceneFacts facts, SceneParts parts)
+Scene::Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy)
     : facts_(std::move(facts)),
       parts_(std::move(parts)),
       plan_(parts_.objects, parts_.fields),
-      inputs_(plan_.inputs()) {
+      inputs_(plan_.inputs()),
+      accuracy_(std::move(accuracy)) {
   for (const SceneMedium& medium : parts_.media) inputs_ = inputs_.with(medium.medium->facts().inputs);
 }
 

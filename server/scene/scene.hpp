@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/server/effects/medium.hpp"
+#include "forcebound/server/scene/auto_accuracy.hpp"
 #include "forcebound/server/scene/plan.hpp"
 
 namespace forcebound::server {
@@ -17,6 +18,7 @@ struct SceneFacts {
   std::string description;
   int degrees_of_freedom = 3;  ///< 1 to 3, or kAnyDegreesOfFreedom
   bool shared = false;         ///< all clients feel the same bodies and tissue
+  bool accuracy_auto = false;  ///< it may be others as well, see Scene::accuracy
   int clients_max = 1;         ///< of a shared scene, at once; else any number
   std::uint64_t hash = 0;      ///< FNV-1a of the file's text: the same hash, the same scene
   std::vector<std::string> effects_not_requested{};
@@ -41,13 +43,19 @@ struct SceneParts {
 /// A scene and its plan. Immutable, shared by all clients.
 class Scene {
  public:
-  Scene(SceneFacts facts, SceneParts parts);
+  /// @param accuracy of a scene that may be others as well; without levels: it may not
+  Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy = {});
 
   [[nodiscard]] const SceneFacts& facts() const noexcept { return facts_; }
   [[nodiscard]] const std::vector<SceneObject>& objects() const noexcept { return parts_.objects; }
   [[nodiscard]] const std::vector<SceneObject>& fields() const noexcept { return parts_.fields; }
   [[nodiscard]] const std::vector<SceneMedium>& media() const noexcept { return parts_.media; }
   [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
+
+  /// Which others it may be, by how far away a client is; null: it is what it is.
+  [[nodiscard]] const AutoAccuracy* accuracy() const noexcept {
+    return accuracy_.levels.empty() ? nullptr : &accuracy_;
+  }
 
   /// All that some effect or medium looks at.
   [[nodiscard]] const Inputs& inputs() const noexcept { return inputs_; }
@@ -72,6 +80,7 @@ class Scene {
   SceneParts parts_;
   Plan plan_;
   Inputs inputs_;
+  AutoAccuracy accuracy_;
 };
 
 }  // namespace forcebound::server

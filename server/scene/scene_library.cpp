@@ -36,21 +36,23 @@ struct SceneLibrary::Shelf {
   }
 
   std::shared_ptr<const EffectRegistry> registry{};  // for those that ship
+  MeasureCost measure{};
   std::function<void(Compilation)> elsewhere{};
   std::vector<Entry> entries{};
 
   [[nodiscard]] Compilation compilation_of(const Entry& entry) const {
-    return {entry.name, [registry = registry, name = entry.name, text = entry.text] {
-              return parse_scene(text, file_of(name), *registry);
+    return {entry.name, [registry = registry, measure = measure, name = entry.name, text = entry.text] {
+              return parse_scene(text, file_of(name), *registry, measure);
             }};
   }
 };
 
 SceneLibrary::SceneLibrary() : shelf_(std::make_shared<Shelf>()) {}
 
-SceneLibrary SceneLibrary::shipped(EffectRegistry registry) {
+SceneLibrary SceneLibrary::shipped(EffectRegistry registry, MeasureCost measure) {
   SceneLibrary library;
   library.shelf_->registry = std::make_shared<const EffectRegistry>(std::move(registry));
+  library.shelf_->measure = std::move(measure);
   for (const EmbeddedText& scene : shipped_scenes()) {
     library.shelf_->entries.push_back({.name = std::string(scene.name), .text = scene.text});
   }
@@ -112,9 +114,10 @@ SceneSource scene_source(const std::string& name_or_file) {
   throw SceneError(SceneLibrary::shipped().unknown_scene_text(name_or_file) + "; a file is given as FILE.toml");
 }
 
-std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry) {
+std::shared_ptr<const Scene> load_scene(const std::string& name_or_file, const EffectRegistry& registry,
+                                        const MeasureCost& measure) {
   const SceneSource source = scene_source(name_or_file);
-  return parse_scene(source.text, source.file, registry);
+  return parse_scene(source.text, source.file, registry, measure);
 }
 
 }  // namespace forcebound::server

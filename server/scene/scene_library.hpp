@@ -20,7 +20,8 @@ class SceneLibrary {
   SceneLibrary();
 
   /// Those that ship with the server.
-  static SceneLibrary shipped(EffectRegistry registry = EffectRegistry::standard());
+  /// @param measure as parse_scene's
+  static SceneLibrary shipped(EffectRegistry registry = EffectRegistry::standard(), MeasureCost measure = {});
 
   /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
   void add(std::shared_ptr<const Scene> scene);
@@ -73,8 +74,10 @@ struct SceneSource {
 SceneSource scene_source(const std::string& name_or_file);
 
 /// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.
+/// @param measure as parse_scene's
 /// @throws SceneError
 std::shared_ptr<const Scene> load_scene(const std::string& name_or_file,
-                                        const EffectRegistry& registry = EffectRegistry::standard());
+                                        const EffectRegistry& registry = EffectRegistry::standard(),
+                                        const MeasureCost& measure = {});
 
 }  // namespace forcebound::server

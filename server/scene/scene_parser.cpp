@@ -1,15 +1,21 @@
 #include "forcebound/server/scene/scene_parser.hpp"
 
 #include <algorithm>
+#include <array>
 
+#include "forcebound/server/scene/accuracy_parser.hpp"
 #include "forcebound/server/scene/body_parser.hpp"
 #include "forcebound/server/scene/checked_table.hpp"
+#include "forcebound/server/scene/cost.hpp"
 #include "forcebound/server/scene/part_parser.hpp"
+#include "forcebound/server/scene/scene_key.hpp"
 #include "forcebound/server/scene/tissue_parser.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
+
+constexpr std::array<std::string_view, 2> kAccuracies{"fixed", "auto"};
 
 std::uint64_t fnv1a(std::string_view text) noexcept {
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -37,13 +43,18 @@ int parse_degrees_of_freedom(CheckedTable& scene) {
 
 class Parser {
  public:
-  Parser(std::string file, const EffectRegistry& registry) : file_(std::move(file)), registry_(registry) {}
+  /// @param measure not empty
+  Parser(std::string_view text, std::string file, const EffectRegistry& registry, const MeasureCost& measure)
+      : text_(text), file_(std::move(file)), registry_(registry), measure_(measure) {}
 
-  std::shared_ptr<const Scene> parse(std::string_view text) const {
-    const toml::table whole = parse_toml(text, file_);
+  std::shared_ptr<const Scene> parse() const { return parse(parse_toml(text_, file_), fnv1a(text_)); }
+
+ private:
+  std::shared_ptr<const Scene> parse(const toml::table& whole, std::uint64_t hash) const {
     CheckedTable file(whole, file_, "scene file");
     SceneFacts facts = parse_facts(file.table("scene"));
-    facts.hash = fnv1a(text);
+    facts.hash = hash;
+    AutoAccuracy accuracy = parse_levels(file, facts);
     const Eigen::Index rows = facts.degrees_of_freedom == kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     const PartParser parser(file_, registry_, rows);
 
@@ -64,16 +75,37 @@ class Parser {
     for (const EffectKind& kind : registry_.kinds()) {
       if (!requested(parts, kind.name)) facts.effects_not_requested.emplace_back(kind.name);
     }
-    return std::make_shared<const Scene>(std::move(facts), std::move(parts));
+    return std::make_shared<const Scene>(std::move(facts), std::move(parts), std::move(accuracy));
   }
 
- private:
+  AutoAccuracy parse_levels(CheckedTable& file, const SceneFacts& facts) const {
+    const toml::node* const table = file.find("accuracy");
+    if (!facts.accuracy_auto) {
+      if (table != nullptr) file.fail(*table, "[accuracy] is for scenes with accuracy = \"auto\" in [scene]");
+      return {};
+    }
+    if (facts.shared)
+      file.fail(file.at("scene"), "accuracy cannot be \"auto\" in a shared scene, which is one for all");
+    return parse_accuracy(
+        file, [&](const std::string& key, const toml::node& value) { return compile_level(key, value); }, measure_);
+  }
+
+  /// As if the file had said so from the beginning.
+  std::shared_ptr<const Scene> compile_level(const std::string& key, const toml::node& value) const {
+    toml::table whole = parse_toml(text_, file_);
+    whole["scene"].as_table()->erase("accuracy");
+    whole.erase("accuracy");
+    set_scene_key(whole, key, value);
+    return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + as_written(value)));
+  }
+
   SceneFacts parse_facts(const toml::table& table) const {
     CheckedTable scene(table, file_, "scene");
     SceneFacts facts{.name = scene.name("name"),
                      .description = scene.text("description"),
                      .degrees_of_freedom = parse_degrees_of_freedom(scene),
-                     .shared = scene.flag("shared", false)};
+                     .shared = scene.flag("shared", false),
+                     .accuracy_auto = scene.choice("accuracy", kAccuracies) == "auto"};
     const toml::node* clients = scene.find("clients_max");
     if (facts.shared) {
       facts.clients_max = scene.whole(kClientsMax);
@@ -132,15 +164,20 @@ class Parser {
            std::any_of(parts.fields.begin(), parts.fields.end(), asks);
   }
 
+  std::string_view text_;
   std::string file_;
   const EffectRegistry& registry_;
+  const MeasureCost& measure_;
 };
 
 }  // namespace
 
 std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file_name,
-                                         const EffectRegistry& registry) {
-  return Parser(file_name, registry).parse(text);
+                                         const EffectRegistry& registry, const MeasureCost& measure) {
+  const MeasureCost predicted = [](const std::shared_ptr<const Scene>& scene) {
+    return 1e-9 * predicted_cost_ns(*scene);
+  };
+  return Parser(text, file_name, registry, measure ? measure : predicted).parse();
 }
 
 }  // namespace forcebound::server

@@ -26,8 +26,10 @@ inline constexpr NumberParameter kClientsMax{
 /// they have one.
 ///
 /// @param file_name for errors
+/// @param measure what a motion takes in each level of a scene with `accuracy = "auto"`; none: as predicted
 /// @throws SceneError
 std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file_name,
-                                         const EffectRegistry& registry = EffectRegistry::standard());
+                                         const EffectRegistry& registry = EffectRegistry::standard(),
+                                         const MeasureCost& measure = {});
 
 }  // namespace forcebound::server

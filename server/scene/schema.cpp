@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "forcebound/server/scene/accuracy_parser.hpp"
 #include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -170,7 +171,22 @@ std::vector<SchemaTable> part_tables() {
         {"degrees_of_freedom", "of the device that can feel it; one of 6 feels a scene of 3", "1, 2, 3 or `\"any\"`"},
         {"shared", "whether all clients feel the same bodies and tissue, or each its own", "`true` or `false`",
          "`false`"},
-        described(kClientsMax)}},
+        described(kClientsMax),
+        {"accuracy", "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
+         "`\"fixed\"` or `\"auto\"`", "`\"fixed\"`"}}},
+      {"`[accuracy]`",
+       "With `accuracy = \"auto\"`: what the scene may give up to be in time. A client says how far away it is, the "
+       "server measures what each level takes on its machine, and picks the one whose force is least wrong at the "
+       "device, late ones counted as wrong. `forcebound-lab accuracy --levels FILE` measures these numbers.",
+       {{"key",
+         "what the levels differ in: `tissue.pad.shape.cells` is the key `cells` of the `shape` of the `[[tissue]]` "
+         "named `pad`",
+         "a key of this file"},
+        described(kChangePerSecond),
+        {"levels", "from coarse to fine", "two or more tables, see the next"}}},
+      {"A level of `[accuracy]`",
+       "What is in the file for the key counts where no client is known, as for `--explain`.",
+       {{"value", "for the key", "what the key may have"}, described(kModelError)}},
       {"`[[field]]`", "What fills space: only effects of space, and no shape.", {name, effects}},
       {"`[[object]]`",
        "What has a surface. No two have the same shape in the same place.",

@@ -35,6 +35,7 @@ std::string ServerCounters::text() const {
                {"closed as idle", sessions_idle},
                {"hellos refused", hellos_refused},
                {"hellos before their scene was compiled", hellos_too_early},
+               {"hellos without a round trip", hellos_to_measure},
                {"hellos repeated", hellos_repeated},
                {"hellos after bye", hellos_after_bye},
                {"hellos over the rate", hellos_over_rate},

@@ -16,11 +16,12 @@ struct ServerCounters {
   std::uint64_t unexpected = 0;  ///< well formed, but of a kind that only a server sends
 
   std::uint64_t sessions_opened = 0;
-  std::uint64_t sessions_ended = 0;    ///< by the client's Bye
-  std::uint64_t sessions_idle = 0;     ///< closed because nothing came any more
-  std::uint64_t hellos_repeated = 0;   ///< answered with the session they already had
-  std::uint64_t hellos_after_bye = 0;  ///< copies on the way longer than their session lived
-  std::uint64_t hellos_too_early = 0;  ///< for a scene that was still being compiled: to be said again
+  std::uint64_t sessions_ended = 0;     ///< by the client's Bye
+  std::uint64_t sessions_idle = 0;      ///< closed because nothing came any more
+  std::uint64_t hellos_repeated = 0;    ///< answered with the session they already had
+  std::uint64_t hellos_after_bye = 0;   ///< copies on the way longer than their session lived
+  std::uint64_t hellos_too_early = 0;   ///< for a scene that was still being compiled: to be said again
+  std::uint64_t hellos_to_measure = 0;  ///< for a scene that depends on how far away the client is: to be said again
   std::uint64_t hellos_refused = 0;
   std::uint64_t hellos_over_rate = 0;
   std::uint64_t byes_repeated = 0;

@@ -16,6 +16,7 @@ struct SessionInfo {
   std::string device;  ///< as the client calls it; printable
   std::uint32_t degrees_of_freedom = 0;
   std::string scene;
+  std::string accuracy{};  ///< of a scene with `accuracy = "auto"`: what was picked, and why
 };
 
 enum class CloseReason : std::uint8_t { client_said_bye, idle, server_stops };

@@ -33,12 +33,13 @@ struct ServerOptions {
 /// Who is connected, and the answer to each of their motions. Every client has its own state of its scene, but for the
 /// media of a shared scene, which begin with the first client and end with the last.
 ///
-/// Hello: the same nonce from the same address always means the same session. Motion: if newer than every other of its
-/// session it is answered; copies and latecomers are counted, in the session too, so that client and server agree on
-/// what the network did. Motion of an unknown session (the server restarted) is refused at once with fewer
-/// bytes than it had. A session follows its client to another address if the newest motion comes from there, because
-/// nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was lost; sent
-/// as well to a client that was there and fell silent, because perhaps only the way up has died.
+/// Hello: the same nonce from the same address always means the same session. For a scene with `accuracy = "auto"` it
+/// must tell the round trip; who does not is answered so that it can measure it, and remembered nowhere. Motion: if
+/// newer than every other of its session it is answered; copies and latecomers are counted, in the session too, so that
+/// client and server agree on what the network did. Motion of an unknown session (the server restarted) is refused at
+/// once with fewer bytes than it had. A session follows its client to another address if the newest motion comes from
+/// there, because nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was
+/// lost; sent as well to a client that was there and fell silent, because perhaps only the way up has died.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -123,7 +124,8 @@ class Server {
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
-  Session& open(const wire::Hello& hello, const std::shared_ptr<const Scene>& scene, const net::Address& from,
+  /// @param scene where it may be others, the one that suits the client is taken
+  Session& open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
                 Nanoseconds now);
   [[nodiscard]] bool is_full(const Scene& scene) const;
 

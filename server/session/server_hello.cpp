@@ -75,6 +75,15 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     refuse(hello, from, *refusal);
     return;
   }
+  if (wanted.scene->accuracy() != nullptr && hello.round_trip <= Nanoseconds{0}) {
+    ++counters_.hellos_to_measure;
+    send(wire::Refusal{.client_nonce = hello.client_nonce,
+                       .reason = RefusalReason::round_trip_wanted,
+                       .text = "say Hello again, with the round trip that this answer tells",
+                       .client_time = hello.client_time},
+         from);
+    return;
+  }
   Session& session = open(hello, wanted.scene, from, now);
   welcome(session);
   observer_.on_opened(session.info);
@@ -143,8 +152,8 @@ Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) 
   return nullptr;
 }
 
-Server::Session& Server::open(const wire::Hello& hello, const std::shared_ptr<const Scene>& scene,
-                              const net::Address& from, Nanoseconds now) {
+Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Scene> scene, const net::Address& from,
+                              Nanoseconds now) {
   std::uint64_t id = session_ids_();
   // Zero means "no session" on the wire.
   while (id == 0 || sessions_.contains(id)) id = session_ids_();
@@ -155,6 +164,12 @@ Server::Session& Server::open(const wire::Hello& hello, const std::shared_ptr<co
                    .device = printable(hello.device),
                    .degrees_of_freedom = hello.degrees_of_freedom,
                    .scene = scene->facts().name};
+  if (const AutoAccuracy* const accuracy = scene->accuracy()) {
+    const double round_trip_s = time::to_seconds(hello.round_trip);
+    const AccuracyLevel& picked = accuracy->best(round_trip_s);
+    info.accuracy = accuracy->text(picked, round_trip_s);
+    scene = picked.scene;
+  }
   Session session{
       .info = std::move(info),
       .nonce = hello.client_nonce,
@@ -168,7 +183,8 @@ Server::Session& Server::open(const wire::Hello& hello, const std::shared_ptr<co
 
 void Server::welcome(const Session& session) {
   const Scene& scene = session.scene.scene();
-  const std::string simulated = summary(scene);
+  const std::string& accuracy = session.info.accuracy;
+  const std::string simulated = (accuracy.empty() ? "" : accuracy + "; ") + summary(scene);
   send(wire::Welcome{.client_nonce = session.nonce,
                      .session = session.info.session,
                      .scene_hash = scene.facts().hash,

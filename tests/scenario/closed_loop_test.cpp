@@ -1,5 +1,6 @@
 #include "tests/sim/closed_loop.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "forcebound/net/netem_parameters.hpp"
 #include "forcebound/net/trace.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
+#include "tests/support/auto_scene.hpp"
 #include "tests/support/recorded_data.hpp"
 
 namespace forcebound::sim {
@@ -216,6 +218,31 @@ INSTANTIATE_TEST_SUITE_P(Data, RecordedHandOverARecordedNetwork,
                            }
                            return name;
                          });
+
+struct Picked {
+  const char* netem;  ///< each way
+  const char* level;
+};
+
+class AnAutoScene : public testing::TestWithParam<Picked> {};
+
+TEST_P(AnAutoScene, IsPickedByTheMeasuredRoundTripAndSaidInTheSummary) {
+  const auto parameters = net::parse_netem(GetParam().netem);
+  ClosedLoop loop({.device = client::load_device("wall-1dof"),
+                   .hand = "press",
+                   .law = "fba-exact",
+                   .scene = test::auto_wall(),
+                   .network = {.up = parameters, .down = parameters}});
+  loop.run(4s);
+  EXPECT_THAT(loop.totals().simulated, testing::HasSubstr(GetParam().level));
+  EXPECT_EQ(loop.session().state(), record::SessionState::active);
+}
+
+INSTANTIATE_TEST_SUITE_P(RoundTrips, AnAutoScene,
+                         testing::Values(Picked{"delay 0ms", "stiffness_N_per_m = 200 for a round trip of "},
+                                         Picked{"delay 25ms loss 20%", "stiffness_N_per_m = 100 for a round trip of 5"},
+                                         // Longer than the client waits to say Hello again.
+                                         Picked{"delay 300ms", "stiffness_N_per_m = 100 for a round trip of 60"}));
 
 }  // namespace
 }  // namespace forcebound::sim

@@ -14,7 +14,7 @@ struct Sweep {
 
 /// "KEY=V1,V2,..." with values as TOML writes them; commas within brackets and quotes do not separate.
 /// @throws std::invalid_argument
-Sweep parse_sweep(std::string_view text);
+Sweep parse_sweep(std::string_view sweep);
 
 /// The text of a scene with another value for a key, which may be new.
 /// @throws std::invalid_argument naming what is not there

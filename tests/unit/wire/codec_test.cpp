@@ -94,6 +94,8 @@ TEST(Codec, GivesHelloBack) {
   EXPECT_EQ(back.period_s, 1e-3);
   EXPECT_EQ(back.force_N_max, 3.3);
   EXPECT_EQ(back.scene, "sphere");
+  EXPECT_EQ(back.client_time, Nanoseconds{-12});
+  EXPECT_EQ(back.round_trip, Nanoseconds{20000000});
 }
 
 TEST(Codec, GivesWelcomeBack) {
@@ -108,14 +110,17 @@ TEST(Codec, GivesWelcomeBack) {
 
 TEST(Codec, GivesEveryRefusalBack) {
   Codec codec;
-  for (const auto reason :
-       {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
-        RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full, RefusalReason::unknown_session}) {
-    const auto back = round_trip(codec, Refusal{.client_nonce = 1, .session = 2, .reason = reason, .text = "why"});
+  for (const auto reason : {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
+                            RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full,
+                            RefusalReason::unknown_session, RefusalReason::round_trip_wanted}) {
+    const auto back = round_trip(
+        codec,
+        Refusal{.client_nonce = 1, .session = 2, .reason = reason, .text = "why", .client_time = Nanoseconds{-12}});
     EXPECT_EQ(back.client_nonce, 1u);
     EXPECT_EQ(back.session, 2u);
     EXPECT_EQ(back.reason, reason);
     EXPECT_EQ(back.text, "why");
+    EXPECT_EQ(back.client_time, Nanoseconds{-12});
   }
 }
 
@@ -197,7 +202,9 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
                               .device = endless,
                               .period_s = 1,
                               .force_N_max = 1,
-                              .scene = endless})
+                              .scene = endless,
+                              .client_time = kTimeMost,
+                              .round_trip = -kTimeMost})
                 .size(),
             kFrameBytesMax);
   EXPECT_LE(
@@ -210,7 +217,8 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
                 .encode(Refusal{.client_nonce = ~0ull,
                                 .session = ~0ull,
                                 .reason = RefusalReason::wrong_degrees_of_freedom,
-                                .text = endless})
+                                .text = endless,
+                                .client_time = -kTimeMost})
                 .size(),
             kFrameBytesMax);
 }

@@ -10,9 +10,16 @@ using namespace std::chrono_literals;
 class ConnectionTest : public ::testing::Test {
  protected:
   wire::Welcome welcome(std::uint64_t session) {
-    return {.client_nonce = connection.hello().client_nonce, .session = session};
+    return {.client_nonce = connection.hello(0ms).client_nonce, .session = session};
   }
 
+  static wire::Refusal round_trip_wanted(const wire::Hello& hello) {
+    return {.client_nonce = hello.client_nonce,
+            .reason = wire::RefusalReason::round_trip_wanted,
+            .client_time = hello.client_time};
+  }
+
+  using Refused = Connection::Refused;
   Connection connection{{.device = "wall-1dof", .scene = "wall"}, 1};
 };
 
@@ -50,13 +57,13 @@ TEST_F(ConnectionTest, IgnoresAWelcomeMeantForAnother) {
   auto other = welcome(5);
   ++other.client_nonce;
   EXPECT_FALSE(connection.on_welcome(other));
-  EXPECT_FALSE(connection.on_welcome({.client_nonce = connection.hello().client_nonce, .session = 0}));
+  EXPECT_FALSE(connection.on_welcome({.client_nonce = connection.hello(0ms).client_nonce, .session = 0}));
   EXPECT_EQ(connection.session(), 0U);
 }
 
 TEST_F(ConnectionTest, GoesStaleThenReconnectsWithTheSameNonce) {
   connection.on_welcome(welcome(5));
-  const auto nonce = connection.hello().client_nonce;
+  const auto nonce = connection.hello(0ms).client_nonce;
   connection.on_silence(300ms, 250ms, 1s);
   EXPECT_EQ(connection.state(), SessionState::stale);
   EXPECT_FALSE(connection.hello_due(10s));
@@ -64,7 +71,7 @@ TEST_F(ConnectionTest, GoesStaleThenReconnectsWithTheSameNonce) {
   EXPECT_EQ(connection.state(), SessionState::reconnecting);
   EXPECT_EQ(connection.session(), 5U) << "it may still be alive";
   EXPECT_TRUE(connection.hello_due(10s));
-  EXPECT_EQ(connection.hello().client_nonce, nonce);
+  EXPECT_EQ(connection.hello(0ms).client_nonce, nonce);
   connection.on_silence(0s, 250ms, 1s);
   EXPECT_EQ(connection.state(), SessionState::active);
 }
@@ -72,8 +79,9 @@ TEST_F(ConnectionTest, GoesStaleThenReconnectsWithTheSameNonce) {
 TEST_F(ConnectionTest, TakesAnotherNonceWhenTheServerForgotTheSession) {
   connection.on_welcome(welcome(5));
   const auto old = welcome(6);
-  EXPECT_FALSE(connection.on_refusal({.session = 4, .reason = wire::RefusalReason::unknown_session}));
-  EXPECT_TRUE(connection.on_refusal({.session = 5, .reason = wire::RefusalReason::unknown_session}));
+  EXPECT_EQ(connection.on_refusal({.session = 4, .reason = wire::RefusalReason::unknown_session}, 0s), Refused::not_us);
+  EXPECT_EQ(connection.on_refusal({.session = 5, .reason = wire::RefusalReason::unknown_session}, 0s),
+            Refused::session);
   EXPECT_EQ(connection.session(), 0U);
   EXPECT_EQ(connection.state(), SessionState::reconnecting);
   EXPECT_TRUE(connection.hello_due(0s));
@@ -84,16 +92,44 @@ TEST_F(ConnectionTest, TakesAnotherNonceWhenTheServerForgotTheSession) {
 
 TEST_F(ConnectionTest, KeepsAskingAfterARefusal) {
   EXPECT_TRUE(connection.hello_due(0s));
-  EXPECT_TRUE(connection.on_refusal(
-      {.client_nonce = connection.hello().client_nonce, .reason = wire::RefusalReason::unknown_scene}));
+  EXPECT_EQ(connection.on_refusal(
+                {.client_nonce = connection.hello(0ms).client_nonce, .reason = wire::RefusalReason::unknown_scene}, 0s),
+            Refused::hello);
   EXPECT_TRUE(connection.hello_due(10s));
 }
 
 TEST_F(ConnectionTest, ARefusalOutOfTheBlueDoesNotEndASession) {
   connection.on_welcome(welcome(5));
-  EXPECT_FALSE(connection.on_refusal(
-      {.client_nonce = connection.hello().client_nonce, .reason = wire::RefusalReason::server_full}));
+  EXPECT_EQ(connection.on_refusal(
+                {.client_nonce = connection.hello(0ms).client_nonce, .reason = wire::RefusalReason::server_full}, 0s),
+            Refused::not_us);
   EXPECT_EQ(connection.session(), 5U);
+}
+
+TEST_F(ConnectionTest, TellsTheRoundTripAtOnceToAServerThatWantsIt) {
+  EXPECT_TRUE(connection.hello_due(1s));
+  const wire::Refusal wanted = round_trip_wanted(connection.hello(1s));
+  EXPECT_FALSE(connection.hello_due(1s + 20ms));
+  EXPECT_EQ(connection.on_refusal(wanted, 1s + 20ms), Refused::for_now);
+  EXPECT_TRUE(connection.hello_due(1s + 20ms));
+  EXPECT_EQ(connection.hello(1s + 20ms).round_trip, 20ms);
+  EXPECT_EQ(connection.on_refusal(wanted, 1s + 90ms), Refused::not_us) << "a late copy is no news";
+  EXPECT_EQ(connection.hello(2s).round_trip, 20ms);
+}
+
+TEST_F(ConnectionTest, BelievesNoRoundTripThatCannotBe) {
+  wire::Refusal wanted = round_trip_wanted(connection.hello(1s));
+  EXPECT_EQ(connection.on_refusal(wanted, 1s - 1ns), Refused::not_us);
+  ++wanted.client_nonce;
+  EXPECT_EQ(connection.on_refusal(wanted, 2s), Refused::not_us);
+  EXPECT_EQ(connection.hello(2s).round_trip, 0s);
+}
+
+TEST_F(ConnectionTest, MeasuresTheRoundTripAnewForEachServer) {
+  EXPECT_EQ(connection.on_refusal(round_trip_wanted(connection.hello(1s)), 1s + 20ms), Refused::for_now);
+  connection.on_welcome(welcome(5));
+  connection.on_bye();
+  EXPECT_EQ(connection.hello(2s).round_trip, 0s);
 }
 
 }  // namespace

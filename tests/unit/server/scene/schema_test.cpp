@@ -136,7 +136,14 @@ TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
       "[[object]]\nname = 'x'\neffects = ['viscosity']\nviscosity = { damping_N_s_per_m = 1 }\n"
       "shape = { kind = 'sphere', center_m = [0], radius_m = 1 }\n";
   const std::string field = "[[field]]\nname = 'x'\neffects = ['viscosity']\nviscosity = { damping_N_s_per_m = 1 }\n";
+  const auto levels = [&](const std::string& of_all, const std::string& of_one) {
+    const std::string level = "{ value = 1, model_error = 0.1 }";
+    return scene + "accuracy = 'auto'\n" + field + "[accuracy]\nkey = 'field.x.viscosity.damping_N_s_per_m'\n" +
+           "change_per_s = 1\nlevels = [" + level + ", { value = 1, model_error = 0.1" + of_one + " }]\n" + of_all;
+  };
   const std::map<std::string, std::pair<std::string, std::vector<std::string>>> wrong{
+      {"`[accuracy]`", {levels(nobodys, ""), {}}},
+      {"A level of `[accuracy]`", {levels("", ", " + std::string(kNobodysKey) + " = 1"), {}}},
       {"`[scene]`", {scene + "shared = true\n" + nobodys, {}}},
       {"`[[object]]`", {scene + object + nobodys, {"viscosity"}}},
       {"`[[field]]`", {scene + field + nobodys, {"viscosity"}}}};

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "tests/support/auto_scene.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
 namespace forcebound::server {
@@ -63,6 +64,37 @@ TEST_F(ServerTest, SaysWhyASceneCannotBeHad) {
   EXPECT_TRUE(answers().empty());
   arrive(question);
   EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'free' cannot be had at the moment: no memory");
+}
+
+TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheRoundTripThatAClientMeasuresWithItsHelp) {
+  SceneLibrary scenes = SceneLibrary::shipped();
+  scenes.add(test::auto_wall());
+  start({.scene = "auto_wall"}, scenes);
+  wire::Hello question = hello();
+  question.client_time = milliseconds{12};
+  arrive(question);
+  const auto wanted = only_answer<wire::Refusal>();
+  EXPECT_EQ(wanted.reason, wire::RefusalReason::round_trip_wanted);
+  EXPECT_EQ(wanted.client_time, milliseconds{12});
+  EXPECT_EQ(server->sessions(), 0U);
+  EXPECT_EQ(server->counters().hellos_to_measure, 1U);
+
+  question.round_trip = milliseconds{1};
+  arrive(question);
+  const auto near = only_answer<wire::Welcome>();
+  EXPECT_THAT(near.simulated, HasSubstr("accuracy auto: object.wall.surface.stiffness_N_per_m = 200 for a round trip "
+                                        "of 1 ms, 2000 us a motion, "));
+  EXPECT_THAT(near.simulated, HasSubstr("; wall (half_space): surface stiffness_N_per_m 200"));
+  question.client_nonce = 8;
+  question.round_trip = milliseconds{50};
+  arrive(question);
+  const auto far = only_answer<wire::Welcome>();
+  EXPECT_THAT(far.simulated, HasSubstr("stiffness_N_per_m = 100 for a round trip of 50 ms"));
+
+  arrive(motion(near.session, 1, 0.01));
+  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[0], -2, 1e-12);
+  arrive(motion(far.session, 1, 0.01));
+  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[0], -1, 1e-12);
 }
 
 TEST_F(ServerTest, RefusesAnotherProtocolVersion) {

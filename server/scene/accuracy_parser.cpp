@@ -1,0 +1,40 @@
+#include "forcebound/server/scene/accuracy_parser.hpp"
+
+#include "forcebound/server/scene/scene.hpp"
+
+namespace forcebound::server {
+namespace {
+
+AccuracyLevel parse_level(CheckedTable& level, const std::string& key, const CompileLevel& compile,
+                          const MeasureCost& measure) {
+  const toml::node& value = level.at("value");
+  AccuracyLevel made{.value = as_written(value), .model_error = level.number(kModelError)};
+  level.refuse_unknown_keys();
+  try {
+    made.scene = compile(key, value);
+  } catch (const std::exception& error) {
+    level.fail(value, "with " + key + " = " + made.value + ": " + error.what());
+  }
+  made.step_s = measure(made.scene);
+  return made;
+}
+
+}  // namespace
+
+AutoAccuracy parse_accuracy(CheckedTable& file, const CompileLevel& compile, const MeasureCost& measure) {
+  CheckedTable table(file.table("accuracy"), file.file(), "accuracy");
+  AutoAccuracy accuracy{.key = table.text("key"), .change_per_s = table.number(kChangePerSecond)};
+  const toml::array& levels = table.array("levels");
+  if (levels.size() < 2) table.fail(levels, "levels must be two or more, got " + std::to_string(levels.size()));
+  for (const toml::node& node : levels) {
+    const toml::table* const level = node.as_table();
+    if (level == nullptr)
+      table.fail(node, "levels must be { value = ..., model_error = ... }, got " + as_written(node));
+    CheckedTable checked(*level, file.file(), "accuracy, level " + std::to_string(accuracy.levels.size() + 1));
+    accuracy.levels.push_back(parse_level(checked, accuracy.key, compile, measure));
+  }
+  table.refuse_unknown_keys();
+  return accuracy;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <string>
+
+namespace forcebound::server {
+
+/// Gives a key of a scene file another value; it may be new, the table that it is in may not. A table of an array, such
+/// as [[tissue]], is found by its name: "tissue.pad.shape.cells".
+/// @throws std::invalid_argument naming what is not there
+void set_scene_key(toml::table& scene, const std::string& key, const toml::node& value);
+
+}  // namespace forcebound::server
