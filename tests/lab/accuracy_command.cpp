@@ -9,6 +9,7 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/lab/above_zero.hpp"
+#include "tests/lab/accuracy/levels_text.hpp"
 #include "tests/lab/accuracy/study_text.hpp"
 #include "tests/lab/commands.hpp"
 
@@ -29,6 +30,7 @@ struct Options {
   bool recommend = false;
   double budget_us = std::numeric_limits<double>::infinity();
   std::string json;
+  std::string levels;
   std::string figures;
 };
 
@@ -52,6 +54,7 @@ void accuracy(const Options& options) {
   const StudyResult result = carry_out(study_of(options), time::SteadyClock());
   std::printf("%s\n%s", to_text(result).c_str(), recommendation(result, options.budget_us).c_str());
   if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
+  if (!options.levels.empty()) text::write_file(options.levels, levels_text(result));
   if (options.figures.empty()) return;
   std::filesystem::create_directories(options.figures);
   const auto png = std::filesystem::path(options.figures) / "accuracy.png";
@@ -102,6 +105,10 @@ void add_accuracy(CLI::App& app) {
       ->check(above_zero())
       ->type_name("US");
   command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
+  command
+      ->add_option("--levels", options->levels,
+                   "write what was found to this file as the [accuracy] of a scene, which then picks for itself")
+      ->type_name("FILE");
   command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
   command->callback([options] { accuracy(*options); });
 }

@@ -60,6 +60,15 @@ ReferenceModel reference_of(const Study& study, const std::vector<ScenePointer>&
   return {scenes, spacings, runs};
 }
 
+/// @param forces one a millisecond
+double change_per_s(const Forces& forces) {
+  if (forces.size() < 2) return 0;
+  const Forces before(forces.begin(), forces.end() - 1);
+  const Forces after(forces.begin() + 1, forces.end());
+  const double size_N = rms(after);
+  return size_N > 0 ? rms_difference(after, before) / size_N * 1e3 : 0;
+}
+
 }  // namespace
 
 StudyResult carry_out(Study study, const time::Clock& clock) {
@@ -75,6 +84,7 @@ StudyResult carry_out(Study study, const time::Clock& clock) {
 
   StudyResult result{.key = study.sweep.key,
                      .hand = make_harmonic_hand(study.motion, 3)->description(),
+                     .change_per_s = change_per_s(right.forces),
                      .reference_uncertainty = reference.uncertainty(),
                      .reference_order = reference.order(),
                      .reference_why = reference.why()};

@@ -45,9 +45,10 @@ struct StudiedSetting {
 struct StudyResult {
   std::string key;
   std::string hand;
+  double change_per_s = 0;  ///< RMS of the reference's rate of change over its own, along the hand's way
   double reference_uncertainty = 0;
   double reference_order = 0;
-  std::string reference_why;
+  std::string reference_why{};
   std::vector<StudiedSetting> settings{};
 };
 
