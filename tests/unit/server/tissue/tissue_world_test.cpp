@@ -311,7 +311,8 @@ constexpr int kCrowd = 16;
 
 /// Sixteen points, four by four, each with a depth of its own.
 Point in_crowd_m(int seat) {
-  return {0.0113 + 0.0121 * (seat % 4), 0.0127 + 0.0117 * (seat / 4), kTop_m - 0.0015 - 0.0001 * (seat % 5)};
+  const int row = seat / 4;
+  return {0.0113 + 0.0121 * (seat % 4), 0.0127 + 0.0117 * row, kTop_m - 0.0015 - 0.0001 * (seat % 5)};
 }
 
 /// All come down, then move by turns, each in the same order or in another, until nothing changes.
