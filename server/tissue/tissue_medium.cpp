@@ -27,11 +27,12 @@ constexpr double kSphereTriangle_ns = 5;
 constexpr double kContact_ns = 3000;
 constexpr double kCorotationalTetrahedron_ns = 120;
 constexpr double kCorotationalBlock_ns = 45;
-// With a sphere in place of a point, so much more.
-constexpr double kSphereShare = 2;
+constexpr double kPressedTriangle_ns = 500;
 
-// A probe that slides deep below the surface takes that many times what one takes that comes and goes.
-constexpr double kSliding = 3;
+// A probe deep below the surface takes that many times what one takes that comes and goes: a point as it slides, and
+// snaps over edges, a sphere as it moves.
+constexpr double kPointDeep = 3;
+constexpr double kSphereDeep = 2;
 
 // A place on top: of the highest free nodes the one in the middle.
 Point top_of(const TetrahedralMesh& mesh, const std::vector<bool>& held) {
@@ -180,7 +181,9 @@ void TissueMedium::describe(const CorotationalTissue& tissue, MediumFacts& facts
     facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +
                           " N/m: the most that is felt");
   }
-  facts.lines.push_back("sliding deep takes about " + rounded(kSliding * facts.cost_ns * 1e-6) +
+  const double deep = tissue.pressure() ? kSphereDeep : kPointDeep;
+  facts.lines.push_back((tissue.pressure() ? "moving" : "sliding") + std::string(" deep takes about ") +
+                        rounded(deep * facts.cost_ns * 1e-6) +
                         " ms a motion of the 1 ms of a tick; what it has no time for it goes on with at the next one");
 }
 
@@ -191,7 +194,7 @@ void TissueMedium::describe(const CorotationalTissue& tissue, const SpherePressu
   facts.stiffness_N_per_m = pressure.stiffness_Pa_per_m() * std::numbers::pi * radius_m * radius_m;
   const Point top_m = facts.on_surface_m - radius_m * Point::UnitZ();
   const double tissue_N_per_m = stiffness_N_per_m_at(top_m, radius_m, tissue);
-  facts.cost_ns *= kSphereShare;
+  facts.cost_ns += kPressedTriangle_ns * static_cast<double>(tissue.mesh().triangles().size());
   facts.lines.push_back("felt by a sphere of " + to_text(radius_m) + " m through a skin of " +
                         rounded(pressure.stiffness_Pa_per_m()) + " Pa/m, at " + std::to_string(pressure.places()) +
                         " places of the surface: on top about " +
