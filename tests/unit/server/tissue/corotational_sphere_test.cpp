@@ -71,7 +71,7 @@ double pressed_N(const CorotationalOptions& options, std::size_t fineness) {
   const CorotationalTissue tissue = tissue_of(test::tetrahedra_of(block), options);
   Felt felt(tissue);
   const Point middle(0.02, 0.02, kTop_m + options.radius_m);
-  const TissueResult result = felt.go(middle + Point(0, 0, 1e-4), middle - Point(0, 0, 0.003), 6);
+  const TissueResult result = felt.go(middle + Point(0, 0, 1e-4), middle - Point(0, 0, 0.003), 3);
   EXPECT_TRUE(result.converged) << result.residual_m << " m after " << result.iterations;
   return result.force_N.z();
 }
@@ -137,7 +137,7 @@ std::vector<double> rounds_J(const CorotationalTissue& tissue, int steps, double
   Point before_m = Point::Zero();
   Point before_N = Point::Zero();
   double work_J = 0;
-  for (int n = 0; n <= 3 * steps; ++n) {
+  for (int n = 0; n <= 2 * steps; ++n) {
     const double angle = 2 * std::numbers::pi * n / steps;
     const Point at_m = over(0.02 + 0.006 * std::sin(angle), 0.0187 + 0.004 * std::sin(2 * angle),
                             0.0025 * (1 - std::cos(angle)) - 0.0005);
@@ -158,7 +158,7 @@ TEST(CorotationalSphere, NoRoundOfPressingSlidingAndReleasingGivesTheHandEnergy)
   for (const CorotationalTissue* tissue : {&patiently, &hastily, &lagging}) {
     double peak_J = 0;
     const std::vector<double> after_J = rounds_J(*tissue, 400, peak_J);
-    ASSERT_EQ(after_J.size(), 3U);
+    ASSERT_EQ(after_J.size(), 2U);
     EXPECT_GT(peak_J, 2e-4);
     for (const double work_J : after_J) {
       if (tissue == &lagging) {
