@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "forcebound/server/tissue/corotational_tissue.hpp"
@@ -293,6 +294,36 @@ TEST(CorotationalSphere, TwoPressTheSameTissueAlike) {
   world.leave(1);
   for (int n = 0; n < 10; ++n) world.move(0, over(0.0145, 0.0255, 0.004), Point::Zero());
   EXPECT_GT(std::abs(world.seat(0).result.force_N.z() - beside_N), 0.002 * beside_N) << "its load has gone with it";
+}
+
+TEST(CorotationalSphere, WildLeapsOfTwoProbesOnAThinSheetStayBoundedAndLeaveNothingBehind) {
+  // 80 x 80 x 3 mm, half as thick as the sphere's radius, held at one edge.
+  TetrahedralMesh mesh(tetrahedral_block({.cells = {8, 8, 1}, .from_m = Point::Zero(), .size_m = {0.08, 0.08, 0.003}}));
+  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitX());
+  const CorotationalTissue tissue(std::move(mesh), {.young_Pa = 20000, .poisson = 0.4}, held, {.radius_m = 0.006});
+  CorotationalTissueWorld world(tissue, 2);
+  while (world.join() >= 0) continue;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::array<Point, 2> at_m{Point(0.03, 0.04, 0.02), Point(0.06, 0.04, 0.02)};
+  double most_N = 0;
+  for (int n = 0; n < 1000; ++n) {
+    for (const std::size_t seat : {0U, 1U}) {
+      const double reach_m = any(random) > 0.9 ? 0.05 : 0.002;
+      const Point leap_m = reach_m * Point(any(random), any(random), any(random));
+      at_m[seat] = (at_m[seat] + leap_m).cwiseMax(Point(-0.02, -0.02, -0.04)).cwiseMin(Point(0.1, 0.1, 0.04));
+      world.move(static_cast<int>(seat), at_m[seat], Point::Zero());
+      most_N = std::max(most_N, world.seat(static_cast<int>(seat)).result.force_N.norm());
+    }
+  }
+  EXPECT_TRUE(world.sound());
+  EXPECT_GT(most_N, 0.1);
+  EXPECT_LT(most_N, 50);
+  for (int n = 0; n < 300; ++n) {
+    for (const int seat : {0, 1}) world.move(seat, {0.03, 0.04, 0.3}, Point::Zero());
+  }
+  EXPECT_EQ(world.seat(0).result.energy_J, 0);
+  EXPECT_EQ(world.seat(0).result.force_N, Point::Zero());
 }
 
 TEST(CorotationalSphere, DoesNotAllocate) {
