@@ -1,6 +1,6 @@
 #include "forcebound/server/bodies/body_medium.hpp"
 #include "forcebound/server/scene/schema.hpp"
-#include "forcebound/server/tissue/corotational_tissue.hpp"
+#include "forcebound/server/tissue/corotational_options.hpp"
 #include "forcebound/server/tissue/tissue_contact.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -66,26 +66,39 @@ SchemaTable mjcf_table() {
   return table;
 }
 
+std::string most_skin() {
+  return "> 0 and <= " + text::to_text(CorotationalOptions::kSkinMost) +
+         " `young_Pa` / (1 - `poisson`^2) / `probe_radius_m`";
+}
+
 SchemaTable tissue_table() {
   const ProbeOptions preset;
-  return {"`[[tissue]]`",
-          "An elastic body of tetrahedra, quasi-static, without friction.",
-          {name(),
-           {"shape", "a table, see below", "a table"},
-           {"held", "what does not move; a table, see below", "a table"},
-           positive("young_Pa", "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin"),
-           {"poisson", "Poisson's ratio; what is above 0.45 locks, and `--explain` says so", ">= 0 and <= 0.4999"},
-           not_negative("probe_radius_m", "of the sphere that touches it; 0: a point", preset.radius_m),
-           {"contact_stiffness_N_per_m", "of each contact, in series with the tissue",
-            "> 0; with `large_motion` <= " + text::to_text(CorotationalOptions::kContactStiffnessMost_N_per_m),
-            text::to_text(preset.contact_stiffness_N_per_m) + "; with `large_motion` " +
-                text::to_text(CorotationalOptions{}.contact_stiffness_N_per_m)},
-           {"contacts_max", "at once", "a whole number from 1 to " + std::to_string(kContactsMax),
-            std::to_string(preset.contacts_max)},
-           {"large_motion",
-            "whether it may bend far: for a point only, and so much dearer that a thousand tetrahedra may take "
-            "the whole tick, as `--explain` says",
-            "`true` or `false`", "`false`"}}};
+  return {
+      "`[[tissue]]`",
+      "An elastic body of tetrahedra, quasi-static, without friction.",
+      {name(),
+       {"shape", "a table, see below", "a table"},
+       {"held", "what does not move; a table, see below", "a table"},
+       positive("young_Pa", "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin"),
+       {"poisson", "Poisson's ratio; what is above 0.45 locks, and `--explain` says so", ">= 0 and <= 0.4999"},
+       not_negative("probe_radius_m",
+                    "of the sphere that touches it; 0: a point, which sinks in the deeper the finer the mesh",
+                    preset.radius_m),
+       {"contact_stiffness_N_per_m", "of each contact, in series with the tissue; not of a sphere with `large_motion`",
+        "> 0; of a point with `large_motion` <= " + text::to_text(CorotationalOptions::kContactStiffnessMost_N_per_m),
+        text::to_text(preset.contact_stiffness_N_per_m) + "; with `large_motion` " +
+            text::to_text(CorotationalOptions{}.contact_stiffness_N_per_m)},
+       {"contact_stiffness_Pa_per_m",
+        "of a sphere's skin with `large_motion`, in series with the tissue: pressure by depth", most_skin(),
+        text::to_text(CorotationalOptions::kSkin) +
+            " of these: it gives way by 2 % of a depth of the radius, 4 % of a quarter"},
+       {"contacts_max", "at once; with `large_motion` nothing limits them",
+        "a whole number from 1 to " + std::to_string(kContactsMax), std::to_string(preset.contacts_max)},
+       {"large_motion",
+        "whether it may bend far, under a point or a sphere: so much dearer that a thousand tetrahedra may take the "
+        "whole tick, as "
+        "`--explain` says",
+        "`true` or `false`", "`false`"}}};
 }
 
 }  // namespace

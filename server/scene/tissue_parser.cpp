@@ -72,15 +72,15 @@ ElasticMaterial parse_material(CheckedTable& tissue) {
           .poisson = tissue.number({.key = "poisson", .least = 0, .most = 0.4999})};
 }
 
-/// @param large_motion under which a tie takes the place of contacts
+/// @param large_motion under which a tie takes the place of a point's contact
 ProbeOptions parse_probe(CheckedTable& tissue, bool large_motion) {
   ProbeOptions probe;
   double stiffness_N_per_m_most = std::numeric_limits<double>::infinity();
-  if (large_motion) {
+  probe.radius_m = tissue.number({.key = "probe_radius_m", .preset = probe.radius_m, .least = 0});
+  if (large_motion && probe.radius_m == 0) {
     probe.contact_stiffness_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
     stiffness_N_per_m_most = CorotationalOptions::kContactStiffnessMost_N_per_m;
   }
-  probe.radius_m = tissue.number({.key = "probe_radius_m", .preset = probe.radius_m, .least = 0});
   probe.contact_stiffness_N_per_m = tissue.number({.key = "contact_stiffness_N_per_m",
                                                    .preset = probe.contact_stiffness_N_per_m,
                                                    .least = 0,
@@ -97,11 +97,14 @@ SceneMedium parse_tissue(CheckedTable& table, const toml::table& where, const st
   TetrahedralMesh mesh = parse_shape(table, text);
   std::vector<int> held = parse_held(table, mesh);
   const bool large_motion = table.flag("large_motion", false);
+  const double skin_Pa_per_m =
+      table.number({.key = "contact_stiffness_Pa_per_m", .preset = 0, .least = 0, .least_excluded = true});
   TissueDescription tissue{.mesh = std::move(mesh),
                            .material = parse_material(table),
                            .held_nodes = std::move(held),
                            .probe = parse_probe(table, large_motion),
-                           .large_motion = large_motion};
+                           .large_motion = large_motion,
+                           .skin_Pa_per_m = skin_Pa_per_m};
   text += ", " + table.values_text();
   table.refuse_unknown_keys();
   return table.built_at(where, [&] {

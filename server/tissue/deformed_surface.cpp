@@ -62,6 +62,16 @@ Eigen::Matrix3d DeformedSurface::corners_m(int triangle) const noexcept {
   return columns;
 }
 
+Eigen::Matrix3d DeformedSurface::corners_of(int triangle, const Eigen::VectorXd& all) const noexcept {
+  Eigen::Matrix3d columns;
+  for (int corner = 0; corner < 3; ++corner) columns.col(corner) = all.segment<3>(first_of(triangle, corner));
+  return columns;
+}
+
+void DeformedSurface::add_to_corners(int triangle, const Eigen::Matrix3d& more, Eigen::VectorXd& all) const noexcept {
+  for (int corner = 0; corner < 3; ++corner) all.segment<3>(first_of(triangle, corner)) += more.col(corner);
+}
+
 bool DeformedSurface::pulls(const SurfaceTie& tie) const noexcept {
   const Eigen::Matrix3d here_m = corners_m(tie.place.triangle);
   const Point outward = (here_m.col(1) - here_m.col(0)).cross(here_m.col(2) - here_m.col(0));
@@ -88,10 +98,7 @@ DeformedSurface::Slid DeformedSurface::slid(const SurfaceTie& tie) const noexcep
 void DeformedSurface::add_resistance(const SurfaceTie& tie, double stiffness_N_per_m, const Eigen::VectorXd& moved_m,
                                      Eigen::VectorXd& force_N) const noexcept {
   const Eigen::Matrix3d here_m = corners_m(tie.place.triangle);
-  Eigen::Matrix3d corners_moved_m;
-  for (int corner = 0; corner < 3; ++corner) {
-    corners_moved_m.col(corner) = moved_m.segment<3>(first_of(tie.place.triangle, corner));
-  }
+  const Eigen::Matrix3d corners_moved_m = corners_of(tie.place.triangle, moved_m);
   const Point place_moved_m = corners_moved_m * tie.place.weight;
   Point weight_change = Point::Zero();
   if (tie.slides) {
@@ -106,9 +113,7 @@ void DeformedSurface::add_resistance(const SurfaceTie& tie, double stiffness_N_p
 }
 
 void DeformedSurface::add_at(const SurfacePlace& place, const Point& force_N, Eigen::VectorXd& all_N) const noexcept {
-  for (int corner = 0; corner < 3; ++corner) {
-    all_N.segment<3>(first_of(place.triangle, corner)) += place.weight[corner] * force_N;
-  }
+  add_to_corners(place.triangle, force_N * place.weight.transpose(), all_N);
 }
 
 }  // namespace forcebound::server

@@ -31,8 +31,16 @@ class DeformedSurface {
   DeformedSurface(const TissueSurface& surface, const Eigen::VectorXd& displacement_m) noexcept
       : surface_(surface), displacement_m_(displacement_m) {}
 
+  [[nodiscard]] const TissueSurface& at_rest() const noexcept { return surface_; }
+
   /// In columns.
   [[nodiscard]] Eigen::Matrix3d corners_m(int triangle) const noexcept;
+
+  /// Three coordinates of each corner, in columns, of what all nodes have.
+  [[nodiscard]] Eigen::Matrix3d corners_of(int triangle, const Eigen::VectorXd& all) const noexcept;
+
+  /// Columns are added to what the corners have.
+  void add_to_corners(int triangle, const Eigen::Matrix3d& more, Eigen::VectorXd& all) const noexcept;
 
   [[nodiscard]] Point at(const SurfacePlace& place) const noexcept { return corners_m(place.triangle) * place.weight; }
 

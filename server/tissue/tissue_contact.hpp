@@ -34,7 +34,7 @@ struct TissueState {
 
   std::uint32_t started;                      ///< 0: `probe_m` means nothing yet
   std::uint32_t contacts;                     ///< how many of `contact` hold
-  std::array<double, 3> probe_m;              ///< where the probe was
+  std::array<double, 3> probe_m;              ///< where the probe was, or its sphere that is behind it
   std::array<double, 3> shift_m;              ///< how far other probes had moved the surface near it
   std::array<double, 3> direction;            ///< unit, along which a sphere is held off; meaningless without contact
   std::array<Contact, kContactsMax> contact;  ///< those that push
@@ -48,7 +48,7 @@ struct TissueResult {
   double depth_m = 0;             ///< of the probe below the surface without it, at the deepest contact
   double energy_J = 0;            ///< elastic, of tissue and contacts, those of other probes too
   double residual_m = 0;          ///< how far the contacts are yet from where they belong
-  int contacts = 0;               ///< that push
+  int contacts = 0;               ///< that push; of a sphere under large motion, places
   int contacts_left_out = 0;      ///< would push, but are beyond contacts_max: an error to report
   int iterations = 0;
   bool converged = true;  ///< the residual is within the tolerance

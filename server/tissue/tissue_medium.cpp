@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -26,9 +27,12 @@ constexpr double kSphereTriangle_ns = 5;
 constexpr double kContact_ns = 3000;
 constexpr double kCorotationalTetrahedron_ns = 120;
 constexpr double kCorotationalBlock_ns = 45;
+constexpr double kPressedTriangle_ns = 500;
 
-// A probe that slides deep below the surface takes that many times what one takes that comes and goes.
-constexpr double kSliding = 3;
+// A probe deep below the surface takes that many times what one takes that comes and goes: a point as it slides, and
+// snaps over edges, a sphere as it moves.
+constexpr double kPointDeep = 3;
+constexpr double kSphereDeep = 2;
 
 // A place on top: of the highest free nodes the one in the middle.
 Point top_of(const TetrahedralMesh& mesh, const std::vector<bool>& held) {
@@ -72,21 +76,32 @@ Range stiffness_of(const LinearTissue& tissue, const std::vector<bool>& held, do
   return range;
 }
 
-const ProbeOptions& checked(const TissueDescription& description) {
-  const ProbeOptions& probe = description.probe;
+const ProbeOptions& checked(const ProbeOptions& probe) {
   probe.check();
-  if (description.large_motion && probe.radius_m > 0) {
-    throw std::invalid_argument("under large motion the probe is a point: radius_m must be 0, got " +
-                                to_text(probe.radius_m));
-  }
   return probe;
+}
+
+// Along z at a place, of the tissue at rest under a load spread over what is within a radius of it.
+double stiffness_N_per_m_at(const Point& place_m, double radius_m, const CorotationalTissue& tissue) {
+  const TetrahedralMesh& mesh = tissue.mesh();
+  const auto coordinates = 3 * static_cast<Eigen::Index>(mesh.nodes_m().size());
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(coordinates);
+  for (const int node : mesh.surface_nodes()) {
+    if ((mesh.nodes_m()[node] - place_m).norm() <= radius_m) load[3 * node + 2] = 1;
+  }
+  load /= load.sum();
+  Eigen::VectorXd moved_m = Eigen::VectorXd::Zero(coordinates);
+  Eigen::VectorXd scratch = moved_m;
+  const std::vector<Eigen::Quaterniond> unturned(mesh.nodes_m().size(), Eigen::Quaterniond::Identity());
+  tissue.factors().solve(unturned, load, moved_m, scratch);
+  return 1 / load.dot(moved_m);
 }
 
 }  // namespace
 
 TissueMedium::TissueMedium(TissueDescription description)
     : held_nodes_(description.held_nodes),
-      probe_(checked(description)),
+      probe_(checked(description.probe)),
       material_(description.material),
       law_(law_of(std::move(description), probe_)) {}
 
@@ -95,7 +110,9 @@ TissueMedium::Law TissueMedium::law_of(TissueDescription&& description, const Pr
     return TissueModel(LinearTissue(std::move(description.mesh), description.material, description.held_nodes), probe);
   }
   return CorotationalTissue(std::move(description.mesh), description.material, description.held_nodes,
-                            {.contact_stiffness_N_per_m = probe.contact_stiffness_N_per_m});
+                            {.contact_stiffness_N_per_m = probe.contact_stiffness_N_per_m,
+                             .radius_m = probe.radius_m,
+                             .contact_stiffness_Pa_per_m = description.skin_Pa_per_m});
 }
 
 std::unique_ptr<MediumState> TissueMedium::make_state(int seats) const {
@@ -110,7 +127,7 @@ MediumFacts TissueMedium::facts() const {
   std::vector<bool> held(mesh.nodes_m().size(), false);
   for (const int node : held_nodes_) held[node] = true;
   MediumFacts facts;
-  facts.on_surface_m = top_of(mesh, held);
+  facts.on_surface_m = top_of(mesh, held) + probe_.radius_m * Point::UnitZ();
   facts.stiffness_N_per_m = probe_.contact_stiffness_N_per_m;
   facts.lines = {
       std::to_string(mesh.nodes_m().size()) + " nodes, " + std::to_string(mesh.tetrahedra().size()) + " tetrahedra, " +
@@ -158,10 +175,32 @@ void TissueMedium::describe(const CorotationalTissue& tissue, MediumFacts& facts
   facts.cost_ns = kCorotationalTetrahedron_ns * static_cast<double>(tetrahedra) +
                   kCorotationalBlock_ns * static_cast<double>(tissue.factors().blocks());
   facts.lines.emplace_back("corotational: large motion, small strain, no inertia");
-  facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +
-                        " N/m: the most that is felt");
-  facts.lines.push_back("sliding deep takes about " + rounded(kSliding * facts.cost_ns * 1e-6) +
+  if (tissue.pressure()) {
+    describe(tissue, *tissue.pressure(), facts);
+  } else {
+    facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +
+                          " N/m: the most that is felt");
+  }
+  const double deep = tissue.pressure() ? kSphereDeep : kPointDeep;
+  facts.lines.push_back((tissue.pressure() ? "moving" : "sliding") + std::string(" deep takes about ") +
+                        rounded(deep * facts.cost_ns * 1e-6) +
                         " ms a motion of the 1 ms of a tick; what it has no time for it goes on with at the next one");
+}
+
+void TissueMedium::describe(const CorotationalTissue& tissue, const SpherePressure& pressure,
+                            MediumFacts& facts) const {
+  const double radius_m = pressure.radius_m();
+  // Where nothing gives way but the skin, with all that the sphere is wide.
+  facts.stiffness_N_per_m = pressure.stiffness_Pa_per_m() * std::numbers::pi * radius_m * radius_m;
+  const Point top_m = facts.on_surface_m - radius_m * Point::UnitZ();
+  const double tissue_N_per_m = stiffness_N_per_m_at(top_m, radius_m, tissue);
+  facts.cost_ns += kPressedTriangle_ns * static_cast<double>(tissue.mesh().triangles().size());
+  facts.lines.push_back("felt by a sphere of " + to_text(radius_m) + " m through a skin of " +
+                        rounded(pressure.stiffness_Pa_per_m()) + " Pa/m, at " + std::to_string(pressure.places()) +
+                        " places of the surface: on top about " +
+                        rounded(1 / (1 / tissue_N_per_m + 1 / facts.stiffness_N_per_m)) +
+                        " N/m with the tissue, where it is held the skin alone, " + rounded(facts.stiffness_N_per_m) +
+                        " N/m as deep as it is wide");
 }
 
 }  // namespace forcebound::server

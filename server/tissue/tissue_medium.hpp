@@ -15,10 +15,11 @@ struct TissueDescription {
   TetrahedralMesh mesh;
   ElasticMaterial material;
   std::vector<int> held_nodes;  ///< of the mesh, which do not move
-  ProbeOptions probe{};
-  /// CorotationalTissue against a point, instead of TissueModel: some milliseconds a thousand tetrahedra, and a contact
-  /// no stiffer than CorotationalOptions allow.
+  ProbeOptions probe{};         ///< under large motion the radius counts, and a point's stiffness
+  /// CorotationalTissue instead of TissueModel: some milliseconds a thousand tetrahedra, and a contact no stiffer than
+  /// CorotationalOptions allow.
   bool large_motion = false;
+  double skin_Pa_per_m = 0;  ///< of a sphere under large motion; 0: as CorotationalOptions preset it
 };
 
 /// Soft tissue, and probes on it.
@@ -29,8 +30,8 @@ struct TissueDescription {
 /// Immutable; states keep a reference to it and must not outlive it.
 class TissueMedium final : public Medium {
  public:
-  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for a sphere or
-  /// too stiff a contact under large motion
+  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for too stiff a
+  /// contact under large motion
   /// @throws std::runtime_error beginning with the mesh's name, for what LinearTissue, TissueModel or
   /// CorotationalTissue refuse
   explicit TissueMedium(TissueDescription description);
@@ -44,6 +45,7 @@ class TissueMedium final : public Medium {
   static Law law_of(TissueDescription&& description, const ProbeOptions& probe);
   void describe(const TissueModel& model, const std::vector<bool>& held, MediumFacts& facts) const;
   void describe(const CorotationalTissue& tissue, MediumFacts& facts) const;
+  void describe(const CorotationalTissue& tissue, const SpherePressure& pressure, MediumFacts& facts) const;
 
   std::vector<int> held_nodes_;
   ProbeOptions probe_;

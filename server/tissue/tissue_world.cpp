@@ -94,18 +94,33 @@ TissueResult LinearTissueWorld::step_among(OtherContacts& others, std::size_t se
 CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
     : TissueWorld(seats, tissue.mesh()),
       tissue_(tissue),
-      others_(static_cast<std::size_t>(seats - 1)),
+      ties_(tissue.pressure() ? 0 : static_cast<std::size_t>(seats - 1)),
+      centers_m_(tissue.pressure() ? static_cast<std::size_t>(seats - 1) : 0),
       body_(tissue.make_body()) {}
 
 TissueResult CorotationalTissueWorld::step(std::size_t seat, const Point& probe_m) noexcept {
+  const OtherProbes others = tissue_.pressure() ? spheres_beside(seat) : ties_beside(seat);
+  return tissue_.step(seats()[seat].state, body_, probe_m, others);
+}
+
+OtherProbes CorotationalTissueWorld::ties_beside(std::size_t seat) noexcept {
   std::size_t count = 0;
   for (std::size_t other = 0; other < seats().size(); ++other) {
     const TissueState& state = seats()[other].state;
     if (other == seat || state.contacts == 0) continue;
-    others_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), to_point(state.contact[0].weight)},
-                        .probe_m = to_point(state.probe_m)};
+    ties_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), to_point(state.contact[0].weight)},
+                      .probe_m = to_point(state.probe_m)};
   }
-  return tissue_.step(seats()[seat].state, body_, probe_m, {others_.data(), count});
+  return {.ties = {ties_.data(), count}};
+}
+
+OtherProbes CorotationalTissueWorld::spheres_beside(std::size_t seat) noexcept {
+  std::size_t count = 0;
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    const TissueState& state = seats()[other].state;
+    if (other != seat && state.started != 0) centers_m_[count++] = to_point(state.probe_m);
+  }
+  return {.centers_m = {centers_m_.data(), count}};
 }
 
 }  // namespace forcebound::server

@@ -80,8 +80,12 @@ class CorotationalTissueWorld final : public TissueWorld {
  private:
   TissueResult step(std::size_t seat, const Point& probe_m) noexcept override;
 
+  OtherProbes ties_beside(std::size_t seat) noexcept;
+  OtherProbes spheres_beside(std::size_t seat) noexcept;
+
   const CorotationalTissue& tissue_;
-  std::vector<SurfaceTie> others_;  // room for all but one
+  std::vector<SurfaceTie> ties_;  // of points, or
+  std::vector<Point> centers_m_;  // of spheres: room for all but one
   CorotationalBody body_;
 };
 

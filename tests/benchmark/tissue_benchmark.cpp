@@ -96,11 +96,11 @@ void sphere_step_beside(benchmark::State& timing) {
   timing.counters["contacts"] = benchmark::Counter(contacts, benchmark::Counter::kAvgIterations);
 }
 
-// The same circle, felt by a point, under large motion.
-void corotational_step(benchmark::State& timing) {
+// The same circle under large motion.
+void corotational_slide(benchmark::State& timing, const CorotationalOptions& options) {
   TetrahedralMesh mesh = mesh_of(timing.range(0));
   const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
-  const CorotationalTissue tissue(std::move(mesh), kSoft, held, {});
+  const CorotationalTissue tissue(std::move(mesh), kSoft, held, options);
   CorotationalBody body = tissue.make_body();
   TissueState state{};
   double iterations = 0;
@@ -108,7 +108,7 @@ void corotational_step(benchmark::State& timing) {
   int n = 0;
   const auto place = [&](int step, double depth_m) {
     const double angle = 2e-3 * 3.14159265358979 * step;
-    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.04 - depth_m);
+    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.04 + options.radius_m - depth_m);
   };
   for (int step = -1; step <= 4; ++step) {
     static_cast<void>(tissue.step(state, body, place(0, 1e-3 * step)));
@@ -122,6 +122,12 @@ void corotational_step(benchmark::State& timing) {
   }
   timing.counters["iterations"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
   timing.counters["residual_m"] = residual_m;
+}
+
+void corotational_step(benchmark::State& timing) { corotational_slide(timing, {}); }
+
+void corotational_sphere_step(benchmark::State& timing) {
+  corotational_slide(timing, {.radius_m = 1e-3 * static_cast<double>(timing.range(1))});
 }
 
 void eight_sparse_solves(benchmark::State& timing) {
@@ -160,7 +166,11 @@ BENCHMARK(sphere_step)
     ->Args({20, 14})
     ->Args({25, 14});
 BENCHMARK(sphere_step_beside)->ArgNames({"others"})->DenseRange(0, 3);
-BENCHMARK(corotational_step)->ArgName("tetrahedra")->Arg(162)->Arg(384)->Arg(600)->Arg(1296);
+BENCHMARK(corotational_step)->ArgName("tetrahedra")->Arg(162)->Arg(384)->Arg(600)->Arg(1296)->Arg(3072);
+BENCHMARK(corotational_sphere_step)
+    ->ArgNames({"tetrahedra", "radius_mm"})
+    ->ArgsProduct({{162, 384, 600, 1296, 3072}, {8}})
+    ->Args({600, 4});
 BENCHMARK(eight_sparse_solves)->ArgName("tetrahedra")->Arg(162)->Arg(384)->Arg(600)->Arg(1296);
 BENCHMARK(dense_solve_of_24);
 

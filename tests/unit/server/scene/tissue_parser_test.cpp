@@ -55,6 +55,24 @@ TEST(TissueParser, LargeMotionIsAskedForByName) {
   EXPECT_THAT(explain(*scene), HasSubstr("rotation"));
 }
 
+TEST(TissueParser, LargeMotionIsFeltByASphereThatIsAsStiffAsItsSkin) {
+  const std::string sphere = "large_motion = true\nprobe_radius_m = 0.008\n";
+  const auto force_N = [](const std::string& rest) {
+    const auto scene = parse_scene(pad(rest), "pad.toml");
+    SceneState state(scene, 3);
+    return press(state, -0.005).z();  // the centre above the surface
+  };
+  EXPECT_GT(force_N(sphere), 0.01);
+  EXPECT_LT(force_N(sphere + "contact_stiffness_Pa_per_m = 1e6\n"), 0.5 * force_N(sphere));
+  EXPECT_THAT(explain(*parse_scene(pad(sphere), "pad.toml")), HasSubstr("felt by a sphere of 0.008 m through a skin"));
+  EXPECT_THAT([&] { parse_scene(pad(sphere + "contact_stiffness_Pa_per_m = 0\n"), "pad.toml"); },
+              refused("13: tissue 'pad': contact_stiffness_Pa_per_m must be > 0, got 0"));
+  EXPECT_THAT([&] { parse_scene(pad(sphere + "contact_stiffness_Pa_per_m = 1e9\n"), "pad.toml"); },
+              refused("tissue 'pad': contact_stiffness_Pa_per_m must be > 0 and <= 274725274"));
+  EXPECT_THAT([&] { parse_scene(pad("large_motion = true\nprobe_radius_m = 0.001\n"), "pad.toml"); },
+              refused("5: tissue 'pad': block: a sphere of radius 0.001 m is too small beside edges of"));
+}
+
 TEST(TissueParser, RefusesWhatIsWrongByNameAndLine) {
   EXPECT_THAT([] { parse_scene(pad("poison = 0.4\n"), "pad.toml"); },
               refused("tissue 'pad': unknown key 'poison', did you mean 'poisson'?"));

@@ -12,12 +12,14 @@
 
 #include "forcebound/server/tissue/linear_tissue.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/felt_tissue.hpp"
 #include "tests/support/tissue_block.hpp"
 
 namespace forcebound::server {
 namespace {
 
 using test::tetrahedra_of;
+using Felt = test::FeltTissue;
 
 const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
 const CorotationalOptions kPatient{.iterations_max = 60, .linear_iterations_max = 400, .tolerance = 1e-6};
@@ -34,24 +36,6 @@ CorotationalTissue bar_tissue(const CorotationalOptions& options) {
   const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitX());
   return {std::move(mesh), {.young_Pa = 5000, .poisson = 0.3}, held, options};
 }
-
-struct Felt {
-  explicit Felt(const CorotationalTissue& model) : tissue(model), body(model.make_body()) {}
-
-  TissueResult step(const Point& probe_m) { return tissue.step(state, body, probe_m); }
-  TissueResult go(const Point& from_m, const Point& to_m, int steps) {
-    TissueResult result;
-    for (int n = 0; n <= steps; ++n) result = step(from_m + (to_m - from_m) * n / steps);
-    return result;
-  }
-  [[nodiscard]] Point node_m(int node) const {
-    return tissue.mesh().nodes_m()[node] + body.now.displacement_m.segment<3>(3 * static_cast<Eigen::Index>(node));
-  }
-
-  const CorotationalTissue& tissue;
-  TissueState state{};
-  CorotationalBody body;
-};
 
 TEST(CorotationalTissue, SmallMotionIsThatOfLinearTissue) {
   const CorotationalTissue tissue = block_tissue(kPatient);

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -41,6 +42,7 @@ std::vector<TissueMedium> blocks() {
   media.push_back(block({.radius_m = 0}));
   media.push_back(block({.radius_m = 0.01}));
   media.push_back(block(kTied, true));
+  media.push_back(block({.radius_m = 0.01}, true));
   return media;
 }
 
@@ -53,19 +55,22 @@ MediumTouch go(MediumState& state, int seat, const Point& from_m, const Point& t
 }
 
 TEST(TissueMedium, IsFeltWhereItsFactsSaySurfaceIs) {
+  const std::array<double, 4> radius_m{0, 0.01, 0, 0.01};
+  std::size_t law = 0;
   for (const TissueMedium& medium : blocks()) {
+    SCOPED_TRACE(law);
     const Point surface_m = medium.facts().on_surface_m;
-    EXPECT_LT((surface_m - Point(0.03, 0.03, kTop_m)).norm(), 1e-9);
+    EXPECT_LT((surface_m - Point(0.03, 0.03, kTop_m + radius_m[law++])).norm(), 1e-9);
     const auto state = medium.make_state(1);
     const int seat = state->join();
     EXPECT_EQ(state->touch(seat).force_N, Point::Zero());
-    const MediumTouch above = go(*state, seat, surface_m + Point(0, 0, 0.03), surface_m + Point(0, 0, 0.011));
+    const MediumTouch above = go(*state, seat, surface_m + Point(0, 0, 0.03), surface_m + Point(0, 0, 0.0001));
     EXPECT_EQ(above.force_N, Point::Zero());
     EXPECT_FALSE(above.penetration_m > 0);
-    const MediumTouch within = go(*state, seat, surface_m + Point(0, 0, 0.011), surface_m - Point(0, 0, 0.001));
+    const MediumTouch within = go(*state, seat, surface_m + Point(0, 0, 0.0001), surface_m - Point(0, 0, 0.002));
     EXPECT_GT(within.force_N.z(), 0.01);
     EXPECT_GT(within.normal.z(), 0.99);
-    EXPECT_GT(within.penetration_m, 0.0009);
+    EXPECT_GT(within.penetration_m, 0.0019);
     EXPECT_TRUE(state->sound());
   }
 }
@@ -103,6 +108,9 @@ TEST(TissueMedium, FactsSayWhatItConsistsOf) {
   EXPECT_THAT(media[2].facts().lines, Contains(HasSubstr("corotational: large motion")));
   EXPECT_EQ(media[2].facts().stiffness_N_per_m, 1e3);
   EXPECT_GT(media[2].facts().memory_bytes, 100U * 648U);
+  EXPECT_THAT(media[3].facts().lines, Contains(HasSubstr("felt by a sphere of 0.01 m through a skin of")));
+  EXPECT_GT(media[3].facts().stiffness_N_per_m, 1e3);
+  EXPECT_GT(media[3].facts().cost_ns, media[2].facts().cost_ns);
 }
 
 TEST(TissueMedium, OneSeatHasNothingOfWhatOthersWouldNeed) {
@@ -149,7 +157,7 @@ TEST(TissueMedium, CountsWhatItCouldNotDo) {
   const TissueMedium medium = block({.radius_m = 0.02, .contacts_max = 2});
   const auto state = medium.make_state(1);
   const int seat = state->join();
-  const Point on_top_m = medium.facts().on_surface_m + Point(0, 0, 0.02);
+  const Point on_top_m = medium.facts().on_surface_m;
   static_cast<void>(go(*state, seat, on_top_m + Point(0, 0, 0.001), on_top_m));
   EXPECT_EQ(state->faults().contacts_left_out, 0U);
   static_cast<void>(go(*state, seat, on_top_m, on_top_m - Point(0, 0, 0.004)));
@@ -195,7 +203,7 @@ TEST(TissueMedium, RefusesWhatMakesNoSense) {
     }
     return "accepted";
   };
-  EXPECT_EQ(refusal({.radius_m = 0.01}, true), "under large motion the probe is a point: radius_m must be 0, got 0.01");
+  EXPECT_THAT(refusal({.radius_m = 0.001}, true), HasSubstr("block: a sphere of radius 0.001 m is too small"));
   EXPECT_EQ(refusal({.radius_m = -1}, false), "radius_m must be >= 0, got -1");
   EXPECT_EQ(refusal({}, true), "contact_stiffness_N_per_m must be > 0 and <= 10000 under large motion, got 1e+05");
   EXPECT_EQ(refusal({.contacts_max = 0}, true), "contacts_max must be from 1 to 16, got 0");
