@@ -72,7 +72,7 @@ double pressed_N(const CorotationalOptions& options, std::size_t fineness) {
   const CorotationalTissue tissue = tissue_of(test::tetrahedra_of(block), options);
   Felt felt(tissue);
   const Point middle(0.02, 0.02, kTop_m + options.radius_m);
-  const TissueResult result = felt.go(middle + Point(0, 0, 1e-4), middle - Point(0, 0, 0.003), 3);
+  const TissueResult result = felt.go(middle + Point(0, 0, 1e-4), middle - Point(0, 0, 0.003), 1);
   EXPECT_TRUE(result.converged) << result.residual_m << " m after " << result.iterations;
   return result.force_N.z();
 }
@@ -90,9 +90,10 @@ TEST(CorotationalSphere, ForceHasALimitAsCellsGetSmallerWhereThatOfAPointHasNone
     EXPECT_LT(change_N[1], 0.6 * change_N[0]);
     return 1 - change_N[1] * change_N[1] / ((change_N[0] - change_N[1]) * force_N[2]);
   };
-  EXPECT_GT(limit_share({.radius_m = 0.016, .iterations_max = 60, .linear_iterations_max = 100}, "sphere"), 0.7);
-  EXPECT_LT(
-      limit_share({.contact_stiffness_N_per_m = 1e4, .iterations_max = 60, .linear_iterations_max = 100}, "point"), 0.2)
+  EXPECT_GT(
+      limit_share({.radius_m = 0.016, .iterations_max = 60, .linear_iterations_max = 100, .tolerance = 1e-3}, "sphere"),
+      0.7);
+  EXPECT_LT(limit_share({.iterations_max = 60, .linear_iterations_max = 100, .tolerance = 1e-3}, "point"), 0.2)
       << "half the cell, half the force";
 }
 
@@ -153,12 +154,11 @@ std::vector<double> rounds_J(const CorotationalTissue& tissue, int steps, double
 }
 
 TEST(CorotationalSphere, NoRoundOfPressingSlidingAndReleasingGivesTheHandEnergy) {
-  const CorotationalTissue patiently = pad({.radius_m = kRadius_m, .iterations_max = 30, .linear_iterations_max = 200});
-  const CorotationalTissue hastily = pad({.radius_m = kRadius_m});
+  const CorotationalTissue usual = pad({.radius_m = kRadius_m});
   const CorotationalTissue lagging = pad({.radius_m = kRadius_m, .iterations_max = 1, .linear_iterations_max = 5});
-  for (const CorotationalTissue* tissue : {&patiently, &hastily, &lagging}) {
+  for (const CorotationalTissue* tissue : {&usual, &lagging}) {
     double peak_J = 0;
-    const std::vector<double> after_J = rounds_J(*tissue, 400, peak_J);
+    const std::vector<double> after_J = rounds_J(*tissue, 300, peak_J);
     ASSERT_EQ(after_J.size(), 2U);
     EXPECT_GT(peak_J, 2e-4);
     for (const double work_J : after_J) {
@@ -226,7 +226,7 @@ TEST_F(HardPress, ALeapFourRadiiDeepIsPushedOutAsIfItHadComeSlowly) {
   }
   EXPECT_TRUE(result.converged);
   Felt slow(tissue);
-  const TissueResult expected = slow.go(above(-0.001), above(0.02), 200);
+  const TissueResult expected = slow.go(above(-0.001), above(0.02), 70);
   EXPECT_LT((result.force_N - expected.force_N).norm(), 0.005 * expected.force_N.norm());
   static_cast<void>(felt.step(above(-0.01)));
   comes_to_rest();
@@ -307,7 +307,7 @@ TEST(CorotationalSphere, WildLeapsOfTwoProbesOnAThinSheetStayBoundedAndLeaveNoth
   std::uniform_real_distribution<double> any(-1, 1);
   std::array<Point, 2> at_m{Point(0.03, 0.04, 0.02), Point(0.06, 0.04, 0.02)};
   double most_N = 0;
-  for (int n = 0; n < 1000; ++n) {
+  for (int n = 0; n < 300; ++n) {
     for (const std::size_t seat : {0U, 1U}) {
       const double reach_m = any(random) > 0.9 ? 0.05 : 0.002;
       const Point leap_m = reach_m * Point(any(random), any(random), any(random));
