@@ -171,6 +171,24 @@ ModelPointer copy_of(const mjModel_& model) {
   return copy;
 }
 
+void set_solver(mjModel_& model, const SolverOptions& options) noexcept {
+  using Kind = SolverOptions::Kind;
+  if (options.kind) {
+    model.opt.solver = *options.kind == Kind::pgs ? mjSOL_PGS : *options.kind == Kind::cg ? mjSOL_CG : mjSOL_NEWTON;
+  }
+  if (options.iterations) model.opt.iterations = *options.iterations;
+  if (options.tolerance) model.opt.tolerance = *options.tolerance;
+}
+
+SolverOptions solver_of(const mjModel_& model) noexcept {
+  using Kind = SolverOptions::Kind;
+  return {.kind = model.opt.solver == mjSOL_PGS  ? Kind::pgs
+                  : model.opt.solver == mjSOL_CG ? Kind::cg
+                                                 : Kind::newton,
+          .iterations = model.opt.iterations,
+          .tolerance = model.opt.tolerance};
+}
+
 DataPointer make_data(const mjModel_& model) {
   install_handlers();
   mjData* made = nullptr;

@@ -9,6 +9,8 @@ struct mjData_;
 
 namespace forcebound::server {
 
+struct SolverOptions;
+
 // MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
 // only counted by MuJoCo itself, and an error ends the call that caused it.
 //
@@ -44,6 +46,12 @@ ModelPointer load_mjcf(const std::string& path);
 
 /// @throws BodiesError if there is not enough memory.
 ModelPointer copy_of(const mjModel_& model);
+
+/// What `options` say, as the model's; the rest stays.
+void set_solver(mjModel_& model, const SolverOptions& options) noexcept;
+
+/// What the model has, all of it.
+SolverOptions solver_of(const mjModel_& model) noexcept;
 
 /// Where everything is at the model's start. @throws BodiesError, such as for too little memory.
 DataPointer make_data(const mjModel_& model);

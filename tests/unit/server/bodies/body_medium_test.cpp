@@ -65,6 +65,33 @@ TEST(BodyMedium, PushedCubeSlidesAlong) {
   EXPECT_GT(touch.force_N.x(), -1.5);
 }
 
+TEST(BodyMedium, MuJoCosOwnSolverChangesNoBit) {
+  const auto forces = [](const SolverOptions& solver) {
+    const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}, .solver = solver}, "test");
+    const auto state = medium.make_state(1);
+    Hand hand(*state);
+    std::vector<double> all;
+    for (int i = 0; i < 200; ++i) all.push_back(hand.to({-0.03 + 1e-4 * i, 0, 0.03}).force_N.x());
+    return all;
+  };
+  using Kind = SolverOptions::Kind;
+  EXPECT_EQ(forces({}), forces({.kind = Kind::newton, .iterations = 100, .tolerance = 1e-8}));
+  EXPECT_NE(forces({}), forces({.kind = Kind::pgs, .iterations = 1}));
+}
+
+TEST(BodyMedium, HasTheSolverItWasToldForAnyNumberOfProbes) {
+  using Kind = SolverOptions::Kind;
+  const BodyMedium medium({.bodies = {floor_plate()}, .solver = {.kind = Kind::cg, .iterations = 3, .tolerance = 1e-3}},
+                          "test");
+  for (const int seats : {1, 2}) {
+    const auto state = medium.make_state(seats);
+    const SolverOptions solver = solver_of(dynamic_cast<const BodyWorld&>(*state).model());
+    EXPECT_EQ(solver.kind, Kind::cg);
+    EXPECT_EQ(solver.iterations, 3);
+    EXPECT_EQ(solver.tolerance, 1e-3);
+  }
+}
+
 TEST(BodyMedium, TwoProbesFeelTheSameCubeAndNotEachOther) {
   const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}}, "test");
   const auto state = medium.make_state(2);
