@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "forcebound/server/bodies/description.hpp"
+#include "forcebound/server/bodies/phantom_contacts.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
@@ -48,6 +49,7 @@ void install_handlers() {
   static const bool kInstalled = [] {
     error_before = std::exchange(mju_user_error, leave_mujoco);
     warning_before = std::exchange(mju_user_warning, take_warning);
+    leave_out_phantom_contacts();
     return true;
   }();
   (void)kInstalled;

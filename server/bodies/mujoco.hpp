@@ -19,6 +19,8 @@ struct SolverOptions;
 // there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
 // later takes the errors here upon itself: MuJoCo expects of it not to return.
 //
+// Its collision of boxes is ours from then on as well, for the whole process: see phantom_contacts.hpp.
+//
 // Any thread may call these functions, each with data of its own, and several may compile at once: in MuJoCo 2.2.2
 // what a compilation shares with others is the last model's XML, behind a lock of MuJoCo's own; its error handler and
 // locale are the thread's.
