@@ -149,6 +149,7 @@ StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs,
   result.ticks_between_states = runs.synchronised->ticks;
   const auto& bodies = runs.free[cast.best].bodies;
   if (cast.other) {
+    result.velocity_uncertainty = runs.synchronised->velocity_errors[*cast.other];
     result.free_uncertainty = relative_difference(runs.free[*cast.other], runs.free[cast.best]);
     const auto& other = runs.free[*cast.other].bodies;
     result.places_known = !bodies || !other || place_trouble(*other, *bodies).empty();

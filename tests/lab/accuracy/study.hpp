@@ -34,7 +34,7 @@ struct StudiedSetting {
   StepCost idle{};  ///< of a loop that takes as long, in the same minute
   StepWork per_step{};
   StateError at_states{};
-  double velocity_at_states = 0;       ///< error of the change of the bodies' velocities, where there are bodies
+  double velocity_at_states = 0;       ///< error of what contacts change of velocities, where there are bodies
   double free_force = 0;               ///< error of the force where it runs freely along the same way
   std::optional<BodyRecord> bodies{};  ///< then
   std::string trouble{};               ///< not empty: failed or not converged, a cross in the figure
@@ -52,6 +52,7 @@ struct StudyResult {
   std::string hand;
   std::string fixed{};
   double reference_uncertainty = 0;  ///< at the same states
+  double velocity_uncertainty = 0;   ///< at the same states, of what contacts change of velocities
   double free_uncertainty = 0;       ///< running freely along the same way, or behind a network
   double reference_order = 0;
   std::string reference_why;

@@ -65,15 +65,16 @@ Panel error_panel(const StudyResult& result) {
 }
 
 Panel states_panel(const StudyResult& result) {
-  Panel panel{.title = "At the same states, where the reference's uncertainty tells them from nothing",
+  Panel panel{.title = "At the same states; no less than three times what the reference is uncertain by",
               .y_label = "error [%]",
               .y_log = true};
   const double least = std::max(3 * result.reference_uncertainty, kLeastShare);
   add_percents(panel, result, "force", colour::kApplied,
                [least](const StudiedSetting& setting) { return std::max(least, setting.at_states.force); });
   if (result.ticks_between_states > 0) {
-    add_percents(panel, result, "change of velocities", colour::kLedger,
-                 [least](const StudiedSetting& setting) { return std::max(least, setting.velocity_at_states); });
+    const double least_velocity = std::max(3 * result.velocity_uncertainty, kLeastShare);
+    add_percents(panel, result, "velocities, of what contacts change", colour::kLedger,
+                 [=](const StudiedSetting& setting) { return std::max(least_velocity, setting.velocity_at_states); });
   }
   return panel;
 }

@@ -69,7 +69,8 @@ std::string at_states_text(const StudyResult& result) {
                  percent_above(error.force, result.reference_uncertainty).c_str(),
                  rounded(error.direction_median_deg).c_str(), rounded(error.direction_p95_deg).c_str(),
                  rounded(error.penetration_m * 1e3).c_str(), rounded(error.displayed_stiffness_N_per_m).c_str(),
-                 bodies ? percent(setting.velocity_at_states).c_str() : "", cross(setting).c_str());
+                 bodies ? percent_above(setting.velocity_at_states, result.velocity_uncertainty).c_str() : "",
+                 cross(setting).c_str());
   }
   return text;
 }
@@ -184,6 +185,7 @@ nlohmann::ordered_json to_json(const StudyResult& result) {
                                {{"why", result.reference_why},
                                 {"order", result.reference_order},
                                 {"uncertainty", result.reference_uncertainty},
+                                {"velocity_uncertainty", result.velocity_uncertainty},
                                 {"free_uncertainty", result.free_uncertainty},
                                 {"trouble", result.reference_trouble}}},
                               {"set", result.fixed},

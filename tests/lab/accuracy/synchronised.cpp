@@ -39,6 +39,17 @@ Velocities velocities_of(const server::SceneState& state) {
   return velocities;
 }
 
+/// Adds what the last tick would have changed without contacts.
+void add_unhindered(Velocities& velocities, const server::SceneState& state) {
+  const server::MediaNow media = state.media();
+  std::size_t which = 0;
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    const BodyWorld* const world = body_world(media, i);
+    if (world == nullptr) continue;
+    velocities[which++] += kTick_s * Eigen::Map<const Eigen::VectorXd>(world->data().qacc_smooth, world->model().nv);
+  }
+}
+
 /// |a - b|^2 by the mass matrices of a state.
 double squared_J(const server::SceneState& state, const Velocities& a, const Velocities& b) {
   double sum = 0;
@@ -94,21 +105,23 @@ std::optional<Synchronised> run_synchronised(const std::vector<ScenePointer>& se
                       .runs = std::vector<Along>(settings.size()),
                       .velocity_errors = std::vector<double>(settings.size())};
   double changed_J = 0;
-  Velocities before = velocities_of(saved);
+  Velocities unhindered;
   for (std::size_t tick = 0; tick < positions_m.size(); ++tick) {
     const auto ticks = static_cast<std::size_t>(result.ticks);
     // On the first tick nothing steps: it says where the device is.
     if (tick > 0 && (tick - 1) % ticks == 0) {
-      before = velocities_of(saved);
+      unhindered = velocities_of(saved);
       if (!std::ranges::all_of(states, put_there)) return std::nullopt;
     }
     std::vector<server::SceneAnswer> answers;
     for (const auto& state : states) {
       answers.push_back(state->answer(positions_m[tick], std::chrono::milliseconds(tick)));
     }
-    if (tick == 0 || tick % ticks != 0) continue;
+    if (tick == 0) continue;
+    add_unhindered(unhindered, saved);
+    if (tick % ticks != 0) continue;
     const Velocities after = velocities_of(saved);
-    changed_J += squared_J(saved, after, before);
+    changed_J += squared_J(saved, after, unhindered);
     for (std::size_t i = 0; i < states.size(); ++i) {
       result.velocity_errors[i] += squared_J(saved, velocities_of(*states[i]), after);
       result.runs[i].forces.push_back(answers[i].force);

@@ -16,8 +16,9 @@ namespace forcebound::lab {
 struct Synchronised {
   int ticks = 1;            ///< from one saved state to the next
   std::vector<Along> runs;  ///< of each setting: forces and depths at the end of each
-  /// Of each setting: how far the change of all velocities is from the reference's, RMS over RMS of that change,
-  /// weighted by mass:  |v|^2 = v' M v.
+  /// Of each setting: how far all velocities are from the reference's then, RMS over RMS of what contacts changed
+  /// there, weighted by mass:  |v|^2 = v' M v.  What contacts change is what is more than without them, with M^-1 f of
+  /// the last step of a tick for all of it.
   std::vector<double> velocity_errors;
 };
 
