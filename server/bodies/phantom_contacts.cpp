@@ -38,7 +38,7 @@ int collide_boxes(const mjModel* model, const mjData* data, mjContact* contacts,
   int kept = 0;
   for (int i = 0; i < found; ++i) {
     const double most_m = overlap_m(*model, *data, one, other, Eigen::Map<const Point>(contacts[i].frame));
-    if (-contacts[i].dist > (1 + kRounding) * std::abs(most_m) + kRounding_m) continue;
+    if (-contacts[i].dist > most_m + kRounding * std::abs(most_m) + kRounding_m) continue;
     if (kept != i) contacts[kept] = contacts[i];
     ++kept;
   }

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -93,7 +94,10 @@ struct LogAxis {
     }
   }
   void widen() {
-    const double room = std::pow(most / least, 0.04) * 1.02;
+    // At least so long that some numbers lie on it.
+    constexpr double kLeastLength = 3;
+    const double length = most / least;
+    const double room = std::max(std::pow(length, 0.04), std::sqrt(kLeastLength / length));
     least /= room;
     most *= room;
   }

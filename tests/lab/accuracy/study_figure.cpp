@@ -65,7 +65,7 @@ Panel error_panel(const StudyResult& result) {
 }
 
 Panel states_panel(const StudyResult& result) {
-  Panel panel{.title = "At the same states; no less than three times what the reference is uncertain by",
+  Panel panel{.title = "At the same states, not below three times the reference's uncertainty",
               .y_label = "error [%]",
               .y_log = true};
   const double least = std::max(3 * result.reference_uncertainty, kLeastShare);
@@ -73,7 +73,7 @@ Panel states_panel(const StudyResult& result) {
                [least](const StudiedSetting& setting) { return std::max(least, setting.at_states.force); });
   if (result.ticks_between_states > 0) {
     const double least_velocity = std::max(3 * result.velocity_uncertainty, kLeastShare);
-    add_percents(panel, result, "velocities, of what contacts change", colour::kLedger,
+    add_percents(panel, result, "velocities", colour::kLedger,
                  [=](const StudiedSetting& setting) { return std::max(least_velocity, setting.velocity_at_states); });
   }
   return panel;

@@ -78,6 +78,63 @@ std::vector<double> steps_of(const std::vector<ScenePointer>& scenes) {
   return steps_s;
 }
 
+/// All settings, on the way that the reference leads.
+class Company {
+ public:
+  Company(const std::vector<ScenePointer>& settings, std::size_t reference, std::uint32_t degrees_of_freedom)
+      : reference_(reference), answers_(settings.size()) {
+    found_.runs.resize(settings.size());
+    found_.velocity_errors.resize(settings.size());
+    states_.reserve(settings.size());
+    for (const ScenePointer& scene : settings) {
+      states_.push_back(std::make_unique<server::SceneState>(scene, degrees_of_freedom));
+    }
+  }
+
+  /// Puts all where the reference is; false if that cannot be done.
+  [[nodiscard]] bool gather() {
+    unhindered_ = velocities_of(reference());
+    return std::ranges::all_of(
+        states_, [&](const auto& state) { return state.get() == &reference() || copy_media(*state, reference()); });
+  }
+
+  void go(const Vector& position_m, time::Nanoseconds now) {
+    for (std::size_t i = 0; i < states_.size(); ++i) answers_[i] = states_[i]->answer(position_m, now);
+    add_unhindered(unhindered_, reference());
+  }
+
+  void compare() {
+    const Velocities right = velocities_of(reference());
+    changed_J_ += squared_J(reference(), right, unhindered_);
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      found_.velocity_errors[i] += squared_J(reference(), velocities_of(*states_[i]), right);
+      found_.runs[i].forces.push_back(answers_[i].force);
+      found_.runs[i].penetrations_m.push_back(answers_[i].penetration_m);
+    }
+  }
+
+  [[nodiscard]] Synchronised result(int ticks, std::size_t steps) const {
+    Synchronised result = found_;
+    result.ticks = ticks;
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      double& error = result.velocity_errors[i];
+      error = changed_J_ > 0 ? std::sqrt(error / changed_J_) : 0;
+      result.runs[i].trouble = trouble_of(states_[i]->faults(), steps);
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] const server::SceneState& reference() const { return *states_[reference_]; }
+
+  std::size_t reference_;
+  std::vector<std::unique_ptr<server::SceneState>> states_;
+  std::vector<server::SceneAnswer> answers_;
+  Velocities unhindered_{};  ///< what they would be without contacts since all were put in one place
+  double changed_J_ = 0;
+  Synchronised found_{};
+};
+
 }  // namespace
 
 int ticks_in_common(const std::vector<double>& steps_s) {
@@ -95,44 +152,17 @@ int ticks_in_common(const std::vector<double>& steps_s) {
 
 std::optional<Synchronised> run_synchronised(const std::vector<ScenePointer>& settings, std::size_t reference,
                                              const std::vector<Vector>& positions_m) {
-  const auto dof = static_cast<std::uint32_t>(positions_m.front().rows());
-  std::vector<std::unique_ptr<server::SceneState>> states;
-  for (const ScenePointer& scene : settings) states.push_back(std::make_unique<server::SceneState>(scene, dof));
-  server::SceneState& saved = *states[reference];
-  const auto put_there = [&](const auto& state) { return state.get() == &saved || copy_media(*state, saved); };
-  if (!std::ranges::all_of(states, put_there)) return std::nullopt;
-  Synchronised result{.ticks = ticks_in_common(steps_of(settings)),
-                      .runs = std::vector<Along>(settings.size()),
-                      .velocity_errors = std::vector<double>(settings.size())};
-  double changed_J = 0;
-  Velocities unhindered;
+  Company company(settings, reference, static_cast<std::uint32_t>(positions_m.front().rows()));
+  if (!company.gather()) return std::nullopt;
+  const int ticks = ticks_in_common(steps_of(settings));
   for (std::size_t tick = 0; tick < positions_m.size(); ++tick) {
-    const auto ticks = static_cast<std::size_t>(result.ticks);
     // On the first tick nothing steps: it says where the device is.
-    if (tick > 0 && (tick - 1) % ticks == 0) {
-      unhindered = velocities_of(saved);
-      if (!std::ranges::all_of(states, put_there)) return std::nullopt;
-    }
-    std::vector<server::SceneAnswer> answers;
-    for (const auto& state : states) {
-      answers.push_back(state->answer(positions_m[tick], std::chrono::milliseconds(tick)));
-    }
-    if (tick == 0) continue;
-    add_unhindered(unhindered, saved);
-    if (tick % ticks != 0) continue;
-    const Velocities after = velocities_of(saved);
-    changed_J += squared_J(saved, after, unhindered);
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      result.velocity_errors[i] += squared_J(saved, velocities_of(*states[i]), after);
-      result.runs[i].forces.push_back(answers[i].force);
-      result.runs[i].penetrations_m.push_back(answers[i].penetration_m);
-    }
+    const auto done = static_cast<int>(tick % static_cast<std::size_t>(ticks));
+    if (tick > 0 && (done == 1 || ticks == 1) && !company.gather()) return std::nullopt;
+    company.go(positions_m[tick], std::chrono::milliseconds(tick));
+    if (tick > 0 && done == 0) company.compare();
   }
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    result.velocity_errors[i] = changed_J > 0 ? std::sqrt(result.velocity_errors[i] / changed_J) : 0;
-    result.runs[i].trouble = trouble_of(states[i]->faults(), positions_m.size());
-  }
-  return result;
+  return company.result(ticks, positions_m.size());
 }
 
 }  // namespace forcebound::lab

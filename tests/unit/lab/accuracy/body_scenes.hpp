@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,8 +10,8 @@
 
 namespace forcebound::lab {
 
-/// A table and three slabs on each other, the heaviest on top: hard for a solver. Its top is 16 mm above the table's,
-/// which is the first body, so that a hand presses on the stack.
+/// A table and three slabs on each other, the heaviest on top: hard for a solver. The table is the first body, so that
+/// a hand meets what stands on its middle.
 inline std::string stack_text(const std::string& bodies = {}) {
   const auto slab = [](const std::string& name, const std::string& z_m, const std::string& mass_kg) {
     return "[[body]]\nname = '" + name + "'\nmass_kg = " + mass_kg + "\nshape = { kind = 'box', center_m = [0, 0, " +
@@ -30,7 +31,10 @@ inline std::shared_ptr<const server::Scene> stack(const std::string& bodies = {}
 /// A device that comes down on the stack and presses 3 mm into it, beside its middle, one position a millisecond.
 inline std::vector<Vector> pressing(int ticks) {
   std::vector<Vector> positions_m;
-  for (int i = 0; i < ticks; ++i) positions_m.push_back(Eigen::Vector3d(0.004, 0.002, 0.067 - 1e-4 * std::min(i, 100)));
+  positions_m.reserve(static_cast<std::size_t>(ticks));
+  for (int i = 0; i < ticks; ++i) {
+    positions_m.emplace_back(Eigen::Vector3d(0.004, 0.002, 0.067 - 1e-4 * std::min(i, 100)));
+  }
   return positions_m;
 }
 

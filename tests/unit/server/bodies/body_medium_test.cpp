@@ -71,6 +71,7 @@ TEST(BodyMedium, MuJoCosOwnSolverChangesNoBit) {
     const auto state = medium.make_state(1);
     Hand hand(*state);
     std::vector<double> all;
+    all.reserve(200);
     for (int i = 0; i < 200; ++i) all.push_back(hand.to({-0.03 + 1e-4 * i, 0, 0.03}).force_N.x());
     return all;
   };
