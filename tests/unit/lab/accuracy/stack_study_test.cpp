@@ -28,7 +28,7 @@ std::vector<double> errors_of(const StudyResult& result) {
 }
 
 TEST(StudyOfAStack, ErrorDoesNotFallWithEveryIterationAndOnlyWhatWasTriedIsRecommended) {
-  const std::vector<std::string> tried{"1", "2", "3", "5", "10", "50"};
+  const std::vector<std::string> tried{"1", "3", "5", "50"};
   bool any_rises = false;
   for (const std::string solver : {"pgs", "cg", "newton"}) {
     SCOPED_TRACE(solver);
