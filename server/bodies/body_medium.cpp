@@ -59,6 +59,18 @@ std::string joint_at(const mjModel& model, int velocity) {
   return body != nullptr ? "a joint of body '" + std::string(body) + "'" : "joint " + std::to_string(joint);
 }
 
+ModelPointer compile(const BodiesDescription& description, int probes, const std::string& name) {
+  ModelPointer model = compile_mjcf(to_mjcf(description, probes), name);
+  set_solver(*model, description.solver);
+  return model;
+}
+
+std::string solver_text(const mjModel& model) {
+  const SolverOptions solver = solver_of(model);
+  return "contact forces by " + std::string(name_of(*solver.kind)) + ", iterations at most " +
+         std::to_string(*solver.iterations) + ", tolerance " + to_text(*solver.tolerance);
+}
+
 std::size_t bytes_of(const mjModel& model) { return static_cast<std::size_t>(mj_sizeModel(&model)); }
 
 }  // namespace
@@ -67,7 +79,7 @@ BodyMedium::BodyMedium(BodiesDescription description, std::string name)
     : description_(std::move(description)),
       name_(std::move(name)),
       coupling_(description_.coupling),
-      model_(compile_mjcf(to_mjcf(description_, 1), name_)),
+      model_(compile(description_, 1, name_)),
       apparent_mass_kg_(description_.probe.mass_kg) {
   check_coupling();
   const DataPointer data = make_data(*model_);
@@ -77,8 +89,9 @@ BodyMedium::BodyMedium(BodiesDescription description, std::string name)
 }
 
 BodyMedium::BodyMedium(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling,
-                       std::string name)
+                       std::string name, const SolverOptions& solver)
     : name_(std::move(name)), coupling_(coupling), model_(std::move(model)) {
+  set_solver(*model_, solver);
   const DataPointer data = make_data(*model_);
   for (const std::string& probe : probes) {
     dragged_.push_back(find_body(*model_, probe, name_));
@@ -157,7 +170,7 @@ std::unique_ptr<BodyWorld> BodyMedium::make_world() const {
 std::unique_ptr<MediumState> BodyMedium::make_state(int seats) const {
   if (!dragged_.empty()) return make_world();
   std::vector<BodyWorld::Probe> probes;
-  ModelPointer model = seats == 1 ? copy_of(*model_) : compile_mjcf(to_mjcf(description_, seats), name_);
+  ModelPointer model = seats == 1 ? copy_of(*model_) : compile(description_, seats, name_);
   for (int i = 0; i < seats; ++i) {
     const int body = find_ball(*model, i);
     probes.push_back({.body = body, .slides = model->jnt_qposadr[model->body_jntadr[body]]});
@@ -178,6 +191,7 @@ MediumFacts BodyMedium::facts() const {
                     .inputs = {.velocity = true, .time = true}};
   facts.lines = {std::to_string(model_->nbody - 1) + " bodies, " + std::to_string(model_->nv) +
                      " degrees of freedom, by MuJoCo in steps of " + to_text(step_s) + " s",
+                 solver_text(*model_),
                  "coupling " + to_text(coupling_.stiffness_N_per_m) + " N/m, " + to_text(coupling_.damping_N_s_per_m) +
                      " N s/m to an apparent mass of " + rounded(apparent_mass_kg_) + " kg at the start: at " +
                      rounded(100 * share_of_stable()) + " % of what is stable"};

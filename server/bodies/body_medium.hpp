@@ -28,9 +28,11 @@ class BodyMedium final : public Medium {
   BodyMedium(BodiesDescription description, std::string name);
 
   /// From MJCF: devices drag the bodies called `probes`, at least one, one each, by their centres of mass.
+  /// @param solver what is to be otherwise than the model says
   /// @throws BodiesError also for a coupling that would be unstable, with the numbers, and for what flies apart or
   /// stops MuJoCo within those 500 steps.
-  BodyMedium(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling, std::string name);
+  BodyMedium(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling, std::string name,
+             const SolverOptions& solver = {});
 
   [[nodiscard]] std::unique_ptr<MediumState> make_state(int seats) const override;
   [[nodiscard]] MediumFacts facts() const override;

@@ -134,6 +134,39 @@ void BodyWorld::advance(double elapsed_s) noexcept {
   for (Seat& seat : seats_) seat.heard = false;
 }
 
+bool BodyWorld::has_shape_of(const BodyWorld& other) const noexcept {
+  const mjModel& is = *model_;
+  const mjModel& should = *other.model_;
+  return is.nq == should.nq && is.nv == should.nv && is.na == should.na && is.nu == should.nu &&
+         is.nbody == should.nbody && is.nmocap == should.nmocap && is.njnt == should.njnt &&
+         std::equal(is.jnt_type, is.jnt_type + is.njnt, should.jnt_type) &&
+         std::ranges::equal(seats_, other.seats_, {}, &Seat::body, &Seat::body);
+}
+
+bool BodyWorld::copy_from(const MediumState& other) noexcept {
+  const auto* const from = dynamic_cast<const BodyWorld*>(&other);
+  if (from == nullptr || !has_shape_of(*from)) return false;
+  const mjModel& model = *model_;
+  const mjData& source = *from->data_;
+  mju_copy(data_->qpos, source.qpos, model.nq);
+  mju_copy(data_->qvel, source.qvel, model.nv);
+  mju_copy(data_->act, source.act, model.na);
+  mju_copy(data_->qacc_warmstart, source.qacc_warmstart, model.nv);
+  mju_copy(data_->ctrl, source.ctrl, model.nu);
+  mju_copy(data_->qfrc_applied, source.qfrc_applied, model.nv);
+  mju_copy(data_->xfrc_applied, source.xfrc_applied, 6 * model.nbody);
+  mju_copy(data_->mocap_pos, source.mocap_pos, 3 * model.nmocap);
+  mju_copy(data_->mocap_quat, source.mocap_quat, 4 * model.nmocap);
+  data_->time = source.time;
+  for (const int bad : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) data_->warning[bad].number = 0;
+  std::ranges::copy(from->seats_, seats_.begin());
+  left_s_ = from->left_s_;
+  sound_ = from->sound_ && find_contacts(model, *data_);
+  // Which made quaternions of length one, once more than will have been done to the other's.
+  mju_copy(data_->qpos, source.qpos, model.nq);
+  return true;
+}
+
 void BodyWorld::step_once(double before_end_s) noexcept {
   const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
   sound_ = begin_step(*model_, *data_);

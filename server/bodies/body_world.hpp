@@ -32,6 +32,9 @@ class BodyWorld final : public MediumState {
   [[nodiscard]] bool sound() const noexcept override { return sound_; }
   [[nodiscard]] MediumFaults faults() const noexcept override { return faults_; }
 
+  /// Of worlds of as many bodies and probes on the same joints; masses, shapes, solver and time step may differ.
+  [[nodiscard]] bool copy_from(const MediumState& other) noexcept override;
+
   [[nodiscard]] const mjModel_& model() const noexcept { return *model_; }
   [[nodiscard]] const mjData_& data() const noexcept { return *data_; }
   [[nodiscard]] mjData_& data() noexcept { return *data_; }
@@ -51,6 +54,7 @@ class BodyWorld final : public MediumState {
     Point pushed_m = Point::Zero();        ///< from the coupling's far end to the probe then
   };
 
+  [[nodiscard]] bool has_shape_of(const BodyWorld& other) const noexcept;
   void park(int seat) noexcept;
   void appear(Seat& seat) noexcept;
   void place(const Probe& ball, const Point& position_m) noexcept;

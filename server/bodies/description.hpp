@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcebound/server/bodies/coupling.hpp"
@@ -31,10 +34,30 @@ struct ProbeDescription {
 inline constexpr double kTimestepLeast_s = 1e-4;
 inline constexpr double kTimestepMost_s = 0.01;
 
+/// How MuJoCo finds the forces of contacts and joints in each step. What is not said stays as the model has it.
+///
+/// An iteration of `pgs` goes through all contacts once (projected Gauss-Seidel), one of `cg` and `newton` through all
+/// of them at once (conjugate gradients, Newton's method); `newton`'s is the dearest and needs the fewest.
+struct SolverOptions {
+  enum class Kind : std::uint8_t { newton, cg, pgs };
+
+  std::optional<Kind> kind{};
+  std::optional<int> iterations{};    ///< at most, from 1 to kIterationsMost
+  std::optional<double> tolerance{};  ///< it ends with the first iteration that improves less; 0: never before the last
+};
+
+/// A step must end.
+inline constexpr int kIterationsMost = 1000;
+inline constexpr double kToleranceMost = 1;
+
+/// As scenes write them.
+std::string_view name_of(SolverOptions::Kind kind) noexcept;
+
 struct BodiesDescription {
   std::vector<BodyDescription> bodies{};
   Point gravity_m_per_s2 = Point(0, 0, -9.80665);
   double timestep_s = 1e-3;
+  SolverOptions solver{};
   /// In which a contact pushes apart what has sunk in. The less the harder: a fifth of this still carries a stack of
   /// twenty boxes, but a body a thousand times as heavy as what bears it would press through.
   double contact_time_s = 0.02;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "forcebound/server/bodies/description.hpp"
+#include "forcebound/server/bodies/phantom_contacts.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -49,6 +50,7 @@ void install_handlers() {
   static const bool kInstalled = [] {
     error_before = std::exchange(mju_user_error, leave_mujoco);
     warning_before = std::exchange(mju_user_warning, take_warning);
+    leave_out_phantom_contacts();
     return true;
   }();
   (void)kInstalled;
@@ -171,6 +173,24 @@ ModelPointer copy_of(const mjModel_& model) {
   if (!done) throw_last_error("MuJoCo cannot copy its model");
   if (!copy) throw BodiesError("not enough memory for a model of " + std::to_string(model.nbody) + " bodies");
   return copy;
+}
+
+void set_solver(mjModel_& model, const SolverOptions& options) noexcept {
+  using Kind = SolverOptions::Kind;
+  if (options.kind) {
+    model.opt.solver = *options.kind == Kind::pgs ? mjSOL_PGS : *options.kind == Kind::cg ? mjSOL_CG : mjSOL_NEWTON;
+  }
+  if (options.iterations) model.opt.iterations = *options.iterations;
+  if (options.tolerance) model.opt.tolerance = *options.tolerance;
+}
+
+SolverOptions solver_of(const mjModel_& model) noexcept {
+  using Kind = SolverOptions::Kind;
+  return {.kind = model.opt.solver == mjSOL_PGS  ? Kind::pgs
+                  : model.opt.solver == mjSOL_CG ? Kind::cg
+                                                 : Kind::newton,
+          .iterations = model.opt.iterations,
+          .tolerance = model.opt.tolerance};
 }
 
 DataPointer make_data(const mjModel_& model) {

@@ -9,6 +9,8 @@ struct mjData_;
 
 namespace forcebound::server {
 
+struct SolverOptions;
+
 // MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
 // only counted by MuJoCo itself, and an error ends the call that caused it.
 //
@@ -16,6 +18,8 @@ namespace forcebound::server {
 // call from here, for good. What comes about in a program's own calls of MuJoCo goes on to the handlers that were
 // there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
 // later takes the errors here upon itself: MuJoCo expects of it not to return.
+//
+// Its collision of boxes is ours from then on as well, for the whole process: see phantom_contacts.hpp.
 //
 // Any thread may call these functions, each with data of its own, and several may compile at once: in MuJoCo 2.2.2
 // what a compilation shares with others is the last model's XML, behind a lock of MuJoCo's own; its error handler and
@@ -44,6 +48,12 @@ ModelPointer load_mjcf(const std::string& path);
 
 /// @throws BodiesError if there is not enough memory.
 ModelPointer copy_of(const mjModel_& model);
+
+/// What `options` say, as the model's; the rest stays.
+void set_solver(mjModel_& model, const SolverOptions& options) noexcept;
+
+/// What the model has, all of it.
+SolverOptions solver_of(const mjModel_& model) noexcept;
 
 /// Where everything is at the model's start. @throws BodiesError, such as for too little memory.
 DataPointer make_data(const mjModel_& model);

@@ -50,6 +50,14 @@ class MediumState {
   [[nodiscard]] virtual bool sound() const noexcept { return true; }
 
   [[nodiscard]] virtual MediumFaults faults() const noexcept { return {}; }
+
+  /// Goes on from where another state is: its places, velocities and probes, and what it remembers. Two of one medium
+  /// then do the same, to the bit; one of a medium that is set up otherwise does what that makes of it. False, with
+  /// nothing changed, if the other is of another shape, or if that cannot be done here.
+  [[nodiscard]] virtual bool copy_from(const MediumState& other) noexcept {
+    (void)other;
+    return false;
+  }
 };
 
 /// For people and the plan.

@@ -74,6 +74,25 @@ Coupling parse_coupling(CheckedTable& table) {
       .damping_N_s_per_m = table.number({.key = "damping_N_s_per_m", .preset = preset.damping_N_s_per_m, .least = 0})};
 }
 
+SolverOptions parse_solver(CheckedTable& table) {
+  using Kind = SolverOptions::Kind;
+  static constexpr std::array<Kind, 3> kKinds{Kind::newton, Kind::cg, Kind::pgs};
+  SolverOptions solver;
+  if (table.find("solver") != nullptr) {
+    std::array<std::string_view, kKinds.size()> words;
+    std::ranges::transform(kKinds, words.begin(), name_of);
+    const std::string word = table.choice("solver", words);
+    solver.kind = kKinds.at(static_cast<std::size_t>(std::ranges::find(words, word) - words.begin()));
+  }
+  if (table.find("iterations") != nullptr) {
+    solver.iterations = table.whole({.key = "iterations", .least = 1, .most = kIterationsMost});
+  }
+  if (table.find("tolerance") != nullptr) {
+    solver.tolerance = table.number({.key = "tolerance", .least = 0, .most = kToleranceMost});
+  }
+  return solver;
+}
+
 /// [bodies]: what holds for all bodies with shapes.
 BodiesDescription parse_setting(CheckedTable& table) {
   BodiesDescription all;
@@ -82,6 +101,7 @@ BodiesDescription parse_setting(CheckedTable& table) {
       table.number({.key = "timestep_s", .preset = all.timestep_s, .least = kTimestepLeast_s, .most = kTimestepMost_s});
   all.contact_time_s =
       table.number({.key = "contact_time_s", .preset = all.contact_time_s, .least = 2 * all.timestep_s, .most = 1});
+  all.solver = parse_solver(table);
   all.probe.radius_m = positive(table, "probe_radius_m", all.probe.radius_m);
   all.probe.mass_kg = positive(table, "probe_mass_kg", all.probe.mass_kg);
   all.coupling = parse_coupling(table);
@@ -110,13 +130,14 @@ SceneMedium parse_mjcf(CheckedTable& table, const std::string& name) {
   }
   const std::vector<std::string> probes = parse_probes(table);
   const Coupling coupling = parse_coupling(table);
+  const SolverOptions solver = parse_solver(table);
   const std::string source = is_file ? table.path("mjcf") : table.text("mjcf_text");
   return table.built_at(table.at(is_file ? "mjcf" : "mjcf_text"), [&] {
     ModelPointer model = is_file ? load_mjcf(source) : compile_mjcf(source, "mjcf_text");
     return SceneMedium{.name = name,
                        .text = "bodies, MJCF" + (table.values_text().empty() ? "" : ", " + table.values_text()),
                        .medium = std::make_unique<BodyMedium>(std::move(model), probes, coupling,
-                                                              is_file ? source : std::string("mjcf_text"))};
+                                                              is_file ? source : std::string("mjcf_text"), solver)};
   });
 }
 

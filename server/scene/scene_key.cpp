@@ -30,6 +30,8 @@ toml::table& named(toml::array& tables, const std::string& kind, const std::stri
 toml::table& table_of(toml::table& scene, const std::vector<std::string>& path) {
   toml::table* table = &scene;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    // The one table that may be left out of a scene that has what it is about.
+    if (i == 0 && path[i] == "bodies" && scene.contains("body")) scene.insert("bodies", toml::table());
     toml::node* const node = table->get(path[i]);
     if (node == nullptr) {
       throw std::invalid_argument("the scene has no '" + path[i] + "'" + text::suggestion(path[i], keys_of(*table)));

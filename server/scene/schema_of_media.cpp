@@ -34,6 +34,15 @@ std::vector<SchemaKey> coupling_keys() {
           not_negative("damping_N_s_per_m", "of the damper beside it", preset.damping_N_s_per_m)};
 }
 
+/// @param ...preset where the scene is silent
+std::vector<SchemaKey> solver_keys(const char* solver, const char* iterations, const char* tolerance) {
+  return {{"solver", "MuJoCo's, of the forces in contacts and joints", "`\"newton\"`, `\"cg\"` or `\"pgs\"`", solver},
+          {"iterations", "of the solver, at most", "a whole number from 1 to " + std::to_string(kIterationsMost),
+           iterations},
+          {"tolerance", "the solver ends with the first iteration that improves less",
+           ">= 0 and <= " + text::to_text(kToleranceMost), tolerance}};
+}
+
 SchemaTable setting_table() {
   const BodiesDescription preset;
   SchemaTable table{"`[bodies]`",
@@ -50,6 +59,7 @@ SchemaTable setting_table() {
                      positive("probe_radius_m", "of the ball", preset.probe.radius_m),
                      positive("probe_mass_kg", "of the ball", preset.probe.mass_kg)}};
   for (SchemaKey& key : coupling_keys()) table.keys.push_back(std::move(key));
+  for (SchemaKey& key : solver_keys("`\"newton\"`", "100", "1e-08")) table.keys.push_back(std::move(key));
   return table;
 }
 
@@ -63,6 +73,7 @@ SchemaTable mjcf_table() {
        {"mjcf_text", "the same in the scene itself", "`<mujoco>...</mujoco>`", "`mjcf`"},
        {"probes", "what devices drag, one each; in a shared scene as many as clients", "a list of names"}}};
   for (SchemaKey& key : coupling_keys()) table.keys.push_back(std::move(key));
+  for (SchemaKey& key : solver_keys("the model's", "the model's", "the model's")) table.keys.push_back(std::move(key));
   return table;
 }
 

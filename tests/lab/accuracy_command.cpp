@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/lab/above_zero.hpp"
 #include "tests/lab/accuracy/levels_text.hpp"
@@ -19,6 +21,7 @@ namespace {
 struct Options {
   std::string scene;
   std::string sweep;
+  std::vector<std::string> fixed;
   std::string reference;
   std::vector<double> round_trips_ms{1, 5, 20, 50};
   std::string motion = "press";
@@ -34,11 +37,22 @@ struct Options {
   std::string figures;
 };
 
+std::string with_fixed(std::string scene_text, const std::vector<std::string>& fixed) {
+  for (const std::string& one : fixed) {
+    const Sweep change = parse_sweep(one);
+    if (change.values.size() != 1) throw std::invalid_argument("--set takes one value, got '" + one + "'");
+    scene_text = scene_variant(scene_text, change.key, change.values.front());
+  }
+  return scene_text;
+}
+
 Study study_of(const Options& options) {
   const server::SceneSource source = server::scene_source(options.scene);
-  Study study{.scene_text = source.text,
+  const std::string text = with_fixed(source.text, options.fixed);
+  Study study{.scene_text = text,
               .scene_file = source.file,
-              .sweep = options.sweep.empty() ? usual_sweep(source.text) : parse_sweep(options.sweep),
+              .sweep = options.sweep.empty() ? usual_sweep(text) : parse_sweep(options.sweep),
+              .fixed = text::join(options.fixed),
               .motion = options.harmonic,
               .device = options.device,
               .law = options.law,
@@ -75,8 +89,15 @@ void add_accuracy(CLI::App& app) {
                    "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; default: what the scene has")
       ->type_name("KEY=V1,V2,...");
   command
+      ->add_option("--set", options->fixed,
+                   "a key of the scene and another value for all runs, before the sweep; may be repeated:\n"
+                   "bodies.solver='\"pgs\"'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command
       ->add_option("--reference", options->reference,
-                   "a scene whose force is exact; default: what the finest levels tend to")
+                   "a scene whose force is exact; default: what the finest levels tend to; for a solver of\n"
+                   "bodies Newton's method as far as it goes")
       ->type_name("NAME|FILE");
   command->add_option("--rtt", options->round_trips_ms, "round trips")->delimiter(',')->type_name("MS,MS,...");
   command->add_option("--motion", options->motion, "of the hand on the surface at the origin")

@@ -4,12 +4,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -40,6 +43,15 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
+void write_names(std::ostream& out, const Series& series, std::size_t panel, std::size_t index) {
+  if (series.names.empty()) return;
+  out << "$names_" << panel << '_' << index << " << EOD\n";
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (std::isfinite(series.y[i])) out << series.x[i] << ' ' << series.y[i] << " \"" << series.names[i] << "\"\n";
+  }
+  out << "EOD\n";
+}
+
 void write_data(std::ostream& out, const Figure& figure) {
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     const auto& all = figure.panels[p].series;
@@ -53,6 +65,7 @@ void write_data(std::ostream& out, const Figure& figure) {
         }
       }
       out << "EOD\n";
+      write_names(out, all[s], p, s);
     }
   }
 }
@@ -66,14 +79,66 @@ bool has_points(const Panel& panel) {
   return false;
 }
 
+/// A logarithmic axis has its numbers at every digit times a power of ten, or at 1, 2 and 5 times that where it is
+/// longer than a decade, or at the powers alone where there are many of them: left to itself gnuplot puts none on an
+/// axis of less than a decade, or makes it ten times as long.
+struct LogAxis {
+  double least = INFINITY;
+  double most = 0;
+
+  void add(const std::vector<double>& values) {
+    for (const double value : values) {
+      if (!std::isfinite(value) || !(value > 0)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  void widen() {
+    // At least so long that some numbers lie on it.
+    constexpr double kLeastLength = 3;
+    const double length = most / least;
+    const double room = std::max(std::pow(length, 0.04), std::sqrt(kLeastLength / length));
+    least /= room;
+    most *= room;
+  }
+  [[nodiscard]] std::string tics() const {
+    const double length = most / least;
+    const std::vector<double> digits = length > 1e3  ? std::vector<double>{1}
+                                       : length > 10 ? std::vector<double>{1, 2, 5}
+                                                     : std::vector<double>{1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9};
+    const int first = static_cast<int>(std::floor(std::log10(least)));
+    const int last = static_cast<int>(std::ceil(std::log10(most)));
+    std::string tics;
+    for (int power = first; power <= last; ++power) {
+      for (const double digit : digits) {
+        const double at = digit * std::pow(10.0, power);
+        if (at < least || at > most) continue;
+        tics += (tics.empty() ? "" : ",") + text::to_text(at);
+      }
+    }
+    return tics;
+  }
+};
+
+void write_log_y_axis(std::ostream& out, const Panel& panel) {
+  LogAxis axis;
+  for (const Series& series : panel.series) axis.add(series.y);
+  if (!(axis.least <= axis.most)) axis = {0.1, 10};
+  axis.widen();
+  axis.least = panel.y_min.value_or(axis.least);
+  axis.most = panel.y_max.value_or(axis.most);
+  out << "set logscale y\nset yrange [" << axis.least << ':' << axis.most << "]\nset ytics (" << axis.tics()
+      << ")\nset ylabel " << quoted(panel.y_label) << " offset -1,0\n";
+}
+
 void write_y_axis(std::ostream& out, const Panel& panel) {
+  if (panel.y_log) return write_log_y_axis(out, panel);
   // An axis from a constant needs some height; '*' leaves the end to the data.
   out << "set yrange [";
   panel.y_min ? out << *panel.y_min : out << '*';
   out << ':';
   panel.y_max ? out << *panel.y_max : out << '*';
-  out << "]\nset ylabel " << quoted(panel.y_label) << " offset -1,0\n"
-      << (panel.y_log ? "set logscale y\n" : "unset logscale y\n");
+  out << "]\nset ylabel " << quoted(panel.y_label) << " offset -1,0\nunset logscale y\nset ytics autofreq\n";
 }
 
 std::string style_of(const Series& series) {
@@ -125,6 +190,11 @@ void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int
     out << separator << "$data_" << index << '_' << s << " using 1:2 " << style_of(series) << " linecolor rgb '"
         << series.colour << "' " << (series.label.empty() ? "notitle" : "title " + quoted(series.label));
     separator = ", ";
+    if (!series.names.empty()) {
+      out << ", $names_" << index << '_' << s
+          << " using 1:2:3 with labels left rotate by 40 offset 0.3,0.6 font ',10' textcolor rgb '" << kInk
+          << "' notitle";
+    }
   }
   out << '\n';
 }
@@ -142,6 +212,11 @@ std::array<double, 2> x_range(const Figure& figure) {
     }
   }
   if (!(least <= most)) return {0, 1};
+  if (figure.x_log && least > 0) {
+    LogAxis axis{least, most};
+    axis.widen();
+    return {axis.least, axis.most};
+  }
   return least == most ? std::array{least, least + 1} : std::array{least, most};
 }
 
@@ -159,7 +234,8 @@ std::string script_of(const Figure& figure, const std::filesystem::path& png) {
       << "set offsets 0, 0, graph 0.06, graph 0.03\nset grid xtics ytics back linetype 1 linewidth 1 linecolor rgb '"
       << kGrid << "'\n"
       << "set format y '%g'\nset xrange [" << x_least << ':' << x_most << "]\n"
-      << (figure.x_log ? "set logscale x\n" : "") << "nothing = NaN\n";
+      << (figure.x_log ? "set logscale x\nset xtics (" + LogAxis{x_least, x_most}.tics() + ")\n" : "")
+      << "nothing = NaN\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     if (p == 0) {
       out << "set label 10 " << quoted(figure.title) << " at screen 0.5,screen " << 1 - 30.0 / height

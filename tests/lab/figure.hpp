@@ -34,6 +34,7 @@ struct Series {
   double width = 1.6;
   enum class Mark : std::uint8_t { none, dot, ring, cross };  ///< of each point; rings and crosses have no curve
   Mark mark = Mark::none;
+  std::vector<std::string> names{};  ///< of its points, to stand beside them; none, or as many as points
 };
 
 /// A horizontal line to compare with, such as a limit.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "forcebound/time/heap_operations.hpp"
+#include "tests/lab/accuracy/instruction_counter.hpp"
 #include "tests/lab/percentile.hpp"
 
 namespace forcebound::lab {
@@ -15,17 +17,34 @@ double since_ns(time::Nanoseconds begin, const time::Clock& clock) {
   return static_cast<double>((clock.now() - begin).count());
 }
 
+/// Of steps of one kind.
+struct Steps {
+  std::vector<double> durations_ns{};
+  std::vector<double> instructions{};
+  double heap_operations = 0;
+
+  [[nodiscard]] StepWork per_step() const {
+    StepWork work;
+    if (time::kCountsHeapOperations) {
+      work.heap_operations = heap_operations / static_cast<double>(durations_ns.size());
+    }
+    if (!instructions.empty()) work.instructions = percentile(instructions, 0.5);
+    return work;
+  }
+};
+
+}  // namespace
+
 std::string trouble_of(const server::SceneFaults& faults, std::size_t steps) {
   const auto share = [&](std::uint64_t count) {
     return std::to_string(count) + " of " + std::to_string(steps) + " steps";
   };
   if (faults.quarantined > 0) return "came to no finite numbers";
   if (faults.media.not_converged > steps / 100) return "not converged on " + share(faults.media.not_converged);
+  if (faults.media.contacts_left_out > 0) return "no room for " + share(faults.media.contacts_left_out) + "' contacts";
   if (faults.media.slipped_s > 0) return "too many steps for a motion: time left out";
   return {};
 }
-
-}  // namespace
 
 StepCost cost_of(const std::vector<double>& durations_ns) {
   return {percentile(durations_ns, 0.5) * 1e-3, percentile(durations_ns, 0.99) * 1e-3,
@@ -36,14 +55,26 @@ Along run_along(const std::shared_ptr<const server::Scene>& scene, const std::ve
                 const time::Clock& clock) {
   Along run;
   server::SceneState state(scene, static_cast<std::uint32_t>(positions_m.front().rows()));
-  std::vector<double> felt_ns;
-  std::vector<double> free_ns;
+  BodyWatch watch(state);
+  const InstructionCounter instructions;
+  Steps felt;
+  Steps free;
+  Steps idle;
   time::Nanoseconds now{0};
   for (const Vector& position_m : positions_m) {
+    const std::uint64_t heap_before = time::heap_operations_of_this_thread();
+    const auto instructions_before = instructions.count();
     const time::Nanoseconds begin = clock.now();
     server::SceneAnswer answer = state.answer(position_m, now);
     const double duration_ns = since_ns(begin, clock);
-    (answer.force.isZero(0) ? free_ns : felt_ns).push_back(duration_ns);
+    const auto instructions_after = instructions.count();
+    const std::uint64_t heap_after = time::heap_operations_of_this_thread();
+    Steps& steps = !watch.observe() ? idle : answer.force.isZero(0) ? free : felt;
+    steps.durations_ns.push_back(duration_ns);
+    steps.heap_operations += static_cast<double>(heap_after - heap_before);
+    if (instructions_before && instructions_after) {
+      steps.instructions.push_back(static_cast<double>(*instructions_after - *instructions_before));
+    }
     now += milliseconds{1};
     if (!run.forces.empty()) {
       const Vector moved_m = position_m - positions_m[run.forces.size() - 1];
@@ -52,7 +83,10 @@ Along run_along(const std::shared_ptr<const server::Scene>& scene, const std::ve
     run.forces.push_back(std::move(answer.force));
     run.penetrations_m.push_back(answer.penetration_m);
   }
-  run.cost = cost_of(felt_ns.empty() ? free_ns : felt_ns);
+  const Steps& counted = !felt.durations_ns.empty() ? felt : !free.durations_ns.empty() ? free : idle;
+  run.cost = cost_of(counted.durations_ns);
+  run.per_step = counted.per_step();
+  if (watch.any()) run.bodies = watch.record();
   run.trouble = trouble_of(state.faults(), positions_m.size());
   return run;
 }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "forcebound/server/scene/scene_state.hpp"
 #include "forcebound/time/clock.hpp"
+#include "tests/lab/accuracy/body_watch.hpp"
 #include "tests/lab/accuracy/richardson.hpp"
 
 namespace forcebound::lab {
@@ -20,15 +22,28 @@ struct StepCost {
 /// @param durations_ns not empty
 StepCost cost_of(const std::vector<double>& durations_ns);
 
-/// A scene's answers along a way, one a tick: every setting at the same states.
+/// What a step does, beside the time it takes.
+struct StepWork {
+  std::optional<double> heap_operations{};  ///< on the mean; none: a sanitizer owns malloc
+  std::optional<double> instructions{};     ///< the median; none: the kernel does not let us count
+};
+
+/// A scene's answers along a way, one a tick.
 struct Along {
   Forces forces{};
   std::vector<double> penetrations_m{};
-  double work_J = 0;      ///< that the scene did on the device
-  StepCost cost{};        ///< of the steps on which there was a force, if any
-  std::string trouble{};  ///< empty: none; else why the run counts as failed or unconverged
+  double work_J = 0;                   ///< that the scene did on the device
+  StepCost cost{};                     ///< of the steps on which there was a force, if any
+  StepWork per_step{};                 ///< of the same
+  std::optional<BodyRecord> bodies{};  ///< of a scene that has some
+  std::string trouble{};               ///< empty: none; else why the run counts as failed or unconverged
 };
 
+/// Why a state's answers are not to be believed, by its own account. Empty: nothing is wrong.
+std::string trouble_of(const server::SceneFaults& faults, std::size_t steps);
+
+/// The scene runs freely along the positions, with a state of its own. Bodies that step more rarely than the device
+/// moves have the cost of the ticks on which they do.
 /// @param positions_m one a millisecond
 Along run_along(const std::shared_ptr<const server::Scene>& scene, const std::vector<Vector>& positions_m,
                 const time::Clock& clock);

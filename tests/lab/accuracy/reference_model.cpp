@@ -17,11 +17,11 @@ std::uint32_t rows_of(const std::vector<Vector>& positions) {
 
 }  // namespace
 
-ReferenceModel::ReferenceModel(std::shared_ptr<const server::Scene> scene)
-    : fine_(std::move(scene)), why_("scene '" + fine_->facts().name + "', taken as exact") {}
+ReferenceModel::ReferenceModel(std::shared_ptr<const server::Scene> scene, double uncertainty, std::string why)
+    : fine_(std::move(scene)), uncertainty_(uncertainty), why_(std::move(why)) {}
 
 ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Scene>> levels,
-                               std::span<const double> spacings, std::span<const Along> runs)
+                               std::span<const double> spacings, std::span<const Along> runs, Levels use)
     : fine_(levels.back()) {
   const std::size_t last = levels.size() - 1;
   const Forces& fine = runs[last].forces;
@@ -33,6 +33,13 @@ ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Sce
   const double ratio = spacings[last - 1] / spacings[last];
   if (std::abs(spacings[last - 2] / spacings[last - 1] / ratio - 1) > kOneRatio) return;
   const Extrapolation found = richardson(runs[last - 2].forces, middle, fine, ratio);
+  if (use == Levels::only_the_finest && found.order > 0) {
+    why_ =
+        "the finest level: bodies in contact come to no common limit, though tick by tick their forces have an "
+        "observed order of " +
+        text::rounded(found.order);
+    return;
+  }
   uncertainty_ = found.uncertainty;
   order_ = found.order;
   why_ = found.why;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,16 +16,22 @@ namespace forcebound::lab {
 /// tends to.
 class ReferenceModel {
  public:
-  /// A scene that is right by itself, such as a closed form.
-  explicit ReferenceModel(std::shared_ptr<const server::Scene> scene);
+  /// A scene that is right by itself, such as a closed form, or up to an uncertainty that is known.
+  ReferenceModel(std::shared_ptr<const server::Scene> scene, double uncertainty, std::string why);
+
+  /// What levels of a refinement are good for.
+  enum class Levels : std::uint8_t {
+    extrapolated,    ///< each answers by itself, and so does what they tend to
+    only_the_finest  ///< each has a past of its own: there is none of what they tend to
+  };
 
   /// From the last three levels, coarse to fine, by Richardson's extrapolation along saved states, if their spacings
-  /// have one ratio; otherwise, and where they do not converge, the finest.
+  /// have one ratio and they allow it; otherwise, and where they do not converge, the finest.
   /// @param levels at least two
   /// @param spacings of each, falling
   /// @param runs of each, along the same states
   ReferenceModel(std::span<const std::shared_ptr<const server::Scene>> levels, std::span<const double> spacings,
-                 std::span<const Along> runs);
+                 std::span<const Along> runs, Levels use = Levels::extrapolated);
 
   /// Along the states of these runs of the levels.
   [[nodiscard]] Along along(std::span<const Along> runs) const;

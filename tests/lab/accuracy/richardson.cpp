@@ -47,7 +47,8 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
   if (!(order > kOrderLeast) || !(steps_along(coarse, middle, fine) > 0)) {
     reference.uncertainty = size > 0 ? second / size : 0;
     reference.why = "the finest level, since the levels do not converge monotonically: steps of " +
-                    text::rounded(first) + " and " + text::rounded(second) + " N";
+                    text::rounded(first) + " and " + text::rounded(second) + " N, observed order " +
+                    text::rounded(order);
     return reference;
   }
   const double further = 1 / (std::pow(ratio, order) - 1);

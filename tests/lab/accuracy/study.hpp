@@ -17,13 +17,14 @@ struct Study {
   std::string scene_text;
   std::string scene_file;  ///< files in the scene lie beside it
   Sweep sweep;
+  std::string fixed{};  ///< what of the scene was changed before, for people
   std::vector<double> round_trips_s{};
   HarmonicMotion motion{};
   std::string device = "cartesian-3dof";
   std::string law = "fba-exact";
   double duration_s = 2;
   double server_turn_least_s = 0;                    ///< a server that is asked to answer less often
-  std::shared_ptr<const server::Scene> reference{};  ///< null: what the levels tend to
+  std::shared_ptr<const server::Scene> reference{};  ///< null: what the levels tend to, or a tight solver of bodies
 };
 
 /// One value of the key.
@@ -31,8 +32,12 @@ struct StudiedSetting {
   std::string value;
   StepCost cost{};
   StepCost idle{};  ///< of a loop that takes as long, in the same minute
+  StepWork per_step{};
   StateError at_states{};
-  std::string trouble{};  ///< not empty: failed or not converged, a cross in the figure
+  double velocity_at_states = 0;       ///< error of what contacts change of velocities, where there are bodies
+  double free_force = 0;               ///< error of the force where it runs freely along the same way
+  std::optional<BodyRecord> bodies{};  ///< then
+  std::string trouble{};               ///< not empty: failed or not converged, a cross in the figure
   struct Behind {
     double round_trip_s = 0;
     DeviceError error{};
@@ -45,10 +50,18 @@ struct StudiedSetting {
 struct StudyResult {
   std::string key;
   std::string hand;
-  double change_per_s = 0;  ///< RMS of the reference's rate of change over its own, along the hand's way
-  double reference_uncertainty = 0;
+  std::string fixed{};
+  double change_per_s = 0;           ///< RMS of the reference's rate of change over its own, along the hand's way
+  double reference_uncertainty = 0;  ///< at the same states
+  double velocity_uncertainty = 0;   ///< at the same states, of what contacts change of velocities
+  double free_uncertainty = 0;       ///< running freely along the same way, or behind a network
   double reference_order = 0;
   std::string reference_why{};
+  int ticks_between_states = 0;  ///< 0: no state was saved, all went along the same positions
+  std::optional<BodyRecord> reference_bodies{};
+  std::string reference_trouble{};  ///< what is wrong with the reference's own run
+  bool places_known = true;         ///< whether the reference knows where bodies come to rest
+  std::size_t answer_bytes = 0;     ///< of one answer to a client, as a datagram
   std::vector<StudiedSetting> settings{};
 };
 
@@ -62,6 +75,14 @@ std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t r
 /// A sweep that shows what the scene has to offer: a tissue's cells, a distance field's cell, the bodies' time step.
 /// @throws std::invalid_argument if there is nothing of the kind
 Sweep usual_sweep(const std::string& scene_text);
+
+/// The scene itself with what finds its bodies' forces at its best, twice by different ways: Newton's method and
+/// conjugate gradients, as far as they go. Nothing for a key that is not about that.
+struct TightSolvers {
+  std::string newton;  ///< text of a scene
+  std::string cg;
+};
+std::optional<TightSolvers> tight_solvers(const std::string& scene_text, const std::string& key);
 
 /// How coarse a value is, in any unit: of a list the inverse of its first number, of a number whose key ends in _m or
 /// _s itself, of another number its inverse. Nothing for what is no number.

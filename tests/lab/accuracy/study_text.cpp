@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/text/numbers.hpp"
-#include "tests/lab/figure.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -30,18 +29,81 @@ std::string line(const char* format, const Values&... values) {
   return std::string(text) + "\n";
 }
 
-std::string at_states_text(const StudyResult& result) {
+std::string cross(const StudiedSetting& setting) { return setting.trouble.empty() ? "" : "X " + setting.trouble; }
+
+std::string cost_text(const StudyResult& result) {
   std::string text =
-      "At the same states\n" + line("  %-18s %10s %10s %10s %12s %12s %10s %12s %11s  %s", result.key.c_str(), "median",
-                                    "p99", "idle p99", "force", "direction", "p95", "stiffness", "work", "");
+      "What a step costs\n" + line("  %-18s %10s %10s %10s %10s %10s %10s %12s", result.key.c_str(), "median", "p99",
+                                   "max", "idle p99", "idle max", "heap", "instructions");
+  for (const StudiedSetting& setting : result.settings) {
+    const auto& [heap, instructions] = setting.per_step;
+    text += line("  %-18s %7s us %7s us %7s us %7s us %7s us %10s %12s", setting.value.c_str(),
+                 rounded(setting.cost.median_us).c_str(), rounded(setting.cost.p99_us).c_str(),
+                 rounded(setting.cost.max_us).c_str(), rounded(setting.idle.p99_us).c_str(),
+                 rounded(setting.idle.max_us).c_str(), heap ? rounded(*heap).c_str() : "-",
+                 instructions ? rounded(*instructions).c_str() : "-");
+  }
+  if (!result.settings.front().per_step.instructions) {
+    text += "  instructions: not available here (the kernel does not let us count them)\n";
+  }
+  return text + "  an answer has " + std::to_string(result.answer_bytes) +
+         " bytes: " + rounded(static_cast<double>(result.answer_bytes)) + " kB/s to each client at 1 kHz\n";
+}
+
+std::string how_states_were_saved(const StudyResult& result) {
+  if (result.ticks_between_states == 0) return "At the same states (a step forgets the past: the same positions)\n";
+  const int ticks = result.ticks_between_states;
+  return "At the same states (the reference's, " +
+         (ticks == 1 ? std::string("before each tick") : "before every " + std::to_string(ticks) + " ticks") +
+         "; then all go on from there)\n";
+}
+
+std::string at_states_text(const StudyResult& result) {
+  const bool bodies = result.ticks_between_states > 0;
+  std::string text = "\n" + how_states_were_saved(result) +
+                     line("  %-18s %12s %12s %12s %10s %12s %12s", result.key.c_str(), "force", "direction", "p95",
+                          "depth", "stiffness", bodies ? "velocities" : "");
   for (const StudiedSetting& setting : result.settings) {
     const StateError& error = setting.at_states;
-    text += line("  %-18s %7s us %7s us %7s us %12s %8s deg %6s deg %8s N/m %8s mJ  %s", setting.value.c_str(),
-                 rounded(setting.cost.median_us).c_str(), rounded(setting.cost.p99_us).c_str(),
-                 rounded(setting.idle.p99_us).c_str(), percent_above(error.force, result.reference_uncertainty).c_str(),
+    text += line("  %-18s %12s %8s deg %8s deg %7s mm %8s N/m %12s  %s", setting.value.c_str(),
+                 percent_above(error.force, result.reference_uncertainty).c_str(),
                  rounded(error.direction_median_deg).c_str(), rounded(error.direction_p95_deg).c_str(),
-                 rounded(error.displayed_stiffness_N_per_m).c_str(), rounded(error.work_J * 1e3).c_str(),
-                 setting.trouble.empty() ? "" : ("X " + setting.trouble).c_str());
+                 rounded(error.penetration_m * 1e3).c_str(), rounded(error.displayed_stiffness_N_per_m).c_str(),
+                 bodies ? percent_above(setting.velocity_at_states, result.velocity_uncertainty).c_str() : "",
+                 cross(setting).c_str());
+  }
+  return text;
+}
+
+std::string free_row(const std::string& name, const std::string& force, const std::string& work,
+                     const BodyRecord& bodies, const std::string& trouble) {
+  const double exhausted = bodies.ticks > 0 ? static_cast<double>(bodies.exhausted) / bodies.ticks : 0;
+  return line("  %-18s %12s %9s mJ %9s mJ %9s mJ %9s mm %10s  %s", name.c_str(), force.c_str(), work.c_str(),
+              rounded(1e3 * bodies.drift_J).c_str(), rounded(1e3 * bodies.gained_J).c_str(),
+              rounded(1e3 * bodies.deepest_m).c_str(), percent(exhausted).c_str(), trouble.c_str());
+}
+
+std::string free_text(const StudyResult& result) {
+  if (!result.reference_bodies) {
+    std::string text = "\nFreely along the same way: work on the device above the reference's\n";
+    for (const StudiedSetting& setting : result.settings) {
+      text += line("  %-18s %9s mJ", setting.value.c_str(), rounded(setting.at_states.work_J * 1e3).c_str());
+    }
+    return text;
+  }
+  std::string text = "\nFreely along the same way (uncertain to " + percent(result.free_uncertainty) +
+                     "). Drift: what the bodies hold in the end above what they began with and what was put in\n" +
+                     line("  %-18s %12s %12s %12s %12s %12s %10s", result.key.c_str(), "force", "work", "drift",
+                          "most gained", "deepest", "exhausted");
+  text += free_row("the reference", "", "", *result.reference_bodies,
+                   result.reference_trouble.empty() ? "" : "X " + result.reference_trouble);
+  for (const StudiedSetting& setting : result.settings) {
+    if (!setting.bodies) continue;
+    text += free_row(setting.value, percent_above(setting.free_force, result.free_uncertainty),
+                     rounded(1e3 * setting.at_states.work_J), *setting.bodies, cross(setting));
+  }
+  if (!result.places_known) {
+    text += "  where bodies come to rest is not judged: the reference and what tells its uncertainty do not agree\n";
   }
   return text;
 }
@@ -57,7 +119,7 @@ std::string behind_text(const StudyResult& result, std::size_t which) {
     const DeviceError& error = setting.behind[which].error;
     text +=
         line("  %-18s %10s = %9s + %9s + %9s + %9s %9s %8s J%s", setting.value.c_str(),
-             percent_above(error.total, result.reference_uncertainty).c_str(), percent(error.model.share).c_str(),
+             percent_above(error.total, result.free_uncertainty).c_str(), percent(error.model.share).c_str(),
              percent(error.age.share).c_str(), percent(error.hold.share).c_str(), percent(error.bounding.share).c_str(),
              ms(time::to_seconds(error.least_age)).c_str(), rounded(setting.behind[which].passivity_minimum_J).c_str(),
              !setting.trouble.empty() ? "  X" : (best == i ? "  <- best" : ""));
@@ -65,72 +127,23 @@ std::string behind_text(const StudyResult& result, std::size_t which) {
   return text;
 }
 
+nlohmann::ordered_json optional(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json to_json(const BodyRecord& bodies) {
+  return {{"drift_J", bodies.drift_J},     {"gained_J", bodies.gained_J}, {"turned_over_J", bodies.turned_over_J},
+          {"deepest_m", bodies.deepest_m}, {"ticks", bodies.ticks},       {"exhausted", bodies.exhausted}};
+}
+
 nlohmann::ordered_json to_json(const DeviceError::Part& part) { return {{"share", part.share}, {"alone", part.alone}}; }
-
-Series curve_of(const StudyResult& result, std::size_t which, std::size_t colour_index) {
-  Series curve{.label = ms(result.settings.front().behind[which].round_trip_s),
-               .colour = colour::kAxes[colour_index % 6],
-               .mark = Series::Mark::dot};
-  for (const StudiedSetting& setting : result.settings) {
-    curve.x.push_back(setting.cost.median_us);
-    curve.y.push_back(setting.trouble.empty() ? 100 * setting.behind[which].error.total : std::nan(""));
-  }
-  return curve;
-}
-
-Panel error_panel(const StudyResult& result) {
-  Panel panel{
-      .title = "Error at the device; ring: the best setting behind that network; cross: failed or not converged",
-      .y_label = "E_dev [%]",
-      .y_log = true};
-  for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which) {
-    panel.series.push_back(curve_of(result, which, which));
-  }
-  for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which) {
-    const char* const colour = colour::kAxes[which % 6];
-    Series failed{.label = "", .colour = colour, .mark = Series::Mark::cross};
-    for (const StudiedSetting& setting : result.settings) {
-      if (setting.trouble.empty()) continue;
-      failed.x.push_back(setting.cost.median_us);
-      failed.y.push_back(100 * setting.behind[which].error.total);
-    }
-    if (!failed.x.empty()) panel.series.push_back(failed);
-    const auto best = best_setting(result, which, std::numeric_limits<double>::infinity());
-    if (!best) continue;
-    const StudiedSetting& setting = result.settings[*best];
-    panel.series.push_back({.label = "",
-                            .x = {setting.cost.median_us},
-                            .y = {100 * setting.behind[which].error.total},
-                            .colour = colour,
-                            .mark = Series::Mark::ring});
-  }
-  return panel;
-}
-
-Panel parts_panel(const StudyResult& result, std::size_t which) {
-  Panel panel{.title = "What it comes from behind " + ms(result.settings.front().behind[which].round_trip_s) +
-                       ": shares that add up to E_dev",
-              .y_label = "share [%]"};
-  const auto add = [&](const char* label, const char* colour, auto share) {
-    Series series{.label = label, .colour = colour, .mark = Series::Mark::dot};
-    for (const StudiedSetting& setting : result.settings) {
-      series.x.push_back(setting.cost.median_us);
-      series.y.push_back(100 * share(setting.behind[which].error));
-    }
-    panel.series.push_back(std::move(series));
-  };
-  add("model", colour::kApplied, [](const DeviceError& error) { return error.model.share; });
-  add("age", colour::kNetwork, [](const DeviceError& error) { return error.age.share; });
-  add("hold", colour::kRoundTrip, [](const DeviceError& error) { return error.hold.share; });
-  add("bounding", colour::kLedger, [](const DeviceError& error) { return error.bounding.share; });
-  return panel;
-}
 
 }  // namespace
 
 std::string to_text(const StudyResult& result) {
   std::string text = "Reference: " + result.reference_why + "; uncertain to " + percent(result.reference_uncertainty) +
-                     "\nHand: " + result.hand + "\n\n" + at_states_text(result);
+                     "\nHand: " + result.hand + (result.fixed.empty() ? "" : "\nWith: " + result.fixed) + "\n\n" +
+                     cost_text(result) + at_states_text(result) + free_text(result);
   for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which)
     text += behind_text(result, which);
   return text;
@@ -138,6 +151,9 @@ std::string to_text(const StudyResult& result) {
 
 std::string recommendation(const StudyResult& result, double budget_us) {
   std::string text;
+  if (!result.reference_trouble.empty()) {
+    text = "not to be relied on: the reference itself failed (" + result.reference_trouble + ")\n";
+  }
   for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which) {
     const std::string network = "behind " + ms(result.settings.front().behind[which].round_trip_s) + ": ";
     const auto best = best_setting(result, which, budget_us);
@@ -168,14 +184,24 @@ nlohmann::ordered_json to_json(const StudyResult& result) {
                               {"reference",
                                {{"why", result.reference_why},
                                 {"order", result.reference_order},
-                                {"uncertainty", result.reference_uncertainty}}},
+                                {"uncertainty", result.reference_uncertainty},
+                                {"velocity_uncertainty", result.velocity_uncertainty},
+                                {"free_uncertainty", result.free_uncertainty},
+                                {"trouble", result.reference_trouble}}},
+                              {"set", result.fixed},
+                              {"answer_bytes", result.answer_bytes},
+                              {"ticks_between_states", result.ticks_between_states},
                               {"settings", nlohmann::ordered_json::array()}};
   for (const StudiedSetting& setting : result.settings) {
     nlohmann::ordered_json object{
         {"value", setting.value},
         {"step_us", {{"median", setting.cost.median_us}, {"p99", setting.cost.p99_us}, {"max", setting.cost.max_us}}},
         {"idle_us", {{"median", setting.idle.median_us}, {"p99", setting.idle.p99_us}, {"max", setting.idle.max_us}}},
+        {"heap_operations", optional(setting.per_step.heap_operations)},
+        {"instructions", optional(setting.per_step.instructions)},
         {"force_error", setting.at_states.force},
+        {"velocity_error", setting.velocity_at_states},
+        {"free_force_error", setting.free_force},
         {"direction_deg",
          {{"median", setting.at_states.direction_median_deg}, {"p95", setting.at_states.direction_p95_deg}}},
         {"penetration_m", setting.at_states.penetration_m},
@@ -194,21 +220,10 @@ nlohmann::ordered_json to_json(const StudyResult& result) {
                                   {"motions_missed", behind.turns_missed},
                                   {"passivity_minimum_J", behind.passivity_minimum_J}});
     }
+    if (setting.bodies) object["bodies"] = to_json(*setting.bodies);
     json["settings"].push_back(std::move(object));
   }
   return json;
-}
-
-void draw(const StudyResult& result, const std::string& title, const std::filesystem::path& png) {
-  Figure figure{.title = title,
-                .subtitle = result.key + ", " + result.hand.substr(0, result.hand.find(',')),
-                .x_label = "time of a step, median [us]"};
-  figure.x_log = true;
-  figure.panels.push_back(error_panel(result));
-  const std::size_t networks = result.settings.front().behind.size();
-  figure.panels.push_back(parts_panel(result, 0));
-  if (networks > 1) figure.panels.push_back(parts_panel(result, networks - 1));
-  draw(figure, png);
 }
 
 }  // namespace forcebound::lab

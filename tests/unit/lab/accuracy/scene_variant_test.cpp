@@ -58,6 +58,12 @@ TEST(SceneVariant, AddsAKeyThatIsNew) {
             0.002);
 }
 
+TEST(SceneVariant, AddsTheTableOfBodiesToASceneThatHasSome) {
+  const toml::table changed = toml::parse(scene_variant("[[body]]\nname = 'b'\n", "bodies.iterations", "3"));
+  EXPECT_EQ(changed["bodies"]["iterations"].value<int>(), 3);
+  EXPECT_THROW((void)scene_variant("[scene]\nname = 's'\n", "bodies.iterations", "3"), std::invalid_argument);
+}
+
 TEST(SceneVariant, SaysWhatIsNotThere) {
   EXPECT_THAT(error_of("tisue.pad.young_Pa", "1"), HasSubstr("no 'tisue', did you mean 'tissue'?"));
   EXPECT_THAT(error_of("tissue.pat.young_Pa", "1"), HasSubstr("no [[tissue]] named 'pat', did you mean 'pad'?"));

@@ -68,6 +68,8 @@ TEST(Recommendation, SaysWhereASettingHardlyMatters) {
 TEST(UsualSweep, NeedsSomethingWithLevels) {
   EXPECT_THROW((void)usual_sweep(server::scene_source("wall").text), std::invalid_argument);
   EXPECT_EQ(usual_sweep(server::scene_source("palpation").text).key, "tissue.pad.shape.cells");
+  EXPECT_EQ(usual_sweep(server::scene_source("blocks").text).key, "bodies.timestep_s");
+  EXPECT_EQ(usual_sweep(server::scene_source("assembly").text).key, "body.peg in hole.iterations");
 }
 
 /// A softened wall whose stiffness is swept, against the one that is right.
@@ -94,6 +96,11 @@ TEST(CarryOut, BehindANetworkThatIsNoneOnlyTheModelIsWrong) {
   EXPECT_EQ(result.settings[2].at_states.force, 0);
   EXPECT_NEAR(result.settings[0].behind[0].error.model.alone, 0.5, 0.02);
   EXPECT_EQ(result.settings[0].cost.median_us, 50);
+  EXPECT_EQ(result.ticks_between_states, 0) << "a wall has no state";
+  EXPECT_FALSE(result.settings[0].bodies);
+  EXPECT_EQ(result.settings[0].trouble, "");
+  EXPECT_EQ(result.settings[0].per_step.heap_operations.value_or(0), 0);
+  EXPECT_GT(result.answer_bytes, 100U);
 }
 
 TEST(CarryOut, BehindALongerWayTheAgeIsMoreThanTheModel) {

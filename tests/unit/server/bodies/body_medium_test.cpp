@@ -65,6 +65,75 @@ TEST(BodyMedium, PushedCubeSlidesAlong) {
   EXPECT_GT(touch.force_N.x(), -1.5);
 }
 
+TEST(BodyMedium, MuJoCosOwnSolverChangesNoBit) {
+  const auto forces = [](const SolverOptions& solver) {
+    const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}, .solver = solver}, "test");
+    const auto state = medium.make_state(1);
+    Hand hand(*state);
+    std::vector<double> all;
+    all.reserve(200);
+    for (int i = 0; i < 200; ++i) all.push_back(hand.to({-0.03 + 1e-4 * i, 0, 0.03}).force_N.x());
+    return all;
+  };
+  using Kind = SolverOptions::Kind;
+  EXPECT_EQ(forces({}), forces({.kind = Kind::newton, .iterations = 100, .tolerance = 1e-8}));
+  EXPECT_NE(forces({}), forces({.kind = Kind::pgs, .iterations = 1}));
+}
+
+TEST(BodyMedium, HasTheSolverItWasToldForAnyNumberOfProbes) {
+  using Kind = SolverOptions::Kind;
+  const BodyMedium medium({.bodies = {floor_plate()}, .solver = {.kind = Kind::cg, .iterations = 3, .tolerance = 1e-3}},
+                          "test");
+  for (const int seats : {1, 2}) {
+    const auto state = medium.make_state(seats);
+    const SolverOptions solver = solver_of(dynamic_cast<const BodyWorld&>(*state).model());
+    EXPECT_EQ(solver.kind, Kind::cg);
+    EXPECT_EQ(solver.iterations, 3);
+    EXPECT_EQ(solver.tolerance, 1e-3);
+  }
+}
+
+BodiesDescription sliding_cube(const SolverOptions& solver = {}) {
+  return {.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}, .solver = solver};
+}
+
+/// Down on the cube's side and along, so that it tilts and slides.
+Point pushing_m(int tick) { return {-0.03 + 1e-4 * tick, 0.005, 0.03}; }
+
+TEST(BodyMedium, ACopyOfAStateGoesOnToTheBitAsTheOriginal) {
+  const BodyMedium medium(sliding_cube(), "test");
+  const auto original = medium.make_state(1);
+  const auto copy = medium.make_state(1);
+  Hand hand(*original);
+  Hand other(*copy);
+  for (int i = 0; i < 150; ++i) {
+    (void)hand.to(pushing_m(i));
+    (void)other.to(pushing_m(3 * i) + Point(0, 0.1, 0));
+  }
+  ASSERT_TRUE(copy->copy_from(*original));
+  for (int i = 150; i < 300; ++i) {
+    const Point moved_m_per_s = (pushing_m(i) - pushing_m(i - 1)) / 1e-3;
+    for (MediumState* const state : {original.get(), copy.get()}) {
+      state->move(0, pushing_m(i), moved_m_per_s);
+      state->advance(1e-3);
+    }
+    const MediumTouch touch = original->touch(0);
+    ASSERT_EQ(copy->touch(0).force_N, touch.force_N) << i;
+    ASSERT_EQ(copy->touch(0).penetration_m, touch.penetration_m) << i;
+  }
+}
+
+TEST(BodyMedium, CopiesAStateToBodiesThatAreSetUpOtherwiseButNotToOthers) {
+  const BodyMedium medium(sliding_cube(), "test");
+  const auto state = medium.make_state(1);
+  const auto bare = BodyMedium({.bodies = {floor_plate()}}, "test").make_state(1);
+  EXPECT_TRUE(BodyMedium(sliding_cube({.kind = SolverOptions::Kind::pgs, .iterations = 1}), "test")
+                  .make_state(1)
+                  ->copy_from(*state));
+  EXPECT_FALSE(bare->copy_from(*state));
+  EXPECT_FALSE(medium.make_state(2)->copy_from(*state));
+}
+
 TEST(BodyMedium, TwoProbesFeelTheSameCubeAndNotEachOther) {
   const BodyMedium medium({.bodies = {floor_plate(), cube(0.1, {0, 0, 0.02})}}, "test");
   const auto state = medium.make_state(2);

@@ -90,6 +90,38 @@ TEST(BodyParser, PassesOnTheReasonThatMuJoCoGivesForABadModel) {
   EXPECT_THAT(with("<option integrator=\"RK4\"/>"), peg("integrator must be Euler or implicit, got RK4"));
 }
 
+const std::string kPendulum =
+    "[[body]]\nname = \"pendulum\"\nprobes = [\"bob\"]\nmjcf_text = '''<mujoco><option solver=\"CG\" iterations=\"7\" "
+    "tolerance=\"1e-5\"/><worldbody><body name=\"bob\"><freejoint/><geom "
+    "size=\"0.1\"/></body></worldbody></mujoco>'''\n";
+
+TEST(BodyParser, LeavesTheSolverAsMuJoCoHasItWhereTheSceneIsSilent) {
+  EXPECT_THAT(explain(*parse(kFloor + kBall)),
+              HasSubstr("contact forces by newton, iterations at most 100, tolerance 1e-08"));
+  EXPECT_THAT(explain(*parse(kPendulum)), HasSubstr("contact forces by cg, iterations at most 7, tolerance 1e-05"));
+}
+
+TEST(BodyParser, GivesBodiesTheSolverThatTheSceneAsksFor) {
+  EXPECT_THAT(explain(*parse(kFloor + kBall + "[bodies]\nsolver = \"pgs\"\niterations = 20\ntolerance = 0\n")),
+              HasSubstr("contact forces by pgs, iterations at most 20, tolerance 0"));
+  EXPECT_THAT(explain(*parse(kPendulum + "solver = \"newton\"\n")),
+              HasSubstr("contact forces by newton, iterations at most 7, tolerance 1e-05"));
+  EXPECT_THAT(explain(*parse(kPendulum + "iterations = 1\ntolerance = 0.001\n")),
+              HasSubstr("contact forces by cg, iterations at most 1, tolerance 0.001"));
+}
+
+TEST(BodyParser, RefusesASolverThatMuJoCoDoesNotHave) {
+  const auto with = [](const std::string& what) { return [what] { parse(kBall + "[bodies]\n" + what + "\n"); }; };
+  EXPECT_THAT(with("solver = \"newtn\""),
+              refused("bodies: unknown solver 'newtn', did you mean 'newton'? (known: newton, cg, pgs)"));
+  EXPECT_THAT(with("solver = 3"), refused("solver must be text, got 3"));
+  EXPECT_THAT(with("iterations = 0"), refused("iterations must be >= 1 and <= 1000, got 0"));
+  EXPECT_THAT(with("iterations = 1001"), refused("iterations must be >= 1 and <= 1000, got 1001"));
+  EXPECT_THAT(with("iterations = 1.5"), refused("iterations must be a whole number, got 1.5"));
+  EXPECT_THAT(with("tolerance = -1e-9"), refused("tolerance must be >= 0 and <= 1"));
+  EXPECT_THAT([] { parse(kPendulum + "iterations = 0\n"); }, refused("body 'pendulum': iterations must be >= 1"));
+}
+
 TEST(BodyParser, RefusesACouplingThatWouldRing) {
   EXPECT_THAT([] { parse(kBall + "[bodies]\nstiffness_N_per_m = 200000\n"); },
               refused("is unstable with an apparent mass of"));

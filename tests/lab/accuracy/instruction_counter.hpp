@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace forcebound::lab {
+
+/// Counts the instructions that this thread has the processor do, outside of the kernel, where the kernel lets us: in
+/// containers and virtual machines it often does not.
+class InstructionCounter {
+ public:
+  InstructionCounter() noexcept;
+  ~InstructionCounter();
+  InstructionCounter(const InstructionCounter&) = delete;
+  InstructionCounter& operator=(const InstructionCounter&) = delete;
+
+  /// So far; none: they cannot be counted here.
+  [[nodiscard]] std::optional<std::uint64_t> count() const noexcept;
+
+ private:
+  int file_;
+};
+
+}  // namespace forcebound::lab
