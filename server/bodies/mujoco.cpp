@@ -161,7 +161,11 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
 }
 
 ModelPointer load_mjcf(const std::string& path) {
-  (void)text::read_file(path);  // says why it cannot be read, where MuJoCo speaks of XML
+  try {
+    (void)text::read_file(path);  // says why it cannot be read, where MuJoCo speaks of XML
+  } catch (const std::runtime_error& error) {
+    throw BodiesError(error.what());
+  }
   return named(path, [&] { return load(path.c_str(), nullptr); });
 }
 

@@ -1,15 +1,11 @@
 #include "tests/lab/accuracy/reference_model.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::lab {
 namespace {
-
-// Cells are whole numbers, so that no ratio is kept quite.
-constexpr double kOneRatio = 0.02;
 
 std::uint32_t rows_of(const std::vector<Vector>& positions) {
   return static_cast<std::uint32_t>(positions.front().rows());
@@ -28,11 +24,10 @@ ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Sce
   const Forces& middle = runs[last - 1].forces;
   const double size_N = rms(fine);
   uncertainty_ = size_N > 0 ? rms_difference(middle, fine) / size_N : 0;
-  why_ = "the finest level, for lack of three levels in one ratio";
+  why_ = "the finest level, for lack of three levels";
   if (levels.size() < 3) return;
-  const double ratio = spacings[last - 1] / spacings[last];
-  if (std::abs(spacings[last - 2] / spacings[last - 1] / ratio - 1) > kOneRatio) return;
-  const Extrapolation found = richardson(runs[last - 2].forces, middle, fine, ratio);
+  const Spacings three{spacings[last - 2], spacings[last - 1], spacings[last]};
+  const Extrapolation found = richardson(runs[last - 2].forces, middle, fine, three);
   if (use == Levels::only_the_finest && found.order > 0) {
     why_ =
         "the finest level: bodies in contact come to no common limit, though tick by tick their forces have an "
@@ -45,7 +40,7 @@ ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const server::Sce
   why_ = found.why;
   if (!(order_ > 0)) return;
   middle_ = levels[last - 1];
-  further_ = 1 / (std::pow(ratio, order_) - 1);
+  further_ = beyond_the_finest(three, order_);
 }
 
 Along ReferenceModel::along(std::span<const Along> runs) const {

@@ -25,8 +25,8 @@ class ReferenceModel {
     only_the_finest  ///< each has a past of its own: there is none of what they tend to
   };
 
-  /// From the last three levels, coarse to fine, by Richardson's extrapolation along saved states, if their spacings
-  /// have one ratio and they allow it; otherwise, and where they do not converge, the finest.
+  /// From the last three levels, coarse to fine, by Richardson's extrapolation along saved states, if they allow it;
+  /// otherwise, and where they do not converge, the finest.
   /// @param levels at least two
   /// @param spacings of each, falling
   /// @param runs of each, along the same states

@@ -9,6 +9,8 @@ namespace {
 
 /// p <= this is no convergence that one could extrapolate.
 constexpr double kOrderLeast = 0.3;
+constexpr double kOrderMost = 20;
+constexpr int kHalvings = 60;
 // Farther from the finest level than that share of it nothing is extrapolated.
 constexpr double kFarthest = 0.5;
 
@@ -16,6 +18,24 @@ double steps_along(const Forces& coarse, const Forces& middle, const Forces& fin
   double sum = 0;
   for (std::size_t i = 0; i < fine.size(); ++i) sum += (middle[i] - coarse[i]).dot(fine[i] - middle[i]);
   return sum;
+}
+
+/// How much longer the first step is than the second, to the order p.
+double steps_ratio(const Spacings& h, double order) {
+  const double coarse = std::pow(h[0] / h[1], order);
+  const double fine = std::pow(h[2] / h[1], order);
+  return (coarse - 1) / (1 - fine);
+}
+
+/// The order p at which steps have that ratio, which grows with it; at most kOrderMost.
+double order_of(const Spacings& h, double ratio) {
+  double below = 0;
+  double above = kOrderMost;
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    const double middle = 0.5 * (below + above);
+    (steps_ratio(h, middle) < ratio ? below : above) = middle;
+  }
+  return below;
 }
 
 }  // namespace
@@ -34,7 +54,7 @@ double rms_difference(const Forces& a, const Forces& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-Extrapolation richardson(const Forces& coarse, const Forces& middle, const Forces& fine, double ratio) {
+Extrapolation richardson(const Forces& coarse, const Forces& middle, const Forces& fine, const Spacings& spacings) {
   const double first = rms_difference(coarse, middle);
   const double second = rms_difference(middle, fine);
   const double size = rms(fine);
@@ -43,7 +63,7 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
     reference.why = "the finest level: it does not differ from the one before";
     return reference;
   }
-  const double order = std::log(first / second) / std::log(ratio);
+  const double order = order_of(spacings, first / second);
   if (!(order > kOrderLeast) || !(steps_along(coarse, middle, fine) > 0)) {
     reference.uncertainty = size > 0 ? second / size : 0;
     reference.why = "the finest level, since the levels do not converge monotonically: steps of " +
@@ -51,7 +71,7 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
                     text::rounded(order);
     return reference;
   }
-  const double further = 1 / (std::pow(ratio, order) - 1);
+  const double further = beyond_the_finest(spacings, order);
   if (further * second > kFarthest * size) {
     reference.uncertainty = further * second / size;
     reference.why = "the finest level, since the limit lies too far beyond it to be told (observed order " +
@@ -63,6 +83,10 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
   reference.uncertainty = further * second / rms(reference.forces);
   reference.why = "Richardson's extrapolation of three levels, observed order " + text::rounded(order);
   return reference;
+}
+
+double beyond_the_finest(const Spacings& spacings, double order) {
+  return 1 / (std::pow(spacings[1] / spacings[2], order) - 1);
 }
 
 }  // namespace forcebound::lab

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <span>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -25,9 +25,13 @@ struct Extrapolation {
   std::string why{};       ///< how it was had, for people
 };
 
-/// Richardson's extrapolation, the same for all states: of spacing r^2 h, r h, h the forces F2, F1, F0 differ as h^p,
+/// Of three levels, coarse to fine.
+using Spacings = std::array<double, 3>;
+
+/// Richardson's extrapolation, the same for all states: the forces F2, F1, F0 of spacings h2 > h1 > h0 are off by C
+/// h^p,
 ///
-///     p = log(|F1 - F2| / |F0 - F1|) / log r,      F = F0 + (F0 - F1) / (r^p - 1)
+///     (h2^p - h1^p) / (h1^p - h0^p) = |F1 - F2| / |F0 - F1|,      F = F0 + (F0 - F1) / ((h1 / h0)^p - 1)
 ///
 /// with |.| the RMS over the states. Its uncertainty is the whole step |F - F0|. Where the levels do not converge (p is
 /// not positive, or the second step leads back along the first), or their limit is half as far as the force is large (a
@@ -35,7 +39,9 @@ struct Extrapolation {
 /// |F0 - F1|, and `why` says so.
 ///
 /// @param coarse,middle,fine of the same length
-/// @param ratio r > 1
-Extrapolation richardson(const Forces& coarse, const Forces& middle, const Forces& fine, double ratio);
+Extrapolation richardson(const Forces& coarse, const Forces& middle, const Forces& fine, const Spacings& spacings);
+
+/// F - F0 over F0 - F1 for an order p.
+double beyond_the_finest(const Spacings& spacings, double order);
 
 }  // namespace forcebound::lab

@@ -13,6 +13,8 @@ namespace {
 using test::vector_of;
 using testing::HasSubstr;
 
+constexpr Spacings kHalved{4, 2, 1};
+
 /// Forces that err by C h^p from (1, 2, 3) + i.
 Forces level(double spacing, double order) {
   Forces forces;
@@ -25,8 +27,8 @@ Forces level(double spacing, double order) {
 
 TEST(Richardson, FindsTheOrderAndTheLimit) {
   for (const double order : {1.0, 2.0, 1.6}) {
-    for (const double ratio : {2.0, 1.5}) {
-      const Extrapolation found = richardson(level(ratio * ratio, order), level(ratio, order), level(1, order), ratio);
+    for (const Spacings& h : {Spacings{4, 2, 1}, Spacings{2.25, 1.5, 1}, Spacings{2, 4.0 / 3, 1}}) {
+      const Extrapolation found = richardson(level(h[0], order), level(h[1], order), level(h[2], order), h);
       EXPECT_NEAR(found.order, order, 1e-9);
       EXPECT_LT(rms_difference(found.forces, level(0, order)), 1e-12);
       EXPECT_NEAR(found.uncertainty * rms(found.forces), rms_difference(level(0, order), level(1, order)), 1e-12);
@@ -36,7 +38,7 @@ TEST(Richardson, FindsTheOrderAndTheLimit) {
 }
 
 TEST(Richardson, RefusesLevelsThatGoApart) {
-  const Extrapolation found = richardson(level(1, 1), level(2, 1), level(4, 1), 2);
+  const Extrapolation found = richardson(level(1, 1), level(2, 1), level(4, 1), kHalved);
   EXPECT_EQ(found.order, 0);
   EXPECT_EQ(rms_difference(found.forces, level(4, 1)), 0);
   EXPECT_THAT(found.why, HasSubstr("do not converge monotonically"));
@@ -44,7 +46,7 @@ TEST(Richardson, RefusesLevelsThatGoApart) {
 }
 
 TEST(Richardson, RefusesLevelsThatGoToAndFro) {
-  const Extrapolation found = richardson(level(4, 1), level(0, 1), level(2, 1), 2);
+  const Extrapolation found = richardson(level(4, 1), level(0, 1), level(2, 1), kHalved);
   EXPECT_EQ(found.order, 0);
   EXPECT_THAT(found.why, HasSubstr("do not converge monotonically"));
 }
@@ -52,14 +54,14 @@ TEST(Richardson, RefusesLevelsThatGoToAndFro) {
 // A point that presses into an elastic continuum sinks in the deeper the finer the mesh: its force tends to nothing.
 TEST(Richardson, DoesNotExtrapolateToALimitFarAway) {
   const auto point = [](double spacing) { return Forces(10, vector_of({std::pow(spacing, 0.7), 0, 0})); };
-  const Extrapolation found = richardson(point(4), point(2), point(1), 2);
+  const Extrapolation found = richardson(point(4), point(2), point(1), kHalved);
   EXPECT_EQ(rms_difference(found.forces, point(1)), 0);
   EXPECT_GT(found.uncertainty, 0.9);
   EXPECT_THAT(found.why, HasSubstr("does the force of this contact have a limit?"));
 }
 
 TEST(Richardson, TakesTheFinestLevelWhereNothingChangesAnyMore) {
-  const Extrapolation found = richardson(level(4, 1), level(1, 1), level(1, 1), 2);
+  const Extrapolation found = richardson(level(4, 1), level(1, 1), level(1, 1), kHalved);
   EXPECT_EQ(found.uncertainty, 0);
   EXPECT_EQ(rms_difference(found.forces, level(1, 1)), 0);
 }
