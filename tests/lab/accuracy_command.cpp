@@ -49,7 +49,7 @@ std::string with_fixed(std::string scene_text, const std::vector<std::string>& f
 Study study_of(const Options& options) {
   const server::SceneSource source = server::scene_source(options.scene);
   const std::string text = with_fixed(source.text, options.fixed);
-  Study study{.scene_text = text,
+  Study study{.scene_text = without_levels(text),
               .scene_file = source.file,
               .sweep = options.sweep.empty() ? usual_sweep(text) : parse_sweep(options.sweep),
               .fixed = text::join(options.fixed),

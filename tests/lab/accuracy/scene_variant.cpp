@@ -9,6 +9,15 @@
 #include "forcebound/text/split.hpp"
 
 namespace forcebound::lab {
+namespace {
+
+std::string to_text(const toml::table& scene) {
+  std::ostringstream text;
+  text << scene;
+  return text.str();
+}
+
+}  // namespace
 
 Sweep parse_sweep(std::string_view sweep) {
   const auto equals = sweep.find('=');
@@ -27,9 +36,14 @@ std::string scene_variant(std::string_view scene_text, const std::string& key, c
     throw std::invalid_argument(key + " must be a value as TOML writes it, got '" + value + "'");
   }
   server::set_scene_key(scene, key, *wrapped.get("value"));
-  std::ostringstream text;
-  text << scene;
-  return text.str();
+  return to_text(scene);
+}
+
+std::string without_levels(std::string_view scene_text) {
+  toml::table scene = toml::parse(scene_text);
+  scene.erase("accuracy");
+  if (toml::table* const facts = scene["scene"].as_table()) facts->erase("accuracy");
+  return to_text(scene);
 }
 
 }  // namespace forcebound::lab

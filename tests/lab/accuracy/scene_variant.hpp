@@ -20,4 +20,7 @@ Sweep parse_sweep(std::string_view sweep);
 /// @throws std::invalid_argument naming what is not there
 std::string scene_variant(std::string_view scene_text, const std::string& key, const std::string& value);
 
+/// The text of a scene without the levels that it may be picked from.
+std::string without_levels(std::string_view scene_text);
+
 }  // namespace forcebound::lab

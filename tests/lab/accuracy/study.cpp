@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "forcebound/client/device/load_device.hpp"
@@ -261,6 +262,15 @@ Sweep usual_sweep(const std::string& scene_text) {
     }
     return {};
   };
+  if (const toml::array* const levels = scene["accuracy"]["levels"].as_array()) {
+    Sweep sweep{.key = scene["accuracy"]["key"].value_or(std::string())};
+    for (const toml::node& level : *levels) {
+      std::ostringstream value;
+      level.as_table()->at("value").visit([&](const auto& any) { value << any; });
+      sweep.values.push_back(value.str());
+    }
+    return sweep;
+  }
   if (const std::string name = first("tissue", "block"); !name.empty()) {
     return {"tissue." + name + ".shape.cells", {"[4, 4, 2]", "[6, 6, 3]", "[9, 9, 4]"}};
   }

@@ -72,7 +72,8 @@ StudyResult carry_out(Study study, const time::Clock& clock);
 /// None: there is none.
 std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t round_trip, double budget_us);
 
-/// A sweep that shows what the scene has to offer: a tissue's cells, a distance field's cell, the bodies' time step.
+/// A sweep that shows what the scene has to offer: the levels it may be picked from, a tissue's cells, a distance
+/// field's cell, the bodies' time step.
 /// @throws std::invalid_argument if there is nothing of the kind
 Sweep usual_sweep(const std::string& scene_text);
 

@@ -51,6 +51,12 @@ TEST(SceneVariant, ChangesAKeyAndNothingElse) {
   EXPECT_EQ(toml::parse(scene_variant(kScene, "tissue.pad.shape.cells", "[8, 4, 2]")), expected);
 }
 
+TEST(SceneVariant, LeavesOutTheLevelsOfAScene) {
+  const std::string scene = "[scene]\nname = 's'\naccuracy = 'auto'\n[accuracy]\nkey = 'a.b'\n";
+  EXPECT_EQ(toml::parse(without_levels(scene)), toml::parse("[scene]\nname = 's'\n"));
+  EXPECT_EQ(toml::parse(without_levels(kScene)), toml::parse(kScene));
+}
+
 TEST(SceneVariant, AddsAKeyThatIsNew) {
   const toml::table changed = toml::parse(scene_variant(kScene, "tissue.liver.large_motion", "true"));
   EXPECT_EQ(changed["tissue"][0]["large_motion"].value<bool>(), true);

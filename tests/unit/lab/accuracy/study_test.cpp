@@ -7,6 +7,7 @@
 
 #include "forcebound/server/scene/scene_library.hpp"
 #include "tests/lab/accuracy/study_text.hpp"
+#include "tests/support/auto_scene.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -69,6 +70,9 @@ TEST(UsualSweep, NeedsSomethingWithLevels) {
   EXPECT_THROW((void)usual_sweep(server::scene_source("wall").text), std::invalid_argument);
   EXPECT_EQ(usual_sweep(server::scene_source("palpation").text).key, "tissue.pad.shape.cells");
   EXPECT_EQ(usual_sweep(server::scene_source("blocks").text).key, "bodies.timestep_s");
+  const Sweep levels = usual_sweep(test::kAutoWall);
+  EXPECT_EQ(levels.key, "object.wall.surface.stiffness_N_per_m");
+  EXPECT_THAT(levels.values, testing::ElementsAre("100.0", "200.0"));
   EXPECT_EQ(usual_sweep(server::scene_source("assembly").text).key, "body.peg in hole.iterations");
 }
 
