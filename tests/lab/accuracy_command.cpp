@@ -12,6 +12,7 @@
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/lab/above_zero.hpp"
 #include "tests/lab/accuracy/levels_text.hpp"
+#include "tests/lab/accuracy/study_markdown.hpp"
 #include "tests/lab/accuracy/study_text.hpp"
 #include "tests/lab/commands.hpp"
 
@@ -34,6 +35,7 @@ struct Options {
   double budget_us = std::numeric_limits<double>::infinity();
   std::string json;
   std::string levels;
+  std::string readme;
   std::string figures;
 };
 
@@ -68,6 +70,10 @@ void accuracy(const Options& options) {
   const StudyResult result = carry_out(study_of(options), time::SteadyClock());
   std::printf("%s\n%s", to_text(result).c_str(), recommendation(result, options.budget_us).c_str());
   if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
+  if (!options.readme.empty()) {
+    text::write_file(options.readme,
+                     with_between_marks(text::read_file(options.readme), kAccuracyMarks, to_markdown(to_json(result))));
+  }
   if (!options.levels.empty()) text::write_file(options.levels, levels_text(result));
   if (options.figures.empty()) return;
   std::filesystem::create_directories(options.figures);
@@ -130,6 +136,8 @@ void add_accuracy(CLI::App& app) {
       ->add_option("--levels", options->levels,
                    "write what was found to this file as the [accuracy] of a scene, which then picks for itself")
       ->type_name("FILE");
+  command->add_option("--readme", options->readme, "put a table between the marks of this file")
+      ->type_name("README.md");
   command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
   command->callback([options] { accuracy(*options); });
 }

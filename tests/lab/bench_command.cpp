@@ -26,7 +26,8 @@ void run(const Options& options) {
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
   if (!options.figure.empty()) draw_ratios(results, options.figure);
   if (!options.readme.empty()) {
-    text::write_file(options.readme, with_between_marks(text::read_file(options.readme), to_markdown(results)));
+    text::write_file(options.readme,
+                     with_between_marks(text::read_file(options.readme), kBenchMarks, to_markdown(results)));
   }
 }
 

@@ -176,24 +176,4 @@ std::string to_markdown(const BenchResults& results) {
   return out;
 }
 
-std::string_view between_marks(std::string_view document) {
-  const std::size_t begin = document.find(kBenchBegin);
-  const std::size_t end = document.find(kBenchEnd);
-  const bool once = begin != std::string_view::npos && end != std::string_view::npos && begin < end &&
-                    document.find(kBenchBegin, begin + 1) == std::string_view::npos &&
-                    document.find(kBenchEnd, end + 1) == std::string_view::npos;
-  if (!once) {
-    throw std::runtime_error("expected once each, on lines of their own: '" +
-                             std::string(kBenchBegin.substr(0, kBenchBegin.size() - 1)) + "' and '" +
-                             std::string(kBenchEnd.substr(0, kBenchEnd.size() - 1)) + "'");
-  }
-  return document.substr(begin + kBenchBegin.size(), end - begin - kBenchBegin.size());
-}
-
-std::string with_between_marks(std::string_view document, std::string_view part) {
-  const std::string_view before = between_marks(document);
-  const auto at = static_cast<std::size_t>(before.data() - document.data());
-  return std::string(document.substr(0, at)) + std::string(part) + std::string(document.substr(at + before.size()));
-}
-
 }  // namespace forcebound::lab

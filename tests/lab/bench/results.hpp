@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/lab/marks.hpp"
+
 /// What deploy/bench found: one file of text, from which the table, the figure and the README's numbers are made.
 namespace forcebound::lab {
 
@@ -52,13 +54,6 @@ struct BenchResults {
 /// For the README, as Markdown.
 [[nodiscard]] std::string to_markdown(const BenchResults& results);
 
-inline constexpr std::string_view kBenchBegin = "<!-- bench: made by deploy/bench --readme -->\n";
-inline constexpr std::string_view kBenchEnd = "<!-- /bench -->\n";
-
-/// What a document has between the two marks. @throws std::runtime_error if it has not both, once each
-[[nodiscard]] std::string_view between_marks(std::string_view document);
-
-/// The document with that part replaced.
-[[nodiscard]] std::string with_between_marks(std::string_view document, std::string_view part);
+inline constexpr Marks kBenchMarks{"<!-- bench: made by deploy/bench --readme -->\n", "<!-- /bench -->\n"};
 
 }  // namespace forcebound::lab

@@ -67,19 +67,22 @@ TEST(BenchTable, MarksWhatMissesItsBoundAndNothingElse) {
 }
 
 TEST(Marks, TakeWhatIsBetweenThemAndLeaveTheRest) {
-  const std::string document = "before\n" + std::string(kBenchBegin) + "old\n" + std::string(kBenchEnd) + "after\n";
-  EXPECT_EQ(between_marks(document), "old\n");
-  const std::string after = with_between_marks(document, "new\nlines\n");
-  EXPECT_EQ(between_marks(after), "new\nlines\n");
+  const std::string document =
+      "before\n" + std::string(kBenchMarks.begin) + "old\n" + std::string(kBenchMarks.end) + "after\n";
+  EXPECT_EQ(between_marks(document, kBenchMarks), "old\n");
+  const std::string after = with_between_marks(document, kBenchMarks, "new\nlines\n");
+  EXPECT_EQ(between_marks(after, kBenchMarks), "new\nlines\n");
   EXPECT_THAT(after, testing::StartsWith("before\n<!-- bench"));
   EXPECT_THAT(after, testing::EndsWith("<!-- /bench -->\nafter\n"));
 }
 
 TEST(Marks, AreNeededOnceEach) {
-  EXPECT_THROW(static_cast<void>(between_marks("nothing")), std::runtime_error);
-  const std::string once = std::string(kBenchBegin) + std::string(kBenchEnd);
-  EXPECT_THROW(static_cast<void>(between_marks(once + once)), std::runtime_error);
-  EXPECT_THROW(static_cast<void>(between_marks(std::string(kBenchEnd) + std::string(kBenchBegin))), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(between_marks("nothing", kBenchMarks)), std::runtime_error);
+  const std::string once = std::string(kBenchMarks.begin) + std::string(kBenchMarks.end);
+  EXPECT_THROW(static_cast<void>(between_marks(once + once, kBenchMarks)), std::runtime_error);
+  EXPECT_THROW(
+      static_cast<void>(between_marks(std::string(kBenchMarks.end) + std::string(kBenchMarks.begin), kBenchMarks)),
+      std::runtime_error);
 }
 
 TEST(RatiosFigure, IsDrawn) {
@@ -98,7 +101,7 @@ TEST(Collect, NamesWhatIsMissing) {
 TEST(Readme, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
   const std::string root = FORCEBOUND_SOURCE_DIR;
   const BenchResults committed = parse_bench_csv(text::read_file(root + "/deploy/bench-results.csv"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/README.md")), to_markdown(committed))
+  EXPECT_EQ(between_marks(text::read_file(root + "/README.md"), kBenchMarks), to_markdown(committed))
       << "the README's benchmarks are not those of deploy/bench-results.csv: run deploy/bench --readme";
 }
 
