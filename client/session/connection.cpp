@@ -22,7 +22,9 @@ void Connection::on_silence(Nanoseconds silence, Nanoseconds hold, Nanoseconds d
   } else {
     state_ = silence < drop ? SessionState::stale : SessionState::reconnecting;
   }
-  if (state_ != before) pause_ = kPauseFirst;
+  if (state_ == before) return;
+  pause_ = kPauseFirst;
+  if (state_ == SessionState::reconnecting) round_trip_ = Nanoseconds{0};
 }
 
 bool Connection::on_welcome(const wire::Welcome& welcome) noexcept {
@@ -49,7 +51,8 @@ Connection::Refused Connection::on_refusal(const wire::Refusal& refusal, Nanosec
   }
   // Of several that were on their way, each says the same at another time; a time that was never ours is no news.
   const Nanoseconds round_trip = now - refusal.client_time;
-  if (round_trip < Nanoseconds{0} || round_trip_ != Nanoseconds{0}) return Refused::not_us;
+  if (round_trip < Nanoseconds{0}) return Refused::not_us;
+  if (round_trip_ != Nanoseconds{0}) return Refused::for_now;
   round_trip_ = std::max(round_trip, Nanoseconds{1});  // zero would say that it is not known
   next_hello_ = Nanoseconds::min();
   return Refused::for_now;

@@ -103,7 +103,8 @@ std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, con
   record::RunInfo info;
   info.program = "forcebound-server " FORCEBOUND_VERSION;
   info.scene = scene.facts().name;
-  info.simulated = summary(scene);
+  info.simulated =
+      (scene.accuracy() == nullptr ? "" : "accuracy auto, a level for each client; as it stands: ") + summary(scene);
   info.epoch = time::wall_clock_now() - clock.now();
   return std::make_unique<RecordingObserver>(clock, options.record, info);
 }

@@ -24,6 +24,9 @@ AccuracyLevel parse_level(CheckedTable& level, const std::string& key, const Com
 AutoAccuracy parse_accuracy(CheckedTable& file, const CompileLevel& compile, const MeasureCost& measure) {
   CheckedTable table(file.table("accuracy"), file.file(), "accuracy");
   AutoAccuracy accuracy{.key = table.text("key"), .change_per_s = table.number(kChangePerSecond)};
+  if (accuracy.key == "scene" || accuracy.key.starts_with("scene.") || accuracy.key.starts_with("accuracy")) {
+    table.fail(table.at("key"), "key must be one of an object, a field, bodies or tissue, got '" + accuracy.key + "'");
+  }
   const toml::array& levels = table.array("levels");
   if (levels.size() < 2) table.fail(levels, "levels must be two or more, got " + std::to_string(levels.size()));
   for (const toml::node& node : levels) {

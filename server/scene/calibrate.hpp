@@ -25,7 +25,7 @@ struct Calibration {
 /// where one is slow.
 Calibration calibrate(const std::shared_ptr<const Scene>& scene, const time::Clock& clock);
 
-/// The median of all of a scene, as `calibrate` finds it.
+/// The median of all of a scene on such strokes, while a force is felt.
 /// @param clock must outlive it, and may be asked by any thread that compiles scenes
 MeasureCost measured_by(const time::Clock& clock);
 

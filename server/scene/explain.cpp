@@ -139,13 +139,13 @@ std::string clients_text(const SceneFacts& scene, double cost_ns) {
   return "; at 1 kHz one core holds " + std::to_string(static_cast<int>(kTick_ns / cost_ns));
 }
 
-std::string accuracy_text(const Scene& scene) {
+std::string accuracy_text(const Scene& scene, bool measured) {
   const AutoAccuracy* const accuracy = scene.accuracy();
   if (accuracy == nullptr) return {};
   std::string text = "accuracy auto: by the client's round trip, one of\n";
   for (const AccuracyLevel& level : accuracy->levels) {
     text += "  " + accuracy->key + " = " + level.value + ": model " + rounded(100 * level.model_error) + " % off, " +
-            time_text(level.step_s * 1e9) + " a motion\n";
+            time_text(level.step_s * 1e9) + " a motion " + (measured ? "measured" : "predicted") + "\n";
   }
   text += "  that is     ";
   for (const double round_trip_ms : {1, 5, 20, 50}) {
@@ -201,7 +201,7 @@ std::string explain(const Scene& scene, const ExplainFacts& facts) {
   for (const SceneObject& field : scene.fields()) text += explain_part("field", field, facts.device, measured());
   for (const SceneMedium& medium : scene.media()) text += explain_medium(medium, facts.device, measured());
   if (part == 0) text += "no objects: every force is zero\n";
-  text += accuracy_text(scene) + sharing_text(scene);
+  text += accuracy_text(scene, facts.calibration.has_value()) + sharing_text(scene);
   return text + not_simulated_text(scene) + total_text(scene, facts);
 }
 

@@ -12,7 +12,8 @@
 namespace forcebound::server {
 
 /// The scenes that clients may ask for, by name. One that ships is compiled when it is first asked for, once: that
-/// takes milliseconds, with tissue a tenth of a second, and a server starts without it.
+/// takes milliseconds, with tissue a tenth of a second, with `accuracy = "auto"` what it takes to measure each level,
+/// and a server starts without it.
 ///
 /// Copies are the same library. Not thread-safe.
 class SceneLibrary {

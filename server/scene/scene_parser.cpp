@@ -54,7 +54,7 @@ class Parser {
     CheckedTable file(whole, file_, "scene file");
     SceneFacts facts = parse_facts(file.table("scene"));
     facts.hash = hash;
-    AutoAccuracy accuracy = parse_levels(file, facts);
+    (void)file.find("accuracy");  // for later
     const Eigen::Index rows = facts.degrees_of_freedom == kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     const PartParser parser(file_, registry_, rows);
 
@@ -75,6 +75,8 @@ class Parser {
     for (const EffectKind& kind : registry_.kinds()) {
       if (!requested(parts, kind.name)) facts.effects_not_requested.emplace_back(kind.name);
     }
+    // What is wrong with the whole shall be said of it, not of its first level.
+    AutoAccuracy accuracy = parse_levels(file, facts);
     return std::make_shared<const Scene>(std::move(facts), std::move(parts), std::move(accuracy));
   }
 
@@ -84,8 +86,6 @@ class Parser {
       if (table != nullptr) file.fail(*table, "[accuracy] is for scenes with accuracy = \"auto\" in [scene]");
       return {};
     }
-    if (facts.shared)
-      file.fail(file.at("scene"), "accuracy cannot be \"auto\" in a shared scene, which is one for all");
     return parse_accuracy(
         file, [&](const std::string& key, const toml::node& value) { return compile_level(key, value); }, measure_);
   }
@@ -106,6 +106,9 @@ class Parser {
                      .degrees_of_freedom = parse_degrees_of_freedom(scene),
                      .shared = scene.flag("shared", false),
                      .accuracy_auto = scene.choice("accuracy", kAccuracies) == "auto"};
+    if (facts.shared && facts.accuracy_auto) {
+      scene.fail(scene.at("accuracy"), "accuracy cannot be \"auto\" in a shared scene, which is one for all");
+    }
     const toml::node* clients = scene.find("clients_max");
     if (facts.shared) {
       facts.clients_max = scene.whole(kClientsMax);

@@ -1,5 +1,6 @@
 #include "tests/lab/accuracy/richardson.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "forcebound/text/numbers.hpp"
@@ -80,7 +81,8 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
   }
   for (std::size_t i = 0; i < fine.size(); ++i) reference.forces[i] += further * (fine[i] - middle[i]);
   reference.order = order;
-  reference.uncertainty = further * second / rms(reference.forces);
+  // Where the limit seems near because levels are not yet what they tend to, the last step is the better judge.
+  reference.uncertainty = std::max(further, 1.0) * second / rms(reference.forces);
   reference.why = "Richardson's extrapolation of three levels, observed order " + text::rounded(order);
   return reference;
 }

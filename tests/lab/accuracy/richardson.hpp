@@ -33,7 +33,8 @@ using Spacings = std::array<double, 3>;
 ///
 ///     (h2^p - h1^p) / (h1^p - h0^p) = |F1 - F2| / |F0 - F1|,      F = F0 + (F0 - F1) / ((h1 / h0)^p - 1)
 ///
-/// with |.| the RMS over the states. Its uncertainty is the whole step |F - F0|. Where the levels do not converge (p is
+/// with |.| the RMS over the states. Its uncertainty is the whole step |F - F0|, or the
+/// last one |F0 - F1| where that is longer. Where the levels do not converge (p is
 /// not positive, or the second step leads back along the first), or their limit is half as far as the force is large (a
 /// point on a continuum: there is none), the finest level is the reference, its uncertainty
 /// |F0 - F1|, and `why` says so.

@@ -146,6 +146,7 @@ StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs,
                      .reference_why = reference.why(),
                      .reference_bodies = runs.free[cast.best].bodies,
                      .answer_bytes = server::answer_bytes(*cast.scenes[cast.best])};
+  result.reference_trouble = trouble_of(cast.best, cast, runs, result.places_known);
   if (!runs.synchronised) return result;
   result.ticks_between_states = runs.synchronised->ticks;
   const auto& bodies = runs.free[cast.best].bodies;
@@ -241,7 +242,9 @@ std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t r
 
 std::optional<double> spacing_of(const std::string& key, const std::string& value) {
   const bool is_list = value.starts_with('[');
-  const std::string first = is_list ? value.substr(1, value.find_first_of(",]") - 1) : value;
+  const std::size_t begin = is_list ? value.find_first_not_of(' ', 1) : 0;
+  if (begin == std::string::npos) return std::nullopt;
+  const std::string first = is_list ? value.substr(begin, value.find_first_of(" ,]", begin) - begin) : value;
   const auto number = text::finite_number(first);
   if (!number || !(*number > 0)) return std::nullopt;
   const auto is_in = [&](const std::string& unit) {

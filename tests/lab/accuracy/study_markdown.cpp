@@ -12,6 +12,12 @@ using Json = nlohmann::ordered_json;
 
 std::string percent(const Json& share) { return text::rounded(100 * share.get<double>()) + " %"; }
 
+/// No error below three times what the reference is uncertain by is called one.
+std::string percent_above(const Json& share, double uncertainty) {
+  if (share.get<double>() >= 3 * uncertainty) return percent(share);
+  return "<= " + text::rounded(300 * uncertainty) + " %";
+}
+
 /// Of those that worked the least wrong; as many as there are settings if none did.
 std::size_t best_behind(const Json& settings, std::size_t network) {
   std::size_t best = settings.size();
@@ -30,9 +36,12 @@ std::size_t best_behind(const Json& settings, std::size_t network) {
 std::string to_markdown(const Json& study) {
   const Json& settings = study.at("settings");
   const Json& networks = settings.at(0).at("behind");
+  const double uncertainty = study.at("reference").at("uncertainty");
+  const std::string trouble = study.at("reference").at("trouble");
+  const std::string failed = trouble.empty() ? "" : " The reference itself failed: " + trouble + ".";
   std::string text = "Reference: " + study.at("reference").at("why").get<std::string>() + ", uncertain to " +
                      percent(study.at("reference").at("uncertainty")) +
-                     ". Hand: " + study.at("hand").get<std::string>() + ".\n\n| `" +
+                     ". Hand: " + study.at("hand").get<std::string>() + "." + failed + "\n\n| `" +
                      study.at("key").get<std::string>() + "` | a step [us] | model alone |";
   std::string rule = "|---|---|---|";
   for (const Json& network : networks) {
@@ -42,13 +51,14 @@ std::string to_markdown(const Json& study) {
   text += "\n" + rule + "\n";
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const Json& setting = settings[i];
-    const std::string trouble = setting.at("trouble");
-    text += "| " + setting.at("value").get<std::string>() + (trouble.empty() ? "" : ", failed: " + trouble) + " | " +
+    const std::string failure = setting.at("trouble");
+    text += "| " + setting.at("value").get<std::string>() + (failure.empty() ? "" : ", failed: " + failure) + " | " +
             text::rounded(setting.at("step_us").at("median").get<double>()) + " | " +
-            percent(setting.at("force_error")) + " |";
+            percent_above(setting.at("force_error"), uncertainty) + " |";
     for (std::size_t network = 0; network < networks.size(); ++network) {
       const std::string mark = best_behind(settings, network) == i ? "**" : "";
-      text += " " + mark + percent(setting.at("behind").at(network).at("error")) + mark + " |";
+      const Json& error = setting.at("behind").at(network).at("error");
+      text.append(" ").append(mark).append(percent_above(error, uncertainty)).append(mark).append(" |");
     }
     text += "\n";
   }

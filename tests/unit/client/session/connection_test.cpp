@@ -113,7 +113,8 @@ TEST_F(ConnectionTest, TellsTheRoundTripAtOnceToAServerThatWantsIt) {
   EXPECT_EQ(connection.on_refusal(wanted, 1s + 20ms), Refused::for_now);
   EXPECT_TRUE(connection.hello_due(1s + 20ms));
   EXPECT_EQ(connection.hello(1s + 20ms).round_trip, 20ms);
-  EXPECT_EQ(connection.on_refusal(wanted, 1s + 90ms), Refused::not_us) << "a late copy is no news";
+  (void)connection.on_refusal(wanted, 1s + 90ms);
+  EXPECT_FALSE(connection.hello_due(1s + 90ms)) << "a late copy is no news";
   EXPECT_EQ(connection.hello(2s).round_trip, 20ms);
 }
 
@@ -130,6 +131,13 @@ TEST_F(ConnectionTest, MeasuresTheRoundTripAnewForEachServer) {
   connection.on_welcome(welcome(5));
   connection.on_bye();
   EXPECT_EQ(connection.hello(2s).round_trip, 0s);
+}
+
+TEST_F(ConnectionTest, MeasuresTheRoundTripAnewAfterASilence) {
+  EXPECT_EQ(connection.on_refusal(round_trip_wanted(connection.hello(1s)), 1s + 20ms), Refused::for_now);
+  connection.on_welcome(welcome(5));
+  connection.on_silence(2s, 250ms, 1s);
+  EXPECT_EQ(connection.hello(4s).round_trip, 0s) << "it may come back by another way";
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(Readme, QuotesTheCommittedStudyAndNoOther) {
   const std::string root = FORCEBOUND_SOURCE_DIR;
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/accuracy-results.json"));
   EXPECT_EQ(between_marks(text::read_file(root + "/README.md"), kAccuracyMarks), to_markdown(committed))
-      << "the README's study is not that of deploy/accuracy-results.json: run deploy/accuracy --readme";
+      << "the README's study is not that of deploy/accuracy-results.json: run deploy/accuracy";
 }
 
 }  // namespace

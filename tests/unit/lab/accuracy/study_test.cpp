@@ -70,6 +70,10 @@ TEST(UsualSweep, NeedsSomethingWithLevels) {
   EXPECT_THROW((void)usual_sweep(server::scene_source("wall").text), std::invalid_argument);
   EXPECT_EQ(usual_sweep(server::scene_source("palpation").text).key, "tissue.pad.shape.cells");
   EXPECT_EQ(usual_sweep(server::scene_source("blocks").text).key, "bodies.timestep_s");
+  const Sweep pad = usual_sweep(server::scene_source("soft_pad").text);
+  EXPECT_EQ(pad.values.size(), 5U);
+  for (const std::string& value : pad.values) EXPECT_TRUE(spacing_of(pad.key, value)) << value;
+  EXPECT_DOUBLE_EQ(spacing_of(pad.key, "[ 15, 15, 5 ]").value_or(0), 1.0 / 15);
   const Sweep levels = usual_sweep(test::kAutoWall);
   EXPECT_EQ(levels.key, "object.wall.surface.stiffness_N_per_m");
   EXPECT_THAT(levels.values, testing::ElementsAre("100.0", "200.0"));

@@ -62,8 +62,8 @@ TEST(AutoScene, TakesTheCostOfEachLevelAsMeasuredOrElsePredicted) {
 TEST(AutoScene, IsExplainedWithAllThatItMayBe) {
   EXPECT_THAT(explain(*test::auto_wall()),
               HasSubstr("accuracy auto: by the client's round trip, one of\n"
-                        "  object.wall.surface.stiffness_N_per_m = 100: model 10 % off, 0 ns a motion\n"
-                        "  object.wall.surface.stiffness_N_per_m = 200: model 1 % off, 2 ms a motion\n"
+                        "  object.wall.surface.stiffness_N_per_m = 100: model 10 % off, 0 ns a motion predicted\n"
+                        "  object.wall.surface.stiffness_N_per_m = 200: model 1 % off, 2 ms a motion predicted\n"
                         "  that is     200 behind 1 ms, 100 behind 5 ms, 100 behind 20 ms, 100 behind 50 ms\n"));
 }
 
@@ -83,6 +83,15 @@ TEST(AutoScene, SaysWhatIsWrongAndWhere) {
             "w.toml:6: scene file: [accuracy] is for scenes with accuracy = \"auto\" in [scene]");
   EXPECT_THAT(error_with("accuracy = \"auto\"", "accuracy = \"aut\""),
               StartsWith("w.toml:5: scene: unknown accuracy 'aut', did you mean 'auto'?"));
+}
+
+TEST(AutoScene, IsTheSameSceneForWhoeverFeelsIt) {
+  EXPECT_EQ(error_with("object.wall.surface.stiffness_N_per_m", "scene.shared"),
+            "w.toml:8: accuracy: key must be one of an object, a field, bodies or tissue, got 'scene.shared'");
+}
+
+TEST(AutoScene, SaysOfTheWholeWhatIsWrongWithIt) {
+  EXPECT_THAT(error_with("\"half_space\"", "\"half_spce\""), StartsWith("w.toml:17: object 'wall', shape: unknown"));
 }
 
 TEST(AutoScene, CannotBeOneForAll) {
