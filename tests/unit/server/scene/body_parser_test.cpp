@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <vector>
 
 #include "forcebound/server/scene/explain.hpp"
 #include "forcebound/server/scene/scene_parser.hpp"
@@ -158,8 +159,11 @@ TEST(BodyParser, RefusesASharedSceneThatCouldNotBeginForAllItsClients) {
     return std::aligned_alloc(64, (bytes + 63) / 64 * 64);
   };
   (void)parse(kBall)->media().front().medium->make_state(1);
+  // What MuJoCo had got by then it forgets, and takes for the end of the program: kept here, for no leak to be told.
+  static auto* const kKept = new std::vector<void*>;
   mju_user_malloc = [](std::size_t bytes) {
-    return bytes > most_bytes ? nullptr : std::aligned_alloc(64, (bytes + 63) / 64 * 64);
+    if (bytes > most_bytes) return static_cast<void*>(nullptr);
+    return kKept->emplace_back(std::aligned_alloc(64, (bytes + 63) / 64 * 64));
   };
   EXPECT_THAT([&] { parse_scene(shared + kBall, "bodies.toml"); }, refused("'bodies' for 4 clients: "));
   mju_user_malloc = nullptr;
