@@ -38,7 +38,6 @@ std::string cost_text(double predicted_ns, const MeasuredCost* measured) {
 /// What a part costs and needs, summed over its effects.
 struct PartSum {
   Inputs inputs{};
-  double cost_ns = 0;
   Ringing ringing{};
   std::size_t state_bytes = 0;
   std::size_t memory_bytes = 0;
@@ -49,12 +48,11 @@ PartSum sum_of(const SceneObject& part) {
   PartSum sum;
   if (part.shape) {
     const ShapeFacts shape = part.shape->facts();
-    sum = {.cost_ns = shape.cost_ns, .state_bytes = shape.state_bytes, .memory_bytes = shape.memory_bytes};
+    sum = {.state_bytes = shape.state_bytes, .memory_bytes = shape.memory_bytes};
   }
   for (const RequestedEffect& requested : part.effects) {
     const EffectFacts effect = requested.effect->facts();
     sum.inputs = sum.inputs.with(effect.inputs);
-    sum.cost_ns += effect.cost_ns;
     sum.ringing = sum.ringing.with({.stiffness_N_per_m = effect.stiffness_N_per_m,
                                     .stiffening_N_per_m2 = effect.stiffening_N_per_m2,
                                     .damping_N_s_per_m = effect.damping_N_s_per_m,
@@ -92,7 +90,7 @@ std::string explain_part(const std::string& what, const SceneObject& part, const
     text += "    law:      " + requested.law + "\n";
   }
   text += "  implies:    " + implied_text(part, sum) + "\n";
-  text += "  cost:       " + cost_text(kMotion_ns + sum.cost_ns, measured) + "\n";
+  text += "  cost:       " + cost_text(kMotion_ns + predicted_cost_ns(part), measured) + "\n";
   text += "  memory:     " + bytes_text(sum.memory_bytes) + " shared by all, " + bytes_text(sum.state_bytes) +
           " for each client\n";
   return text + "  stability:  " + stability_text(sum.ringing, device, kIndent) + "\n";

@@ -136,6 +136,18 @@ std::string trouble_of(std::size_t which, const Cast& cast, const Runs& runs, bo
   return body_trouble(*free.bodies, *reference, places_known);
 }
 
+/// What only runs at saved states tell.
+void add_synchronised(StudyResult& result, const Cast& cast, const Runs& runs, const Synchronised& synchronised) {
+  result.ticks_between_states = synchronised.ticks;
+  const auto& bodies = runs.free[cast.best].bodies;
+  if (cast.other) {
+    result.velocity_uncertainty = synchronised.velocity_errors[*cast.other];
+    result.free_uncertainty = relative_difference(runs.free[*cast.other], runs.free[cast.best]);
+    const auto& other = runs.free[*cast.other].bodies;
+    result.places_known = !bodies || !other || place_trouble(*other, *bodies).empty();
+  }
+}
+
 StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs, const ReferenceModel& reference) {
   StudyResult result{.key = study.sweep.key,
                      .hand = make_harmonic_hand(study.motion, 3)->description(),
@@ -146,16 +158,7 @@ StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs,
                      .reference_why = reference.why(),
                      .reference_bodies = runs.free[cast.best].bodies,
                      .answer_bytes = server::answer_bytes(*cast.scenes[cast.best])};
-  result.reference_trouble = trouble_of(cast.best, cast, runs, result.places_known);
-  if (!runs.synchronised) return result;
-  result.ticks_between_states = runs.synchronised->ticks;
-  const auto& bodies = runs.free[cast.best].bodies;
-  if (cast.other) {
-    result.velocity_uncertainty = runs.synchronised->velocity_errors[*cast.other];
-    result.free_uncertainty = relative_difference(runs.free[*cast.other], runs.free[cast.best]);
-    const auto& other = runs.free[*cast.other].bodies;
-    result.places_known = !bodies || !other || place_trouble(*other, *bodies).empty();
-  }
+  if (runs.synchronised) add_synchronised(result, cast, runs, *runs.synchronised);
   result.reference_trouble = trouble_of(cast.best, cast, runs, result.places_known);
   return result;
 }
