@@ -45,7 +45,7 @@ Session::Session(Options options, HapticDevice& device, std::unique_ptr<control:
 
 void Session::tick(Nanoseconds now) noexcept {
   const Reading reading = device_.read(now);
-  send_motion(reading.position, now);
+  send_motion(controller_.law().probe(reading.position), now);
   receive_all(now);
   keep_connected(now);
 

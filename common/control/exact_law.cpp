@@ -154,7 +154,7 @@ double ExactLaw::needed_J(const Vector& torque) const noexcept {
   return needed_J;
 }
 
-Vector ExactLaw::bound(const Vector& request_N) const noexcept {
+Vector ExactLaw::bound(const Vector& request_N) noexcept {
   const double largest = request_N.lpNorm<Eigen::Infinity>();
   if (!(largest > 0) || !located_) return Vector::Zero(dof_);
   // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.

@@ -47,7 +47,7 @@ class ExactLaw final : public PassivityLaw {
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-exact"; }
   void credit(const Motion& motion) noexcept override;
   void lose(const Motion& motion) noexcept override;
-  [[nodiscard]] Vector bound(const Vector& request_N) const noexcept override;
+  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override;
   [[nodiscard]] bool allows(const Vector& force_N, double latency_s) const noexcept override;
   void commit(const Vector& force_N) noexcept override;
 

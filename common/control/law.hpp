@@ -23,6 +23,9 @@ struct Motion {
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
 };
 
+/// What the two halves of a law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no heap.
+using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
+
 /// Bounds the force on the device so that the device never returns more energy than its own damping takes.
 ///
 /// Sign: `f` [N] is the force **on the device**, the way haptics APIs mean it; a wall at x >= 0 gives f = -K x. The
@@ -31,6 +34,10 @@ struct Motion {
 /// A tick calls, in this order: `credit` with the motion since the last one, `bound` with what the environment asks
 /// for, `commit` with what the device was really told after rounding. A lost reading is `lose`, then `commit` of zero.
 /// PassivityController does that; laws hold no policy of their own for saturation, rounding or faulty input.
+///
+/// A law with a partner at the server (LawPartner) names its port. What goes out with each motion is `outgoing`, what
+/// comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`. Datagrams are
+/// lost, doubled and reordered, so what must not be lost or counted twice travels as a sum since the beginning.
 ///
 /// Real time: every member is noexcept, allocates nothing and is O(dof^2). Not thread-safe; owned by the tick.
 class PassivityLaw {
@@ -48,11 +55,16 @@ class PassivityLaw {
   /// only the times may be used.
   virtual void lose(const Motion& motion) noexcept = 0;
 
-  /// The force nearest to `request_N` that the law allows now.
-  [[nodiscard]] virtual Vector bound(const Vector& request_N) const noexcept = 0;
+  /// The force that the law makes of `request_N`; of a law that only bounds, the nearest that it allows now. Once a
+  /// tick.
+  [[nodiscard]] virtual Vector bound(const Vector& request_N) noexcept = 0;
 
-  /// Whether this very force, say after rounding, is allowed now, if it takes effect `latency_s` after the reading.
-  [[nodiscard]] virtual bool allows(const Vector& force_N, double latency_s) const noexcept = 0;
+  /// Whether this very force, say after rounding, is allowed now, if it takes effect `latency_s` after the reading. A
+  /// law that says nothing of it takes what rounding and lateness make of its force.
+  [[nodiscard]] virtual bool allows(const Vector& force_N, double latency_s) const noexcept {
+    (void)force_N, (void)latency_s;
+    return true;
+  }
 
   /// What the device was told, and holds until the next tick.
   virtual void commit(const Vector& force_N) noexcept = 0;
@@ -62,6 +74,21 @@ class PassivityLaw {
 
   /// Share of the coming interval's dissipation that the law will credit (the paper's xi), 0 to 1.
   [[nodiscard]] virtual double xi() const noexcept { return 1.0; }
+
+  /// Where the environment is asked [m]: at the device, unless the law keeps a tool of its own between the two.
+  [[nodiscard]] virtual Vector probe(const Vector& position) const noexcept { return position; }
+
+  /// The name of the partner it needs at the server; empty: none.
+  [[nodiscard]] virtual std::string_view port() const noexcept { return {}; }
+
+  /// For the partner, as of the tick before.
+  [[nodiscard]] virtual PortNumbers outgoing() const noexcept { return {}; }
+
+  /// From the partner; any finite numbers, of any count.
+  virtual void incoming(const PortNumbers& numbers) noexcept { (void)numbers; }
+
+  /// Another partner, whose sums begin at zero.
+  virtual void begin_partner() noexcept {}
 };
 
 }  // namespace forcebound::control

@@ -1,47 +1,159 @@
 #include "forcebound/control/law_registry.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/less_conservative_law.hpp"
 #include "forcebound/control/more_conservative_law.hpp"
+#include "forcebound/control/rivals/rivals.hpp"
 #include "forcebound/control/transparent_law.hpp"
 
 namespace forcebound::control {
+namespace {
 
-void LawRegistry::add(std::string name, std::string summary, Factory factory) {
-  if (std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.name == name; })) {
-    throw std::invalid_argument("there is a law '" + name + "' already");
+std::string words_of(LawCertainty certainty) {
+  switch (certainty) {
+    case LawCertainty::published:
+      return "as published";
+    case LawCertainty::likely:
+      return "the published idea; details are ours";
+    case LawCertainty::reconstruction:
+      return "a reconstruction from a description; its authors may have done otherwise";
   }
-  entries_.push_back({std::move(name), std::move(summary), std::move(factory)});
+  return {};
+}
+
+std::string words_of(LawClaim claim) {
+  switch (claim) {
+    case LawClaim::nothing:
+      return "nothing, whatever the environment says";
+    case LawClaim::passive_if_ideal:
+      return "passivity with an ideal encoder, punctual ticks and immediate forces";
+    case LawClaim::passive:
+      return "passivity with the device's encoder, clock, latency and friction";
+  }
+  return {};
+}
+
+/// " (Kim 2010; likely)"
+std::string source_of(const LawDescription& law) {
+  if (law.reference.empty()) return {};
+  const char* const doubt = law.certainty == LawCertainty::published ? ""
+                            : law.certainty == LawCertainty::likely  ? "; likely"
+                                                                     : "; reconstruction";
+  return " (" + law.reference + doubt + ")";
+}
+
+std::string accepted_by(const LawParameter& parameter) {
+  std::ostringstream text;
+  if (!parameter.choices.empty()) {
+    for (std::size_t i = 0; i < parameter.choices.size(); ++i) text << (i > 0 ? " or " : "") << parameter.choices[i];
+  } else if (parameter.most < std::numeric_limits<double>::max()) {
+    text << parameter.least << " to " << parameter.most;
+  } else {
+    text << ">= " << parameter.least;
+  }
+  return text.str();
+}
+
+bool accepts(const LawParameter& parameter, double value) {
+  if (!parameter.choices.empty()) return std::ranges::find(parameter.choices, value) != parameter.choices.end();
+  return std::isfinite(value) && value >= parameter.least && value <= parameter.most;
+}
+
+[[noreturn]] void refuse_unknown(const LawDescription& law, const std::string& name) {
+  std::string known;
+  for (const LawParameter& parameter : law.parameters) known += (known.empty() ? "" : ", ") + parameter.name;
+  throw std::invalid_argument("law '" + law.name + "' has no parameter '" + name + "'; " +
+                              (known.empty() ? "it has none" : "known are " + known));
+}
+
+std::string columns(const std::vector<std::pair<std::string, std::string>>& rows) {
+  std::size_t width = 0;
+  for (const auto& [name, words] : rows) width = std::max(width, name.size());
+  std::string text;
+  for (const auto& [name, words] : rows) {
+    text += "  " + name + std::string(width - name.size() + 2, ' ') + words + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+void LawRegistry::add(LawDescription law) {
+  if (std::ranges::any_of(laws_, [&](const LawDescription& known) { return known.name == law.name; })) {
+    throw std::invalid_argument("there is a law '" + law.name + "' already");
+  }
+  if (!law.make) throw std::invalid_argument("law '" + law.name + "' has nothing to make it with");
+  laws_.push_back(std::move(law));
+}
+
+const LawDescription& LawRegistry::find(std::string_view name) const {
+  const auto found = std::ranges::find_if(laws_, [&](const LawDescription& law) { return law.name == name; });
+  if (found != laws_.end()) return *found;
+  std::string known;
+  for (const LawDescription& law : laws_) known += (known.empty() ? "" : ", ") + law.name;
+  throw std::invalid_argument("unknown law '" + std::string(name) + "'; known are " + known);
+}
+
+LawParameters LawRegistry::parameters(std::string_view name, const DeviceFacts& facts,
+                                      const LawParameters& chosen) const {
+  const LawDescription& law = find(name);
+  LawParameters all = chosen;
+  for (const auto& [key, value] : chosen) {
+    const auto parameter = std::ranges::find(law.parameters, key, &LawParameter::name);
+    if (parameter == law.parameters.end()) refuse_unknown(law, key);
+    if (accepts(*parameter, value)) continue;
+    std::ostringstream text;
+    text << "law '" << law.name << "': " << key << " must be " << accepted_by(*parameter) << ", got " << value;
+    throw std::invalid_argument(text.str());
+  }
+  for (const LawParameter& parameter : law.parameters) {
+    if (!all.contains(parameter.name)) all[parameter.name] = parameter.standard(facts);
+  }
+  return all;
 }
 
 std::unique_ptr<PassivityLaw> LawRegistry::make(std::string_view name, const DeviceFacts& facts,
                                                 const LawOptions& options) const {
-  for (const Entry& entry : entries_) {
-    if (entry.name == name) return entry.factory(facts, options);
-  }
-  std::string known;
-  for (const Entry& entry : entries_) known += (known.empty() ? "" : ", ") + entry.name;
-  throw std::invalid_argument("unknown law '" + std::string(name) + "'; known are " + known);
+  return find(name).make(facts, {options.memory, parameters(name, facts, options.parameters)});
+}
+
+std::unique_ptr<LawPartner> LawRegistry::make_partner(std::string_view port, int degrees_of_freedom) const {
+  const auto found = std::ranges::find_if(
+      laws_, [&](const LawDescription& law) { return law.name == port && law.make_partner != nullptr; });
+  return found == laws_.end() ? nullptr : found->make_partner(degrees_of_freedom);
 }
 
 std::vector<std::string> LawRegistry::names() const {
   std::vector<std::string> result;
-  for (const Entry& entry : entries_) result.push_back(entry.name);
+  for (const LawDescription& law : laws_) result.push_back(law.name);
   return result;
 }
 
 std::string LawRegistry::help() const {
-  std::size_t width = 0;
-  for (const Entry& entry : entries_) width = std::max(width, entry.name.size());
-  std::string text;
-  for (const Entry& entry : entries_) {
-    text += "  " + entry.name + std::string(width - entry.name.size() + 2, ' ') + entry.summary + "\n";
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const LawDescription& law : laws_) {
+    rows.emplace_back(law.name, law.summary + source_of(law));
   }
-  return text;
+  return columns(rows);
+}
+
+std::string LawRegistry::help(std::string_view name) const {
+  const LawDescription& law = find(name);
+  std::string text = law.name + ": " + law.summary + "\n";
+  if (!law.reference.empty()) text += "  after " + law.reference + ", " + words_of(law.certainty) + "\n";
+  text += "  promises " + words_of(law.claim) + "\n";
+  if (law.make_partner) text += "  has a half at the server\n";
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const LawParameter& parameter : law.parameters) {
+    rows.emplace_back(parameter.name, parameter.purpose + "; " + accepted_by(parameter));
+  }
+  return text + columns(rows);
 }
 
 namespace {
@@ -55,20 +167,36 @@ std::unique_ptr<PassivityLaw> make_published(const DeviceFacts& facts, const Law
 
 LawRegistry published_laws() {
   LawRegistry laws;
-  laws.add("none", "no bound: what the environment asks for is applied", make_published<TransparentLaw>);
-  laws.add("fba-less", "less conservative force bounding: spends all energy ever saved (Kim 2015, Prop. 1)",
-           make_published<LessConservativeLaw>);
-  laws.add("fba-more", "more conservative force bounding: forgets free space, does not ring (Kim 2015, Prop. 3)",
-           make_published<MoreConservativeLaw>);
+  laws.add({.name = "none",
+            .summary = "no bound: what the environment asks for is applied",
+            .make = make_published<TransparentLaw>});
+  laws.add({.name = "fba-less",
+            .summary = "less conservative force bounding: spends all energy ever saved",
+            .reference = "Kim 2015, Prop. 1",
+            .claim = LawClaim::passive_if_ideal,
+            .make = make_published<LessConservativeLaw>});
+  laws.add({.name = "fba-more",
+            .summary = "more conservative force bounding: forgets free space, does not ring",
+            .reference = "Kim 2015, Prop. 3",
+            .claim = LawClaim::passive_if_ideal,
+            .make = make_published<MoreConservativeLaw>});
+  return laws;
+}
+
+LawRegistry force_bounding_laws() {
+  LawRegistry laws = published_laws();
+  laws.add({.name = "fba-exact",
+            .summary = "least energy consistent with the readings: passive with real encoders, clocks and latency",
+            .claim = LawClaim::passive,
+            .make = [](const DeviceFacts& facts, const LawOptions& options) {
+              return std::make_unique<ExactLaw>(facts, options.memory);
+            }});
   return laws;
 }
 
 LawRegistry shipped_laws() {
-  LawRegistry laws = published_laws();
-  laws.add("fba-exact", "least energy consistent with the readings: passive with real encoders, clocks and latency",
-           [](const DeviceFacts& facts, const LawOptions& options) {
-             return std::make_unique<ExactLaw>(facts, options.memory);
-           });
+  LawRegistry laws = force_bounding_laws();
+  add_rivals(laws);
   return laws;
 }
 

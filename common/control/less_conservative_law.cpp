@@ -2,7 +2,7 @@
 
 namespace forcebound::control {
 
-Vector LessConservativeLaw::bound(const Vector& request_N) const noexcept {
+Vector LessConservativeLaw::bound(const Vector& request_N) noexcept {
   return ledger_.held().bounded(request_N, ledger_.energy_J());
 }
 

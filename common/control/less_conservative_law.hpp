@@ -22,7 +22,7 @@ class LessConservativeLaw final : public PassivityLaw {
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-less"; }
   void credit(const Motion& motion) noexcept override { ledger_.credit(motion); }
   void lose(const Motion& motion) noexcept override { ledger_.lose(motion.interval_s); }
-  [[nodiscard]] Vector bound(const Vector& request_N) const noexcept override;
+  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override;
   [[nodiscard]] bool allows(const Vector& force_N, double) const noexcept override;
   void commit(const Vector& force_N) noexcept override { ledger_.hold(force_N); }
 

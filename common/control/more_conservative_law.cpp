@@ -42,9 +42,7 @@ void MoreConservativeLaw::lose_for(double interval_s) noexcept {
   held_.lose();
 }
 
-Vector MoreConservativeLaw::bound(const Vector& request_N) const noexcept {
-  return held_.bounded(request_N, available_J_);
-}
+Vector MoreConservativeLaw::bound(const Vector& request_N) noexcept { return held_.bounded(request_N, available_J_); }
 
 bool MoreConservativeLaw::allows(const Vector& force_N, double /*latency_s*/) const noexcept {
   return held_.affords(force_N, available_J_);

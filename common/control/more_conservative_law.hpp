@@ -28,7 +28,7 @@ class MoreConservativeLaw final : public PassivityLaw {
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-more"; }
   void credit(const Motion& motion) noexcept override;
   void lose(const Motion& motion) noexcept override { lose_for(motion.interval_s); }
-  [[nodiscard]] Vector bound(const Vector& request_N) const noexcept override;
+  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override;
   [[nodiscard]] bool allows(const Vector& force_N, double) const noexcept override;
   void commit(const Vector& force_N) noexcept override;
 

@@ -15,8 +15,7 @@ class TransparentLaw final : public PassivityLaw {
   [[nodiscard]] std::string_view name() const noexcept override { return "none"; }
   void credit(const Motion& motion) noexcept override { ledger_.credit(motion); }
   void lose(const Motion& motion) noexcept override { ledger_.lose(motion.interval_s); }
-  [[nodiscard]] Vector bound(const Vector& request_N) const noexcept override { return request_N; }
-  [[nodiscard]] bool allows(const Vector&, double) const noexcept override { return true; }
+  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override { return request_N; }
   void commit(const Vector& force_N) noexcept override { ledger_.hold(force_N); }
 
   /// The same balance as LessConservativeLaw's; nothing keeps it above zero.

@@ -11,7 +11,7 @@ namespace forcebound::test {
 
 /// Every shipped law that bounds a force, whichever there are.
 inline std::vector<std::string> bounding_laws() {
-  std::vector<std::string> names = control::shipped_laws().names();
+  std::vector<std::string> names = control::force_bounding_laws().names();
   std::erase(names, "none");
   return names;
 }

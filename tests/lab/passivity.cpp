@@ -69,7 +69,7 @@ std::string millijoules(double energy_J) {
 
 std::vector<PassivityCondition> passivity_conditions() {
   std::vector<PassivityCondition> conditions;
-  for (const std::string& law : control::shipped_laws().names()) {
+  for (const std::string& law : control::force_bounding_laws().names()) {
     for (const double encoder_m : kEncoders_m) {
       for (const bool late_ticks : {false, true}) {
         for (const double latency_s : kLatencies_s) {
@@ -102,7 +102,7 @@ void print_passivity(std::ostream& out, const std::vector<PassivityResult>& resu
   out << "Least P [mJ] over all adversaries; 0: passive. Encoder [um] and ticks across, latency down.\n\n"
          "                              exact ticks                  20 % of the ticks late\n"
          "  law        latency         0        15        55         0        15        55\n";
-  for (const std::string& law : control::shipped_laws().names()) {
+  for (const std::string& law : control::force_bounding_laws().names()) {
     for (const double latency_s : kLatencies_s) {
       std::snprintf(line, sizeof line, "  %-10s %4.0f us", latency_s == kLatencies_s[0] ? law.c_str() : "",
                     latency_s * 1e6);
@@ -144,7 +144,7 @@ void draw_passivity(const std::filesystem::path& png, const std::vector<Passivit
                 .y_min = kGuarantee_J / 10,
                 .y_max = 1e4,
                 .y_log = true};
-    for (const std::string& law : control::shipped_laws().names()) {
+    for (const std::string& law : control::force_bounding_laws().names()) {
       for (const bool late_ticks : {false, true}) {
         Series series{.label = late_ticks ? "" : law, .colour = colour::of_law(law), .width = late_ticks ? 3.2 : 1.6};
         for (const double latency_s : kLatencies_s) {

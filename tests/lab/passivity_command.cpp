@@ -31,7 +31,7 @@ void print_costs() {
   const auto walls = experiments("wall");
   for (const Experiment& wall : walls) std::printf("      K %3.0f N/mm, rings", wall.stiffness_N_per_m * 1e-3);
   std::printf("\n");
-  for (const std::string& law : control::shipped_laws().names()) {
+  for (const std::string& law : control::force_bounding_laws().names()) {
     std::printf("  %-10s", law.c_str());
     for (const Experiment& wall : walls) {
       const ExperimentRun run = run_experiment(wall, law, nullptr);

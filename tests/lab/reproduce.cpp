@@ -81,7 +81,7 @@ void reproduce(const ReproduceOptions& options) {
     const auto hand = client::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
     print_heading(experiment, settings.device, *hand);
     LawsFigure figure(experiment.title(), "same device, same hand, three laws");
-    for (const std::string& law : control::shipped_laws().names()) {
+    for (const std::string& law : control::force_bounding_laws().names()) {
       const ExperimentRun done = run_experiment(experiment, law, options.figures.empty() ? nullptr : &figure);
       print_row(experiment, done);
       runs.push_back(to_json(experiment, done, hand->hand()));

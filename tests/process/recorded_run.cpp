@@ -48,7 +48,7 @@ void expect_passive(const RecordedRun& run) {
 }
 
 std::vector<std::string> shipped_among(const std::vector<std::string>& laws) {
-  const std::vector<std::string> shipped = control::shipped_laws().names();
+  const std::vector<std::string> shipped = control::force_bounding_laws().names();
   std::vector<std::string> found;
   std::copy_if(laws.begin(), laws.end(), std::back_inserter(found),
                [&](const std::string& law) { return std::find(shipped.begin(), shipped.end(), law) != shipped.end(); });

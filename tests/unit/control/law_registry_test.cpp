@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
@@ -17,6 +18,10 @@ DeviceFacts one_axis() {
   return facts;
 }
 
+std::unique_ptr<PassivityLaw> make_transparent(const DeviceFacts& facts, const LawOptions&) {
+  return std::make_unique<TransparentLaw>(facts.degrees_of_freedom(), facts.period_s);
+}
+
 TEST(LawRegistry, KnowsThePublishedLaws) {
   const LawRegistry laws = published_laws();
   EXPECT_THAT(laws.names(), testing::ElementsAre("none", "fba-less", "fba-more"));
@@ -24,7 +29,7 @@ TEST(LawRegistry, KnowsThePublishedLaws) {
 }
 
 TEST(LawRegistry, ShipsTheExactLawBesideThePublishedOnes) {
-  const LawRegistry laws = shipped_laws();
+  const LawRegistry laws = force_bounding_laws();
   EXPECT_THAT(laws.names(), testing::ElementsAre("none", "fba-less", "fba-more", "fba-exact"));
   DeviceFacts facts = one_axis();
   facts.friction = facts.encoder_step = Vector::Zero(1);
@@ -50,9 +55,7 @@ TEST(LawRegistry, PassesOnWhatALawRefusesAboutTheDevice) {
 
 TEST(LawRegistry, TakesALawOfOnesOwn) {
   LawRegistry laws = published_laws();
-  laws.add("mine", "does nothing at all", [](const DeviceFacts& facts, const LawOptions&) {
-    return std::make_unique<TransparentLaw>(facts.degrees_of_freedom(), facts.period_s);
-  });
+  laws.add({.name = "mine", .summary = "does nothing at all", .make = make_transparent});
   EXPECT_EQ(laws.make("mine", one_axis())->name(), "none");
   EXPECT_THAT(laws.names(), testing::Contains("mine"));
   EXPECT_THAT(published_laws().names(), testing::Not(testing::Contains("mine"))) << "a registry is a value";
@@ -60,14 +63,71 @@ TEST(LawRegistry, TakesALawOfOnesOwn) {
 
 TEST(LawRegistry, RefusesASecondLawOfTheSameName) {
   LawRegistry laws = published_laws();
-  EXPECT_THROW(laws.add("none", "again", nullptr), std::invalid_argument);
+  EXPECT_THROW(laws.add({.name = "none", .summary = "again", .make = make_transparent}), std::invalid_argument);
 }
 
 TEST(LawRegistry, HelpsWithALineForEachLaw) {
   LawRegistry laws;
-  laws.add("a", "first", nullptr);
-  laws.add("long", "second", nullptr);
-  EXPECT_EQ(laws.help(), "  a     first\n  long  second\n");
+  laws.add({.name = "a", .summary = "first", .make = make_transparent});
+  laws.add({.name = "long", .summary = "second", .reference = "Me 2000", .make = make_transparent});
+  EXPECT_EQ(laws.help(), "  a     first\n  long  second (Me 2000)\n");
+}
+
+TEST(LawRegistry, RefusesALawThatCannotBeMade) {
+  LawRegistry laws;
+  EXPECT_THROW(laws.add({.name = "empty", .summary = "nothing", .make = nullptr}), std::invalid_argument);
+}
+
+LawRegistry with_parameters() {
+  LawRegistry laws;
+  laws.add({.name = "tuned",
+            .summary = "has two numbers",
+            .parameters = {{.name = "gain",
+                            .purpose = "how much",
+                            .least = 0.5,
+                            .most = 2,
+                            .standard = [](const DeviceFacts& facts) { return facts.period_s * 1e3; }},
+                           {.name = "year",
+                            .purpose = "which of the two",
+                            .choices = {2002, 2004},
+                            .standard = [](const DeviceFacts&) { return 2004.0; }}},
+            .make = make_transparent});
+  return laws;
+}
+
+std::string refusal_of(const LawParameters& chosen) {
+  try {
+    (void)with_parameters().make("tuned", one_axis(), {.parameters = chosen});
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(LawRegistry, CompletesParametersFromTheDevice) {
+  const LawParameters expected{{"gain", 1.0}, {"year", 2002.0}};
+  EXPECT_EQ(with_parameters().parameters("tuned", one_axis(), {{"year", 2002}}), expected);
+}
+
+TEST(LawRegistry, SaysWhatAParameterMayBe) {
+  EXPECT_EQ(refusal_of({{"gain", 3}}), "law 'tuned': gain must be 0.5 to 2, got 3");
+  EXPECT_EQ(refusal_of({{"gain", std::nan("")}}), "law 'tuned': gain must be 0.5 to 2, got nan");
+  EXPECT_EQ(refusal_of({{"year", 2003}}), "law 'tuned': year must be 2002 or 2004, got 2003");
+  EXPECT_EQ(refusal_of({{"gian", 1}}), "law 'tuned' has no parameter 'gian'; known are gain, year");
+  EXPECT_EQ(refusal_of({{"gain", 2}}), "accepted");
+}
+
+TEST(LawRegistry, TellsAllOfALaw) {
+  EXPECT_EQ(with_parameters().help("tuned"),
+            "tuned: has two numbers\n"
+            "  promises nothing, whatever the environment says\n"
+            "  gain  how much; 0.5 to 2\n"
+            "  year  which of the two; 2002 or 2004\n");
+}
+
+TEST(LawRegistry, HasNoPartnerForALawWithout) {
+  EXPECT_EQ(shipped_laws().make_partner("fba-less", 3), nullptr);
+  EXPECT_EQ(shipped_laws().make_partner("", 3), nullptr);
 }
 
 }  // namespace
