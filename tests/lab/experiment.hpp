@@ -28,7 +28,7 @@ struct Experiment {
   double one_way_delay_s = 0;
   double duration_s = 4;
   double settle_s = 0;  ///< contact statistics begin this long after the first contact
-  std::vector<PaperFigure> paper;
+  std::vector<PaperFigure> paper{};
 
   [[nodiscard]] sim::ClosedLoop::Settings settings(const std::string& law) const;
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -266,7 +267,12 @@ const char* colour::of_law(const std::string& law) {
   if (law == "fba-less") return kNetwork;
   if (law == "fba-more") return kApplied;
   if (law == "fba-exact") return kAudit;
-  return kLedger;
+  // The rivals: quieter, and no two of a kind.
+  static const std::map<std::string, const char*, std::less<>> kRivals{
+      {"aol", "#c9a227"},  {"eba", "#5f6b76"},        {"mbpa", "#8c6d46"}, {"pspm", "#4b9da9"}, {"sfa", "#b5838d"},
+      {"tdpa", "#7b4fa3"}, {"tdpa-2port", "#a98bc9"}, {"tla", "#6a994e"},  {"vc", "#e07a5f"},   {"wave", "#3d405b"}};
+  const auto rival = kRivals.find(law);
+  return rival == kRivals.end() ? kLedger : rival->second;
 }
 
 void cut_spikes(Panel& panel, double usual_most, double most) {

@@ -21,11 +21,13 @@ int main(int argc, char** argv) {
       "  forcebound-lab soak --seeds 1000                hostile runs, each from its seed, checked on every tick\n"
       "  forcebound-lab accuracy palpation --rtt 1,20    what a finer tissue costs, and what is left of it at the "
       "device\n"
+      "  forcebound-lab compare --scenes wall --network \"delay 10ms\"   all laws side by side\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20   20 clients at 1 kHz, over real sockets\n"
       "  forcebound-lab table a.json b.mcap              runs side by side\n\n"
       "Exit code: 0 done, 1 failed, 2 wrong use.");
   forcebound::lab::add_accuracy(app);
   forcebound::lab::add_bench(app);
+  forcebound::lab::add_compare(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_replay(app);
   forcebound::lab::add_reproduce(app);

@@ -17,6 +17,9 @@ class RingingMeter final : public record::TickSink {
   /// [s]; nothing if there was no contact.
   [[nodiscard]] std::optional<double> ringing_s() const;
 
+  /// From the first contact to the end of the run [s]; 0 if there was none.
+  [[nodiscard]] double contact_s() const noexcept { return time_s_.empty() ? 0.0 : time_s_.back() - time_s_.front(); }
+
  private:
   std::vector<double> force_N_;  // since first contact
   std::vector<double> time_s_;

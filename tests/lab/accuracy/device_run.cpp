@@ -37,9 +37,10 @@ class Recorder final : public record::TickSink {
 
 }  // namespace
 
-DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s) {
+DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s, std::vector<record::TickSink*> sinks) {
   Recorder recorder;
-  sim::ClosedLoop loop(std::move(settings), {&recorder});
+  sinks.push_back(&recorder);
+  sim::ClosedLoop loop(std::move(settings), sinks);
   recorder.where = [&] { return loop.device().truth().position; };
   loop.run(time::from_seconds(duration_s));
   const server::ServerCounters counters = loop.server()->counters();

@@ -16,6 +16,7 @@ struct DeviceRun {
 };
 
 /// @param settings whose server takes its time, behind their network
-DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s);
+/// @param sinks see every tick as well
+DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s, std::vector<record::TickSink*> sinks = {});
 
 }  // namespace forcebound::lab

@@ -1,0 +1,151 @@
+#include "tests/lab/arena/bout.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "forcebound/control/damping.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/record/running_statistics.hpp"
+#include "forcebound/record/summary.hpp"
+#include "tests/lab/accuracy/device_run.hpp"
+#include "tests/lab/accuracy/reference_model.hpp"
+#include "tests/lab/measures.hpp"
+#include "tests/lab/percentile.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+// A contact that has not come to rest in this share of its time never does.
+constexpr double kRingingMost = 0.75;
+
+/// How far from the device the environment is asked.
+class DriftMeter final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    if (tick.motion_sequence != 0) positions_[tick.motion_sequence] = tick.position;
+  }
+  void on_force(const record::ForceRecord& record) noexcept override {
+    const auto sent = positions_.find(record.force.motion_sequence);
+    if (sent == positions_.end() || sent->second.rows() != record.force.position.rows()) return;
+    most_m = std::max(most_m, (record.force.position - sent->second).norm());
+    positions_.erase(sent);
+  }
+
+  double most_m = 0;
+
+ private:
+  std::unordered_map<std::uint64_t, control::Vector> positions_;
+};
+
+/// How much the force on the device changes from some time after the first contact on, in contact or not: who is thrown
+/// off the wall again and again is not at rest.
+class RestMeter final : public record::TickSink {
+ public:
+  explicit RestMeter(double settle_s) : settle_(time::from_seconds(settle_s)) {}
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    if (!contact_ && tick.penetration_m > 0) contact_ = tick.time;
+    if (contact_ && tick.time >= *contact_ + settle_) force_N_.add(tick.applied.norm());
+  }
+  void on_force(const record::ForceRecord&) noexcept override {}
+
+  [[nodiscard]] double restlessness() const { return std::sqrt(force_N_.variance()) / force_N_.mean(); }
+
+ private:
+  time::Nanoseconds settle_;
+  std::optional<time::Nanoseconds> contact_;
+  record::RunningStatistics force_N_;
+};
+
+/// Keeps what a law was asked, to ask it again.
+class Questions final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override { ticks.push_back(tick); }
+  void on_force(const record::ForceRecord&) noexcept override {}
+  std::vector<record::TickRecord> ticks;
+};
+
+record::RunInfo info_of(const Contest& contest, const sim::ClosedLoop::Settings& settings) {
+  record::RunInfo info;
+  info.law = contest.law;
+  info.device = settings.device.facts.name;
+  info.scene = contest.ground.scene;
+  info.period = time::from_seconds(settings.device.facts.period_s);
+  info.hold = settings.policy.hold;
+  info.drop = settings.policy.drop;
+  info.force_N_max = settings.device.facts.force_N_max;
+  info.settle_s = settings.settle_s;
+  return info;
+}
+
+double number(const nlohmann::json& summary, const char* path) {
+  const auto& value = summary.at(nlohmann::json::json_pointer(path));
+  return value.is_number() ? value.get<double>() : std::nan("");
+}
+
+}  // namespace
+
+Bout play(const Contest& contest) {
+  Bout bout;
+  sim::ClosedLoop::Settings settings = settings_of(contest);
+  try {
+    (void)control::shipped_laws().make(contest.law, settings.device.facts, settings.law_options);
+  } catch (const std::invalid_argument& refusal) {
+    bout.refused = refusal.what();
+    return bout;
+  }
+  RingingMeter ringing;
+  DirectionMeter direction;
+  DriftMeter drift;
+  RestMeter rest(settings.settle_s);
+  record::Summary summary(info_of(contest, settings));
+  const ReferenceModel reference(settings.scene, 0, "closed form");
+  DeviceRun run =
+      run_device(std::move(settings), contest.ground.duration_s, {&ringing, &direction, &drift, &rest, &summary});
+  reference.fill_in(run);
+
+  const auto told = nlohmann::json::parse(summary.to_json());
+  bout.passivity_minimum_J = run.passivity_minimum_J;
+  bout.ringing_s = ringing.ringing_s();
+  bout.calm = bout.ringing_s && *bout.ringing_s < kRingingMost * ringing.contact_s();
+  bout.shown_N_per_m = number(told, "/displayed_stiffness_N_per_m/median");
+  bout.force_N_mean = number(told, "/force_N/mean");
+  bout.force_N2_variance = number(told, "/force_N/variance");
+  bout.restlessness = rest.restlessness();
+  bout.error = device_error(run.ticks).total;
+  bout.direction_error_rad = direction.error_rad_max();
+  bout.drift_m = drift.most_m;
+  return bout;
+}
+
+double work_ns(const Contest& contest, const time::Clock& clock) {
+  sim::ClosedLoop::Settings settings = settings_of(contest);
+  const control::DeviceFacts facts = settings.device.facts;
+  if (!facts.cartesian) return std::nan("");
+  auto law = control::shipped_laws().make(contest.law, facts, settings.law_options);
+  const auto damping = control::Damping::from_matrix(facts.damping);
+  Questions questions;
+  sim::ClosedLoop loop(std::move(settings), {&questions});
+  loop.run(time::from_seconds(contest.ground.duration_s));
+
+  control::Motion motion;
+  motion.latency_s_max = facts.latency_s;
+  motion.jacobian = control::Matrix::Identity(facts.damping.rows(), facts.damping.rows());
+  motion.damping = &damping;
+  std::vector<double> each_ns;
+  for (const record::TickRecord& tick : questions.ticks) {
+    motion.interval_s = time::to_seconds(tick.interval);
+    motion.position = tick.position;
+    motion.joint = tick.joint;
+    const time::Nanoseconds begin = clock.now();
+    law->credit(motion);
+    law->commit(law->bound(tick.request));
+    each_ns.push_back(static_cast<double>((clock.now() - begin).count()));
+  }
+  return percentile(std::move(each_ns), 0.5);
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "tests/lab/arena/contest.hpp"
+
+namespace forcebound::lab {
+
+/// A device that returned no more than this is passive, to rounding.
+inline constexpr double kPassive_J = -1e-9;
+
+/// What a law showed in one contest.
+struct Bout {
+  std::string refused;             ///< why the law cannot work with this device; otherwise empty, and the rest is known
+  double passivity_minimum_J = 0;  ///< P of the audit
+  bool calm = false;               ///< its contact came to rest: the force's peak-to-peak over 20 ms
+  std::optional<double> ringing_s{};        ///< until then; nothing without contact
+  double shown_N_per_m = std::nan("");      ///< displayed stiffness, median; not a number without contact
+  double force_N_mean = std::nan("");       ///< in contact
+  double force_N2_variance = std::nan("");  ///< in contact
+  double restlessness = std::nan("");  ///< deviation of the force's magnitude over its mean, once contact has settled
+  double error = std::nan("");         ///< E_dev against the scene at the device's true position, at this moment
+  double direction_error_rad = 0;      ///< of the applied force against the one asked for, most
+  double drift_m = 0;                  ///< between the device and where the environment was asked, most
+};
+
+/// Plays it, in virtual time.
+[[nodiscard]] Bout play(const Contest& contest);
+
+/// What the law itself takes a tick [ns], median, over the motion and the requests of a contest; not a number for a
+/// device that is not Cartesian.
+/// @param clock the machine's
+[[nodiscard]] double work_ns(const Contest& contest, const time::Clock& clock);
+
+}  // namespace forcebound::lab

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/lab/arena/bout.hpp"
+#include "tests/lab/arena/stable_stiffness.hpp"
+#include "tests/lab/arena/tuning.hpp"
+
+namespace forcebound::lab {
+
+/// What is compared: every law on every ground, through every network, against every stiffness, with an ideal device
+/// and a real one.
+struct ArenaSettings {
+  std::vector<std::string> laws;
+  std::vector<Ground> grounds;
+  std::vector<NamedNetwork> networks;
+  std::vector<double> stiffnesses_N_per_m;
+  std::vector<double> delays_s{};  ///< each way, to look for the largest stable stiffness at; none: not looked for
+  std::uint64_t seeds = 1;         ///< runs of each
+  int effort = 16;                 ///< sets of parameters tried for each law that has any; 1: the standard ones
+  std::uint64_t seed = 1;
+};
+
+/// A contest and what came of it.
+struct PlayedBout {
+  Contest contest;
+  std::size_t network = 0;  ///< its place among the settings'
+  Bout bout;
+};
+
+/// The parameters that a law got on one ground, for that ground's device.
+struct TunedOn {
+  std::string scene;
+  Tuning tuning{};
+};
+
+struct LawInArena {
+  std::string law;
+  std::vector<TunedOn> tuned{};
+  std::vector<PlayedBout> bouts{};
+  double work_ns = 0;                                  ///< a tick of its own, on the first ground
+  std::vector<std::vector<StableStiffness>> stable{};  ///< for each delay, for each of the pressing hands
+};
+
+struct ArenaResult {
+  ArenaSettings settings;
+  std::vector<TheoryLimits> theory{};  ///< for each delay
+  std::vector<LawInArena> laws{};
+};
+
+/// Plays all of it on the machine's processors; what comes of it does not depend on how many.
+///
+/// Each law's parameters are searched for on each ground through the first network and the middle one, against the
+/// middle stiffness, with the real device.
+/// @param clock the machine's, for the laws' work
+/// @param progress is told what is done and what there is, from any thread, one at a time
+[[nodiscard]] ArenaResult play_all(const ArenaSettings& settings, const time::Clock& clock,
+                                   const std::function<void(std::size_t done, std::size_t all)>& progress);
+
+}  // namespace forcebound::lab

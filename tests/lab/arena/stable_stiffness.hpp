@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "forcebound/control/law_registry.hpp"
+
+namespace forcebound::lab {
+
+/// The largest stiffness below which everything is stable, as far as it was tried.
+struct StableStiffness {
+  double N_per_m = 0;     ///< 0: not even the least
+  bool no_limit = false;  ///< all that were tried were: it is the most tried
+};
+
+/// Up from `least` by doubling to the first that is not stable, then halfway again and again until known to
+/// `resolution`, relative.
+struct StiffnessSearch {
+  double least_N_per_m = 100;
+  double most_N_per_m = 1e6;
+  double resolution = 0.02;
+};
+[[nodiscard]] StableStiffness largest_stable(const StiffnessSearch& search,
+                                             const std::function<bool(double N_per_m)>& stable);
+
+/// Hands that press into a wall: what one makes ring is at rest under another.
+struct PressingHand {
+  std::string name;
+  std::string specification;  ///< of the operator
+};
+[[nodiscard]] const std::vector<PressingHand>& pressing_hands();
+
+/// A wall behind a network that delays each way by `delay_s`.
+struct PressedWall {
+  std::string law;
+  std::string hand;  ///< the operator's specification
+  control::LawParameters parameters{};
+  std::string device = "wall-1dof";
+  double delay_s = 0;
+};
+
+/// Whether the contact comes to rest; ideal encoder, clock and latency.
+[[nodiscard]] bool is_stable(const PressedWall& wall, double stiffness_N_per_m);
+
+/// Whether the device alone, let go of on a spring to both sides, comes to rest without any law; ideal as well.
+[[nodiscard]] bool free_device_is_stable(const std::string& device, double stiffness_N_per_m);
+
+/// What theory says of a device of mass m and damping b, sampled every T, behind a delay t_d each way.
+struct TheoryLimits {
+  double passive_N_per_m;  ///< 2b/T: no hand makes it ring [Colgate 1994]
+  double delayed_N_per_m;  ///< b/(T/2 + 2 t_d): the force is late by both ways
+  double free_N_per_m;     ///< (1 - e^-a)/((m/b^2)(1 - e^-a) - (T/b) e^-a), a = bT/m: the device alone, no delay
+};
+[[nodiscard]] TheoryLimits theory_limits(const std::string& device, double delay_s);
+
+}  // namespace forcebound::lab

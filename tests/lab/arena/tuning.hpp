@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "tests/lab/arena/bout.hpp"
+
+namespace forcebound::lab {
+
+/// How far a law is from what one wants, 0 the best: its error at the device, at most 2; one more if its contact never
+/// comes to rest; one more if the device gave energy. Infinite where the law refuses.
+[[nodiscard]] double score(const Bout& bout);
+
+/// The parameters that suit a law best, of a number tried.
+struct Tuning {
+  control::LawParameters standard{};  ///< what the law's description says for the device
+  control::LawParameters best{};
+  double standard_score = 0;
+  double best_score = 0;
+  int tried = 0;    ///< sets of parameters, the standard ones among them; 0: the law has none to choose
+  int refused = 0;  ///< of them
+};
+
+/// Tries the standard parameters, then sets drawn around them: each number between an eighth and eight times its
+/// standard, evenly over the logarithm, within what the law accepts; choices as they come. The same effort and the same
+/// draws for each law; the mean score over the contests counts.
+///
+/// @param contests whose law and parameters are replaced
+[[nodiscard]] Tuning tune(const std::string& law, std::span<const Contest> contests, int effort, std::uint64_t seed);
+
+}  // namespace forcebound::lab
