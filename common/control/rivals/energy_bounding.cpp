@@ -14,11 +14,10 @@ struct Bounds {
   double c2 = 4;
 };
 
-/// The energy bounding algorithm: the force goes from where it was towards the request, no faster than the stiffness
-/// c1.
+/// The energy bounding algorithm: the force goes towards the request with a stiffness of c1 at most.
 ///
-/// Vectors have `dof` rows in the device frame: position [m], force on the device f [N]; F = -f as published, b [N
-/// s/m]. Per axis, with d the displacement of the last interval [m]:
+/// Vectors have `dof` rows in the device frame: position [m], force on the device f [N]; F = -f as published, damping
+/// b [N s/m]. Per axis, with d the displacement of the last interval [m]:
 ///
 ///     F_n = F_{n-1} + beta d,   beta = (F_e - F_{n-1}) / d              held where d = 0
 ///     beta <= c1 <= b/T                                                 [Kim & Ryu 2010]
@@ -27,19 +26,20 @@ struct Bounds {
 /// and then projected on the direction of the request [Kim 2010]. Known from descriptions, so these are ours:
 ///  - Where both bounds cannot hold, c1 does: what the damping does not dissipate cannot be afforded.
 ///  - c2 is 4 b/T unless chosen. From about 2 b/T on, c1 rules but for the last step out of a wall, so that the force
-///    falls along the line on which it rose, and a stiff static wall shows c1 and nothing else. Below c1, it is c2 that
-///    shows.
-///  - With several axes, c1 and c2 are in shares of an axis' b/T, b being `diagonal_below` the device's damping, and
-///  the
+///    falls along the line on which it rose, and a stiff static wall shows c1 and nothing else but what the step that
+///    entered it had travelled in free space. Below c1, it is c2 that shows.
+///  - With several axes, c1 and c2 are shares of an axis' own b/T, b being `diagonal_below` the device's damping. The
 ///    projection is the one that lowers sum F_i^2/b_i: the orthogonal one where axes are alike. A request of zero has
 ///    no direction and projects nothing; it does not end a force either where the device stands still, as published.
 ///  - Where the damping has become less since the last reading, the force is shortened to the same sum F_i^2/b_i.
 ///
-/// Passive where readings are exact, ticks punctual and forces immediate, since then sum F_i^2 / 2 c_i is never more
-/// than what the device has dissipated and taken, c being the smaller of c1 and c2; half of that would do. It remembers
-/// the last force and nothing else: it cannot know that a wall softer than b/T has stored more than that, and so lets
-/// go of it sooner than it came. An interval that nobody saw ends the force; what more than two periods of it took is
-/// not repaid. Real time: noexcept, no allocation; O(dof), and O(dof^3) where the damping couples axes.
+/// Passive where readings are exact, ticks punctual and forces immediate: then sum F_i^2 / 2 c_i is never more than
+/// what the device has dissipated and taken, c_i being the smaller of c1 and c2, and half of that would do. The law
+/// remembers its last force and nothing else. It cannot know that a wall softer than b/T has stored more than that, and
+/// lets go of it sooner than it came. An interval that nobody saw ends the force; what more than two periods of it took
+/// is not repaid.
+///
+/// Real time: noexcept, no allocation; O(dof), and O(dof^3) where the damping couples axes.
 class EnergyBoundingLaw final : public PassivityLaw {
  public:
   /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.

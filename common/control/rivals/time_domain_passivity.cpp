@@ -48,19 +48,19 @@ struct Port {
 ///
 /// In several degrees of freedom
 ///  - along the force [Preusche 2003]: F = F_e + alpha u(u'v), u = F_e/|F_e|, alpha = -(...)/(T (u'v)^2), translation
-///  and
-///    rotation (what is beyond the third row) each with an observer of its own. Without a request u is along v.
+///    and rotation (what is beyond the third row) each with an observer of its own. Without a request u is along v.
 ///  - weighted [Hertkorn 2010]: F = F_e + alpha M v, alpha = -(...)/(T v'M v), one observer. A device's facts know of
-///  no
-///    mass, so M is its damping b.
+///    no mass, so M is its damping b.
 ///
 /// What is ours: alpha_max is in multiples of the device's damping, `alpha_max / (u'b^-1 u)` along u and `alpha_max b`
-/// weighted, because a sampled damper of more than b takes energy out of the loop no more. Without a mass nobody can
-/// say at which force the velocity turns round, so that is the only cap. Below the velocity floor nothing is damped,
-/// and what was given stays in W; at the default, half an encoder's step a period, a step that is seen counts. An
-/// interval that nobody saw charges every observer the worst that the force can have done beyond the device's damping.
+/// weighted, because a sampled damper of more than b is not passive itself. Without a mass nobody can say at which
+/// force the velocity turns round, so that is the only cap. Below the velocity floor nothing is damped, and what was
+/// given stays in W; at the default, half an encoder's step a period, a step that is seen counts. An interval that
+/// nobody saw charges every observer the worst that the force can have done beyond the device's damping.
 ///
-/// Promises nothing: it acts a tick late, with a damper that is limited, and not at all at a standstill.
+/// Promises nothing: it acts a tick late, with a damper that is limited, and not at all at a standstill. An adversary
+/// that pushes at a standstill takes from it what it takes without any law.
+///
 /// Real time: noexcept, no allocation, O(dof^2).
 class TimeDomainPassivity final : public PassivityLaw {
  public:
