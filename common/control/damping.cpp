@@ -1,6 +1,10 @@
 #include "forcebound/control/damping.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -34,6 +38,10 @@ Damping Damping::from_matrix(const Matrix& b) {
   return {b, factor.matrixL()};
 }
 
+Damping Damping::of_axis(double b) noexcept {
+  return {Matrix::Constant(1, 1, b), Matrix::Constant(1, 1, std::sqrt(b))};
+}
+
 Damping Damping::from_joints(const Matrix& jacobian, const Matrix& joint_damping) noexcept {
   const Eigen::Index dof = jacobian.rows();
   const Matrix unit = Matrix::Identity(dof, dof);
@@ -60,5 +68,19 @@ Vector Damping::factor_solve(const Vector& v) const noexcept { return factor_.tr
 double Damping::dissipation(const Vector& v) const noexcept { return factor_transpose_times(v).squaredNorm(); }
 
 double Damping::mobility(const Vector& f) const noexcept { return factor_solve(f).squaredNorm(); }
+
+Vector diagonal_below(const Matrix& damping) noexcept {
+  const Vector diagonal = damping.diagonal();
+  if (damping.isDiagonal(0)) return diagonal;
+  const Vector scale = diagonal.cwiseSqrt().cwiseInverse();
+  // Rows beyond the last have eigenvalue 1, which is never the smallest: those of `scaled` are 1 on average.
+  using Largest = Eigen::Matrix<double, kDofMax, kDofMax>;
+  Largest scaled = Largest::Identity();
+  scaled.topLeftCorner(damping.rows(), damping.rows()) = scale.asDiagonal() * damping * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Largest> eigen(scaled, Eigen::EigenvaluesOnly);
+  // The smallest eigenvalue is known to rounding of the largest, which is at most the number of rows.
+  constexpr double kEigenvalueRounding = 1e-14;
+  return std::max(eigen.eigenvalues()[0] - kEigenvalueRounding, std::numeric_limits<double>::min()) * diagonal;
+}
 
 }  // namespace forcebound::control

@@ -13,6 +13,9 @@ class Damping {
   /// @throws std::invalid_argument unless it is square, of 1 to 6 rows, finite, symmetric and positive definite.
   static Damping from_matrix(const Matrix& damping_N_s_per_m);
 
+  /// Of one degree of freedom; above zero and finite [N s/m].
+  static Damping of_axis(double damping_N_s_per_m) noexcept;
+
   /// The damping that an arm with joint damping D shows at its tip: b = J^-T D J^-1.
   ///
   /// Built from the mobility J D^-1 J' + epsilon I, so that it exists at and near singular configurations as well;
@@ -43,5 +46,12 @@ class Damping {
   Matrix matrix_;
   Matrix factor_;
 };
+
+/// The largest diagonal matrix of the shape diag(b) that is not above b, as a vector [N s/m]: what an algorithm may
+/// credit that looks at each axis on its own. Where b is diagonal, b itself.
+///
+/// lambda_min(S^-1 b S^-1) S^2 with S^2 = diag(b); always above zero.
+/// Real time: no allocation, O(dof^3).
+[[nodiscard]] Vector diagonal_below(const Matrix& damping) noexcept;
 
 }  // namespace forcebound::control

@@ -1,6 +1,5 @@
 #include "forcebound/control/exact_law.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -43,18 +42,6 @@ void check(const DeviceFacts& facts) {
   if (!per_joint(facts.encoder_step)) {
     refuse(facts, "encoder step must be >= 0 for each joint", facts.encoder_step.transpose());
   }
-}
-
-/// The largest diagonal matrix of the shape diag(D) that is not above D, as a vector.
-Vector diagonal_below(const Matrix& damping) {
-  const Vector diagonal = damping.diagonal();
-  if (damping.isDiagonal(0)) return diagonal;
-  const Vector scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * damping * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
-  // The smallest eigenvalue is known to rounding of the largest, which is at most the number of rows.
-  constexpr double kEigenvalueRounding = 1e-14;
-  return std::max(eigen.eigenvalues()[0] - kEigenvalueRounding, std::numeric_limits<double>::min()) * diagonal;
 }
 
 template <std::size_t... Joint>

@@ -13,6 +13,7 @@ struct LawLoopSetting {
   double period_s = 1e-3;
   double force_N_max = std::numeric_limits<double>::infinity();
   double actuator_step_N = 0;
+  control::LawParameters parameters{};
 };
 
 /// A published law at work on a Cartesian device whose motion and whose environment a test plays.
@@ -58,7 +59,7 @@ class LawLoop {
     facts.friction = facts.encoder_step = control::Vector::Zero(damping.rows());
     facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
     facts.force_N_max = setting.force_N_max;
-    return {facts, control::shipped_laws().make(law, facts)};
+    return {facts, control::shipped_laws().make(law, facts, {.parameters = setting.parameters})};
   }
 
   double interval_s_;

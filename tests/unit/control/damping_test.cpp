@@ -11,6 +11,7 @@
 #include <string>
 
 #include "tests/support/law_loop.hpp"
+#include "tests/support/published_law_checks.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -120,6 +121,37 @@ TEST(Damping, OfAnArmIsTheLeastWhereTheConfigurationOverflows) {
   const Damping damping = Damping::from_joints(Matrix::Identity(2, 2) * 1e200, Matrix::Identity(2, 2));
   EXPECT_TRUE(damping.matrix().allFinite());
   EXPECT_LE(damping.dissipation(to_vector({1, 1})), 2 * 1.0000001e-6);
+}
+
+TEST(Damping, OfOneAxisIsTheSameAsOfAMatrixOfOne) {
+  const Damping axis = Damping::of_axis(30);
+  const Damping matrix = Damping::from_matrix(Matrix::Constant(1, 1, 30.0));
+  EXPECT_EQ(axis.matrix(), matrix.matrix());
+  EXPECT_EQ(axis.dissipation(to_vector({2})), matrix.dissipation(to_vector({2})));
+  EXPECT_EQ(axis.mobility(to_vector({2})), matrix.mobility(to_vector({2})));
+}
+
+TEST(DiagonalBelow, IsTheMatrixItselfWhereThatIsDiagonal) {
+  EXPECT_EQ(diagonal_below(to_matrix({{4, 0}, {0, 1e-6}})), to_vector({4, 1e-6}));
+  EXPECT_EQ(diagonal_below(to_matrix({{30}})), to_vector({30}));
+}
+
+TEST(DiagonalBelow, TouchesACoupledMatrixFromBelow) {
+  for (int degrees_of_freedom = 2; degrees_of_freedom <= kDofMax; ++degrees_of_freedom) {
+    const Matrix b = test::full_damping(degrees_of_freedom, 7);
+    const Vector below = diagonal_below(b);
+    const Eigen::MatrixXd rest = b - Matrix(below.asDiagonal());
+    const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rest).eigenvalues()[0];
+    EXPECT_GE(least, 0.0) << degrees_of_freedom;
+    EXPECT_LE(least, 1e-12) << degrees_of_freedom;
+    EXPECT_TRUE((below.cwiseQuotient(b.diagonal()).array() - below[0] / b(0, 0)).isZero(1e-14));
+  }
+}
+
+TEST(DiagonalBelow, StaysAboveZeroForAMatrixNextToSingular) {
+  const Vector below = diagonal_below(ill_conditioned());
+  EXPECT_TRUE((below.array() > 0).all());
+  EXPECT_LT(below.maxCoeff(), 1.0);
 }
 
 }  // namespace

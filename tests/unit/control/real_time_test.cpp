@@ -16,9 +16,10 @@ using test::LawLoop;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-void expect_tick_without_heap(const char* law, int degrees_of_freedom) {
+void expect_tick_without_heap(const char* law, int degrees_of_freedom, const LawParameters& parameters = {}) {
   SCOPED_TRACE(testing::Message() << law << ", " << degrees_of_freedom << " degrees of freedom");
-  LawLoop loop(law, test::full_damping(degrees_of_freedom, 2), {.force_N_max = 10, .actuator_step_N = 0.01});
+  LawLoop loop(law, test::full_damping(degrees_of_freedom, 2),
+               {.force_N_max = 10, .actuator_step_N = 0.01, .parameters = parameters});
   const Vector one = Vector::Ones(degrees_of_freedom);
   const AllocationGuard guard;
   for (int i = 0; i < 100; ++i) {
@@ -43,6 +44,24 @@ TEST(LessConservativeLaw, DoesNotAllocate) {
 TEST(MoreConservativeLaw, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-more", degrees_of_freedom);
+}
+
+TEST(AdjustingOutputLimiter, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("aol", degrees_of_freedom);
+}
+
+TEST(EnergyBoundingLaw, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("eba", degrees_of_freedom);
+}
+
+TEST(TimeDomainPassivity, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) {
+    expect_tick_without_heap("tdpa", degrees_of_freedom);
+    expect_tick_without_heap("tdpa", degrees_of_freedom, {{"variant", 2002}, {"weighting", 1}});
+  }
 }
 
 TEST(ExactLaw, DoesNotAllocate) {
