@@ -50,7 +50,7 @@ enum class LawCertainty : std::uint8_t {
 /// What a law promises of P(t), whatever the environment and the network do.
 enum class LawClaim : std::uint8_t {
   nothing,
-  passive_if_ideal,  ///< P >= 0 with an ideal encoder, punctual ticks, and a force that is there with its reading
+  passive_if_ideal,  ///< P >= 0 on straight axes with ideal encoders, punctual ticks, and forces there with the reading
   passive,           ///< P >= 0 with the device's facts as they are
 };
 
@@ -64,6 +64,7 @@ struct LawDescription {
   std::string reference{};  ///< who, when; empty: ours
   LawCertainty certainty = LawCertainty::published;
   LawClaim claim = LawClaim::nothing;
+  bool shortens = false;  ///< promises that its force is the request, made shorter at most
   std::vector<LawParameter> parameters{};
   Make make;                   ///< is given every parameter; throws std::invalid_argument for what it cannot work with
   MakePartner make_partner{};  ///< for a law whose port has the law's name; empty: it has none

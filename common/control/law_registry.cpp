@@ -32,7 +32,7 @@ std::string words_of(LawClaim claim) {
     case LawClaim::nothing:
       return "nothing, whatever the environment says";
     case LawClaim::passive_if_ideal:
-      return "passivity with an ideal encoder, punctual ticks and immediate forces";
+      return "passivity on straight axes with ideal encoders, punctual ticks and immediate forces";
     case LawClaim::passive:
       return "passivity with the device's encoder, clock, latency and friction";
   }
@@ -169,16 +169,19 @@ LawRegistry published_laws() {
   LawRegistry laws;
   laws.add({.name = "none",
             .summary = "no bound: what the environment asks for is applied",
+            .shortens = true,
             .make = make_published<TransparentLaw>});
   laws.add({.name = "fba-less",
             .summary = "less conservative force bounding: spends all energy ever saved",
             .reference = "Kim 2015, Prop. 1",
             .claim = LawClaim::passive_if_ideal,
+            .shortens = true,
             .make = make_published<LessConservativeLaw>});
   laws.add({.name = "fba-more",
             .summary = "more conservative force bounding: forgets free space, does not ring",
             .reference = "Kim 2015, Prop. 3",
             .claim = LawClaim::passive_if_ideal,
+            .shortens = true,
             .make = make_published<MoreConservativeLaw>});
   return laws;
 }
@@ -188,6 +191,7 @@ LawRegistry force_bounding_laws() {
   laws.add({.name = "fba-exact",
             .summary = "least energy consistent with the readings: passive with real encoders, clocks and latency",
             .claim = LawClaim::passive,
+            .shortens = true,
             .make = [](const DeviceFacts& facts, const LawOptions& options) {
               return std::make_unique<ExactLaw>(facts, options.memory);
             }});

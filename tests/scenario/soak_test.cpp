@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
 
+#include "forcebound/control/law_registry.hpp"
 #include "tests/lab/passivity.hpp"
 #include "tests/lab/soak/soak.hpp"
 
@@ -35,6 +38,30 @@ TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
     EXPECT_LT(worst_J, -0.1) << law;
   }
 }
+
+TEST(Soak, DrawsEveryLaw) {
+  std::set<std::string> drawn;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) drawn.insert(law_of(seed));
+  EXPECT_EQ(drawn.size(), control::shipped_laws().names().size());
+}
+
+class SoakOfLaw : public testing::TestWithParam<std::string> {};
+
+TEST_P(SoakOfLaw, FindsThatItKeepsWhatItPromises) {
+  const std::string& law = GetParam();
+  int promised = 0;
+  for (std::uint64_t seed = 1; seed <= std::max(6, FORCEBOUND_SOAK_SEEDS / 30); ++seed) {
+    const SoakResult result = soak(seed, law);
+    ASSERT_EQ(result.broken, "") << "again: forcebound-lab soak --law " << law << " --seeds 1 --from " << seed;
+    promised += result.passive ? 1 : 0;
+  }
+  EXPECT_EQ(promised > 0, control::shipped_laws().find(law).claim != control::LawClaim::nothing);
+}
+INSTANTIATE_TEST_SUITE_P(Laws, SoakOfLaw, testing::ValuesIn(control::shipped_laws().names()), [](const auto& law) {
+  std::string name = law.param;
+  std::erase(name, '-');
+  return name;
+});
 
 TEST(Soak, MeetsLateTicksAndLedgersThatCanBeRecomputed) {
   std::uint64_t recomputed = 0;

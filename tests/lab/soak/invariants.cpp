@@ -15,8 +15,7 @@ constexpr double kDirectionRounding = 1e-9;
 
 }  // namespace
 
-Invariants::Invariants(const SoakCase& drawn, bool passive)
-    : case_(drawn), passive_(passive), ledger_(LedgerInLongDouble::make(drawn.settings)) {}
+Invariants::Invariants(const SoakCase& drawn) : case_(drawn), ledger_(LedgerInLongDouble::make(drawn.settings)) {}
 
 Invariants::~Invariants() = default;
 
@@ -48,7 +47,7 @@ void Invariants::check_force(const record::TickRecord& tick) {
   if (size > facts.force_N_max * (1 + kForceRounding)) {
     fail(tick, "force of ", size, " N, the device may be asked for ", facts.force_N_max, " N");
   }
-  if (size == 0 || !tick.request.allFinite() || !facts.actuator_step.isZero(0)) return;
+  if (!case_.shortens || size == 0 || !tick.request.allFinite() || !facts.actuator_step.isZero(0)) return;
   const double asked = tick.request.norm();
   const control::Vector aside = tick.applied - tick.request / asked * (tick.applied.dot(tick.request) / asked);
   if (size > asked * (1 + kForceRounding) || tick.applied.dot(tick.request) < 0 ||
@@ -60,10 +59,10 @@ void Invariants::check_force(const record::TickRecord& tick) {
 
 void Invariants::check_energy(const record::TickRecord& tick) {
   worst_P_J_ = std::min(worst_P_J_, tick.audit_minimum_J);
-  if (passive_ && tick.audit_minimum_J < -kEnergyTolerance_J) {
+  if (case_.passive && tick.audit_minimum_J < -kEnergyTolerance_J) {
     fail(tick, "P fell to ", tick.audit_minimum_J, " J");
   }
-  if (passive_ && tick.energy_J > tick.audit_J + kEnergyTolerance_J) {
+  if (case_.passive && tick.energy_J > tick.audit_J + kEnergyTolerance_J) {
     fail(tick, "the ledger believes in ", tick.energy_J, " J, the device dissipated ", tick.audit_J, " J");
   }
   if (!ledger_) return;

@@ -13,14 +13,14 @@ class LedgerInLongDouble;
 
 /// Watches every tick of a run for what must never happen, and keeps the first thing that did.
 ///
-///     everything finite;  |f| <= f_max;  f along the request and not longer, where motors do not round
-///     P(t) >= -1e-9 J, for a law that promises it
-///     what the law may spend is never more than P(t): the ledger believes in nothing that physics did not do
+///     everything finite;  |f| <= f_max
+///     f along the request and not longer, for a law that promises it, where motors do not round
+///     P(t) >= -1e-9 J, for a law that promises it for this device and this clock
+///     what such a law may spend is never more than P(t): the ledger believes in nothing that physics did not do
 ///     the ledger equals its recomputation in long double, where the record tells all that it needs
 class Invariants final : public record::TickSink {
  public:
-  /// @param passive whether the law promises P(t) >= 0 with this device.
-  Invariants(const SoakCase& drawn, bool passive);
+  explicit Invariants(const SoakCase& drawn);
   ~Invariants() override;
   Invariants(const Invariants&) = delete;
   Invariants& operator=(const Invariants&) = delete;
@@ -46,7 +46,6 @@ class Invariants final : public record::TickSink {
   void fail(const record::TickRecord& tick, const Parts&... parts);
 
   const SoakCase& case_;
-  bool passive_;
   std::unique_ptr<LedgerInLongDouble> ledger_;
   std::string broken_;
   double worst_P_J_ = 0;

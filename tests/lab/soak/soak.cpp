@@ -2,9 +2,12 @@
 
 #include <array>
 #include <bit>
+#include <vector>
 
+#include "forcebound/control/law_registry.hpp"
 #include "tests/lab/soak/invariants.hpp"
 #include "tests/lab/soak/soak_case.hpp"
+#include "tests/sim/draw.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -39,9 +42,15 @@ class Witness final : public record::TickSink {
 
 }  // namespace
 
+std::string law_of(std::uint64_t seed) {
+  const std::vector<std::string> laws = control::shipped_laws().names();
+  // Another stream than the case's own, so that all of that is drawn for each law.
+  return laws[sim::Draw(~seed).index(laws.size())];
+}
+
 SoakResult soak(std::uint64_t seed, const std::string& law) {
   const SoakCase drawn = draw_soak_case(seed, law);
-  Invariants invariants(drawn, law == "fba-exact");
+  Invariants invariants(drawn);
   Witness witness(time::from_seconds(drawn.settings.device.facts.period_s));
   sim::ClosedLoop loop(drawn.settings, {&invariants, &witness});
   loop.run(drawn.duration);
@@ -51,6 +60,7 @@ SoakResult soak(std::uint64_t seed, const std::string& law) {
   invariants.finish(totals, active, loop.server()->counters());
   return {.broken = invariants.broken(),
           .environment = drawn.environment,
+          .passive = drawn.passive,
           .worst_P_J = invariants.worst_P_J(),
           .digest = witness.digest,
           .virtual_s = time::to_seconds(drawn.duration),

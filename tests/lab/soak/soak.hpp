@@ -9,6 +9,7 @@ namespace forcebound::lab {
 struct SoakResult {
   std::string broken;  ///< empty: every invariant held on every tick
   std::string environment;
+  bool passive = false;  ///< the law promised P >= 0
   double worst_P_J = 0;
   std::uint64_t digest = 0;  ///< of every force and position: equal runs have equal ones
   double virtual_s = 0;
@@ -21,7 +22,11 @@ struct SoakResult {
   std::uint64_t lost = 0;  ///< datagrams, either way
 };
 
-/// Draws a run from the seed, runs it with this law, and checks it on every tick. Only fba-exact promises P >= 0 here.
+/// One of all laws.
+[[nodiscard]] std::string law_of(std::uint64_t seed);
+
+/// Draws a run from the seed, runs it with this law, and checks on every tick what must hold for all, and what this law
+/// promises.
 [[nodiscard]] SoakResult soak(std::uint64_t seed, const std::string& law);
 
 }  // namespace forcebound::lab

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <stdexcept>
 
 #include "forcebound/client/device/load_device.hpp"
 #include "forcebound/server/scene/scene_parser.hpp"
@@ -119,6 +120,34 @@ std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings
   return sink.forces;
 }
 
+bool is_accepted(const std::string& law, const control::DeviceFacts& facts) {
+  try {
+    (void)control::shipped_laws().make(law, facts);
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+/// What the proofs of the published laws ask for: readings as they are, punctual ticks, forces at once.
+void make_ideal(ClosedLoop::Settings& settings) {
+  settings.device.facts.encoder_step.setZero();
+  settings.device.facts.latency_s = 0;
+  settings.timing = {};
+  std::erase_if(settings.faults, [](const auto& fault) { return fault.kind == ClosedLoop::Fault::Kind::stall; });
+}
+
+/// What the law promises of this case, which may be made one for which it promises something.
+void note_promises(SoakCase& drawn, const control::LawDescription& law, Draw draw) {
+  using control::LawClaim;
+  // An arm holds torques while the tip moves on, which is no force held in the task's space.
+  const bool straight = !drawn.settings.device.arm.has_value();
+  const bool ideal = law.claim == LawClaim::passive_if_ideal && straight && draw.chance(0.5);
+  if (ideal) make_ideal(drawn.settings);
+  drawn.passive = ideal || law.claim == LawClaim::passive;
+  drawn.shortens = law.shortens;
+}
+
 std::string name_of(ClosedLoop::Fault::Kind kind) {
   switch (kind) {
     case ClosedLoop::Fault::Kind::stall:
@@ -138,6 +167,8 @@ std::string name_of(ClosedLoop::Fault::Kind kind) {
 }  // namespace
 
 SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
+  const control::LawRegistry laws = control::shipped_laws();
+  const control::LawDescription& description = laws.find(law);
   Draw draw(seed);
   SoakCase drawn;
   drawn.seed = seed;
@@ -145,6 +176,8 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   settings.law = law;
   settings.seed = draw.seed();
   settings.device = draw_device(draw);
+  // Of as many axes, so that nothing else changes.
+  if (!is_accepted(law, settings.device.facts)) settings.device = client::load_device("cartesian-3dof");
   settings.timing = draw_timing(draw);
   settings.law_options.memory = draw.chance(0.3) ? control::EnergyMemory::full : control::EnergyMemory::capped;
   settings.make_hand = [hand = draw_hand(draw, settings.device.facts.degrees_of_freedom())] {
@@ -157,6 +190,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   if (!drawn.network_down.empty()) settings.network.down = net::parse_netem(drawn.network_down);
   settings.network.seed = draw.seed();
   settings.faults = draw_faults(draw);
+  note_promises(drawn, description, Draw(~settings.seed));
   for (const auto& fault : settings.faults) drawn.last_fault = std::max(drawn.last_fault, fault.at + fault.length);
   settings.server_clock = draw_skew(draw);
   drawn.duration = kDuration;

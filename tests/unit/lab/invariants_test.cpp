@@ -26,7 +26,8 @@ class InvariantsTest : public testing::Test {
   }
 
   std::string broken_by(const std::function<void(record::TickRecord&)>& change, bool passive = true) {
-    Invariants invariants(case_, passive);
+    case_.passive = passive;
+    Invariants invariants(case_);
     record::TickRecord tick = tick_;
     change(tick);
     invariants.on_tick(tick);
