@@ -2,6 +2,11 @@
 
 namespace forcebound::control {
 
-void add_rivals(LawRegistry& laws) { (void)laws; }
+void add_rivals(LawRegistry& laws) {
+  laws.add(set_position_modulation());
+  laws.add(two_layer());
+  laws.add(two_port_passivity());
+  laws.add(wave_variables());
+}
 
 }  // namespace forcebound::control

@@ -6,6 +6,18 @@
 /// hand, scene and network. Each is one file beside this one, and one line of `add_rivals`.
 namespace forcebound::control {
 
+/// `pspm`: a spring whose other end moves as far as the energy allows.
+[[nodiscard]] LawDescription set_position_modulation();
+
+/// `tla`: the environment's force, paid from a tank of energy at each end of the network.
+[[nodiscard]] LawDescription two_layer();
+
+/// `tdpa-2port`: an observer and a controller of passivity at each end of the network.
+[[nodiscard]] LawDescription two_port_passivity();
+
+/// `wave`: force and velocity travel as waves.
+[[nodiscard]] LawDescription wave_variables();
+
 void add_rivals(LawRegistry& laws);
 
 }  // namespace forcebound::control
