@@ -61,12 +61,12 @@ class ReceivedWave {
     heard_ = integral;
   }
 
-  /// The wave over the coming interval.
-  [[nodiscard]] Vector take(double interval_s) noexcept {
-    const double wanted = rest_.stableNorm() / interval_s;
+  /// The wave over the coming interval, of what would last for `spread_s` if no more came.
+  [[nodiscard]] Vector take(double interval_s, double spread_s) noexcept {
+    const double wanted = rest_.stableNorm() / spread_s;
     const double most = std::sqrt(2 * std::max(0.0, budget_.value_J()) / interval_s);
     Vector wave = Vector::Zero(rest_.rows());
-    if (wanted > 0 && std::isfinite(wanted)) wave = rest_ * (std::min(1.0, most / wanted) / interval_s);
+    if (wanted > 0 && std::isfinite(wanted)) wave = rest_ * (std::min(1.0, most / wanted) / spread_s);
     rest_ -= wave * interval_s;
     return wave;
   }
@@ -114,9 +114,11 @@ struct Coding {
 ///
 /// Waves travel as integrals and with the sum of their energy. A sample is taken once; where none came the wave is zero
 /// and what was late comes with the next, but never with more energy than it was sent with [after Niemeyer & Slotine
-/// 1998]. So positions do not drift, and no loss, jitter or copy makes energy. The force is held over a period, in
-/// which the velocity is not the one it was made for: the wave that truly went back over it is known afterwards, and
-/// what it had more than w is charged, less what the device's damping b took meanwhile. These details are ours.
+/// 1998]. So no loss, jitter or copy makes energy. A wave that comes in bursts is drawn out over twice the longest
+/// pause of late; what ripple is left still costs, so that behind much jitter a force that is held fades and the tool
+/// drifts. The force is held over a period, in which the velocity is not the one it was made for: the wave that truly
+/// went back over it is known afterwards, and what it had more than w is charged, less what the device's damping b took
+/// meanwhile. These details are ours.
 ///
 /// Promises nothing: the other end may be an environment that makes energy.
 /// Real time: noexcept, no allocation, O(dof).
@@ -146,6 +148,8 @@ class WaveVariables final : public PassivityLaw {
   void credit(const Motion& motion) noexcept override {
     const EndedInterval ended = next_interval(held_, motion);
     const double h = ended.interval_s;
+    silence_s_ += h;
+    pause_s_ *= std::exp(-h / kForgetting_s);
     velocity_ = ended.velocity;
     received_.spend(ended.unseen_J);
     if (!(h > 0)) return;
@@ -164,7 +168,7 @@ class WaveVariables final : public PassivityLaw {
   }
 
   [[nodiscard]] Vector bound(const Vector& /*request_N*/) noexcept override {
-    wave_ = received_.take(held_.period_s());
+    wave_ = received_.take(held_.period_s(), spread_s());
     return no_longer_than(-coding_.force(velocity_, wave_), force_N_max_);
   }
 
@@ -182,12 +186,29 @@ class WaveVariables final : public PassivityLaw {
     sent_.write(numbers, kGains);
     return numbers;
   }
-  void incoming(const PortNumbers& numbers) noexcept override { received_.hear(numbers, 0); }
-  void begin_partner() noexcept override { received_.begin_at_zero(velocity_.rows()); }
+  void incoming(const PortNumbers& numbers) noexcept override {
+    received_.hear(numbers, 0);
+    if (partner_speaks_) pause_s_ = std::max(pause_s_, silence_s_);
+    partner_speaks_ = true;
+    silence_s_ = 0;
+  }
+  void begin_partner() noexcept override {
+    received_.begin_at_zero(velocity_.rows());
+    partner_speaks_ = false;
+  }
 
   static constexpr std::string_view kName = "wave";
 
  private:
+  static constexpr double kForgetting_s = 1;
+
+  /// A wave that comes in bursts is drawn out over two of the pauses between them; one that comes each tick is not.
+  [[nodiscard]] double spread_s() const noexcept {
+    const double period_s = held_.period_s();
+    constexpr double kPunctual = 1.5;
+    return pause_s_ < kPunctual * period_s ? period_s : 2 * pause_s_;
+  }
+
   HeldForce held_;
   Gains gains_;
   Coding coding_;
@@ -195,6 +216,9 @@ class WaveVariables final : public PassivityLaw {
   double force_N_max_;
   Vector velocity_;  // zero: not known
   Vector wave_;      // w of the interval that runs
+  bool partner_speaks_ = false;
+  double silence_s_ = 0;
+  double pause_s_ = 0;  // the longest between two arrivals, forgotten over kForgetting_s
   SentWave sent_;
   ReceivedWave received_;
 };
@@ -254,7 +278,7 @@ class WavePartner final : public LawPartner {
     const double kd = said[kSpring];
     const double m = said[kTool];
     const double g = said[kDamper] + h * kd;  // what an implicit step makes of spring and damper
-    const Vector u = received_.take(h);
+    const Vector u = received_.take(h, h);
     received_.spend(u.squaredNorm() / 2 * h);
     const Vector pushed = coding.root() * u;
     const Vector stretch = wanted_ - place_;
