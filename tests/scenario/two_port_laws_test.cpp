@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <tuple>
 
@@ -10,6 +11,7 @@
 #include "forcebound/net/netem_parameters.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
 #include "tests/sim/closed_loop.hpp"
+#include "tests/sim/restless_hand.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -97,6 +99,33 @@ INSTANTIATE_TEST_SUITE_P(All, TwoPortLawsInTheLoop,
                                           testing::Values("delay 0ms", "delay 50ms",
                                                           "delay 50ms 10ms loss 5% duplicate 2%")),
                          name_of);
+
+//   ideal device, restless hand -- pspm ==( late, lost, doubled; the server dies )== any environment
+TEST(SetPositionModulationInTheLoop, KeepsItsClaimWhateverEnvironmentAndNetworkDo) {
+  for (const std::string& environment : environment_names()) {
+    for (const char* device : {"wall-1dof", "cartesian-3dof"}) {
+      SCOPED_TRACE(environment + " on " + device);
+      auto settings = pressing("pspm", device, "delay 20ms 10ms loss 10% duplicate 10%");
+      auto& facts = settings.device.facts;
+      facts.encoder_step.setZero();
+      facts.actuator_step.setZero();
+      facts.latency_s = 0;
+      const int dof = facts.degrees_of_freedom();
+      settings.make_hand = [dof] {
+        return std::make_unique<RestlessHand>(RestlessHand::Settings{
+            .seed = 3, .degrees_of_freedom = dof, .hand = {.mass_kg = 0.05, .stiffness_N_per_m = 300}});
+      };
+      settings.environment = EnvironmentSetting{.name = environment, .seed = 4, .force_N_max = facts.force_N_max};
+      settings.faults = {{.kind = ClosedLoop::Fault::Kind::server_killed, .at = 2s, .length = 200ms}};
+      Watch watch;
+      ClosedLoop loop(settings, {&watch});
+      loop.run(5s);
+      EXPECT_GE(watch.least_J, -1e-9);
+      EXPECT_GT(watch.most_N, 0.1);
+      EXPECT_EQ(loop.totals().reconnects, 1U);
+    }
+  }
+}
 
 }  // namespace
 }  // namespace forcebound::sim

@@ -11,7 +11,7 @@
 namespace forcebound::control {
 namespace {
 
-/// The range of positions since the set position came that is in use [m].
+/// Where the device was since the set position in use came [m].
 class Range {
  public:
   void begin(const Vector& position) noexcept { least_ = most_ = position; }
@@ -20,7 +20,6 @@ class Range {
     least_ = least_.cwiseMin(position);
     most_ = most_.cwiseMax(position);
   }
-  /// A point of it for one who lost sight of the device.
   void forget() noexcept { least_.resize(0); }
   [[nodiscard]] double square_m2() const noexcept { return least_.rows() > 0 ? (most_ - least_).squaredNorm() : 0.0; }
 
@@ -46,8 +45,9 @@ class Range {
 /// dt is measured and the range is that of the readings. The device's own damping is all the damping there is: the hold
 /// takes Kp T/2 of it, so Bp <= b - Kp T/2 and Kp <= 2b/T, or the law refuses to be made. Where the device is told less
 /// than the spring wants (its largest force, its steps, a reading lost), ybar is moved to where the spring agrees and
-/// what it held is lost. f_e is the request, which fades when answers are late; y goes to x_s then and no further. The
-/// energy travels as a sum since the beginning, of which the largest heard counts. These details are ours.
+/// what it held is lost. f_e is the request, which fades when answers are late: y goes to x_s then, and the spring
+/// stays there. The energy travels as a sum since the beginning, of which the largest heard counts. These details are
+/// ours.
 ///
 /// Passive, where readings are exact, ticks punctual and forces immediate, whatever environment and network do: the
 /// server's half gives back only what it was sent.

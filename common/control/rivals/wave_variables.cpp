@@ -10,7 +10,11 @@ namespace forcebound::control {
 namespace {
 
 // Where the numbers are: what the server's half needs to know, then the energy of the wave and its integral.
-enum Number : std::uint8_t { kImpedance, kSpring, kDamper, kTool, kGains };
+constexpr Eigen::Index kImpedance = 0;
+constexpr Eigen::Index kSpring = 1;
+constexpr Eigen::Index kDamper = 2;
+constexpr Eigen::Index kTool = 3;
+constexpr Eigen::Index kWave = 4;
 
 /// A wave that goes out: its integral [m sqrt(N s/m)] and the energy in it [J].
 class SentWave {
@@ -178,12 +182,12 @@ class WaveVariables final : public PassivityLaw {
   [[nodiscard]] double energy_J() const noexcept override { return received_.budget_J(); }
 
   [[nodiscard]] PortNumbers outgoing() const noexcept override {
-    PortNumbers numbers(kGains + sent_.rows());
+    PortNumbers numbers(kWave + sent_.rows());
     numbers[kImpedance] = gains_.impedance_N_s_per_m;
     numbers[kSpring] = gains_.spring_N_per_m;
     numbers[kDamper] = gains_.damper_N_s_per_m;
     numbers[kTool] = gains_.tool_kg;
-    sent_.write(numbers, kGains);
+    sent_.write(numbers, kWave);
     return numbers;
   }
   void incoming(const PortNumbers& numbers) noexcept override {
@@ -244,7 +248,7 @@ class WavePartner final : public LawPartner {
                       number_at(said, kDamper) >= 0;
     if (place_.rows() != heard.position.rows() || !sane) begin(heard.position);
     if (!sane) return place_;
-    received_.hear(said, kGains);
+    received_.hear(said, kWave);
     const double h = std::min(heard.interval_s, kStep_s_max);
     if (is_measurable(h)) step(coding, said, h);
     moved_m_ = (place_ - before_).stableNorm();

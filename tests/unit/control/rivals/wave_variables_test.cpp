@@ -93,7 +93,7 @@ TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
         force_N = loop.step(x_m, 0);
         most_N = std::max(most_N, std::abs(force_N));
         const PortNumbers sums = loop.law().outgoing();
-        if (sums.rows() > kEnergy) way.push_back(sums.tail(2));
+        if (sums.rows() > kEnergy) way.emplace_back(sums.tail(2));
         if (way.size() <= delay_ticks) continue;
         const bool lost = !constant && random() % 5 == 0;
         const std::size_t at = constant ? 0 : random() % way.size();
