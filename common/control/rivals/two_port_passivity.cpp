@@ -162,7 +162,7 @@ LawDescription two_port_passivity() {
   return {.name = std::string(TwoPortPassivity::kName),
           .summary = "time-domain passivity with delay: observers at both ends, energies travel, the place drifts",
           .reference = "Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010",
-          .parameters = {{.name = "alpha_max",
+          .parameters = {{.name = "alpha_max_per_b",
                           .purpose = "most damping that may be added, in multiples of the device's own",
                           .most = 100,
                           .standard = [](const DeviceFacts&) { return 1.0; }},
@@ -173,7 +173,7 @@ LawDescription two_port_passivity() {
               [](const DeviceFacts& facts, const LawOptions& options) {
                 const LawParameters& chosen = options.parameters;
                 return std::make_unique<TwoPortPassivity>(
-                    facts, TwoPortPassivity::Gains{.alpha_max = chosen.at("alpha_max"),
+                    facts, TwoPortPassivity::Gains{.alpha_max = chosen.at("alpha_max_per_b"),
                                                    .velocity_floor_m_per_s = chosen.at("velocity_floor_m_per_s")});
               },
           .make_partner = [](int) { return std::make_unique<TwoPortPartner>(); }};

@@ -27,7 +27,7 @@ TEST(TwoPortPassivity, DampsJustWhatTheServerHasNotTakenIn) {
 
 TEST(TwoPortPassivity, AddsNoMoreDampingThanAlphaMax) {
   for (const double alpha_max : {0.0, 0.5, 1.0}) {
-    TwoPortLoop loop(kLaw, {.parameters = {{"alpha_max", alpha_max}}}, test::nothing_there());
+    TwoPortLoop loop(kLaw, {.parameters = {{"alpha_max_per_b", alpha_max}}}, test::nothing_there());
     loop.step(0, 0);
     EXPECT_NEAR(loop.step(1e-4, 5), 5 - alpha_max * 30 * 0.1, 1e-12);
   }
