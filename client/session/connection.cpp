@@ -84,7 +84,8 @@ wire::Hello Connection::hello(Nanoseconds now) const noexcept {
           .force_N_max = facts_.force_N_max,
           .scene = facts_.scene,
           .client_time = now,
-          .round_trip = round_trip_};
+          .round_trip = round_trip_,
+          .port = facts_.port};
 }
 
 }  // namespace forcebound::client

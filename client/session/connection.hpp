@@ -24,7 +24,8 @@ class Connection {
  public:
   struct Facts {
     std::string device;
-    std::string scene;  ///< wanted, empty: the server's own
+    std::string scene;   ///< wanted, empty: the server's own
+    std::string port{};  ///< of the law, empty: it needs no partner
     int degrees_of_freedom = 1;
     double period_s = 1e-3;
     double force_N_max = 0;

@@ -14,9 +14,11 @@ constexpr int kDatagramsPerTickMax = 64;
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
-Connection::Facts connection_facts(const control::DeviceFacts& device, const std::string& scene) {
+Connection::Facts connection_facts(const control::DeviceFacts& device, const std::string& scene,
+                                   std::string_view port) {
   return {.device = device.name,
           .scene = scene,
+          .port = std::string(port),
           .degrees_of_freedom = device.degrees_of_freedom(),
           .period_s = device.period_s,
           .force_N_max = device.force_N_max};
@@ -34,7 +36,7 @@ Session::Session(Options options, HapticDevice& device, std::unique_ptr<control:
       controller_(device.facts(), std::move(law)),
       choosing_(time::from_seconds(device.facts().period_s)),
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
-      connection_(connection_facts(device.facts(), options_.scene),
+      connection_(connection_facts(device.facts(), options_.scene, controller_.law().port()),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().degrees_of_freedom()),
       silences_(options_.policy.hold) {
@@ -119,8 +121,11 @@ void Session::send_motion(const Vector& position, Nanoseconds now) noexcept {
   record_.motion_sequence = 0;
   if (connection_.session() == 0 || !position.allFinite()) return;
   record_.motion_sequence = forces_.note_sent(now);
-  const wire::MotionSample motion{
-      .session = connection_.session(), .sequence = record_.motion_sequence, .device_time = now, .position = position};
+  const wire::MotionSample motion{.session = connection_.session(),
+                                  .sequence = record_.motion_sequence,
+                                  .device_time = now,
+                                  .position = position,
+                                  .port = law().outgoing()};
   if (!send(motion)) forces_.note_not_sent();
 }
 
@@ -158,6 +163,7 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
       return;
     }
     forces_.begin_session(welcome->session);
+    controller_.begin_partner();
     silent_since_ = now;
     totals_.scene.assign(welcome->scene);
     totals_.simulated.assign(welcome->simulated);
@@ -195,6 +201,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
     case ForceStream::Verdict::newest:
       silent_since_ = now;
       silences_.on_force(now, forces_.progress());
+      controller_.hear(force.port);
       [[fallthrough]];
     case ForceStream::Verdict::overtaken:
       answers_without_news_ = 0;

@@ -23,7 +23,10 @@ class EnergySum {
     sum_ = sum;
   }
 
-  [[nodiscard]] double value_J() const noexcept { return sum_ + compensation_; }
+  [[nodiscard]] double value_J() const noexcept {
+    const double value = sum_ + compensation_;
+    return std::isinf(value) ? sum_ : value;
+  }
 
  private:
   double sum_ = 0;

@@ -39,6 +39,15 @@ class PassivityController {
   /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it.
   [[nodiscard]] Vector confirmed(const Vector& force_N, double latency_s) noexcept;
 
+  /// What the law's half at the server said with the newest force, ahead of the tick that uses that force. Numbers that
+  /// are not all finite are not heard.
+  void hear(const PortNumbers& numbers) noexcept {
+    if (numbers.allFinite()) law_->incoming(numbers);
+  }
+
+  /// From now on another server answers, or the same one that remembers nothing.
+  void begin_partner() noexcept { law_->begin_partner(); }
+
   [[nodiscard]] const PassivityLaw& law() const noexcept { return *law_; }
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 

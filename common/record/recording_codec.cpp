@@ -12,13 +12,19 @@ namespace {
 
 using Repeated = google::protobuf::RepeatedField<double>;
 
-void put(const control::Vector& vector, Repeated& out) { out.Add(vector.data(), vector.data() + vector.size()); }
+template <class Rows>
+void put(const Rows& vector, Repeated& out) {
+  out.Add(vector.data(), vector.data() + vector.size());
+}
 
-control::Vector vector_from(const Repeated& in, const char* name) {
-  if (in.size() > control::kDofMax) {
-    throw std::invalid_argument(std::string(name) + " must have at most 6 rows, got " + std::to_string(in.size()));
+template <class Rows = control::Vector>
+Rows vector_from(const Repeated& in, const char* name) {
+  constexpr int kRowsMax = Rows::MaxRowsAtCompileTime;
+  if (in.size() > kRowsMax) {
+    throw std::invalid_argument(std::string(name) + " must have at most " + std::to_string(kRowsMax) + " rows, got " +
+                                std::to_string(in.size()));
   }
-  control::Vector vector(in.size());
+  Rows vector(in.size());
   for (int row = 0; row < in.size(); ++row) vector[row] = in[row];
   return vector;
 }
@@ -59,6 +65,7 @@ void put(const wire::EnvironmentForce& force, v1::EnvironmentForce& out) {
   out.set_texture_n(force.texture_N);
   put(force.texture_wave, *out.mutable_texture_wave_rad_per_m());
   put(force.texture_across, *out.mutable_texture_across_rad_per_m());
+  put(force.port, *out.mutable_port());
 }
 
 void take(const v1::EnvironmentForce& in, wire::EnvironmentForce& force) {
@@ -79,6 +86,7 @@ void take(const v1::EnvironmentForce& in, wire::EnvironmentForce& force) {
   force.texture_N = in.texture_n();
   force.texture_wave = vector_from(in.texture_wave_rad_per_m(), "texture_wave_rad_per_m");
   force.texture_across = vector_from(in.texture_across_rad_per_m(), "texture_across_rad_per_m");
+  force.port = vector_from<control::PortNumbers>(in.port(), "port");
 }
 
 template <class Message>
@@ -178,6 +186,7 @@ std::string encode(const wire::MotionSample& motion) {
   out.set_sequence(motion.sequence);
   out.set_device_time_ns(motion.device_time.count());
   put(motion.position, *out.mutable_position_m());
+  put(motion.port, *out.mutable_port());
   return out.SerializeAsString();
 }
 
@@ -187,6 +196,7 @@ void decode(std::string_view bytes, wire::MotionSample& motion) {
   motion.sequence = in.sequence();
   motion.device_time = time_from(in.device_time_ns(), "device_time_ns");
   motion.position = vector_from(in.position_m(), "position_m");
+  motion.port = vector_from<control::PortNumbers>(in.port(), "port");
 }
 
 std::string encode(const wire::EnvironmentForce& force) {

@@ -56,13 +56,15 @@ std::string_view cut_text(std::string_view text) noexcept { return cut(text, kTe
 
 using Numbers = google::protobuf::RepeatedField<double>;
 
-void put(const control::Vector& from, Numbers* to) noexcept {
+template <class Rows>
+void put(const Rows& from, Numbers* to) noexcept {
   for (Eigen::Index i = 0; i < from.rows(); ++i) to->Add(from[i]);
 }
 
 /// False if it is none of our vectors.
-bool take(const Numbers& from, control::Vector& to) noexcept {
-  if (from.size() > control::kDofMax) return false;
+template <class Rows>
+bool take(const Numbers& from, Rows& to) noexcept {
+  if (from.size() > Rows::MaxRowsAtCompileTime) return false;
   to.resize(from.size());
   for (int i = 0; i < from.size(); ++i) to[i] = from[i];
   return to.allFinite();
@@ -99,13 +101,14 @@ struct Codec::Storage {
 // Grows every string and list to the most that a datagram can hold; clearing keeps what they have.
 Codec::Storage::Storage() {
   const std::string longest(kFrameBytesMax, 'x');
-  for (std::string* text : {hello.mutable_device(), hello.mutable_scene(), hello.mutable_padding(),
-                            welcome.mutable_scene(), welcome.mutable_simulated(), refusal.mutable_text()}) {
+  for (std::string* text :
+       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_port(), hello.mutable_padding(),
+        welcome.mutable_scene(), welcome.mutable_simulated(), refusal.mutable_text()}) {
     *text = longest;
   }
   for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_position_m(),
                            force.mutable_contact_normal(), force.mutable_texture_wave_rad_per_m(),
-                           force.mutable_texture_across_rad_per_m()}) {
+                           force.mutable_texture_across_rad_per_m(), motion.mutable_port(), force.mutable_port()}) {
     numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
   }
 }
@@ -121,6 +124,7 @@ void Codec::Storage::fill(const Hello& from) noexcept {
   hello.mutable_scene()->assign(cut_name(from.scene));
   hello.set_client_time_ns(from.client_time.count());
   hello.set_round_trip_ns(from.round_trip.count());
+  hello.mutable_port()->assign(cut_name(from.port));
   hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
 }
 
@@ -148,6 +152,7 @@ void Codec::Storage::fill(const MotionSample& from) noexcept {
   motion.set_sequence(from.sequence);
   motion.set_device_time_ns(from.device_time.count());
   put(from.position, motion.mutable_position_m());
+  put(from.port, motion.mutable_port());
 }
 
 void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
@@ -169,6 +174,7 @@ void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
   force.set_texture_n(from.texture_N);
   put(from.texture_wave, force.mutable_texture_wave_rad_per_m());
   put(from.texture_across, force.mutable_texture_across_rad_per_m());
+  put(from.port, force.mutable_port());
 }
 
 void Codec::Storage::fill(const Bye& from) noexcept {
@@ -199,7 +205,8 @@ Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
                        .force_N_max = from.force_n_max(),
                        .scene = cut_name(from.scene()),
                        .client_time = time,
-                       .round_trip = round_trip}};
+                       .round_trip = round_trip,
+                       .port = cut_name(from.port())}};
 }
 
 Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
@@ -226,7 +233,7 @@ Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
       .session = from.session(), .sequence = from.sequence(), .device_time = Nanoseconds{from.device_time_ns()}};
   // Without a position it would be smaller than the Refusal that may answer it.
   if (from.position_m().empty() || !plausible(motion.device_time)) return Malformed::unreadable;
-  if (!take(from.position_m(), motion.position)) return Malformed::non_finite;
+  if (!take(from.position_m(), motion.position) || !take(from.port(), motion.port)) return Malformed::non_finite;
   return Message{motion};
 }
 
@@ -249,7 +256,7 @@ Decoded to_value(const v1::EnvironmentForce& from, std::size_t) noexcept {
   const bool ours = take(from.force_n(), force.force) && take(from.position_m(), force.position) &&
                     take(from.contact_normal(), force.contact_normal) && std::isfinite(force.penetration_m) &&
                     std::isfinite(force.texture_N) && take(from.texture_wave_rad_per_m(), force.texture_wave) &&
-                    take(from.texture_across_rad_per_m(), force.texture_across);
+                    take(from.texture_across_rad_per_m(), force.texture_across) && take(from.port(), force.port);
   if (!ours) return Malformed::non_finite;
   return Message{force};
 }

@@ -25,7 +25,7 @@ enum class Malformed : std::uint8_t {
   foreign,     ///< does not begin with our mark, or of another frame version
   corrupt,     ///< the checksum disagrees
   unreadable,  ///< the body is not the message it says it is; a short Hello and motion without position are none either
-  non_finite,  ///< a number in it is not finite, or a vector has more than six rows
+  non_finite,  ///< a number in it is not finite, a vector has more than six rows or a port more than 16 numbers
 };
 inline constexpr std::size_t kMalformedReasons = 6;
 

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/law.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -31,6 +32,7 @@ struct Hello {
   std::string_view scene{};   ///< wanted scene, empty: whatever the server runs
   Nanoseconds client_time{0};
   Nanoseconds round_trip{0};  ///< as a refusal `round_trip_wanted` let the client measure; 0: not measured
+  std::string_view port{};    ///< the law whose half the server shall be, empty: none
 };
 
 struct Welcome {
@@ -49,6 +51,7 @@ enum class RefusalReason : std::uint8_t {
   server_full,
   unknown_session,    ///< the answer to motion of a session this server does not know: it restarted, or forgot
   round_trip_wanted,  ///< what is simulated depends on it: say Hello again with what the echoed time tells
+  unknown_port,       ///< the server has no half of the law
 };
 
 struct Refusal {
@@ -62,9 +65,10 @@ struct Refusal {
 /// Client to server, each tick.
 struct MotionSample {
   std::uint64_t session = 0;
-  std::uint64_t sequence = 0;  ///< 1, 2, 3, ... per client process, across sessions
-  Nanoseconds device_time{0};  ///< client's clock at the reading
-  control::Vector position{};  ///< [m], scene frame, dof rows
+  std::uint64_t sequence = 0;   ///< 1, 2, 3, ... per client process, across sessions
+  Nanoseconds device_time{0};   ///< client's clock at the reading
+  control::Vector position{};   ///< [m], scene frame, dof rows
+  control::PortNumbers port{};  ///< from the law's half at the device
 };
 
 /// Server to client: the answer to one motion.
@@ -89,6 +93,7 @@ struct EnvironmentForce {
   double texture_N = 0;
   control::Vector texture_wave{};
   control::Vector texture_across{};
+  control::PortNumbers port{};  ///< from the law's half at the server
 };
 
 /// Either way: this session ends. The server's answer carries its final counts.

@@ -168,12 +168,32 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
   waiting_.push_back(motion.session);
 }
 
+Vector Server::Partner::place(const wire::MotionSample& motion) noexcept {
+  if (!law) return motion.position;
+  // A clock that runs back says nothing of how long it was.
+  const Nanoseconds interval = motion.device_time - answered.value_or(motion.device_time);
+  answered = motion.device_time;
+  Vector at = law->place({.position = motion.position,
+                          .numbers = motion.port,
+                          .interval_s = time::to_seconds(std::max(interval, Nanoseconds::zero()))});
+  // No scene, least of all a shared one, shall see what is no place.
+  const bool sound = at.rows() == motion.position.rows() && at.allFinite();
+  return sound ? at : motion.position;
+}
+
+control::LawPartner::Said Server::Partner::answer(const Vector& force_N) noexcept {
+  if (!law) return {.force = force_N, .numbers = {}};
+  return law->answer(force_N);
+}
+
 void Server::answer(Session& session, const Waiting& waiting) noexcept {
   const wire::MotionSample& motion = waiting.motion;
   const Nanoseconds now = waiting.since;
   observer_.on_motion(motion);
   const Nanoseconds begin = clock_.now();
-  const SceneAnswer scene = session.scene.answer(motion.position, motion.device_time, now);
+  const Vector place = session.partner.place(motion);
+  const SceneAnswer scene = session.scene.answer(place, motion.device_time, now);
+  const control::LawPartner::Said said = session.partner.answer(scene.force);
   const Nanoseconds end = clock_.now();
 
   const auto wave = [&](int i) {
@@ -184,8 +204,8 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
                                      .sequence = session.arrivals.counts.forces_sent + 1,
                                      .motion_sequence = motion.sequence,
                                      .motion_device_time = motion.device_time,
-                                     .force = scene.force,
-                                     .position = motion.position,
+                                     .force = said.force,
+                                     .position = place,
                                      .contact_normal = scene.contact_normal,
                                      .penetration_m = scene.penetration_m,
                                      .server_receive_time = now,
@@ -196,7 +216,8 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
                                      .motions_reordered = session.arrivals.counts.motions_reordered,
                                      .texture_N = scene.texture.amplitude_N,
                                      .texture_wave = wave(0),
-                                     .texture_across = wave(1)};
+                                     .texture_across = wave(1),
+                                     .port = said.numbers};
   for (const std::string* name : scene.quarantined) observer_.on_quarantined(session.info, *name);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;

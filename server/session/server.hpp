@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "forcebound/control/law_registry.hpp"
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
 #include "forcebound/server/scene/scene_state.hpp"
@@ -28,6 +29,7 @@ struct ServerOptions {
   Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< without motion; longer than any round trip (12 s are known)
   double motions_per_promised = 4;                      ///< answers per motion that the client promised in its Hello
   int hellos_per_s_max = 50;                            ///< over all clients
+  control::LawRegistry laws = control::shipped_laws();  ///< whose halves clients may ask for
 };
 
 /// Who is connected, and the answer to each of their motions. Every client has its own state of its scene, but for the
@@ -40,6 +42,9 @@ struct ServerOptions {
 /// once with fewer bytes than it had. A session follows its client to another address if the newest motion comes from
 /// there, because nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was
 /// lost; sent as well to a client that was there and fell silent, because perhaps only the way up has died.
+///
+/// A law that has a half here is asked for by name in the Hello. That half chooses where the scene is asked, and what
+/// of its answer goes to the device; it begins anew with each session.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -88,10 +93,21 @@ class Server {
     Nanoseconds since;
   };
 
+  /// The half of a client's law that stands between its motions and the scene.
+  struct Partner {
+    std::unique_ptr<control::LawPartner> law;  ///< null: the law has no half here
+    std::optional<Nanoseconds> answered{};     ///< device time of the motion answered last
+
+    /// Where the scene is to be asked [m].
+    [[nodiscard]] Vector place(const wire::MotionSample& motion) noexcept;
+    [[nodiscard]] control::LawPartner::Said answer(const Vector& force_N) noexcept;
+  };
+
   struct Session {
     SessionInfo info;
     std::uint64_t nonce;
     SceneState scene;
+    Partner partner;
     time::TokenBucket rate;
     Nanoseconds last_heard;
     Arrivals arrivals{};

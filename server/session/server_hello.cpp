@@ -25,6 +25,15 @@ std::string refusal_of_version(std::uint32_t version) {
          std::to_string(version);
 }
 
+std::string refusal_of_port(const control::LawRegistry& laws, std::string_view port) {
+  std::string known;
+  for (const std::string& name : laws.names()) {
+    if (laws.find(name).make_partner) known += (known.empty() ? "" : ", ") + name;
+  }
+  return "this server has no half of a law '" + printable(port) + "'" +
+         (known.empty() ? ", nor of any other" : " (known: " + known + ")");
+}
+
 std::string refusal_of_dof(const Scene& scene, const wire::Hello& hello) {
   return "scene '" + scene.facts().name + "' accepts devices with " + scene.accepted_degrees_of_freedom() +
          " degrees of freedom, device '" + printable(hello.device) + "' has " +
@@ -98,6 +107,9 @@ void Server::refuse(const wire::Hello& hello, const net::Address& from, const Re
 std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const Scene& scene, Nanoseconds now) {
   if (!scene.accepts(hello.degrees_of_freedom)) {
     return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(scene, hello)};
+  }
+  if (!hello.port.empty() && !options_.laws.make_partner(hello.port, static_cast<int>(hello.degrees_of_freedom))) {
+    return Refused{RefusalReason::unknown_port, refusal_of_port(options_.laws, hello.port)};
   }
   if (scene.facts().shared && is_full(scene) && !evict_unproven(now, &scene)) {
     return Refused{RefusalReason::server_full, "all " + std::to_string(scene.facts().clients_max) +
@@ -174,6 +186,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const Sc
       .info = std::move(info),
       .nonce = hello.client_nonce,
       .scene = enter(scene, hello.degrees_of_freedom),
+      .partner = {.law = options_.laws.make_partner(hello.port, static_cast<int>(hello.degrees_of_freedom))},
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
   session.arrivals.counts.session = id;

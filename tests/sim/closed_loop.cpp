@@ -16,10 +16,15 @@ using namespace std::chrono_literals;
 constexpr Nanoseconds kServerTimer = 250ms;
 constexpr Nanoseconds kClosing = 30s;  // virtual, so patience costs nothing
 
+ClosedLoop::Settings with_laws(ClosedLoop::Settings settings) {
+  if (!settings.laws) settings.laws = std::make_shared<const control::LawRegistry>(control::shipped_laws());
+  return settings;
+}
+
 }  // namespace
 
 ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& sinks)
-    : settings_(std::move(settings)),
+    : settings_(with_laws(std::move(settings))),
       tick_clock_(clock_),
       server_clock_(clock_, settings_.server_clock),
       schedule_(settings_.timing, time::from_seconds(settings_.device.facts.period_s), settings_.seed),
@@ -47,8 +52,8 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
   start_server();
   session_ = std::make_unique<client::Session>(
       client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
-      device_, control::shipped_laws().make(settings_.law, device_.facts(), settings_.law_options),
-      network_.add_client(), tick_clock_, client::Session::Sinks{.ticks = sinks_});
+      device_, settings_.laws->make(settings_.law, device_.facts(), settings_.law_options), network_.add_client(),
+      tick_clock_, client::Session::Sinks{.ticks = sinks_});
 }
 
 ClosedLoop::~ClosedLoop() = default;
@@ -76,8 +81,9 @@ void ClosedLoop::start_server() {
   server::SceneLibrary scenes;
   scenes.add(settings_.scene);
   server_ = std::make_unique<server::Server>(
-      server::ServerOptions{.scene = settings_.scene->facts().name}, std::move(scenes), network_.server_link(),
-      server_clock_, [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
+      server::ServerOptions{.scene = settings_.scene->facts().name, .laws = *settings_.laws}, std::move(scenes),
+      network_.server_link(), server_clock_,
+      [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
   network_.attach_server();
 }
 

@@ -49,7 +49,6 @@ class ClosedLoop {
     std::string hand;                                                      ///< the operator's specification
     std::function<std::unique_ptr<const client::Operator>()> make_hand{};  ///< in its place, if set
     std::string law;
-    control::LawOptions law_options{};
     std::shared_ptr<const server::Scene> scene;
     SimulatedNetworkSettings network{};
     client::LateForcePolicy policy{};
@@ -60,6 +59,8 @@ class ClosedLoop {
     std::optional<EnvironmentSetting> environment{};  ///< none: what the server says
     std::vector<Fault> faults{};
     Nanoseconds server_turn{0};  ///< how long it computes before it answers; meanwhile what comes waits
+    std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: those that are shipped
+    control::LawOptions law_options{};
   };
 
   /// @param sinks see every tick, beside the summary; they must outlive the loop.

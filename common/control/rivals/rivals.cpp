@@ -5,7 +5,11 @@ namespace forcebound::control {
 void add_rivals(LawRegistry& laws) {
   laws.add(adjusting_output_limiter());
   laws.add(energy_bounding());
+  laws.add(set_position_modulation());
   laws.add(time_domain_passivity());
+  laws.add(two_port_passivity());
+  laws.add(two_layer());
+  laws.add(wave_variables());
 }
 
 }  // namespace forcebound::control

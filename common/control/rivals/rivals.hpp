@@ -12,8 +12,20 @@ namespace forcebound::control {
 /// `eba`: the force follows the request with a stiffness between two bounds.
 [[nodiscard]] LawDescription energy_bounding();
 
+/// `pspm`: a spring whose other end moves as far as the energy allows.
+[[nodiscard]] LawDescription set_position_modulation();
+
 /// `tdpa`: an observer of the energy given away, and damping when there is too much of it.
 [[nodiscard]] LawDescription time_domain_passivity();
+
+/// `tdpa-2port`: an observer and a controller of passivity at each end of the network.
+[[nodiscard]] LawDescription two_port_passivity();
+
+/// `tla`: the environment's force, paid from a tank of energy at each end of the network.
+[[nodiscard]] LawDescription two_layer();
+
+/// `wave`: force and velocity travel as waves.
+[[nodiscard]] LawDescription wave_variables();
 
 void add_rivals(LawRegistry& laws);
 

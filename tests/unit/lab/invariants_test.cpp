@@ -71,7 +71,8 @@ TEST_F(InvariantsTest, FindALedgerThatBelievesInMoreThanThereIs) {
 
 TEST_F(InvariantsTest, FindCountsThatDoNotAddUp) {
   const auto broken = [&](const record::RunTotals& totals, const server::ServerCounters& server, bool active = true) {
-    Invariants invariants(case_, true);
+    case_.passive = true;
+    Invariants invariants(case_);
     record::TickRecord tick = tick_;
     tick.motion_sequence = 1;
     invariants.on_tick(tick);

@@ -50,11 +50,18 @@ control::Vector any_vector(int rows_min) {
   return v;
 }
 
+control::PortNumbers any_port() {
+  control::PortNumbers numbers(*rc::gen::inRange(0, 17));
+  for (Eigen::Index i = 0; i < numbers.rows(); ++i) numbers[i] = *finite_number();
+  return numbers;
+}
+
 // As far from zero as a time on the wire may be.
 Nanoseconds any_time() { return Nanoseconds{*rc::gen::inRange<std::int64_t>(-kTimeMost.count(), kTimeMost.count())}; }
 std::uint64_t any_count() { return *rc::gen::arbitrary<std::uint64_t>(); }
 
-void expect_same(const control::Vector& a, const control::Vector& b) {
+template <class Rows>
+void expect_same(const Rows& a, const Rows& b) {
   RC_ASSERT(a.rows() == b.rows());
   RC_ASSERT((a.array() == b.array()).all());
 }
@@ -96,6 +103,7 @@ TEST(Codec, GivesHelloBack) {
   EXPECT_EQ(back.scene, "sphere");
   EXPECT_EQ(back.client_time, Nanoseconds{-12});
   EXPECT_EQ(back.round_trip, Nanoseconds{20000000});
+  EXPECT_EQ(back.port, "wave");
 }
 
 TEST(Codec, GivesWelcomeBack) {
@@ -110,9 +118,10 @@ TEST(Codec, GivesWelcomeBack) {
 
 TEST(Codec, GivesEveryRefusalBack) {
   Codec codec;
-  for (const auto reason : {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
-                            RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full,
-                            RefusalReason::unknown_session, RefusalReason::round_trip_wanted}) {
+  for (const auto reason :
+       {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
+        RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full, RefusalReason::unknown_session,
+        RefusalReason::round_trip_wanted, RefusalReason::unknown_port}) {
     const auto back = round_trip(
         codec,
         Refusal{.client_nonce = 1, .session = 2, .reason = reason, .text = "why", .client_time = Nanoseconds{-12}});
@@ -127,12 +136,13 @@ TEST(Codec, GivesEveryRefusalBack) {
 TEST(Codec, GivesAnyMotionBackBitForBit) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1)};
+    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_port()};
     const MotionSample back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
     RC_ASSERT(back.device_time == sent.device_time);
     expect_same(back.position, sent.position);
+    expect_same(back.port, sent.port);
   }));
 }
 
@@ -155,7 +165,8 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
                                 .motions_reordered = any_count(),
                                 .texture_N = *finite_number(),
                                 .texture_wave = any_vector(0),
-                                .texture_across = any_vector(0)};
+                                .texture_across = any_vector(0),
+                                .port = any_port()};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -167,6 +178,7 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
     RC_ASSERT(back.texture_N == sent.texture_N);
     expect_same(back.texture_wave, sent.texture_wave);
     expect_same(back.texture_across, sent.texture_across);
+    expect_same(back.port, sent.port);
     RC_ASSERT(back.penetration_m == sent.penetration_m);
     RC_ASSERT(back.server_receive_time == sent.server_receive_time);
     RC_ASSERT(back.server_send_time == sent.server_send_time);
@@ -204,7 +216,8 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
                               .force_N_max = 1,
                               .scene = endless,
                               .client_time = kTimeMost,
-                              .round_trip = -kTimeMost})
+                              .round_trip = -kTimeMost,
+                              .port = endless})
                 .size(),
             kFrameBytesMax);
   EXPECT_LE(
@@ -226,11 +239,36 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
 TEST(Codec, RefusingASessionTakesLessThanTheMotionThatNamedIt) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1)};
+    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1), any_port()};
     const std::size_t question = codec.encode(motion).size();
     RC_ASSERT(codec.encode(Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}).size() <
               question);
   }));
+}
+
+TEST(Codec, SaysTheMostThatAnyHalvesOfALawCanSayInOneFrame) {
+  Codec codec;
+  const control::Vector six = vector_of({1, 2, 3, 4, 5, 6});
+  const EnvironmentForce most{.session = ~0ull,
+                              .sequence = ~0ull,
+                              .motion_sequence = ~0ull,
+                              .motion_device_time = -kTimeMost,
+                              .force = six,
+                              .position = six,
+                              .contact_normal = six,
+                              .penetration_m = 1,
+                              .server_receive_time = -kTimeMost,
+                              .server_send_time = -kTimeMost,
+                              .compute_time = -kTimeMost,
+                              .motions_received = ~0ull,
+                              .motions_duplicated = ~0ull,
+                              .motions_reordered = ~0ull,
+                              .texture_N = 1,
+                              .texture_wave = six,
+                              .texture_across = six,
+                              .port = port_numbers(16)};
+  EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
+  EXPECT_EQ(round_trip(codec, most).port, most.port);
 }
 
 TEST(Codec, CutsTextBetweenCharacters) {

@@ -9,6 +9,10 @@ namespace forcebound::wire {
 
 using test::vector_of;
 
+inline control::PortNumbers port_numbers(int count, double first = 0.5) {
+  return control::PortNumbers::LinSpaced(count, first, first + count - 1);
+}
+
 /// One of each kind, every field set.
 inline std::array<Message, 6> one_of_each() {
   return {Hello{.protocol_version = 1,
@@ -19,7 +23,8 @@ inline std::array<Message, 6> one_of_each() {
                 .force_N_max = 3.3,
                 .scene = "sphere",
                 .client_time = Nanoseconds{-12},
-                .round_trip = Nanoseconds{20000000}},
+                .round_trip = Nanoseconds{20000000},
+                .port = "wave"},
           Welcome{.client_nonce = 0x0123456789abcdef,
                   .session = 0xfedcba9876543210,
                   .scene_hash = 77,
@@ -33,7 +38,8 @@ inline std::array<Message, 6> one_of_each() {
           MotionSample{.session = 0xfedcba9876543210,
                        .sequence = 1000,
                        .device_time = Nanoseconds{123456789},
-                       .position = vector_of({0.01, -0.02, 0.03})},
+                       .position = vector_of({0.01, -0.02, 0.03}),
+                       .port = port_numbers(16)},
           EnvironmentForce{.session = 0xfedcba9876543210,
                            .sequence = 999,
                            .motion_sequence = 1000,
@@ -50,7 +56,8 @@ inline std::array<Message, 6> one_of_each() {
                            .motions_reordered = 2,
                            .texture_N = 0.4,
                            .texture_wave = vector_of({3000, 0, 0}),
-                           .texture_across = vector_of({0, 3000, 0})},
+                           .texture_across = vector_of({0, 3000, 0}),
+                           .port = port_numbers(16, -3)},
           Bye{.session = 0xfedcba9876543210,
               .motions_received = 990,
               .motions_duplicated = 3,

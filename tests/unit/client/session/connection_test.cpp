@@ -35,6 +35,12 @@ TEST_F(ConnectionTest, AsksWithGrowingPauses) {
   EXPECT_EQ(hellos, 10) << "one in 2 s in the end";
 }
 
+TEST_F(ConnectionTest, AsksForTheHalfOfItsLaw) {
+  EXPECT_EQ(connection.hello(0ms).port, "");
+  Connection with_port({.device = "wall-1dof", .scene = "wall", .port = "wave"}, 1);
+  EXPECT_EQ(with_port.hello(0ms).port, "wave");
+}
+
 TEST_F(ConnectionTest, BeginsASessionOnceHoweverOftenWelcomed) {
   EXPECT_EQ(connection.state(), SessionState::connecting);
   EXPECT_TRUE(connection.on_welcome(welcome(5)));

@@ -48,9 +48,9 @@ class Events final : public EventSink {
 /// The test is the server: it sees each motion and answers by hand.
 class SessionTest : public ::testing::Test {
  protected:
-  explicit SessionTest(std::string_view law = "none")
-      : session({.server = kServer, .scene = "wall"}, device, control::shipped_laws().make(law, device.facts()), link,
-                clock, {.ticks = sinks, .events = &events}) {}
+  explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = control::shipped_laws())
+      : session({.server = kServer, .scene = "wall"}, device, laws.make(law, device.facts()), link, clock,
+                {.ticks = sinks, .events = &events}) {}
 
   void tick() {
     clock.time += 1ms;

@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "forcebound/client/device/load_device.hpp"
+#include "forcebound/net/netem_parameters.hpp"
+#include "forcebound/server/scene/scene_library.hpp"
+#include "tests/sim/closed_loop.hpp"
+#include "tests/support/port_law.hpp"
+
+namespace forcebound::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+ClosedLoop::Settings with_port(test::PortLog& log, const std::string& netem) {
+  const auto parameters = net::parse_netem(netem);
+  return {.device = client::load_device("wall-1dof"),
+          .hand = "press",
+          .law = "port",
+          .scene = server::load_scene("wall"),
+          .network = {.up = parameters, .down = parameters, .trace = {}, .seed = 5},
+          .laws = std::make_shared<const control::LawRegistry>(test::laws_with_port(log))};
+}
+
+bool rises(const std::vector<double>& numbers) { return std::ranges::is_sorted(numbers, std::less_equal<>()); }
+
+//   law's half at the device ==( late, lost, doubled, reordered )== law's half at the server
+TEST(Port, CarriesNumbersBothWaysAndNeverOldOnesAfterNewOnes) {
+  test::PortLog log;
+  ClosedLoop loop(with_port(log, "delay 5ms 3ms loss 10% duplicate 10%"));
+  loop.run(5s);
+  EXPECT_GT(log.ticks_heard.size(), 2000U);
+  EXPECT_GT(log.answers_heard.size(), 1500U);
+  EXPECT_GT(loop.totals().reordered, 100U);
+  EXPECT_GT(loop.totals().duplicated, 100U);
+  for (const auto* heard : {&log.ticks_heard, &log.answers_heard, &log.ticks_heard_of}) EXPECT_TRUE(rises(*heard));
+  const std::set<double> said(log.ticks_heard.begin(), log.ticks_heard.end());
+  EXPECT_TRUE(std::ranges::all_of(log.ticks_heard_of, [&](double ticks) { return said.contains(ticks); }));
+  EXPECT_NEAR(log.ticks_heard_of.back(), 5000, 30) << "a round trip behind";
+  double time_s = 0;
+  for (const double interval_s : log.intervals_s) time_s += interval_s;
+  EXPECT_NEAR(time_s, 5, 0.05) << "intervals span the motions that were lost";
+}
+
+TEST(Port, BeginsAnewWithTheServerThatRestarts) {
+  test::PortLog log;
+  ClosedLoop loop(with_port(log, "delay 2ms loss 5%"));
+  loop.run(2s);
+  ASSERT_EQ(log.partner_began.size(), 1U);
+  ASSERT_GT(log.answers_heard.back(), 1500);
+  loop.kill_server();
+  loop.run(100ms);
+  loop.start_server();
+  loop.run(1s);
+  ASSERT_EQ(log.partner_began.size(), 2U);
+  const std::vector<double> since(log.answers_heard.begin() + static_cast<std::ptrdiff_t>(log.partner_began.back()),
+                                  log.answers_heard.end());
+  ASSERT_GT(since.size(), 500U);
+  EXPECT_LT(since.front(), 5);
+  EXPECT_TRUE(rises(since));
+  EXPECT_NEAR(log.ticks_heard.back(), 3100, 10) << "the device's half goes on counting";
+}
+
+}  // namespace
+}  // namespace forcebound::sim

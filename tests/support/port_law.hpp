@@ -1,0 +1,94 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/control/transparent_law.hpp"
+
+namespace forcebound::test {
+
+/// What the two halves of a PortLaw heard of each other.
+struct PortLog {
+  std::vector<double> ticks_heard;         ///< at the server: how many ticks the device had made
+  std::vector<double> intervals_s;         ///< at the server
+  std::vector<double> answers_heard;       ///< at the device: how many answers the server had given this session
+  std::vector<double> ticks_heard_of;      ///< at the device: what the server had last heard of its ticks
+  std::vector<std::size_t> partner_began;  ///< how much the device had heard each time
+};
+
+/// A law without a bound whose halves count aloud, and whose server's half asks the scene `kShift_m` beyond the device
+/// and doubles the force.
+class PortLaw final : public control::PassivityLaw {
+ public:
+  static constexpr double kShift_m = 1e-3;
+
+  PortLaw(const control::DeviceFacts& facts, PortLog& log)
+      : none_(facts.degrees_of_freedom(), facts.period_s), log_(log) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "port"; }
+  [[nodiscard]] std::string_view port() const noexcept override { return "port"; }
+  void credit(const control::Motion& motion) noexcept override {
+    ++ticks_;
+    none_.credit(motion);
+  }
+  void lose(const control::Motion& motion) noexcept override { none_.lose(motion); }
+  [[nodiscard]] control::Vector bound(const control::Vector& request_N) noexcept override { return request_N; }
+  void commit(const control::Vector& force_N) noexcept override { none_.commit(force_N); }
+  [[nodiscard]] double energy_J() const noexcept override { return none_.energy_J(); }
+  [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
+    return control::PortNumbers::Constant(1, ticks_);
+  }
+  void incoming(const control::PortNumbers& numbers) noexcept override {
+    if (numbers.rows() != 2) return;
+    log_.answers_heard.push_back(numbers[0]);
+    log_.ticks_heard_of.push_back(numbers[1]);
+  }
+  void begin_partner() noexcept override { log_.partner_began.push_back(log_.answers_heard.size()); }
+
+ private:
+  control::TransparentLaw none_;
+  PortLog& log_;
+  double ticks_ = 0;
+};
+
+class PortPartner final : public control::LawPartner {
+ public:
+  explicit PortPartner(PortLog& log) : log_(log) {}
+
+  [[nodiscard]] control::Vector place(const Heard& heard) noexcept override {
+    if (heard.numbers.rows() > 0) ticks_ = heard.numbers[0];
+    log_.ticks_heard.push_back(ticks_);
+    log_.intervals_s.push_back(heard.interval_s);
+    return heard.position + control::Vector::Constant(heard.position.rows(), PortLaw::kShift_m);
+  }
+  [[nodiscard]] Said answer(const control::Vector& force_N) noexcept override {
+    control::PortNumbers numbers(2);
+    numbers << ++answers_, ticks_;
+    return {.force = 2 * force_N, .numbers = numbers};
+  }
+
+ private:
+  PortLog& log_;
+  double ticks_ = 0;
+  double answers_ = 0;
+};
+
+/// The shipped laws and "port". The log must outlive what is made, and holds some hundreds of thousands of ticks
+/// before it allocates.
+inline control::LawRegistry laws_with_port(PortLog& log) {
+  constexpr std::size_t kTicks = 100'000;
+  for (auto* numbers : {&log.ticks_heard, &log.intervals_s, &log.answers_heard, &log.ticks_heard_of})
+    numbers->reserve(kTicks);
+  log.partner_began.reserve(100);
+  control::LawRegistry laws = control::shipped_laws();
+  laws.add({.name = "port",
+            .summary = "counts aloud",
+            .make = [&log](const control::DeviceFacts& facts,
+                           const control::LawOptions&) { return std::make_unique<PortLaw>(facts, log); },
+            .make_partner = [&log](int) { return std::make_unique<PortPartner>(log); }});
+  return laws;
+}
+
+}  // namespace forcebound::test

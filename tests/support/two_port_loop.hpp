@@ -1,0 +1,134 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+
+namespace forcebound::test {
+
+/// The paper's device without its encoder: 30 N s/m on each axis, 1 kHz, 30 N.
+inline control::DeviceFacts ideal_device(int degrees_of_freedom) {
+  control::DeviceFacts facts;
+  facts.name = "ideal";
+  facts.damping = 30 * control::Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
+  facts.friction = facts.encoder_step = facts.actuator_step = control::Vector::Zero(degrees_of_freedom);
+  facts.force_N_max = 30;
+  return facts;
+}
+
+struct TwoPortSetting {
+  int degrees_of_freedom = 1;
+  std::size_t delay_ticks = 0;  ///< each way
+  control::LawParameters parameters{};
+};
+
+/// Both halves of a law, whose motion and environment a test plays:
+///
+///     test -- device's half ==( delay )== server's half -- environment
+class TwoPortLoop {
+ public:
+  using Environment = std::function<control::Vector(const control::Vector& place)>;
+
+  TwoPortLoop(std::string_view law, TwoPortSetting setting, Environment environment)
+      : facts_(ideal_device(setting.degrees_of_freedom)),
+        name_(law),
+        setting_(std::move(setting)),
+        environment_(std::move(environment)),
+        damping_(control::Damping::from_matrix(facts_.damping)),
+        controller_(facts_, control::shipped_laws().make(law, facts_, {.parameters = setting_.parameters})),
+        request_(control::Vector::Zero(setting_.degrees_of_freedom)) {
+    restart_server();
+  }
+
+  /// The force on the device from this reading on [N].
+  control::Vector tick(const control::Vector& position) {
+    up_.push_back({position, controller_.law().outgoing()});
+    if (up_.size() > setting_.delay_ticks) {
+      const auto [at, numbers] = up_.front();
+      up_.pop_front();
+      place_ = partner_->place({.position = at, .numbers = numbers, .interval_s = answers_++ > 0 ? 1e-3 : 0.0});
+      down_.push_back(partner_->answer(environment_(place_)));
+    }
+    if (down_.size() > setting_.delay_ticks) {
+      controller_.hear(down_.front().numbers);
+      request_ = down_.front().force;
+      down_.pop_front();
+    }
+    return step(position, request_);
+  }
+  double tick(double position_m) { return tick(control::Vector::Constant(1, position_m))[0]; }
+
+  /// A tick without the server.
+  control::Vector step(const control::Vector& position, const control::Vector& request_N) noexcept {
+    control::Motion motion;
+    motion.interval_s = ticks_++ > 0 ? facts_.period_s : 0.0;
+    motion.position = motion.joint = position;
+    motion.jacobian = control::Matrix::Identity(position.rows(), position.rows());
+    motion.damping = &damping_;
+    return controller_.tick(motion, request_N);
+  }
+  double step(double position_m, double request_N) noexcept {
+    return step(control::Vector::Constant(1, position_m), control::Vector::Constant(1, request_N))[0];
+  }
+
+  void restart_server() {
+    partner_ = control::shipped_laws().make_partner(name_, setting_.degrees_of_freedom);
+    answers_ = 0;
+    up_.clear();
+    down_.clear();
+    controller_.begin_partner();
+  }
+
+  control::PassivityController& controller() noexcept { return controller_; }
+  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
+  [[nodiscard]] double energy_J() const noexcept { return law().energy_J(); }
+  [[nodiscard]] const control::Vector& place() const noexcept { return place_; }
+
+ private:
+  struct Up {
+    control::Vector position;
+    control::PortNumbers numbers;
+  };
+
+  control::DeviceFacts facts_;
+  std::string name_;
+  TwoPortSetting setting_;
+  Environment environment_;
+  control::Damping damping_;
+  control::PassivityController controller_;
+  std::unique_ptr<control::LawPartner> partner_;
+  std::deque<Up> up_;
+  std::deque<control::LawPartner::Said> down_;
+  control::Vector request_;
+  control::Vector place_;
+  int ticks_ = 0;
+  int answers_ = 0;
+};
+
+/// A wall at x >= 0.
+inline TwoPortLoop::Environment wall_of(double stiffness_N_per_m) {
+  return [=](const control::Vector& place) {
+    control::Vector force = control::Vector::Zero(place.rows());
+    force[0] = -stiffness_N_per_m * std::max(0.0, place[0]);
+    return force;
+  };
+}
+
+inline TwoPortLoop::Environment nothing_there() {
+  return [](const control::Vector& place) { return control::Vector(control::Vector::Zero(place.rows())); };
+}
+
+/// What a law's other half might say that has so much to give: the energy first, whatever follows.
+inline control::PortNumbers saying(double energy_J, const control::Vector& rest) {
+  control::PortNumbers numbers(1 + rest.rows());
+  numbers << energy_J, rest;
+  return numbers;
+}
+
+}  // namespace forcebound::test

@@ -1,0 +1,141 @@
+#include <vector>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/port_law.hpp"
+#include "tests/unit/server/session/server_fixture.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using test::PortLaw;
+using testing::ElementsAre;
+
+/// A server that has a half of the law "port" too.
+class ServerPort : public ServerFixture {
+ protected:
+  void SetUp() override {
+    ServerOptions options;
+    options.laws = test::laws_with_port(log);
+    start(options);
+  }
+
+  static wire::Hello hello_with(std::string_view port, std::uint64_t nonce = 1) {
+    wire::Hello question = hello(nonce);
+    question.port = port;
+    return question;
+  }
+
+  std::uint64_t join_with_port(std::uint64_t nonce = 1) {
+    arrive(hello_with("port", nonce));
+    return only_answer<wire::Welcome>().session;
+  }
+
+  static wire::MotionSample saying(wire::MotionSample motion, double number) {
+    motion.port = control::PortNumbers::Constant(1, number);
+    return motion;
+  }
+
+  test::PortLog log;
+};
+
+TEST_F(ServerPort, AsksTheSceneWhereThePartnerSaysAndAnswersWhatItMakesOfTheForce) {
+  const auto session = join_with_port();
+  arrive(saying(motion(session, 5, 0.002), 77));
+  const auto force = only_answer<wire::EnvironmentForce>();
+  EXPECT_NEAR(force.position[0], 0.002 + PortLaw::kShift_m, 1e-15);
+  EXPECT_NEAR(force.force[0], 2 * -50'000 * 0.003, 1e-9);
+  EXPECT_NEAR(force.penetration_m, 0.003, 1e-15);
+  ASSERT_EQ(force.port.rows(), 2);
+  EXPECT_EQ(force.port[0], 1);
+  EXPECT_EQ(force.port[1], 77);
+}
+
+TEST_F(ServerPort, TellsThePartnerTheDevicesTimeSinceTheMotionAnsweredBefore) {
+  const auto session = join_with_port();
+  for (const std::uint64_t sequence : {5, 6, 9, 9, 8, 10}) arrive(motion(session, sequence));
+  auto back_in_time = motion(session, 11);
+  back_in_time.device_time = milliseconds{3};
+  arrive(back_in_time);
+  EXPECT_THAT(log.intervals_s, ElementsAre(0, 1e-3, 3e-3, 1e-3, 0));
+}
+
+TEST_F(ServerPort, HearsNothingOfMotionsThatNewerOnesOvertook) {
+  const auto session = join_with_port();
+  wire::Codec client;
+  for (const std::uint64_t sequence : {1, 2, 3}) {
+    server->take_in(client.encode(saying(motion(session, sequence), static_cast<double>(sequence))), address(1),
+                    clock.time);
+  }
+  server->answer_waiting();
+  EXPECT_THAT(log.ticks_heard, ElementsAre(3));
+}
+
+TEST_F(ServerPort, GivesEachSessionAPartnerOfItsOwn) {
+  const auto one = join_with_port(1);
+  const auto other = join_with_port(2);
+  arrive(saying(motion(one, 1), 10));
+  arrive(motion(one, 2));
+  (void)answers();
+  arrive(motion(other, 1));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().port[0], 1);
+  arrive(motion(one, 3));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().port[0], 3);
+}
+
+TEST_F(ServerPort, HasNoNumbersForWhoAskedForNoPort) {
+  const auto session = join();
+  arrive(saying(motion(session, 1, 0.002), 77));
+  const auto force = only_answer<wire::EnvironmentForce>();
+  EXPECT_EQ(force.port.rows(), 0);
+  EXPECT_EQ(force.position, vector_of({0.002}));
+  EXPECT_EQ(force.force, vector_of({-100}));
+}
+
+TEST_F(ServerPort, RefusesAPortThatItDoesNotHaveAndListsThoseItHas) {
+  arrive(hello_with("prot"));
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_port);
+  EXPECT_THAT(std::string(refusal.text), testing::StartsWith("this server has no half of a law 'prot' (known: "));
+  EXPECT_THAT(std::string(refusal.text), testing::EndsWith("port)"));
+  EXPECT_EQ(server->sessions(), 0U);
+  ServerOptions options;
+  options.laws = control::force_bounding_laws();
+  start(options);
+  arrive(hello_with("fba-less"));
+  EXPECT_EQ(only_answer<wire::Refusal>().text, "this server has no half of a law 'fba-less', nor of any other");
+}
+
+TEST_F(ServerPort, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const auto session = join_with_port();
+  link.keep = false;
+  const test::AllocationGuard guard;
+  for (std::uint64_t i = 1; i <= 100; ++i) arrive(saying(motion(session, i), static_cast<double>(i)));
+  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_EQ(log.ticks_heard.size(), 100U);
+}
+
+/// Says what no number is.
+class BrokenPartner final : public control::LawPartner {
+ public:
+  [[nodiscard]] control::Vector place(const Heard& heard) noexcept override { return heard.position / 0.0; }
+  [[nodiscard]] Said answer(const control::Vector& force_N) noexcept override {
+    return {.force = force_N, .numbers = {}};
+  }
+};
+
+TEST_F(ServerPort, APartnerThatLosesThePlaceDoesNotLeadTheSceneAstray) {
+  ServerOptions options;
+  options.laws.add(
+      {.name = "broken", .summary = "divides by zero", .make = options.laws.find("none").make, .make_partner = [](int) {
+         return std::make_unique<BrokenPartner>();
+       }});
+  start(options);
+  arrive(hello_with("broken"));
+  const auto session = only_answer<wire::Welcome>().session;
+  arrive(motion(session, 1, 0.002));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().force, vector_of({-100}));
+}
+
+}  // namespace
+}  // namespace forcebound::server
