@@ -42,13 +42,14 @@ void add_percents(Panel& panel, const StudyResult& result, const std::string& la
   panel.series.push_back(std::move(failed));
 }
 
-/// The settings' values, once, above their points.
+/// The settings' values, once, above their points; those of a session stand along the axis.
 void add_names(Panel& panel, const StudyResult& result) {
+  if (result.same_scene) return;
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     const bool has_worked = result.settings[i].trouble.empty();
     Series& of = panel.series[has_worked ? 0 : 1];
-    of.names.resize(of.x.size());
-    of.names[result.same_scene ? 2 * i : i] = result.settings[i].value;
+    of.names.resize(result.settings.size());
+    of.names[i] = result.settings[i].value;
   }
 }
 
@@ -112,8 +113,11 @@ void draw(const StudyResult& result, const std::string& title, const std::filesy
                 .subtitle = result.key + (result.fixed.empty() ? "" : " with " + result.fixed) + ", " +
                             result.hand.substr(0, result.hand.find(',')) +
                             (result.reference_trouble.empty() ? "" : "; the reference itself failed"),
-                .x_label = result.same_scene ? "settings of " + result.key : "time of a step, median [us]"};
+                .x_label = result.same_scene ? result.key : "time of a step, median [us]"};
   figure.x_log = !result.same_scene;
+  for (const StudiedSetting& setting : result.settings) {
+    if (result.same_scene) figure.x_names.push_back(setting.value);
+  }
   figure.panels.push_back(error_panel(result));
   if (!result.same_scene) figure.panels.push_back(states_panel(result));
   const std::size_t networks = result.settings.front().behind.size();

@@ -1,6 +1,7 @@
 #include "tests/lab/accuracy/study_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -18,7 +19,10 @@ constexpr double kAlike = 0.05;
 // A model's part below this share of what the age comes to is lost in it: their squares add up, to half a percent more.
 constexpr double kLostInAge = 0.1;
 
-std::string percent(double share) { return rounded(100 * share) + " %"; }
+// Less is what sums round to.
+constexpr double kLeastShare = 1e-12;
+
+std::string percent(double share) { return rounded(std::abs(share) < kLeastShare ? 0 : 100 * share) + " %"; }
 
 std::string percent_above(double share, double uncertainty) {
   return share < 3 * uncertainty ? "<= " + percent(3 * uncertainty) : percent(share);
@@ -204,8 +208,8 @@ std::string what_does_not_matter(const StudyResult& result) {
   if (lost.empty()) return {};
   const std::string where = lost.size() == networks ? "behind every round trip" : "behind " + text::join(lost);
   return result.key + " does not matter beside the network's age " + where + ": the model's part of every setting is " +
-         (most > 0 ? "at most " + percent(most) : "nothing") + " of the age's (the line is " + percent(kLostInAge) +
-         ")\n";
+         (most > kLeastShare ? "at most " + percent(most) : "nothing") + " of the age's (the line is " +
+         percent(kLostInAge) + ")\n";
 }
 
 std::string recommendation(const StudyResult& result, double budget_us) {
