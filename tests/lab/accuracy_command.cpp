@@ -149,7 +149,8 @@ void add_accuracy(CLI::App& app) {
       ->type_name("NAME|FILE");
   command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
       ->delimiter(',')
-      ->type_name("TIME,TIME,...");
+      ->type_name("TIME,TIME,...")
+      ->capture_default_str();
   command
       ->add_option("--motion", options->motion,
                    "of the hand: press or slide on the scene's surface, or a recorded hand, where it was:\n"
