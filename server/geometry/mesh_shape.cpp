@@ -1,6 +1,7 @@
 #include "forcebound/server/geometry/mesh_shape.hpp"
 
 #include <cmath>
+#include <limits>
 #include <new>
 #include <optional>
 
@@ -36,11 +37,21 @@ class MeshShape final : public Shape {
     return {.state_bytes = sizeof(Proxy),
             .memory_bytes = sizeof *this + object_.memory_bytes() + (sides_ ? sides_->memory_bytes() : 0),
             .cost_ns = (reach_m_ > 0 ? 2 : 1) * kPerLevel_ns * levels,
-            .on_surface_m = mesh().origin_m() + mesh().corner_m(0, 0)};
+            .on_surface_m = top_m()};
   }
 
  private:
   [[nodiscard]] const TriangleMesh& mesh() const noexcept { return object_.bvh().mesh(); }
+
+  /// The middle of the highest triangle, where what comes from above meets it.
+  [[nodiscard]] Point top_m() const {
+    Point top = Point::Constant(-std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < mesh().triangles().size(); ++i) {
+      const Point middle = (mesh().corner_m(i, 0) + mesh().corner_m(i, 1) + mesh().corner_m(i, 2)) / 3;
+      if (middle.z() > top.z()) top = middle;
+    }
+    return mesh().origin_m() + top;
+  }
 
   void put_to_the_surface(const Point& position_m, Proxy& proxy) const noexcept {
     if (!sides_ || !position_m.allFinite()) return;

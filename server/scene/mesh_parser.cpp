@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "forcebound/server/geometry/decimate.hpp"
 #include "forcebound/server/geometry/distance_field.hpp"
 #include "forcebound/server/geometry/lathe.hpp"
 #include "forcebound/server/geometry/mesh_file.hpp"
@@ -19,8 +20,10 @@ Point offset(CheckedTable& table, std::string_view key) {
 std::shared_ptr<const TriangleMesh> parse_file(CheckedTable& table) {
   const std::string path = table.path("file");
   const MeshPlacement placement{.scale = table.number(kMeshScale), .offset_m = offset(table, "offset_m")};
-  auto mesh = table.built_at(table.at("file"),
-                             [&] { return std::make_shared<const TriangleMesh>(load_mesh(path, placement)); });
+  const double detail = table.number(kMeshDetail);
+  auto mesh = table.built_at(table.at("file"), [&] {
+    return std::make_shared<const TriangleMesh>(decimated(load_mesh(path, placement), detail));
+  });
   table.note("that is", to_text(mesh->report()));
   return mesh;
 }

@@ -15,11 +15,18 @@ inline constexpr NumberParameter kMeshScale{.key = "scale",
                                             .least_excluded = true,
                                             .most = 1e9};
 
+inline constexpr NumberParameter kMeshDetail{.key = "detail",
+                                             .meaning = "share of the triangles to keep; below 1 of closed meshes only",
+                                             .preset = 1,
+                                             .least = 0,
+                                             .least_excluded = true,
+                                             .most = 1};
+
 inline constexpr NumberParameter kLatheSegments{
     .key = "segments", .meaning = "around the axis", .preset = 128, .least = 3, .most = 4096};
 
-/// Reads a triangle mesh: `file` beside the scene's, `scale` (default 1: metres) and `offset_m`; felt through a god
-/// object, from the front unless `two_sided`.
+/// Reads a triangle mesh: `file` beside the scene's, `scale` (default 1: metres) and `offset_m`, with
+/// as much `detail` as wanted (default 1: all triangles); felt through a god object, from the front unless `two_sided`.
 /// @param reach_m how far outside of it the distance is wanted
 /// @throws SceneError
 std::unique_ptr<Shape> parse_mesh(CheckedTable& table, double reach_m);

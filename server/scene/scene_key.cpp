@@ -1,6 +1,7 @@
 #include "forcebound/server/scene/scene_key.hpp"
 
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "forcebound/text/names.hpp"
@@ -53,6 +54,24 @@ toml::table& table_of(toml::table& scene, const std::vector<std::string>& path) 
 void set_scene_key(toml::table& scene, const std::string& key, const toml::node& value) {
   const std::vector<std::string> path = text::split(key, '.');
   table_of(scene, path).insert_or_assign(path.back(), value);
+}
+
+void set_scene_key(toml::table& scene, const std::string& key, const std::string& value) {
+  const std::vector<std::string> path = text::split(key, '.');
+  toml::table& table = table_of(scene, path);
+  const toml::node* const old = table.get(path.back());
+  const toml::source_region& place = (old != nullptr ? *old : table).source();
+  const toml::source_index lines_before = place.begin.line > 0 ? place.begin.line - 1 : 0;
+  toml::table wrapped;
+  try {
+    wrapped = toml::parse(std::string(lines_before, '\n') + "value = " + value);
+  } catch (const toml::parse_error&) {
+  }
+  // More than one key: the value had lines of its own.
+  if (wrapped.size() != 1) {
+    throw std::invalid_argument(key + " must be a value as TOML writes it, got '" + value + "'");
+  }
+  table.insert_or_assign(path.back(), std::move(*wrapped.get("value")));
 }
 
 }  // namespace forcebound::server

@@ -11,4 +11,8 @@ namespace forcebound::server {
 /// @throws std::invalid_argument naming what is not there
 void set_scene_key(toml::table& scene, const std::string& key, const toml::node& value);
 
+/// The same with a value as TOML writes it. It counts as written where the one was that it replaces, or, if the key is
+/// new, where its table begins: so errors about it name a line of the file.
+void set_scene_key(toml::table& scene, const std::string& key, const std::string& value);
+
 }  // namespace forcebound::server

@@ -49,6 +49,20 @@ class Parser {
 
   std::shared_ptr<const Scene> parse() const { return parse(parse_toml(text_, file_), fnv1a(text_)); }
 
+  std::shared_ptr<const Scene> parse_changed(std::span<const SceneChange> changes) const {
+    toml::table whole = without_levels();
+    std::string all(text_);
+    for (const SceneChange& change : changes) {
+      try {
+        set_scene_key(whole, change.key, change.value);
+      } catch (const std::invalid_argument& error) {
+        throw SceneError(file_ + ": " + error.what());
+      }
+      all += "\n" + change.key + " = " + change.value;
+    }
+    return parse(whole, fnv1a(all));
+  }
+
  private:
   std::shared_ptr<const Scene> parse(const toml::table& whole, std::uint64_t hash) const {
     CheckedTable file(whole, file_, "scene file");
@@ -90,11 +104,16 @@ class Parser {
         file, [&](const std::string& key, const toml::node& value) { return compile_level(key, value); }, measure_);
   }
 
+  toml::table without_levels() const {
+    toml::table whole = parse_toml(text_, file_);
+    whole.erase("accuracy");
+    if (toml::table* const scene = whole["scene"].as_table()) scene->erase("accuracy");
+    return whole;
+  }
+
   /// As if the file had said so from the beginning.
   std::shared_ptr<const Scene> compile_level(const std::string& key, const toml::node& value) const {
-    toml::table whole = parse_toml(text_, file_);
-    whole["scene"].as_table()->erase("accuracy");
-    whole.erase("accuracy");
+    toml::table whole = without_levels();
     set_scene_key(whole, key, value);
     return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + as_written(value)));
   }
@@ -181,6 +200,11 @@ std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::strin
     return 1e-9 * predicted_cost_ns(*scene);
   };
   return Parser(text, file_name, registry, measure ? measure : predicted).parse();
+}
+
+std::shared_ptr<const Scene> parse_changed_scene(std::string_view text, const std::string& file_name,
+                                                 std::span<const SceneChange> changes, const EffectRegistry& registry) {
+  return Parser(text, file_name, registry, {}).parse_changed(changes);
 }
 
 }  // namespace forcebound::server

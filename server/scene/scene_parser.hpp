@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -31,5 +32,18 @@ inline constexpr NumberParameter kClientsMax{
 std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file_name,
                                          const EffectRegistry& registry = EffectRegistry::standard(),
                                          const MeasureCost& measure = {});
+
+/// Another value for a key of a scene file: "tissue.pad.shape.cells", as set_scene_key finds it.
+struct SceneChange {
+  std::string key;
+  std::string value;  ///< as TOML writes it
+};
+
+/// The scene that a file would be with other values for some keys, one after the other, and without the levels that it
+/// may be picked from. Errors name lines of the file as it is.
+/// @throws SceneError
+std::shared_ptr<const Scene> parse_changed_scene(std::string_view text, const std::string& file_name,
+                                                 std::span<const SceneChange> changes,
+                                                 const EffectRegistry& registry = EffectRegistry::standard());
 
 }  // namespace forcebound::server

@@ -65,11 +65,12 @@ std::vector<SchemaTable> shape_tables() {
        {mesh_file(),
         scale(),
         moved("offset_m"),
+        described(kMeshDetail),
         {"two_sided", "whether it is felt from behind as well", "`true` or `false`", "`false`"}}},
       {"distance_field",
        "A closed mesh as its signed distance on a grid: edges are rounded by about a grid step, and the cost does not "
        "depend on the mesh; 3 axes.",
-       {mesh_file(), scale(), moved("offset_m"), positive("spacing_m", "of the grid")}},
+       {mesh_file(), scale(), moved("offset_m"), described(kMeshDetail), positive("spacing_m", "of the grid")}},
       {"lathe",
        "A closed profile turned about the z axis, as a mesh: pots, bowls, rings; 3 axes.",
        {{"profile_m", "anticlockwise about its inside, with the radius to the right and the height up",

@@ -8,10 +8,10 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/server/scene/scene_library.hpp"
 #include "forcebound/text/file.hpp"
-#include "forcebound/text/names.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/lab/above_zero.hpp"
 #include "tests/lab/accuracy/levels_text.hpp"
+#include "tests/lab/accuracy/round_trips.hpp"
 #include "tests/lab/accuracy/study_markdown.hpp"
 #include "tests/lab/accuracy/study_text.hpp"
 #include "tests/lab/commands.hpp"
@@ -24,14 +24,15 @@ struct Options {
   std::string sweep;
   std::vector<std::string> fixed;
   std::string reference;
-  std::vector<double> round_trips_ms{1, 5, 20, 50};
+  std::vector<std::string> round_trips{"1ms", "5ms", "20ms", "50ms"};
   std::string motion = "press";
   HarmonicMotion harmonic{};
+  bool has_harmonic = false;
   std::string device = "cartesian-3dof";
-  std::string law = "fba-exact";
+  SessionSettings session{};
+  double hold_ms = 1e3 * time::to_seconds(client::LateForcePolicy{}.hold);
+  double drop_ms = 1e3 * time::to_seconds(client::LateForcePolicy{}.drop);
   double duration_s = 2;
-  double rate_Hz = 1000;
-  bool recommend = false;
   double budget_us = std::numeric_limits<double>::infinity();
   std::string json;
   std::string levels;
@@ -39,36 +40,57 @@ struct Options {
   std::string figures;
 };
 
-std::string with_fixed(std::string scene_text, const std::vector<std::string>& fixed) {
+std::vector<server::SceneChange> changes_of(const std::vector<std::string>& fixed) {
+  std::vector<server::SceneChange> changes;
   for (const std::string& one : fixed) {
     const Sweep change = parse_sweep(one);
     if (change.values.size() != 1) throw std::invalid_argument("--set takes one value, got '" + one + "'");
-    scene_text = scene_variant(scene_text, change.key, change.values.front());
+    if (is_session_key(change.key)) {
+      throw std::invalid_argument("--set is for keys of the scene; '" + change.key + "' has an option of its own");
+    }
+    changes.push_back({change.key, change.values.front()});
   }
-  return scene_text;
+  return changes;
 }
 
+bool is_replay(const std::string& motion) { return motion.starts_with("replay:"); }
+
+std::string check_motion(const std::string& motion) {
+  if (motion == "press" || motion == "slide" || is_replay(motion)) return {};
+  return "--motion must be press, slide or replay:FILE.csv, got '" + motion + "'";
+}
+
+/// @throws server::SceneError where the server would, naming file and line
 Study study_of(const Options& options) {
   const server::SceneSource source = server::scene_source(options.scene);
-  const std::string text = with_fixed(source.text, options.fixed);
-  Study study{.scene_text = without_levels(text),
+  Study study{.scene_text = source.text,
               .scene_file = source.file,
-              .sweep = options.sweep.empty() ? usual_sweep(text) : parse_sweep(options.sweep),
-              .fixed = text::join(options.fixed),
+              .sweep = {},
+              .fixed = changes_of(options.fixed),
+              .round_trips_s = parse_round_trips_s(options.round_trips),
               .motion = options.harmonic,
               .device = options.device,
-              .law = options.law,
-              .duration_s = options.duration_s,
-              .server_turn_least_s = options.rate_Hz < 1000 ? 1 / options.rate_Hz : 0};
-  for (const double ms : options.round_trips_ms) study.round_trips_s.push_back(ms * 1e-3);
+              .session = options.session,
+              .duration_s = options.duration_s};
+  (void)compile(study);
+  study.sweep = options.sweep.empty() ? usual_sweep(source.text) : parse_sweep(options.sweep);
+  study.session.policy = {.hold = time::from_seconds(1e-3 * options.hold_ms),
+                          .drop = time::from_seconds(1e-3 * options.drop_ms)};
+  study.session.policy.validate();
   study.motion.kind = options.motion == "slide" ? HarmonicMotion::Kind::slide : HarmonicMotion::Kind::press;
+  if (is_replay(options.motion)) study.hand = options.motion;
+  if (is_replay(options.motion) && options.has_harmonic) {
+    throw std::invalid_argument("--frequency and --depth are of press and slide; a recorded hand has offset_z_m=.. " +
+                                std::string("and scale=.. after its file"));
+  }
   if (!options.reference.empty()) study.reference = server::load_scene(options.reference);
   return study;
 }
 
 void accuracy(const Options& options) {
   const StudyResult result = carry_out(study_of(options), time::SteadyClock());
-  std::printf("%s\n%s", to_text(result).c_str(), recommendation(result, options.budget_us).c_str());
+  std::printf("%s\n%s", to_text(result).c_str(),
+              (recommendation(result, options.budget_us) + what_does_not_matter(result)).c_str());
   if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
   if (!options.readme.empty()) {
     text::write_file(options.readme,
@@ -82,6 +104,24 @@ void accuracy(const Options& options) {
   std::printf("\nFigure: %s\n", png.c_str());
 }
 
+void add_session(CLI::App& command, Options& options) {
+  command.add_option("--law", options.session.law, "as the client's")
+      ->check(CLI::IsMember(control::shipped_laws().names()))
+      ->capture_default_str();
+  command.add_option("--hold", options.hold_ms, "as the client's: age up to which a force is applied as it is")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MS")
+      ->capture_default_str();
+  command.add_option("--drop", options.drop_ms, "as the client's: age from which a force is zero; it fades until then")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MS")
+      ->capture_default_str();
+  command.add_option("--rate", options.session.server_rate_Hz, "how often the server answers, at most")
+      ->check(above_zero())
+      ->type_name("HZ")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_accuracy(CLI::App& app) {
@@ -91,8 +131,10 @@ void add_accuracy(CLI::App& app) {
   command->add_option("SCENE", options->scene, "name or FILE.toml")->required();
   command
       ->add_option("--sweep", options->sweep,
-                   "a key of the scene and what to try, from coarse to fine:\n"
-                   "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; default: what the scene has")
+                   "a key of the scene and what to try, from coarse to fine or back:\n"
+                   "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1;\n"
+                   "or of the session, with the scene as it is: law=none,fba-less,fba-more,fba-exact;\n"
+                   "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000. Default: what the scene has")
       ->type_name("KEY=V1,V2,...");
   command
       ->add_option("--set", options->fixed,
@@ -105,28 +147,32 @@ void add_accuracy(CLI::App& app) {
                    "a scene whose force is exact; default: what the finest levels tend to; for a solver of\n"
                    "bodies Newton's method as far as it goes")
       ->type_name("NAME|FILE");
-  command->add_option("--rtt", options->round_trips_ms, "round trips")->delimiter(',')->type_name("MS,MS,...");
-  command->add_option("--motion", options->motion, "of the hand on the surface at the origin")
-      ->check(CLI::IsMember({"press", "slide"}))
+  command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
+      ->delimiter(',')
+      ->type_name("TIME,TIME,...")
       ->capture_default_str();
-  command->add_option("--frequency", options->harmonic.frequency_Hz, "of that motion")
-      ->check(above_zero())
-      ->type_name("HZ")
+  command
+      ->add_option("--motion", options->motion,
+                   "of the hand: press or slide on the scene's surface, or a recorded hand, where it was:\n"
+                   "replay:FILE.csv with columns time_s,x_m,y_m,z_m. To bring it where the scene's surface is:\n"
+                   "replay:FILE.csv,offset_x_m=0,offset_y_m=0,offset_z_m=-0.004,scale=0.5")
+      ->check(check_motion)
+      ->type_name("MOTION")
       ->capture_default_str();
-  command->add_option("--depth", options->harmonic.depth_m, "of that motion, as far as the hand wants")
-      ->check(above_zero())
-      ->type_name("M")
-      ->capture_default_str();
+  const CLI::Option* const frequency =
+      command->add_option("--frequency", options->harmonic.frequency_Hz, "of press and slide")
+          ->check(above_zero())
+          ->type_name("HZ")
+          ->capture_default_str();
+  const CLI::Option* const depth =
+      command->add_option("--depth", options->harmonic.depth_m, "of press and slide, as far as the hand wants")
+          ->check(above_zero())
+          ->type_name("M")
+          ->capture_default_str();
   command->add_option("--device", options->device, "as the client's")->capture_default_str();
-  command->add_option("--law", options->law, "as the client's")
-      ->check(CLI::IsMember(control::shipped_laws().names()))
-      ->capture_default_str();
+  add_session(*command, *options);
   command->add_option("--duration", options->duration_s, "virtual seconds of each run")
       ->check(above_zero())
-      ->capture_default_str();
-  command->add_option("--rate", options->rate_Hz, "how often the server answers, at most")
-      ->check(above_zero())
-      ->type_name("HZ")
       ->capture_default_str();
   command->add_option("--budget", options->budget_us, "recommend nothing that takes longer")
       ->check(above_zero())
@@ -139,7 +185,10 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--readme", options->readme, "put a table between the marks of this file")
       ->type_name("README.md");
   command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
-  command->callback([options] { accuracy(*options); });
+  command->callback([options, frequency, depth] {
+    options->has_harmonic = frequency->count() + depth->count() > 0;
+    accuracy(*options);
+  });
 }
 
 }  // namespace forcebound::lab

@@ -202,6 +202,7 @@ void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int
 
 /// The panels share one x axis, so its ends are found here, not by gnuplot.
 std::array<double, 2> x_range(const Figure& figure) {
+  if (!figure.x_names.empty()) return {0.5, static_cast<double>(figure.x_names.size()) + 0.5};
   double least = INFINITY;
   double most = -INFINITY;
   for (const Panel& panel : figure.panels) {
@@ -221,6 +222,16 @@ std::array<double, 2> x_range(const Figure& figure) {
   return least == most ? std::array{least, least + 1} : std::array{least, most};
 }
 
+std::string x_tics(const Figure& figure, double least, double most) {
+  if (figure.x_log) return "set logscale x\nset xtics (" + LogAxis{least, most}.tics() + ")\n";
+  if (figure.x_names.empty()) return {};
+  std::string tics;
+  for (std::size_t i = 0; i < figure.x_names.size(); ++i) {
+    tics += (i == 0 ? "" : ", ") + quoted(figure.x_names[i]) + " " + std::to_string(i + 1);
+  }
+  return "set xtics (" + tics + ")\n";
+}
+
 std::string script_of(const Figure& figure, const std::filesystem::path& png) {
   const int height = kHeadHeight + kFootHeight - 30 + kPanelHeight * static_cast<int>(figure.panels.size());
   const auto [x_least, x_most] = x_range(figure);
@@ -235,8 +246,7 @@ std::string script_of(const Figure& figure, const std::filesystem::path& png) {
       << "set offsets 0, 0, graph 0.06, graph 0.03\nset grid xtics ytics back linetype 1 linewidth 1 linecolor rgb '"
       << kGrid << "'\n"
       << "set format y '%g'\nset xrange [" << x_least << ':' << x_most << "]\n"
-      << (figure.x_log ? "set logscale x\nset xtics (" + LogAxis{x_least, x_most}.tics() + ")\n" : "")
-      << "nothing = NaN\n";
+      << x_tics(figure, x_least, x_most) << "nothing = NaN\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     if (p == 0) {
       out << "set label 10 " << quoted(figure.title) << " at screen 0.5,screen " << 1 - 30.0 / height

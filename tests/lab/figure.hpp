@@ -61,6 +61,7 @@ struct Figure {
   std::string x_label = "time [s]";
   std::vector<Panel> panels{};
   bool x_log = false;
+  std::vector<std::string> x_names{};  ///< of the places 1, 2, ... along x, if that is what they are: then no numbers
 };
 
 /// Shows a panel only to half above its usual most, where the most of all is more than that: a moment of force at

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/process/programs.hpp"
+#include "tests/support/auto_wall.hpp"
 
 namespace forcebound::test {
 namespace {
@@ -24,6 +25,16 @@ TEST(LabLoad, IsAnsweredByARealServerAndSaysGoodbye) {
   EXPECT_EQ(server.stop(), 0);
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 5U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 5U);
+}
+
+TEST(LabLoad, TellsItsRoundTripToASceneThatPicksItsAccuracyByIt) {
+  const TemporaryFolder folder;
+  write_file(folder.file("auto_wall.toml"), kAutoWall);
+  Server server({"--scene", folder.file("auto_wall.toml")});
+  const Ran lab = run(kLab, {"load", "--server", server.address(), "--clients", "2", "--seconds", "0.1"});
+  EXPECT_EQ(lab.exit_code, 0) << lab.err;
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_EQ(counted(server.out(), "sessions", "opened"), 2U);
 }
 
 TEST(LabLoad, FindsAMostNotAboveItsLimit) {

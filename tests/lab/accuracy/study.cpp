@@ -1,13 +1,11 @@
 #include "tests/lab/accuracy/study.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "forcebound/client/device/load_device.hpp"
+#include "forcebound/client/device/make_operator.hpp"
 #include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/server/session/answer_size.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -18,52 +16,44 @@ namespace {
 
 using ScenePointer = std::shared_ptr<const server::Scene>;
 
-// Of what is as near to the exact forces of contacts as numbers go.
-constexpr int kTightIterations = 1000;
-constexpr const char* kTightTolerance = "1e-14";
-const std::string kTightText =
-    std::to_string(kTightIterations) + " iterations at most, tolerance " + std::string(kTightTolerance);
+std::string list_of(const std::vector<server::SceneChange>& changes) {
+  std::string list;
+  for (const server::SceneChange& change : changes) {
+    list += (list.empty() ? "" : ", ") + change.key + "=" + change.value;
+  }
+  return list;
+}
 
 std::vector<ScenePointer> variants_of(const Study& study) {
+  if (is_session_key(study.sweep.key)) return {compile(study, {})};
   std::vector<ScenePointer> scenes;
-  for (const std::string& value : study.sweep.values) {
-    scenes.push_back(server::parse_scene(scene_variant(study.scene_text, study.sweep.key, value), study.scene_file));
-  }
+  for (const std::string& value : study.sweep.values) scenes.push_back(compile(study, {{study.sweep.key, value}}));
   return scenes;
 }
 
-sim::ClosedLoop::Settings settings_of(const Study& study, const ScenePointer& scene, double round_trip_s,
-                                      double server_turn_s) {
+std::unique_ptr<const client::Operator> make_hand(const Study& study, int degrees_of_freedom) {
+  if (!study.hand.empty()) return client::make_operator(study.hand, degrees_of_freedom);
+  return make_harmonic_hand(study.motion, degrees_of_freedom);
+}
+
+struct Network {
+  double round_trip_s = 0;
+  double server_turn_s = 0;
+};
+
+sim::ClosedLoop::Settings settings_of(const Study& study, const SessionSettings& session, const ScenePointer& scene,
+                                      const Network& network) {
   sim::ClosedLoop::Settings settings{
-      .device = client::load_device(study.device), .hand = {}, .law = study.law, .scene = scene};
+      .device = client::load_device(study.device), .hand = {}, .law = session.law, .scene = scene};
   // What the server's model and the network do is asked here, not what an encoder does.
   settings.device.facts.encoder_step.setZero();
   const int dof = settings.device.facts.degrees_of_freedom();
-  settings.make_hand = [motion = study.motion, dof] { return make_harmonic_hand(motion, dof); };
-  settings.network.up.delay.mean = time::from_seconds(0.5 * round_trip_s);
-  settings.network.down.delay.mean = time::from_seconds(0.5 * round_trip_s);
-  settings.server_turn = time::from_seconds(server_turn_s);
+  settings.make_hand = [&study, dof] { return make_hand(study, dof); };
+  settings.network.up.delay.mean = time::from_seconds(0.5 * network.round_trip_s);
+  settings.network.down.delay.mean = time::from_seconds(0.5 * network.round_trip_s);
+  settings.server_turn = time::from_seconds(network.server_turn_s);
+  settings.policy = session.policy;
   return settings;
-}
-
-/// Of the sweep's values, from coarse to fine.
-std::vector<double> spacings_of(const Sweep& sweep) {
-  if (sweep.values.size() < 2) {
-    throw std::invalid_argument("a reference needs two values or more of " + sweep.key + ", or a scene that is exact");
-  }
-  std::vector<double> spacings;
-  for (const std::string& value : sweep.values) {
-    const auto spacing = spacing_of(sweep.key, value);
-    if (!spacing) {
-      throw std::invalid_argument(sweep.key + " has no order from coarse to fine (" + value + "): say what is exact");
-    }
-    if (!spacings.empty() && *spacing >= spacings.back()) {
-      throw std::invalid_argument("values of " + sweep.key + " must go from coarse to fine, got " + value + " after " +
-                                  sweep.values[spacings.size() - 1]);
-    }
-    spacings.push_back(*spacing);
-  }
-  return spacings;
 }
 
 /// All that is run: the settings, then what they are compared with where that is not among them.
@@ -76,20 +66,33 @@ struct Cast {
   std::string why{};
 };
 
-Cast cast_of(const Study& study) {
-  Cast cast{.scenes = variants_of(study)};
+/// @param study whose sweep is put in order from coarse to fine where that is what the reference follows from
+Cast cast_of(Study& study) {
+  const std::string& key = study.sweep.key;
+  Cast cast;
+  if (!study.reference && !is_session_key(key) && !is_level_of_detail(key) && !tight_solvers(key)) {
+    cast.spacings = sort_to_fine(study.sweep);
+  } else if (is_level_of_detail(key)) {
+    (void)sort_to_fine(study.sweep);
+  }
+  cast.scenes = variants_of(study);
   cast.settings = cast.scenes.size();
   cast.best = cast.settings;
   if (study.reference) {
     cast.scenes.push_back(study.reference);
     cast.why = "scene '" + study.reference->facts().name + "', taken as exact";
-  } else if (const auto tight = tight_solvers(study.scene_text, study.sweep.key)) {
-    cast.scenes.push_back(server::parse_scene(tight->newton, study.scene_file));
-    cast.scenes.push_back(server::parse_scene(tight->cg, study.scene_file));
+  } else if (is_session_key(key)) {
+    cast.best = 0;
+    cast.why = "the scene itself: what is asked is what becomes of its forces";
+  } else if (is_level_of_detail(key)) {
+    cast.scenes.push_back(compile(study, {{key, "1"}}));
+    cast.why = "the mesh as its file has it, taken as exact";
+  } else if (const auto tight = tight_solvers(key)) {
+    cast.scenes.push_back(compile(study, tight->newton));
+    cast.scenes.push_back(compile(study, tight->cg));
     cast.other = cast.best + 1;
-    cast.why = "newton, " + kTightText + "; its uncertainty by cg, " + kTightText;
+    cast.why = "newton, " + tight_text() + "; its uncertainty by cg, " + tight_text();
   } else {
-    cast.spacings = spacings_of(study.sweep);
     cast.best = cast.settings - 1;
     cast.other = cast.settings - 2;
   }
@@ -112,7 +115,7 @@ struct Runs {
 Runs run_all(const Cast& cast, const std::vector<Vector>& positions_m, const time::Clock& clock) {
   Runs runs;
   for (const ScenePointer& scene : cast.scenes) runs.free.push_back(run_along(scene, positions_m, clock));
-  runs.synchronised = run_synchronised(cast.scenes, cast.best, positions_m);
+  if (cast.scenes.size() > 1) runs.synchronised = run_synchronised(cast.scenes, cast.best, positions_m);
   return runs;
 }
 
@@ -149,18 +152,34 @@ void add_synchronised(StudyResult& result, const Cast& cast, const Runs& runs, c
 }
 
 StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs, const ReferenceModel& reference) {
-  StudyResult result{.key = study.sweep.key,
-                     .hand = make_harmonic_hand(study.motion, 3)->description(),
-                     .fixed = study.fixed,
-                     .reference_uncertainty = reference.uncertainty(),
-                     .free_uncertainty = reference.uncertainty(),
-                     .reference_order = reference.order(),
-                     .reference_why = reference.why(),
-                     .reference_bodies = runs.free[cast.best].bodies,
-                     .answer_bytes = server::answer_bytes(*cast.scenes[cast.best])};
+  StudyResult result{
+      .key = study.sweep.key,
+      .hand = make_hand(study, client::load_device(study.device).facts.degrees_of_freedom())->description(),
+      .fixed = list_of(study.fixed),
+      .session = to_text(study.session),
+      .same_scene = is_session_key(study.sweep.key),
+      .reference_uncertainty = reference.uncertainty(),
+      .free_uncertainty = reference.uncertainty(),
+      .reference_order = reference.order(),
+      .reference_why = reference.why(),
+      .reference_bodies = runs.free[cast.best].bodies,
+      .answer_bytes = server::answer_bytes(*cast.scenes[cast.best])};
   if (runs.synchronised) add_synchronised(result, cast, runs, *runs.synchronised);
   result.reference_trouble = trouble_of(cast.best, cast, runs, result.places_known);
   return result;
+}
+
+/// The true forces along the saved states and along the free run.
+struct Right {
+  Along at_states;
+  Along free;
+};
+
+Right right_of(const Cast& cast, const Runs& runs, const ReferenceModel& reference) {
+  const auto in = [&](const std::vector<Along>& all) {
+    return cast.spacings.empty() ? all[cast.best] : reference.along(std::span(all).first(cast.settings));
+  };
+  return {in(runs.at_states()), in(runs.free)};
 }
 
 /// @param forces one a millisecond
@@ -172,64 +191,94 @@ double change_per_s(const Forces& forces) {
   return size_N > 0 ? rms_difference(after, before) / size_N * 1e3 : 0;
 }
 
+/// What each scene of the cast is like before any network, one setting for each.
+std::vector<StudiedSetting> settings_alone(const Cast& cast, const Runs& runs, const StudyResult& result,
+                                           const Right& right, const time::Clock& clock) {
+  std::vector<StudiedSetting> settings;
+  for (std::size_t i = 0; i < cast.settings; ++i) {
+    const Along& run = runs.free[i];
+    StudiedSetting setting{.value = {},
+                           .cost = run.cost,
+                           .idle = idle_noise(run.cost.median_us, static_cast<int>(run.forces.size()), clock),
+                           .per_step = run.per_step,
+                           .at_states = state_error(runs.at_states()[i], right.at_states),
+                           .velocity_at_states = runs.synchronised ? runs.synchronised->velocity_errors[i] : 0,
+                           .free_force = relative_difference(run, right.free),
+                           .bodies = run.bodies,
+                           .trouble = trouble_of(i, cast, runs, result.places_known)};
+    setting.at_states.work_J = run.work_J - right.free.work_J;
+    settings.push_back(std::move(setting));
+  }
+  return settings;
+}
+
+/// One run behind each network, against the reference.
+void live_behind(StudiedSetting& setting, const Study& study, const SessionSettings& session, const ScenePointer& scene,
+                 const ReferenceModel& reference) {
+  const double turn_s = std::max(session.server_turn_least_s(), setting.cost.median_us * 1e-6);
+  for (const double round_trip_s : study.round_trips_s) {
+    const Network network{.round_trip_s = round_trip_s, .server_turn_s = turn_s};
+    DeviceRun lived = run_device(settings_of(study, session, scene, network), study.duration_s);
+    reference.fill_in(lived);
+    setting.behind.push_back({round_trip_s, device_error(lived.ticks), lived.passivity_minimum_J, lived.turns_missed});
+  }
+}
+
+[[noreturn]] void refuse_numb(const Study& study, const server::Scene& scene) {
+  const std::string what = "the hand never feels anything: let it ";
+  if (study.hand.empty()) {
+    throw std::runtime_error(what + "press deeper (--depth) or longer (--duration)");
+  }
+  std::string where;
+  if (scene.parts() > 0) {
+    const server::Point point_m = scene.on_surface_m(0);
+    where = "; a point of the scene's surface is (" + text::rounded(point_m.x()) + ", " + text::rounded(point_m.y()) +
+            ", " + text::rounded(point_m.z()) + ") m";
+  }
+  throw std::runtime_error(what + "go where the surface is (" + study.hand.substr(0, study.hand.find(',')) +
+                           ",offset_x_m=..,offset_y_m=..,offset_z_m=..) or move longer (--duration)" + where);
+}
+
 }  // namespace
+
+ScenePointer compile(const Study& study, const std::vector<server::SceneChange>& further) {
+  std::vector<server::SceneChange> changes = study.fixed;
+  changes.insert(changes.end(), further.begin(), further.end());
+  try {
+    return server::parse_changed_scene(study.scene_text, study.scene_file, changes);
+  } catch (const server::SceneError& error) {
+    if (changes.empty()) throw;
+    throw server::SceneError(std::string(error.what()) + " (with " + list_of(changes) + ")");
+  }
+}
 
 StudyResult carry_out(Study study, const time::Clock& clock) {
   const Cast cast = cast_of(study);
+  // What a session refuses shall be known before long runs.
+  std::vector<SessionSettings> sessions(study.sweep.values.size(), study.session);
+  const bool same_scene = is_session_key(study.sweep.key);
+  for (std::size_t i = 0; i < sessions.size() && same_scene; ++i) {
+    sessions[i] = with_session_key(study.session, study.sweep.key, study.sweep.values[i]);
+  }
   const ScenePointer best = cast.scenes[cast.best];
   if (best->parts() > 0) study.motion.on_surface_m = best->on_surface_m(0);
-  const auto saved = run_device(settings_of(study, best, 0, 0), study.duration_s).true_positions;
+  const auto saved = run_device(settings_of(study, study.session, best, {}), study.duration_s).true_positions;
   const Runs runs = run_all(cast, saved, clock);
   const ReferenceModel reference = reference_of(cast, runs);
-  const auto right_in = [&](const std::vector<Along>& all) {
-    return cast.spacings.empty() ? all[cast.best] : reference.along(std::span(all).first(cast.settings));
-  };
-  const Along right_at_states = right_in(runs.at_states());
-  const Along right_free = right_in(runs.free);
+  const Right right = right_of(cast, runs, reference);
+  if (rms(right.free.forces) == 0) refuse_numb(study, *best);
 
-  if (rms(right_free.forces) == 0) {
-    throw std::runtime_error("the hand never feels anything: let it press deeper (--depth) or longer (--duration)");
-  }
   StudyResult result = begin_result(study, cast, runs, reference);
-  result.change_per_s = change_per_s(right_free.forces);
-  for (std::size_t i = 0; i < cast.settings; ++i) {
-    const Along& run = runs.free[i];
-    StudiedSetting setting{.value = study.sweep.values[i],
-                           .cost = run.cost,
-                           .idle = idle_noise(run.cost.median_us, static_cast<int>(saved.size()), clock),
-                           .per_step = run.per_step,
-                           .at_states = state_error(runs.at_states()[i], right_at_states),
-                           .velocity_at_states = runs.synchronised ? runs.synchronised->velocity_errors[i] : 0,
-                           .free_force = relative_difference(run, right_free),
-                           .bodies = run.bodies,
-                           .trouble = trouble_of(i, cast, runs, result.places_known)};
-    setting.at_states.work_J = run.work_J - right_free.work_J;
-    const double turn_s = std::max(study.server_turn_least_s, run.cost.median_us * 1e-6);
-    for (const double round_trip_s : study.round_trips_s) {
-      DeviceRun lived = run_device(settings_of(study, cast.scenes[i], round_trip_s, turn_s), study.duration_s);
-      reference.fill_in(lived);
-      setting.behind.push_back(
-          {round_trip_s, device_error(lived.ticks), lived.passivity_minimum_J, lived.turns_missed});
-    }
+  result.change_per_s = change_per_s(right.free.forces);
+  const std::vector<StudiedSetting> alone = settings_alone(cast, runs, result, right, clock);
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    const std::size_t which = same_scene ? 0 : i;
+    StudiedSetting setting = alone[which];
+    setting.value = study.sweep.values[i];
+    live_behind(setting, study, sessions[i], cast.scenes[which], reference);
     result.settings.push_back(std::move(setting));
   }
   return result;
-}
-
-std::optional<TightSolvers> tight_solvers(const std::string& scene_text, const std::string& key) {
-  const std::size_t dot = key.rfind('.');
-  if (dot == std::string::npos) return std::nullopt;
-  const std::string table = key.substr(0, dot);
-  const std::string last = key.substr(dot + 1);
-  const bool is_bodies = table == "bodies" || table.starts_with("body.");
-  if (!is_bodies || (last != "solver" && last != "iterations" && last != "tolerance")) return std::nullopt;
-  const auto with = [&](const std::string& solver) {
-    const std::string tight =
-        scene_variant(scene_variant(scene_text, table + ".iterations", std::to_string(kTightIterations)),
-                      table + ".tolerance", kTightTolerance);
-    return scene_variant(tight, table + ".solver", "\"" + solver + "\"");
-  };
-  return TightSolvers{.newton = with("newton"), .cg = with("cg")};
 }
 
 std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t round_trip, double budget_us) {
@@ -237,58 +286,11 @@ std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t r
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     const StudiedSetting& setting = result.settings[i];
     if (!setting.trouble.empty() || setting.cost.median_us > budget_us) continue;
+    if (result.same_scene && !setting.stays_passive(round_trip)) continue;
     const auto error = [&](std::size_t which) { return result.settings[which].behind[round_trip].error.total; };
     if (!best || error(i) < error(*best)) best = i;
   }
   return best;
-}
-
-std::optional<double> spacing_of(const std::string& key, const std::string& value) {
-  const bool is_list = value.starts_with('[');
-  const std::size_t begin = is_list ? value.find_first_not_of(' ', 1) : 0;
-  if (begin == std::string::npos) return std::nullopt;
-  const std::string first = is_list ? value.substr(begin, value.find_first_of(" ,]", begin) - begin) : value;
-  const auto number = text::finite_number(first);
-  if (!number || !(*number > 0)) return std::nullopt;
-  const auto is_in = [&](const std::string& unit) {
-    return key.ends_with("_" + unit) && !key.ends_with("_per_" + unit);
-  };
-  const bool is_size = !is_list && (is_in("m") || is_in("s"));
-  return is_size ? *number : 1 / *number;
-}
-
-Sweep usual_sweep(const std::string& scene_text) {
-  const toml::table scene = toml::parse(scene_text);
-  const auto first = [&](const char* kind, const char* shape) -> std::string {
-    const toml::array* all = scene[kind].as_array();
-    if (all == nullptr) return {};
-    for (const toml::node& node : *all) {
-      const toml::table& table = *node.as_table();
-      if (table["shape"]["kind"].value_or(std::string()) == shape) return table["name"].value_or(std::string());
-    }
-    return {};
-  };
-  if (const toml::array* const levels = scene["accuracy"]["levels"].as_array()) {
-    Sweep sweep{.key = scene["accuracy"]["key"].value_or(std::string())};
-    for (const toml::node& level : *levels) {
-      std::ostringstream value;
-      level.as_table()->at("value").visit([&](const auto& any) { value << any; });
-      sweep.values.push_back(value.str());
-    }
-    return sweep;
-  }
-  if (const std::string name = first("tissue", "block"); !name.empty()) {
-    return {"tissue." + name + ".shape.cells", {"[4, 4, 2]", "[6, 6, 3]", "[9, 9, 4]"}};
-  }
-  if (const std::string name = first("object", "distance_field"); !name.empty()) {
-    return {"object." + name + ".shape.spacing_m", {"0.008", "0.004", "0.002", "0.001"}};
-  }
-  if (const toml::array* const bodies = scene["body"].as_array(); bodies != nullptr && !bodies->empty()) {
-    const toml::table& body = *bodies->front().as_table();
-    if (body.contains("shape")) return {"bodies.timestep_s", {"0.004", "0.002", "0.001", "0.0005", "0.00025"}};
-    return {"body." + body["name"].value_or(std::string()) + ".iterations", {"1", "2", "3", "5", "10", "100"}};
-  }
-  throw std::invalid_argument("nothing in the scene has levels by itself: say what to try with --sweep KEY=V1,V2,...");
 }
 
 }  // namespace forcebound::lab

@@ -8,22 +8,23 @@
 #include "tests/lab/accuracy/device_error.hpp"
 #include "tests/lab/accuracy/harmonic_hand.hpp"
 #include "tests/lab/accuracy/reference_model.hpp"
-#include "tests/lab/accuracy/scene_variant.hpp"
+#include "tests/lab/accuracy/session_settings.hpp"
+#include "tests/lab/accuracy/sweep.hpp"
 
 namespace forcebound::lab {
 
-/// What accuracy costs in time: one key of a scene, its values from coarse to fine, and networks from near to far.
+/// What accuracy costs in time: one key of a scene or a session, its values, and networks from near to far.
 struct Study {
   std::string scene_text;
   std::string scene_file;  ///< files in the scene lie beside it
-  Sweep sweep;
-  std::string fixed{};  ///< what of the scene was changed before, for people
+  Sweep sweep;             ///< of a scene's key from coarse to fine or back, unless something else is exact
+  std::vector<server::SceneChange> fixed{};  ///< what of the scene is changed before
   std::vector<double> round_trips_s{};
   HarmonicMotion motion{};
+  std::string hand{};  ///< the specification of an operator, such as "replay:FILE.csv", in place of `motion`
   std::string device = "cartesian-3dof";
-  std::string law = "fba-exact";
+  SessionSettings session{};
   double duration_s = 2;
-  double server_turn_least_s = 0;                    ///< a server that is asked to answer less often
   std::shared_ptr<const server::Scene> reference{};  ///< null: what the levels tend to, or a tight solver of bodies
 };
 
@@ -45,12 +46,20 @@ struct StudiedSetting {
     double turns_missed = 0;
   };
   std::vector<Behind> behind{};  ///< one for each round trip
+
+  /// Whether the device never had more energy back than its own damping took, but for rounding.
+  [[nodiscard]] bool stays_passive(std::size_t round_trip) const {
+    return behind[round_trip].passivity_minimum_J >= -kRounding_J;
+  }
+  static constexpr double kRounding_J = 1e-6;
 };
 
 struct StudyResult {
   std::string key;
   std::string hand;
   std::string fixed{};
+  std::string session{};             ///< before the sweep changed it
+  bool same_scene = false;           ///< the key is one of the session: what is said of a scene is the same for all
   double change_per_s = 0;           ///< RMS of the reference's rate of change over its own, along the hand's way
   double reference_uncertainty = 0;  ///< at the same states
   double velocity_uncertainty = 0;   ///< at the same states, of what contacts change of velocities
@@ -65,28 +74,18 @@ struct StudyResult {
   std::vector<StudiedSetting> settings{};
 };
 
-/// @throws what the scene's variants, device and law refuse
+/// The study's scene with what is fixed and further changes, which errors name.
+/// @throws server::SceneError
+std::shared_ptr<const server::Scene> compile(const Study& study, const std::vector<server::SceneChange>& further = {});
+
+/// A key of a scene has a dot; another one is of the session (`session_keys`). Then there is one scene, which is its
+/// own reference unless there is another, and all settings hold the same forces against it.
+/// @throws what the scene's variants, hand, device and law refuse
 StudyResult carry_out(Study study, const time::Clock& clock);
 
-/// The value with the least error at the device behind a round trip, of those within a budget; crosses do not count.
+/// The value with the least error at the device behind a round trip, of those within a budget; crosses do not count,
+/// and of a session's settings none that gave energy away: what makes a force wrong by keeping the peace is no fault.
 /// None: there is none.
 std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t round_trip, double budget_us);
-
-/// A sweep that shows what the scene has to offer: the levels it may be picked from, a tissue's cells, a distance
-/// field's cell, the bodies' time step.
-/// @throws std::invalid_argument if there is nothing of the kind
-Sweep usual_sweep(const std::string& scene_text);
-
-/// The scene itself with what finds its bodies' forces at its best, twice by different ways: Newton's method and
-/// conjugate gradients, as far as they go. Nothing for a key that is not about that.
-struct TightSolvers {
-  std::string newton;  ///< text of a scene
-  std::string cg;
-};
-std::optional<TightSolvers> tight_solvers(const std::string& scene_text, const std::string& key);
-
-/// How coarse a value is, in any unit: of a list the inverse of its first number, of a number whose key ends in _m or
-/// _s itself, of another number its inverse. Nothing for what is no number.
-std::optional<double> spacing_of(const std::string& key, const std::string& value);
 
 }  // namespace forcebound::lab

@@ -14,25 +14,37 @@ constexpr double kLeastShare = 1e-6;
 
 std::string ms(double seconds) { return text::rounded(seconds * 1e3) + " ms"; }
 
-/// What each setting has of something, over what it costs: a curve of those that worked, and crosses of the others.
+/// Over what a scene's settings cost; those of a session side by side.
+double place_of(const StudyResult& result, std::size_t which) {
+  return result.same_scene ? static_cast<double>(which + 1) : result.settings[which].cost.median_us;
+}
+
+/// What each setting has of something: a curve of those that worked, and crosses of the others. Settings of a session
+/// have nothing in between, so no curve either.
 template <class Share>
 void add_percents(Panel& panel, const StudyResult& result, const std::string& label, const char* colour, Share share) {
   Series worked{.label = label, .colour = colour, .mark = Series::Mark::dot};
   Series failed{.label = "", .colour = colour, .mark = Series::Mark::cross};
-  for (const StudiedSetting& setting : result.settings) {
-    const bool has_worked = setting.trouble.empty();
-    const double percent = 100 * share(setting);
-    worked.x.push_back(setting.cost.median_us);
-    worked.y.push_back(has_worked ? percent : std::nan(""));
-    failed.x.push_back(setting.cost.median_us);
-    failed.y.push_back(has_worked ? std::nan("") : percent);
+  const auto add = [&](double x, double worked_percent, double failed_percent) {
+    worked.x.push_back(x);
+    worked.y.push_back(worked_percent);
+    failed.x.push_back(x);
+    failed.y.push_back(failed_percent);
+  };
+  for (std::size_t i = 0; i < result.settings.size(); ++i) {
+    const bool has_worked = result.settings[i].trouble.empty();
+    const double percent = 100 * share(result.settings[i]);
+    const double x = place_of(result, i);
+    add(x, has_worked ? percent : std::nan(""), has_worked ? std::nan("") : percent);
+    if (result.same_scene) add(x, std::nan(""), std::nan(""));
   }
   panel.series.push_back(std::move(worked));
   panel.series.push_back(std::move(failed));
 }
 
-/// The settings' values, once, above their points.
+/// The settings' values, once, above their points; those of a session stand along the axis.
 void add_names(Panel& panel, const StudyResult& result) {
+  if (result.same_scene) return;
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     const bool has_worked = result.settings[i].trouble.empty();
     Series& of = panel.series[has_worked ? 0 : 1];
@@ -56,7 +68,7 @@ Panel error_panel(const StudyResult& result) {
     if (!best) continue;
     const StudiedSetting& setting = result.settings[*best];
     panel.series.push_back({.label = "",
-                            .x = {setting.cost.median_us},
+                            .x = {place_of(result, *best)},
                             .y = {100 * setting.behind[which].error.total},
                             .colour = colour::kAxes[which % 6],
                             .mark = Series::Mark::ring});
@@ -101,10 +113,13 @@ void draw(const StudyResult& result, const std::string& title, const std::filesy
                 .subtitle = result.key + (result.fixed.empty() ? "" : " with " + result.fixed) + ", " +
                             result.hand.substr(0, result.hand.find(',')) +
                             (result.reference_trouble.empty() ? "" : "; the reference itself failed"),
-                .x_label = "time of a step, median [us]"};
-  figure.x_log = true;
+                .x_label = result.same_scene ? result.key : "time of a step, median [us]"};
+  figure.x_log = !result.same_scene;
+  for (const StudiedSetting& setting : result.settings) {
+    if (result.same_scene) figure.x_names.push_back(setting.value);
+  }
   figure.panels.push_back(error_panel(result));
-  figure.panels.push_back(states_panel(result));
+  if (!result.same_scene) figure.panels.push_back(states_panel(result));
   const std::size_t networks = result.settings.front().behind.size();
   figure.panels.push_back(parts_panel(result, 0));
   if (networks > 1) figure.panels.push_back(parts_panel(result, networks - 1));

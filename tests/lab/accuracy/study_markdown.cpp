@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/text/numbers.hpp"
+#include "tests/lab/accuracy/study.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -18,12 +19,21 @@ std::string percent_above(const Json& share, double uncertainty) {
   return "<= " + text::rounded(300 * uncertainty) + " %";
 }
 
-/// Of those that worked the least wrong; as many as there are settings if none did.
-std::size_t best_behind(const Json& settings, std::size_t network) {
+bool is_passive(const Json& behind) {
+  return behind.at("passivity_minimum_J").get<double>() >= -StudiedSetting::kRounding_J;
+}
+
+/// Of those that worked, and of a session's settings stayed passive, the least wrong; as many as there are settings if
+/// none did.
+std::size_t best_behind(const Json& study, std::size_t network) {
+  const Json& settings = study.at("settings");
+  const bool of_session = study.value("same_scene", false);
   std::size_t best = settings.size();
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < settings.size(); ++i) {
-    const double error = settings[i].at("behind").at(network).at("error");
+    const Json& behind = settings[i].at("behind").at(network);
+    const double error = behind.at("error");
+    if (of_session && !is_passive(behind)) continue;
     if (!settings[i].at("trouble").get<std::string>().empty() || error >= least) continue;
     best = i;
     least = error;
@@ -56,7 +66,7 @@ std::string to_markdown(const Json& study) {
             text::rounded(setting.at("step_us").at("median").get<double>()) + " | " +
             percent_above(setting.at("force_error"), uncertainty) + " |";
     for (std::size_t network = 0; network < networks.size(); ++network) {
-      const std::string mark = best_behind(settings, network) == i ? "**" : "";
+      const std::string mark = best_behind(study, network) == i ? "**" : "";
       const Json& error = setting.at("behind").at(network).at("error");
       text.append(" ").append(mark).append(percent_above(error, uncertainty)).append(mark).append(" |");
     }

@@ -120,7 +120,7 @@ void Load::connect(std::size_t clients) {
       if (nobody || now() - first > kServerPatience) {
         throw std::runtime_error("no answer from " + options_.server + (nobody ? ": nobody listens there" : ""));
       }
-      send(crew_.hello(client), client);
+      send(crew_.hello(client, now()), client);
       rest(now() + kHelloPause);
     }
   }

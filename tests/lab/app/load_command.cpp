@@ -26,7 +26,11 @@ struct Options {
   std::string json;
 };
 
+// Of all motions sent, this share is to be answered within that time. One that was never answered never was: where the
+// machine steals milliseconds, a server answers only the newest motion of each session, by design.
+constexpr double kServedShare = 0.99;
 constexpr double kServiceMost_us = 1000;
+constexpr const char* kHolds = "99 % of all motions sent answered within 1 ms, and 98 % of those due sent in time";
 
 // Of all motions: the machine may have held this program up, which is no fault of who is loaded.
 constexpr double kUnsentMost = 0.02;
@@ -35,8 +39,8 @@ double in_us(double ns) { return 1e-3 * ns; }
 
 bool holds(const LoadResult& result) {
   const auto all = static_cast<double>(result.unsent + result.tally.sent);
-  return result.lost() == 0 && static_cast<double>(result.unsent) <= kUnsentMost * all &&
-         in_us(result.tally.arrived_ns.percentile(0.99)) < kServiceMost_us;
+  return static_cast<double>(result.unsent) <= kUnsentMost * all &&
+         in_us(result.tally.answered_within_ns(kServedShare)) < kServiceMost_us;
 }
 
 std::string line_of(const LoadResult& result) {
@@ -76,8 +80,7 @@ LoadResult most(const Options& options, Load& load) {
     return held;
   });
   if (!best) throw std::runtime_error("not even one client is answered in time");
-  std::cout << "most: " << clients
-            << " clients with p99 of the service below 1 ms, nothing lost and 98 % sent in time\n";
+  std::cout << "most: " << clients << " clients with " << kHolds << '\n';
   return *best;
 }
 
@@ -111,7 +114,7 @@ void add_load(CLI::App& app) {
       ->capture_default_str();
   command->add_flag(
       "--find-most", options->find_most,
-      "search for the most clients with p99 of the service below 1 ms, nothing lost and 98 % sent in time");
+      std::string("search for the most clients with ") + kHolds + ";\na motion that is never answered counts as late");
   command->add_option("--limit", options->search.limit, "with --find-most: try no more")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))

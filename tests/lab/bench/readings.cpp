@@ -1,12 +1,14 @@
 #include "tests/lab/bench/readings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace forcebound::lab {
 namespace {
@@ -30,10 +32,34 @@ double number_behind(std::string_view text, std::string_view key) {
   return *value;
 }
 
+/// Google Benchmark writes what is no number, such as the variation of nothing, as a bare word that JSON has not.
+std::string without_bare_words(std::string_view json) {
+  constexpr std::array<std::string_view, 2> kWords{"NaN", "Infinity"};
+  std::string out;
+  out.reserve(json.size());
+  for (bool in_string = false; !json.empty();) {
+    const bool escaped = in_string && json.front() == '\\' && json.size() > 1;
+    if (json.front() == '"') in_string = !in_string;
+    const auto word = std::ranges::find_if(kWords, [&](std::string_view each) { return json.starts_with(each); });
+    if (!in_string && word != kWords.end()) {
+      if (out.ends_with('-')) out.pop_back();
+      out += "null";
+      json.remove_prefix(word->size());
+      continue;
+    }
+    const std::size_t taken = escaped ? 2 : 1;
+    out += json.substr(0, taken);
+    json.remove_prefix(taken);
+  }
+  return out;
+}
+
 double in_ns(const nlohmann::json& run) {
   const std::string unit = run.at("time_unit");
   const double scale = unit == "s" ? 1e9 : unit == "ms" ? 1e6 : unit == "us" ? 1e3 : 1;
-  return scale * run.at("cpu_time").get<double>();
+  const nlohmann::json& time = run.at("cpu_time");
+  if (!time.is_number()) throw std::runtime_error(run.at("name").get<std::string>() + " has no time");
+  return scale * time.get<double>();
 }
 
 }  // namespace
@@ -67,7 +93,7 @@ std::vector<double> periods_us(double period_us, const std::vector<double>& late
 }
 
 Benchmarks read_benchmarks(std::string_view text) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(without_bare_words(text), nullptr, false);
   if (!json.is_object() || !json.contains("benchmarks")) throw std::runtime_error("not what a benchmark wrote");
   Benchmarks all;
   for (const auto& run : json["benchmarks"]) {

@@ -34,6 +34,10 @@ class Crew {
     std::uint64_t foreign = 0;       ///< datagrams that answer no motion of this measurement
     record::Histogram arrived_ns{};  ///< until the answer reached this machine's socket
     record::Histogram read_ns{};     ///< until the program had it
+
+    /// Of all motions sent the share `fraction` was answered within this time [ns], as far as the socket; infinite if
+    /// fewer were answered at all.
+    [[nodiscard]] double answered_within_ns(double fraction) const noexcept;
   };
 
   explicit Crew(Settings settings) : settings_(std::move(settings)) {}
@@ -45,7 +49,7 @@ class Crew {
   [[nodiscard]] bool connected(std::size_t client) const noexcept { return members_[client].session != 0; }
 
   /// The datagrams of one client, valid until the next is asked for.
-  [[nodiscard]] std::span<const std::byte> hello(std::size_t client) noexcept;
+  [[nodiscard]] std::span<const std::byte> hello(std::size_t client, Nanoseconds now) noexcept;
   [[nodiscard]] std::span<const std::byte> motion(std::size_t client, Nanoseconds now) noexcept;
   [[nodiscard]] std::span<const std::byte> bye(std::size_t client) noexcept;
 
@@ -65,7 +69,12 @@ class Crew {
     std::uint64_t nonce;
     std::uint64_t session;  ///< 0: not yet
     std::uint64_t sequence;
+    Nanoseconds round_trip{0};  ///< 0: not measured
   };
+
+  /// Null: none of ours.
+  Member* member_of(std::uint64_t nonce) noexcept;
+  void on_refusal(const wire::Refusal& refusal, Nanoseconds now);
 
   void on_answer(Nanoseconds motion_time, Nanoseconds arrival, Nanoseconds now) noexcept;
 

@@ -64,6 +64,26 @@ TEST(Benchmarks, AreTheMediansOfRepetitionsAndOtherwiseTheRun) {
   EXPECT_THROW(static_cast<void>(read_benchmarks("")), std::runtime_error);
 }
 
+TEST(Benchmarks, AreReadBesideWordsThatJsonHasNot) {
+  const Benchmarks all = read_benchmarks(R"({"benchmarks": [
+    {"name": "\"NaN\"", "run_type": "iteration", "cpu_time": 5, "time_unit": "ns"},
+    {"name": "a_cv", "run_name": "a", "run_type": "aggregate", "aggregate_name": "cv", "cpu_time": NaN,
+     "time_unit": "ns", "heap": -NaN, "rate": Infinity, "least": -Infinity},
+    {"name": "a_median", "run_name": "a", "run_type": "aggregate", "aggregate_name": "median", "cpu_time": 6,
+     "time_unit": "ns", "heap": 0}
+  ]})");
+  EXPECT_THAT(all, ElementsAre(Pair("\"NaN\"", 5), Pair("a", 6)));
+}
+
+TEST(Benchmarks, WithoutATimeAreRefused) {
+  EXPECT_THAT(
+      [] {
+        static_cast<void>(read_benchmarks(
+            R"({"benchmarks": [{"name": "a", "run_type": "iteration", "cpu_time": NaN, "time_unit": "ns"}]})"));
+      },
+      ThrowsMessage<std::runtime_error>(HasSubstr("a has no time")));
+}
+
 TEST(Benchmarks, AreSortedBySizeWhetherItHasANameOrNot) {
   const Benchmarks all{{"step/8", 80}, {"step/16", 160}, {"step_more/8", 1}, {"nearest/triangles:1088", 3}};
   EXPECT_THAT(by_size(all, "step"), ElementsAre(Pair(8, 80), Pair(16, 160)));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <vector>
 
 #include "tests/support/allocation_guard.hpp"
@@ -31,10 +32,10 @@ class CrewTest : public testing::Test {
 TEST_F(CrewTest, GivesEachMemberItsOwnNonceAndTheSessionOfItsWelcome) {
   Crew crew({.degrees_of_freedom = 2, .scene = "circle", .first_nonce = 1000});
   crew.grow(2);
-  const auto first = said<wire::Hello>(crew.hello(0));
+  const auto first = said<wire::Hello>(crew.hello(0, 0ms));
   EXPECT_EQ(first.degrees_of_freedom, 2U);
   EXPECT_EQ(first.scene, "circle");
-  const auto second = said<wire::Hello>(crew.hello(1)).client_nonce;
+  const auto second = said<wire::Hello>(crew.hello(1, 0ms)).client_nonce;
   arrive(crew, wire::Welcome{.client_nonce = second, .session = 77});
   EXPECT_FALSE(crew.connected(0));
   EXPECT_TRUE(crew.connected(1));
@@ -93,6 +94,46 @@ TEST_F(CrewTest, KeepsTheServersRefusal) {
   crew.grow(1);
   arrive(crew, wire::Refusal{.text = "all 64 sessions are taken"});
   EXPECT_THAT(crew.refusal(), HasSubstr("64 sessions"));
+}
+
+TEST_F(CrewTest, SaysTheRoundTripToAServerThatWantsItAndIsNotRefusedByThat) {
+  Crew crew({});
+  crew.grow(2);
+  const auto hello = said<wire::Hello>(crew.hello(1, 10ms));
+  EXPECT_EQ(hello.round_trip, 0ms);
+  EXPECT_EQ(hello.client_time, 10ms);
+  arrive(crew,
+         wire::Refusal{.client_nonce = hello.client_nonce,
+                       .reason = wire::RefusalReason::round_trip_wanted,
+                       .text = "say Hello again",
+                       .client_time = hello.client_time},
+         13ms, 13ms);
+  EXPECT_EQ(crew.refusal(), "");
+  const auto again = said<wire::Hello>(crew.hello(1, 20ms));
+  EXPECT_EQ(again.client_nonce, hello.client_nonce);
+  EXPECT_EQ(again.round_trip, 3ms);
+  EXPECT_EQ(said<wire::Hello>(crew.hello(0, 20ms)).round_trip, 0ms) << "each measures its own";
+}
+
+TEST_F(CrewTest, CountsMotionsThatAreNeverAnsweredAsNeverInTime) {
+  Crew crew({});
+  crew.grow(1);
+  crew.begin(0ns);
+  EXPECT_EQ(crew.tally().answered_within_ns(0.99), std::numeric_limits<double>::infinity());
+  const auto send_and_answer = [&](int motions, Nanoseconds after) {
+    for (int i = 0; i < motions; ++i) {
+      static_cast<void>(crew.motion(0, 1ms));
+      arrive(crew, wire::EnvironmentForce{.motion_device_time = 1ms}, 1ms + after, 1ms + after);
+    }
+  };
+  send_and_answer(990, 100ns);
+  send_and_answer(5, 900ns);
+  for (int i = 0; i < 5; ++i) static_cast<void>(crew.motion(0, 1ms));  // lost
+  EXPECT_EQ(crew.tally().answered_within_ns(0.99), 100);
+  EXPECT_EQ(crew.tally().answered_within_ns(0.995), 900);
+  EXPECT_EQ(crew.tally().answered_within_ns(0.996), std::numeric_limits<double>::infinity());
+  send_and_answer(1, 900ns);
+  EXPECT_EQ(crew.tally().answered_within_ns(0.99), 900) << "ten of 1001 were late or lost";
 }
 
 TEST_F(CrewTest, DoesNotAllocateWhileMeasuring) {

@@ -44,6 +44,15 @@ TEST(Figure, IsDrawnAsAPngWhateverItsTexts) {
   EXPECT_EQ(width, 1400);
 }
 
+TEST(Figure, MayHaveNamesAlongItsAxis) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const TemporaryFile png("figure.png");
+  Figure figure = sample();
+  figure.x_names = {"none", "it's", "[4, 4, 2]"};
+  EXPECT_EQ(refusal_of(figure, png.path()), "");
+  EXPECT_GT(std::filesystem::file_size(png.path()), 1000U);
+}
+
 TEST(Figure, ThatCannotBeWrittenIsRefusedByName) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
   EXPECT_THAT(refusal_of(sample(), "/nowhere/figure.png"), HasSubstr("'/nowhere/figure.png'"));

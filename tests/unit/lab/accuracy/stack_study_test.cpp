@@ -16,7 +16,7 @@ using testing::HasSubstr;
 StudyResult study(const std::string& bodies, const Sweep& sweep, double duration_s = 0.9) {
   Study study{.scene_text = stack_text(bodies), .scene_file = "stack.toml", .sweep = sweep};
   study.round_trips_s = {0.001};
-  study.law = "none";
+  study.session.law = "none";
   study.duration_s = duration_s;
   return carry_out(study, time::SteadyClock());
 }
@@ -69,16 +69,6 @@ TEST(StudyOfAStack, SolversNeedNoOrder) {
   const StudyResult result = study("", {"bodies.solver", {"'pgs'", "'cg'", "'newton'"}});
   EXPECT_EQ(result.settings.size(), 3U);
   EXPECT_LT(result.settings[2].at_states.force, result.settings[0].at_states.force);
-}
-
-TEST(TightSolvers, AreForKeysOfASolverOnly) {
-  EXPECT_FALSE(tight_solvers(stack_text(), "bodies.timestep_s"));
-  EXPECT_FALSE(tight_solvers(stack_text(), "iterations"));
-  EXPECT_FALSE(tight_solvers(stack_text(), "tissue.x.iterations"));
-  const auto tight = tight_solvers(stack_text(), "bodies.tolerance");
-  ASSERT_TRUE(tight);
-  EXPECT_THAT(tight->newton, testing::AllOf(HasSubstr("newton"), HasSubstr("iterations = 1000")));
-  EXPECT_THAT(tight->cg, HasSubstr("cg"));
 }
 
 }  // namespace

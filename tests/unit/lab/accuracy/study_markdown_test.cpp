@@ -44,6 +44,13 @@ TEST(StudyMarkdown, SaysWhatFailedAndNeverCallsItTheBest) {
   EXPECT_THAT(to_markdown(to_json(result)), HasSubstr("| 1 | 20 | 20 % | **40 %** | **50 %** |\n"));
 }
 
+TEST(StudyMarkdown, CallsNoSettingOfASessionTheBestThatGaveEnergyAway) {
+  StudyResult result = two_settings();
+  result.same_scene = true;
+  result.settings[1].behind[0].passivity_minimum_J = -0.01;
+  EXPECT_THAT(to_markdown(to_json(result)), HasSubstr("| 1 | 20 | 20 % | **40 %** | **50 %** |\n"));
+}
+
 TEST(Readme, QuotesTheCommittedStudyAndNoOther) {
   const std::string root = FORCEBOUND_SOURCE_DIR;
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/accuracy-results.json"));

@@ -5,9 +5,8 @@
 
 #include <limits>
 
-#include "forcebound/server/scene/scene_library.hpp"
 #include "tests/lab/accuracy/study_text.hpp"
-#include "tests/support/auto_scene.hpp"
+#include "tests/unit/lab/accuracy/floor_study.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -16,15 +15,6 @@ using testing::HasSubstr;
 
 constexpr double kAnyBudget = std::numeric_limits<double>::infinity();
 
-/// A clock on which every step takes as long: 50 us.
-class EvenClock final : public time::Clock {
- public:
-  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time::Nanoseconds{50000 * ++looks_}; }
-
- private:
-  mutable std::int64_t looks_ = 0;
-};
-
 StudiedSetting setting(double cost_us, const std::vector<double>& errors, const std::string& trouble = {}) {
   StudiedSetting made{.value = std::to_string(static_cast<int>(cost_us)), .cost = {.median_us = cost_us}};
   made.trouble = trouble;
@@ -32,15 +22,6 @@ StudiedSetting setting(double cost_us, const std::vector<double>& errors, const 
     made.behind.push_back({.round_trip_s = 0.001, .error = {.total = error, .age = {.share = 0.9 * error}}});
   }
   return made;
-}
-
-TEST(SpacingOf, FallsFromCoarseToFine) {
-  EXPECT_EQ(spacing_of("tissue.pad.shape.cells", "[8, 8, 4]"), 0.125);
-  EXPECT_EQ(spacing_of("object.o.shape.cell_m", "0.004"), 0.004);
-  EXPECT_EQ(spacing_of("bodies.timestep_s", "0.001"), 0.001);
-  EXPECT_EQ(spacing_of("tissue.pad.contacts_max", "8"), 0.125);
-  EXPECT_EQ(spacing_of("object.o.surface.stiffness_N_per_m", "100"), 0.01);
-  EXPECT_EQ(spacing_of("tissue.pad.large_motion", "true"), std::nullopt);
 }
 
 TEST(BestSetting, IsTheLeastWrongThatWorkedWithinTheBudget) {
@@ -55,6 +36,19 @@ TEST(BestSetting, IsTheLeastWrongThatWorkedWithinTheBudget) {
   EXPECT_EQ(best_setting(result, 0, 5), std::nullopt);
 }
 
+TEST(BestSetting, OfASessionIsPassive) {
+  StudyResult result{
+      .key = "law", .hand = "", .reference_why = "", .settings = {setting(10, {0.1}), setting(10, {0.9})}};
+  result.settings[0].behind[0].passivity_minimum_J = -2e-6;
+  EXPECT_EQ(best_setting(result, 0, kAnyBudget), 0U) << "a scene has no law to choose";
+  result.same_scene = true;
+  EXPECT_EQ(best_setting(result, 0, kAnyBudget), 1U);
+  EXPECT_THAT(to_text(result), HasSubstr("not passive"));
+  result.settings[1].behind[0].passivity_minimum_J = -1;
+  EXPECT_EQ(best_setting(result, 0, kAnyBudget), std::nullopt);
+  EXPECT_THAT(recommendation(result), HasSubstr("nothing that worked and stayed passive"));
+}
+
 TEST(Recommendation, SaysWhereASettingHardlyMatters) {
   const StudyResult alike{
       .key = "cell_m", .hand = "", .reference_why = "", .settings = {setting(10, {0.50}), setting(20, {0.51})}};
@@ -66,33 +60,35 @@ TEST(Recommendation, SaysWhereASettingHardlyMatters) {
   EXPECT_THAT(recommendation(other, 1), HasSubstr("nothing that worked takes at most 1 us"));
 }
 
-TEST(UsualSweep, NeedsSomethingWithLevels) {
-  EXPECT_THROW((void)usual_sweep(server::scene_source("wall").text), std::invalid_argument);
-  EXPECT_EQ(usual_sweep(server::scene_source("palpation").text).key, "tissue.pad.shape.cells");
-  EXPECT_EQ(usual_sweep(server::scene_source("blocks").text).key, "bodies.timestep_s");
-  const Sweep pad = usual_sweep(server::scene_source("soft_pad").text);
-  EXPECT_EQ(pad.values.size(), 5U);
-  for (const std::string& value : pad.values) EXPECT_TRUE(spacing_of(pad.key, value)) << value;
-  EXPECT_DOUBLE_EQ(spacing_of(pad.key, "[ 15, 15, 5 ]").value_or(0), 1.0 / 15);
-  const Sweep levels = usual_sweep(test::kAutoWall);
-  EXPECT_EQ(levels.key, "object.wall.surface.stiffness_N_per_m");
-  EXPECT_THAT(levels.values, testing::ElementsAre("100.0", "200.0"));
-  EXPECT_EQ(usual_sweep(server::scene_source("assembly").text).key, "body.peg in hole.iterations");
+TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreLostInTheAge) {
+  StudyResult result{
+      .key = "detail", .hand = "", .reference_why = "", .settings = {setting(10, {1, 1}), setting(20, {1, 1})}};
+  const auto set = [&](std::size_t which, std::size_t network, double model) {
+    result.settings[which].behind[network].round_trip_s = network == 0 ? 0.001 : 0.05;
+    result.settings[which].behind[network].error.model.alone = model;
+    result.settings[which].behind[network].error.age.alone = 0.5;
+  };
+  for (const std::size_t network : {0U, 1U}) {
+    set(0, network, 0.04);
+    set(1, network, 0.01);
+  }
+  EXPECT_EQ(what_does_not_matter(result),
+            "detail does not matter beside the network's age behind every round trip: the model's part of every "
+            "setting is at most 8 % of the age's (the line is 10 %)\n");
+  set(0, 0, 0.06);
+  EXPECT_THAT(what_does_not_matter(result), HasSubstr("behind 50 ms: "));
+  set(1, 1, 0.06);
+  EXPECT_EQ(what_does_not_matter(result), "");
+  result.settings[0].trouble = "fell";
+  set(1, 1, 0.01);
+  EXPECT_EQ(what_does_not_matter(result), "") << "one setting is no comparison";
 }
 
 /// A softened wall whose stiffness is swept, against the one that is right.
 Study wall(double round_trip_s) {
-  const std::string text =
-      "[scene]\nname = 'floor'\ndescription = ''\ndegrees_of_freedom = 3\n"
-      "[[object]]\nname = 'floor'\nshape = { kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, 1] }\n"
-      "effects = ['surface']\nsurface = { stiffness_N_per_m = 100 }\n";
-  Study study{.scene_text = text,
-              .scene_file = "floor.toml",
-              .sweep = {"object.floor.surface.stiffness_N_per_m", {"50", "90", "100"}}};
-  study.round_trips_s = {round_trip_s};
-  study.law = "none";
-  study.duration_s = 1.5;
-  study.reference = server::parse_scene(text, "floor.toml");
+  Study study = floor_study(round_trip_s);
+  study.sweep = {"object.floor.surface.stiffness_N_per_m", {"50", "90", "100"}};
+  study.reference = compile(study);
   return study;
 }
 
@@ -122,17 +118,37 @@ TEST(CarryOut, BehindALongerWayTheAgeIsMoreThanTheModel) {
 
 TEST(CarryOut, AServerThatIsAskedRarelyIsTheHoldsFault) {
   Study rare = wall(0);
-  rare.server_turn_least_s = 0.02;
+  rare.session.server_rate_Hz = 50;
   const auto behind = carry_out(rare, EvenClock()).settings[2].behind[0];
   EXPECT_GT(behind.turns_missed, 0.9);
   EXPECT_GT(behind.error.hold.share, 0.02);
   EXPECT_EQ(behind.error.model.alone, 0);
 }
 
+TEST(Compile, NamesTheFilesLineAndWhatWasChanged) {
+  const auto refusal_of = [](const std::vector<server::SceneChange>& changes) -> std::string {
+    try {
+      (void)compile(floor_study(0), changes);
+    } catch (const server::SceneError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(refusal_of({{"object.floor.surface.stiffness_N_per_m", "-1"}}),
+              testing::AllOf(testing::StartsWith("floor.toml:9: "), HasSubstr("stiffness_N_per_m must be"),
+                             HasSubstr("(with object.floor.surface.stiffness_N_per_m=-1)")));
+  EXPECT_THAT(refusal_of({{"object.floor.surface.stiffness", "1"}}), testing::StartsWith("floor.toml:9: "));
+  EXPECT_THAT(refusal_of({{"object.flor.surface.stiffness_N_per_m", "1"}}),
+              testing::StartsWith("floor.toml: no [[object]] named 'flor', did you mean 'floor'?"));
+  EXPECT_THAT(refusal_of({{"object.floor.surface.stiffness_N_per_m", "1 2"}}),
+              HasSubstr("as TOML writes it, got '1 2'"));
+  EXPECT_THAT(refusal_of({{"object.floor.surface.stiffness_N_per_m", "1\nx = 2"}}), HasSubstr("as TOML writes it"));
+}
+
 TEST(CarryOut, RefusesLevelsThatAreNotInOrder) {
   Study study = wall(0);
   study.reference = nullptr;
-  study.sweep.values = {"100", "50"};
+  study.sweep.values = {"100", "50", "200"};
   EXPECT_THROW((void)carry_out(study, EvenClock()), std::invalid_argument);
 }
 

@@ -5,6 +5,7 @@
 #include "forcebound/server/scene/explain.hpp"
 #include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/server/scene/scene_state.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/recorded_data.hpp"
 #include "tests/support/vector_of.hpp"
@@ -80,6 +81,25 @@ TEST_F(MeshParser, NamesSceneLineAndFileAndTheirLine) {
   test::write_file(folder.file("open.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(error_of("kind = 'distance_field', file = 'open.obj', spacing_m = 0.1"), HasSubstr("open.obj"));
   EXPECT_THAT(error_of("kind = 'mesh', file = 'corner.ply'"), HasSubstr("a mesh is an .obj, .off or .stl file"));
+}
+
+TEST_F(MeshParser, HasAsMuchDetailAsToldTo) {
+  std::ofstream file(folder.file("ball.obj"));
+  const test::Soup ball = test::ball(0.05, 10);
+  for (const Point& v : ball.vertices) file << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  for (const Triangle& t : ball.triangles) file << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  file.close();
+  EXPECT_THAT(explain(*scene("kind = 'mesh', file = 'ball.obj'")), HasSubstr("360 triangles"));
+  EXPECT_THAT(explain(*scene("kind = 'mesh', file = 'ball.obj', detail = 0.25")), HasSubstr("90 triangles"));
+  EXPECT_THAT(explain(*scene("kind = 'distance_field', file = 'ball.obj', detail = 0.25, spacing_m = 0.01")),
+              HasSubstr("90 triangles"));
+  for (const std::string wrong : {"0", "1.5", "-1"}) {
+    EXPECT_THAT(error_of("kind = 'mesh', file = 'ball.obj', detail = " + wrong),
+                testing::AllOf(StartsWith(folder.file("scene.toml") + ":7: "), HasSubstr("detail must be")));
+  }
+  test::write_file(folder.file("open.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(error_of("kind = 'mesh', file = 'open.obj', detail = 0.5"),
+              testing::AllOf(StartsWith(folder.file("scene.toml") + ":7: "), HasSubstr("closed")));
 }
 
 TEST_F(MeshParser, TurnsAProfileOnALathe) {
