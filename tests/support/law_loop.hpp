@@ -13,9 +13,10 @@ struct LawLoopSetting {
   double period_s = 1e-3;
   double force_N_max = std::numeric_limits<double>::infinity();
   double actuator_step_N = 0;
+  control::LawParameters parameters{};
 };
 
-/// A published law at work on a Cartesian device whose motion and whose environment a test plays.
+/// A law at work on a Cartesian device whose motion and whose environment a test plays.
 class LawLoop {
  public:
   LawLoop(std::string_view law, const control::Matrix& damping, const LawLoopSetting& setting = {})
@@ -44,6 +45,11 @@ class LawLoop {
   /// From the coming tick on.
   void set_damping(const control::Matrix& damping) { damping_ = control::Damping::from_matrix(damping); }
 
+  /// Where the environment is to be asked next, if the device is at `position`.
+  [[nodiscard]] control::Vector probe(const control::Vector& position) const noexcept {
+    return controller_.law().probe(position);
+  }
+
   [[nodiscard]] double energy_J() const noexcept { return controller_.law().energy_J(); }
   [[nodiscard]] double xi() const noexcept { return controller_.law().xi(); }
   [[nodiscard]] const control::PassivityController::Counts& counts() const noexcept { return controller_.counts(); }
@@ -58,7 +64,7 @@ class LawLoop {
     facts.friction = facts.encoder_step = control::Vector::Zero(damping.rows());
     facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
     facts.force_N_max = setting.force_N_max;
-    return {facts, control::shipped_laws().make(law, facts)};
+    return {facts, control::shipped_laws().make(law, facts, {.parameters = setting.parameters})};
   }
 
   double interval_s_;

@@ -2,6 +2,10 @@
 
 namespace forcebound::control {
 
-void add_rivals(LawRegistry& laws) { (void)laws; }
+void add_rivals(LawRegistry& laws) {
+  laws.add(memory_based_passivation());
+  laws.add(successive_force_augment());
+  laws.add(virtual_coupling());
+}
 
 }  // namespace forcebound::control

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string_view>
+
+#include "forcebound/control/law_description.hpp"
+
+/// The paper's wall for any law, without a network: what a contact shows and what it returns.
+namespace forcebound::test {
+
+/// A hand leads the paper's device [Kim 2015, section VI] into a wall at x >= 0 and holds; it may go back:
+///
+///     hand =(k_h, b_h)= device (0.1 kg, 30 N s/m, ideal encoder) -- law --(late by some ticks)-- wall
+struct PressedWall {
+  std::string_view law;
+  control::LawParameters parameters{};
+  double stiffness_N_per_m = 150e3;
+  int late_ticks = 0;  ///< the force that a tick is given answers for this many ticks before
+  double hand_N_per_m = 500;
+  bool retreats = false;  ///< after two of the three seconds
+};
+
+struct PressedWallResult {
+  double shown_N_per_m = 0;  ///< mean force over mean depth in the last 0.3 s of holding
+  double ripple_N = 0;       ///< largest less smallest force in that time
+  double least_P_J = 0;      ///< of the audit, to a microjoule
+  double stored_J = 0;       ///< that the force took in
+  double returned_J = 0;     ///< that it gave back, both over the whole run
+};
+
+[[nodiscard]] PressedWallResult press(const PressedWall& setting);
+
+}  // namespace forcebound::test
