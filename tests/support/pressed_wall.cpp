@@ -1,6 +1,7 @@
 #include "tests/support/pressed_wall.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 
 #include "tests/support/law_loop.hpp"
@@ -87,10 +88,12 @@ PressedWallResult press(const PressedWall& setting) {
   double least_N = kForceMax_N;
   double most_N = -kForceMax_N;
   for (int tick = 0; tick < kTicks; ++tick) {
-    asked.push_back(loop.probe(control::Vector::Constant(1, motion.at_m()))[0]);
+    const double step_m = setting.encoder_m;
+    const double read_m = step_m > 0 ? step_m * std::round(motion.at_m() / step_m) : motion.at_m();
+    asked.push_back(loop.probe(control::Vector::Constant(1, read_m))[0]);
     const double request_N = -setting.stiffness_N_per_m * std::max(0.0, asked.front());
     asked.pop_front();
-    const double force_N = loop.tick(motion.at_m(), request_N);
+    const double force_N = loop.tick(read_m, request_N);
     const int end = setting.retreats ? kRetreat : kTicks;
     if (tick >= end - kMeasured && tick < end) {
       depth_m += motion.at_m();

@@ -9,13 +9,14 @@ namespace forcebound::test {
 
 /// A hand leads the paper's device [Kim 2015, section VI] into a wall at x >= 0 and holds; it may go back:
 ///
-///     hand =(k_h, b_h)= device (0.1 kg, 30 N s/m, ideal encoder) -- law --(late by some ticks)-- wall
+///     hand =(k_h, b_h)= device (0.1 kg, 30 N s/m) -- law --(late by some ticks)-- wall
 struct PressedWall {
   std::string_view law;
   control::LawParameters parameters{};
   double stiffness_N_per_m = 150e3;
   int late_ticks = 0;  ///< the force that a tick is given answers for this many ticks before
   double hand_N_per_m = 500;
+  double encoder_m = 0;   ///< distance of two readings; 0: ideal
   bool retreats = false;  ///< after two of the three seconds
 };
 

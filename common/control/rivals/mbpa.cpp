@@ -91,7 +91,7 @@ class PressingPath {
 /// the path of pressing, so that a contact returns no more than was put into it.
 ///
 /// Along u = f_e/|f_e|, device frame; s depth [m], our f = F u. While pressing, F = |f_e|, and what was held is
-/// remembered by depth: F_{n-1} from s_{n-1} to s_n. While releasing or at rest
+/// remembered by depth: F_{n-1} from s_{n-1} to s_n. While releasing
 ///
 ///     F = min(|f_e|, the least force remembered between s_n and the depth expected next, s_n + (s_n - s_{n-1}))
 ///
@@ -101,8 +101,10 @@ class PressingPath {
 /// A reconstruction from the published idea; what we decided:
 /// - **Depth** is the way against u, s_n = s_{n-1} - u_{n-1}'d_n, so that on a curved surface F times its change is the
 ///   energy. A new path begins where u turns by more than a right angle, and after the contact.
-/// - **Expected** is as long a step as the last. Where the device turns, which it does not expect, the force of one
-///   step is a step's worth too large. Repaying that from the next release was tried, and made contacts ring.
+/// - **Expected** is a step like the last that was one: at rest, and between two steps of an encoder, it goes on as
+///   before. Where the device turns, which nobody expects, the force of one step is a step's worth too large. Repaying
+///   that from the next release was tried, and made contacts ring.
+/// - **Nothing pressed, nothing felt**: an object that comes to a device at rest is felt when the device moves into it.
 /// - **Time** does not occur but there. A path ends with an interval that no clock measured, a force that the device
 ///   let go of, and a lost reading.
 ///
@@ -138,11 +140,12 @@ class MemoryBasedPassivation final : public PassivityLaw {
     }
     const Vector direction = request_N / largest;
     const Vector normal = direction.normalized();
-    if (normal_.rows() > 0 && normal.dot(normal_) <= 0) path_.clear();
+    if (normal_.rows() > 0 && normal.dot(normal_) <= 0) leave();
     normal_ = normal;
     const double pressed_m = -normal.dot(displacement_);
-    if (pressed_m > 0) return request_N;
-    const double most_N = path_.least_force_N(-pressed_m);
+    if (pressed_m != 0) expected_m_ = pressed_m;
+    if (expected_m_ > 0) return request_N;
+    const double most_N = path_.least_force_N(-expected_m_);
     return most_N >= largest * direction.norm() ? request_N : Vector(most_N * normal);
   }
 
@@ -155,6 +158,7 @@ class MemoryBasedPassivation final : public PassivityLaw {
   void leave() noexcept {
     path_.clear();
     normal_.resize(0);
+    expected_m_ = 0;
   }
 
   /// Remembers what was pressed, or forgets what was released, in the interval that ended.
@@ -174,7 +178,8 @@ class MemoryBasedPassivation final : public PassivityLaw {
   HeldForce held_;
   PressingPath path_;
   Vector displacement_;
-  Vector normal_;  // no rows: no contact
+  Vector normal_;          // no rows: no contact
+  double expected_m_ = 0;  // into depth, of the next step
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <memory>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 #include "forcebound/control/held_force.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
@@ -23,8 +24,8 @@ struct Coupling {
 /// A virtual tool between device and environment [Colgate, Stanley, Brown 1995]: the environment is asked at the tool,
 /// and the device feels nothing but a spring and a damper to it.
 ///
-/// Task space, device frame; x device, x_v tool [m], e = x - x_v, f_e what the environment asks for [N], our f is their
-/// -F. Every tick one implicit Euler step of a nominal period T:
+/// Task space, device frame, all axes in metres; x device, x_v tool [m], e = x - x_v, f_e what the environment asks for
+/// [N], our f is their -F. Every tick one implicit Euler step of a nominal period T:
 ///
 ///     m (v_v' - v_v)/T = f_e + F - D v_v',    x_v' = x_v + T v_v',    F = Kc e' + Bc (e' - e)/T,    f = -F
 ///
@@ -179,7 +180,7 @@ double least_damping(const DeviceFacts& facts) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(facts.damping, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
 }
 
-void refuse(const DeviceFacts& facts, const std::string& why) {
+[[noreturn]] void refuse(const DeviceFacts& facts, const std::string& why) {
   throw std::invalid_argument("law 'vc': device '" + facts.name + "' " + why);
 }
 
@@ -202,7 +203,6 @@ std::unique_ptr<PassivityLaw> make(const DeviceFacts& facts, const LawOptions& o
        << " N/m and " << coupling.damping_N_s_per_m << " N s/m at a period of " << facts.period_s
        << " s needs more than Kc T/2 + |Bc| = " << needed << " N s/m";
   refuse(facts, text.str());
-  return nullptr;
 }
 
 }  // namespace

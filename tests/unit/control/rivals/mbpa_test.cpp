@@ -66,6 +66,20 @@ TEST(MemoryBasedPassivation, ReleasesAlongThePathOfPressing) {
   }
 }
 
+TEST(MemoryBasedPassivation, GoesOnAtRestAsBefore) {
+  constexpr double kStiffness_N_per_m = 1e4;
+  constexpr double kStep_m = 1e-5;
+  LawLoop loop = one_axis();
+  loop.tick(0.0, 0.0);
+  const auto wall = [&](int steps) { return loop.tick(steps * kStep_m, -kStiffness_N_per_m * steps * kStep_m); };
+  for (int i = 1; i <= 50; ++i) {
+    for (int tick = 0; tick < 3; ++tick) ASSERT_EQ(wall(i), -kStiffness_N_per_m * i * kStep_m) << i << " steps in";
+  }
+  for (int i = 49; i >= 1; --i) {
+    for (int tick = 0; tick < 3; ++tick) ASSERT_NEAR(wall(i), -kStiffness_N_per_m * (i - 1) * kStep_m, 1e-9) << i;
+  }
+}
+
 TEST(MemoryBasedPassivation, GivesNothingThatNoPressingStored) {
   LawLoop loop = one_axis();
   loop.tick(0.0, 0.0);

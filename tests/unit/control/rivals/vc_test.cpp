@@ -196,6 +196,15 @@ TEST(VirtualCoupling, ReturnsNothingBeyondTheDampingFromAWallOf150) {
   }
 }
 
+TEST(VirtualCoupling, ShowsAsMuchThroughAnEncoder) {
+  for (const int late_ticks : {0, 1, 2}) {
+    const auto result = test::press({.law = "vc", .late_ticks = late_ticks, .encoder_m = 15e-6});
+    const double shown = 1 / (1 / 150e3 + 1 / 54e3);
+    EXPECT_NEAR(result.shown_N_per_m, shown, 0.02 * shown) << late_ticks;
+    EXPECT_LT(result.ripple_N, 1.2) << "a step of the coupling is 0.81 N";
+  }
+}
+
 TEST(VirtualCoupling, NeedsItsContactDampedWhereTheAnswerIsLate) {
   const auto result = test::press({.law = "vc", .parameters = {{"contact_periods", 0}}, .late_ticks = 1});
   EXPECT_GT(result.ripple_N, 5) << "150 N/mm are more than Kc + Bc/T = 55.5 N/mm";
