@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 
 #include "forcebound/control/held_force.hpp"
@@ -30,10 +32,12 @@ struct Augmentation {
 ///
 /// Built from a description of the approach; what we decided:
 /// - **p and K** are not known to a law. F/p = K says the same as F = |f_e|, as |f_e| = K p; and of p only its changes
-///   count, -u'd, as the offset takes in what is constant. So neither is estimated. At the first tick of a contact p is
-///   the last step against u, the most it can be, and F no more than asked for.
-/// - **Pressing never lifts F above |f_e|**; where it is above after a release, it stays until |f_e| has caught up. So
-///   what is softer than k is shown as it is.
+///   count, -u'd, as the offset takes in what is constant. So the offset grows until F = |f_e|. At the first tick of a
+///   contact p is the last step against u, the most it can be, and F no more than asked for.
+/// - **What is softer than k** is shown as it is: the spring is k, but no more than the stiffness that the environment
+///   has shown in this contact, the largest |change of f_e| over the largest step of the last ticks. To cut F at |f_e|
+///   instead would lose a step of an encoder with each answer that is late. Pressed above |f_e|, the offset falls
+///   again.
 /// - **A device at rest counts as pressed** while F is below |f_e|, and at rest is what gives way to the growing
 /// offset,
 ///   no faster than `rest_m_per_s`. Else a hand that holds still would never come to feel the wall.
@@ -52,6 +56,8 @@ class SuccessiveForceAugment final : public PassivityLaw {
     const auto d = held_.displacement(motion);
     displacement_ = d ? *d : Vector::Zero(motion.position.rows());
     held_.begin(motion);
+    steps_[next_step_] = displacement_.norm();
+    next_step_ = (next_step_ + 1) % kTicks;
     // A step as long as a double can hold is a fault of the device.
     if (!displacement_.allFinite()) leave();
   }
@@ -71,6 +77,7 @@ class SuccessiveForceAugment final : public PassivityLaw {
     const Vector normal = direction.normalized();
     const double wanted_N = largest * direction.norm();
     const double pressed_m = -normal.dot(displacement_);
+    note_stiffness(wanted_N);
     if (spring_N_per_m_ > 0 && normal.dot(normal_) > 0) {
       follow(pressed_m, wanted_N);
     } else {
@@ -88,19 +95,33 @@ class SuccessiveForceAugment final : public PassivityLaw {
   [[nodiscard]] double energy_J() const noexcept override { return 0; }
 
  private:
+  static constexpr std::size_t kTicks = 4;      // within which a request may answer for a step
+  static constexpr double kStepLeast_m = 1e-9;  // less says nothing of a stiffness
+
   void leave() noexcept {
     spring_N_per_m_ = 0;
+    shown_N_per_m_ = 0;
+    wanted_N_ = 0;
     force_N_ = 0;
   }
 
+  void note_stiffness(double wanted_N) noexcept {
+    const double moved_m = *std::ranges::max_element(steps_);
+    if (moved_m > kStepLeast_m) {
+      shown_N_per_m_ = std::max(shown_N_per_m_, std::abs(wanted_N - wanted_N_) / moved_m);
+    }
+    wanted_N_ = wanted_N;
+  }
+
   void follow(double pressed_m, double wanted_N) noexcept {
-    const double line_N = std::max(0.0, force_N_ + spring_N_per_m_ * pressed_m);
+    const double before_N = force_N_;
     const double increment_N = spring_N_per_m_ * augmentation_.increment_m;
     const bool releasing = pressed_m < -augmentation_.rest_m_per_s * held_.period_s();
+    force_N_ = std::max(0.0, before_N + std::min(spring_N_per_m_, shown_N_per_m_) * pressed_m);
     if (force_N_ < wanted_N && !releasing) {
-      force_N_ = std::min(line_N + increment_N, wanted_N);
-    } else {
-      force_N_ = std::min(force_N_, line_N);
+      force_N_ = std::min(force_N_ + increment_N, wanted_N);
+    } else if (force_N_ > wanted_N && pressed_m > 0) {
+      force_N_ = std::max({force_N_ - increment_N, wanted_N, before_N});
     }
   }
 
@@ -108,8 +129,12 @@ class SuccessiveForceAugment final : public PassivityLaw {
   Augmentation augmentation_;
   Vector displacement_;
   Vector normal_;
+  std::array<double, kTicks> steps_{};  // of the device [m]
+  std::size_t next_step_ = 0;
   double spring_N_per_m_ = 0;  // k; 0: no contact
-  double force_N_ = 0;         // F
+  double shown_N_per_m_ = 0;   // by the environment in this contact, at least
+  double wanted_N_ = 0;
+  double force_N_ = 0;  // F
 };
 
 }  // namespace
