@@ -36,11 +36,10 @@ struct Augmentation {
 ///   contact p is the last step against u, the most it can be, and F no more than asked for.
 /// - **What is softer than k** is shown as it is: the spring is k, but no more than the stiffness that the environment
 ///   has shown in this contact, the largest |change of f_e| over the largest step of the last ticks. To cut F at |f_e|
-///   instead would lose a step of an encoder with each answer that is late. Pressed above |f_e|, the offset falls
-///   again.
-/// - **A device at rest counts as pressed** while F is below |f_e|, and at rest is what gives way to the growing
-/// offset,
-///   no faster than `rest_m_per_s`. Else a hand that holds still would never come to feel the wall.
+///   instead would lose a step of an encoder with each late answer. Pressed above |f_e|, the offset falls again.
+/// - **The largest force** of the device cuts F, and the line goes on from there.
+/// - **A device at rest counts as pressed** while F is below |f_e|, and at rest is what gives way to the offset, no
+///   faster than `rest_m_per_s`. Else a hand that holds still would never come to feel the wall.
 /// - **Another contact** begins where u turns by more than a right angle.
 ///
 /// A lost reading ends the contact. No clock is asked for, so one that stands still does no harm.
@@ -48,7 +47,9 @@ struct Augmentation {
 class SuccessiveForceAugment final : public PassivityLaw {
  public:
   SuccessiveForceAugment(const DeviceFacts& facts, const Augmentation& augmentation)
-      : held_(facts.degrees_of_freedom(), facts.period_s), augmentation_(augmentation) {}
+      : held_(facts.degrees_of_freedom(), facts.period_s),
+        augmentation_(augmentation),
+        force_N_max_(facts.force_N_max) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "sfa"; }
 
@@ -123,10 +124,12 @@ class SuccessiveForceAugment final : public PassivityLaw {
     } else if (force_N_ > wanted_N && pressed_m > 0) {
       force_N_ = std::max({force_N_ - increment_N, wanted_N, before_N});
     }
+    force_N_ = std::min(force_N_, force_N_max_);
   }
 
   HeldForce held_;
   Augmentation augmentation_;
+  double force_N_max_;
   Vector displacement_;
   Vector normal_;
   std::array<double, kTicks> steps_{};  // of the device [m]

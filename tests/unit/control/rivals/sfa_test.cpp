@@ -77,6 +77,13 @@ TEST(SuccessiveForceAugment, ShowsASoftWallAsItIs) {
   }
 }
 
+TEST(SuccessiveForceAugment, NeverGivesMoreThanTheLargestForce) {
+  LawLoop loop("sfa", Matrix::Constant(1, 1, 30), {.force_N_max = 10});
+  loop.tick(0.0, 0.0);
+  for (int i = 1; i <= 1000; ++i) ASSERT_GE(loop.tick(i * 1e-5, wall_N(i * 1e-5)), -10.0) << i;
+  EXPECT_EQ(loop.tick(1e-2, wall_N(1e-2)), -10.0);
+}
+
 TEST(SuccessiveForceAugment, BeginsAgainWithEachContact) {
   LawLoop loop = one_axis();
   for (int contact = 0; contact < 2; ++contact) {
