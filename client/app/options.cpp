@@ -104,6 +104,11 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--device", options.device, "see below")->type_name("NAME|FILE");
   app.add_option("--operator", options.hand, "see below")->type_name("SPEC");
   app.add_option("--law", options.law, "see below")->check(CLI::IsMember(laws.names()))->capture_default_str();
+  app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
+      ->type_name("FILE.toml");
+  app.add_option("--law-help", options.law_help, "tell of this law, its parameters and their values for --device")
+      ->check(CLI::IsMember(laws.names()))
+      ->type_name("LAW");
   app.add_option("--memory", memory, "energy that fba-exact keeps: what the largest force can ever need, or all")
       ->check(CLI::IsMember({"capped", "full"}))
       ->capture_default_str();
@@ -139,7 +144,8 @@ Options parse_options(int argc, char** argv) {
   } catch (const CLI::RequiredError& missing) {
     // A mistyped option explains why another is missing, so it comes first.
     const auto unknown = app.remaining();
-    end_as_wrong_use(unknown.empty() ? missing.what() : CLI::ExtrasError(unknown).what());
+    if (!unknown.empty() || options.law_help.empty())
+      end_as_wrong_use(unknown.empty() ? missing.what() : CLI::ExtrasError(unknown).what());
   } catch (const std::exception& error) {
     end_as_wrong_use(error.what());
   }

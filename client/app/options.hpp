@@ -14,6 +14,8 @@ struct Options {
   std::string device;
   std::string hand;  ///< the operator's specification
   std::string law = "fba-exact";
+  std::string law_parameters;  ///< the file of them; empty: standard values
+  std::string law_help;        ///< law to tell about instead of running
   control::LawOptions law_options;
   double duration_s = 0;  ///< 0: until interrupted
   unsigned long long seed = 1;
@@ -24,7 +26,8 @@ struct Options {
   bool quiet = false;
 };
 
-/// Parses and completes it: a device that goes with the operator, or the other way round. Ends the program for --help,
+/// Parses and completes it: a device that goes with the operator, or the other way round. Without a server there can
+/// be a law to tell about. Ends the program for --help,
 /// --version (0) and for wrong use (2, one line on stderr).
 Options parse_options(int argc, char** argv);
 

@@ -15,6 +15,7 @@
 #include "forcebound/client/app/idle_timer.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/screen.hpp"
+#include "forcebound/client/device/law_file.hpp"
 #include "forcebound/client/device/load_device.hpp"
 #include "forcebound/client/device/make_operator.hpp"
 #include "forcebound/client/device/simulated_device.hpp"
@@ -108,6 +109,14 @@ std::string why_no_session(const Options& options, const Session& session, const
   return "no answer from " + options.server + (link.counters().refused > 0 ? ": nobody listens there" : "");
 }
 
+control::LawOptions law_options(const Options& options, const control::LawRegistry& laws) {
+  control::LawOptions chosen = options.law_options;
+  if (!options.law_parameters.empty()) {
+    chosen.parameters = load_law_parameters(options.law_parameters, options.law, laws);
+  }
+  return chosen;
+}
+
 record::RunInfo run_info(const Options& options, const SimulatedDevice& device, const time::Clock& clock) {
   record::RunInfo info;
   info.program = "forcebound-client " FORCEBOUND_VERSION;
@@ -131,15 +140,22 @@ record::RunInfo run_info(const Options& options, const SimulatedDevice& device, 
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const time::SteadyClock clock;
+  const control::LawRegistry laws = control::shipped_laws();
   DeviceDescription description = load_device(options.device);
+  if (!options.law_help.empty()) {
+    std::fputs(laws.help(options.law_help, description.facts).c_str(), stdout);
+    return 0;
+  }
   auto hand = make_operator(options.hand, description.facts.degrees_of_freedom());
   SimulatedDevice device(std::move(description), std::move(hand));
-  auto law = control::shipped_laws().make(options.law, device.facts(), options.law_options);
+  const control::LawOptions chosen = law_options(options, laws);
+  auto law = laws.make(options.law, device.facts(), chosen);
   const net::Address server = net::resolve(net::parse_endpoint(options.server));
   net::UdpLink link = net::UdpLink::towards(server);
   std::ofstream summary_file = open_summary(options.summary);
 
-  const record::RunInfo info = run_info(options, device, clock);
+  record::RunInfo info = run_info(options, device, clock);
+  info.law_parameters = describe(laws.parameters(options.law, device.facts(), chosen.parameters));
   std::optional<record::RecordingWriter> writer;
   if (!options.record.empty()) writer.emplace(options.record, info);
   record::Summary summary(info);

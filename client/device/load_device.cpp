@@ -16,15 +16,6 @@ constexpr double kPeriodLeast_s = 1e-4;  // a faster loop would leave no time to
 constexpr double kPeriodMost_s = 0.1;
 constexpr double kLatencyMax = 0.01;  // ten ticks: a device slower than that is not for 1 kHz
 
-toml::table parse_toml(std::string_view text, const std::string& place) {
-  try {
-    return toml::parse(text, place);
-  } catch (const toml::parse_error& error) {
-    throw std::runtime_error(place + ":" + std::to_string(error.source().begin.line) +
-                             ": not TOML: " + std::string(error.description()));
-  }
-}
-
 void read_joints(TomlSection& file, DeviceDescription& device, int dof) {
   const bool arm = device.arm.has_value();
   control::DeviceFacts& facts = device.facts;

@@ -19,6 +19,15 @@ std::string written(const toml::node& node) {
 
 }  // namespace
 
+toml::table parse_toml(std::string_view text, const std::string& place) {
+  try {
+    return toml::parse(text, place);
+  } catch (const toml::parse_error& error) {
+    throw std::runtime_error(place + ":" + std::to_string(error.source().begin.line) +
+                             ": not TOML: " + std::string(error.description()));
+  }
+}
+
 void TomlSection::fail(const toml::node& node, const std::string& message) const {
   throw std::runtime_error(place_ + ":" + std::to_string(node.source().begin.line) + ": " + subject_ + ": " + message);
 }
@@ -29,7 +38,7 @@ void TomlSection::refuse(std::string_view key, const std::string& must_be) const
 }
 
 bool TomlSection::has(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   return table_.contains(key);
 }
 
@@ -122,11 +131,11 @@ TomlSection TomlSection::section(std::string_view key) {
   return {*table, place_, subject_ + ", [" + std::string(key) + "]"};
 }
 
-void TomlSection::refuse_other_keys() const {
+void TomlSection::refuse_other_keys(const std::string& refusal) const {
   for (const auto& [key, node] : table_) {
     const std::string name(key.str());
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    fail(node, "unknown key '" + name + "'" + text::suggestion(name, known_));
+    fail(node, refusal + " '" + name + "'" + text::suggestion(name, known_));
   }
 }
 

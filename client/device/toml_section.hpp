@@ -17,9 +17,13 @@ using control::Vector;
 /// What a number in a device file must be.
 enum class Allowed { positive, not_negative, any };
 
-/// A table of a device file, read key by key. Only for the loader's .cpp files.
+/// @param place the file's name, for errors.
+/// @throws std::runtime_error `PLACE:LINE: not TOML: ...`.
+[[nodiscard]] toml::table parse_toml(std::string_view text, const std::string& place);
+
+/// A table of a device or law file, read key by key. Only for the loaders' .cpp files.
 ///
-/// @throws std::runtime_error from every member: `FILE:LINE: device 'NAME': KEY must be ..., got ...`.
+/// @throws std::runtime_error from every member: `FILE:LINE: SUBJECT: KEY must be ..., got ...`.
 class TomlSection {
  public:
   /// @param place the file's name, and `subject` what it describes, for errors. `table` must outlive this.
@@ -44,7 +48,7 @@ class TomlSection {
   [[nodiscard]] TomlSection section(std::string_view key);
 
   /// To be called when all has been read.
-  void refuse_other_keys() const;
+  void refuse_other_keys(const std::string& refusal = "unknown key") const;
 
   /// Refuses the value at `key`.
   [[noreturn]] void refuse(std::string_view key, const std::string& must_be) const;

@@ -38,6 +38,11 @@ struct LawParameter {
   double most = std::numeric_limits<double>::max();
   std::vector<double> choices{};                       ///< if not empty, only these
   std::function<double(const DeviceFacts&)> standard;  ///< from the device alone, never from a scene or a network
+
+  [[nodiscard]] bool accepts(double value) const;
+
+  /// "0.5 to 2", "2002 or 2004", ">= 0".
+  [[nodiscard]] std::string accepted() const;
 };
 
 /// How well the published algorithm is known.

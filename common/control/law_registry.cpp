@@ -1,7 +1,6 @@
 #include "forcebound/control/law_registry.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -48,28 +47,19 @@ std::string source_of(const LawDescription& law) {
   return " (" + law.reference + doubt + ")";
 }
 
-std::string accepted_by(const LawParameter& parameter) {
-  std::ostringstream text;
-  if (!parameter.choices.empty()) {
-    for (std::size_t i = 0; i < parameter.choices.size(); ++i) text << (i > 0 ? " or " : "") << parameter.choices[i];
-  } else if (parameter.most < std::numeric_limits<double>::max()) {
-    text << parameter.least << " to " << parameter.most;
-  } else {
-    text << ">= " << parameter.least;
-  }
-  return text.str();
-}
-
-bool accepts(const LawParameter& parameter, double value) {
-  if (!parameter.choices.empty()) return std::ranges::find(parameter.choices, value) != parameter.choices.end();
-  return std::isfinite(value) && value >= parameter.least && value <= parameter.most;
-}
-
 [[noreturn]] void refuse_unknown(const LawDescription& law, const std::string& name) {
   std::string known;
   for (const LawParameter& parameter : law.parameters) known += (known.empty() ? "" : ", ") + parameter.name;
   throw std::invalid_argument("law '" + law.name + "' has no parameter '" + name + "'; " +
                               (known.empty() ? "it has none" : "known are " + known));
+}
+
+std::string heading_of(const LawDescription& law) {
+  std::string text = law.name + ": " + law.summary + "\n";
+  if (!law.reference.empty()) text += "  after " + law.reference + ", " + words_of(law.certainty) + "\n";
+  text += "  promises " + words_of(law.claim) + "\n";
+  if (law.make_partner) text += "  has a half at the server\n";
+  return text;
 }
 
 std::string columns(const std::vector<std::pair<std::string, std::string>>& rows) {
@@ -107,9 +97,9 @@ LawParameters LawRegistry::parameters(std::string_view name, const DeviceFacts& 
   for (const auto& [key, value] : chosen) {
     const auto parameter = std::ranges::find(law.parameters, key, &LawParameter::name);
     if (parameter == law.parameters.end()) refuse_unknown(law, key);
-    if (accepts(*parameter, value)) continue;
+    if (parameter->accepts(value)) continue;
     std::ostringstream text;
-    text << "law '" << law.name << "': " << key << " must be " << accepted_by(*parameter) << ", got " << value;
+    text << "law '" << law.name << "': " << key << " must be " << parameter->accepted() << ", got " << value;
     throw std::invalid_argument(text.str());
   }
   for (const LawParameter& parameter : law.parameters) {
@@ -145,15 +135,28 @@ std::string LawRegistry::help() const {
 
 std::string LawRegistry::help(std::string_view name) const {
   const LawDescription& law = find(name);
-  std::string text = law.name + ": " + law.summary + "\n";
-  if (!law.reference.empty()) text += "  after " + law.reference + ", " + words_of(law.certainty) + "\n";
-  text += "  promises " + words_of(law.claim) + "\n";
-  if (law.make_partner) text += "  has a half at the server\n";
   std::vector<std::pair<std::string, std::string>> rows;
   for (const LawParameter& parameter : law.parameters) {
-    rows.emplace_back(parameter.name, parameter.purpose + "; " + accepted_by(parameter));
+    rows.emplace_back(parameter.name, parameter.purpose + "; " + parameter.accepted());
   }
-  return text + columns(rows);
+  return heading_of(law) + columns(rows);
+}
+
+std::string LawRegistry::help(std::string_view name, const DeviceFacts& facts) const {
+  std::string text = help(name);
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const auto& [key, value] : parameters(name, facts)) {
+    std::ostringstream number;
+    number << value;
+    rows.emplace_back(key, number.str());
+  }
+  if (!rows.empty()) text += "\nStandard values on '" + facts.name + "':\n" + columns(rows);
+  try {
+    (void)make(name, facts);
+  } catch (const std::invalid_argument& refusal) {
+    text += "\nBut it refuses: " + std::string(refusal.what()) + "\n";
+  }
+  return text;
 }
 
 namespace {

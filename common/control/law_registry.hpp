@@ -45,6 +45,9 @@ class LawRegistry {
   /// Everything about one law: what it does, after whom, how sure, what it promises and its parameters.
   [[nodiscard]] std::string help(std::string_view name) const;
 
+  /// That, with the standard values for a device, or why it refuses the device.
+  [[nodiscard]] std::string help(std::string_view name, const DeviceFacts& facts) const;
+
  private:
   std::vector<LawDescription> laws_;
 };

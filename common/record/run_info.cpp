@@ -16,6 +16,7 @@ template <class Info, class Visit>
 void each_field(Info& info, Visit&& visit) {
   visit("program", info.program);
   visit("law", info.law);
+  visit("law_parameters", info.law_parameters);
   visit("device", info.device);
   visit("facts", info.facts);
   visit("operator", info.operator_name);

@@ -21,15 +21,16 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// Known when a run begins.
 struct RunInfo {
-  std::string program;        ///< with its version
-  std::string law;            ///< none, fba-less, ...
-  std::string device;         ///< name
-  std::string facts;          ///< the device's facts, for people
-  std::string operator_name;  ///< who holds the device
-  std::string hand;           ///< mass, stiffness and damping of that hand, for people
-  std::string scene;          ///< as asked for; empty: the server's own
-  std::string simulated;      ///< what is simulated, for people
-  std::string network;        ///< what was done to the network, as far as this side knows
+  std::string program;         ///< with its version
+  std::string law;             ///< none, fba-less, ...
+  std::string law_parameters;  ///< for people; empty: it has none
+  std::string device;          ///< name
+  std::string facts;           ///< the device's facts, for people
+  std::string operator_name;   ///< who holds the device
+  std::string hand;            ///< mass, stiffness and damping of that hand, for people
+  std::string scene;           ///< as asked for; empty: the server's own
+  std::string simulated;       ///< what is simulated, for people
+  std::string network;         ///< what was done to the network, as far as this side knows
   std::uint64_t seed = 0;
   Nanoseconds period{1'000'000};        ///< nominal length of a tick
   Nanoseconds hold{250'000'000};        ///< late-force policy: forces older than this fade

@@ -100,6 +100,7 @@ void SummaryView::add_faults(Json& json) const {
   json["run"] = {{"program", info.program},
                  {"simulated", simulated()},
                  {"network", info.network},
+                 {"law_parameters", info.law_parameters},
                  {"facts", info.facts},
                  {"hand", info.hand},
                  {"seed", info.seed},

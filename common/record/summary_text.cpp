@@ -31,6 +31,7 @@ void SummaryView::print_run(std::string& out) const {
   const RunInfo& info = s.info_;
   print(out, "Summary: law %.60s, %.1f s, %llu ticks\n", info.law.c_str(), duration_s(),
         static_cast<unsigned long long>(s.ticks_));
+  print_field(out, "parameters", info.law_parameters);
   print_field(out, "device", info.facts.empty() ? info.device : info.facts);
   print_field(out, "operator", info.hand.empty() ? info.operator_name : info.hand);
   print_field(out, "scene", scene() + (simulated().empty() ? "" : ": " + simulated()));

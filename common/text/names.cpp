@@ -54,6 +54,7 @@ bool is_slip_of(std::string_view wrong, std::string_view right) {
 }
 
 std::string suggestion(std::string_view wrong, std::span<const std::string> known) {
+  if (known.empty()) return "; there are none";
   const std::string nearest = nearest_name(wrong, known);
   return (nearest.empty() ? "" : ", did you mean '" + nearest + "'?") + " (known: " + join(known) + ")";
 }

@@ -16,7 +16,7 @@ namespace forcebound::text {
 [[nodiscard]] bool is_slip_of(std::string_view wrong, std::string_view right);
 
 /// What an error about a name nobody knows ends with: ", did you mean 'sphere'? (known: box, sphere)", without the
-/// question where no name is near.
+/// question where no name is near; "; there are none" where nothing is known.
 [[nodiscard]] std::string suggestion(std::string_view wrong, std::span<const std::string> known);
 
 }  // namespace forcebound::text

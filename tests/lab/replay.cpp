@@ -129,7 +129,10 @@ void write_number(std::string& line, double value) {
 
 std::unique_ptr<control::PassivityLaw> checked_law(const ReplayOptions& options, const DeviceFacts& facts) {
   try {
-    return control::shipped_laws().make(options.law, facts, options.law_options);
+    if (options.laws.find(options.law).make_partner) {
+      refuse_option("law '", options.law, "' has a half at the server, and rows have no server: it cannot be replayed");
+    }
+    return options.laws.make(options.law, facts, options.law_options);
   } catch (const std::invalid_argument& error) {
     refuse_option("--law: ", error.what());
   }

@@ -13,6 +13,7 @@ namespace forcebound::lab {
 
 /// `forcebound-lab replay`: a law over recorded rows, or over rows that a simulator in any language sends as it goes.
 struct ReplayOptions {
+  control::LawRegistry laws = control::shipped_laws();
   std::string law;
   std::vector<double> damping_N_s_per_m;                           ///< one per axis, or one for all
   std::optional<std::vector<std::vector<double>>> damping_matrix;  ///< in its place, if given

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/client/device/law_file.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "tests/lab/csv_reader.hpp"
 #include "tests/lab/replay.hpp"
@@ -25,6 +26,7 @@ struct ReplayArguments {
   std::string encoder;
   std::string friction;
   std::string memory = "capped";
+  std::string law_parameters;
   std::string input = "-";
   std::string output = "-";
 };
@@ -48,6 +50,9 @@ ReplayOptions options_of(const ReplayArguments& arguments) {
   options.encoder_step_m = numbers_of("--encoder", arguments.encoder);
   options.friction_N = numbers_of("--friction", arguments.friction);
   options.law_options.memory = arguments.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
+  if (!arguments.law_parameters.empty()) {
+    options.law_options.parameters = client::load_law_parameters(arguments.law_parameters, options.law, options.laws);
+  }
   if (!arguments.damping_matrix.empty()) {
     options.damping_matrix.emplace();
     for (const std::string_view row : text::split(arguments.damping_matrix, ';')) {
@@ -112,6 +117,8 @@ void add_replay(CLI::App& program) {
   command->add_option("--law", options.law, law_help())
       ->required()
       ->check(CLI::IsMember(control::shipped_laws().names()));
+  command->add_option("--law-parameters", arguments->law_parameters,
+                      "TOML file with a table for each law: [vc], coupling_N_per_m = 40000");
   command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");
   command->add_option("--damping-matrix", arguments->damping_matrix,
                       "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping");

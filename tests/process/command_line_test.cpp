@@ -126,6 +126,10 @@ TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
              "kind = \"cartesian\"\ndegrees_of_freedom = 1\nmass_kg = -1\ndamping_N_s_per_m = 1\nforce_N_max = 1\n");
   const std::string hand = folder.file("hand.csv");
   write_file(hand, "time_s,x_m\n0,0\n1,two\n");
+  const std::string laws = folder.file("laws.toml");
+  write_file(laws, "[vc]\ncoupling_N_per_m = 60000\n\n[sfa]\nincrement = 1e-6\n");
+  const std::string coupling = folder.file("coupling.toml");
+  write_file(coupling, "[vc]\ncoupling_N_per_m = 60000\n");
   expect_refusals(kPrograms[2], {"--server", kNowhere, "--duration", "1"},
                   {{{"--device", device}, 1, {device + ":3: ", "mass_kg", "> 0", "-1"}},
                    {{"--device", "omny"}, 1, {"'omny'", "'omni'", "wall-1dof"}},
@@ -137,6 +141,11 @@ TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
                    {{"--device", "wall-1dof", "--operator", "replay:" + hand}, 1, {hand + ":3: ", "'1,two'"}},
                    {{"--operator", "replay:/no/such/hand.csv"}, 1, {"/no/such/hand.csv", "No such file"}},
                    {{"--law", "fba"}, 2, {"--law", "fba", "none,fba-less,fba-more"}},
+                   {{"--law-parameters", laws}, 1, {laws + ":5: ", "law 'sfa'", "'increment'", "'increment_m'"}},
+                   {{"--law-parameters", "/no/such/laws.toml"}, 1, {"/no/such/laws.toml", "No such file"}},
+                   {{"--law", "vc", "--law-parameters", coupling}, 1, {"'wall-1dof'", "60000", "Kc T/2 + |Bc|"}},
+                   {{"--law", "vc", "--device", "omni"}, 1, {"law 'vc'", "'omni' is not Cartesian"}},
+                   {{"--law-help", "vx"}, 2, {"--law-help", "vx"}},
                    {{"--seed", "-1"}, 2, {"--seed", "'-1'", "whole number"}},
                    {{"--hold", "nan"}, 2, {"--hold", "'nan'", "from 0"}},
                    {{"--hold", "300", "--drop", "100"}, 2, {"hold <= drop", "300", "100"}},
@@ -150,8 +159,20 @@ TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
                    {{"--server", kNowhere, "--duration", "long"}, 2, {"--duration", "'long'", "from 0"}}});
 }
 
+TEST(TheClient, TellsOfALawWithoutAServer) {
+  const Ran ran = run(kClient, {"--law-help", "vc", "--device", "wall-1dof"}, 10s);
+  EXPECT_EQ(ran.exit_code, 0);
+  EXPECT_EQ(ran.err, "");
+  for (const char* part : {"Colgate", "coupling_N_per_m", "Standard values on 'wall-1dof'", "54000"}) {
+    EXPECT_THAT(ran.out, HasSubstr(part));
+  }
+  EXPECT_THAT(run(kClient, {"--law-help", "vc", "--device", "omni"}, 10s).out, HasSubstr("But it refuses: "));
+}
+
 TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
   const TemporaryFolder folder;
+  const std::string laws = folder.file("laws.toml");
+  write_file(laws, "[fba-more]\nmemory = 1\n");
   const std::string recording = folder.file("bad.mcap");
   write_file(recording, "hello");
   const std::string rows = folder.file("rows.csv");
@@ -178,6 +199,7 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"replay"}, 2, {"--law", "required"}},
                    {{"replay", "--bogus"}, 2, {"--bogus"}},
                    {with({"--damping-matrix", "1,x"}), 2, {"--damping-matrix", "'x'"}},
+                   {with({"--law-parameters", laws}), 1, {laws + ":2: ", "law 'fba-more'", "no parameter 'memory'"}},
                    {with({"--period", "0"}), 2, {"--period", "> 0", "0"}},
                    {with({"--output", "/no/such/out.csv"}), 1, {"/no/such/out.csv"}}});
   // The rows before the bad one are answered.

@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include "forcebound/client/device/law_file.hpp"
 #include "forcebound/client/device/make_operator.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/server/scene/explain.hpp"
@@ -62,6 +63,8 @@ record::RunInfo ClosedLoop::info() const {
   record::RunInfo info;
   info.program = "virtual time";
   info.law = settings_.law;
+  info.law_parameters = client::describe(
+      control::shipped_laws().parameters(settings_.law, settings_.device.facts, settings_.law_options.parameters));
   info.device = settings_.device.facts.name;
   info.facts = describe(settings_.device);
   info.operator_name = settings_.make_hand ? std::string(device_.hand().name()) : settings_.hand;

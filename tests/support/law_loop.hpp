@@ -16,7 +16,7 @@ struct LawLoopSetting {
   control::LawParameters parameters{};
 };
 
-/// A published law at work on a Cartesian device whose motion and whose environment a test plays.
+/// A law at work on a Cartesian device whose motion and whose environment a test plays.
 class LawLoop {
  public:
   LawLoop(std::string_view law, const control::Matrix& damping, const LawLoopSetting& setting = {})
@@ -44,6 +44,11 @@ class LawLoop {
 
   /// From the coming tick on.
   void set_damping(const control::Matrix& damping) { damping_ = control::Damping::from_matrix(damping); }
+
+  /// Where the environment is to be asked next, if the device is at `position`.
+  [[nodiscard]] control::Vector probe(const control::Vector& position) const noexcept {
+    return controller_.law().probe(position);
+  }
 
   [[nodiscard]] double energy_J() const noexcept { return controller_.law().energy_J(); }
   [[nodiscard]] double xi() const noexcept { return controller_.law().xi(); }

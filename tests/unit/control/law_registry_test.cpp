@@ -125,6 +125,17 @@ TEST(LawRegistry, TellsAllOfALaw) {
             "  year  which of the two; 2002 or 2004\n");
 }
 
+TEST(LawRegistry, TellsWhatALawWouldDoWithADevice) {
+  DeviceFacts facts = one_axis();
+  facts.name = "bench";
+  const LawRegistry laws = with_parameters();
+  EXPECT_EQ(laws.help("tuned", facts), laws.help("tuned") + "\nStandard values on 'bench':\n  gain  1\n  year  2004\n");
+  EXPECT_EQ(published_laws().help("none", facts), published_laws().help("none"));
+  facts.period_s = 0;
+  EXPECT_THAT(published_laws().help("none", facts),
+              testing::EndsWith("\nBut it refuses: period must be > 0 s, got 0.000000\n"));
+}
+
 TEST(LawRegistry, HasNoPartnerForALawWithout) {
   EXPECT_EQ(shipped_laws().make_partner("fba-less", 3), nullptr);
   EXPECT_EQ(shipped_laws().make_partner("", 3), nullptr);

@@ -69,6 +69,21 @@ TEST(ExactLaw, DoesNotAllocate) {
   for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-exact", degrees_of_freedom);
 }
 
+TEST(MemoryBasedPassivation, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("mbpa", degrees_of_freedom);
+}
+
+TEST(SuccessiveForceAugment, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("sfa", degrees_of_freedom);
+}
+
+TEST(VirtualCoupling, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("vc", degrees_of_freedom);
+}
+
 TEST(ExactLaw, DoesNotAllocateWithAllThatARealDeviceHas) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   DeviceFacts facts;

@@ -68,7 +68,7 @@ TEST_F(ReplayCommandTest, NamesTheOptionThatIsWrong) {
   const std::string files = " --input " + input_ + " --output " + output_;
   EXPECT_THAT(wrong_use_of("--damping 30" + files), HasSubstr("--law is required"));
   EXPECT_THAT(wrong_use_of("--law fba-exactly --damping 30" + files),
-              HasSubstr("--law: fba-exactly not in {none,fba-less,fba-more,fba-exact,"));
+              HasSubstr("--law: fba-exactly not in {none,fba-less,fba-more,fba-exact"));
   EXPECT_THAT(wrong_use_of("--law none" + files), HasSubstr("--damping or --damping-matrix must be given"));
   EXPECT_THAT(wrong_use_of("--law none --damping 3o" + files), HasSubstr("--damping: '3o' is not a number"));
   EXPECT_THAT(wrong_use_of("--law none --damping 1,,2" + files), HasSubstr("--damping: '' is not a number"));

@@ -36,5 +36,7 @@ TEST(Suggestion, AsksAndListsWhatIsKnown) {
   EXPECT_EQ(suggestion("x", kScenes), " (known: box, circle, sphere)");
 }
 
+TEST(Suggestion, SaysWhereNothingIsKnown) { EXPECT_EQ(suggestion("x", {}), "; there are none"); }
+
 }  // namespace
 }  // namespace forcebound::text
