@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 
 #include "forcebound/text/numbers.hpp"
@@ -18,6 +19,13 @@ std::string law_cell(const Json& law) {
   char cell[64];
   std::snprintf(cell, sizeof cell, "  %-11s", law.at("law").get<std::string>().c_str());
   return cell;
+}
+
+/// A whole number as it is: a year is not rounded.
+std::string number(const Json& value) {
+  if (!value.is_number()) return "-";
+  const double of = value;
+  return of == std::round(of) && std::abs(of) < 1e6 ? std::to_string(std::lround(of)) : text::rounded(of);
 }
 
 std::string share(const Json& value) {
@@ -48,29 +56,32 @@ std::string refused(const Json& law) {
   return "played nothing";
 }
 
+/// What rounding makes of a direction is none.
+std::string degrees(const Json& angle) {
+  constexpr double kRounding_deg = 1e-6;
+  return (angle.get<double>() < kRounding_deg ? std::string("0") : number(angle)) + " deg";
+}
+
 std::string passivity_table(const Json& all) {
   std::string table =
       "Who stays passive and comes to rest: least P over everything [mJ], 0: passive; shares of all runs\n"
-      "                 ideal device          real device                  force              direction    drift"
+      "                 ideal device          real device                  force               direction   drift"
       "     work\n"
-      "  law          least P  passive     least P  passive  at rest  variance [N2]  rings [s]  bent by   [mm]"
-      "  a tick\n";
+      "  law          least P  passive     least P  passive  at rest  variance [N2]  rings [s]      bent by    [mm]"
+      "   a tick\n";
   for (const Json& law : all.at("laws")) {
     if (!played(law)) {
       table += law_cell(law) + "  " + refused(law) + "\n";
       continue;
     }
     const double bouts = law.at("bouts");
-    const auto number = [&](const char* key) {
-      return law.at(key).is_number() ? text::rounded(law.at(key).get<double>()) : std::string("-");
-    };
     table += law_cell(law) + padded(millijoules(law.at("ideal").at("least_P_J")), 10) +
              padded(share(law.at("ideal").at("passive").get<double>() / bouts), 9) +
              padded(millijoules(law.at("real").at("least_P_J")), 12) +
              padded(share(law.at("real").at("passive").get<double>() / bouts), 9) + padded(share(law.at("calm")), 9) +
-             padded(number("variance_N2"), 15) + padded(number("ringing_s"), 11) +
-             padded(number("direction_deg") + " deg", 11) + padded(number("drift_mm"), 7) +
-             padded(number("work_ns") + " ns", 9) + "\n";
+             padded(number(law.at("variance_N2")), 15) + padded(number(law.at("ringing_s")), 11) +
+             padded(degrees(law.at("direction_deg")), 13) + padded(number(law.at("drift_mm")), 8) +
+             padded(number(law.at("work_ns")) + " ns", 9) + "\n";
   }
   return table;
 }
@@ -117,7 +128,7 @@ std::string limits_table(const Json& all) {
 std::string in_words(const Json& parameters) {
   std::string words;
   for (const auto& [name, value] : parameters.items()) {
-    words += (words.empty() ? "" : ", ") + name + " " + text::rounded(value.get<double>());
+    words += (words.empty() ? "" : ", ") + name + " " + number(value);
   }
   return words;
 }
@@ -131,7 +142,7 @@ std::string tuning_table(const Json& all) {
     for (const Json& tuned : law.at("tuned")) {
       any = true;
       const auto score = [&](const char* key) {
-        return tuned.at(key).is_number() ? text::rounded(tuned.at(key).get<double>()) : std::string("refused");
+        return tuned.at(key).is_number() ? number(tuned.at(key)) : std::string("refused");
       };
       table += law_cell(law) + " " + tuned.at("scene").get<std::string>() + ": " + in_words(tuned.at("best")) +
                "; score " + score("best_score") + ", standard " + score("standard_score") + "\n";

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "tests/sim/draw.hpp"
 
@@ -21,6 +23,18 @@ double mean_score(const std::string& law, std::span<const Contest> contests, con
     sum += score(play(contest));
   }
   return sum / static_cast<double>(contests.size());
+}
+
+// Sets of parameters are drawn so many times for each that a law accepts.
+constexpr int kDrawsMost = 50;
+
+bool is_accepted(const std::string& law, const control::DeviceFacts& facts, const control::LawParameters& parameters) {
+  try {
+    (void)control::shipped_laws().make(law, facts, {.parameters = parameters});
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
 }
 
 control::LawParameters drawn(const control::LawDescription& law, const control::LawParameters& standard,
@@ -56,11 +70,15 @@ Tuning tune(const std::string& law, std::span<const Contest> contests, int effor
   if (description.parameters.empty()) return tuning;
   sim::Draw draw(seed);
   tuning.standard_score = tuning.best_score = mean_score(law, contests, tuning.standard);
-  tuning.refused = std::isinf(tuning.standard_score) ? 1 : 0;
-  for (tuning.tried = 1; tuning.tried < effort; ++tuning.tried) {
+  tuning.tried = 1;
+  while (tuning.tried < effort && tuning.refused < kDrawsMost * effort) {
     const control::LawParameters parameters = drawn(description, tuning.standard, draw);
+    if (!is_accepted(law, facts, parameters)) {
+      ++tuning.refused;
+      continue;
+    }
+    ++tuning.tried;
     const double tried = mean_score(law, contests, parameters);
-    tuning.refused += std::isinf(tried) ? 1 : 0;
     if (!(tried < tuning.best_score)) continue;
     tuning.best_score = tried;
     tuning.best = parameters;

@@ -19,12 +19,12 @@ struct Tuning {
   double standard_score = 0;
   double best_score = 0;
   int tried = 0;    ///< sets of parameters, the standard ones among them; 0: the law has none to choose
-  int refused = 0;  ///< of them
+  int refused = 0;  ///< sets drawn besides that the law does not accept
 };
 
 /// Tries the standard parameters, then sets drawn around them: each number between an eighth and eight times its
-/// standard, evenly over the logarithm, within what the law accepts; choices as they come. The same effort and the same
-/// draws for each law; the mean score over the contests counts.
+/// standard, evenly over the logarithm; choices as they come. What a law does not accept is drawn again. The same effort
+/// for each law; the mean score over the contests counts.
 ///
 /// @param contests whose law and parameters are replaced
 [[nodiscard]] Tuning tune(const std::string& law, std::span<const Contest> contests, int effort, std::uint64_t seed);

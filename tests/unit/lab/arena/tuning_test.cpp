@@ -33,5 +33,18 @@ TEST(Tuning, TriesNothingForALawWithoutParameters) {
   EXPECT_TRUE(tuning.best.empty());
 }
 
+TEST(Tuning, MakesTheSameEffortForALawThatRefusesMuchOfWhatIsDrawn) {
+  const Tuning tuning = tune("vc", one_wall(), 6, 1);
+  EXPECT_EQ(tuning.tried, 6);
+  EXPECT_GT(tuning.refused, 0);
+  EXPECT_LE(tuning.best_score, tuning.standard_score);
+  EXPECT_EQ(tuning.best.size(), tuning.standard.size());
+}
+
+TEST(Tuning, FindsTheSameForTheSameSeed) {
+  const Tuning once = tune("eba", one_wall(), 4, 7);
+  EXPECT_EQ(tune("eba", one_wall(), 4, 7).best, once.best);
+}
+
 }  // namespace
 }  // namespace forcebound::lab
