@@ -57,7 +57,8 @@ void Session::tick(Nanoseconds now) noexcept {
   totals_.held_too_long +=
       !device_.facts().releases && motion.interval_s - motion.latency_s > device_.facts().hold_s_max;
   const Vector request = request_at(reading.position, now);
-  const Vector chosen = controller_.tick(motion, request);
+  const bool silent = record_.policy == record::ForcePolicy::none || record_.policy == record::ForcePolicy::dropped;
+  const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, request);
   const Nanoseconds commanded = clock_.now();
   choosing_.note(commanded - choosing_since_);
   const Vector applied = controller_.confirmed(chosen, latency_s(commanded - now));

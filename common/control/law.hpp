@@ -26,7 +26,8 @@ struct Motion {
 /// What the two halves of a law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no heap.
 using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 
-/// Bounds the force on the device so that the device never returns more energy than its own damping takes.
+/// Makes the force on the device of what the environment asks for: force bounding so that the device never returns more
+/// energy than its own damping takes, the other approaches as near to that as they come (LawClaim).
 ///
 /// Sign: `f` [N] is the force **on the device**, the way haptics APIs mean it; a wall at x >= 0 gives f = -K x. The
 /// paper [Kim, Baek, Ryu 2015] writes F_d = -f, so its `+F dx` is our `-f'd`.
@@ -39,7 +40,7 @@ using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 /// comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`. Datagrams are
 /// lost, doubled and reordered, so what must not be lost or counted twice travels as a sum since the beginning.
 ///
-/// Real time: every member is noexcept, allocates nothing and is O(dof^2). Not thread-safe; owned by the tick.
+/// Real time: every member is noexcept, allocates nothing and is O(dof^3) at most. Not thread-safe; owned by the tick.
 class PassivityLaw {
  public:
   virtual ~PassivityLaw() = default;

@@ -52,7 +52,8 @@ enum class LawCertainty : std::uint8_t {
   reconstruction,  ///< built from a description; its authors may have done otherwise
 };
 
-/// What a law promises of P(t), whatever the environment and the network do.
+/// What a law promises of P(t), whatever the environment and the network do. A law with a half at the server takes that
+/// half as it is: who would lie there could lend it energy.
 enum class LawClaim : std::uint8_t {
   nothing,
   passive_if_ideal,  ///< P >= 0 on straight axes with ideal encoders, punctual ticks, and forces there with the reading

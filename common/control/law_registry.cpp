@@ -79,6 +79,10 @@ void LawRegistry::add(LawDescription law) {
     throw std::invalid_argument("there is a law '" + law.name + "' already");
   }
   if (!law.make) throw std::invalid_argument("law '" + law.name + "' has nothing to make it with");
+  for (const LawParameter& parameter : law.parameters) {
+    if (parameter.standard) continue;
+    throw std::invalid_argument("law '" + law.name + "': parameter '" + parameter.name + "' has no standard value");
+  }
   laws_.push_back(std::move(law));
 }
 

@@ -17,7 +17,8 @@ namespace forcebound::control {
 ///               .make = [](const DeviceFacts& facts, const LawOptions&) { return std::make_unique<MyLaw>(facts); }});
 class LawRegistry {
  public:
-  /// @throws std::invalid_argument if there is a law of that name, or nothing to make it with.
+  /// @throws std::invalid_argument if there is a law of that name, nothing to make it with, or a parameter
+  /// without a standard value.
   void add(LawDescription law);
 
   /// Parameters that are not in `options` are what the law's description says for this device.

@@ -49,18 +49,30 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
   }
 }
 
-Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
+/// False for a reading that is not finite.
+bool PassivityController::note(const Motion& motion) noexcept {
   counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
   begun_ = true;
-  if (!motion.position.allFinite() || !motion.joint.allFinite() || !motion.jacobian.allFinite()) {
-    ++counts_.readings_not_finite;
-    law_->lose(motion);
-    const Vector zero = Vector::Zero(actuator_step_.rows());
-    law_->commit(zero);
-    return zero;
+  if (motion.position.allFinite() && motion.joint.allFinite() && motion.jacobian.allFinite()) {
+    law_->credit(motion);
+    return true;
   }
-  law_->credit(motion);
-  Vector force = rounded(law_->bound(saturated(request_N)), motion);
+  ++counts_.readings_not_finite;
+  law_->lose(motion);
+  return false;
+}
+
+Vector PassivityController::release(const Motion& motion) noexcept {
+  const Vector zero = Vector::Zero(actuator_step_.rows());
+  // Asked all the same: a law may have a tool of its own to move.
+  if (note(motion)) (void)law_->bound(zero);
+  law_->commit(zero);
+  return zero;
+}
+
+Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
+  Vector force = Vector::Zero(actuator_step_.rows());
+  if (note(motion)) force = rounded(sound(law_->bound(saturated(request_N))), motion);
   if (next_to_nothing(force)) force.setZero();
   law_->commit(force);
   return force;
@@ -87,6 +99,18 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
   if (largest * length <= force_N_max_) return request_N;
   ++counts_.saturated;
   return direction * (force_N_max_ / length);
+}
+
+/// What no law should give: not finite or of the wrong size is zero; what is longer than the device may be asked for is
+/// made shorter.
+Vector PassivityController::sound(const Vector& force_N) noexcept {
+  if (force_N.rows() != actuator_step_.rows() || !force_N.allFinite()) {
+    ++counts_.forces_not_finite;
+    return Vector::Zero(actuator_step_.rows());
+  }
+  constexpr double kRounding = 1 + 1e-12;
+  const double length = force_N.stableNorm();
+  return length > force_N_max_ * kRounding ? Vector(force_N * (force_N_max_ / length)) : force_N;
 }
 
 Vector PassivityController::rounded(const Vector& force_N, const Motion& motion) const noexcept {

@@ -10,7 +10,8 @@ namespace forcebound::control {
 
 /// A law at work on a device: everything between what the environment asks for and what the device is told.
 ///
-///     request -> finite? -> saturate at f_max along u -> law -> round to the actuator -> commit the same number
+///     request -> finite? -> saturate at f_max along u -> law -> finite? within f_max? -> round to the actuator
+///     -> commit the same number
 ///
 /// A request that is not finite is zero force. A reading that is not finite is zero force too; the interval credits
 /// nothing and the force held over it is charged its worst case. Rounding is toward zero in the joints, where motors
@@ -26,12 +27,17 @@ class PassivityController {
     std::uint64_t readings_not_finite = 0;
     std::uint64_t intervals_impossible = 0;  ///< not measurable, the first tick's aside: nothing credited
     std::uint64_t saturated = 0;
-    std::uint64_t withdrawn = 0;  ///< chosen, but too late to be passive: zero force instead
+    std::uint64_t forces_not_finite = 0;  ///< of the law: a fault of its own
+    std::uint64_t withdrawn = 0;          ///< chosen, but too late to be passive: zero force instead
   };
 
   /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, or an
   /// actuator step or the largest force is negative or not a number.
   PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
+
+  /// One tick without any word of the environment, because there never was one or the last is too old: notes the
+  /// motion, and zero is the force, whatever the law would go on with.
+  [[nodiscard]] Vector release(const Motion& motion) noexcept;
 
   /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.
   [[nodiscard]] Vector tick(const Motion& motion, const Vector& request_N) noexcept;
@@ -52,7 +58,9 @@ class PassivityController {
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
  private:
+  [[nodiscard]] bool note(const Motion& motion) noexcept;
   [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
+  [[nodiscard]] Vector sound(const Vector& force_N) noexcept;
   [[nodiscard]] Vector rounded(const Vector& force_N, const Motion& motion) const noexcept;
 
   std::unique_ptr<PassivityLaw> law_;

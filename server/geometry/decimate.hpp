@@ -17,7 +17,7 @@ namespace forcebound::server {
 /// become a needle: so the surface stays the boundary of the same solid, without new holes, handles or folds. Where no
 /// edge is left that may, the mesh stays finer than asked for.
 ///
-/// Deterministic: equal costs go by the vertices' numbers. Takes O(n log n) steps.
+/// Deterministic: equal costs go by the vertices' numbers. A pass over the mesh takes O(n log n) steps.
 ///
 /// @param share in (0, 1]; 1 is the mesh itself
 /// @throws GeometryError for another share, or for a mesh that is not closed, or only by slivers that were dropped,

@@ -29,7 +29,8 @@ std::optional<double> RingingMeter::ringing_s() const {
     while (time_s_[end - 1] - time_s_[begin] > kWindow_s) --end;
     const auto [low, high] = std::minmax_element(force_N_.begin() + static_cast<std::ptrdiff_t>(begin),
                                                  force_N_.begin() + static_cast<std::ptrdiff_t>(end));
-    if (*high - *low >= kShare * steady_N && *high > *low) return time_s_[end - 1] - time_s_.front();
+    if (*high - *low >= std::max(kShare * steady_N, unfelt_N_) && *high > *low)
+      return time_s_[end - 1] - time_s_.front();
   }
   return 0.0;
 }

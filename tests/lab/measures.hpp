@@ -11,6 +11,9 @@ namespace forcebound::lab {
 /// 20 ms stays below 20 % of its steady mean (that of the last quarter of the contact); the rest of the run if never.
 class RingingMeter final : public record::TickSink {
  public:
+  /// @param unfelt_N a peak-to-peak that is never called ringing
+  explicit RingingMeter(double unfelt_N = 0) : unfelt_N_(unfelt_N) {}
+
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord&) noexcept override {}
 
@@ -21,6 +24,7 @@ class RingingMeter final : public record::TickSink {
   [[nodiscard]] double contact_s() const noexcept { return time_s_.empty() ? 0.0 : time_s_.back() - time_s_.front(); }
 
  private:
+  double unfelt_N_;
   std::vector<double> force_N_;  // since first contact
   std::vector<double> time_s_;
 };

@@ -144,7 +144,7 @@ TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
                    {{"--law-parameters", laws}, 1, {laws + ":5: ", "law 'sfa'", "'increment'", "'increment_m'"}},
                    {{"--law-parameters", "/no/such/laws.toml"}, 1, {"/no/such/laws.toml", "No such file"}},
                    {{"--law", "vc", "--law-parameters", coupling}, 1, {"'wall-1dof'", "60000", "Kc T/2 + |Bc|"}},
-                   {{"--law", "vc", "--device", "omni"}, 1, {"law 'vc'", "'omni' is not Cartesian"}},
+                   {{"--law", "vc", "--device", "omni"}, 1, {"law 'vc'", "'omni' is an arm"}},
                    {{"--law-help", "vx"}, 2, {"--law-help", "vx"}},
                    {{"--seed", "-1"}, 2, {"--seed", "'-1'", "whole number"}},
                    {{"--hold", "nan"}, 2, {"--hold", "'nan'", "from 0"}},

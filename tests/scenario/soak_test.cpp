@@ -22,7 +22,7 @@ TEST_P(Soak, FindsNothingBrokenWithTheExactLaw) {
   for (int i = 1; i <= kSeeds; ++i) {
     const auto seed = static_cast<std::uint64_t>(GetParam() * kSeeds + i);
     const SoakResult result = soak(seed, "fba-exact");
-    ASSERT_EQ(result.broken, "") << "again: forcebound-lab soak --seeds 1 --from " << seed;
+    ASSERT_EQ(result.broken, "") << "again: forcebound-lab soak --law fba-exact --seeds 1 --from " << seed;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Soak, testing::Range(0, 6));
@@ -35,7 +35,7 @@ TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
       EXPECT_EQ(result.broken, "") << law << " from seed " << seed << ": all but P >= 0 holds for it, too";
       worst_J = std::min(worst_J, result.worst_P_J);
     }
-    EXPECT_LT(worst_J, -0.1) << law;
+    EXPECT_LT(worst_J, -0.01) << law;
   }
 }
 
@@ -74,6 +74,9 @@ TEST(Soak, MeetsLateTicksAndLedgersThatCanBeRecomputed) {
   EXPECT_GT(recomputed, 0U);
   EXPECT_GT(late, 0U);
 }
+
+// A Hello every two seconds needs twenty of them to outlast a burst of ten datagrams each way.
+TEST(Soak, TakesAHandshakeThatDrownsInABurstOfDatagramsForNoFault) { EXPECT_EQ(soak(558, "fba-less").broken, ""); }
 
 TEST(Soak, GivesOneRunForOneSeed) {
   for (const std::uint64_t seed : {7U, 8U, 9U}) {

@@ -64,7 +64,7 @@ record::RunInfo ClosedLoop::info() const {
   info.program = "virtual time";
   info.law = settings_.law;
   info.law_parameters = client::describe(
-      control::shipped_laws().parameters(settings_.law, settings_.device.facts, settings_.law_options.parameters));
+      settings_.laws->parameters(settings_.law, settings_.device.facts, settings_.law_options.parameters));
   info.device = settings_.device.facts.name;
   info.facts = describe(settings_.device);
   info.operator_name = settings_.make_hand ? std::string(device_.hand().name()) : settings_.hand;

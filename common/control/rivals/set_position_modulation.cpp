@@ -204,6 +204,7 @@ LawDescription set_position_modulation() {
   return {.name = std::string(SetPositionModulation::kName),
           .summary = "passive set-position modulation: a spring whose other end moves as far as energy allows",
           .reference = "Lee & Huang 2010",
+          .certainty = LawCertainty::likely,
           .claim = LawClaim::passive_if_ideal,
           .parameters = {{.name = "spring_N_per_m",
                           .purpose = "Kp of the spring that the device feels; standard half of 2b/T",

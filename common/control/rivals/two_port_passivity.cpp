@@ -162,6 +162,7 @@ LawDescription two_port_passivity() {
   return {.name = std::string(TwoPortPassivity::kName),
           .summary = "time-domain passivity with delay: observers at both ends, energies travel, the place drifts",
           .reference = "Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010",
+          .certainty = LawCertainty::likely,
           .parameters = {{.name = "alpha_max_per_b",
                           .purpose = "most damping that may be added, in multiples of the device's own",
                           .most = 100,

@@ -1,4 +1,3 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "forcebound/control/held_force.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
+#include "forcebound/control/rivals/two_port.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -175,22 +175,12 @@ class VirtualCoupling final : public PassivityLaw {
   std::size_t quiet_ticks_ = kTicks + 1;
 };
 
-/// The least damping of a Cartesian device in any direction [N s/m].
-double least_damping(const DeviceFacts& facts) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(facts.damping, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
-}
-
 [[noreturn]] void refuse(const DeviceFacts& facts, const std::string& why) {
   throw std::invalid_argument("law 'vc': device '" + facts.name + "' " + why);
 }
 
 std::unique_ptr<PassivityLaw> make(const DeviceFacts& facts, const LawOptions& options) {
-  if (!facts.cartesian) {
-    refuse(facts,
-           "is not Cartesian: its damping at the tip changes with the configuration, and no coupling is proven "
-           "for all of them");
-  }
-  (void)Damping::from_matrix(facts.damping);
+  require_constant_translations("vc", facts);
   const Coupling coupling{.stiffness_N_per_m = options.parameters.at("coupling_N_per_m"),
                           .damping_N_s_per_m = options.parameters.at("coupling_damping_N_s_per_m"),
                           .tool_mass_kg = options.parameters.at("tool_mass_kg"),

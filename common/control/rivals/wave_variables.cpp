@@ -324,6 +324,7 @@ LawDescription wave_variables() {
       .name = std::string(WaveVariables::kName),
       .summary = "wave variables: no constant delay can make energy; a tool with spring and damper at the server",
       .reference = "Niemeyer & Slotine 1991, 1998, 2004",
+      .certainty = LawCertainty::likely,
       .parameters = {{.name = "impedance_N_s_per_m",
                       .purpose = "b_w of the wave; standard b/2",
                       .least = 1e-6,

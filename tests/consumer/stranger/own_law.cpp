@@ -23,9 +23,7 @@ class CautiousLaw final : public control::PassivityLaw {
   [[nodiscard]] std::string_view name() const noexcept override { return "cautious"; }
   void credit(const Motion& motion) noexcept override { held_.begin(motion); }
   void lose(const Motion&) noexcept override { held_.lose(); }
-  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override {
-    return held_.bounded(request_N, reserve_J_);
-  }
+  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override { return held_.bounded(request_N, reserve_J_); }
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
   [[nodiscard]] double energy_J() const noexcept override { return reserve_J_; }
 

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kRippleLeast = 1e-4;
 double number(const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); }
 
-/// First, fourth and last of the plain ones, or what there is: near, far and bad.
+/// None, 10 ms and 50 ms, or what there is.
 std::vector<std::size_t> shown_networks(const Json& all) {
   const std::size_t count = all.at("networks").size();
   std::vector<std::size_t> shown;
@@ -115,8 +115,9 @@ Panel limits_panel(const Json& all, std::size_t hand) {
 
 void draw_limits(const Json& all, const std::filesystem::path& png) {
   // No subtitle: so many laws need its room to be named.
-  Figure figure{.title = "The stiffest wall that comes to rest, up to 1000 N/mm; ideal device of 30 N s/m; thick: theory",
-                .x_label = "delay each way [ms]; the least drawn stands for none"};
+  Figure figure{
+      .title = "The stiffest wall that comes to rest, up to 1000 N/mm; ideal device of 30 N s/m; thick: theory",
+      .x_label = "delay each way [ms]; the least drawn stands for none"};
   figure.x_log = true;
   for (std::size_t hand = 0; hand < all.at("hands").size(); ++hand) figure.panels.push_back(limits_panel(all, hand));
   draw(figure, png);

@@ -17,7 +17,7 @@ struct Bout {
   double passivity_minimum_J = 0;  ///< P of the audit
   bool calm = false;               ///< its contact came to rest: the force's peak-to-peak over 20 ms
   std::optional<double> ringing_s{};        ///< until then; nothing without contact
-  double shown_N_per_m = std::nan("");      ///< displayed stiffness, median; not a number without contact
+  double shown_N_per_m = std::nan("");      ///< displayed stiffness, median; 0 without contact
   double force_N_mean = std::nan("");       ///< in contact
   double force_N2_variance = std::nan("");  ///< in contact
   double restlessness = std::nan("");  ///< deviation of the force's magnitude over its mean, once contact has settled
@@ -29,8 +29,8 @@ struct Bout {
 /// Plays it, in virtual time.
 [[nodiscard]] Bout play(const Contest& contest);
 
-/// What the law itself takes a tick [ns], median, over the motion and the requests of a contest; not a number for a
-/// device that is not Cartesian.
+/// What the law itself takes a tick [ns], over the motion and the requests of a contest. Not a number for a device that
+/// is not Cartesian, and for a law that is half at the server: what its partner says is not kept.
 /// @param clock the machine's
 [[nodiscard]] double work_ns(const Contest& contest, const time::Clock& clock);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -13,9 +14,9 @@ namespace {
 using Work = std::vector<std::function<void()>>;
 
 /// Does all of it, on every processor; throws what the first that failed threw.
-class Crew {
+class Workers {
  public:
-  explicit Crew(const std::function<void(std::size_t, std::size_t)>& progress) : progress_(progress) {}
+  explicit Workers(const std::function<void(std::size_t, std::size_t)>& progress) : progress_(progress) {}
 
   void expect(std::size_t pieces) { all_ += pieces; }
 
@@ -50,16 +51,11 @@ class Crew {
   std::size_t all_ = 0;
 };
 
-std::vector<Contest> tuning_contests(const ArenaSettings& settings, const Ground& ground) {
-  std::vector<Contest> contests;
-  const Contest middle{.ground = ground,
-                       .stiffness_N_per_m = settings.stiffnesses_N_per_m[settings.stiffnesses_N_per_m.size() / 2],
-                       .network = settings.networks.front(),
-                       .seed = settings.seed};
-  contests.push_back(middle);
-  contests.push_back(middle);
-  contests.back().network = settings.networks[settings.networks.size() / 2];
-  return contests;
+Contest tuning_contest(const ArenaSettings& settings, const Ground& ground, std::size_t network) {
+  return {.ground = ground,
+          .stiffness_N_per_m = settings.stiffnesses_N_per_m[settings.stiffnesses_N_per_m.size() / 2],
+          .network = settings.networks[network],
+          .seed = settings.seed};
 }
 
 /// Every contest of a law, without its parameters.
@@ -86,16 +82,33 @@ std::vector<PlayedBout> contests_of(const ArenaSettings& settings, const std::st
   return contests;
 }
 
-const Tuning& tuning_on(const LawInArena& law, const std::string& scene) {
-  const auto found = std::ranges::find(law.tuned, scene, &TunedOn::scene);
+const Tuning& tuning_for(const LawInArena& law, const PlayedBout& played) {
+  const auto found = std::ranges::find_if(law.tuned, [&](const TunedOn& tuned) {
+    return tuned.scene == played.contest.ground.scene && tuned.network == played.network;
+  });
   return found->tuning;
 }
 
-/// The limit is looked for on the wall; a law's parameters there, or its standard ones.
-StableStiffness limit_of(const LawInArena& law, const PressingHand& hand, double delay_s) {
+/// What was found on the wall through a network that does nothing but delay by so much, if that was played with the
+/// same device; otherwise the law's standard parameters.
+control::LawParameters parameters_for(const LawInArena& law, const ArenaSettings& settings, const std::string& device,
+                                      double delay_s) {
+  net::NetemParameters delayed;
+  delayed.delay.mean = time::from_seconds(delay_s);
+  const auto paper = std::ranges::find_if(
+      settings.grounds, [&](const Ground& ground) { return ground.scene == "wall" && ground.device == device; });
+  if (paper == settings.grounds.end()) return {};
+  for (const TunedOn& tuned : law.tuned) {
+    const sim::SimulatedNetworkSettings& network = settings.networks[tuned.network].settings;
+    if (tuned.scene == "wall" && !network.trace && network.up == delayed) return tuned.tuning.best;
+  }
+  return {};
+}
+
+StableStiffness limit_of(const LawInArena& law, const ArenaSettings& settings, const PressingHand& hand,
+                         double delay_s) {
   PressedWall wall{.law = law.law, .hand = hand.specification, .delay_s = delay_s};
-  const auto tuned = std::ranges::find(law.tuned, std::string("wall"), &TunedOn::scene);
-  if (tuned != law.tuned.end()) wall.parameters = tuned->tuning.best;
+  wall.parameters = parameters_for(law, settings, wall.device, delay_s);
   return largest_stable({}, [&](double stiffness) { return is_stable(wall, stiffness); });
 }
 
@@ -108,38 +121,44 @@ ArenaResult play_all(const ArenaSettings& settings, const time::Clock& clock,
   Work bouts;
   for (const std::string& law : settings.laws) {
     result.laws.push_back({.law = law, .bouts = contests_of(settings, law)});
-    for (const Ground& ground : settings.grounds) result.laws.back().tuned.push_back({.scene = ground.scene});
+    for (const Ground& ground : settings.grounds) {
+      for (std::size_t network = 0; network < settings.networks.size(); ++network) {
+        result.laws.back().tuned.push_back({.scene = ground.scene, .network = network});
+      }
+    }
     result.laws.back().stable.resize(settings.delays_s.size(), std::vector<StableStiffness>(pressing_hands().size()));
   }
   for (LawInArena& law : result.laws) {
-    for (std::size_t i = 0; i < settings.grounds.size(); ++i) {
+    for (std::size_t i = 0; i < law.tuned.size(); ++i) {
       tuning.emplace_back([&, i] {
-        law.tuned[i].tuning =
-            tune(law.law, tuning_contests(settings, settings.grounds[i]), settings.effort, settings.seed);
+        const Ground& ground = settings.grounds[i / settings.networks.size()];
+        const Contest contest = tuning_contest(settings, ground, law.tuned[i].network);
+        law.tuned[i].tuning = tune(law.law, {&contest, 1}, settings.effort, settings.seed);
       });
     }
     for (PlayedBout& played : law.bouts) {
       bouts.emplace_back([&] {
-        played.contest.parameters = tuning_on(law, played.contest.ground.scene).best;
+        played.contest.parameters = tuning_for(law, played).best;
         played.bout = play(played.contest);
       });
     }
     for (std::size_t i = 0; i < settings.delays_s.size(); ++i) {
       for (std::size_t hand = 0; hand < pressing_hands().size(); ++hand) {
-        bouts.emplace_back(
-            [&, i, hand] { law.stable[i][hand] = limit_of(law, pressing_hands()[hand], settings.delays_s[i]); });
+        bouts.emplace_back([&, i, hand] {
+          law.stable[i][hand] = limit_of(law, settings, pressing_hands()[hand], settings.delays_s[i]);
+        });
       }
     }
   }
-  Crew crew(progress);
-  crew.expect(tuning.size() + bouts.size());
-  crew.work_off(tuning);
-  crew.work_off(bouts);
+  Workers workers(progress);
+  workers.expect(tuning.size() + bouts.size());
+  workers.work_off(tuning);
+  workers.work_off(bouts);
   for (const double delay_s : settings.delays_s) result.theory.push_back(theory_limits("wall-1dof", delay_s));
   // Alone on the machine, or the laws' work would be the other's as well.
   for (LawInArena& law : result.laws) {
     const Contest& first = law.bouts.front().contest;
-    law.work_ns = law.bouts.front().bout.refused.empty() ? work_ns(first, clock) : 0;
+    law.work_ns = law.bouts.front().bout.refused.empty() ? work_ns(first, clock) : std::nan("");
   }
   return result;
 }

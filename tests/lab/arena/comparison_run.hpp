@@ -31,9 +31,10 @@ struct PlayedBout {
   Bout bout;
 };
 
-/// The parameters that a law got on one ground, for that ground's device.
+/// The parameters that a law got on one ground through one network.
 struct TunedOn {
   std::string scene;
+  std::size_t network = 0;  ///< its place among the settings'
   Tuning tuning{};
 };
 
@@ -53,8 +54,8 @@ struct ArenaResult {
 
 /// Plays all of it on the machine's processors; what comes of it does not depend on how many.
 ///
-/// Each law's parameters are searched for on each ground through the first network and the middle one, against the
-/// middle stiffness, with the real device.
+/// Each law's parameters are searched for on each ground through each network, against the middle stiffness, with the
+/// real device.
 /// @param clock the machine's, for the laws' work
 /// @param progress is told what is done and what there is, from any thread, one at a time
 [[nodiscard]] ArenaResult play_all(const ArenaSettings& settings, const time::Clock& clock,

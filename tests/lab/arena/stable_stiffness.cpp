@@ -19,6 +19,9 @@ namespace {
 constexpr double kRun_s = 3;
 constexpr double kRingingMost = 0.8;
 
+// The pull of a thread.
+constexpr double kUnfelt_N = 0.1;
+
 /// Holds the device beside a place and lets go of it.
 class LettingGo final : public client::Operator {
  public:
@@ -101,11 +104,11 @@ bool is_stable(const PressedWall& wall, double stiffness_N_per_m) {
                   .parameters = wall.parameters};
   contest.ground.hand = wall.hand;
   contest.network.settings.up.delay.mean = contest.network.settings.down.delay.mean = time::from_seconds(wall.delay_s);
-  RingingMeter ringing;
+  RingingMeter ringing(kUnfelt_N);
   sim::ClosedLoop loop(settings_of(contest), {&ringing});
   loop.run(time::from_seconds(kRun_s));
   const auto rings_s = ringing.ringing_s();
-  return !rings_s || *rings_s < kRingingMost * ringing.contact_s();
+  return rings_s && *rings_s < kRingingMost * ringing.contact_s();
 }
 
 bool free_device_is_stable(const std::string& device, double stiffness_N_per_m) {

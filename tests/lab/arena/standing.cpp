@@ -71,9 +71,10 @@ Json behind(const LawInArena& law, std::size_t network) {
 
 Json tuned(const LawInArena& law) {
   Json all = Json::array();
-  for (const auto& [scene, tuning] : law.tuned) {
+  for (const auto& [scene, network, tuning] : law.tuned) {
     if (tuning.tried == 0) continue;
     all.push_back({{"scene", scene},
+                   {"network", network + 1},
                    {"standard", tuning.standard},
                    {"best", tuning.best},
                    {"standard_score", std::isfinite(tuning.standard_score) ? Json(tuning.standard_score) : Json()},
@@ -118,7 +119,7 @@ Json standing(const ArenaResult& result, const LawInArena& law) {
           {"ringing_s", median(real, ringing_s)},
           {"direction_deg", most(real, direction_deg)},
           {"drift_mm", most(real, drift_mm)},
-          {"work_ns", law.work_ns},
+          {"work_ns", std::isfinite(law.work_ns) ? Json(law.work_ns) : Json()},
           {"behind", std::move(networks)},
           {"stable", std::move(stable)},
           {"tuned", tuned(law)}};

@@ -81,7 +81,7 @@ std::string passivity_table(const Json& all) {
              padded(share(law.at("real").at("passive").get<double>() / bouts), 9) + padded(share(law.at("calm")), 9) +
              padded(number(law.at("variance_N2")), 15) + padded(number(law.at("ringing_s")), 11) +
              padded(degrees(law.at("direction_deg")), 13) + padded(number(law.at("drift_mm")), 8) +
-             padded(number(law.at("work_ns")) + " ns", 9) + "\n";
+             padded(law.at("work_ns").is_number() ? number(law.at("work_ns")) + " ns" : std::string("-"), 9) + "\n";
   }
   return table;
 }
@@ -102,8 +102,8 @@ std::string network_table(const Json& all, const char* what, const char* title) 
 std::string limits_table(const Json& all) {
   if (all.at("limits").empty()) return {};
   std::string table =
-      "Stiffest wall that comes to rest under a light, a usual and a firm hand, the paper's device, ideal [N/mm]; all: "
-      "up to 1000\n  each way   ";
+      "Stiffest wall up to which every wall tried comes to rest, under a light, a usual and a firm hand, the paper's "
+      "device, ideal [N/mm]; all: up to 1000\n  each way   ";
   for (const Json& limit : all.at("limits")) {
     table += padded(text::rounded(1e3 * limit.at("delay_s").get<double>()) + " ms", 22);
   }
@@ -135,8 +135,8 @@ std::string in_words(const Json& parameters) {
 
 std::string tuning_table(const Json& all) {
   std::string table = "Parameters: " + std::to_string(all.at("effort").get<int>()) +
-                      " sets tried for each law that has any, on each scene; score: error at the device, 1 more for no "
-                      "rest, 1 more for energy given\n";
+                      " sets tried for each law that has any, on each scene and network; score: error at "
+                      "the device, 1 more for no rest, 1 more for energy given\n";
   bool any = false;
   for (const Json& law : all.at("laws")) {
     for (const Json& tuned : law.at("tuned")) {
@@ -144,8 +144,9 @@ std::string tuning_table(const Json& all) {
       const auto score = [&](const char* key) {
         return tuned.at(key).is_number() ? number(tuned.at(key)) : std::string("refused");
       };
-      table += law_cell(law) + " " + tuned.at("scene").get<std::string>() + ": " + in_words(tuned.at("best")) +
-               "; score " + score("best_score") + ", standard " + score("standard_score") + "\n";
+      table += law_cell(law) + " " + tuned.at("scene").get<std::string>() + " (" +
+               std::to_string(tuned.at("network").get<int>()) + "): " + in_words(tuned.at("best")) + "; score " +
+               score("best_score") + ", standard " + score("standard_score") + "\n";
     }
   }
   return any ? table : "";
@@ -204,7 +205,7 @@ std::string arena_markdown(const Json& all) {
     for (const char* const what : {"shown", "error"}) {
       for (const std::size_t i : networks) cells.push_back(share(law.at("behind").at(i).at(what)));
     }
-    cells.push_back(text::rounded(law.at("work_ns").get<double>()));
+    cells.push_back(number(law.at("work_ns")));
     table += row_of(cells);
   }
   if (all.at("limits").empty()) return table;

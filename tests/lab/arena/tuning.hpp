@@ -23,8 +23,8 @@ struct Tuning {
 };
 
 /// Tries the standard parameters, then sets drawn around them: each number between an eighth and eight times its
-/// standard, evenly over the logarithm; choices as they come. What a law does not accept is drawn again. The same effort
-/// for each law; the mean score over the contests counts.
+/// standard, evenly over the logarithm; choices as they come. What a law does not accept is drawn again. The same
+/// effort for each law; the mean score over the contests counts.
 ///
 /// @param contests whose law and parameters are replaced
 [[nodiscard]] Tuning tune(const std::string& law, std::span<const Contest> contests, int effort, std::uint64_t seed);

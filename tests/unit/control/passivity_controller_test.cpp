@@ -9,6 +9,8 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "forcebound/control/law_registry.hpp"
 #include "tests/support/published_law_checks.hpp"
@@ -48,6 +50,42 @@ TEST(PassivityController, SaturatesAlongTheRequest) {
   EXPECT_EQ(loop.counts().saturated, 1U);
   EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({6, 0, -7})), to_vector({6, 0, -7}));
   EXPECT_EQ(loop.counts().saturated, 1U);
+}
+
+/// Gives whatever it was made with.
+class FaultyLaw final : public PassivityLaw {
+ public:
+  explicit FaultyLaw(Vector force_N) : force_N_(std::move(force_N)) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "faulty"; }
+  void credit(const Motion&) noexcept override {}
+  void lose(const Motion&) noexcept override {}
+  [[nodiscard]] Vector bound(const Vector&) noexcept override { return force_N_; }
+  void commit(const Vector&) noexcept override {}
+  [[nodiscard]] double energy_J() const noexcept override { return 0; }
+
+ private:
+  Vector force_N_;
+};
+
+Vector force_of_faulty_law(const Vector& force_N, bool released = false) {
+  const DeviceFacts facts = three_axes();
+  const Damping damping = Damping::from_matrix(facts.damping);
+  PassivityController controller(facts, std::make_unique<FaultyLaw>(force_N));
+  Motion motion;
+  motion.position = motion.joint = Vector::Zero(3);
+  motion.jacobian = Matrix::Identity(3, 3);
+  motion.damping = &damping;
+  return released ? controller.release(motion) : controller.tick(motion, Vector::Zero(3));
+}
+
+TEST(PassivityController, GivesNoForceThatIsNotFiniteOrBeyondTheDeviceWhateverTheLawSays) {
+  EXPECT_EQ(force_of_faulty_law(to_vector({kNaN, 0, 0})), to_vector({0, 0, 0}));
+  EXPECT_EQ(force_of_faulty_law(to_vector({1, 2})), to_vector({0, 0, 0}));
+  EXPECT_TRUE(force_of_faulty_law(to_vector({0, 3e6, 4e6})).isApprox(to_vector({0, 6, 8}), 1e-15));
+}
+
+TEST(PassivityController, ReleasesTheDeviceWhateverTheLawWouldGoOnWith) {
+  EXPECT_EQ(force_of_faulty_law(to_vector({1, 2, 3}), true), to_vector({0, 0, 0}));
 }
 
 TEST(PassivityController, SaturatesTheLargestNumbersThereAre) {

@@ -52,7 +52,7 @@ TEST(VirtualCoupling, LooksAtTheDirectionWithTheLeastDamping) {
 TEST(VirtualCoupling, RefusesADeviceWhoseDampingChangesWithTheConfiguration) {
   DeviceFacts facts = device(3);
   facts.cartesian = false;
-  EXPECT_THAT(refusal(facts), testing::HasSubstr("device 'bench' is not Cartesian"));
+  EXPECT_THAT(refusal(facts), testing::HasSubstr("device 'bench' is an arm"));
 }
 
 TEST(VirtualCoupling, RefusesWhatIsNoCoupling) {

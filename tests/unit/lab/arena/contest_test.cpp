@@ -70,6 +70,24 @@ TEST(Bout, SeesWhatHappensWithoutALawBehindADelay) {
   EXPECT_GE(play(contest).passivity_minimum_J, -1e-9);
 }
 
+TEST(Bout, SeesAToolBesideTheDeviceEvenWithoutDelay) {
+  Contest contest = wall(Conditions::ideal);
+  contest.law = "vc";
+  const Bout bout = play(contest);
+  // The coupling is stretched by its force.
+  EXPECT_GT(bout.drift_m, 1e-4);
+  EXPECT_LT(bout.drift_m, 2e-3);
+}
+
+TEST(Bout, TakesSilenceForNoRest) {
+  Contest contest = wall(Conditions::ideal);
+  contest.law = "fba-more";
+  contest.network = network_of("loss 100%");
+  const Bout bout = play(contest);
+  EXPECT_FALSE(bout.calm);
+  EXPECT_EQ(bout.shown_N_per_m, 0);
+}
+
 TEST(Bout, IsTheSameForTheSameSeed) {
   Contest contest = wall(Conditions::real);
   contest.network = network_of("delay 10ms 5ms loss 10%");

@@ -75,7 +75,7 @@ TEST(Standings, AreARowOfTheReadmeForEachLawThatPlayed) {
 }
 
 TEST(Arena, PlaysEveryLawOnEverythingWithTheSameEffort) {
-  const ArenaSettings settings{.laws = {"none", "fba-exact"},
+  const ArenaSettings settings{.laws = {"none", "eba"},
                                .grounds = {ground_of("wall")},
                                .networks = {network_of("none"), network_of("delay 10ms")},
                                .stiffnesses_N_per_m = {10e3, 50e3},
@@ -84,7 +84,9 @@ TEST(Arena, PlaysEveryLawOnEverythingWithTheSameEffort) {
   const ArenaResult result =
       play_all(settings, time::SteadyClock(), [&](std::size_t done, std::size_t) { last = done; });
   ASSERT_EQ(result.laws.size(), 2U);
-  EXPECT_EQ(last, 2 * (1U + 8U));
+  EXPECT_EQ(last, 2 * (2U + 8U));
+  EXPECT_EQ(result.laws[0].tuned[0].tuning.tried, 0) << "has nothing to choose";
+  EXPECT_EQ(result.laws[1].tuned[0].tuning.tried, 2);
   for (const LawInArena& law : result.laws) {
     EXPECT_EQ(law.bouts.size(), 8U);
     for (const PlayedBout& played : law.bouts) EXPECT_GT(played.bout.force_N_mean, 0) << law.law;
