@@ -65,6 +65,10 @@ ArenaSettings settings_of(const Options& options) {
 }
 
 void compare(const Options& options) {
+  // Minutes of work shall not end at a file that cannot be written.
+  for (const std::string& file : {options.csv, options.json}) {
+    if (!file.empty()) text::write_file(file, "");
+  }
   const bool live = isatty(STDERR_FILENO) != 0;
   const ArenaResult result =
       play_all(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
