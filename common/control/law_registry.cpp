@@ -67,7 +67,7 @@ std::string columns(const std::vector<std::pair<std::string, std::string>>& rows
   for (const auto& [name, words] : rows) width = std::max(width, name.size());
   std::string text;
   for (const auto& [name, words] : rows) {
-    text += "  " + name + std::string(width - name.size() + 2, ' ') + words + "\n";
+    text.append("  ").append(name).append(width - name.size() + 2, ' ').append(words).append("\n");
   }
   return text;
 }
