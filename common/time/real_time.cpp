@@ -1,11 +1,14 @@
 #include "forcebound/time/real_time.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace forcebound::time {
@@ -16,6 +19,20 @@ int ask_for_first_in_first_out(int priority) noexcept {
   return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
 }
 
+namespace {
+
+/// A processor that sleeps while it waits takes its time to wake up, and a virtual one may be taken away meanwhile. The
+/// kernel keeps all awake while this file is held open with a zero written to it: as long as the process lives.
+/// @returns 0, or the error number of the refusal.
+int keep_processors_awake() noexcept {
+  static const int kHeld = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  if (kHeld < 0) return errno;
+  constexpr std::int32_t kWakeUp_us = 0;
+  return write(kHeld, &kWakeUp_us, sizeof kWakeUp_us) == sizeof kWakeUp_us ? 0 : errno;
+}
+
+}  // namespace
+
 RealTimeGrant ask_for_real_time(int priority) {
   RealTimeGrant grant;
   const int refused = ask_for_first_in_first_out(priority);
@@ -25,6 +42,11 @@ RealTimeGrant ask_for_real_time(int priority) {
   grant.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   grant.text +=
       grant.memory_locked ? ", memory locked" : std::string(", memory not locked (") + std::strerror(errno) + ")";
+  if (!grant.first_in_first_out) return grant;
+  const int asleep = keep_processors_awake();
+  grant.processors_awake = asleep == 0;
+  grant.text +=
+      asleep == 0 ? ", processors kept awake" : std::string(", processors may sleep (") + std::strerror(asleep) + ")";
   return grant;
 }
 

@@ -8,7 +8,8 @@ namespace forcebound::time {
 struct RealTimeGrant {
   bool first_in_first_out = false;  ///< SCHED_FIFO
   bool memory_locked = false;
-  std::string text;  ///< for people: what was granted, and why the rest was not
+  bool processors_awake = false;  ///< asked for with SCHED_FIFO only: it costs power
+  std::string text;               ///< for people: what was granted, and why the rest was not
 };
 
 /// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread.
@@ -16,7 +17,9 @@ struct RealTimeGrant {
 [[nodiscard]] int ask_for_first_in_first_out(int priority) noexcept;
 
 /// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for all memory of the process, present and
-/// future, to stay in RAM. A refusal is no error: what counts is the wake-up jitter that is measured afterwards.
+/// future, to stay in RAM; where the first is granted, also that no processor sleeps so deeply that waking up takes
+/// time, as long as the process lives. A refusal is no error: what counts is the wake-up jitter that is measured
+/// afterwards.
 RealTimeGrant ask_for_real_time(int priority);
 
 /// Touches the stack of the calling thread, so that the tick does not meet a page fault there.

@@ -89,9 +89,12 @@ LoadResult Load::run(std::size_t clients) {
       if (client < first || &line_of(client) != &line_of(first)) break;
       if (time > due(i) + kTooLate) {
         ++result.unsent;
-      } else if (!burst_.take(crew_.motion(client, time))) {
-        result.unsent += send_burst(first);
-        static_cast<void>(burst_.take(crew_.motion(client, time)));
+      } else {
+        const auto motion = crew_.motion(client, time);
+        if (!burst_.take(motion)) {
+          result.unsent += send_burst(first);
+          static_cast<void>(burst_.take(motion));
+        }
       }
       ++i;
     } while (i < motions && due(i) <= time);
