@@ -135,7 +135,9 @@ void TomlSection::refuse_other_keys(const std::string& refusal) const {
   for (const auto& [key, node] : table_) {
     const std::string name(key.str());
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    fail(node, refusal + " '" + name + "'" + text::suggestion(name, known_));
+    std::string message = refusal;
+    message.append(" '").append(name).append("'").append(text::suggestion(name, known_));
+    fail(node, message);
   }
 }
 
