@@ -52,7 +52,7 @@ TEST_F(ServerPort, AsksTheSceneWhereThePartnerSaysAndAnswersWhatItMakesOfTheForc
 
 TEST_F(ServerPort, TellsThePartnerTheDevicesTimeSinceTheMotionAnsweredBefore) {
   const auto session = join_with_port();
-  for (const std::uint64_t sequence : {5, 6, 9, 9, 8, 10}) arrive(motion(session, sequence));
+  for (const std::uint64_t sequence : {5U, 6U, 9U, 9U, 8U, 10U}) arrive(motion(session, sequence));
   auto back_in_time = motion(session, 11);
   back_in_time.device_time = milliseconds{3};
   arrive(back_in_time);
@@ -62,7 +62,7 @@ TEST_F(ServerPort, TellsThePartnerTheDevicesTimeSinceTheMotionAnsweredBefore) {
 TEST_F(ServerPort, HearsNothingOfMotionsThatNewerOnesOvertook) {
   const auto session = join_with_port();
   wire::Codec client;
-  for (const std::uint64_t sequence : {1, 2, 3}) {
+  for (const std::uint64_t sequence : {1U, 2U, 3U}) {
     server->take_in(client.encode(saying(motion(session, sequence), static_cast<double>(sequence))), address(1),
                     clock.time);
   }
