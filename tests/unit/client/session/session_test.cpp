@@ -6,7 +6,6 @@
 #include <random>
 
 #include "tests/support/allocation_guard.hpp"
-#include "tests/support/port_law.hpp"
 #include "tests/unit/client/session/session_fixture.hpp"
 
 namespace forcebound::client {
@@ -304,84 +303,6 @@ TEST_F(SessionTest, TickDoesNotAllocateInTheWholeLifeOfASession) {
     (void)session.close(clock.time);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);
-}
-
-struct WithPortLog {
-  test::PortLog log;
-};
-
-class SessionWithPartner : private WithPortLog, public SessionTest {
- protected:
-  SessionWithPartner() : SessionTest("port", test::laws_with_port(log)) {}
-
-  wire::EnvironmentForce saying(const wire::MotionSample& motion, double number) {
-    wire::EnvironmentForce force = answer(motion, -1);
-    force.port = control::PortNumbers::Constant(2, number);
-    return force;
-  }
-  [[nodiscard]] const test::PortLog& heard() const { return log; }
-};
-
-TEST_F(SessionWithPartner, AsksForItsHalfAndTellsItWithEachMotionWhatTheTickBeforeLeft) {
-  tick();
-  const auto hellos = sent<wire::Hello>();
-  ASSERT_EQ(hellos.size(), 1U);
-  EXPECT_EQ(hellos[0].port, "port");
-  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession});
-  tick();
-  tick();
-  tick();
-  const auto motions = sent<wire::MotionSample>();
-  ASSERT_EQ(motions.size(), 2U);
-  EXPECT_EQ(motions[0].port, control::PortNumbers::Constant(1, 2));
-  EXPECT_EQ(motions[1].port, control::PortNumbers::Constant(1, 3));
-}
-
-TEST_F(SessionWithPartner, HearsOnlyWhatComesWithANewerForceThanAllBefore) {
-  connect();
-  for (int i = 0; i < 4; ++i) tick();
-  const auto motions = sent<wire::MotionSample>();
-  const auto second = saying(motions.at(1), 2);
-  arrive(second);
-  arrive(second);
-  arrive(saying(motions.at(0), 1));
-  auto of_another = saying(motions.at(3), 4);
-  of_another.session = kSession + 1;
-  arrive(of_another);
-  arrive(saying(motions.at(2), 3));
-  tick();
-  EXPECT_EQ(heard().answers_heard, (std::vector<double>{2, 3}));
-}
-
-TEST_F(SessionWithPartner, LearnsThatAnotherPartnerBeginsWithEachSession) {
-  connect();
-  ASSERT_EQ(heard().partner_began, (std::vector<std::size_t>{0}));
-  tick();
-  arrive(saying(sent<wire::MotionSample>().back(), 1));
-  arrive(wire::Refusal{.session = kSession, .reason = wire::RefusalReason::unknown_session});
-  tick();
-  const auto hellos = sent<wire::Hello>();
-  ASSERT_EQ(hellos.size(), 1U);
-  EXPECT_EQ(hellos[0].port, "port");
-  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
-  arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
-  tick();
-  EXPECT_EQ(heard().partner_began, (std::vector<std::size_t>{0, 1}));
-}
-
-TEST_F(SessionWithPartner, DoesNotAllocate) {
-  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  connect();
-  tick();
-  const auto bytes = codec.encode(saying(sent<wire::MotionSample>().at(0), 1));
-  const std::vector<std::byte> force(bytes.begin(), bytes.end());
-  link.reserve(1);
-  link.keep = false;
-  const test::AllocationGuard guard;
-  link.arrive_again(force, kServer);
-  for (int i = 0; i < 10; ++i) tick();
-  EXPECT_EQ(guard.heap_operations(), 0U);
-  EXPECT_EQ(heard().answers_heard.size(), 1U);
 }
 
 TEST_F(SessionTest, RandomDatagramsNeverReachTheDevice) {
