@@ -57,7 +57,7 @@ class PassivityLaw {
   virtual void lose(const Motion& motion) noexcept = 0;
 
   /// The force that the law makes of `request_N`; of a law that only bounds, the nearest that it allows now. Once a
-  /// tick.
+  /// tick. It need not keep to what the device can be asked for: the controller shortens it, and commits that.
   [[nodiscard]] virtual Vector bound(const Vector& request_N) noexcept = 0;
 
   /// Whether this very force, say after rounding, is allowed now, if it takes effect `latency_s` after the reading. A

@@ -133,20 +133,18 @@ class MemoryBasedPassivation final : public PassivityLaw {
   }
 
   [[nodiscard]] Vector bound(const Vector& request_N) noexcept override {
-    const double largest = request_N.lpNorm<Eigen::Infinity>();
-    if (!(largest > 0) || !held_.known() || !displacement_.allFinite()) {
+    if (request_N.isZero(0) || !held_.known() || !displacement_.allFinite()) {
       leave();
       return Vector::Zero(request_N.rows());
     }
-    const Vector direction = request_N / largest;
-    const Vector normal = direction.normalized();
+    const Vector normal = request_N.stableNormalized();
     if (normal_.rows() > 0 && normal.dot(normal_) <= 0) leave();
     normal_ = normal;
     const double pressed_m = -normal.dot(displacement_);
     if (pressed_m != 0) expected_m_ = pressed_m;
     if (expected_m_ > 0) return request_N;
     const double most_N = path_.least_force_N(-expected_m_);
-    return most_N >= largest * direction.norm() ? request_N : Vector(most_N * normal);
+    return most_N >= request_N.stableNorm() ? request_N : Vector(most_N * normal);
   }
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "forcebound/control/energy_sum.hpp"
+#include "forcebound/control/rivals/device_limits.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
 #include "forcebound/control/rivals/two_port.hpp"
 
@@ -61,7 +62,7 @@ class SetPositionModulation final : public PassivityLaw {
   };
 
   SetPositionModulation(const DeviceFacts& facts, const Gains& gains)
-      : held_(facts.degrees_of_freedom(), facts.period_s), gains_(gains), force_N_max_(facts.force_N_max) {
+      : held_(facts.degrees_of_freedom(), facts.period_s), gains_(gains) {
     from_server_.begin_at_zero();
   }
 
@@ -86,7 +87,7 @@ class SetPositionModulation final : public PassivityLaw {
 
   [[nodiscard]] Vector bound(const Vector& request_N) noexcept override {
     if (place_.rows() == position_.rows() && (came_ || request_N != request_N_)) modulate(request_N);
-    return no_longer_than(gains_.stiffness_N_per_m * (set_position_ - position_), force_N_max_);
+    return gains_.stiffness_N_per_m * (set_position_ - position_);
   }
 
   void commit(const Vector& force_N) noexcept override {
@@ -143,7 +144,6 @@ class SetPositionModulation final : public PassivityLaw {
 
   HeldForce held_;
   Gains gains_;
-  double force_N_max_;
   Vector position_;
   Vector set_position_;  // ybar
   bool position_known_ = false;

@@ -69,14 +69,12 @@ class SuccessiveForceAugment final : public PassivityLaw {
   }
 
   [[nodiscard]] Vector bound(const Vector& request_N) noexcept override {
-    const double largest = request_N.lpNorm<Eigen::Infinity>();
-    if (!(largest > 0) || !held_.known() || !displacement_.allFinite()) {
+    if (request_N.isZero(0) || !held_.known() || !displacement_.allFinite()) {
       leave();
       return Vector::Zero(request_N.rows());
     }
-    const Vector direction = request_N / largest;
-    const Vector normal = direction.normalized();
-    const double wanted_N = largest * direction.norm();
+    const Vector normal = request_N.stableNormalized();
+    const double wanted_N = request_N.stableNorm();
     const double pressed_m = -normal.dot(displacement_);
     note_stiffness(wanted_N);
     if (spring_N_per_m_ > 0 && normal.dot(normal_) > 0) {

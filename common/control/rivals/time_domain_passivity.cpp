@@ -5,6 +5,7 @@
 
 #include "forcebound/control/energy_sum.hpp"
 #include "forcebound/control/held_force.hpp"
+#include "forcebound/control/rivals/device_limits.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
 
 namespace forcebound::control {
@@ -68,7 +69,6 @@ class TimeDomainPassivity final : public PassivityLaw {
   TimeDomainPassivity(const DeviceFacts& facts, const PassivityChoice& choice)
       : held_(facts.degrees_of_freedom(), facts.period_s),
         choice_(choice),
-        force_N_max_(facts.force_N_max),
         step_(Vector::Zero(facts.degrees_of_freedom())) {
     constexpr int kTranslations = 3;
     const int dof = facts.degrees_of_freedom();
@@ -99,9 +99,7 @@ class TimeDomainPassivity final : public PassivityLaw {
       const double taken_J = port.energy.value_J() - port.of(request_N).dot(port.of(step_));
       if (port.rows > 0 && !(taken_J >= 0)) force -= damping_force(port, request_N, -taken_J);
     }
-    const double length = force.stableNorm();
-    if (!std::isfinite(length)) return Vector::Zero(force.rows());
-    return length > force_N_max_ ? Vector(force * (force_N_max_ / length)) : force;
+    return force;
   }
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
@@ -153,15 +151,9 @@ class TimeDomainPassivity final : public PassivityLaw {
 
   HeldForce held_;
   PassivityChoice choice_;
-  double force_N_max_;
   Vector step_;  // d; zero: none seen
   std::array<Port, 2> ports_;
 };
-
-double half_a_step_a_period(const DeviceFacts& facts) {
-  if (!facts.cartesian || facts.encoder_step.size() == 0) return 0;
-  return 0.5 * facts.encoder_step.minCoeff() / facts.period_s;
-}
 
 }  // namespace
 
@@ -188,7 +180,7 @@ LawDescription time_domain_passivity() {
                      {.name = "velocity_floor_m_per_s",
                       .purpose = "nothing is damped at this speed or less",
                       .least = 0,
-                      .standard = half_a_step_a_period}},
+                      .standard = slowest_reading_m_per_s}},
       .make = [](const DeviceFacts& facts, const LawOptions& options) {
         const auto& chosen = options.parameters;
         return std::make_unique<TimeDomainPassivity>(

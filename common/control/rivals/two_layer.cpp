@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "forcebound/control/energy_sum.hpp"
+#include "forcebound/control/rivals/device_limits.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
 #include "forcebound/control/rivals/two_port.hpp"
 
@@ -53,7 +54,6 @@ class TwoLayer final : public PassivityLaw {
     double beta;
     double desired_J;
     double damping_N_s_per_m;
-    double force_N_max;
   };
 
   TwoLayer(const DeviceFacts& facts, const Gains& gains)
@@ -81,7 +81,7 @@ class TwoLayer final : public PassivityLaw {
   }
 
   [[nodiscard]] Vector bound(const Vector& request_N) noexcept override {
-    return no_longer_than(paid_for(request_N) - filling_N_s_per_m() * velocity_, gains_.force_N_max);
+    return paid_for(request_N) - filling_N_s_per_m() * velocity_;
   }
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
@@ -190,8 +190,7 @@ LawDescription two_layer() {
                 return std::make_unique<TwoLayer>(facts,
                                                   TwoLayer::Gains{.beta = chosen.at("beta"),
                                                                   .desired_J = chosen.at("desired_J"),
-                                                                  .damping_N_s_per_m = chosen.at("filling_N_s_per_m"),
-                                                                  .force_N_max = facts.force_N_max});
+                                                                  .damping_N_s_per_m = chosen.at("filling_N_s_per_m")});
               },
           .make_partner = [](int) { return std::make_unique<TwoLayerPartner>(); }};
 }

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
-#include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/held_force.hpp"
 #include "forcebound/control/law.hpp"
 
@@ -42,18 +40,8 @@ struct EndedInterval {
 /// Ends the interval of `held` at `motion` and begins the next there.
 [[nodiscard]] EndedInterval next_interval(HeldForce& held, const Motion& motion) noexcept;
 
-/// Along `force`, but not longer than `most_N`.
-[[nodiscard]] Vector no_longer_than(const Vector& force_N, double most_N) noexcept;
-
 /// `displacement` of a place in the environment with so much taken out of it, along the force held, that the
 /// environment gets `kept_back_J` less energy.
 [[nodiscard]] Vector keeping_back(const Vector& displacement, const Vector& force_N, double kept_back_J) noexcept;
-
-/// The smallest damping in any direction [N s/m].
-[[nodiscard]] double least_damping(const DeviceFacts& facts);
-
-/// @throws std::invalid_argument unless the device has one to three translations with constant damping: a gain that is
-/// one number for all of them fits no other.
-void require_constant_translations(std::string_view law, const DeviceFacts& facts);
 
 }  // namespace forcebound::control

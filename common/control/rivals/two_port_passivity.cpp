@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "forcebound/control/energy_sum.hpp"
+#include "forcebound/control/rivals/device_limits.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
 #include "forcebound/control/rivals/two_port.hpp"
 
@@ -38,7 +39,6 @@ class TwoPortPassivity final : public PassivityLaw {
   TwoPortPassivity(const DeviceFacts& facts, const Gains& gains)
       : held_(facts.degrees_of_freedom(), facts.period_s),
         gains_(gains),
-        force_N_max_(facts.force_N_max),
         asked_(Vector::Zero(facts.degrees_of_freedom())),
         velocity_(asked_) {
     from_server_.begin_at_zero();
@@ -74,7 +74,7 @@ class TwoPortPassivity final : public PassivityLaw {
     if (!(excess_J > 0) || !(velocity_.stableNorm() > gains_.velocity_floor_m_per_s)) return request_N;
     const double damped_J = held_.damping().dissipation(velocity_) * held_.period_s();
     const double alpha = std::min(excess_J / damped_J, gains_.alpha_max);
-    return no_longer_than(request_N - alpha * (held_.damping().matrix() * velocity_), force_N_max_);
+    return request_N - alpha * (held_.damping().matrix() * velocity_);
   }
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
@@ -93,7 +93,6 @@ class TwoPortPassivity final : public PassivityLaw {
  private:
   HeldForce held_;
   Gains gains_;
-  double force_N_max_;
   Vector asked_;     // f_e of the interval that runs
   Vector velocity_;  // zero: not known
   EnergySum in_;
@@ -149,13 +148,6 @@ class TwoPortPartner final : public LawPartner {
   RemoteSum from_device_;
 };
 
-/// Half an encoder's step in a period: whatever moved at all moved faster.
-double slowest_reading_m_per_s(const DeviceFacts& facts) {
-  constexpr double kLeast_m_per_s = 1e-6;
-  const bool stepped = facts.cartesian && facts.encoder_step.rows() > 0;
-  return std::max(kLeast_m_per_s, stepped ? 0.5 * facts.encoder_step.minCoeff() / facts.period_s : 0.0);
-}
-
 }  // namespace
 
 LawDescription two_port_passivity() {
@@ -169,7 +161,8 @@ LawDescription two_port_passivity() {
                           .standard = [](const DeviceFacts&) { return 1.0; }},
                          {.name = "velocity_floor_m_per_s",
                           .purpose = "slower motion is not damped",
-                          .standard = slowest_reading_m_per_s}},
+                          .standard =
+                              [](const DeviceFacts& facts) { return std::max(1e-6, slowest_reading_m_per_s(facts)); }}},
           .make =
               [](const DeviceFacts& facts, const LawOptions& options) {
                 const LawParameters& chosen = options.parameters;

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "forcebound/control/held_force.hpp"
+#include "forcebound/control/rivals/device_limits.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
-#include "forcebound/control/rivals/two_port.hpp"
 
 namespace forcebound::control {
 namespace {

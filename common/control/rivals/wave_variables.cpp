@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "forcebound/control/energy_sum.hpp"
+#include "forcebound/control/rivals/device_limits.hpp"
 #include "forcebound/control/rivals/rivals.hpp"
 #include "forcebound/control/rivals/two_port.hpp"
 
@@ -140,7 +141,6 @@ class WaveVariables final : public PassivityLaw {
         gains_(gains),
         coding_{gains.impedance_N_s_per_m},
         damping_N_s_per_m_(least_damping(facts)),
-        force_N_max_(facts.force_N_max),
         velocity_(Vector::Zero(facts.degrees_of_freedom())),
         wave_(velocity_) {
     received_.begin_at_zero(facts.degrees_of_freedom());
@@ -173,7 +173,7 @@ class WaveVariables final : public PassivityLaw {
 
   [[nodiscard]] Vector bound(const Vector& /*request_N*/) noexcept override {
     wave_ = received_.take(held_.period_s(), spread_s());
-    return no_longer_than(-coding_.force(velocity_, wave_), force_N_max_);
+    return -coding_.force(velocity_, wave_);
   }
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
@@ -217,7 +217,6 @@ class WaveVariables final : public PassivityLaw {
   Gains gains_;
   Coding coding_;
   double damping_N_s_per_m_;
-  double force_N_max_;
   Vector velocity_;  // zero: not known
   Vector wave_;      // w of the interval that runs
   bool partner_speaks_ = false;
