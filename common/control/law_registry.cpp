@@ -117,6 +117,16 @@ std::unique_ptr<PassivityLaw> LawRegistry::make(std::string_view name, const Dev
   return find(name).make(facts, {options.memory, parameters(name, facts, options.parameters)});
 }
 
+std::string LawRegistry::refusal(std::string_view name, const DeviceFacts& facts, const LawOptions& options) const {
+  const LawDescription& law = find(name);
+  try {
+    (void)law.make(facts, {options.memory, parameters(name, facts, options.parameters)});
+  } catch (const std::invalid_argument& refused) {
+    return refused.what();
+  }
+  return {};
+}
+
 std::unique_ptr<LawPartner> LawRegistry::make_partner(std::string_view port, int degrees_of_freedom) const {
   const auto found = std::ranges::find_if(
       laws_, [&](const LawDescription& law) { return law.name == port && law.make_partner != nullptr; });
@@ -155,12 +165,8 @@ std::string LawRegistry::help(std::string_view name, const DeviceFacts& facts) c
     rows.emplace_back(key, number.str());
   }
   if (!rows.empty()) text += "\nStandard values on '" + facts.name + "':\n" + columns(rows);
-  try {
-    (void)make(name, facts);
-  } catch (const std::invalid_argument& refusal) {
-    text += "\nBut it refuses: " + std::string(refusal.what()) + "\n";
-  }
-  return text;
+  const std::string refused = refusal(name, facts);
+  return refused.empty() ? text : text + "\nBut it refuses: " + refused + "\n";
 }
 
 namespace {

@@ -27,6 +27,11 @@ class LawRegistry {
   [[nodiscard]] std::unique_ptr<PassivityLaw> make(std::string_view name, const DeviceFacts& facts,
                                                    const LawOptions& options = {}) const;
 
+  /// Why `make` would refuse; empty: it would not.
+  /// @throws std::invalid_argument naming the known laws.
+  [[nodiscard]] std::string refusal(std::string_view name, const DeviceFacts& facts,
+                                    const LawOptions& options = {}) const;
+
   /// The server's half for a port; null if there is none of that name.
   [[nodiscard]] std::unique_ptr<LawPartner> make_partner(std::string_view port, int degrees_of_freedom) const;
 

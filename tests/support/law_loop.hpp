@@ -6,6 +6,7 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
+#include "tests/support/ideal_device.hpp"
 
 namespace forcebound::test {
 
@@ -57,11 +58,8 @@ class LawLoop {
  private:
   static control::PassivityController make_controller(std::string_view law, const control::Matrix& damping,
                                                       const LawLoopSetting& setting) {
-    control::DeviceFacts facts;
-    facts.name = "test";
+    control::DeviceFacts facts = ideal_device(damping);
     facts.period_s = setting.period_s;
-    facts.damping = damping;
-    facts.friction = facts.encoder_step = control::Vector::Zero(damping.rows());
     facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
     facts.force_N_max = setting.force_N_max;
     return {facts, control::shipped_laws().make(law, facts, {.parameters = setting.parameters})};

@@ -9,18 +9,9 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
+#include "tests/support/ideal_device.hpp"
 
 namespace forcebound::test {
-
-/// The paper's device without its encoder: 30 N s/m on each axis, 1 kHz, 30 N.
-inline control::DeviceFacts ideal_device(int degrees_of_freedom) {
-  control::DeviceFacts facts;
-  facts.name = "ideal";
-  facts.damping = 30 * control::Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
-  facts.friction = facts.encoder_step = facts.actuator_step = control::Vector::Zero(degrees_of_freedom);
-  facts.force_N_max = 30;
-  return facts;
-}
 
 struct TwoPortSetting {
   int degrees_of_freedom = 1;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -103,12 +102,8 @@ double number(const nlohmann::json& summary, const char* path) {
 Bout play(const Contest& contest) {
   Bout bout;
   sim::ClosedLoop::Settings settings = settings_of(contest);
-  try {
-    (void)control::shipped_laws().make(contest.law, settings.device.facts, settings.law_options);
-  } catch (const std::invalid_argument& refusal) {
-    bout.refused = refusal.what();
-    return bout;
-  }
+  bout.refused = control::shipped_laws().refusal(contest.law, settings.device.facts, settings.law_options);
+  if (!bout.refused.empty()) return bout;
   RingingMeter ringing;
   DirectionMeter direction;
   DriftMeter drift;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <string>
 
 #include "tests/sim/draw.hpp"
@@ -27,15 +26,6 @@ double mean_score(const std::string& law, std::span<const Contest> contests, con
 
 // Sets of parameters are drawn so many times for each that a law accepts.
 constexpr int kDrawsMost = 50;
-
-bool is_accepted(const std::string& law, const control::DeviceFacts& facts, const control::LawParameters& parameters) {
-  try {
-    (void)control::shipped_laws().make(law, facts, {.parameters = parameters});
-    return true;
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
-}
 
 control::LawParameters drawn(const control::LawDescription& law, const control::LawParameters& standard,
                              sim::Draw& draw) {
@@ -73,7 +63,7 @@ Tuning tune(const std::string& law, std::span<const Contest> contests, int effor
   tuning.tried = 1;
   while (tuning.tried < effort && tuning.refused < kDrawsMost * effort) {
     const control::LawParameters parameters = drawn(description, tuning.standard, draw);
-    if (!is_accepted(law, facts, parameters)) {
+    if (!laws.refusal(law, facts, {.parameters = parameters}).empty()) {
       ++tuning.refused;
       continue;
     }

@@ -120,15 +120,6 @@ std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings
   return sink.forces;
 }
 
-bool is_accepted(const std::string& law, const control::DeviceFacts& facts) {
-  try {
-    (void)control::shipped_laws().make(law, facts);
-    return true;
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
-}
-
 /// What the proofs of the published laws ask for: readings as they are, punctual ticks, forces at once.
 void make_ideal(ClosedLoop::Settings& settings) {
   settings.device.facts.encoder_step.setZero();
@@ -177,7 +168,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   settings.seed = draw.seed();
   settings.device = draw_device(draw);
   // Of as many axes, so that nothing else changes.
-  if (!is_accepted(law, settings.device.facts)) settings.device = client::load_device("cartesian-3dof");
+  if (!laws.refusal(law, settings.device.facts).empty()) settings.device = client::load_device("cartesian-3dof");
   settings.timing = draw_timing(draw);
   settings.law_options.memory = draw.chance(0.3) ? control::EnergyMemory::full : control::EnergyMemory::capped;
   settings.make_hand = [hand = draw_hand(draw, settings.device.facts.degrees_of_freedom())] {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -169,11 +168,11 @@ class ConstantGainLaws : public testing::TestWithParam<std::string> {};
 TEST_P(ConstantGainLaws, RefuseADeviceWhoseDampingDependsOnItsPose) {
   DeviceFacts arm = test::ideal_device(3);
   arm.cartesian = false;
-  EXPECT_THAT([&] { (void)shipped_laws().make(GetParam(), arm); },
-              testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr(
-                  "law '" + GetParam() + "' has one gain for all axes and poses, but device 'ideal' is an arm")));
-  EXPECT_THAT([&] { (void)shipped_laws().make(GetParam(), test::ideal_device(6)); },
-              testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("6 degrees of freedom, 1 to 3")));
+  EXPECT_THAT(
+      shipped_laws().refusal(GetParam(), arm),
+      testing::HasSubstr("law '" + GetParam() + "' has one gain for all axes and poses, but device 'ideal' is an arm"));
+  EXPECT_THAT(shipped_laws().refusal(GetParam(), test::ideal_device(6)),
+              testing::HasSubstr("6 degrees of freedom, 1 to 3"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ConstantGainLaws, testing::Values("pspm", "tla", "wave"));
