@@ -83,6 +83,9 @@ class ClosedLoop {
   /// Ends the session as the program does and gives the summary of all.
   const record::Summary& close();
 
+  /// Of the ticks so far, without the totals of a session that has ended.
+  [[nodiscard]] const record::Summary& summary() const noexcept { return summary_; }
+
   void kill_server();
   void start_server();
 

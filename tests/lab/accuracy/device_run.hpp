@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "tests/lab/accuracy/device_error.hpp"
@@ -13,6 +14,7 @@ struct DeviceRun {
   std::vector<Vector> true_positions{};  ///< of the tip, at each tick's reading [m]
   double passivity_minimum_J = 0;        ///< P of the audit
   double turns_missed = 0;               ///< share of the motions that the server did not come to
+  nlohmann::json summary{};              ///< as the client writes it, of ticks and forces
 };
 
 /// @param settings whose server takes its time, behind their network

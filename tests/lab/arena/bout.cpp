@@ -9,7 +9,6 @@
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/record/running_statistics.hpp"
-#include "forcebound/record/summary.hpp"
 #include "tests/lab/accuracy/device_run.hpp"
 #include "tests/lab/accuracy/reference_model.hpp"
 #include "tests/lab/measures.hpp"
@@ -79,19 +78,6 @@ class Questions final : public record::TickSink {
   std::vector<record::TickRecord> ticks;
 };
 
-record::RunInfo info_of(const Contest& contest, const sim::ClosedLoop::Settings& settings) {
-  record::RunInfo info;
-  info.law = contest.law;
-  info.device = settings.device.facts.name;
-  info.scene = contest.ground.scene;
-  info.period = time::from_seconds(settings.device.facts.period_s);
-  info.hold = settings.policy.hold;
-  info.drop = settings.policy.drop;
-  info.force_N_max = settings.device.facts.force_N_max;
-  info.settle_s = settings.settle_s;
-  return info;
-}
-
 double number(const nlohmann::json& summary, const char* path) {
   const auto& value = summary.at(nlohmann::json::json_pointer(path));
   return value.is_number() ? value.get<double>() : std::nan("");
@@ -108,22 +94,19 @@ Bout play(const Contest& contest) {
   DirectionMeter direction;
   DriftMeter drift;
   RestMeter rest(settings.settle_s);
-  record::Summary summary(info_of(contest, settings));
   const ReferenceModel reference(settings.scene, 0, "closed form");
-  DeviceRun run =
-      run_device(std::move(settings), contest.ground.duration_s, {&ringing, &direction, &drift, &rest, &summary});
+  DeviceRun run = run_device(std::move(settings), contest.ground.duration_s, {&ringing, &direction, &drift, &rest});
   reference.fill_in(run);
 
-  const auto told = nlohmann::json::parse(summary.to_json());
   bout.passivity_minimum_J = run.passivity_minimum_J;
   bout.ringing_s = ringing.ringing_s();
   // Who is nowhere in the wall is shown nothing of it.
-  const double shown_N_per_m = number(told, "/displayed_stiffness_N_per_m/median");
+  const double shown_N_per_m = number(run.summary, "/displayed_stiffness_N_per_m/median");
   bout.shown_N_per_m = std::isfinite(shown_N_per_m) ? shown_N_per_m : 0;
   bout.calm = bout.ringing_s && *bout.ringing_s < kRingingMost * ringing.contact_s() &&
               bout.shown_N_per_m >= kShownLeast * contest.stiffness_N_per_m;
-  bout.force_N_mean = number(told, "/force_N/mean");
-  bout.force_N2_variance = number(told, "/force_N/variance");
+  bout.force_N_mean = number(run.summary, "/force_N/mean");
+  bout.force_N2_variance = number(run.summary, "/force_N/variance");
   bout.restlessness = rest.restlessness();
   bout.error = device_error(run.ticks).total;
   bout.direction_error_rad = direction.error_rad_max();
