@@ -53,6 +53,15 @@ TEST(LawRegistry, PassesOnWhatALawRefusesAboutTheDevice) {
   }
 }
 
+TEST(LawRegistry, SaysWhyItWouldRefuseADevice) {
+  const LawRegistry laws = published_laws();
+  DeviceFacts facts = one_axis();
+  EXPECT_EQ(laws.refusal("none", facts), "");
+  facts.period_s = 0;
+  EXPECT_THAT(laws.refusal("none", facts), testing::HasSubstr("period"));
+  EXPECT_THROW((void)laws.refusal("nun", facts), std::invalid_argument) << "no such law is no refusal";
+}
+
 TEST(LawRegistry, TakesALawOfOnesOwn) {
   LawRegistry laws = published_laws();
   laws.add({.name = "mine", .summary = "does nothing at all", .make = make_transparent});
