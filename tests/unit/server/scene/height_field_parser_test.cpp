@@ -35,9 +35,10 @@ std::string error_of(const std::string& heights) {
   return "no error";
 }
 
-std::string error_of_file(const std::string& text) {
-  std::ofstream(kFolder + "hill.csv") << text;
-  return error_of("file = 'hill.csv'");
+/// The tests run beside each other, so each has a table of its own.
+std::string error_of_file(const std::string& name, const std::string& text) {
+  std::ofstream(kFolder + name) << text;
+  return error_of("file = '" + name + "'");
 }
 
 double force_N_at(const std::shared_ptr<const Scene>& scene, double x, double y, double z) {
@@ -52,7 +53,7 @@ TEST(HeightFieldParser, RowsFollowEachOtherAlongY) {
 }
 
 TEST(HeightFieldParser, ReadsATableBesideTheScene) {
-  ASSERT_EQ(error_of_file("0, 0,0\r\n0.02,\t2e-2,0.02\n\n"), "no error");
+  ASSERT_EQ(error_of_file("hill.csv", "0, 0,0\r\n0.02,\t2e-2,0.02\n\n"), "no error");
   const auto from_file = scene_with("file = 'hill.csv'");
   const auto written = scene_with("heights_m = [[0, 0, 0], [0.02, 0.02, 0.02]]");
   for (const double y : {0.02, 0.05, 0.07}) {
@@ -72,12 +73,13 @@ TEST(HeightFieldParser, RefusesRowsThatDoNotFit) {
 }
 
 TEST(HeightFieldParser, RefusesATableWithItsLine) {
-  const std::string place = kFolder + "x.toml:14: object 'hill', shape: file: " + kFolder + "hill.csv";
-  EXPECT_EQ(error_of_file("0,0\n0,zero\n"), place + ":2: must have finite numbers only, got 'zero'");
-  EXPECT_EQ(error_of_file("0,0\n0,inf\n"), place + ":2: must have finite numbers only, got 'inf'");
-  EXPECT_EQ(error_of_file("0,0\n0,0,0\n"), place + ":2: must have 2 numbers like the first, got 3");
-  EXPECT_EQ(error_of_file("0,0\n0,\n"), place + ":2: must have finite numbers only, got ''");
-  EXPECT_THAT(error_of_file(""), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
+  const std::string place = kFolder + "x.toml:14: object 'hill', shape: file: " + kFolder + "faulty_hill.csv";
+  const auto error_with = [](const std::string& text) { return error_of_file("faulty_hill.csv", text); };
+  EXPECT_EQ(error_with("0,0\n0,zero\n"), place + ":2: must have finite numbers only, got 'zero'");
+  EXPECT_EQ(error_with("0,0\n0,inf\n"), place + ":2: must have finite numbers only, got 'inf'");
+  EXPECT_EQ(error_with("0,0\n0,0,0\n"), place + ":2: must have 2 numbers like the first, got 3");
+  EXPECT_EQ(error_with("0,0\n0,\n"), place + ":2: must have finite numbers only, got ''");
+  EXPECT_THAT(error_with(""), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
   EXPECT_THAT(error_of("file = 'nowhere.csv'"), HasSubstr("nowhere.csv: cannot be read: No such file"));
 }
 
