@@ -95,5 +95,6 @@ function(forcebound_test name)
     endif()
     list(APPEND properties LABELS ${arg_LABELS})
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
+  # A busy machine may need more than the usual five seconds to list the tests of a program with sanitizers.
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
 endfunction()

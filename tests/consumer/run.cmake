@@ -23,7 +23,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${STRANGER_DIR} -B ${WORK_D
                         -D SOURCE_TREE=${SOURCE_DIR}
                         -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} --no-warn-unused-cli
                 COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK_DIR}/build --parallel 2 COMMAND_ERROR_IS_FATAL ANY)
 if(PROGRAM)
   execute_process(COMMAND ${WORK_DIR}/build/${PROGRAM} COMMAND_ERROR_IS_FATAL ANY)
 endif()

@@ -12,8 +12,9 @@ if(NOT NPM)
   return()
 endif()
 file(COPY ${FROM}/package.json ${FROM}/package-lock.json DESTINATION ${TO})
+# Before the test's own time is over, so that a network that swallows everything is a skipped test as well.
 execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error WORKING_DIRECTORY ${TO}
-                RESULT_VARIABLE result)
+                RESULT_VARIABLE result TIMEOUT 240)
 if(NOT result EQUAL 0)
   message("SKIPPED: 'npm ci' failed: is the network there?")
   return()
