@@ -65,7 +65,7 @@ void expect_refusals(const Program& program, const Words& always, const std::vec
     Words words = refusal.arguments;
     words.insert(words.end(), always.begin(), always.end());
     SCOPED_TRACE(std::string(program.name) + " " + testing::PrintToString(words));
-    const Ran ran = run(program.path, words, 10s);
+    const Ran ran = run(program.path, words);
     EXPECT_EQ(ran.exit_code, refusal.exit_code);
     EXPECT_EQ(ran.out, "");
     EXPECT_EQ(lines(ran.err), 1U) << ran.err;

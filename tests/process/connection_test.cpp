@@ -66,7 +66,7 @@ TEST(AClient, FindsTheServerThatComesLater) {
   Server server({"--scene", "sphere"}, address);
   // Between two Hellos are 2 s at most.
   EXPECT_TRUE(client.wait_for("connected; simulated:", 4s));
-  std::this_thread::sleep_for(300ms);
+  std::this_thread::sleep_for(1s);
   EXPECT_EQ(client.stop(), 0);
   EXPECT_GT(client.summary()["received"], 100);
   EXPECT_EQ(client.summary()["faults"]["reconnects"], 0);

@@ -79,6 +79,7 @@ TEST_F(UdpBatchTest, CutsOversizeDatagramsAndTellsTheirSize) {
 }
 
 TEST_F(UdpBatchTest, TellsHowLongADatagramWaited) {
+  std::this_thread::sleep_for(20ms);  // the kernel begins to stamp a moment after a socket asked for it
   const auto sent = std::chrono::steady_clock::now();
   first_.send(bytes_of("x"), address_);
   std::this_thread::sleep_for(20ms);
