@@ -1,8 +1,6 @@
 #include "tests/lab/figure.hpp"
 
-#include <stdlib.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +12,7 @@
 #include <stdexcept>
 
 #include "forcebound/text/numbers.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -24,25 +23,6 @@ constexpr int kHeadHeight = 84;
 constexpr int kFootHeight = 66;
 constexpr const char* kInk = "#24292f";
 constexpr const char* kGrid = "#e3e6ea";
-
-class TemporaryDirectory {
- public:
-  TemporaryDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "forcebound-figure-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create a directory like '" + name + "'");
-    path_ = name;
-  }
-  ~TemporaryDirectory() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 void write_names(std::ostream& out, const Series& series, std::size_t panel, std::size_t index) {
   if (series.names.empty()) return;
@@ -295,7 +275,7 @@ void cut_spikes(Panel& panel, double usual_most, double most) {
 void draw(const Figure& figure, const std::filesystem::path& png) { draw_script(script_of(figure, png), png); }
 
 void draw_script(const std::string& script, const std::filesystem::path& png) {
-  const TemporaryDirectory directory;
+  const test::TemporaryFolder directory;
   const auto file = directory.path() / "figure.gnuplot";
   std::ofstream(file) << script;
   const std::string command = "gnuplot '" + file.string() + "' 2>&1";

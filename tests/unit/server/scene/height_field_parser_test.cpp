@@ -7,6 +7,7 @@
 
 #include "forcebound/server/scene/scene_parser.hpp"
 #include "forcebound/server/scene/scene_state.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/vector_of.hpp"
 
 namespace forcebound::server {
@@ -15,7 +16,7 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-const std::string kFolder = testing::TempDir();
+const test::TemporaryFolder kFolder;
 
 std::shared_ptr<const Scene> scene_with(const std::string& heights) {
   return parse_scene(
@@ -23,7 +24,7 @@ std::shared_ptr<const Scene> scene_with(const std::string& heights) {
       "effects = ['surface']\n[object.surface]\nstiffness_N_per_m = 100\n[object.shape]\n"
       "kind = 'height_field'\norigin_m = [0, 0, 0]\nspacing_m = 0.1\n" +
           heights + "\n",
-      kFolder + "x.toml");
+      kFolder.file("x.toml"));
 }
 
 std::string error_of(const std::string& heights) {
@@ -35,10 +36,9 @@ std::string error_of(const std::string& heights) {
   return "no error";
 }
 
-/// The tests run beside each other, so each has a table of its own.
-std::string error_of_file(const std::string& name, const std::string& text) {
-  std::ofstream(kFolder + name) << text;
-  return error_of("file = '" + name + "'");
+std::string error_of_file(const std::string& text) {
+  std::ofstream(kFolder.file("hill.csv")) << text;
+  return error_of("file = 'hill.csv'");
 }
 
 double force_N_at(const std::shared_ptr<const Scene>& scene, double x, double y, double z) {
@@ -53,7 +53,7 @@ TEST(HeightFieldParser, RowsFollowEachOtherAlongY) {
 }
 
 TEST(HeightFieldParser, ReadsATableBesideTheScene) {
-  ASSERT_EQ(error_of_file("hill.csv", "0, 0,0\r\n0.02,\t2e-2,0.02\n\n"), "no error");
+  ASSERT_EQ(error_of_file("0, 0,0\r\n0.02,\t2e-2,0.02\n\n"), "no error");
   const auto from_file = scene_with("file = 'hill.csv'");
   const auto written = scene_with("heights_m = [[0, 0, 0], [0.02, 0.02, 0.02]]");
   for (const double y : {0.02, 0.05, 0.07}) {
@@ -64,7 +64,8 @@ TEST(HeightFieldParser, ReadsATableBesideTheScene) {
 
 TEST(HeightFieldParser, RefusesRowsThatDoNotFit) {
   EXPECT_EQ(error_of("heights_m = [[0, 0], [0, 0, 0]]"),
-            kFolder + "x.toml:14: object 'hill', shape: row 2 of heights_m must have 2 numbers like the first, got 3");
+            kFolder.file("x.toml") +
+                ":14: object 'hill', shape: row 2 of heights_m must have 2 numbers like the first, got 3");
   EXPECT_THAT(error_of("heights_m = [[0, 0]]"), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
   EXPECT_THAT(error_of("heights_m = [[0], [0]]"), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
   EXPECT_THAT(error_of("heights_m = []"), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
@@ -73,13 +74,12 @@ TEST(HeightFieldParser, RefusesRowsThatDoNotFit) {
 }
 
 TEST(HeightFieldParser, RefusesATableWithItsLine) {
-  const std::string place = kFolder + "x.toml:14: object 'hill', shape: file: " + kFolder + "faulty_hill.csv";
-  const auto error_with = [](const std::string& text) { return error_of_file("faulty_hill.csv", text); };
-  EXPECT_EQ(error_with("0,0\n0,zero\n"), place + ":2: must have finite numbers only, got 'zero'");
-  EXPECT_EQ(error_with("0,0\n0,inf\n"), place + ":2: must have finite numbers only, got 'inf'");
-  EXPECT_EQ(error_with("0,0\n0,0,0\n"), place + ":2: must have 2 numbers like the first, got 3");
-  EXPECT_EQ(error_with("0,0\n0,\n"), place + ":2: must have finite numbers only, got ''");
-  EXPECT_THAT(error_with(""), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
+  const std::string place = kFolder.file("x.toml") + ":14: object 'hill', shape: file: " + kFolder.file("hill.csv");
+  EXPECT_EQ(error_of_file("0,0\n0,zero\n"), place + ":2: must have finite numbers only, got 'zero'");
+  EXPECT_EQ(error_of_file("0,0\n0,inf\n"), place + ":2: must have finite numbers only, got 'inf'");
+  EXPECT_EQ(error_of_file("0,0\n0,0,0\n"), place + ":2: must have 2 numbers like the first, got 3");
+  EXPECT_EQ(error_of_file("0,0\n0,\n"), place + ":2: must have finite numbers only, got ''");
+  EXPECT_THAT(error_of_file(""), EndsWith("a height_field needs at least 2 rows of 2 numbers"));
   EXPECT_THAT(error_of("file = 'nowhere.csv'"), HasSubstr("nowhere.csv: cannot be read: No such file"));
 }
 
