@@ -137,7 +137,7 @@ TEST_F(HandsInContact, FeelNoJumpWhenTheirStoppedClientsRunAgain) {
     ASSERT_NE(fresh, nullptr);
     EXPECT_LE(time::to_seconds(fresh->time - resumed->time), 0.5);
     EXPECT_EQ(run.ticks.back().policy, ForcePolicy::fresh);
-    EXPECT_LT(run.ticks.back().force_age, 200ms);
+    EXPECT_LT(run.ticks.back().force_age, 100ms);
 
     const nlohmann::json summary = client.summary();
     EXPECT_GE(summary["faults"]["released_by_device"], 1);

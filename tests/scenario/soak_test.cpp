@@ -30,12 +30,12 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Soak, testing::Range(0, 6));
 TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
   for (const char* law : {"fba-less", "fba-more"}) {
     double worst_J = 0;
-    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    for (std::uint64_t seed = 71; seed <= 100; ++seed) {
       const SoakResult result = soak(seed, law);
       EXPECT_EQ(result.broken, "") << law << " from seed " << seed << ": all but P >= 0 holds for it, too";
       worst_J = std::min(worst_J, result.worst_P_J);
     }
-    EXPECT_LT(worst_J, -0.01) << law;
+    EXPECT_LT(worst_J, -0.1) << law;
   }
 }
 
