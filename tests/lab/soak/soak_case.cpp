@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <sstream>
-#include <stdexcept>
 
 #include "forcebound/client/device/load_device.hpp"
 #include "forcebound/server/scene/scene_parser.hpp"
@@ -177,8 +176,6 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   settings.scene = draw_scene(draw);
   drawn.network_up = draw_way(draw);
   drawn.network_down = draw_way(draw);
-  const auto has_bursts = [](const std::string& way) { return way.find("gemodel") != std::string::npos; };
-  drawn.bursts = has_bursts(drawn.network_up) || has_bursts(drawn.network_down);
   if (!drawn.network_up.empty()) settings.network.up = net::parse_netem(drawn.network_up);
   if (!drawn.network_down.empty()) settings.network.down = net::parse_netem(drawn.network_down);
   settings.network.seed = draw.seed();

@@ -15,7 +15,6 @@ struct SoakCase {
   std::string environment;
   std::string network_up;
   std::string network_down;
-  bool bursts = false;    ///< of loss that are counted in datagrams: the few of a handshake may drown in one for long
   bool passive = false;   ///< the law promises P >= 0 with this device and this clock
   bool shortens = false;  ///< the law promises nothing but the request, made shorter
 
