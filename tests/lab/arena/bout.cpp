@@ -26,29 +26,23 @@ constexpr double kShownLeast = 0.01;
 class DriftMeter final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override {
-    if (tick.motion_sequence == 0) return;
-    // An answer without delay comes before its own tick is over.
-    if (const auto asked = asked_.find(tick.motion_sequence); asked != asked_.end()) note(tick.position, asked->second);
-    positions_[tick.motion_sequence] = tick.position;
+    if (tick.motion_sequence != 0) note(tick.motion_sequence, tick.position);
   }
   void on_force(const record::ForceRecord& record) noexcept override {
-    const auto sent = positions_.find(record.force.motion_sequence);
-    if (sent == positions_.end()) {
-      asked_[record.force.motion_sequence] = record.force.position;
-    } else {
-      note(sent->second, record.force.position);
-    }
+    note(record.force.motion_sequence, record.force.position);
   }
 
   double most_m = 0;
 
  private:
-  void note(const control::Vector& device, const control::Vector& asked) noexcept {
-    if (device.rows() == asked.rows()) most_m = std::max(most_m, (asked - device).norm());
+  void note(std::uint64_t motion, const control::Vector& place) noexcept {
+    const control::Vector& before = places_.try_emplace(motion, place).first->second;
+    if (before.rows() == place.rows()) most_m = std::max(most_m, (place - before).norm());
   }
 
-  std::unordered_map<std::uint64_t, control::Vector> positions_;  // of the device, by the motion
-  std::unordered_map<std::uint64_t, control::Vector> asked_;      // places, of motions whose tick is not over
+  // Of each motion the device's or where the environment was asked, whichever was told first: an answer without delay
+  // comes before its own tick is over.
+  std::unordered_map<std::uint64_t, control::Vector> places_;
 };
 
 /// How much the force on the device changes from some time after the first contact on, in contact or not: who is thrown
