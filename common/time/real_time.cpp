@@ -25,10 +25,12 @@ namespace {
 /// kernel keeps all awake while this file is held open with a zero written to it: as long as the process lives.
 /// @returns 0, or the error number of the refusal.
 int keep_processors_awake() noexcept {
-  static const int kHeld = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
-  if (kHeld < 0) return errno;
-  constexpr std::int32_t kWakeUp_us = 0;
-  return write(kHeld, &kWakeUp_us, sizeof kWakeUp_us) == sizeof kWakeUp_us ? 0 : errno;
+  static const int kRefused = [] {
+    constexpr std::int32_t kWakeUp_us = 0;
+    const int held = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+    return held >= 0 && write(held, &kWakeUp_us, sizeof kWakeUp_us) == sizeof kWakeUp_us ? 0 : errno;
+  }();
+  return kRefused;
 }
 
 }  // namespace
