@@ -3,8 +3,8 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-# A clone in another place finds what this one has compiled.
-export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
+# A clone in another place finds what this one has compiled, with precompiled headers too.
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
 say() { printf '%s\n' "$*"; }
 
@@ -40,6 +40,14 @@ jobs_that_fit() {
   printf '%s' "$jobs"
 }
 
+# build_programs TARGET...: the release build of programs, without what only tests need. Where the tests have been built
+# they stay.
+build_programs() {
+  local without_tests=()
+  [[ -f $root/build/release/CMakeCache.txt ]] || without_tests=(-DBUILD_TESTING=OFF)
+  build release "${without_tests[@]}" "$@"
+}
+
 # On a terminal ninja's own line shows how far it is; a log gets a line for every tenth part.
 show_tenths() {
   local line shown=0
@@ -51,13 +59,14 @@ show_tenths() {
   done
 }
 
-# build PRESET [TARGET...]: configures if need be and builds the targets, or everything.
+# build PRESET [-D...] [TARGET...]: configures if need be and builds the targets, or everything.
 build() {
-  local preset=$1 start=$SECONDS jobs; shift
+  local preset=$1 start=$SECONDS jobs definitions=(); shift
   local log=$root/build/log/build-$preset.log
+  while [[ ${1:-} == -D* ]]; do definitions+=("$1"); shift; done
   jobs=$(jobs_that_fit)
   cd "$root"
-  logged "configure-$preset" cmake --preset "$preset"
+  logged "configure-$preset" cmake --preset "$preset" "${definitions[@]}"
   local command=(cmake --build --preset "$preset" -j "$jobs")
   if (($#)); then command+=(--target "$@"); fi
   if [[ -t 1 ]]; then

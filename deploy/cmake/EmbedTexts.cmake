@@ -1,52 +1,34 @@
-# forcebound_embed_texts(TARGET NAMESPACE VARIABLE FILES...): builds text files into a library, so that an installed program
-# needs no files beside it.
+# forcebound_embed_texts(TARGET HEADER FUNCTION PATTERN...): builds the text files that match into a library, so that an
+# installed program needs no files beside it. HEADER declares FUNCTION, with its namespaces:
 #
-# The target's sources may `#include "embedded/VARIABLE.hpp"`, which declares
+#     std::span<const text::EmbeddedText> FUNCTION() noexcept;      // by name: the file's, without folder and extension
 #
-#     namespace NAMESPACE {
-#     struct EmbeddedText { std::string_view name, text; };   // name: the file's name without folder and extension
-#     std::span<const EmbeddedText> VARIABLE() noexcept;      // in the order of FILES
-#     }
-#
-# A changed file is embedded again by the next build. Call it once per namespace.
-function(forcebound_embed_texts target namespace variable)
-  set(folder ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+# A changed file is embedded again by the next build.
+function(forcebound_embed_texts target header function)
+  file(GLOB files CONFIGURE_DEPENDS ${ARGN})
   set(entries "")
-  foreach(file IN LISTS ARGN)
-    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  foreach(file IN LISTS files)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
     cmake_path(GET file STEM LAST_ONLY name)
     file(READ ${file} text)
     string(APPEND entries "    {\"${name}\", R\"embedded(${text})embedded\"},\n")
   endforeach()
-  list(LENGTH ARGN count)
-  _forcebound_write_if_different(${folder}/${variable}.hpp "#pragma once
+  list(LENGTH files count)
+  string(REGEX MATCH "(.*)::([^:]+)$" whole ${function})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${CMAKE_MATCH_2}.cpp)
+  _forcebound_write_if_different(${source} "#include <array>
 
-#include <span>
-#include <string_view>
+#include \"${header}\"
 
-namespace ${namespace} {
-struct EmbeddedText {
-  std::string_view name;
-  std::string_view text;
-};
-std::span<const EmbeddedText> ${variable}() noexcept;
-}  // namespace ${namespace}
-")
-  _forcebound_write_if_different(${folder}/${variable}.cpp "#include \"embedded/${variable}.hpp\"
-
-#include <array>
-
-namespace ${namespace} {
+namespace ${CMAKE_MATCH_1} {
 namespace {
-constexpr std::array<EmbeddedText, ${count}> kTexts{{
+constexpr std::array<text::EmbeddedText, ${count}> kTexts{{
 ${entries}}};
 }  // namespace
-std::span<const EmbeddedText> ${variable}() noexcept { return kTexts; }
-}  // namespace ${namespace}
+std::span<const text::EmbeddedText> ${CMAKE_MATCH_2}() noexcept { return kTexts; }
+}  // namespace ${CMAKE_MATCH_1}
 ")
-  target_sources(${target} PRIVATE ${folder}/${variable}.cpp)
-  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+  target_sources(${target} PRIVATE ${source})
 endfunction()
 
 # Leaves the file's time alone where nothing changed, so that nothing is rebuilt.

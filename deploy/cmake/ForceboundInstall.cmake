@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 option(FORCEBOUND_INSTALL "Add Forcebound's install rules" ${PROJECT_IS_TOP_LEVEL})
 set(FORCEBOUND_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Forcebound)
 
-# How a stranger finds what a component links, by the namespace of the linked target.
+# How a consumer finds what a component links, by the namespace of the linked target.
 set(FORCEBOUND_PACKAGE_Eigen3 Eigen3)
 set(FORCEBOUND_PACKAGE_Threads Threads)
 set(FORCEBOUND_PACKAGE_ZLIB ZLIB)
@@ -13,24 +13,6 @@ set(FORCEBOUND_PACKAGE_nlohmann_json nlohmann_json)
 set(FORCEBOUND_PACKAGE_protobuf Protobuf)
 set(FORCEBOUND_PACKAGE_spdlog spdlog)
 set(FORCEBOUND_PACKAGE_tomlplusplus tomlplusplus)
-
-# Whether the code of the current folder is for others: the programs' own parts and the tests are not.
-function(forcebound_is_for_others result)
-  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  if(FORCEBOUND_INSTALL AND NOT folder MATCHES "^tests/|/app$")
-    set(${result} TRUE PARENT_SCOPE)
-  else()
-    set(${result} FALSE PARENT_SCOPE)
-  endif()
-endfunction()
-
-# forcebound_install_headers(NAME): the headers of the current folder, but for those in a folder named "internal".
-function(forcebound_install_headers name)
-  file(RELATIVE_PATH concept ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  string(REGEX REPLACE "^common/" "" concept ${concept})
-  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcebound/${concept}
-          COMPONENT ${name} FILES_MATCHING PATTERN "*.hpp" PATTERN "internal" EXCLUDE PATTERN "devices" EXCLUDE)
-endfunction()
 
 # forcebound_component(NAME [LINKED ...]): installs the library NAME and what find_package(Forcebound COMPONENTS NAME)
 # reads of it.

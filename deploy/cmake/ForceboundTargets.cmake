@@ -1,15 +1,9 @@
 include(GNUInstallDirs)
 include(ForceboundInstall)
 
-# Headers are included as <forcebound/control/law.hpp>, installed or not. In the build tree these links make it so.
-set(FORCEBOUND_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
-file(MAKE_DIRECTORY ${FORCEBOUND_INCLUDE_DIR}/forcebound)
-foreach(concept control text time wire net record)
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/common/${concept} ${FORCEBOUND_INCLUDE_DIR}/forcebound/${concept} SYMBOLIC)
-endforeach()
-foreach(side client server)
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${side} ${FORCEBOUND_INCLUDE_DIR}/forcebound/${side} SYMBOLIC)
-endforeach()
+# A header is included by its path below common/, client/ or server/, installed or not:
+# common/forcebound/control/law.hpp is <forcebound/control/law.hpp>. What is not installed, below tests/, is included by
+# its path from the repository's root.
 
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(FORCEBOUND_CCACHE ccache)
@@ -18,83 +12,89 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
+# Two thirds of what a source costs is reading the headers of Eigen and the standard library; several sources read as one
+# read them once. OFF shows includes that one of them forgot because another had them.
+option(FORCEBOUND_UNITY "Compile several sources of a library or test together" ${PROJECT_IS_TOP_LEVEL})
+
+# forcebound_compile_together(TARGET): as FORCEBOUND_UNITY says.
+function(forcebound_compile_together target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${FORCEBOUND_UNITY} UNITY_BUILD_BATCH_SIZE 10)
+endfunction()
+
+option(FORCEBOUND_WARNINGS_ARE_ERRORS "Stop at a warning in Forcebound's own code" OFF)
+
 # How we build ourselves; never reaches a consumer.
 add_library(forcebound_options INTERFACE)
-target_compile_options(forcebound_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off)
+target_compile_features(forcebound_options INTERFACE cxx_std_20)
+# Eigen counts in signed numbers and the standard library in unsigned ones. g++ takes no offence; clang-tidy would.
+target_compile_options(forcebound_options INTERFACE
+                       -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion -Wshadow -ffp-contract=off)
 target_compile_definitions(forcebound_options INTERFACE FORCEBOUND_VERSION="${PROJECT_VERSION}")
-if(PROJECT_IS_TOP_LEVEL)
+if(FORCEBOUND_WARNINGS_ARE_ERRORS)
   target_compile_options(forcebound_options INTERFACE -Werror)
 endif()
 
-# forcebound_library(NAME [SOURCES ...] [LINK ...] [LINK_PRIVATE ...]): the library of one concept, as forcebound::NAME,
-# installed as find_package component NAME. Without sources it is headers only.
+# forcebound_library(NAME [FOLDER folder] [LINK ...] [LINK_PRIVATE ...]): every source of one folder as the static library
+# forcebound::NAME, which others find as package component NAME. The folder is forcebound/NAME below the current one; of
+# client_session and server_session it is forcebound/client/session and forcebound/server/session. FOLDER names it below
+# forcebound/client or forcebound/server where the library's name does not, and from the current folder below tests/.
 function(forcebound_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK;LINK_PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "LINK;LINK_PRIVATE")
+  forcebound_folder(${name} "${arg_FOLDER}" root folder)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/${folder}/*.cpp)
   set(target forcebound_${name})
-  set(headers_from $<BUILD_INTERFACE:${FORCEBOUND_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  if(arg_SOURCES)
-    add_library(${target} STATIC ${arg_SOURCES})
-    set(reach PUBLIC)
-    # A stranger may put us into a plugin.
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    target_link_libraries(${target} PRIVATE ${arg_LINK_PRIVATE} $<BUILD_INTERFACE:forcebound_options>)
-  else()
-    add_library(${target} INTERFACE)
-    set(reach INTERFACE)
-  endif()
+  add_library(${target} STATIC ${sources})
   add_library(forcebound::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  target_compile_features(${target} ${reach} cxx_std_20)
-  target_include_directories(${target} ${reach} ${headers_from})
-  target_link_libraries(${target} ${reach} ${arg_LINK})
+  forcebound_compile_together(${target})
+  # A consumer may put us into a plug-in.
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE} $<BUILD_INTERFACE:forcebound_options>)
 
-  forcebound_is_for_others(installed)
-  if(installed)
-    forcebound_install_headers(${name})
+  if(FORCEBOUND_INSTALL AND NOT folder MATCHES "^tests/")
+    install(DIRECTORY ${root}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT ${name}
+            FILES_MATCHING PATTERN "*.hpp" PATTERN "internal" EXCLUDE)
     forcebound_component(${name} LINKED ${arg_LINK} ${arg_LINK_PRIVATE})
   endif()
 endfunction()
 
-# forcebound_program(NAME SOURCES ... LINK ...): the executable NAME, in bin/ of the build tree; installed if it is called
-# forcebound-something.
+# forcebound_program(NAME FOLDER folder [LINK ...]): the executable NAME of FOLDER's main.cpp, in bin/ of the build tree,
+# installed. The folder's other sources are the library NAME_app, for tests of what needs no process.
 function(forcebound_program name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
-  add_executable(${name} ${arg_SOURCES})
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "LINK")
+  forcebound_folder(${name} "${arg_FOLDER}" root folder)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/${folder}/*.cpp)
+  list(REMOVE_ITEM sources ${root}/${folder}/main.cpp)
+  string(REPLACE "-" "_" app ${name}_app)
+  add_library(${app} STATIC ${sources})
+  forcebound_compile_together(${app})
+  target_include_directories(${app} PUBLIC ${root})
+  target_link_libraries(${app} PUBLIC ${arg_LINK} PRIVATE forcebound_options)
+  add_executable(${name} ${root}/${folder}/main.cpp)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-  target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_options)
-  if(FORCEBOUND_INSTALL AND name MATCHES "^forcebound-")
+  target_link_libraries(${name} PRIVATE ${app} forcebound_options)
+  if(FORCEBOUND_INSTALL)
     install(TARGETS ${name} RUNTIME COMPONENT programs)
   endif()
 endfunction()
 
-set(FORCEBOUND_TEST_LABELS "" CACHE STRING "Regular expression: build and run only GoogleTests with such a label")
-
-# forcebound_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT S] [SERIAL] [PROPERTIES ...]): GoogleTest executable
-# NAME; every TEST is a CTest of its own, with these properties. Tests see the source root, for "tests/support/...".
-# SERIAL: nothing else runs beside it, for tests
-# that measure time. The label `long` keeps a test out of deploy/test unless --long is given; `threads` runs it under
-# ThreadSanitizer as well.
-function(forcebound_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "TIMEOUT" "SOURCES;LINK;LABELS;PROPERTIES")
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 120)
-  endif()
-  add_executable(${name} ${arg_SOURCES})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gmock_main forcebound_options)
-  if(FORCEBOUND_TEST_LABELS AND NOT "${arg_LABELS}" MATCHES "${FORCEBOUND_TEST_LABELS}")
-    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+# Where a library or program lies: FOLDER below ROOT, ROOT being what its headers are included from.
+function(forcebound_folder name below root folder)
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME side)
+  if(NOT CMAKE_CURRENT_SOURCE_DIR STREQUAL ${PROJECT_SOURCE_DIR}/${side})
+    file(RELATIVE_PATH here ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+    set(${root} ${PROJECT_SOURCE_DIR} PARENT_SCOPE)
+    set(${folder} ${here}/${below} PARENT_SCOPE)
     return()
   endif()
-  set(properties TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} ${arg_PROPERTIES})
-  if(arg_LABELS)
-    # A list falls apart on its way through the discovery, and its second label would quietly be none.
-    list(LENGTH arg_LABELS labels)
-    if(labels GREATER 1)
-      message(FATAL_ERROR "${name}: one label is possible, got '${arg_LABELS}'")
-    endif()
-    list(APPEND properties LABELS ${arg_LABELS})
+  string(REGEX REPLACE "^${side}_" "" rest ${name})
+  if(NOT below)
+    set(below ${rest})
   endif()
-  # A busy machine may need more than the usual five seconds to list the tests of a program with sanitizers.
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+  if(NOT side STREQUAL common)
+    set(below ${side}/${below})
+  endif()
+  set(${root} ${CMAKE_CURRENT_SOURCE_DIR} PARENT_SCOPE)
+  set(${folder} forcebound/${below} PARENT_SCOPE)
 endfunction()

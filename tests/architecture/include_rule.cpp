@@ -9,33 +9,52 @@
 namespace forcebound::architecture {
 namespace {
 
-struct Concept {
-  std::string_view folder;
-  std::vector<std::string_view> knows;  // beside itself, by the folder in an include: "forcebound/<this>/x.hpp"
+/// A folder, by the path that an include of its headers begins with, and whose headers it may include beside its own.
+struct Folder {
+  std::string_view path;
+  std::vector<std::string_view> knows;  // with all that lies below
 };
 
-const std::vector<Concept>& concepts() {
-  static const std::vector<Concept> kConcepts{
-      {"common/control", {}},
-      {"common/text", {}},
-      {"common/time", {}},
-      {"common/wire", {"control", "time"}},
-      {"common/net", {"text", "time"}},
-      {"common/record", {"control", "time", "wire"}},
-      {"client/device", {"control", "text", "time"}},
-      {"client/session", {"control", "text", "time", "wire", "net", "record", "client/device"}},
-      {"client/app", {"control", "time", "wire", "net", "record", "client/device", "client/session"}},
-      {"server/geometry", {"text"}},
-      {"server/effects", {"control", "text", "server/geometry"}},
-      {"server/tissue", {"text", "server/geometry", "server/effects"}},
-      {"server/bodies", {"text", "server/geometry", "server/effects"}},
-      {"server/scene",
-       {"control", "text", "time", "server/geometry", "server/effects", "server/tissue", "server/bodies"}},
-      {"server/session", {"control", "text", "time", "wire", "net", "server/scene"}},
-      {"server/app",
-       {"control", "text", "time", "wire", "net", "record", "server/effects", "server/scene", "server/session"}},
+const std::vector<Folder>& folders() {
+  static const std::vector<std::string_view> kAllOfOurs{"forcebound"};
+  static const std::vector<std::string_view> kTests{"forcebound", "tests"};
+  static const std::vector<Folder> kFolders{
+      {"forcebound/control", {}},
+      {"forcebound/text", {}},
+      {"forcebound/time", {}},
+      {"forcebound/config", {"forcebound/control", "forcebound/text"}},
+      {"forcebound/baselines", {"forcebound/control", "forcebound/config", "forcebound/text"}},
+      {"forcebound/wire", {"forcebound/control", "forcebound/time"}},
+      {"forcebound/net", {"forcebound/text", "forcebound/time"}},
+      {"forcebound/record", {"forcebound/control", "forcebound/time", "forcebound/wire"}},
+      {"forcebound/device", {"forcebound/control", "forcebound/config", "forcebound/text", "forcebound/time"}},
+      {"forcebound/scene/geometry", {"forcebound/text"}},
+      {"forcebound/scene/effects", {"forcebound/control", "forcebound/text", "forcebound/scene/geometry"}},
+      {"forcebound/scene", {"forcebound/control", "forcebound/text", "forcebound/time"}},
+      {"forcebound/client/session",
+       {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire", "forcebound/net",
+        "forcebound/record", "forcebound/device"}},
+      {"forcebound/client/app",
+       {"forcebound/control", "forcebound/baselines", "forcebound/time", "forcebound/wire", "forcebound/net",
+        "forcebound/record", "forcebound/device", "forcebound/client"}},
+      {"forcebound/server/dynamics/tissue", {"forcebound/text", "forcebound/scene"}},
+      {"forcebound/server/dynamics/bodies", {"forcebound/text", "forcebound/scene"}},
+      {"forcebound/server/environment",
+       {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/scene", "forcebound/server/dynamics"}},
+      {"forcebound/server/session",
+       {"forcebound/control", "forcebound/baselines", "forcebound/text", "forcebound/time", "forcebound/wire",
+        "forcebound/net", "forcebound/scene", "forcebound/server/environment"}},
+      {"forcebound/server/app",
+       {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire", "forcebound/net",
+        "forcebound/record", "forcebound/scene", "forcebound/server"}},
+      {"tests/tools/netem", {"forcebound/net", "forcebound/text", "forcebound/time"}},
+      {"tests/tools/relay", {"forcebound/net", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
+      {"tests/tools/sim", {"forcebound", "tests/tools/netem"}},
+      {"tests/tools", {"forcebound"}},
+      {"tests/consumer", kAllOfOurs},
+      {"tests", kTests},
   };
-  return kConcepts;
+  return kFolders;
 }
 
 // What only some files may have. `where` is matched against the path, `pattern` against a line without its comment.
@@ -46,44 +65,65 @@ struct Privilege {
   std::string_view owner;
 };
 
+// Programs, and what runs the core on threads and sockets. Tests are free as well, but for the tools that ship.
+const std::string kShells =
+    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
+constexpr std::string_view kShellsInWords =
+    "the folders app and runtime, tests/tools/relay, tests/tools/lab and the tests";
+
 const std::vector<Privilege>& privileges() {
+  const auto shells_and = [](const std::string& more) { return std::regex(kShells + "|" + more); };
   static const std::vector<Privilege> kPrivileges{
-      {"Asio", std::regex(R"(#include\s*[<"]asio)"), std::regex("common/net/(internal/)?udp.*|(client|server)/app/.*"),
-       "common/net/udp* and */app"},
+      {"Asio", std::regex(R"(#include\s*[<"]asio)"), shells_and("common/forcebound/net/(internal/)?udp.*"),
+       "common/forcebound/net/udp* and the shells"},
       {"generated Protocol Buffers code", std::regex(R"(#include\s*[<"].*\.pb\.h[">])"),
-       std::regex(R"(common/(wire|record)/.*\.cpp)"), "the .cpp files of common/wire and common/record"},
-      {"logging", std::regex(R"(#include\s*[<"]spdlog/)"), std::regex("(client|server)/app/.*"), "*/app"},
-      {"command lines", std::regex(R"(#include\s*[<"]CLI/)"), std::regex("(client|server)/app/.*"), "*/app"},
+       std::regex(R"(common/forcebound/(wire|record)/.*\.cpp|tests/(?!tools/).*)"),
+       "the .cpp files of common/forcebound/wire and common/forcebound/record"},
+      {"logging", std::regex(R"(#include\s*[<"]spdlog/)"), std::regex(kShells), kShellsInWords},
+      {"command lines", std::regex(R"(#include\s*[<"]CLI/)"), std::regex(kShells), kShellsInWords},
       {"threads",
        std::regex(
            R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|stop_token|)"
            R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
-       std::regex("common/time/real_time\\.cpp|(client|server)/app/.*"), "common/time/real_time.cpp and */app"},
+       shells_and(R"(common/forcebound/time/real_time\.cpp)"), "common/forcebound/time/real_time.cpp and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
-       std::regex("common/net/(internal/)?udp.*|(client|server)/app/.*"), "common/net/udp* and */app"},
+       shells_and("common/forcebound/net/(internal/)?udp.*"), "common/forcebound/net/udp* and the shells"},
       {"the system's clock",
        std::regex(
            R"((system|steady|high_resolution)_clock\b|\bclock_(gettime|nanosleep)\b|\bgettimeofday\b|)"
            R"(\bnanosleep\b|std::this_thread|#include\s*"forcebound/time/(steady_clock|periodic_timer|real_time))"),
-       std::regex(
-           R"(common/net/(internal/)?udp.*|common/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|(client|server)/app/.*)"),
-       "common/time's steady_clock, periodic_timer and real_time, and */app"},
+       shells_and(R"(common/forcebound/net/(internal/)?udp.*|)"
+                  R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp)"),
+       "common/forcebound/time's steady_clock, periodic_timer and real_time, and the shells"},
       {"random numbers without a seed of ours",
-       std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\()"), std::regex("(client|server)/app/.*"),
-       "*/app, which draws a seed once and prints it"},
+       std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\()"), std::regex(kShells),
+       "the shells, which draw a seed once and print it"},
   };
   return kPrivileges;
 }
 
-std::string_view folder_in_includes(const Concept& one) {
-  constexpr std::string_view kCommon = "common/";
-  return one.folder.starts_with(kCommon) ? one.folder.substr(kCommon.size()) : one.folder;
+/// How an include names this file, from its path in the repository.
+std::string_view include_path_of(std::string_view file) {
+  for (const std::string_view root : {"common/", "client/", "server/"}) {
+    if (file.starts_with(root)) return file.substr(root.size());
+  }
+  return file;
 }
 
-const Concept* concept_of(std::string_view file) {
-  const auto found = std::ranges::find_if(
-      concepts(), [&](const Concept& one) { return file.starts_with(std::string(one.folder) + "/"); });
-  return found == concepts().end() ? nullptr : &*found;
+bool is_below(std::string_view path, std::string_view folder) {
+  return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
+}
+
+/// The innermost folder with a rule; null: there is none.
+const Folder* folder_of(std::string_view file) {
+  const std::string_view path = include_path_of(file);
+  const Folder* innermost = nullptr;
+  for (const Folder& folder : folders()) {
+    if (is_below(path, folder.path) && (innermost == nullptr || folder.path.size() > innermost->path.size())) {
+      innermost = &folder;
+    }
+  }
+  return innermost;
 }
 
 std::string without_comment(const std::string& line) { return line.substr(0, line.find("//")); }
@@ -95,23 +135,18 @@ std::optional<std::string> included(const std::string& code) {
   return match[1].str();
 }
 
-std::optional<std::string> wrong_include(const Concept& includer, const std::string& header) {
-  if (header.starts_with("tests/")) return "'" + header + "' is test code, which nothing but tests may include";
-  if (includer.folder == "common/control" && !header.starts_with("forcebound/") &&
-      header.starts_with("Eigen/") == false && header.find_first_of("/.") != std::string::npos) {
+std::optional<std::string> wrong_include(const Folder& here, const std::string& header) {
+  const bool ours = header.starts_with("forcebound/") || header.starts_with("tests/");
+  if (here.path == "forcebound/control" && !ours && !header.starts_with("Eigen/") &&
+      header.find_first_of("/.") != std::string::npos) {
     return "'" + header + "' is neither of the standard library nor Eigen's, which is all that control may know";
   }
-  constexpr std::string_view kOurs = "forcebound/";
-  if (!header.starts_with(kOurs) || header.ends_with(".pb.h")) return std::nullopt;
-  const std::string_view path = std::string_view(header).substr(kOurs.size());
-  const std::string_view folder = path.substr(0, path.rfind('/'));
-  const auto is_in = [&](std::string_view known) {
-    return folder == known || folder.starts_with(std::string(known) + "/");
-  };
-  if (is_in(folder_in_includes(includer)) || std::ranges::any_of(includer.knows, is_in)) return std::nullopt;
-  std::string accepted(folder_in_includes(includer));
-  for (const auto known : includer.knows) accepted += ", " + std::string(known);
-  return std::string(includer.folder) + " must not include '" + header + "', only " + accepted;
+  if (!ours || header.ends_with(".pb.h")) return std::nullopt;
+  const auto holds = [&](std::string_view folder) { return is_below(header, folder); };
+  if (holds(here.path) || std::ranges::any_of(here.knows, holds)) return std::nullopt;
+  std::string accepted(here.path);
+  for (const auto known : here.knows) accepted += ", " + std::string(known);
+  return std::string(here.path) + " must not include '" + header + "', only what lies below " + accepted;
 }
 
 }  // namespace
@@ -122,7 +157,7 @@ std::string to_string(const Violation& violation) {
 
 std::vector<Violation> violations(std::string_view file, std::string_view text) {
   std::vector<Violation> found;
-  const Concept* here = concept_of(file);
+  const Folder* here = folder_of(file);
   if (here == nullptr) {
     found.push_back({std::string(file), 1, "no rule says whom this folder may include: add it to the include rule"});
     return found;

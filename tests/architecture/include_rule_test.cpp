@@ -20,79 +20,100 @@ std::string only_violation(std::string_view file, std::string_view text) {
 }
 
 TEST(IncludeRule, LetsEachConceptIncludeItselfAndWhatItKnows) {
-  EXPECT_THAT(violations("common/control/law.cpp", "#include \"forcebound/control/law.hpp\"\n#include <Eigen/Core>\n"),
+  EXPECT_THAT(violations("common/forcebound/control/law.cpp",
+                         "#include \"forcebound/control/law.hpp\"\n#include <Eigen/Core>\n"),
               IsEmpty());
-  EXPECT_THAT(violations("common/wire/codec.hpp", "#include \"forcebound/control/vector.hpp\"\n"), IsEmpty());
-  EXPECT_THAT(violations("server/scene/plan.cpp", "#include \"forcebound/server/effects/surface.hpp\"\n"), IsEmpty());
-  EXPECT_THAT(
-      violations("client/app/main.cpp", "#include <thread>\n#include \"forcebound/client/session/session.hpp\""),
-      IsEmpty());
+  EXPECT_THAT(violations("common/forcebound/wire/codec.hpp", "#include \"forcebound/control/vector.hpp\"\n"),
+              IsEmpty());
+  EXPECT_THAT(violations("common/forcebound/scene/plan.cpp", "#include \"forcebound/scene/effects/surface.hpp\"\n"),
+              IsEmpty());
+  EXPECT_THAT(violations("client/forcebound/client/app/main.cpp",
+                         "#include <thread>\n#include \"forcebound/client/session/session.hpp\""),
+              IsEmpty());
 }
 
 TEST(IncludeRule, FindsAForbiddenConceptAndSaysWhereAndWhatIsAllowed) {
-  EXPECT_EQ(only_violation("server/effects/surface.cpp",
+  EXPECT_EQ(only_violation("common/forcebound/scene/effects/surface.cpp",
                            "#include \"forcebound/control/vector.hpp\"\n#include \"forcebound/wire/messages.hpp\"\n"),
-            "server/effects/surface.cpp:2: server/effects must not include 'forcebound/wire/messages.hpp', only "
-            "server/effects, control, text, server/geometry");
+            "common/forcebound/scene/effects/surface.cpp:2: forcebound/scene/effects must not include "
+            "'forcebound/wire/messages.hpp', only what lies below forcebound/scene/effects, forcebound/control, "
+            "forcebound/text, forcebound/scene/geometry");
 }
 
 TEST(IncludeRule, KeepsClientAndServerApart) {
-  EXPECT_THAT(only_violation("client/session/session.cpp", "#include \"forcebound/server/scene/plan.hpp\"\n"),
+  EXPECT_THAT(only_violation("client/forcebound/client/session/session.cpp",
+                             "#include \"forcebound/server/session/server.hpp\"\n"),
               HasSubstr("must not include"));
-  EXPECT_THAT(only_violation("server/session/server.cpp", "#include \"forcebound/client/device/haptic_device.hpp\"\n"),
+  EXPECT_THAT(only_violation("server/forcebound/server/session/server.cpp",
+                             "#include \"forcebound/client/session/session.hpp\"\n"),
               HasSubstr("must not include"));
 }
 
 TEST(IncludeRule, DoesNotTakeAFolderForOneWhoseNameItBegins) {
-  EXPECT_THAT(only_violation("common/net/address.cpp", "#include \"forcebound/timeline/x.hpp\"\n"),
+  EXPECT_THAT(only_violation("common/forcebound/net/address.cpp", "#include \"forcebound/timeline/x.hpp\"\n"),
               HasSubstr("must not include"));
 }
 
 TEST(IncludeRule, LeavesControlOnlyTheStandardLibraryAndEigen) {
-  EXPECT_THAT(only_violation("common/control/ledger.cpp", "#include <toml++/toml.h>\n"), HasSubstr("Eigen"));
-  EXPECT_THAT(only_violation("common/control/ledger.cpp", "#include <unistd.h>\n"), HasSubstr("Eigen"));
+  EXPECT_THAT(only_violation("common/forcebound/control/ledger.cpp", "#include <toml++/toml.h>\n"), HasSubstr("Eigen"));
+  EXPECT_THAT(only_violation("common/forcebound/control/ledger.cpp", "#include <unistd.h>\n"), HasSubstr("Eigen"));
 }
 
 TEST(IncludeRule, KeepsGeneratedCodeOutOfHeaders) {
   constexpr std::string_view kText = "#include \"forcebound/v1/session.pb.h\"\n";
-  EXPECT_THAT(violations("common/wire/codec.cpp", kText), IsEmpty());
-  EXPECT_THAT(only_violation("common/wire/codec.hpp", kText), HasSubstr(".cpp files of common/wire"));
+  EXPECT_THAT(violations("common/forcebound/wire/codec.cpp", kText), IsEmpty());
+  EXPECT_THAT(only_violation("common/forcebound/wire/codec.hpp", kText),
+              HasSubstr(".cpp files of common/forcebound/wire"));
 }
 
 TEST(IncludeRule, KeepsAsioInTheFilesOfUdp) {
-  EXPECT_THAT(violations("common/net/udp_link.cpp", "#include <asio.hpp>\n"), IsEmpty());
-  EXPECT_THAT(violations("common/net/internal/udp_address.hpp", "#include <asio.hpp>\n"), IsEmpty());
-  EXPECT_THAT(only_violation("common/net/impairment.cpp", "#include <asio/ip/udp.hpp>\n"), HasSubstr("Asio"));
+  EXPECT_THAT(violations("common/forcebound/net/udp_link.cpp", "#include <asio.hpp>\n"), IsEmpty());
+  EXPECT_THAT(violations("common/forcebound/net/internal/udp_address.hpp", "#include <asio.hpp>\n"), IsEmpty());
+  EXPECT_THAT(only_violation("common/forcebound/net/impairment.cpp", "#include <asio/ip/udp.hpp>\n"),
+              HasSubstr("Asio"));
 }
 
 TEST(IncludeRule, KeepsClockThreadsAndRandomnessOutOfTheCore) {
-  EXPECT_THAT(only_violation("client/session/session.cpp", "auto t = std::chrono::steady_clock::now();\n"),
-              HasSubstr("clock"));
-  EXPECT_THAT(only_violation("server/session/server.cpp", "std::jthread worker;\n"), HasSubstr("threads"));
-  EXPECT_THAT(only_violation("server/scene/state.cpp", "#include <sys/socket.h>\n"), HasSubstr("sockets"));
-  EXPECT_THAT(only_violation("client/device/operator.cpp", "std::random_device entropy;\n"), HasSubstr("random"));
-  EXPECT_THAT(only_violation("client/session/session.cpp", "#include \"forcebound/time/steady_clock.hpp\"\n"),
-              HasSubstr("clock"));
+  EXPECT_THAT(
+      only_violation("client/forcebound/client/session/session.cpp", "auto t = std::chrono::steady_clock::now();\n"),
+      HasSubstr("clock"));
+  EXPECT_THAT(only_violation("server/forcebound/server/session/server.cpp", "std::jthread worker;\n"),
+              HasSubstr("threads"));
+  EXPECT_THAT(only_violation("common/forcebound/scene/state.cpp", "#include <sys/socket.h>\n"), HasSubstr("sockets"));
+  EXPECT_THAT(only_violation("common/forcebound/device/simulated/operator.cpp", "std::random_device entropy;\n"),
+              HasSubstr("random"));
+  EXPECT_THAT(
+      only_violation("client/forcebound/client/session/session.cpp", "#include \"forcebound/time/steady_clock.hpp\"\n"),
+      HasSubstr("clock"));
 }
 
-TEST(IncludeRule, KeepsTestCodeOutOfPrograms) {
-  EXPECT_THAT(only_violation("client/app/main.cpp", "#include \"tests/sim/virtual_clock.hpp\"\n"),
-              HasSubstr("test code"));
+TEST(IncludeRule, KeepsTestCodeOutOfProgramsAndTools) {
+  EXPECT_THAT(
+      only_violation("client/forcebound/client/app/main.cpp", "#include \"tests/tools/sim/virtual_clock.hpp\"\n"),
+      HasSubstr("must not include"));
+  EXPECT_THAT(only_violation("tests/tools/lab/table.cpp", "#include \"tests/support/process.hpp\"\n"),
+              HasSubstr("must not include"));
+  EXPECT_THAT(violations("tests/unit/record/x_test.cpp", "#include \"tests/support/process.hpp\"\n"), IsEmpty());
+}
+
+TEST(IncludeRule, KeepsTheEmulatedNetworkApartFromTheSimulator) {
+  EXPECT_THAT(only_violation("tests/tools/netem/trace.cpp", "#include \"tests/tools/sim/closed_loop.hpp\"\n"),
+              HasSubstr("must not include"));
 }
 
 TEST(IncludeRule, IgnoresComments) {
-  EXPECT_THAT(violations("common/control/law.hpp", "// not std::thread, not steady_clock\n"), IsEmpty());
+  EXPECT_THAT(violations("common/forcebound/control/law.hpp", "// not std::thread, not steady_clock\n"), IsEmpty());
 }
 
 TEST(IncludeRule, RefusesAFolderThatNobodyGaveARule) {
-  EXPECT_THAT(only_violation("common/audio/horn.cpp", ""), HasSubstr("no rule"));
+  EXPECT_THAT(only_violation("common/forcebound/audio/horn.cpp", ""), HasSubstr("no rule"));
 }
 
 TEST(SourceTree, ObeysTheIncludeRule) {
   namespace fs = std::filesystem;
   const fs::path root = FORCEBOUND_SOURCE_DIR;
   int files = 0;
-  for (const char* side : {"common", "client", "server"}) {
+  for (const char* side : {"common", "client", "server", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / side)) {
       const fs::path& path = entry.path();
       if (path.extension() != ".cpp" && path.extension() != ".hpp") continue;

@@ -7,15 +7,15 @@
 #include <benchmark/benchmark.h>
 #include <mujoco/mujoco.h>
 
-#include "forcebound/server/bodies/body_medium.hpp"
-#include "forcebound/server/bodies/body_world.hpp"
+#include "forcebound/server/dynamics/bodies/body_dynamic_model.hpp"
+#include "forcebound/server/dynamics/bodies/body_world.hpp"
 
 namespace forcebound::server {
 namespace {
 
 constexpr int kSteps = 500;
 
-BodyMedium stack(benchmark::State& timing) {
+BodyDynamicModel stack(benchmark::State& timing) {
   const auto boxes_high = static_cast<int>(timing.range(0));
   BodiesDescription boxes;
   boxes.bodies.push_back({.name = "floor", .size_m = {2, 2, 0.1}, .position_m = {0, 0, -0.05}});
@@ -28,7 +28,7 @@ BodyMedium stack(benchmark::State& timing) {
   return {boxes, "stack"};
 }
 
-const BodyWorld& world_of(const MediumState& state) { return dynamic_cast<const BodyWorld&>(state); }
+const BodyWorld& world_of(const scene::DynamicModelState& state) { return dynamic_cast<const BodyWorld&>(state); }
 
 void report(benchmark::State& timing, const mjData& data) {
   timing.counters["contacts"] = data.ncon;
@@ -36,8 +36,8 @@ void report(benchmark::State& timing, const mjData& data) {
 }
 
 void mujocos_step(benchmark::State& timing) {
-  const BodyMedium medium = stack(timing);
-  const auto start = medium.make_state(1);
+  const BodyDynamicModel dynamic_model = stack(timing);
+  const auto start = dynamic_model.make_state(1);
   const mjModel* model = &world_of(*start).model();
   mjData* data = mj_copyData(nullptr, model, &world_of(*start).data());
   // The parked probe's weight is borne, as in ours.
@@ -49,18 +49,18 @@ void mujocos_step(benchmark::State& timing) {
 }
 
 void our_step(benchmark::State& timing) {
-  const BodyMedium medium = stack(timing);
-  const auto state = medium.make_state(1);
+  const BodyDynamicModel dynamic_model = stack(timing);
+  const auto state = dynamic_model.make_state(1);
   for (auto _ : timing) state->advance(1e-3);
   report(timing, world_of(*state).data());
 }
 
 void our_motion_with_a_hand(benchmark::State& timing) {
-  const BodyMedium medium = stack(timing);
-  const auto state = medium.make_state(1);
+  const BodyDynamicModel dynamic_model = stack(timing);
+  const auto state = dynamic_model.make_state(1);
   const int seat = state->join();
   for (auto _ : timing) {
-    state->move(seat, {0.5, 0, 0.5}, Point::Zero());
+    state->move(seat, {0.5, 0, 0.5}, scene::Point::Zero());
     state->advance(1e-3);
     benchmark::DoNotOptimize(state->touch(seat));
   }

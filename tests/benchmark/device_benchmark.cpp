@@ -1,17 +1,17 @@
 #include <benchmark/benchmark.h>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/client/device/make_operator.hpp"
-#include "forcebound/client/device/simulated_device.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/device/simulated/simulated_device.hpp"
 
 namespace forcebound::client {
 namespace {
 
 /// One tick of 1 ms: read and apply, with the hand moving.
 void tick(benchmark::State& state, const char* name, double force_N) {
-  const DeviceDescription description = load_device(name);
+  const device::DeviceDescription description = device::load_device(name);
   const int dof = description.facts.degrees_of_freedom();
-  SimulatedDevice device(description, make_operator("wave", dof));
+  device::SimulatedDevice device(description, device::make_operator("wave", dof));
   Nanoseconds now{0};
   Vector force = Vector::Constant(dof, force_N);
   for (auto _ : state) {
@@ -29,12 +29,12 @@ BENCHMARK_CAPTURE(tick, omni, "omni", 0.5);
 
 /// A force that pumps the device, so that the audit reaches a new minimum on many ticks and has to be searched.
 void pumped_tick(benchmark::State& state, const char* name) {
-  const DeviceDescription description = load_device(name);
+  const device::DeviceDescription description = device::load_device(name);
   const int dof = description.facts.degrees_of_freedom();
-  SimulatedDevice device(description, make_operator("wave", dof));
+  device::SimulatedDevice device(description, device::make_operator("wave", dof));
   Nanoseconds now{0};
   for (auto _ : state) {
-    const Reading reading = device.read(now);
+    const device::Reading reading = device.read(now);
     device.apply(now, 3 * device.truth().joint_velocity);
     benchmark::DoNotOptimize(reading);
     now += std::chrono::milliseconds(1);

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "forcebound/server/geometry/distance_field.hpp"
+#include "forcebound/scene/geometry/distance_field.hpp"
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/fcl_scene.hpp"
 #include "tests/support/follower.hpp"
@@ -21,7 +21,7 @@
 namespace forcebound {
 namespace {
 
-using server::Point;
+using scene::Point;
 
 constexpr std::uint32_t kRows = 133;  // 4 * 133 * 132 = 70224 triangles
 constexpr double kRadius_m = 0.05;
@@ -70,8 +70,8 @@ void god_object_moves_freely(benchmark::State& state) {
 /// The ball as a signed distance field, with 2 mm between its nodes.
 void distance_field_slides(benchmark::State& state) {
   const std::vector<Point> goals = sliding_m(1e-3);
-  const auto mesh = std::make_shared<const server::TriangleMesh>(ball().mesh());
-  test::ShapeClient client(server::make_distance_field(mesh, {.spacing_m = 2e-3}));
+  const auto mesh = std::make_shared<const scene::TriangleMesh>(ball().mesh());
+  test::ShapeClient client(scene::make_distance_field(mesh, {.spacing_m = 2e-3}));
   std::size_t next = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(client.at(goals[next]));
@@ -90,10 +90,10 @@ void ask_along_the_way(benchmark::State& state, Ask ask) {
   }
 }
 
-server::Segment through_the_surface(const Point& goal) { return {1.1 * goal, -0.1 * goal}; }
+scene::Segment through_the_surface(const Point& goal) { return {1.1 * goal, -0.1 * goal}; }
 
 void our_segment(benchmark::State& state) {
-  const server::Bvh bvh(std::make_shared<const server::TriangleMesh>(ball().mesh()));
+  const scene::Bvh bvh(std::make_shared<const scene::TriangleMesh>(ball().mesh()));
   ask_along_the_way(state,
                     [&](const Point& goal) { benchmark::DoNotOptimize(bvh.first_hit(through_the_surface(goal))); });
 }
@@ -106,14 +106,14 @@ void embree_segment(benchmark::State& state) {
 }
 
 /// The ball with so many triangles.
-server::TriangleMesh ball_of(std::int64_t triangles) {
+scene::TriangleMesh ball_of(std::int64_t triangles) {
   std::uint32_t rows = 2;
   while (4 * rows * (rows - 1) < triangles) ++rows;
   return test::ball(kRadius_m, rows).moved(test::askew()).mesh();
 }
 
 void our_nearest_point(benchmark::State& state) {
-  const server::Bvh bvh(std::make_shared<const server::TriangleMesh>(ball_of(state.range(0))));
+  const scene::Bvh bvh(std::make_shared<const scene::TriangleMesh>(ball_of(state.range(0))));
   ask_along_the_way(state, [&](const Point& goal) { benchmark::DoNotOptimize(bvh.nearest(goal)); });
 }
 

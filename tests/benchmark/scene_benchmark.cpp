@@ -10,8 +10,8 @@
 #include <cmath>
 #include <string>
 
-#include "forcebound/server/scene/scene_library.hpp"
-#include "forcebound/server/scene/scene_state.hpp"
+#include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -23,14 +23,14 @@ std::array<Vector, kPlaces> places() {
   std::array<Vector, kPlaces> all;
   for (std::size_t i = 0; i < kPlaces; ++i) {
     const double t = 0.01 * static_cast<double>(i);
-    all[i] = 0.03 * Point(std::sin(t), std::sin(1.7 * t + 1), std::sin(2.3 * t + 2));
+    all[i] = 0.03 * scene::Point(std::sin(t), std::sin(1.7 * t + 1), std::sin(2.3 * t + 2));
   }
   return all;
 }
 
-void answers(benchmark::State& state, const std::shared_ptr<const Scene>& scene) {
+void answers(benchmark::State& state, const std::shared_ptr<const scene::Scene>& scene) {
   const auto path = places();
-  SceneState client(scene, 3);
+  scene::SceneState client(scene, 3);
   Nanoseconds now{0};
   std::size_t next = 0;
   for (auto _ : state) {
@@ -65,15 +65,15 @@ spring_to_point = { center_m = [0, 0, 0], stiffness_N_per_m = 200, damping_N_s_p
 /// The same forces, by hand.
 void three_fields_in_eigen(benchmark::State& state) {
   const auto path = places();
-  Point last_m = path[0];
-  Point weight_N(0, 0, -0.981);
+  scene::Point last_m = path[0];
+  scene::Point weight_N(0, 0, -0.981);
   benchmark::DoNotOptimize(weight_N);
   std::size_t next = 0;
   for (auto _ : state) {
-    const Point position_m = path[next++ % kPlaces];
-    const Point velocity_m_per_s = (position_m - last_m) / 1e-3;
+    const scene::Point position_m = path[next++ % kPlaces];
+    const scene::Point velocity_m_per_s = (position_m - last_m) / 1e-3;
     last_m = position_m;
-    const Point force_N = weight_N - 4 * velocity_m_per_s - (200 * position_m + velocity_m_per_s);
+    const scene::Point force_N = weight_N - 4 * velocity_m_per_s - (200 * position_m + velocity_m_per_s);
     benchmark::DoNotOptimize(force_N);
   }
 }
@@ -83,9 +83,9 @@ void sphere_in_eigen(benchmark::State& state) {
   const auto path = places();
   std::size_t next = 0;
   for (auto _ : state) {
-    const Point out_m = path[next++ % kPlaces];
+    const scene::Point out_m = path[next++ % kPlaces];
     const double distance_m = out_m.stableNorm();
-    Point force_N = Point::Zero();
+    scene::Point force_N = scene::Point::Zero();
     if (distance_m < 0.02) force_N = 10000 * (0.02 - distance_m) / distance_m * out_m;
     benchmark::DoNotOptimize(force_N);
   }

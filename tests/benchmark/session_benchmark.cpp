@@ -9,11 +9,11 @@
 #include <array>
 #include <vector>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/client/device/make_operator.hpp"
-#include "forcebound/client/device/simulated_device.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/device/simulated/simulated_device.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/summary.hpp"
 #include "tests/support/fake_clock.hpp"
@@ -67,7 +67,7 @@ class Answering final : public net::DatagramLink {
 };
 
 void tick(benchmark::State& timing, bool recorded) {
-  SimulatedDevice device(load_device("omni"), make_operator("trace-sphere", 3));
+  device::SimulatedDevice device(device::load_device("omni"), device::make_operator("trace-sphere", 3));
   Answering link;
   test::FakeClock clock;
   record::RunInfo info;
@@ -77,7 +77,7 @@ void tick(benchmark::State& timing, bool recorded) {
   record::RecordingWriter writer("/dev/null", info);
   std::vector<record::TickSink*> sinks{&summary};
   if (recorded) sinks.push_back(&recorder);
-  Session session({.server = {}}, device, control::shipped_laws().make("fba-exact", device.facts(), {}), link, clock,
+  Session session({.server = {}}, device, control::force_bounding_laws().make("fba-exact", device.facts(), {}), link, clock,
                   {.ticks = sinks});
   std::uint64_t ticks = 0;
   for (auto _ : timing) {

@@ -12,9 +12,9 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
-#include "forcebound/server/tissue/corotational_tissue.hpp"
-#include "forcebound/server/tissue/tissue_contact.hpp"
-#include "forcebound/server/tissue/tissue_world.hpp"
+#include "forcebound/server/dynamics/tissue/corotational_tissue.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_world.hpp"
 #include "tests/support/tissue_block.hpp"
 
 namespace forcebound::server {
@@ -27,7 +27,7 @@ TetrahedralMesh mesh_of_600() { return TetrahedralMesh(test::tetrahedra_of({.cub
 
 LinearTissue tissue_of_600() {
   TetrahedralMesh mesh = mesh_of_600();
-  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
   return {std::move(mesh), kSoft, held};
 }
 
@@ -41,9 +41,10 @@ void slide(benchmark::State& timing, const ProbeOptions& options, double depth_m
   int n = 0;
   const auto place = [&](int step) {
     const double angle = 2e-3 * 3.14159265358979 * step;
-    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.04 + options.radius_m - depth_m);
+    return scene::Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle),
+                        0.04 + options.radius_m - depth_m);
   };
-  static_cast<void>(model.step(state, place(0) + Point(0, 0, depth_m + 0.001)));
+  static_cast<void>(model.step(state, place(0) + scene::Point(0, 0, depth_m + 0.001)));
   for (auto _ : timing) {
     const TissueResult result = model.step(state, place(n));
     benchmark::DoNotOptimize(result);
@@ -79,17 +80,17 @@ void sphere_step_beside(benchmark::State& timing) {
   while (world.join() >= 0) continue;
   const auto place = [&](int seat, int step) {
     const double angle = 2e-3 * 3.14159265358979 * step + seat;
-    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.046);
+    return scene::Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.046);
   };
   for (int seat = 0; seat <= timing.range(0); ++seat) {
     for (const double above_m : {0.02, 0.01, 0.0}) {
-      world.move(seat, place(seat, 0) + Point(0, 0, above_m), Point::Zero());
+      world.move(seat, place(seat, 0) + scene::Point(0, 0, above_m), scene::Point::Zero());
     }
   }
   double contacts = 0;
   int n = 0;
   for (auto _ : timing) {
-    world.move(0, place(0, n), Point::Zero());
+    world.move(0, place(0, n), scene::Point::Zero());
     contacts += world.seat(0).result.contacts;
     n = (n + 1) % 1000;
   }
@@ -99,7 +100,7 @@ void sphere_step_beside(benchmark::State& timing) {
 // The same circle under large motion.
 void corotational_slide(benchmark::State& timing, const CorotationalOptions& options) {
   TetrahedralMesh mesh = mesh_of(timing.range(0));
-  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
   const CorotationalTissue tissue(std::move(mesh), kSoft, held, options);
   CorotationalBody body = tissue.make_body();
   TissueState state{};
@@ -108,7 +109,8 @@ void corotational_slide(benchmark::State& timing, const CorotationalOptions& opt
   int n = 0;
   const auto place = [&](int step, double depth_m) {
     const double angle = 2e-3 * 3.14159265358979 * step;
-    return Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle), 0.04 + options.radius_m - depth_m);
+    return scene::Point(0.025 + 0.005 * std::cos(angle), 0.025 + 0.005 * std::sin(angle),
+                        0.04 + options.radius_m - depth_m);
   };
   for (int step = -1; step <= 4; ++step) {
     static_cast<void>(tissue.step(state, body, place(0, 1e-3 * step)));
@@ -132,7 +134,8 @@ void corotational_sphere_step(benchmark::State& timing) {
 
 void eight_sparse_solves(benchmark::State& timing) {
   const TetrahedralMesh mesh = mesh_of(timing.range(0));
-  const FreeCoordinates free(static_cast<int>(mesh.nodes_m().size()), nodes_below(mesh, Point::Zero(), Point::UnitZ()));
+  const FreeCoordinates free(static_cast<int>(mesh.nodes_m().size()),
+                             nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ()));
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(free.reduced(stiffness_matrix(mesh, kSoft)));
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(free.count(), 8);
   for (Eigen::Index contact = 0; contact < 8; ++contact) loads(free.count() - 1 - 3 * contact, contact) = 1;

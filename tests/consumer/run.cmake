@@ -1,6 +1,6 @@
-# Builds a stranger's project, with Forcebound installed from BINARY_DIR (its COMPONENTS, separated by
+# Builds a consumer's project, with Forcebound installed from BINARY_DIR (its COMPONENTS, separated by
 # commas, or all of them) or else with its sources, and runs PROGRAM of it, if one is named.
-#   cmake -D STRANGER_DIR=... -D WORK_DIR=... -D COMPILER=... -D LAUNCHER=... -D SOURCE_DIR=...
+#   cmake -D CONSUMER_DIR=... -D WORK_DIR=... -D COMPILER=... -D LAUNCHER=... -D SOURCE_DIR=...
 #         [-D BINARY_DIR=... [-D COMPONENTS=...]] [-D PROGRAM=...] -P run.cmake
 file(REMOVE_RECURSE ${WORK_DIR})
 
@@ -19,7 +19,7 @@ else()
   set(forcebound -D FORCEBOUND_SOURCE=${SOURCE_DIR})
 endif()
 
-execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${STRANGER_DIR} -B ${WORK_DIR}/build ${forcebound}
+execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR} -B ${WORK_DIR}/build ${forcebound}
                         -D SOURCE_TREE=${SOURCE_DIR}
                         -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} --no-warn-unused-cli
                 COMMAND_ERROR_IS_FATAL ANY)

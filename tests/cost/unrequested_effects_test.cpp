@@ -15,17 +15,17 @@ using namespace std::chrono_literals;
 constexpr int kFewMotions = 200;
 constexpr int kManyMotions = 1200;
 
-std::string said_by_probe(const std::string& which, int motions) {
-  Process probe(SCENE_COST_PROBE, {which, std::to_string(motions)});
-  EXPECT_EQ(probe.wait(60s), 0);
-  return probe.out();
+std::string counted_of(const std::string& which, int motions) {
+  Process counter(SCENE_COST_COUNTER, {which, std::to_string(motions)});
+  EXPECT_EQ(counter.wait(60s), 0);
+  return counter.out();
 }
 
 /// Instructions that valgrind's callgrind counts for the whole program.
 std::int64_t instructions(const std::string& which, int motions) {
   const TemporaryFolder folder;
   Process counted(FORCEBOUND_VALGRIND, {"--tool=callgrind", "--callgrind-out-file=" + folder.file("callgrind.out"),
-                                        SCENE_COST_PROBE, which, std::to_string(motions)});
+                                        SCENE_COST_COUNTER, which, std::to_string(motions)});
   EXPECT_EQ(counted.wait(100s), 0);
   const std::string said = counted.err();
   const std::string mark = "Collected : ";
@@ -43,8 +43,8 @@ double instructions_per_motion(const std::string& which) {
 }
 
 TEST(UnrequestedEffects, ChangeNeitherABitOfAForceNorAByteNorAnAllocation) {
-  const std::string alone = said_by_probe("only", kManyMotions);
-  EXPECT_EQ(said_by_probe("all", kManyMotions), alone);
+  const std::string alone = counted_of("only", kManyMotions);
+  EXPECT_EQ(counted_of("all", kManyMotions), alone);
   EXPECT_NE(alone.find("forces "), std::string::npos);
   if (time::kCountsHeapOperations) {
     EXPECT_NE(alone.find("heap operations 0\n"), std::string::npos) << alone;

@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "forcebound/server/bodies/body_medium.hpp"
-#include "forcebound/server/bodies/body_world.hpp"
+#include "forcebound/server/dynamics/bodies/body_dynamic_model.hpp"
+#include "forcebound/server/dynamics/bodies/body_world.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -14,15 +14,15 @@ BodyDescription floor_plate() {
   return {.name = "floor", .size_m = {1, 1, 0.1}, .mass_kg = 0, .position_m = {0, 0, -0.05}};
 }
 
-BodyDescription cube(const std::string& name, double mass_kg, const Point& position_m) {
+BodyDescription cube(const std::string& name, double mass_kg, const scene::Point& position_m) {
   return {.name = name, .size_m = {0.04, 0.04, 0.04}, .mass_kg = mass_kg, .position_m = position_m};
 }
 
-std::unique_ptr<MediumState> world_of(std::vector<BodyDescription> bodies) {
-  return BodyMedium({.bodies = std::move(bodies)}, "test").make_state(1);
+std::unique_ptr<scene::DynamicModelState> world_of(std::vector<BodyDescription> bodies) {
+  return BodyDynamicModel({.bodies = std::move(bodies)}, "test").make_state(1);
 }
 
-const BodyWorld& world(const MediumState& state) { return dynamic_cast<const BodyWorld&>(state); }
+const BodyWorld& world(const scene::DynamicModelState& state) { return dynamic_cast<const BodyWorld&>(state); }
 
 double kinetic_J(const BodyWorld& bodies) {
   const mjModel_& model = bodies.model();
@@ -42,16 +42,16 @@ double energy_J(const BodyWorld& bodies) {
 
 TEST(HardCase31, MoreContactsThanMuJoCoWasGivenRoomForAreCountedAndNothingBreaks) {
   // A box on a plate has four contacts; here is room for two, so that it tilts.
-  const BodyMedium medium(compile_mjcf(R"(<mujoco><size nconmax="2" njmax="100"/><worldbody>
+  const BodyDynamicModel dynamic_model(compile_mjcf(R"(<mujoco><size nconmax="2" njmax="100"/><worldbody>
       <geom type="box" size="1 1 0.05" pos="0 0 -0.05"/>
       <body name="box" pos="0 0 0.02"><freejoint/><geom type="box" size="0.02 0.02 0.02" mass="0.1"/></body>
     </worldbody></mujoco>)",
-                                       "box.xml"),
-                          {"box"}, {.stiffness_N_per_m = 100, .damping_N_s_per_m = 1}, "box.xml");
-  const auto state = medium.make_state(1);
+                                                    "box.xml"),
+                                       {"box"}, {.stiffness_N_per_m = 100, .damping_N_s_per_m = 1}, "box.xml");
+  const auto state = dynamic_model.make_state(1);
   const int seat = state->join();
   for (int i = 0; i < 1000; ++i) {
-    state->move(seat, {0, 0, 0.02}, Point::Zero());
+    state->move(seat, {0, 0, 0.02}, scene::Point::Zero());
     state->advance(1e-3);
     ASSERT_TRUE(state->touch(seat).force_N.allFinite());
   }
@@ -64,14 +64,14 @@ TEST(HardCase32, ACouplingAtTwiceItsStableStepIsRefusedWithTheNumbers) {
   // h omega = 2: sqrt(4e4 / 0.01) 1e-3.
   stiff.probe.mass_kg = 0.01;
   stiff.coupling = {.stiffness_N_per_m = 4e4, .damping_N_s_per_m = 0};
-  EXPECT_THROW(BodyMedium(stiff, "test"), BodiesError);
+  EXPECT_THROW(BodyDynamicModel(stiff, "test"), BodiesError);
   stiff.timestep_s = 0.9e-3;
   // Accepted it rings, by 1 / sqrt(1 - 0.9^2) of what it began with, and does not grow.
-  const auto state = BodyMedium(stiff, "test").make_state(1);
+  const auto state = BodyDynamicModel(stiff, "test").make_state(1);
   const int seat = state->join();
-  state->move(seat, {0, 0, 0.1}, Point::Zero());
+  state->move(seat, {0, 0, 0.1}, scene::Point::Zero());
   for (int i = 0; i < 5000; ++i) {
-    state->move(seat, {1e-3, 0, 0.1}, Point::Zero());
+    state->move(seat, {1e-3, 0, 0.1}, scene::Point::Zero());
     state->advance(stiff.timestep_s);
     ASSERT_LT(state->touch(seat).force_N.norm(), 1.01 * 4e4 * 1e-3 * 2.3) << "step " << i;
   }
@@ -110,7 +110,8 @@ TEST(HardCase34, ContactMadeAndBrokenWithinAStepGivesNoEnergy) {
 void expect_unit_quaternion_after(int steps) {
   // Without gravity: falling for a day, body and probe would leave the numbers' range.
   const auto state =
-      BodyMedium({.bodies = {cube("cube", 0.1, {0, 0, 0})}, .gravity_m_per_s2 = Point::Zero()}, "test").make_state(1);
+      BodyDynamicModel({.bodies = {cube("cube", 0.1, {0, 0, 0})}, .gravity_m_per_s2 = scene::Point::Zero()}, "test")
+          .make_state(1);
   auto& bodies = dynamic_cast<BodyWorld&>(*state);
   bodies.data().qvel[3] = 3;
   bodies.data().qvel[4] = -7;
@@ -163,10 +164,10 @@ TEST(HardCase40, DegenerateInertiasAreRefused) {
 
 TEST(HardCase41, TumblingAboutTheMiddleAxisStaysBounded) {
   // A block of three different inertias, turned about the middle one: it flips over and over.
-  const BodyMedium medium(
-      {.bodies = {{.name = "block", .size_m = {0.08, 0.04, 0.01}, .mass_kg = 0.1}}, .gravity_m_per_s2 = Point::Zero()},
-      "test");
-  const auto state = medium.make_state(1);
+  const BodyDynamicModel dynamic_model({.bodies = {{.name = "block", .size_m = {0.08, 0.04, 0.01}, .mass_kg = 0.1}},
+                                        .gravity_m_per_s2 = scene::Point::Zero()},
+                                       "test");
+  const auto state = dynamic_model.make_state(1);
   auto& bodies = dynamic_cast<BodyWorld&>(*state);
   bodies.data().qvel[3] = 0.01;
   bodies.data().qvel[4] = 20;

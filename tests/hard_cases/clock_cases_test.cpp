@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/hard_cases/bounding_laws.hpp"
-#include "tests/sim/closed_loop.hpp"
 #include "tests/support/published_law_checks.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound {
 namespace {
@@ -105,9 +105,9 @@ TEST_P(HardCase04, IsPassiveHoweverOftenTheClockSaysWhatItCannotHaveMeasured) {
 //   by half a second, ahead by an hour
 TEST_P(HardCase04, ASessionWhoseClockStandsRunsBackAndJumpsAnHourStaysPassive) {
   using namespace std::chrono_literals;
-  client::DeviceDescription device = client::load_device("wall-1dof");
+  device::DeviceDescription device = device::load_device("wall-1dof");
   device.facts.encoder_step.setZero();
-  const auto delay = net::parse_netem("delay 1ms");
+  const auto delay = netem::parse_netem("delay 1ms");
   sim::ClosedLoop loop({.device = device,
                         .hand = "press",
                         .law = GetParam(),

@@ -9,9 +9,9 @@
 #include <limits>
 #include <random>
 
-#include "forcebound/client/device/load_device.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/device/load_device.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -42,7 +42,7 @@ class ControlHardCase : public testing::TestWithParam<const char*> {
  protected:
   PassivityController controller(const DeviceFacts& facts) {
     damping_ = Damping::from_matrix(facts.damping);
-    return {facts, shipped_laws().make(GetParam(), facts, {.memory = EnergyMemory::full})};
+    return {facts, control::force_bounding_laws().make(GetParam(), facts, {.memory = EnergyMemory::full})};
   }
 
   Motion motion(const Vector& position, double interval_s = kPeriod_s) const {
@@ -173,12 +173,13 @@ TEST_P(ControlHardCase, Case08DenormalsFlushedOrNot) {
 }
 
 TEST_P(ControlHardCase, Case12ConfigurationsThatChangeOnEveryTickThroughSingularOnes) {
-  const client::DeviceDescription omni = client::load_device("omni");
-  const client::ArmKinematics arm(*omni.arm);
+  const device::DeviceDescription omni = device::load_device("omni");
+  const device::ArmKinematics arm(*omni.arm);
   DeviceFacts facts = omni.facts;
   facts.encoder_step.setZero();
   facts.actuator_step.setZero();
-  PassivityController controller(facts, shipped_laws().make(GetParam(), facts, {.memory = EnergyMemory::full}));
+  PassivityController controller(facts,
+                                 control::force_bounding_laws().make(GetParam(), facts, {.memory = EnergyMemory::full}));
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> number(-1, 1);
   Vector torque = Vector::Zero(3);

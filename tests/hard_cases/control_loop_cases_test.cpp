@@ -7,10 +7,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/server/scene/scene_parser.hpp"
-#include "tests/sim/closed_loop.hpp"
-#include "tests/sim/restless_hand.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
+#include "tests/tools/sim/restless_hand.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -48,7 +48,7 @@ class ControlLoopHardCase : public testing::TestWithParam<const char*> {
   ClosedLoop::Settings settings(double stiffness_N_per_m) const {
     ClosedLoop::Settings settings;
     settings.law = GetParam();
-    settings.device = client::load_device("wall-1dof");
+    settings.device = device::load_device("wall-1dof");
     const bool real = GetParam() == std::string("fba-exact");
     settings.device.facts.encoder_step.setConstant(real ? 55e-6 : 0);
     settings.device.facts.latency_s = real ? 100e-6 : 0;

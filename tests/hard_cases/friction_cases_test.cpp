@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "forcebound/server/effects/friction.hpp"
+#include "forcebound/scene/effects/friction.hpp"
 #include "tests/support/effect_probe.hpp"
 
 namespace forcebound::server {
@@ -12,14 +12,16 @@ namespace {
 constexpr double kStiffness_N_per_m = 700;
 constexpr int kTicks = FORCEBOUND_FRICTION_TICKS;
 
-std::unique_ptr<Effect> friction(double static_coefficient, double dynamic_coefficient, double damping_N_s_per_m) {
-  return friction_effect().make({{"static_coefficient", static_coefficient},
-                                 {"dynamic_coefficient", dynamic_coefficient},
-                                 {"stiffness_N_per_m", kStiffness_N_per_m},
-                                 {"damping_N_s_per_m", damping_N_s_per_m}});
+std::unique_ptr<scene::Effect> friction(double static_coefficient, double dynamic_coefficient,
+                                        double damping_N_s_per_m) {
+  return scene::friction_effect().make({{"static_coefficient", static_coefficient},
+                                        {"dynamic_coefficient", dynamic_coefficient},
+                                        {"stiffness_N_per_m", kStiffness_N_per_m},
+                                        {"damping_N_s_per_m", damping_N_s_per_m}});
 }
 
-Probe pressed_at(const Point& position_m, double pressure_N, const Point& normal = Point::UnitZ()) {
+scene::Probe pressed_at(const scene::Point& position_m, double pressure_N,
+                        const scene::Point& normal = scene::Point::UnitZ()) {
   return {
       .position_m = position_m, .interval_s = 1e-3, .normal = normal, .penetration_m = 1e-3, .pressure_N = pressure_N};
 }
@@ -27,8 +29,8 @@ Probe pressed_at(const Point& position_m, double pressure_N, const Point& normal
 TEST(HardCase36, FrictionAtRestDoesNotCreepForTenMillionTicks) {
   const auto effect = friction(0.5, 0.4, 0);
   test::Felt felt(*effect);
-  (void)felt(pressed_at(Point::Zero(), 2));
-  const Point held_N = felt(pressed_at({0.001, 0, 0}, 2)).force_N;
+  (void)felt(pressed_at(scene::Point::Zero(), 2));
+  const scene::Point held_N = felt(pressed_at({0.001, 0, 0}, 2)).force_N;
   EXPECT_NEAR(held_N.x(), -0.7, 1e-12);
   for (int i = 0; i < kTicks; ++i) {
     if (felt(pressed_at({0.001, 0, 0}, 2)).force_N != held_N) FAIL() << "crept on tick " << i;
@@ -41,20 +43,21 @@ void expect_dissipation_on_every_step(double quantum_m, double damping_N_s_per_m
   test::Felt felt(*effect);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> symmetric(-1, 1);
-  const auto draw = [&] { return Point(symmetric(random), symmetric(random), symmetric(random)); };
-  Point position_m = Point::Zero();
-  Point seen_m = position_m;
-  Point normal = Point::UnitZ();
+  const auto draw = [&] { return scene::Point(symmetric(random), symmetric(random), symmetric(random)); };
+  scene::Point position_m = scene::Point::Zero();
+  scene::Point seen_m = position_m;
+  scene::Point normal = scene::Point::UnitZ();
   double stored_J = 0;
   double dissipated_J = 0;
   (void)felt(pressed_at(seen_m, 1, normal));
   for (int i = 0; i < kTicks; ++i) {
     const double speed = i / 1000 % 4 == 0 ? 0 : 1e-4 * (1 + i / 1000 % 7);
     position_m += speed * draw();
-    const Point now_m = quantum_m > 0 ? Point((position_m / quantum_m).array().round() * quantum_m) : position_m;
+    const scene::Point now_m =
+        quantum_m > 0 ? scene::Point((position_m / quantum_m).array().round() * quantum_m) : position_m;
     normal = (normal + 0.05 * draw()).normalized();
     const double pressure_N = std::max(0.0, 2 * symmetric(random));
-    const Point force_N = felt(pressed_at(now_m, pressure_N, normal)).force_N;
+    const scene::Point force_N = felt(pressed_at(now_m, pressure_N, normal)).force_N;
     ASSERT_LE(force_N.norm(), 0.6 * pressure_N * (1 + 1e-12)) << "tick " << i;
     // The hand's work against it; what is stored cannot be more than this force can have deflected the bristle.
     const double put_J = -force_N.dot(now_m - seen_m);
@@ -78,10 +81,10 @@ TEST(HardCase36, FrictionUnderAnEncoderThatFlickersOneCountDoesNotChatter) {
   constexpr double kCount_m = 15e-6;
   const auto effect = friction(0.5, 0.3, 0);
   test::Felt felt(*effect);
-  (void)felt(pressed_at(Point::Zero(), 2));
+  (void)felt(pressed_at(scene::Point::Zero(), 2));
   (void)felt(pressed_at({0.0012, 0, 0}, 2));
   for (int i = 0; i < 10000; ++i) {
-    const Point force_N = felt(pressed_at({0.0012 + (i % 2) * kCount_m, 0, 0}, 2)).force_N;
+    const scene::Point force_N = felt(pressed_at({0.0012 + (i % 2) * kCount_m, 0, 0}, 2)).force_N;
     ASSERT_NEAR(force_N.x(), -0.84 - (i % 2) * kStiffness_N_per_m * kCount_m, 1e-9) << i;
   }
 }

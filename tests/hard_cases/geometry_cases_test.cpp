@@ -8,12 +8,12 @@
 #include <limits>
 #include <random>
 
-#include "forcebound/server/geometry/distance_field.hpp"
-#include "forcebound/server/geometry/mesh_file.hpp"
-#include "forcebound/server/geometry/mesh_shape.hpp"
+#include "forcebound/scene/geometry/distance_field.hpp"
+#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/scene/geometry/mesh_shape.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/process.hpp"
-#include "tests/support/recorded_data.hpp"
+#include "tests/tools/recorded_data.hpp"
 #include "tests/support/shape_client.hpp"
 
 namespace forcebound::server {
@@ -28,17 +28,17 @@ using testing::StartsWith;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::shared_ptr<const TriangleMesh> shared(const Soup& soup, const MeshPlacement& placement = {}) {
-  return std::make_shared<const TriangleMesh>(soup.mesh("test.obj", placement));
+std::shared_ptr<const scene::TriangleMesh> shared(const Soup& soup, const scene::MeshPlacement& placement = {}) {
+  return std::make_shared<const scene::TriangleMesh>(soup.mesh("test.obj", placement));
 }
 
 /// Slides over the square [-0.9, 0.9]^2 of a plane that `motion` has turned, through its middle, and expects the plane.
 void expect_a_plane(Follower& follower, const Eigen::Isometry3d& motion, double depth_m) {
-  const Point normal = motion.linear().col(2);
-  (void)follower.to(motion * Point(-0.9, -0.3, 0.1));
+  const scene::Point normal = motion.linear().col(2);
+  (void)follower.to(motion * scene::Point(-0.9, -0.3, 0.1));
   for (int i = 0; i <= 3600; ++i) {
     const double along = -0.9 + 5e-4 * i;
-    const SurfacePoint found = follower.to(motion * Point(along, along / 3, -depth_m));
+    const scene::SurfacePoint found = follower.to(motion * scene::Point(along, along / 3, -depth_m));
     ASSERT_LT((spring_force(found) - depth_m * normal).norm(), 1e-9 * depth_m) << "tick " << i;
   }
 }
@@ -60,8 +60,8 @@ TEST(HardCase20, SliversAreDroppedAndCountedAndNotFelt) {
   }
   const auto motion = test::askew();
   Follower follower(soup.moved(motion));
-  const MeshReport& report = follower.object().bvh().mesh().report();
-  EXPECT_EQ(report.slivers, 300U) << to_text(report);
+  const scene::MeshReport& report = follower.object().bvh().mesh().report();
+  EXPECT_EQ(report.slivers, 300U) << scene::to_text(report);
   EXPECT_EQ(report.triangles, 72U);
   expect_a_plane(follower, motion, 0.01);
 }
@@ -86,13 +86,13 @@ TEST(HardCase20, TrianglesJustThickEnoughToKeepAreNotFeltEither) {
 
 TEST(HardCase21, DuplicateAndUnreferencedVerticesAreMendedAndCounted) {
   Soup soup;
-  for (const Triangle& t : test::square(1, 10).triangles) {
+  for (const scene::Triangle& t : test::square(1, 10).triangles) {
     const Soup square = test::square(1, 10);
     soup.add({{square.vertices[t[0]], square.vertices[t[1]], square.vertices[t[2]], {7, 7, 7}}, {{0, 1, 2}}});
   }
   const auto motion = test::askew();
   Follower follower(soup.moved(motion));
-  const MeshReport& report = follower.object().bvh().mesh().report();
+  const scene::MeshReport& report = follower.object().bvh().mesh().report();
   EXPECT_EQ(report.vertices, 121U);
   EXPECT_EQ(report.welded_vertices, 600U - 121U + 199U);
   EXPECT_EQ(report.unreferenced_vertices, 1U);
@@ -110,17 +110,17 @@ TEST(HardCase22, OneSidedContactWorksWhateverTheMeshIs) {
   fins.triangles.push_back({0, 1, 8});
   for (const Soup& soup : {disagreeing, open, fins}) {
     const auto mesh = shared(soup);
-    SCOPED_TRACE(to_text(mesh->report()));
+    SCOPED_TRACE(scene::to_text(mesh->report()));
     EXPECT_FALSE(mesh->report().closed());
-    ShapeClient client(make_mesh(mesh));
+    ShapeClient client(scene::make_mesh(mesh));
     (void)client.at({0.2, 0.3, 2 + mesh->origin_m().z()});
-    const SurfacePoint found = client.at({0.2, 0.3, 0.9});
+    const scene::SurfacePoint found = client.at({0.2, 0.3, 0.9});
     EXPECT_NEAR(found.penetration_m, 0.1, 1e-12);
-    EXPECT_LT((found.normal - Point::UnitZ()).norm(), 1e-9);
+    EXPECT_LT((found.normal - scene::Point::UnitZ()).norm(), 1e-9);
     try {
-      (void)make_distance_field(mesh, {.spacing_m = 0.1});
+      (void)scene::make_distance_field(mesh, {.spacing_m = 0.1});
       ADD_FAILURE() << "the inside of what has none";
-    } catch (const GeometryError& error) {
+    } catch (const scene::GeometryError& error) {
       EXPECT_THAT(error.what(), StartsWith("test.obj: has no inside, since it is not closed: "));
     }
   }
@@ -129,19 +129,20 @@ TEST(HardCase22, OneSidedContactWorksWhateverTheMeshIs) {
 TEST(HardCase23, SharedEdgesAndVerticesOfAPlaneAreNotFelt) {
   const auto motion = test::askew();
   Follower follower(test::square(1, 8).moved(motion));
-  const Point normal = motion.linear().col(2);
+  const scene::Point normal = motion.linear().col(2);
   constexpr double kDepth_m = 0.01;
-  (void)follower.to(motion * Point(-0.9, -0.9, 0.1));
+  (void)follower.to(motion * scene::Point(-0.9, -0.9, 0.1));
   // Along the diagonals, along the sides, and from vertex to vertex.
-  for (const Point& way : {Point(1, 1, 0), Point(1, 0, 0), Point(0, 1, 0), Point(1, -1, 0)}) {
+  for (const scene::Point& way :
+       {scene::Point(1, 1, 0), scene::Point(1, 0, 0), scene::Point(0, 1, 0), scene::Point(1, -1, 0)}) {
     for (int i = -800; i <= 800; ++i) {
-      const Point goal = 1.0 / 1024 * i * way + Point(0, 0, -kDepth_m);
+      const scene::Point goal = 1.0 / 1024 * i * way + scene::Point(0, 0, -kDepth_m);
       ASSERT_LT((spring_force(follower.to(motion * goal)) - kDepth_m * normal).norm(), 1e-9 * kDepth_m)
           << goal.transpose();
     }
   }
   for (int i = 0; i < 200; ++i) {
-    const Point vertex(0.25 * (i % 7 - 3), 0.25 * (i / 7 % 7 - 3), -kDepth_m);
+    const scene::Point vertex(0.25 * (i % 7 - 3), 0.25 * (i / 7 % 7 - 3), -kDepth_m);
     ASSERT_LT((spring_force(follower.to(motion * vertex)) - kDepth_m * normal).norm(), 1e-9 * kDepth_m);
   }
 }
@@ -149,12 +150,12 @@ TEST(HardCase23, SharedEdgesAndVerticesOfAPlaneAreNotFelt) {
 TEST(HardCase24, AConcaveCornerHoldsWithoutChatter) {
   const auto motion = test::askew();
   Follower follower(test::block({1, 1, 1}).inside_out().moved(motion));
-  (void)follower.to(motion * Point(0, 0, 0));
+  (void)follower.to(motion * scene::Point(0, 0, 0));
   std::mt19937 random(24);
   std::uniform_real_distribution<double> unit(-1, 1);
-  Point goal(1.2, 1.2, 1.2);
+  scene::Point goal(1.2, 1.2, 1.2);
   for (int i = 0; i < 20000; ++i) {
-    goal += 1e-3 * Point(unit(random), unit(random), unit(random));
+    goal += 1e-3 * scene::Point(unit(random), unit(random), unit(random));
     goal = goal.cwiseMax(0.8).cwiseMin(1.5);
     (void)follower.to(motion * goal);
     // Of a room with right angles the nearest point is known, whether one wall holds or three.
@@ -176,14 +177,14 @@ TEST(HardCase24, TwoPlanesATenthOfADegreeApartDoNotChatter) {
   for (const double sign : {1.0, -1.0}) {
     SCOPED_TRACE(sign > 0 ? "a valley" : "a ridge");
     Follower follower(two_planes(sign * slope).moved(motion));
-    (void)follower.to(motion * Point(-1e-3, 0.1, 0.1));
+    (void)follower.to(motion * scene::Point(-1e-3, 0.1, 0.1));
     constexpr double kDepth_m = 0.05;
-    (void)follower.to(motion * Point(-1e-3, 0.1, -kDepth_m));
-    Point before = motion.inverse() * follower.at_m();
+    (void)follower.to(motion * scene::Point(-1e-3, 0.1, -kDepth_m));
+    scene::Point before = motion.inverse() * follower.at_m();
     for (int i = -1000; i <= 1000; ++i) {
-      const Point goal(1e-6 * i, 0.1, -kDepth_m);
+      const scene::Point goal(1e-6 * i, 0.1, -kDepth_m);
       (void)follower.to(motion * goal);
-      const Point at = motion.inverse() * follower.at_m();
+      const scene::Point at = motion.inverse() * follower.at_m();
       ASSERT_NEAR(at.y(), 0.1, 1e-12);
       ASSERT_NEAR(at.z(), sign * slope * std::abs(at.x()), 1e-12) << "on the planes";
       ASSERT_LT((at - before).norm(), 2e-4) << "tick " << i;
@@ -208,12 +209,12 @@ TEST(HardCase25, AThinWallLetsNothingThroughAtAnySpeed) {
     for (const double slant : {0.0, 0.5, 5.0}) {
       // A plate of 1 m x 1 m and 0.1 mm.
       Follower follower(test::block({0.5, 0.5, 0.5e-4}).moved(motion));
-      const Point way = Point(slant, 0.3 * slant, -1).normalized();
+      const scene::Point way = scene::Point(slant, 0.3 * slant, -1).normalized();
       double deepest_m = 0;
       for (double gone_m = 0; gone_m < 0.2; gone_m += speed_m_per_s * kTick_s) {
-        const Point goal = Point(-0.2, -0.1, 0.01) + gone_m * way;
-        const SurfacePoint found = follower.to(motion * goal);
-        const Point at = motion.inverse() * follower.at_m();
+        const scene::Point goal = scene::Point(-0.2, -0.1, 0.01) + gone_m * way;
+        const scene::SurfacePoint found = follower.to(motion * goal);
+        const scene::Point at = motion.inverse() * follower.at_m();
         ASSERT_GE(at.z(), 0.5e-4 - 1e-11) << speed_m_per_s << " m/s, after " << gone_m;
         ASSERT_NEAR(found.penetration_m, std::max(0.0, 0.5e-4 - goal.z()), 1e-11);
         deepest_m = std::max(deepest_m, found.penetration_m);
@@ -235,37 +236,39 @@ TEST(HardCase26, CoincidentSurfacesGiveOneForce) {
 }
 
 TEST(HardCase27, TheCentreOfASphereHasTheLastValidNormalFlagged) {
-  const auto expect_old_normal = [](std::unique_ptr<Shape> shape, const Point& center_m) {
+  const auto expect_old_normal = [](std::unique_ptr<scene::Shape> shape, const scene::Point& center_m) {
     ShapeClient client(std::move(shape));
-    const SurfacePoint before = client.at(center_m + Point(0.003, 0.004, 0));
+    const scene::SurfacePoint before = client.at(center_m + scene::Point(0.003, 0.004, 0));
     EXPECT_FALSE(before.normal_is_old);
-    const SurfacePoint at_center = client.at(center_m);
+    const scene::SurfacePoint at_center = client.at(center_m);
     EXPECT_TRUE(at_center.normal_is_old);
     EXPECT_EQ(at_center.normal, before.normal);
     EXPECT_TRUE(std::isfinite(at_center.penetration_m));
   };
-  expect_old_normal(make_sphere({0.1, 0, 0}, 0.02), {0.1, 0, 0});
-  expect_old_normal(make_cavity({0.1, 0, 0}, 0.02), {0.1, 0, 0});
+  expect_old_normal(scene::make_sphere({0.1, 0, 0}, 0.02), {0.1, 0, 0});
+  expect_old_normal(scene::make_cavity({0.1, 0, 0}, 0.02), {0.1, 0, 0});
   // A grid whose middle is the middle of a cell, with an odd number of steps.
-  expect_old_normal(make_distance_field(shared(test::block({0.02, 0.02, 0.02})), {.spacing_m = 0.04 / 21}), {0, 0, 0});
+  expect_old_normal(scene::make_distance_field(shared(test::block({0.02, 0.02, 0.02})), {.spacing_m = 0.04 / 21}),
+                    {0, 0, 0});
 }
 
 TEST(HardCase28, MeshesOfAnySizeAndPlaceGiveTheSameRelativeAnswer) {
   const Soup ball = test::ball(1, 24).moved(test::askew());
   for (int power = -6; power <= 6; ++power) {
     const double scale = std::pow(10, power);
-    for (const Point& offset_m : {Point(0, 0, 0), Point(1e4, -1e4, 1e4)}) {
+    for (const scene::Point& offset_m : {scene::Point(0, 0, 0), scene::Point(1e4, -1e4, 1e4)}) {
       SCOPED_TRACE("scale " + std::to_string(scale) + ", offset " + std::to_string(offset_m.x()));
       Follower unit(ball);
       Follower follower(ball.mesh("test.obj", {.scale = scale, .offset_m = offset_m}));
-      const Point origin_m = follower.object().bvh().mesh().origin_m();
+      const scene::Point origin_m = follower.object().bvh().mesh().origin_m();
       for (int i = 0; i < 400; ++i) {
         const double height = i == 0 ? 2 : 0.9;
-        const Point goal_m = origin_m + scale * Point(height * std::sin(0.02 * i), 0.3 * std::sin(0.05 * i),
-                                                      height * std::cos(0.02 * i));
+        const scene::Point goal_m =
+            origin_m +
+            scale * scene::Point(height * std::sin(0.02 * i), 0.3 * std::sin(0.05 * i), height * std::cos(0.02 * i));
         // The same goal, as the digits of the scene's frame have it so far from its origin.
-        const Point goal = (goal_m - origin_m) / scale + unit.object().bvh().mesh().origin_m();
-        const Point expected = spring_force(unit.to(goal));
+        const scene::Point goal = (goal_m - origin_m) / scale + unit.object().bvh().mesh().origin_m();
+        const scene::Point expected = spring_force(unit.to(goal));
         ASSERT_LT((spring_force(follower.to(goal_m)) / scale - expected).norm(), 1e-9) << "goal " << i;
         ASSERT_EQ(expected.norm() > 0, i > 0);
       }
@@ -278,16 +281,16 @@ TEST(HardCase29, NaNInAMeshIsRefusedAndInAQueryHarmsNobodyElse) {
     Soup soup = test::block({1, 1, 1});
     soup.vertices[5].z() = bad;
     EXPECT_THAT([&] { (void)soup.mesh("cube.off"); },
-                testing::ThrowsMessage<GeometryError>("cube.off: vertex 5 is not finite"));
-    ShapeClient mesh(make_mesh(shared(test::block({1, 1, 1})), {.reach_m = 1}));
-    ShapeClient field(make_distance_field(shared(test::block({1, 1, 1})), {.spacing_m = 0.2}));
+                testing::ThrowsMessage<scene::GeometryError>("cube.off: vertex 5 is not finite"));
+    ShapeClient mesh(scene::make_mesh(shared(test::block({1, 1, 1})), {.reach_m = 1}));
+    ShapeClient field(scene::make_distance_field(shared(test::block({1, 1, 1})), {.spacing_m = 0.2}));
     for (ShapeClient* client : {&mesh, &field}) {
       (void)client->at({0.1, 0.2, 1.1});
-      const SurfacePoint before = client->at({0.1, 0.2, 0.9});
+      const scene::SurfacePoint before = client->at({0.1, 0.2, 0.9});
       EXPECT_GT(before.penetration_m, 0);
       EXPECT_LE(client->at({bad, 0.2, 0.9}).penetration_m, 0) << bad;
       EXPECT_TRUE(client->at({0.1, bad, 0.9}).normal.allFinite());
-      const SurfacePoint after = client->at({0.1, 0.2, 0.9});
+      const scene::SurfacePoint after = client->at({0.1, 0.2, 0.9});
       EXPECT_EQ(after.penetration_m, before.penetration_m) << "goes on as before";
       EXPECT_EQ(after.normal, before.normal);
     }
@@ -320,9 +323,9 @@ TEST(HardCase30, MalformedMeshFilesAreRefusedWithFileAndLine) {
     const std::string path = folder.file(file);
     test::write_file(path, content);
     try {
-      (void)load_mesh(path);
+      (void)scene::load_mesh(path);
       ADD_FAILURE() << file << " was accepted";
-    } catch (const GeometryError& error) {
+    } catch (const scene::GeometryError& error) {
       EXPECT_THAT(error.what(), StartsWith(path + complaint));
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
@@ -338,8 +341,8 @@ TEST(HardCase30, EveryTruncationOfAMeshFileIsReadOrRefused) {
     for (std::size_t length = 0; length < content.size(); ++length) {
       test::write_file(folder.file(name), content.substr(0, length));
       try {
-        EXPECT_GT(load_mesh(folder.file(name)).report().triangles, 0U);
-      } catch (const GeometryError& error) {
+        EXPECT_GT(scene::load_mesh(folder.file(name)).report().triangles, 0U);
+      } catch (const scene::GeometryError& error) {
         EXPECT_THAT(error.what(), StartsWith(folder.file(name)));
         ++refused;
       }
@@ -351,8 +354,8 @@ TEST(HardCase30, EveryTruncationOfAMeshFileIsReadOrRefused) {
 TEST(HardCase30, DuplicateVerticesOfAnStlAreWelded) {
   const auto path = test::recorded_data("meshes/malformed/duplicate_vertices.stl");
   if (!path) GTEST_SKIP() << "no meshes/malformed/duplicate_vertices.stl in FORCEBOUND_DATA";
-  const TriangleMesh mesh = load_mesh(path->string());
-  EXPECT_GT(mesh.report().welded_vertices, 0U) << to_text(mesh.report());
+  const scene::TriangleMesh mesh = scene::load_mesh(path->string());
+  EXPECT_GT(mesh.report().welded_vertices, 0U) << scene::to_text(mesh.report());
   EXPECT_EQ(mesh.report().vertices + mesh.report().welded_vertices + mesh.report().unreferenced_vertices,
             3 * (mesh.report().triangles + mesh.report().slivers + mesh.report().duplicate_triangles));
 }

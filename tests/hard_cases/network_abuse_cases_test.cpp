@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "tests/hard_cases/network_loop.hpp"
-#include "tests/sim/draw.hpp"
+#include "tests/tools/sim/draw.hpp"
 
 namespace forcebound::sim {
 namespace {

@@ -6,15 +6,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "forcebound/client/device/make_operator.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/wire/sequence_window.hpp"
 #include "tests/hard_cases/network_loop.hpp"
-#include "tests/support/recorded_data.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::sim {
 namespace {
 
-using net::Direction;
+using netem::Direction;
 using nlohmann::json;
 
 class Overtaken : public NetworkHardCase {
@@ -176,11 +176,11 @@ TEST_F(NetworkHardCase, Case15AServerKilledInContactAndRestarted) {
 TEST_F(NetworkHardCase, Case15AClientKilledInContactAndRestarted) {
   // The one that is killed says no Bye; its server is this one's.
   for (int i = 0; i < 3; ++i) {
-    client::SimulatedDevice device(client::load_device("omni"), client::make_operator("trace-sphere", 3));
+    device::SimulatedDevice device(device::load_device("omni"), device::make_operator("trace-sphere", 3));
     VirtualClock clock(loop.time());
     const auto options = client::Session::Options{.server = loop.network().server_address(),
                                                   .seed = 90U + static_cast<std::uint64_t>(i)};
-    client::Session killed(options, device, control::shipped_laws().make("fba-exact", device.facts()),
+    client::Session killed(options, device, control::force_bounding_laws().make("fba-exact", device.facts()),
                            loop.network().add_client(), clock, {});
     for (int tick = 0; tick < 1000; ++tick) {
       clock.set(loop.time());
@@ -212,7 +212,7 @@ TEST(NetworkHardCaseOfTwelveSeconds, Case18TheRecordedRuralNetworkIsSurvived) {
   if (!trace) GTEST_SKIP() << "no recorded data; FORCEBOUND_DATA names its folder";
   auto settings = omni_on_the_sphere();
   settings.network.up = settings.network.down = {};
-  settings.network.trace = net::load_trace(trace->string());
+  settings.network.trace = netem::load_trace(trace->string());
   NeverBroken never(settings.device.facts.force_N_max);
   ClosedLoop loop(settings, {&never});
   loop.run(127s);

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/server/scene/scene_library.hpp"
-#include "tests/sim/closed_loop.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::sim {
 
@@ -19,11 +19,11 @@ using Bytes = std::vector<std::byte>;
 /// A hand at the omni that traces the sphere, with the law that promises to stay passive on it.
 inline ClosedLoop::Settings omni_on_the_sphere(const std::string& netem = "delay 5ms") {
   ClosedLoop::Settings settings;
-  settings.device = client::load_device("omni");
+  settings.device = device::load_device("omni");
   settings.hand = "trace-sphere";
   settings.law = "fba-exact";
   settings.scene = server::load_scene("sphere");
-  settings.network.up = settings.network.down = net::parse_netem(netem);
+  settings.network.up = settings.network.down = netem::parse_netem(netem);
   return settings;
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "forcebound/client/device/load_device.hpp"
+#include "forcebound/device/load_device.hpp"
 #include "tests/hard_cases/bounding_laws.hpp"
 #include "tests/support/published_law_checks.hpp"
 
@@ -121,7 +121,7 @@ TEST_P(HardCase03, AnArmOfConditionNumber1e12IsClampedAndGivesFiniteForces) {
   facts.damping = to_vector({1e6, 1e-6}).asDiagonal();
   facts.friction = facts.encoder_step = facts.actuator_step = Vector::Zero(2);
   facts.force_N_max = 10;
-  PassivityController controller(facts, shipped_laws().make(GetParam(), facts));
+  PassivityController controller(facts, control::force_bounding_laws().make(GetParam(), facts));
   for (int i = 0; i < 1000; ++i) {
     const double turn = 1e-3 * i;
     Motion motion;
@@ -144,7 +144,7 @@ TEST(HardCase03, DampingThatIsIndefiniteByRoundingIsRefusedAtSetUp) {
   const Matrix damping = test::to_matrix({{30, 30 + 1e-12}, {30 + 1e-12, 30}});
   EXPECT_THROW((void)Damping::from_matrix(damping), std::invalid_argument);
   try {
-    (void)client::parse_device(
+    (void)device::parse_device(
         "kind = 'cartesian'\ndegrees_of_freedom = 2\nmass_kg = 0.1\nforce_N_max = 3\n"
         "damping_N_s_per_m = [[30, 30.000000000001], [30.000000000001, 30]]\n",
         "crooked.toml");

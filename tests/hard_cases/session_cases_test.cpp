@@ -10,16 +10,16 @@
 #include <optional>
 #include <vector>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/client/device/make_operator.hpp"
-#include "forcebound/server/scene/scene_library.hpp"
-#include "tests/sim/closed_loop.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::sim {
 namespace {
 
 using namespace std::chrono_literals;
-using net::Direction;
+using netem::Direction;
 
 using Bytes = std::vector<std::byte>;
 
@@ -50,24 +50,24 @@ class AnotherClient {
  public:
   AnotherClient(ClosedLoop& loop, net::DatagramLink& link, Nanoseconds now, std::uint64_t seed)
       : clock(now),
-        device(client::load_device("omni"), client::make_operator("trace-sphere", 3)),
+        device(device::load_device("omni"), device::make_operator("trace-sphere", 3)),
         session({.server = loop.network().server_address(), .seed = seed}, device,
-                control::shipped_laws().make("fba-exact", device.facts()), link, clock, {}) {}
+                control::force_bounding_laws().make("fba-exact", device.facts()), link, clock, {}) {}
 
   VirtualClock clock;
-  client::SimulatedDevice device;
+  device::SimulatedDevice device;
   client::Session session;
 };
 
 class SessionHardCase : public testing::Test {
  protected:
   SessionHardCase()
-      : loop_({.device = client::load_device("omni"),
+      : loop_({.device = device::load_device("omni"),
                .hand = "trace-sphere",
                .law = "fba-exact",
                .scene = server::load_scene("sphere"),
-               .network = {.up = net::parse_netem("delay 5ms"),
-                           .down = net::parse_netem("delay 5ms"),
+               .network = {.up = netem::parse_netem("delay 5ms"),
+                           .down = netem::parse_netem("delay 5ms"),
                            .trace = {},
                            .seed = 13}}),
         raw_(loop_.network().add_client()),
@@ -239,10 +239,10 @@ class LyingServer : public testing::Test {
 
   VirtualClock clock_;
   SimulatedNetwork network_{clock_, {}};
-  client::SimulatedDevice device_{client::load_device("wall-1dof"), client::make_operator("press", 1)};
+  device::SimulatedDevice device_{device::load_device("wall-1dof"), device::make_operator("press", 1)};
   client::Session session_{{.server = network_.server_address()},
                            device_,
-                           control::shipped_laws().make("fba-less", device_.facts()),
+                           control::force_bounding_laws().make("fba-less", device_.facts()),
                            network_.add_client(),
                            clock_,
                            {}};

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <random>
 
-#include "forcebound/server/geometry/capsule.hpp"
-#include "forcebound/server/geometry/cylinder.hpp"
-#include "forcebound/server/geometry/height_field.hpp"
-#include "forcebound/server/geometry/torus.hpp"
-#include "forcebound/server/scene/scene_parser.hpp"
-#include "forcebound/server/scene/scene_state.hpp"
+#include "forcebound/scene/geometry/capsule.hpp"
+#include "forcebound/scene/geometry/cylinder.hpp"
+#include "forcebound/scene/geometry/height_field.hpp"
+#include "forcebound/scene/geometry/torus.hpp"
+#include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/support/shape_checks.hpp"
 #include "tests/support/vector_of.hpp"
 
@@ -27,7 +27,7 @@ std::string plane_object(const std::string& name, const std::string& normal) {
          " }\neffects = ['surface']\nsurface = { stiffness_N_per_m = 1000 }\n";
 }
 
-std::shared_ptr<const Scene> two_planes(const std::string& first, const std::string& second) {
+std::shared_ptr<const scene::Scene> two_planes(const std::string& first, const std::string& second) {
   return parse_scene("[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n" + plane_object("first", first) +
                          plane_object("second", second),
                      "x.toml");
@@ -35,31 +35,31 @@ std::shared_ptr<const Scene> two_planes(const std::string& first, const std::str
 
 class Feeler {
  public:
-  explicit Feeler(const std::shared_ptr<const Scene>& scene) : state_(scene, 3) {}
+  explicit Feeler(const std::shared_ptr<const scene::Scene>& scene) : state_(scene, 3) {}
 
-  Point operator()(const Point& position_m) {
-    const SceneAnswer answer = state_.answer(position_m, Nanoseconds{0});
+  scene::Point operator()(const scene::Point& position_m) {
+    const scene::SceneAnswer answer = state_.answer(position_m, Nanoseconds{0});
     return answer.force;
   }
 
  private:
-  SceneState state_;
+  scene::SceneState state_;
 };
 
 TEST(HardCase24, BothWallsOfAConcaveCornerPushEachAsIfAlone) {
   Feeler corner(two_planes("[0, 0, 1]", "[1, 0, 0]"));
-  EXPECT_LT((corner({-0.002, 5, -0.003}) - Point(2, 0, 3)).norm(), 1e-12);
-  EXPECT_LT((corner({0.002, 5, -0.003}) - Point(0, 0, 3)).norm(), 1e-12);
-  EXPECT_EQ(corner({0.002, 5, 0.003}), Point(0, 0, 0));
+  EXPECT_LT((corner({-0.002, 5, -0.003}) - scene::Point(2, 0, 3)).norm(), 1e-12);
+  EXPECT_LT((corner({0.002, 5, -0.003}) - scene::Point(0, 0, 3)).norm(), 1e-12);
+  EXPECT_EQ(corner({0.002, 5, 0.003}), scene::Point(0, 0, 0));
 }
 
 TEST(HardCase24, ForceInAConcaveCornerIsContinuous) {
   Feeler corner(two_planes("[0, 0, 1]", "[1, 0, 0]"));
   constexpr double kStep_m = 1e-6;
   // Around the corner, along a small circle through both walls and the free space.
-  Point last = corner({0.003, 0, 0});
+  scene::Point last = corner({0.003, 0, 0});
   for (double angle = 0; angle < 2 * std::numbers::pi; angle += kStep_m / 0.003) {
-    const Point force = corner({0.003 * std::cos(angle), 0, 0.003 * std::sin(angle)});
+    const scene::Point force = corner({0.003 * std::cos(angle), 0, 0.003 * std::sin(angle)});
     ASSERT_LE((force - last).norm(), 1.01 * kStiffness_N_per_m * kStep_m) << angle;
     last = force;
   }
@@ -71,9 +71,9 @@ TEST(HardCase24, PlanesATenthOfADegreeApartAddTheirForcesWithoutChatter) {
   Feeler planes(
       two_planes("[-8.726645152351496e-4, 0, 0.9999996192282494]", "[8.726645152351496e-4, 0, 0.9999996192282494]"));
   constexpr double kStep_m = 1e-6;
-  Point last = planes({-0.01, 0, -0.001});
+  scene::Point last = planes({-0.01, 0, -0.001});
   for (double x = -0.01; x < 0.01; x += kStep_m) {
-    const Point force = planes({x, 0, -0.001});
+    const scene::Point force = planes({x, 0, -0.001});
     // Two springs, each as deep as its own plane says.
     const double left_m = 0.001 * std::cos(half) + x * std::sin(half);
     const double right_m = 0.001 * std::cos(half) - x * std::sin(half);
@@ -86,15 +86,16 @@ TEST(HardCase24, PlanesATenthOfADegreeApartAddTheirForcesWithoutChatter) {
 
 struct Case {
   std::string name;
-  std::unique_ptr<Shape> (*make)(const Point& at, double scale);
+  std::unique_ptr<scene::Shape> (*make)(const scene::Point& at, double scale);
   /// A place without a nearest direction and how deep it is, at scale 1; zero: there is a direction everywhere.
-  Point without_direction = Point::Zero();
+  scene::Point without_direction = scene::Point::Zero();
   double depth_m = 0;
 };
 
-HeightGrid hills(const Point& at, double scale) {
+scene::HeightGrid hills(const scene::Point& at, double scale) {
   // Of a place that far away, so much is no rounding.
-  HeightGrid grid{.origin_m = at - scale * Point(0.03125, 0.03125, 0), .spacing_m = 0.015625 * scale, .columns = 5};
+  scene::HeightGrid grid{
+      .origin_m = at - scale * scene::Point(0.03125, 0.03125, 0), .spacing_m = 0.015625 * scale, .columns = 5};
   for (int i = 0; i < 25; ++i) grid.heights_m.push_back(0.003 * scale * std::sin(i));
   return grid;
 }
@@ -102,51 +103,65 @@ HeightGrid hills(const Point& at, double scale) {
 const std::vector<Case>& cases() {
   static const std::vector<Case> kAll = {
       {"half_space",
-       [](const Point& at, double) {
-         return make_half_space(at, {1, 2, 3});
+       [](const scene::Point& at, double) {
+         return scene::make_half_space(at, {1, 2, 3});
        },
        {0, 0, 0},
        0},
-      {"sphere", [](const Point& at, double scale) { return make_sphere(at, 0.03 * scale); }, {0, 0, 0}, 0.03},
-      {"cavity", [](const Point& at, double scale) { return make_cavity(at, 0.03 * scale); }, {0, 0, 0}, -0.03},
-      {"box", [](const Point& at, double scale) { return make_box(at, scale * Point(0.06, 0.05, 0.04)); }, {}, 0},
+      {"sphere",
+       [](const scene::Point& at, double scale) { return scene::make_sphere(at, 0.03 * scale); },
+       {0, 0, 0},
+       0.03},
+      {"cavity",
+       [](const scene::Point& at, double scale) { return scene::make_cavity(at, 0.03 * scale); },
+       {0, 0, 0},
+       -0.03},
+      {"box",
+       [](const scene::Point& at, double scale) { return scene::make_box(at, scale * scene::Point(0.06, 0.05, 0.04)); },
+       {},
+       0},
       {"capsule",
-       [](const Point& at, double scale) {
-         return make_capsule(at - scale * Point(0.02, 0, 0.01), at + scale * Point(0.02, 0, 0.01), 0.02 * scale);
+       [](const scene::Point& at, double scale) {
+         return scene::make_capsule(at - scale * scene::Point(0.02, 0, 0.01), at + scale * scene::Point(0.02, 0, 0.01),
+                                    0.02 * scale);
        },
        {0.004, 0, 0.002},
        0.02},
       {"cylinder",
-       [](const Point& at, double scale) {
-         return make_cylinder(at - scale * Point(0.03, 0, 0.04), at + scale * Point(0.03, 0, 0.04), 0.02 * scale);
+       [](const scene::Point& at, double scale) {
+         return scene::make_cylinder(at - scale * scene::Point(0.03, 0, 0.04), at + scale * scene::Point(0.03, 0, 0.04),
+                                     0.02 * scale);
        },
        {0.003, 0, 0.004},
        0.02},
       {"torus",
-       [](const Point& at, double scale) {
-         return make_torus(at, {0, 0, 1}, 0.03 * scale, 0.01 * scale);
+       [](const scene::Point& at, double scale) {
+         return scene::make_torus(at, {0, 0, 1}, 0.03 * scale, 0.01 * scale);
        },
        {0.03, 0, 0},
        0.01},
-      {"height_field", [](const Point& at, double scale) { return make_height_field(hills(at, scale)); }, {}, 0}};
+      {"height_field",
+       [](const scene::Point& at, double scale) { return scene::make_height_field(hills(at, scale)); },
+       {},
+       0}};
   return kAll;
 }
 
 class Shapes : public testing::TestWithParam<std::size_t> {
  protected:
   static const Case& shape() { return cases()[GetParam()]; }
-  static std::unique_ptr<Shape> make(const Point& at, double scale) { return shape().make(at, scale); }
+  static std::unique_ptr<scene::Shape> make(const scene::Point& at, double scale) { return shape().make(at, scale); }
 };
 
 class HardCase27 : public Shapes {};
 
 TEST_P(HardCase27, WhereNoDirectionIsNearestTheLastValidOneCountsAndIsFlagged) {
-  const auto made = make(Point::Zero(), 1);
+  const auto made = make(scene::Point::Zero(), 1);
   test::KeptNormal kept;
   // From above, which is more across than along the axis of each.
-  const SurfacePoint before = made->nearest(shape().without_direction + Point(0, 0, 1e-3), kept.bytes());
+  const scene::SurfacePoint before = made->nearest(shape().without_direction + scene::Point(0, 0, 1e-3), kept.bytes());
   ASSERT_FALSE(before.normal_is_old);
-  const SurfacePoint there = made->nearest(shape().without_direction, kept.bytes());
+  const scene::SurfacePoint there = made->nearest(shape().without_direction, kept.bytes());
   EXPECT_TRUE(there.normal_is_old);
   EXPECT_NEAR(there.penetration_m, shape().depth_m, 1e-15);
   EXPECT_GT(there.normal.dot(before.normal), 0.8);
@@ -154,8 +169,8 @@ TEST_P(HardCase27, WhereNoDirectionIsNearestTheLastValidOneCountsAndIsFlagged) {
 }
 
 TEST_P(HardCase27, ANewSessionGetsAUnitNormalThereToo) {
-  const auto made = make(Point::Zero(), 1);
-  const SurfacePoint there = test::nearest(*made, shape().without_direction);
+  const auto made = make(scene::Point::Zero(), 1);
+  const scene::SurfacePoint there = test::nearest(*made, shape().without_direction);
   EXPECT_NEAR(there.normal.norm(), 1, 1e-15);
   EXPECT_TRUE(std::isfinite(there.penetration_m));
 }
@@ -165,13 +180,13 @@ class HardCase28 : public Shapes {};
 TEST_P(HardCase28, AnswersTheSameAtAnyScale) {
   std::mt19937_64 random(28);
   std::uniform_real_distribution<double> place(-0.05, 0.05);
-  const auto unit = make(Point::Zero(), 1);
+  const auto unit = make(scene::Point::Zero(), 1);
   for (const double scale : {1e-6, 1e-4, 1e-2, 1e2, 1e4, 1e6}) {
-    const auto scaled = make(Point::Zero(), scale);
+    const auto scaled = make(scene::Point::Zero(), scale);
     for (int i = 0; i < 1000; ++i) {
-      const Point p(place(random), place(random), place(random));
-      const SurfacePoint expected = test::nearest(*unit, p);
-      const SurfacePoint found = test::nearest(*scaled, scale * p);
+      const scene::Point p(place(random), place(random), place(random));
+      const scene::SurfacePoint expected = test::nearest(*unit, p);
+      const scene::SurfacePoint found = test::nearest(*scaled, scale * p);
       ASSERT_NEAR(found.penetration_m / scale, expected.penetration_m, 1e-9 * 0.05) << scale;
       ASSERT_LT((found.normal - expected.normal).norm(), 1e-9) << scale;
       ASSERT_EQ(found.normal_is_old, expected.normal_is_old);
@@ -182,14 +197,14 @@ TEST_P(HardCase28, AnswersTheSameAtAnyScale) {
 TEST_P(HardCase28, AnswersTheSameTenKilometresAway) {
   std::mt19937_64 random(28);
   std::uniform_real_distribution<double> place(-0.05, 0.05);
-  const Point far(1e4, -1e4, 1e4);
-  const auto here = make(Point::Zero(), 1);
+  const scene::Point far(1e4, -1e4, 1e4);
+  const auto here = make(scene::Point::Zero(), 1);
   const auto there = make(far, 1);
   for (int i = 0; i < 1000; ++i) {
     // A place so far away is known to 2e-12 m; this is what is left of the one drawn.
-    const Point given = far + Point(place(random), place(random), place(random));
-    const SurfacePoint expected = test::nearest(*here, given - far);
-    const SurfacePoint found = test::nearest(*there, given);
+    const scene::Point given = far + scene::Point(place(random), place(random), place(random));
+    const scene::SurfacePoint expected = test::nearest(*here, given - far);
+    const scene::SurfacePoint found = test::nearest(*there, given);
     ASSERT_NEAR(found.penetration_m, expected.penetration_m, 1e-9 * 0.05) << i;
     ASSERT_LT((found.normal - expected.normal).norm(), 1e-9) << i;
   }

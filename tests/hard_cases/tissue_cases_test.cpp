@@ -6,7 +6,7 @@
 #include <Eigen/SparseCholesky>
 #include <stdexcept>
 
-#include "forcebound/server/tissue/tissue_contact.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
 #include "tests/support/tissue_block.hpp"
 
 namespace forcebound::server {
@@ -18,7 +18,7 @@ constexpr double kTop_m = 0.03;
 
 LinearTissue tissue_of(const ElasticMaterial& material) {
   TetrahedralMesh mesh(tetrahedra_of({.cubes = {6, 6, 3}, .cube_m = 0.01}));
-  const std::vector<int> held = nodes_below(mesh, Point::Zero(), Point::UnitZ());
+  const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
   return {std::move(mesh), material, held};
 }
 
@@ -56,14 +56,14 @@ TEST(HardCase31, MoreContactsThanTheTissueHoldsAreCountedAndTheDeepestStillPush)
 TEST(HardCase37, TissueUnderUniformStrainPassesThePatchTest) {
   TetrahedralSoup soup = tetrahedra_of({.cubes = {2, 2, 2}, .cube_m = 0.01});
   // The one inner node almost on a face of its tetrahedra, so that some of them are slivers.
-  soup.nodes[13] += Point(0.0099, 0.0098, 0.0097);
+  soup.nodes[13] += scene::Point(0.0099, 0.0098, 0.0097);
   const TetrahedralMesh mesh(soup);
   const Eigen::SparseMatrix<double> stiffness = stiffness_matrix(mesh, {.young_Pa = 5000, .poisson = 0.45});
   Eigen::Matrix3d gradient;
   gradient << 0.02, 0.01, 0, -0.01, 0.03, 0.02, 0.005, 0, -0.04;
   Eigen::VectorXd displacement(81);
   Eigen::Index coordinate = 0;
-  for (const Point& node : mesh.nodes_m()) {
+  for (const scene::Point& node : mesh.nodes_m()) {
     displacement.segment<3>(coordinate) = gradient * node;
     coordinate += 3;
   }

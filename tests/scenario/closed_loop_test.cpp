@@ -1,4 +1,4 @@
-#include "tests/sim/closed_loop.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/net/netem_parameters.hpp"
-#include "forcebound/net/trace.hpp"
-#include "forcebound/server/scene/scene_library.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/auto_scene.hpp"
-#include "tests/support/recorded_data.hpp"
+#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/netem/trace.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -41,8 +41,8 @@ class Invariants final : public record::TickSink {
 };
 
 ClosedLoop::Settings sphere_through(const std::string& netem, const std::string& law) {
-  const auto parameters = net::parse_netem(netem);
-  return {.device = client::load_device("omni"),
+  const auto parameters = netem::parse_netem(netem);
+  return {.device = device::load_device("omni"),
           .hand = "trace-sphere",
           .law = law,
           .scene = server::load_scene("sphere"),
@@ -75,8 +75,8 @@ TEST_P(LawsThroughABadNetwork, CountWhatTheNetworkDid) {
   ClosedLoop loop(sphere_through("delay 50ms 10ms loss 5% duplicate 2%", GetParam()));
   loop.run(10s);
   loop.close();
-  const auto& up = loop.network().counters(net::Direction::up);
-  const auto& down = loop.network().counters(net::Direction::down);
+  const auto& up = loop.network().counters(netem::Direction::up);
+  const auto& down = loop.network().counters(netem::Direction::down);
   const auto totals = loop.totals();
   // Handshake and goodbye cross the network too: a handful of datagrams that are no motion and no force.
   constexpr double kHandshakes = 60;
@@ -140,10 +140,10 @@ TEST(ClosedLoop, ABlackoutInOneDirectionIsSaidToBeThatDirection) {
   Invariants invariants(3.3);
   ClosedLoop loop(sphere_through("delay 5ms", "fba-less"), {&invariants});
   loop.run(2s);
-  loop.network().set_blackhole(net::Direction::down, true);
+  loop.network().set_blackhole(netem::Direction::down, true);
   loop.run(60s);
   EXPECT_EQ(invariants.last.applied.norm(), 0.0);
-  loop.network().set_blackhole(net::Direction::down, false);
+  loop.network().set_blackhole(netem::Direction::down, false);
   loop.run(2s);
   EXPECT_EQ(loop.session().state(), record::SessionState::active);
   const json summary = summary_of(loop);
@@ -187,11 +187,11 @@ TEST_P(RecordedHandOverARecordedNetwork, RunsToTheEndFiniteAndPassive) {
   for (const char* law : {"fba-less", "fba-more"}) {
     SCOPED_TRACE(law);
     Invariants invariants(3.3);
-    ClosedLoop loop({.device = client::load_device("omni"),
+    ClosedLoop loop({.device = device::load_device("omni"),
                      .hand = "replay:" + hand->string() + ",offset_x_m=0.01",  // as recorded it passes the ball by 2 mm
                      .law = law,
                      .scene = server::load_scene(GetParam().scene),
-                     .network = {.up = {}, .down = {}, .trace = net::load_trace(trace->string()), .seed = 1}},
+                     .network = {.up = {}, .down = {}, .trace = netem::load_trace(trace->string()), .seed = 1}},
                     {&invariants});
     loop.run(std::chrono::seconds{GetParam().duration_s});
     const json summary = summary_of(loop);
@@ -227,8 +227,8 @@ struct Picked {
 class AnAutoScene : public testing::TestWithParam<Picked> {};
 
 TEST_P(AnAutoScene, IsPickedByTheMeasuredRoundTripAndSaidInTheSummary) {
-  const auto parameters = net::parse_netem(GetParam().netem);
-  ClosedLoop loop({.device = client::load_device("wall-1dof"),
+  const auto parameters = netem::parse_netem(GetParam().netem);
+  ClosedLoop loop({.device = device::load_device("wall-1dof"),
                    .hand = "press",
                    .law = "fba-exact",
                    .scene = test::auto_wall(),

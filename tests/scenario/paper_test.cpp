@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/lab/experiment.hpp"
-#include "tests/lab/measures.hpp"
+#include "tests/tools/lab/experiment.hpp"
+#include "tests/tools/lab/measures.hpp"
 
 // What the paper's experiments must show [Kim 2015, section VI], each law in turn, in virtual time.
 //

@@ -4,11 +4,11 @@
 #include <set>
 #include <vector>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/net/netem_parameters.hpp"
-#include "forcebound/server/scene/scene_library.hpp"
-#include "tests/sim/closed_loop.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/port_law.hpp"
+#include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 ClosedLoop::Settings with_port(test::PortLog& log, const std::string& netem) {
-  const auto parameters = net::parse_netem(netem);
-  return {.device = client::load_device("wall-1dof"),
+  const auto parameters = netem::parse_netem(netem);
+  return {.device = device::load_device("wall-1dof"),
           .hand = "press",
           .law = "port",
           .scene = server::load_scene("wall"),
@@ -49,14 +49,14 @@ TEST(Port, BeginsAnewWithTheServerThatRestarts) {
   test::PortLog log;
   ClosedLoop loop(with_port(log, "delay 2ms loss 5%"));
   loop.run(2s);
-  ASSERT_EQ(log.partner_began.size(), 1U);
+  ASSERT_EQ(log.server_side_began.size(), 1U);
   ASSERT_GT(log.answers_heard.back(), 1500);
   loop.kill_server();
   loop.run(100ms);
   loop.start_server();
   loop.run(1s);
-  ASSERT_EQ(log.partner_began.size(), 2U);
-  const std::vector<double> since(log.answers_heard.begin() + static_cast<std::ptrdiff_t>(log.partner_began.back()),
+  ASSERT_EQ(log.server_side_began.size(), 2U);
+  const std::vector<double> since(log.answers_heard.begin() + static_cast<std::ptrdiff_t>(log.server_side_began.back()),
                                   log.answers_heard.end());
   ASSERT_GT(since.size(), 500U);
   EXPECT_LT(since.front(), 5);

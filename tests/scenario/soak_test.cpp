@@ -4,9 +4,10 @@
 #include <set>
 #include <string>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "tests/lab/passivity.hpp"
-#include "tests/lab/soak/soak.hpp"
+#include "tests/tools/lab/passivity.hpp"
+#include "tests/tools/lab/soak/soak.hpp"
 
 // Passive no matter how late the force arrives: hostile runs from seeds, checked on every tick, and the published laws
 // as the control group, without which nothing would be proved.
@@ -42,7 +43,7 @@ TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
 TEST(Soak, DrawsEveryLaw) {
   std::set<std::string> drawn;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) drawn.insert(law_of(seed));
-  EXPECT_EQ(drawn.size(), control::shipped_laws().names().size());
+  EXPECT_EQ(drawn.size(), baselines::shipped_laws().names().size());
 }
 
 class SoakOfLaw : public testing::TestWithParam<std::string> {};
@@ -55,9 +56,9 @@ TEST_P(SoakOfLaw, FindsThatItKeepsWhatItPromises) {
     ASSERT_EQ(result.broken, "") << "again: forcebound-lab soak --law " << law << " --seeds 1 --from " << seed;
     promised += result.passive ? 1 : 0;
   }
-  EXPECT_EQ(promised > 0, control::shipped_laws().find(law).claim != control::LawClaim::nothing);
+  EXPECT_EQ(promised > 0, baselines::shipped_laws().find(law).claim != control::LawClaim::nothing);
 }
-INSTANTIATE_TEST_SUITE_P(Laws, SoakOfLaw, testing::ValuesIn(control::shipped_laws().names()), [](const auto& law) {
+INSTANTIATE_TEST_SUITE_P(Laws, SoakOfLaw, testing::ValuesIn(baselines::shipped_laws().names()), [](const auto& law) {
   std::string name = law.param;
   std::erase(name, '-');
   return name;

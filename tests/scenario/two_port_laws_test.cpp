@@ -7,11 +7,11 @@
 #include <string>
 #include <tuple>
 
-#include "forcebound/client/device/load_device.hpp"
-#include "forcebound/net/netem_parameters.hpp"
-#include "forcebound/server/scene/scene_library.hpp"
-#include "tests/sim/closed_loop.hpp"
-#include "tests/sim/restless_hand.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
+#include "tests/tools/sim/restless_hand.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -41,8 +41,8 @@ class Watch final : public record::TickSink {
 };
 
 ClosedLoop::Settings pressing(const std::string& law, const std::string& device, const std::string& netem) {
-  const auto way = net::parse_netem(netem);
-  return {.device = client::load_device(device),
+  const auto way = netem::parse_netem(netem);
+  return {.device = device::load_device(device),
           .hand = "press",
           .law = law,
           .scene = server::load_scene("wall"),
@@ -60,7 +60,7 @@ TEST_P(TwoPortLawsInTheLoop, MakeContactStayFiniteAndWithinTheLargestForce) {
   loop.run(5s);
   EXPECT_TRUE(watch.finite);
   EXPECT_GT(watch.most_N, 0.1) << "contact; a wave of b_w 0.5 N s/m, 50 ms long, is a spring of 10 N/m at 20 mm";
-  EXPECT_LE(watch.most_N, client::load_device(device).facts.force_N_max * (1 + 1e-12));
+  EXPECT_LE(watch.most_N, device::load_device(device).facts.force_N_max * (1 + 1e-12));
   EXPECT_EQ(loop.session().state(), record::SessionState::active);
   const auto report = [](const char* what, double value) { RecordProperty(what, std::to_string(value)); };
   report("passivity_minimum_mJ", watch.least_J * 1e3);

@@ -7,14 +7,14 @@
 #include <limits>
 #include <optional>
 
-#include "forcebound/server/geometry/bvh.hpp"
+#include "forcebound/scene/geometry/bvh.hpp"
 
 namespace forcebound::test {
 
 /// A mesh in Embree, in single precision: somebody else's answers to the questions that Bvh answers.
 class EmbreeScene {
  public:
-  explicit EmbreeScene(const server::TriangleMesh& mesh) : mesh_(mesh) {
+  explicit EmbreeScene(const scene::TriangleMesh& mesh) : mesh_(mesh) {
     const auto geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), mesh.vertices_m().size()));
@@ -39,7 +39,7 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  [[nodiscard]] std::optional<server::SegmentHit> first_hit(const server::Segment& segment) const {
+  [[nodiscard]] std::optional<scene::SegmentHit> first_hit(const scene::Segment& segment) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit ray{};
@@ -52,11 +52,11 @@ class EmbreeScene {
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene_, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return server::SegmentHit{ray.hit.primID, ray.ray.tfar};
+    return scene::SegmentHit{ray.hit.primID, ray.ray.tfar};
   }
 
   /// Embree finds the boxes; the triangle itself is asked of ours, since Embree 3 has no function for it.
-  [[nodiscard]] double nearest_distance_m(const server::Point& point_m) const {
+  [[nodiscard]] double nearest_distance_m(const scene::Point& point_m) const {
     Query query{mesh_, point_m, std::numeric_limits<double>::infinity()};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
@@ -68,21 +68,19 @@ class EmbreeScene {
 
  private:
   struct Query {
-    const server::TriangleMesh& mesh;
-    server::Point point_m;
+    const scene::TriangleMesh& mesh;
+    scene::Point point_m;
     double distance_m;
   };
 
-  static std::array<float, 3> single(const server::Point& p) {
+  static std::array<float, 3> single(const scene::Point& p) {
     return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
   }
 
   static bool look_at(RTCPointQueryFunctionArguments* arguments) {
     auto& query = *static_cast<Query*>(arguments->userPtr);
-    const auto corner = [&](std::size_t i) -> const server::Point& {
-      return query.mesh.corner_m(arguments->primID, i);
-    };
-    const auto on = server::nearest_on_triangle(query.point_m, corner(0), corner(1), corner(2));
+    const auto corner = [&](std::size_t i) -> const scene::Point& { return query.mesh.corner_m(arguments->primID, i); };
+    const auto on = scene::nearest_on_triangle(query.point_m, corner(0), corner(1), corner(2));
     const double distance_m = (on.point_m - query.point_m).norm();
     if (distance_m >= query.distance_m) return false;
     query.distance_m = distance_m;
@@ -90,7 +88,7 @@ class EmbreeScene {
     return true;
   }
 
-  const server::TriangleMesh& mesh_;
+  const scene::TriangleMesh& mesh_;
   RTCDevice device_ = rtcNewDevice("threads=1");
   RTCScene scene_ = rtcNewScene(device_);
 };

@@ -4,12 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/client/device/haptic_device.hpp"
+#include "forcebound/device/haptic_device.hpp"
 
 namespace forcebound::test {
 
 /// A Cartesian device that stands where the test puts it and remembers what it was told.
-class FakeDevice final : public client::HapticDevice {
+class FakeDevice final : public device::HapticDevice {
  public:
   explicit FakeDevice(int degrees_of_freedom, double damping_N_s_per_m = 30)
       : damping_(control::Damping::from_matrix(damping_N_s_per_m *
@@ -24,7 +24,7 @@ class FakeDevice final : public client::HapticDevice {
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
 
-  client::Reading read(time::Nanoseconds) noexcept override {
+  device::Reading read(time::Nanoseconds) noexcept override {
     const Eigen::Index dof = position.rows();
     return {
         .joint = position, .position = position, .jacobian = control::Matrix::Identity(dof, dof), .damping = &damping_};

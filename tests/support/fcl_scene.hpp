@@ -5,14 +5,14 @@
 #include <memory>
 #include <vector>
 
-#include "forcebound/server/geometry/triangle_mesh.hpp"
+#include "forcebound/scene/geometry/triangle_mesh.hpp"
 
 namespace forcebound::test {
 
 /// A mesh in the Flexible Collision Library: somebody else's distances.
 class FclScene {
  public:
-  explicit FclScene(const server::TriangleMesh& mesh) {
+  explicit FclScene(const scene::TriangleMesh& mesh) {
     std::vector<fcl::Triangle> triangles;
     for (const auto& triangle : mesh.triangles()) triangles.emplace_back(triangle[0], triangle[1], triangle[2]);
     tree_->beginModel();
@@ -22,7 +22,7 @@ class FclScene {
   }
 
   /// To the surface, from outside or inside. FCL has no points, so it is asked about a ball of no size.
-  [[nodiscard]] double nearest_distance_m(const server::Point& point_m) const {
+  [[nodiscard]] double nearest_distance_m(const scene::Point& point_m) const {
     fcl::Transform3d there = fcl::Transform3d::Identity();
     there.translation() = point_m;
     fcl::DistanceResultd result;

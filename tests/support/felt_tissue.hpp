@@ -1,6 +1,6 @@
 #pragma once
 
-#include "forcebound/server/tissue/corotational_tissue.hpp"
+#include "forcebound/server/dynamics/tissue/corotational_tissue.hpp"
 
 namespace forcebound::test {
 
@@ -8,16 +8,16 @@ namespace forcebound::test {
 struct FeltTissue {
   explicit FeltTissue(const server::CorotationalTissue& model) : tissue(model), body(model.make_body()) {}
 
-  server::TissueResult step(const server::Point& probe_m) { return tissue.step(state, body, probe_m); }
+  server::TissueResult step(const scene::Point& probe_m) { return tissue.step(state, body, probe_m); }
 
   /// The result of the last of so many steps, and one before them where they begin.
-  server::TissueResult go(const server::Point& from_m, const server::Point& to_m, int steps) {
+  server::TissueResult go(const scene::Point& from_m, const scene::Point& to_m, int steps) {
     server::TissueResult result;
     for (int n = 0; n <= steps; ++n) result = step(from_m + (to_m - from_m) * n / steps);
     return result;
   }
 
-  [[nodiscard]] server::Point node_m(int node) const {
+  [[nodiscard]] scene::Point node_m(int node) const {
     return tissue.mesh().nodes_m()[static_cast<std::size_t>(node)] +
            body.now.displacement_m.segment<3>(3 * static_cast<Eigen::Index>(node));
   }

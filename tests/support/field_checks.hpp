@@ -17,7 +17,7 @@ struct LoopWork {
 };
 
 /// Of a field at rest, around the closed curve place_m(angle), 0 <= angle <= 2 pi, by the midpoint rule.
-inline LoopWork work_around(const server::Effect& effect, const std::function<server::Point(double)>& place_m) {
+inline LoopWork work_around(const scene::Effect& effect, const std::function<scene::Point(double)>& place_m) {
   constexpr int kSteps = 20000;
   const auto at = [&](double step) { return place_m(2 * std::numbers::pi * step / kSteps); };
   LoopWork work;
@@ -30,10 +30,10 @@ inline LoopWork work_around(const server::Effect& effect, const std::function<se
 }
 
 /// A loop of some 0.1 m that is symmetric to nothing, around a point.
-inline std::function<server::Point(double)> crooked_loop(const server::Point& around_m) {
-  return [around_m](double angle) -> server::Point {
-    return around_m + server::Point(0.05 * std::cos(angle) + 0.02, 0.04 * std::sin(angle) + 0.01 * std::cos(2 * angle),
-                                    0.03 * std::sin(angle + 1) - 0.01 * std::sin(3 * angle));
+inline std::function<scene::Point(double)> crooked_loop(const scene::Point& around_m) {
+  return [around_m](double angle) -> scene::Point {
+    return around_m + scene::Point(0.05 * std::cos(angle) + 0.02, 0.04 * std::sin(angle) + 0.01 * std::cos(2 * angle),
+                                   0.03 * std::sin(angle + 1) - 0.01 * std::sin(3 * angle));
   };
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/ideal_device.hpp"
@@ -47,8 +48,8 @@ class LawLoop {
   void set_damping(const control::Matrix& damping) { damping_ = control::Damping::from_matrix(damping); }
 
   /// Where the environment is to be asked next, if the device is at `position`.
-  [[nodiscard]] control::Vector probe(const control::Vector& position) const noexcept {
-    return controller_.law().probe(position);
+  [[nodiscard]] control::Vector proxy_position(const control::Vector& position) const noexcept {
+    return controller_.law().proxy_position(position);
   }
 
   [[nodiscard]] double energy_J() const noexcept { return controller_.law().energy_J(); }
@@ -62,7 +63,7 @@ class LawLoop {
     facts.period_s = setting.period_s;
     facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
     facts.force_N_max = setting.force_N_max;
-    return {facts, control::shipped_laws().make(law, facts, {.parameters = setting.parameters})};
+    return {facts, baselines::shipped_laws().make(law, facts, {.parameters = setting.parameters})};
   }
 
   double interval_s_;

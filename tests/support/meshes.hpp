@@ -7,20 +7,20 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/server/geometry/triangle_mesh.hpp"
+#include "forcebound/scene/geometry/triangle_mesh.hpp"
 
 namespace forcebound::test {
 
-using server::Point;
-using server::Triangle;
+using scene::Point;
+using scene::Triangle;
 
 /// Triangles as a file has them.
 struct Soup {
   std::vector<Point> vertices;
   std::vector<Triangle> triangles;
 
-  [[nodiscard]] server::TriangleMesh mesh(const std::string& name = "test.obj",
-                                          const server::MeshPlacement& placement = {}) const {
+  [[nodiscard]] scene::TriangleMesh mesh(const std::string& name = "test.obj",
+                                         const scene::MeshPlacement& placement = {}) const {
     return {name, vertices, triangles, placement};
   }
 

@@ -3,62 +3,62 @@
 #include <memory>
 #include <string>
 
-#include "forcebound/server/effects/registry.hpp"
-#include "forcebound/server/scene/scene_parser.hpp"
+#include "forcebound/scene/effects/registry.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
 
 /// Effects that no scene needs but tests of the plan do.
 namespace forcebound::test {
 
 /// Counts its motions in its state, and pushes along x with that many newtons; asks for the time.
-class ClockEffect final : public server::Effect {
+class ClockEffect final : public scene::Effect {
  public:
-  void act(const server::Probe& probe, std::byte* state, server::Reaction& reaction) const noexcept override {
-    auto& count = server::state_as<double>(state);
+  void act(const scene::Probe& probe, std::byte* state, scene::Reaction& reaction) const noexcept override {
+    auto& count = scene::state_as<double>(state);
     count += 1;
     reaction.force_N.x() += count;
     reaction.force_N.y() += probe.time_s;
     reaction.force_N.z() += probe.interval_s;
   }
-  [[nodiscard]] server::EffectFacts facts() const override {
+  [[nodiscard]] scene::EffectFacts facts() const override {
     return {.inputs = {.time = true}, .state_bytes = sizeof(double)};
   }
 };
 
 /// Pushes along x with the pressure it sees, and counts in its state how often it was asked.
-class PressedEffect final : public server::Effect {
+class PressedEffect final : public scene::Effect {
  public:
-  void act(const server::Probe& probe, std::byte* state, server::Reaction& reaction) const noexcept override {
+  void act(const scene::Probe& probe, std::byte* state, scene::Reaction& reaction) const noexcept override {
     reaction.force_N.x() += probe.pressure_N;
-    reaction.force_N.y() += server::state_as<double>(state)++;
+    reaction.force_N.y() += scene::state_as<double>(state)++;
   }
-  [[nodiscard]] server::EffectFacts facts() const override {
+  [[nodiscard]] scene::EffectFacts facts() const override {
     return {.inputs = {.pressure = true}, .state_bytes = sizeof(double)};
   }
 };
 
 /// Within 10 mm above the surface too: pulls with 1 N along x, and counts in y.
-class NearEffect final : public server::Effect {
+class NearEffect final : public scene::Effect {
  public:
-  void act(const server::Probe&, std::byte* state, server::Reaction& reaction) const noexcept override {
-    reaction.force_N += server::Point(1, server::state_as<double>(state)++, 0);
+  void act(const scene::Probe&, std::byte* state, scene::Reaction& reaction) const noexcept override {
+    reaction.force_N += scene::Point(1, scene::state_as<double>(state)++, 0);
   }
-  [[nodiscard]] server::EffectFacts facts() const override { return {.state_bytes = sizeof(double), .reach_m = 0.01}; }
+  [[nodiscard]] scene::EffectFacts facts() const override { return {.state_bytes = sizeof(double), .reach_m = 0.01}; }
 };
 
 template <class Effect>
-server::EffectKind own_effect(std::string_view name, server::EffectPlace place) {
+scene::EffectKind own_effect(std::string_view name, scene::EffectPlace place) {
   return {
-      .name = name, .purpose = "for tests", .law = "its own", .place = place, .make = [](const server::EffectValues&) {
+      .name = name, .purpose = "for tests", .law = "its own", .place = place, .make = [](const scene::EffectValues&) {
         return std::make_unique<Effect>();
       }};
 }
 
 /// A scene of three axes with these parts, in which `clock`, `pressed` and `near` are known beside what ships.
-inline std::shared_ptr<const server::Scene> scene_with_own_effects(const std::string& parts) {
-  server::EffectRegistry registry = server::EffectRegistry::standard();
-  registry.add(own_effect<ClockEffect>("clock", server::EffectPlace::space));
-  registry.add(own_effect<PressedEffect>("pressed", server::EffectPlace::surface));
-  registry.add(own_effect<NearEffect>("near", server::EffectPlace::surface));
+inline std::shared_ptr<const scene::Scene> scene_with_own_effects(const std::string& parts) {
+  scene::EffectRegistry registry = scene::EffectRegistry::standard();
+  registry.add(own_effect<ClockEffect>("clock", scene::EffectPlace::space));
+  registry.add(own_effect<PressedEffect>("pressed", scene::EffectPlace::surface));
+  registry.add(own_effect<NearEffect>("near", scene::EffectPlace::surface));
   return server::parse_scene("[scene]\nname = 'own'\ndescription = ''\ndegrees_of_freedom = 3\n" + parts, "own.toml",
                              registry);
 }

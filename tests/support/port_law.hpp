@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/transparent_law.hpp"
 
@@ -11,11 +12,11 @@ namespace forcebound::test {
 
 /// What the two halves of a PortLaw heard of each other.
 struct PortLog {
-  std::vector<double> ticks_heard;         ///< at the server: how many ticks the device had made
-  std::vector<double> intervals_s;         ///< at the server
-  std::vector<double> answers_heard;       ///< at the device: how many answers the server had given this session
-  std::vector<double> ticks_heard_of;      ///< at the device: what the server had last heard of its ticks
-  std::vector<std::size_t> partner_began;  ///< how much the device had heard each time
+  std::vector<double> ticks_heard;             ///< at the server: how many ticks the device had made
+  std::vector<double> intervals_s;             ///< at the server
+  std::vector<double> answers_heard;           ///< at the device: how many answers the server had given this session
+  std::vector<double> ticks_heard_of;          ///< at the device: what the server had last heard of its ticks
+  std::vector<std::size_t> server_side_began;  ///< how much the device had heard each time
 };
 
 /// A law without a bound whose halves count aloud, and whose server's half asks the scene `kShift_m` beyond the device
@@ -45,7 +46,7 @@ class PortLaw final : public control::PassivityLaw {
     log_.answers_heard.push_back(numbers[0]);
     log_.ticks_heard_of.push_back(numbers[1]);
   }
-  void begin_partner() noexcept override { log_.partner_began.push_back(log_.answers_heard.size()); }
+  void begin_server_side() noexcept override { log_.server_side_began.push_back(log_.answers_heard.size()); }
 
  private:
   control::TransparentLaw none_;
@@ -53,9 +54,9 @@ class PortLaw final : public control::PassivityLaw {
   double ticks_ = 0;
 };
 
-class PortPartner final : public control::LawPartner {
+class PortServerSideLaw final : public control::ServerSideLaw {
  public:
-  explicit PortPartner(PortLog& log) : log_(log) {}
+  explicit PortServerSideLaw(PortLog& log) : log_(log) {}
 
   [[nodiscard]] control::Vector place(const Heard& heard) noexcept override {
     if (heard.numbers.rows() > 0) ticks_ = heard.numbers[0];
@@ -81,13 +82,13 @@ inline control::LawRegistry laws_with_port(PortLog& log) {
   constexpr std::size_t kTicks = 100'000;
   for (auto* numbers : {&log.ticks_heard, &log.intervals_s, &log.answers_heard, &log.ticks_heard_of})
     numbers->reserve(kTicks);
-  log.partner_began.reserve(100);
-  control::LawRegistry laws = control::shipped_laws();
+  log.server_side_began.reserve(100);
+  control::LawRegistry laws = baselines::shipped_laws();
   laws.add({.name = "port",
             .summary = "counts aloud",
             .make = [&log](const control::DeviceFacts& facts,
                            const control::LawOptions&) { return std::make_unique<PortLaw>(facts, log); },
-            .make_partner = [&log](int) { return std::make_unique<PortPartner>(log); }});
+            .make_server_side = [&log](int) { return std::make_unique<PortServerSideLaw>(log); }});
   return laws;
 }
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::test {
 

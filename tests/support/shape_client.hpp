@@ -5,26 +5,26 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/server/geometry/shape.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
 
 namespace forcebound::test {
 
 /// A shape and the state of the one client that touches it.
 class ShapeClient {
  public:
-  explicit ShapeClient(std::unique_ptr<server::Shape> shape)
+  explicit ShapeClient(std::unique_ptr<scene::Shape> shape)
       : shape_(std::move(shape)), state_((shape_->facts().state_bytes + sizeof(double) - 1) / sizeof(double)) {}
 
-  server::SurfacePoint at(const server::Point& position_m) noexcept {
+  scene::SurfacePoint at(const scene::Point& position_m) noexcept {
     return shape_->nearest(position_m, reinterpret_cast<std::byte*>(state_.data()));
   }
 
   void begin_again() noexcept { state_.assign(state_.size(), 0.0); }
 
-  [[nodiscard]] const server::Shape& shape() const noexcept { return *shape_; }
+  [[nodiscard]] const scene::Shape& shape() const noexcept { return *shape_; }
 
  private:
-  std::unique_ptr<server::Shape> shape_;
+  std::unique_ptr<scene::Shape> shape_;
   std::vector<double> state_;
 };
 

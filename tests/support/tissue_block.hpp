@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "forcebound/server/tissue/tetrahedral_block.hpp"
+#include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
 
 namespace forcebound::test {
 
@@ -11,7 +11,7 @@ namespace forcebound::test {
 struct BlockOfCubes {
   std::array<std::size_t, 3> cubes{1, 1, 1};
   double cube_m = 0.01;
-  server::Point from_m = server::Point::Zero();  ///< the corner of least coordinates
+  scene::Point from_m = scene::Point::Zero();  ///< the corner of least coordinates
 
   [[nodiscard]] std::size_t node(const std::array<std::size_t, 3>& at) const {
     return at[0] + (cubes[0] + 1) * (at[1] + (cubes[1] + 1) * at[2]);
@@ -20,7 +20,7 @@ struct BlockOfCubes {
 
 inline server::TetrahedralSoup tetrahedra_of(const BlockOfCubes& block) {
   const auto& [x, y, z] = block.cubes;
-  const server::Point counts(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+  const scene::Point counts(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
   return server::tetrahedral_block({.cells = block.cubes, .from_m = block.from_m, .size_m = block.cube_m * counts});
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/ideal_device.hpp"
@@ -32,7 +33,7 @@ class TwoPortLoop {
         setting_(std::move(setting)),
         environment_(std::move(environment)),
         damping_(control::Damping::from_matrix(facts_.damping)),
-        controller_(facts_, control::shipped_laws().make(law, facts_, {.parameters = setting_.parameters})),
+        controller_(facts_, baselines::shipped_laws().make(law, facts_, {.parameters = setting_.parameters})),
         request_(control::Vector::Zero(setting_.degrees_of_freedom)) {
     restart_server();
   }
@@ -43,8 +44,8 @@ class TwoPortLoop {
     if (up_.size() > setting_.delay_ticks) {
       const auto [at, numbers] = up_.front();
       up_.pop_front();
-      place_ = partner_->place({.position = at, .numbers = numbers, .interval_s = answers_++ > 0 ? 1e-3 : 0.0});
-      down_.push_back(partner_->answer(environment_(place_)));
+      place_ = server_side_->place({.position = at, .numbers = numbers, .interval_s = answers_++ > 0 ? 1e-3 : 0.0});
+      down_.push_back(server_side_->answer(environment_(place_)));
     }
     if (down_.size() > setting_.delay_ticks) {
       controller_.hear(down_.front().numbers);
@@ -69,11 +70,11 @@ class TwoPortLoop {
   }
 
   void restart_server() {
-    partner_ = control::shipped_laws().make_partner(name_, setting_.degrees_of_freedom);
+    server_side_ = baselines::shipped_laws().make_server_side(name_, setting_.degrees_of_freedom);
     answers_ = 0;
     up_.clear();
     down_.clear();
-    controller_.begin_partner();
+    controller_.begin_server_side();
   }
 
   control::PassivityController& controller() noexcept { return controller_; }
@@ -93,9 +94,9 @@ class TwoPortLoop {
   Environment environment_;
   control::Damping damping_;
   control::PassivityController controller_;
-  std::unique_ptr<control::LawPartner> partner_;
+  std::unique_ptr<control::ServerSideLaw> server_side_;
   std::deque<Up> up_;
-  std::deque<control::LawPartner::Said> down_;
+  std::deque<control::ServerSideLaw::Said> down_;
   control::Vector request_;
   control::Vector place_;
   int ticks_ = 0;

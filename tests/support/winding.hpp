@@ -3,18 +3,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "forcebound/server/geometry/triangle_mesh.hpp"
+#include "forcebound/scene/geometry/triangle_mesh.hpp"
 
 namespace forcebound::test {
 
 /// The solid angle that a mesh takes, seen from p in its own frame, in full spheres [Van Oosterom and Strackee 1983]: 1
 /// inside of a closed mesh, 0 outside. Asks each triangle, and no normal.
-inline double winding(const server::TriangleMesh& mesh, const server::Point& p) {
+inline double winding(const scene::TriangleMesh& mesh, const scene::Point& p) {
   double sum = 0;
   for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
-    const server::Point a = mesh.corner_m(t, 0) - p;
-    const server::Point b = mesh.corner_m(t, 1) - p;
-    const server::Point c = mesh.corner_m(t, 2) - p;
+    const scene::Point a = mesh.corner_m(t, 0) - p;
+    const scene::Point b = mesh.corner_m(t, 1) - p;
+    const scene::Point c = mesh.corner_m(t, 2) - p;
     const double la = a.norm();
     const double lb = b.norm();
     const double lc = c.norm();

@@ -4,7 +4,7 @@
 
 namespace {
 
-using namespace forcebound::server;
+using namespace forcebound::scene;
 
 class Ratchet final : public Effect {
  public:

@@ -18,6 +18,7 @@
 namespace {
 
 namespace net = forcebound::net;
+namespace scene = forcebound::scene;
 namespace server = forcebound::server;
 namespace wire = forcebound::wire;
 
@@ -91,7 +92,7 @@ bool felt(Exchange& exchange) {
 }  // namespace
 
 int main() try {
-  server::EffectRegistry registry = server::EffectRegistry::standard();
+  scene::EffectRegistry registry = scene::EffectRegistry::standard();
   registry.add(ratchet_effect());
   server::SceneLibrary scenes;
   scenes.add(server::load_scene(SCENE_FILE, registry));

@@ -1,3 +1,4 @@
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 
 #include <gmock/gmock.h>
@@ -145,9 +146,9 @@ TEST(LawRegistry, TellsWhatALawWouldDoWithADevice) {
               testing::EndsWith("\nBut it refuses: period must be > 0 s, got 0.000000\n"));
 }
 
-TEST(LawRegistry, HasNoPartnerForALawWithout) {
-  EXPECT_EQ(shipped_laws().make_partner("fba-less", 3), nullptr);
-  EXPECT_EQ(shipped_laws().make_partner("", 3), nullptr);
+TEST(LawRegistry, HasNoServerSideLawForALawWithout) {
+  EXPECT_EQ(baselines::shipped_laws().make_server_side("fba-less", 3), nullptr);
+  EXPECT_EQ(baselines::shipped_laws().make_server_side("", 3), nullptr);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(ExactLaw, DoesNotAllocateWithAllThatARealDeviceHas) {
   facts.encoder_step = Vector::Constant(3, 55e-6);
   facts.actuator_step = Vector::Zero(3);
   facts.force_N_max = 3;
-  PassivityController controller(facts, shipped_laws().make("fba-exact", facts));
+  PassivityController controller(facts, control::force_bounding_laws().make("fba-exact", facts));
   Motion motion;
   motion.jacobian = Matrix::Identity(3, 3);
   motion.position = Vector::Zero(3);

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> batch_bytes(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 /// A batch at one end, three plain links at the other.
 class UdpBatchTest : public testing::Test {
@@ -49,12 +49,12 @@ class UdpBatchTest : public testing::Test {
 };
 
 TEST_F(UdpBatchTest, ReceivesWhatWaitsInItsOrderAndKnowsEachSender) {
-  first_.send(bytes_of("one"), address_);
-  second_.send(bytes_of("two"), address_);
+  first_.send(batch_bytes("one"), address_);
+  second_.send(batch_bytes("two"), address_);
   first_.send({}, address_);
   EXPECT_THAT(texts(), ElementsAre("one", "two", ""));
-  first_.send(bytes_of("x"), address_);
-  second_.send(bytes_of("y"), address_);
+  first_.send(batch_bytes("x"), address_);
+  second_.send(batch_bytes("y"), address_);
   const auto arrived = batch_.receive_all();
   ASSERT_EQ(arrived.size(), 2U);
   EXPECT_EQ(arrived[0].received.from, first_.local_address());
@@ -63,13 +63,13 @@ TEST_F(UdpBatchTest, ReceivesWhatWaitsInItsOrderAndKnowsEachSender) {
 }
 
 TEST_F(UdpBatchTest, LeavesWhatIsTooMuchForTheNextTime) {
-  for (int i = 0; i < 40; ++i) first_.send(bytes_of(std::to_string(i)), address_);
+  for (int i = 0; i < 40; ++i) first_.send(batch_bytes(std::to_string(i)), address_);
   EXPECT_EQ(texts().size(), UdpBatch::kDatagramsMax);
   EXPECT_EQ(texts().front(), "32");
 }
 
 TEST_F(UdpBatchTest, CutsOversizeDatagramsAndTellsTheirSize) {
-  first_.send(bytes_of(std::string(9000, 'x')), address_);
+  first_.send(batch_bytes(std::string(9000, 'x')), address_);
   const int descriptor = link_.descriptor();
   wait_readable({&descriptor, 1}, 5s);
   const auto arrived = batch_.receive_all();
@@ -81,7 +81,7 @@ TEST_F(UdpBatchTest, CutsOversizeDatagramsAndTellsTheirSize) {
 TEST_F(UdpBatchTest, TellsHowLongADatagramWaited) {
   std::this_thread::sleep_for(20ms);  // the kernel begins to stamp a moment after a socket asked for it
   const auto sent = std::chrono::steady_clock::now();
-  first_.send(bytes_of("x"), address_);
+  first_.send(batch_bytes("x"), address_);
   std::this_thread::sleep_for(20ms);
   const auto arrived = batch_.receive_all();
   ASSERT_EQ(arrived.size(), 1U);
@@ -93,7 +93,7 @@ TEST(UdpBatch, KnowsNoWaitingWithoutStamps) {
   UdpLink link = UdpLink::listen(resolve({"127.0.0.1", 0}), UdpLink::Stamps::left_out);
   UdpBatch batch(link);
   UdpLink peer = UdpLink::towards(link.local_address());
-  peer.send(bytes_of("x"), link.local_address());
+  peer.send(batch_bytes("x"), link.local_address());
   std::this_thread::sleep_for(5ms);
   const auto arrived = batch.receive_all();
   ASSERT_EQ(arrived.size(), 1U);
@@ -101,8 +101,8 @@ TEST(UdpBatch, KnowsNoWaitingWithoutStamps) {
 }
 
 TEST_F(UdpBatchTest, SendsNothingBeforeTheFlushAndThenEachToItsAddress) {
-  EXPECT_TRUE(batch_.send(bytes_of("for the first"), first_.local_address()));
-  EXPECT_TRUE(batch_.send(bytes_of("for the second"), second_.local_address()));
+  EXPECT_TRUE(batch_.send(batch_bytes("for the first"), first_.local_address()));
+  EXPECT_TRUE(batch_.send(batch_bytes("for the second"), second_.local_address()));
   std::vector<std::byte> buffer(kDatagramBytesMax);
   EXPECT_FALSE(first_.receive(buffer));
   batch_.flush();
@@ -112,7 +112,7 @@ TEST_F(UdpBatchTest, SendsNothingBeforeTheFlushAndThenEachToItsAddress) {
 
 TEST_F(UdpBatchTest, FlushesByItselfWhereThereIsNoRoomForMore) {
   for (std::size_t i = 0; i <= UdpBatch::kDatagramsMax; ++i) {
-    EXPECT_TRUE(batch_.send(bytes_of(std::to_string(i)), first_.local_address()));
+    EXPECT_TRUE(batch_.send(batch_bytes(std::to_string(i)), first_.local_address()));
   }
   for (std::size_t i = 0; i < UdpBatch::kDatagramsMax; ++i) EXPECT_EQ(heard(first_), std::to_string(i));
   batch_.flush();
@@ -120,8 +120,8 @@ TEST_F(UdpBatchTest, FlushesByItselfWhereThereIsNoRoomForMore) {
 }
 
 TEST_F(UdpBatchTest, CountsWhatTheSystemDoesNotTakeAndSendsTheRest) {
-  EXPECT_TRUE(batch_.send(bytes_of("nowhere"), resolve({"::1", 9})));  // this socket is of IPv4
-  EXPECT_TRUE(batch_.send(bytes_of("here"), first_.local_address()));
+  EXPECT_TRUE(batch_.send(batch_bytes("nowhere"), resolve({"::1", 9})));  // this socket is of IPv4
+  EXPECT_TRUE(batch_.send(batch_bytes("here"), first_.local_address()));
   batch_.flush();
   EXPECT_EQ(heard(first_), "here");
   EXPECT_EQ(link_.counters().send_failed, 1U);
@@ -130,11 +130,11 @@ TEST_F(UdpBatchTest, CountsWhatTheSystemDoesNotTakeAndSendsTheRest) {
 
 TEST_F(UdpBatchTest, CountsWhatASlowReaderMakesTheSystemDrop) {
   std::uint64_t sent = 0;
-  for (int i = 0; i < 20'000; ++i) sent += first_.send(bytes_of("x"), address_);
+  for (int i = 0; i < 20'000; ++i) sent += first_.send(batch_bytes("x"), address_);
   std::uint64_t received = 0;
   for (auto arrived = batch_.receive_all(); !arrived.empty(); arrived = batch_.receive_all())
     received += arrived.size();
-  ASSERT_TRUE(first_.send(bytes_of("x"), address_));
+  ASSERT_TRUE(first_.send(batch_bytes("x"), address_));
   EXPECT_THAT(texts(), ElementsAre("x"));
   EXPECT_EQ(link_.counters().overflowed, sent - received);
   EXPECT_GT(link_.counters().overflowed, 0U);
@@ -146,7 +146,7 @@ TEST_F(UdpBatchTest, HearsPastTheRefusalsOfAnAbsentPeer) {
   UdpLink link = UdpLink::towards(there);
   UdpBatch batch(link);
   peer.reset();
-  batch.send(bytes_of("anybody?"), there);
+  batch.send(batch_bytes("anybody?"), there);
   batch.flush();
   const int descriptor = link.descriptor();
   wait_readable({&descriptor, 1}, 5s);
@@ -159,7 +159,7 @@ TEST_F(UdpBatchTest, DoesNotAllocate) {
   const int descriptor = link_.descriptor();
   const test::AllocationGuard guard;
   for (int i = 0; i < 50; ++i) {
-    first_.send(bytes_of("motion"), address_);
+    first_.send(batch_bytes("motion"), address_);
     wait_readable({&descriptor, 1}, 5s);
     for (const auto& arrived : batch_.receive_all()) batch_.send(arrived.bytes, arrived.received.from);
     batch_.flush();

@@ -44,13 +44,13 @@ inline RunTotals sample_totals() {
   totals.duplicated = 3;
   totals.reordered = 27;
   totals.malformed[3] = 2;
-  totals.longest_silence = {.duration = std::chrono::milliseconds{399},
-                            .over = true,
-                            .counted = true,
-                            .motions = 399,
-                            .lost_up = 1,
-                            .answers = 398,
-                            .lost_down = 397};
+  totals.longest_blackout = {.duration = std::chrono::milliseconds{399},
+                             .over = true,
+                             .counted = true,
+                             .motions = 399,
+                             .lost_up = 1,
+                             .answers = 398,
+                             .lost_down = 397};
   totals.notes = {"server restarted at 1.234 s", "second note"};
   return totals;
 }

@@ -174,7 +174,7 @@ TEST(CodecAbuse, ADecodedMessageLeavesNothingInTheNext) {
   EXPECT_EQ(force.penetration_m, 0);
 }
 
-// Whatever a stranger sends comes out as a message of finite numbers or as a reason.
+// Whatever a untrusted client sends comes out as a message of finite numbers or as a reason.
 TEST(CodecAbuse, RandomBytesAreHarmless) {
   Codec codec;
   constexpr unsigned kSeed = 20150301;
@@ -198,7 +198,7 @@ TEST(CodecAbuse, RandomBytesAreHarmless) {
   EXPECT_GT(messages, 0) << "the bodies never parse, so that this test shows nothing";
 }
 
-// Real bodies with one byte replaced, in a valid frame: what a stranger's fuzzer would find first.
+// Real bodies with one byte replaced, in a valid frame: what a untrusted client's fuzzer would find first.
 TEST(CodecAbuse, RealBodiesWithChangedBytesAreHarmless) {
   Codec codec;
   int messages = 0;

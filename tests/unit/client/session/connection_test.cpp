@@ -52,7 +52,7 @@ TEST_F(ConnectionTest, BeginsASessionOnceHoweverOftenWelcomed) {
 
 TEST_F(ConnectionTest, ALateCopyOfAWelcomeDoesNotBringBackTheSessionBefore) {
   EXPECT_TRUE(connection.on_welcome(welcome(5)));
-  connection.on_silence(1s, 250ms, 1s);
+  connection.on_blackout(1s, 250ms, 1s);
   EXPECT_TRUE(connection.on_welcome(welcome(6))) << "the server restarted and answered the same question anew";
   EXPECT_FALSE(connection.on_welcome(welcome(5)));
   EXPECT_EQ(connection.session(), 6U);
@@ -70,15 +70,15 @@ TEST_F(ConnectionTest, IgnoresAWelcomeMeantForAnother) {
 TEST_F(ConnectionTest, GoesStaleThenReconnectsWithTheSameNonce) {
   connection.on_welcome(welcome(5));
   const auto nonce = connection.hello(0ms).client_nonce;
-  connection.on_silence(300ms, 250ms, 1s);
+  connection.on_blackout(300ms, 250ms, 1s);
   EXPECT_EQ(connection.state(), SessionState::stale);
   EXPECT_FALSE(connection.hello_due(10s));
-  connection.on_silence(1s, 250ms, 1s);
+  connection.on_blackout(1s, 250ms, 1s);
   EXPECT_EQ(connection.state(), SessionState::reconnecting);
   EXPECT_EQ(connection.session(), 5U) << "it may still be alive";
   EXPECT_TRUE(connection.hello_due(10s));
   EXPECT_EQ(connection.hello(0ms).client_nonce, nonce);
-  connection.on_silence(0s, 250ms, 1s);
+  connection.on_blackout(0s, 250ms, 1s);
   EXPECT_EQ(connection.state(), SessionState::active);
 }
 
@@ -139,10 +139,10 @@ TEST_F(ConnectionTest, MeasuresTheRoundTripAnewForEachServer) {
   EXPECT_EQ(connection.hello(2s).round_trip, 0s);
 }
 
-TEST_F(ConnectionTest, MeasuresTheRoundTripAnewAfterASilence) {
+TEST_F(ConnectionTest, MeasuresTheRoundTripAnewAfterABlackout) {
   EXPECT_EQ(connection.on_refusal(round_trip_wanted(connection.hello(1s)), 1s + 20ms), Refused::for_now);
   connection.on_welcome(welcome(5));
-  connection.on_silence(2s, 250ms, 1s);
+  connection.on_blackout(2s, 250ms, 1s);
   EXPECT_EQ(connection.hello(4s).round_trip, 0s) << "it may come back by another way";
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "tests/support/fake_clock.hpp"
@@ -48,7 +49,7 @@ class Events final : public EventSink {
 /// The test is the server: it sees each motion and answers by hand.
 class SessionTest : public ::testing::Test {
  protected:
-  explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = control::shipped_laws())
+  explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = baselines::shipped_laws())
       : session({.server = kServer, .scene = "wall"}, device, laws.make(law, device.facts()), link, clock,
                 {.ticks = sinks, .events = &events}) {}
 

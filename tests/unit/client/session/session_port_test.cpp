@@ -12,9 +12,9 @@ struct WithPortLog {
   test::PortLog log;
 };
 
-class SessionWithPartner : private WithPortLog, public SessionTest {
+class SessionWithServerSideLaw : private WithPortLog, public SessionTest {
  protected:
-  SessionWithPartner() : SessionTest("port", test::laws_with_port(log)) {}
+  SessionWithServerSideLaw() : SessionTest("port", test::laws_with_port(log)) {}
 
   wire::EnvironmentForce saying(const wire::MotionSample& motion, double number) {
     wire::EnvironmentForce force = answer(motion, -1);
@@ -24,7 +24,7 @@ class SessionWithPartner : private WithPortLog, public SessionTest {
   [[nodiscard]] const test::PortLog& heard() const { return log; }
 };
 
-TEST_F(SessionWithPartner, AsksForItsHalfAndTellsItWithEachMotionWhatTheTickBeforeLeft) {
+TEST_F(SessionWithServerSideLaw, AsksForItsHalfAndTellsItWithEachMotionWhatTheTickBeforeLeft) {
   tick();
   const auto hellos = sent<wire::Hello>();
   ASSERT_EQ(hellos.size(), 1U);
@@ -39,7 +39,7 @@ TEST_F(SessionWithPartner, AsksForItsHalfAndTellsItWithEachMotionWhatTheTickBefo
   EXPECT_EQ(motions[1].port, control::PortNumbers::Constant(1, 3));
 }
 
-TEST_F(SessionWithPartner, HearsOnlyWhatComesWithANewerForceThanAllBefore) {
+TEST_F(SessionWithServerSideLaw, HearsOnlyWhatComesWithANewerForceThanAllBefore) {
   connect();
   for (int i = 0; i < 4; ++i) tick();
   const auto motions = sent<wire::MotionSample>();
@@ -55,9 +55,9 @@ TEST_F(SessionWithPartner, HearsOnlyWhatComesWithANewerForceThanAllBefore) {
   EXPECT_EQ(heard().answers_heard, (std::vector<double>{2, 3}));
 }
 
-TEST_F(SessionWithPartner, LearnsThatAnotherPartnerBeginsWithEachSession) {
+TEST_F(SessionWithServerSideLaw, LearnsThatAnotherServerSideLawBeginsWithEachSession) {
   connect();
-  ASSERT_EQ(heard().partner_began, (std::vector<std::size_t>{0}));
+  ASSERT_EQ(heard().server_side_began, (std::vector<std::size_t>{0}));
   tick();
   arrive(saying(sent<wire::MotionSample>().back(), 1));
   arrive(wire::Refusal{.session = kSession, .reason = wire::RefusalReason::unknown_session});
@@ -68,10 +68,10 @@ TEST_F(SessionWithPartner, LearnsThatAnotherPartnerBeginsWithEachSession) {
   arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
   arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
   tick();
-  EXPECT_EQ(heard().partner_began, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(heard().server_side_began, (std::vector<std::size_t>{0, 1}));
 }
 
-TEST_F(SessionWithPartner, DoesNotAllocate) {
+TEST_F(SessionWithServerSideLaw, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   connect();
   tick();

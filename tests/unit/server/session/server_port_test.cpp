@@ -38,7 +38,7 @@ class ServerPort : public ServerFixture {
   test::PortLog log;
 };
 
-TEST_F(ServerPort, AsksTheSceneWhereThePartnerSaysAndAnswersWhatItMakesOfTheForce) {
+TEST_F(ServerPort, AsksTheSceneWhereTheServerSideLawSaysAndAnswersWhatItMakesOfTheForce) {
   const auto session = join_with_port();
   arrive(saying(motion(session, 5, 0.002), 77));
   const auto force = only_answer<wire::EnvironmentForce>();
@@ -50,7 +50,7 @@ TEST_F(ServerPort, AsksTheSceneWhereThePartnerSaysAndAnswersWhatItMakesOfTheForc
   EXPECT_EQ(force.port[1], 77);
 }
 
-TEST_F(ServerPort, TellsThePartnerTheDevicesTimeSinceTheMotionAnsweredBefore) {
+TEST_F(ServerPort, TellsTheServerSideLawTheDevicesTimeSinceTheMotionAnsweredBefore) {
   const auto session = join_with_port();
   for (const std::uint64_t sequence : {5U, 6U, 9U, 9U, 8U, 10U}) arrive(motion(session, sequence));
   auto back_in_time = motion(session, 11);
@@ -70,7 +70,7 @@ TEST_F(ServerPort, HearsNothingOfMotionsThatNewerOnesOvertook) {
   EXPECT_THAT(log.ticks_heard, ElementsAre(3));
 }
 
-TEST_F(ServerPort, GivesEachSessionAPartnerOfItsOwn) {
+TEST_F(ServerPort, GivesEachSessionAServerSideLawOfItsOwn) {
   const auto one = join_with_port(1);
   const auto other = join_with_port(2);
   arrive(saying(motion(one, 1), 10));
@@ -116,7 +116,7 @@ TEST_F(ServerPort, DoesNotAllocate) {
 }
 
 /// Says what no number is.
-class BrokenPartner final : public control::LawPartner {
+class BrokenServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] control::Vector place(const Heard& heard) noexcept override { return heard.position / 0.0; }
   [[nodiscard]] Said answer(const control::Vector& force_N) noexcept override {
@@ -124,12 +124,12 @@ class BrokenPartner final : public control::LawPartner {
   }
 };
 
-TEST_F(ServerPort, APartnerThatLosesThePlaceDoesNotLeadTheSceneAstray) {
+TEST_F(ServerPort, AServerSideLawThatLosesThePlaceDoesNotLeadTheSceneAstray) {
   ServerOptions options;
-  options.laws.add(
-      {.name = "broken", .summary = "divides by zero", .make = options.laws.find("none").make, .make_partner = [](int) {
-         return std::make_unique<BrokenPartner>();
-       }});
+  options.laws.add({.name = "broken",
+                    .summary = "divides by zero",
+                    .make = options.laws.find("none").make,
+                    .make_server_side = [](int) { return std::make_unique<BrokenServerSideLaw>(); }});
   start(options);
   arrive(hello_with("broken"));
   const auto session = only_answer<wire::Welcome>().session;

@@ -1,4 +1,4 @@
-#include "tests/support/frail_medium.hpp"
+#include "tests/support/frail_model.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
 namespace forcebound::server {
@@ -20,7 +20,7 @@ class SharedSceneTest : public ServerFixture {
                     "ball.toml"));
   }
 
-  void serve(const std::shared_ptr<const Scene>& scene) {
+  void serve(const std::shared_ptr<const scene::Scene>& scene) {
     SceneLibrary scenes;
     scenes.add(scene);
     ServerOptions options;
@@ -98,7 +98,7 @@ TEST_F(SharedSceneTest, BeginsAnewWhenAllHaveLeft) {
   EXPECT_NEAR(force_N(again, 1, 0.0245, 3), 0, 1e-9);
 }
 
-TEST_F(SharedSceneTest, WhoComesAfterAMediumWasQuarantinedFeelsANewOne) {
+TEST_F(SharedSceneTest, WhoComesAfterADynamicModelWasQuarantinedFeelsANewOne) {
   serve(test::frail_scene(
       {.name = "frail", .description = "", .degrees_of_freedom = 3, .shared = true, .clients_max = 3}, {"jelly"}));
   const auto first = enter(1);

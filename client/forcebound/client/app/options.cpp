@@ -1,0 +1,158 @@
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/client/app/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <random>
+#include <stdexcept>
+#include <string_view>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/net/endpoint.hpp"
+
+namespace forcebound::client {
+namespace {
+
+constexpr std::string_view kAbout =
+    "The device side of Forcebound: reads a haptic device at 1 kHz, sends its motion to a server, and applies the\n"
+    "forces that come back, bounded so that the device never returns more energy than its damping takes, however\n"
+    "late they are.\n";
+
+constexpr std::string_view kMore = R"(
+Devices (--device), simulated; or a TOML file with a device's facts:
+  wall-1dof      the paper's one-axis device, 30 N s/m, 15 um encoder
+  cartesian-2dof two axes, 1 N s/m, 55 um;  cartesian-3dof  three axes, 0.5 N s/m, 55 um
+  omni           three-joint arm in the size of a PHANToM Omni
+Operators (--operator), simulated hands; NAME:key=value,... changes their numbers:
+  press          moves into a wall and stays        trace-circle  follows the inside of a circle
+  stroke         comes from above, goes to and fro  trace-sphere  follows the outside of a sphere
+  wave           moves in free space
+  replay:FILE.csv[,key=value,...]  plays a recorded hand (time_s,x_m[,y_m,z_m])
+The summary lists an operator's keys and their values; such as press:to_m=0.03, or replay:hand.csv,offset_x_m=0.01.
+Without --operator the device chooses one, without --device the operator does; without both it is press on wall-1dof.
+
+A force is applied as it is while the motion it answers is younger than --hold, then fades, and is zero from --drop on.
+On a terminal a line shows how it goes; at the end, also after Ctrl-C, a summary is printed.
+
+Example, with forcebound-server --scene sphere running on this machine:
+  forcebound-client --server 127.0.0.1:47800 --device omni --operator trace-sphere --law fba-more --duration 20
+Exit code: 0 done, 1 failed, 2 wrong use.
+)";
+
+/// A number from 0 up to what still is one after any change of unit.
+const CLI::Validator kNotNegative(
+    [](const std::string& text) {
+      constexpr double kMost = 1e9;
+      double value = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      const bool number = error == std::errc{} && end == text.data() + text.size();
+      return number && value >= 0 && value <= kMost ? "" : "expected a number from 0 to 1e9, got '" + text + "'";
+    },
+    "");
+
+const CLI::Validator kWhole(
+    [](const std::string& text) {
+      unsigned long long value = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      const bool whole = error == std::errc{} && end == text.data() + text.size();
+      return whole ? "" : "expected a whole number from 0 to 18446744073709551615, got '" + text + "'";
+    },
+    "");
+
+void check_server(const std::string& server) {
+  try {
+    static_cast<void>(net::parse_peer(server));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("--server: ") + error.what());
+  }
+}
+
+[[noreturn]] void end_as_wrong_use(const std::string& problem) {
+  std::fprintf(stderr, "forcebound-client: %s; --help tells what is accepted\n", problem.c_str());
+  std::exit(2);
+}
+
+std::string operator_for(std::string_view device) {
+  if (device == "wall-1dof") return "press";
+  return device == "cartesian-2dof" ? "trace-circle" : "trace-sphere";
+}
+
+std::string device_for(std::string_view hand) {
+  const std::string_view name = hand.substr(0, hand.find(':'));
+  if (name.empty() || name == "press") return "wall-1dof";
+  return name == "trace-circle" ? "cartesian-2dof" : "omni";
+}
+
+}  // namespace
+
+Options parse_options(int argc, char** argv) {
+  Options options;
+  double hold_ms = time::to_seconds(options.policy.hold) * 1e3;
+  double drop_ms = time::to_seconds(options.policy.drop) * 1e3;
+  std::string memory = "capped";
+  const control::LawRegistry laws = baselines::shipped_laws();
+
+  CLI::App app{std::string(kAbout), "forcebound-client"};
+  app.footer("Laws (--law):\n" + laws.help() + std::string(kMore));
+  app.set_version_flag("--version", "forcebound-client " FORCEBOUND_VERSION);
+  app.add_option("--server", options.server, "the server, or a relay in front of it")
+      ->required()
+      ->type_name("HOST:PORT");
+  app.add_option("--scene", options.scene, "scene to ask for; default: the one the server runs")->type_name("NAME");
+  app.add_option("--device", options.device, "see below")->type_name("NAME|FILE");
+  app.add_option("--operator", options.hand, "see below")->type_name("SPEC");
+  app.add_option("--law", options.law, "see below")->check(CLI::IsMember(laws.names()))->capture_default_str();
+  app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
+      ->type_name("FILE.toml");
+  app.add_option("--law-help", options.law_help, "tell of this law, its parameters and their values for --device")
+      ->check(CLI::IsMember(laws.names()))
+      ->type_name("LAW");
+  app.add_option("--memory", memory, "energy that fba-exact keeps: what the largest force can ever need, or all")
+      ->check(CLI::IsMember({"capped", "full"}))
+      ->capture_default_str();
+  app.add_option("--duration", options.duration_s, "seconds; 0: until interrupted")
+      ->check(kNotNegative)
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  CLI::Option* seed = app.add_option("--seed", options.seed, "of the handshake's nonces; default: a new one")
+                          ->check(kWhole)
+                          ->type_name("N");
+  app.add_option("--record", options.record, "write every tick and force to this MCAP file")->type_name("FILE.mcap");
+  app.add_option("--summary", options.summary, "write the summary to this file as well")->type_name("FILE.json");
+  app.add_option("--hold", hold_ms, "age up to which a force is applied as it is")
+      ->check(kNotNegative)
+      ->capture_default_str()
+      ->type_name("MS");
+  app.add_option("--drop", drop_ms, "age from which a force is zero")
+      ->check(kNotNegative)
+      ->capture_default_str()
+      ->type_name("MS");
+  app.add_flag("--once", options.once, "give up if the server refuses, or is silent for 5 s, instead of trying on");
+  app.add_flag("--quiet", options.quiet, "no live line");
+  try {
+    app.parse(argc, argv);
+    options.policy = {.hold = time::from_seconds(hold_ms * 1e-3), .drop = time::from_seconds(drop_ms * 1e-3)};
+    options.policy.validate();
+    options.law_options.memory = memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
+    check_server(options.server);
+    // Another nonce than the run before: a server that still knows that one would take us for it.
+    if (seed->count() == 0) options.seed = std::random_device{}();
+  } catch (const CLI::Success& success) {
+    std::exit(app.exit(success));
+  } catch (const CLI::RequiredError& missing) {
+    // A mistyped option explains why another is missing, so it comes first.
+    const auto unknown = app.remaining();
+    if (!unknown.empty() || options.law_help.empty())
+      end_as_wrong_use(unknown.empty() ? missing.what() : CLI::ExtrasError(unknown).what());
+  } catch (const std::exception& error) {
+    end_as_wrong_use(error.what());
+  }
+  if (options.device.empty()) options.device = device_for(options.hand);
+  if (options.hand.empty()) options.hand = operator_for(options.device);
+  return options;
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,107 @@
+#include "forcebound/client/app/screen.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <utility>
+
+namespace forcebound::client {
+namespace {
+
+constexpr Nanoseconds kBlackoutTold = std::chrono::seconds{2};
+
+const char* const kClearLine = "\r\033[K";
+
+/// Of the terminal, which people resize: a longer line would wrap, and could not be taken back.
+std::size_t columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string in_words(Nanoseconds duration) {
+  const double seconds = time::to_seconds(duration);
+  return seconds < 1 ? fmt::format("{:.0f} ms", seconds * 1e3) : fmt::format("{:.2f} s", seconds);
+}
+
+}  // namespace
+
+Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events)
+    : live_(!options.quiet && isatty(STDERR_FILENO) != 0), options_(options), line_(line), events_(events) {}
+
+void Screen::refresh(Nanoseconds now, Nanoseconds elapsed) {
+  if (elapsed > kBlackoutTold && !options_.once) tell_blackout();
+  log_events(now);
+  if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
+}
+
+void Screen::end(Nanoseconds now) {
+  clear();
+  live_ = false;
+  log_events(now);
+  if (const auto line = late_force_.take_rest()) log_late_force(*line);
+}
+
+void Screen::clear() const {
+  if (live_) std::fputs(kClearLine, stderr);
+}
+
+void Screen::tell_blackout() {
+  if (line_.state() != record::SessionState::connecting || std::exchange(blackout_told_, true)) return;
+  clear();
+  spdlog::warn("no answer from {} yet; asking on", options_.server);
+}
+
+void Screen::log_events(Nanoseconds now) {
+  const auto log_due = [&] {
+    if (const auto line = late_force_.take(now)) log_late_force(*line);
+  };
+  while (events_.take(event_)) {
+    if (LateForceLog::concerns(event_.kind)) {
+      late_force_.note(event_);
+      log_due();
+    } else {
+      log_connection();
+    }
+  }
+  log_due();
+}
+
+void Screen::log_connection() const {
+  clear();
+  switch (event_.kind) {
+    case Event::Kind::welcomed:
+      return spdlog::info("connected; simulated: {}", event_.words());
+    case Event::Kind::refused:
+      return spdlog::error("refused by the server: {}", event_.words());
+    case Event::Kind::session_unknown:
+      return spdlog::warn("the server does not know this session (any more); asking for another");
+    case Event::Kind::server_left:
+      return spdlog::warn("the server ended the session; asking for another");
+    case Event::Kind::force_fading:
+    case Event::Kind::force_dropped:
+    case Event::Kind::force_fresh:
+      return;  // logged apart
+  }
+}
+
+void Screen::log_late_force(const LateForceLog::Line& line) const {
+  clear();
+  const std::string duration = in_words(line.duration);
+  const std::string others =
+      line.left_out == 0 ? "" : fmt::format(" (changes before it, not shown: {})", line.left_out);
+  switch (line.kind) {
+    case Event::Kind::force_fading:
+      return spdlog::warn("forces are {} old: fading{}", duration, others);
+    case Event::Kind::force_dropped:
+      return spdlog::warn("forces are {} old: zero force{}", duration, others);
+    case Event::Kind::force_fresh:
+      return spdlog::info("forces are fresh again after {}{}", duration, others);
+    default:
+      return;  // logged apart
+  }
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+
+#include "forcebound/client/app/event_queue.hpp"
+#include "forcebound/client/app/late_force_log.hpp"
+#include "forcebound/client/app/live_line.hpp"
+#include "forcebound/client/app/options.hpp"
+
+namespace forcebound::client {
+
+/// What people see while it runs: log lines for events, and on a terminal a line that moves.
+class Screen {
+ public:
+  /// All must outlive it.
+  Screen(const Options& options, const LiveLine& line, EventQueue& events);
+
+  /// To be called some times a second.
+  void refresh(time::Nanoseconds now, time::Nanoseconds elapsed);
+
+  /// Takes the moving line away and logs what is left.
+  void end(time::Nanoseconds now);
+
+ private:
+  void tell_blackout();
+  void log_events(time::Nanoseconds now);
+  void log_connection() const;
+  void log_late_force(const LateForceLog::Line& line) const;
+  void clear() const;
+
+  bool live_;
+  bool blackout_told_ = false;
+  const Options& options_;
+  const LiveLine& line_;
+  EventQueue& events_;
+  Event event_;
+  LateForceLog late_force_;
+};
+
+}  // namespace forcebound::client

@@ -1,0 +1,49 @@
+#include "forcebound/client/session/blackout_watch.hpp"
+
+#include <algorithm>
+
+namespace forcebound::client {
+namespace {
+
+std::uint64_t difference(std::uint64_t more, std::uint64_t less) noexcept { return more > less ? more - less : 0; }
+
+/// `own`: of each count, what the message that brought them adds itself.
+void count(const Progress& before, const Progress& after, std::uint64_t own, record::Blackout& blackout) noexcept {
+  const auto between = [&](std::uint64_t Progress::*counter) {
+    return difference(difference(after.*counter, before.*counter), own);
+  };
+  blackout.counted = true;
+  blackout.motions = between(&Progress::motions_made);
+  blackout.lost_up = difference(blackout.motions, between(&Progress::motions_arrived));
+  blackout.answers = between(&Progress::answers_sent);
+  blackout.lost_down = difference(blackout.answers, between(&Progress::answers_arrived));
+}
+
+}  // namespace
+
+void BlackoutWatch::on_force(Nanoseconds now, const Progress& progress) noexcept {
+  if (silent(now)) {
+    present_.duration = now - last_->time;
+    present_.over = true;
+    if (progress.session == last_->progress.session) count(last_->progress, progress, 1, present_);
+    if (present_.duration > longest_.duration) longest_ = present_;
+  }
+  last_ = {now, progress};
+  present_ = {};
+}
+
+void BlackoutWatch::on_bye(Nanoseconds now, const Progress& progress, Bye kind) noexcept {
+  if (!last_ || progress.session != last_->progress.session) return;
+  present_.server_left = kind == Bye::of_the_server;
+  // Without blackout before it, the little that is on its way would be taken for lost.
+  if (silent(now)) count(last_->progress, progress, 0, present_);
+}
+
+record::Blackout BlackoutWatch::longest(Nanoseconds now) const noexcept {
+  if (!silent(now) || now - last_->time <= longest_.duration) return longest_;
+  record::Blackout blackout = present_;
+  blackout.duration = now - last_->time;
+  return blackout;
+}
+
+}  // namespace forcebound::client

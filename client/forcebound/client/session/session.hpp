@@ -1,0 +1,114 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "forcebound/client/session/blackout_watch.hpp"
+#include "forcebound/client/session/choosing_time.hpp"
+#include "forcebound/client/session/connection.hpp"
+#include "forcebound/client/session/event.hpp"
+#include "forcebound/client/session/force_stream.hpp"
+#include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/device/haptic_device.hpp"
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/record/run_info.hpp"
+#include "forcebound/record/tick_record.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/wire/codec.hpp"
+
+namespace forcebound::client {
+
+using control::Vector;
+using time::Nanoseconds;
+
+/// The device side of Forcebound, one tick at a time:
+///
+///     read the device -> send the motion -> take in what has come -> choose the newest force -> late-force policy
+///     -> saturate, bound, round (PassivityController) -> apply -> write down
+///
+/// The motion leaves before the force is chosen, so that an answer loses no tick where the server is near.
+/// Whatever fails on the way, the force is zero and the event is counted; the law runs in every state of the connection
+/// and its ledger is never reset.
+///
+/// Real time: `tick` and `close` are noexcept, allocate nothing, wait for nothing. Owned by one thread.
+class Session {
+ public:
+  struct Options {
+    net::Address server;
+    std::string scene{};  ///< wanted, empty: the server's own
+    LateForcePolicy policy{};
+    std::uint64_t seed = 1;  ///< for the nonces of the handshake
+  };
+
+  struct Sinks {
+    std::span<record::TickSink* const> ticks;
+    EventSink* events = nullptr;
+  };
+
+  /// @throws std::invalid_argument for a policy with hold > drop, or what the controller refuses.
+  Session(Options options, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
+          net::DatagramLink& link, const time::Clock& clock, Sinks sinks);
+
+  /// One tick, at `now`, the time of the wake-up.
+  void tick(Nanoseconds now) noexcept;
+
+  /// Ends the session: zero force, and Bye until the server's answers bring no news any more, so that what was still on
+  /// its way is not taken for lost. Call it each millisecond or so until it gives true; the caller decides how long
+  /// that is worth.
+  [[nodiscard]] bool close(Nanoseconds now) noexcept;
+
+  [[nodiscard]] SessionState state() const noexcept { return connection_.state(); }
+  [[nodiscard]] bool refused() const noexcept { return refused_; }
+  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
+
+  /// What is known so far; forces and motions on their way count as lost. Allocates.
+  [[nodiscard]] record::RunTotals totals() const;
+
+ private:
+  void send_motion(const Vector& position, Nanoseconds now) noexcept;
+  bool send(const wire::Message& message) noexcept;
+  void receive_all(Nanoseconds now) noexcept;
+  void receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept;
+  void receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
+  void receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept;
+  void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
+  void keep_connected(Nanoseconds now) noexcept;
+  [[nodiscard]] control::Motion motion_at(const device::Reading& reading, Nanoseconds now) const noexcept;
+  [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
+  [[nodiscard]] Vector request_at(const Vector& position, Nanoseconds now) noexcept;
+  void note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
+  void write_down(const device::Reading& reading, const Vector& applied, Nanoseconds now) noexcept;
+  void tell(Event::Kind kind, Nanoseconds now, std::string_view words, Nanoseconds duration = {}) noexcept;
+
+  Options options_;
+  device::HapticDevice& device_;
+  net::DatagramLink& link_;
+  const time::Clock& clock_;
+  Sinks sinks_;
+  control::PassivityController controller_;
+  ChoosingTime choosing_;
+  Nanoseconds choosing_since_{0};
+  Connection connection_;
+  ForceStream forces_;
+  BlackoutWatch blackouts_;
+  wire::Codec codec_;
+  std::array<std::byte, net::kDatagramBytesMax + 1> buffer_{};  // one more, so that an oversize datagram shows
+
+  record::TickRecord record_;
+  record::ForceRecord force_record_;
+  Event event_;
+  std::optional<Nanoseconds> previous_reading_;
+  std::optional<Nanoseconds> previous_command_;
+  Nanoseconds silent_since_{0};
+  Nanoseconds not_fresh_since_{0};
+  Nanoseconds next_bye_{Nanoseconds::min()};
+  bool closing_ = false;
+  int answers_without_news_ = 0;
+  bool refused_ = false;
+  record::RunTotals totals_;  // its texts hold all that a Welcome can carry, so that the tick does not allocate
+};
+
+}  // namespace forcebound::client

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <limits>
+#include <string_view>
+
+#include "forcebound/control/damping.hpp"
+#include "forcebound/control/vector.hpp"
+
+namespace forcebound::control {
+
+/// Whether a clock can have measured this time between two readings: above zero, and at most eleven days.
+[[nodiscard]] constexpr bool is_measurable(double interval_s) noexcept { return interval_s > 0 && interval_s <= 1e6; }
+
+/// What a tick measured before it chooses a force. All vectors finite, `dof` rows.
+struct Motion {
+  double interval_s = 0;  ///< measured length of the interval that ended with this reading (h_n), 0 at first
+  double latency_s = 0;   ///< from the previous reading until the force chosen on it took effect (delta_n)
+  double held_s = std::numeric_limits<double>::infinity();  ///< how long it was in effect, if the device let go of it
+  double latency_s_max = 0;  ///< the longest that the force now to be chosen may take from this reading to its effect
+  Vector position;           ///< task space [m], device frame
+  Vector joint;              ///< joint readings; equal to `position` for a Cartesian device
+  Matrix jacobian;           ///< d position / d joint at this reading
+  const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
+};
+
+/// What the two halves of a law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no heap.
+using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
+
+/// Makes the force on the device of what the environment asks for: force bounding so that the device never returns more
+/// energy than its own damping takes, the other approaches as near to that as they come (LawClaim).
+///
+/// Sign: `f` [N] is the force **on the device**, the way haptics APIs mean it; a wall at x >= 0 gives f = -K x. The
+/// paper [Kim, Baek, Ryu 2015] writes F_d = -f, so its `+F dx` is our `-f'd`.
+///
+/// A tick calls, in this order: `credit` with the motion since the last one, `bound` with what the environment asks
+/// for, `commit` with what the device was really told after rounding. A lost reading is `lose`, then `commit` of zero.
+/// PassivityController does that; laws hold no policy of their own for saturation, rounding or faulty input.
+///
+/// A law with a server-side law at the server (ServerSideLaw) names its port. What goes out with each motion is
+/// `outgoing`, what comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`.
+/// Datagrams are lost, doubled and reordered, so what must not be lost or counted twice travels as a sum since the
+/// beginning.
+///
+/// Real time: every member is noexcept, allocates nothing and is O(dof^3) at most. Not thread-safe; owned by the tick.
+class PassivityLaw {
+ public:
+  virtual ~PassivityLaw() = default;
+
+  [[nodiscard]] virtual std::string_view name() const noexcept = 0;
+
+  /// Notes the motion under the force committed last. An interval that is not measurable credits nothing. Where the
+  /// device let go of that force before this reading
+  /// (`held_s`), a law that knows of one force only credits nothing and charges it the worst case.
+  virtual void credit(const Motion& motion) noexcept = 0;
+
+  /// The reading was lost: nothing can be credited, and the force committed last is charged its worst case. Of `motion`
+  /// only the times may be used.
+  virtual void lose(const Motion& motion) noexcept = 0;
+
+  /// The force that the law makes of `request_N`; of a law that only bounds, the nearest that it allows now. Once a
+  /// tick. It need not keep to what the device can be asked for: the controller shortens it, and commits that.
+  [[nodiscard]] virtual Vector bound(const Vector& request_N) noexcept = 0;
+
+  /// Whether this very force, say after rounding, is allowed now, if it takes effect `latency_s` after the reading. A
+  /// law that says nothing of it takes what rounding and lateness make of its force.
+  [[nodiscard]] virtual bool allows(const Vector& force_N, double latency_s) const noexcept {
+    (void)force_N, (void)latency_s;
+    return true;
+  }
+
+  /// What the device was told, and holds until the next tick.
+  virtual void commit(const Vector& force_N) noexcept = 0;
+
+  /// Energy that the law may spend now [J].
+  [[nodiscard]] virtual double energy_J() const noexcept = 0;
+
+  /// Share of the coming interval's dissipation that the law will credit (the paper's xi), 0 to 1.
+  [[nodiscard]] virtual double xi() const noexcept { return 1.0; }
+
+  /// Where the environment is asked [m]: at the device, unless the law keeps a tool of its own between the two.
+  [[nodiscard]] virtual Vector proxy_position(const Vector& position) const noexcept { return position; }
+
+  /// The name of the server-side law it needs at the server; empty: none.
+  [[nodiscard]] virtual std::string_view port() const noexcept { return {}; }
+
+  /// For the server-side law, as of the tick before.
+  [[nodiscard]] virtual PortNumbers outgoing() const noexcept { return {}; }
+
+  /// From the server-side law; any finite numbers, of any count.
+  virtual void incoming(const PortNumbers& numbers) noexcept { (void)numbers; }
+
+  /// Another server-side law, whose sums begin at zero.
+  virtual void begin_server_side() noexcept {}
+};
+
+}  // namespace forcebound::control

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/law.hpp"
+
+namespace forcebound::control {
+
+/// A law at work on a device: everything between what the environment asks for and what the device is told.
+///
+///     request -> finite? -> saturate at f_max along u -> law -> finite? within f_max? -> round to the actuator
+///     -> commit the same number
+///
+/// A request that is not finite is zero force. A reading that is not finite is zero force too; the interval credits
+/// nothing and the force held over it is charged its worst case. Rounding is toward zero in the joints, where motors
+/// are; a rounded force that the law would not allow (a coupled damping matrix can make it so) becomes zero.
+///
+/// Less than 1e-150 N is zero, asked for or given, so that no force depends on what the processor does with denormals.
+///
+/// Real time: `tick` is noexcept, allocates nothing, O(dof^3). Not thread-safe; owned by the tick.
+class PassivityController {
+ public:
+  struct Counts {
+    std::uint64_t requests_not_finite = 0;
+    std::uint64_t readings_not_finite = 0;
+    std::uint64_t intervals_impossible = 0;  ///< not measurable, the first tick's aside: nothing credited
+    std::uint64_t saturated = 0;
+    std::uint64_t forces_not_finite = 0;  ///< of the law: a fault of its own
+    std::uint64_t withdrawn = 0;          ///< chosen, but too late to be passive: zero force instead
+  };
+
+  /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, or an
+  /// actuator step or the largest force is negative or not a number.
+  PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
+
+  /// One tick without any word of the environment, because there never was one or the last is too old: notes the
+  /// motion, and zero is the force, whatever the law would go on with.
+  [[nodiscard]] Vector release(const Motion& motion) noexcept;
+
+  /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.
+  [[nodiscard]] Vector tick(const Motion& motion, const Vector& request_N) noexcept;
+
+  /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it.
+  [[nodiscard]] Vector confirmed(const Vector& force_N, double latency_s) noexcept;
+
+  /// What the law's half at the server said with the newest force, ahead of the tick that uses that force. Numbers that
+  /// are not all finite are not heard.
+  void hear(const PortNumbers& numbers) noexcept {
+    if (numbers.allFinite()) law_->incoming(numbers);
+  }
+
+  /// From now on another server answers, or the same one that remembers nothing.
+  void begin_server_side() noexcept { law_->begin_server_side(); }
+
+  [[nodiscard]] const PassivityLaw& law() const noexcept { return *law_; }
+  [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
+
+ private:
+  [[nodiscard]] bool note(const Motion& motion) noexcept;
+  [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
+  [[nodiscard]] Vector sound(const Vector& force_N) noexcept;
+  [[nodiscard]] Vector rounded(const Vector& force_N, const Motion& motion) const noexcept;
+
+  std::unique_ptr<PassivityLaw> law_;
+  Vector actuator_step_;
+  bool cartesian_;
+  double force_N_max_;
+  bool begun_ = false;
+  Counts counts_;
+};
+
+}  // namespace forcebound::control

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "forcebound/control/law.hpp"
+
+namespace forcebound::control {
+
+/// The server's half of a law: stands between the motions that come and the environment.
+///
+/// For each motion that is answered, in the order of their sequence: `place`, then the environment is asked there, then
+/// `answer`. Motions get lost, so an interval may span several ticks. Whatever parameters both halves must share come
+/// with the device's numbers, so that the server needs to be told nothing. A server-side law may begin in the middle of
+/// its law's life, after a restart of the server: it takes the first sums it hears as where it begins.
+///
+/// Real time: noexcept, no allocation, O(dof). Not thread-safe.
+class ServerSideLaw {
+ public:
+  virtual ~ServerSideLaw() = default;
+
+  struct Heard {
+    const Vector& position;      ///< of the device [m]
+    const PortNumbers& numbers;  ///< as the law's half said them; any finite numbers, of any count
+    double interval_s;           ///< by the device's clock since the motion before; 0 at first
+  };
+
+  struct Said {
+    Vector force;         ///< [N] for the device's half, `dof` rows
+    PortNumbers numbers;  ///< for the device's half
+  };
+
+  /// Where the environment is to be asked [m], `dof` rows.
+  [[nodiscard]] virtual Vector place(const Heard& heard) noexcept = 0;
+
+  /// @param force_N what the environment answered there
+  [[nodiscard]] virtual Said answer(const Vector& force_N) noexcept = 0;
+};
+
+}  // namespace forcebound::control

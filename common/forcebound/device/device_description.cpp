@@ -1,0 +1,35 @@
+#include "forcebound/device/device_description.hpp"
+
+#include <sstream>
+
+namespace forcebound::device {
+namespace {
+
+// The diagonal alone where there is nothing else.
+std::string written(const Matrix& matrix) {
+  std::ostringstream text;
+  const Eigen::IOFormat one_line(6, Eigen::DontAlignCols, " ", "; ", "", "", "[", "]");
+  if (matrix.isDiagonal(0)) {
+    text << Vector(matrix.diagonal()).transpose().format(one_line);
+  } else {
+    text << matrix.format(one_line);
+  }
+  return text.str();
+}
+
+}  // namespace
+
+std::string describe(const DeviceDescription& device) {
+  const auto& facts = device.facts;
+  const bool arm = device.arm.has_value();
+  std::ostringstream text;
+  text << facts.name << ": " << facts.degrees_of_freedom() << " degrees of freedom, "
+       << (arm ? "serial arm, inertia " : "Cartesian, mass ") << written(device.inertia) << (arm ? " kg m^2" : " kg")
+       << ", damping " << written(facts.damping) << (arm ? " N m s/rad" : " N s/m") << ", friction "
+       << written(facts.friction) << (arm ? " N m" : " N") << ", encoder " << written(facts.encoder_step)
+       << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max << " N, hold " << facts.hold_s_max
+       << " s, latency " << facts.latency_s << " s";
+  return text.str();
+}
+
+}  // namespace forcebound::device

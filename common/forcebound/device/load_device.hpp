@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/device/device_description.hpp"
+
+namespace forcebound::device {
+
+/// A device from the text of its TOML file; the device is named after the file. Real devices' facts and simulated
+/// devices' motion in one place:
+///
+///     kind = "cartesian"              degrees_of_freedom (1 to 6), mass_kg, damping_N_s_per_m, friction_N = 0,
+///                                     encoder_step_m = 0, actuator_step_N = 0
+///     kind = "arm"                    degrees_of_freedom = 3, joint_inertia_kg_m2, joint_damping_N_m_s_per_rad,
+///                                     joint_friction_N_m = 0, encoder_step_rad = 0, actuator_step_N_m = 0, and
+///                                     [arm] upper_length_m, fore_length_m, origin_reach_m, origin_height_m
+///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, releases = true,
+///                                     latency_s = 0
+///
+/// A number holds for all axes; a list has one for each; inertia and damping may also be full matrices (lists of rows).
+///
+/// @param place the file's name, for errors.
+/// @throws std::runtime_error `PLACE:LINE: device 'NAME': KEY must be ..., got ...`; unknown keys are errors.
+[[nodiscard]] DeviceDescription parse_device(std::string_view toml_text, const std::string& place);
+
+/// A shipped device by its name, or any other by its file (what has a '/' or ends with ".toml").
+/// @throws std::runtime_error as parse_device; or if there is no such device or file, with what there is.
+[[nodiscard]] DeviceDescription load_device(const std::string& name_or_file);
+
+/// The names of the shipped devices.
+[[nodiscard]] std::vector<std::string> shipped_device_names();
+
+}  // namespace forcebound::device

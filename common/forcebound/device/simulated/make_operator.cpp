@@ -1,0 +1,69 @@
+#include "forcebound/device/simulated/make_operator.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <vector>
+
+#include "forcebound/device/simulated/motion_operators.hpp"
+#include "forcebound/device/simulated/replay_operator.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
+
+namespace forcebound::device {
+namespace {
+
+using Made = std::unique_ptr<const Operator>;
+
+struct Entry {
+  std::string_view name;
+  Made (*make)(OperatorSettings settings, int dof);
+};
+
+constexpr std::array<Entry, 5> kOperators = {{
+    {"press", [](OperatorSettings s, int dof) -> Made { return std::make_unique<PressOperator>(std::move(s), dof); }},
+    {"stroke", [](OperatorSettings s, int dof) -> Made { return std::make_unique<StrokeOperator>(std::move(s), dof); }},
+    {"trace-circle",
+     [](OperatorSettings s, int dof) -> Made {
+       return std::make_unique<TraceOperator>(std::move(s), dof, TraceOperator::Wall::around);
+     }},
+    {"trace-sphere",
+     [](OperatorSettings s, int dof) -> Made {
+       return std::make_unique<TraceOperator>(std::move(s), dof, TraceOperator::Wall::inside);
+     }},
+    {"wave", [](OperatorSettings s, int dof) -> Made { return std::make_unique<WaveOperator>(std::move(s), dof); }},
+}};
+
+Made make_replay(const std::string& arguments, int dof) {
+  const std::string path = arguments.substr(0, arguments.find(','));
+  if (path.empty()) throw std::invalid_argument("operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
+  const std::string settings = path.size() < arguments.size() ? arguments.substr(path.size() + 1) : "";
+  return std::make_unique<ReplayOperator>(OperatorSettings("replay:" + path, settings), dof,
+                                          parse_motion(text::read_file(path), path, dof));
+}
+
+}  // namespace
+
+Made make_operator(const std::string& specification, int dof) {
+  const std::string name = specification.substr(0, specification.find(':'));
+  const std::string arguments = name.size() < specification.size() ? specification.substr(name.size() + 1) : "";
+  if (name == "replay") return make_replay(arguments, dof);
+  std::vector<std::string> known;
+  for (const Entry& entry : kOperators) {
+    if (entry.name == name) return entry.make(OperatorSettings(name, arguments), dof);
+    known.emplace_back(entry.name);
+  }
+  known.emplace_back("replay:FILE.csv");
+  throw std::invalid_argument("unknown operator '" + name + "'" + text::suggestion(name, known));
+}
+
+std::string operators_help() {
+  constexpr int kDof = 3;
+  std::string text;
+  for (const Entry& entry : kOperators)
+    text += entry.make(OperatorSettings(std::string(entry.name), ""), kDof)->description() + "\n";
+  const std::vector<MotionSample> still = {{0, Vector::Zero(kDof)}, {1, Vector::Zero(kDof)}};
+  text += ReplayOperator(OperatorSettings("replay:FILE.csv", ""), kDof, still).description() + "\n";
+  return text;
+}
+
+}  // namespace forcebound::device

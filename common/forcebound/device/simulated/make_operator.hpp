@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "forcebound/device/simulated/operator.hpp"
+
+namespace forcebound::device {
+
+/// A simulated hand from its specification, `NAME[:KEY=VALUE,...]` or `replay:FILE.csv[,KEY=VALUE...]`:
+/// press, stroke, trace-circle, trace-sphere, wave, replay. Each knows mass_kg, stiffness_N_per_m and damping_N_s_per_m
+/// of the hand.
+///
+/// @param dof of the device that it moves, 1 to 6.
+/// @throws std::invalid_argument with what was wrong and what would be accepted; for a recorded motion `FILE:LINE:
+/// ...`.
+[[nodiscard]] std::unique_ptr<const Operator> make_operator(const std::string& specification, int dof);
+
+/// Every operator with all its keys and their defaults, one on a line, for --help.
+[[nodiscard]] std::string operators_help();
+
+}  // namespace forcebound::device

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "forcebound/control/vector.hpp"
+
+namespace forcebound::device {
+
+using control::Matrix;
+using control::Vector;
+
+/// The hand that holds the device's tip: a mass that moves with it, and a spring and a damper to where the hand wants
+/// it. The same in every direction.
+struct Hand {
+  double mass_kg = 0;
+  double stiffness_N_per_m = 0;
+  double damping_N_s_per_m = 0;
+};
+
+/// A simulated person: where the hand wants the tip, as a function of time.
+///
+/// Real time: `target` is noexcept and allocates nothing. Owned by the device that it moves.
+class Operator {
+ public:
+  /// Position [m] and velocity [m/s] in the scene frame, `dof` rows each.
+  struct Target {
+    Vector position;
+    Vector velocity;
+    double grip = 1;  ///< share of the hand's stiffness and damping in the ms from here on; 0: it has let go
+  };
+
+  virtual ~Operator() = default;
+
+  /// As in its specification, e.g. "press".
+  [[nodiscard]] virtual std::string_view name() const noexcept = 0;
+
+  [[nodiscard]] virtual const Hand& hand() const noexcept = 0;
+
+  [[nodiscard]] virtual int degrees_of_freedom() const noexcept = 0;
+
+  /// @param time_s since the device was first read, >= 0. Smooth in time; the device takes a sample each millisecond.
+  [[nodiscard]] virtual Target target(double time_s) const noexcept = 0;
+
+  /// One line to print: name, hand and motion, each number with its unit.
+  [[nodiscard]] virtual std::string description() const = 0;
+};
+
+}  // namespace forcebound::device

@@ -1,0 +1,101 @@
+#include "forcebound/device/simulated/operator_settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::device {
+namespace {
+
+std::string written(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+}  // namespace
+
+OperatorSettings::OperatorSettings(std::string name, std::string_view text) : name_(std::move(name)) {
+  while (!text.empty()) {
+    const std::string_view item = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), item.size() + 1));
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) refuse("expected key=value, got '" + std::string(item) + "'");
+    const std::string key(item.substr(0, equals));
+    const std::string_view value = item.substr(equals + 1);
+    const auto number = text::finite_number(value);
+    if (!number) refuse(key + " must be a finite number, got '" + std::string(value) + "'");
+    const bool twice = std::any_of(given_.begin(), given_.end(), [&](const auto& other) { return other.first == key; });
+    if (twice) refuse(key + " is given twice");
+    given_.emplace_back(key, *number);
+  }
+}
+
+void OperatorSettings::refuse(const std::string& message) const {
+  throw std::invalid_argument("operator '" + name_ + "': " + message);
+}
+
+double OperatorSettings::take(const std::string& key, double otherwise) {
+  const auto found = std::find_if(given_.begin(), given_.end(), [&](const auto& item) { return item.first == key; });
+  const double value = found == given_.end() ? otherwise : found->second;
+  used_.emplace_back(key, value);
+  return value;
+}
+
+double OperatorSettings::number(const std::string& key, Allowed allowed, double otherwise) {
+  const double value = take(key, otherwise);
+  if (allowed == Allowed::positive && !(value > 0)) refuse(key + " must be > 0, got " + written(value));
+  if (allowed == Allowed::not_negative && !(value >= 0)) refuse(key + " must be >= 0, got " + written(value));
+  return value;
+}
+
+int OperatorSettings::integer(const std::string& key, int least, int most, int otherwise) {
+  const double value = take(key, otherwise);
+  if (value != std::round(value) || value < least || value > most) {
+    refuse(key + " must be a whole number from " + std::to_string(least) + " to " + std::to_string(most) + ", got " +
+           written(value));
+  }
+  return static_cast<int>(value);
+}
+
+Hand OperatorSettings::hand(const Hand& otherwise) {
+  return {.mass_kg = number("mass_kg", Allowed::not_negative, otherwise.mass_kg),
+          .stiffness_N_per_m = number("stiffness_N_per_m", Allowed::not_negative, otherwise.stiffness_N_per_m),
+          .damping_N_s_per_m = number("damping_N_s_per_m", Allowed::not_negative, otherwise.damping_N_s_per_m)};
+}
+
+Vector OperatorSettings::offset(int dof) {
+  constexpr std::string_view kAxes = "xyzuvw";
+  Vector offset(dof);
+  for (int i = 0; i < dof; ++i) {
+    const std::string key = std::string("offset_") + kAxes[static_cast<std::size_t>(i)] + "_m";
+    offset[i] = number(key, Allowed::any, 0);
+  }
+  return offset;
+}
+
+void OperatorSettings::refuse_other_keys() const {
+  std::vector<std::string> known;
+  for (const auto& item : used_) known.push_back(item.first);
+  for (const auto& [key, value] : given_) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    refuse("unknown key '" + key + "'" + text::suggestion(key, known));
+  }
+}
+
+std::string OperatorSettings::complete() const {
+  std::string text = name_;
+  // A file's name has its colon already.
+  char separator = name_.find(':') == std::string::npos ? ':' : ',';
+  for (const auto& [key, value] : used_) {
+    text += separator + key + "=" + written(value);
+    separator = ',';
+  }
+  return text;
+}
+
+}  // namespace forcebound::device

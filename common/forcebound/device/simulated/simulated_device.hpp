@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "forcebound/device/device_description.hpp"
+#include "forcebound/device/haptic_device.hpp"
+#include "forcebound/device/simulated/joint_motion.hpp"
+#include "forcebound/device/simulated/operator.hpp"
+
+namespace forcebound::device {
+
+/// A haptic device and the hand on it, moved in continuous time by whatever clock the caller has.
+///
+///     M q'' = tau - D q' - friction + J'(k_h (x_h - x) + b_h (x_h' - x') - m_h x'')
+///
+/// with the joints q, the tip x, the hand's target x_h(t), and tau = J(reading)'f held between commands. The motion
+/// begins, at rest at the hand's first target, with the first reading or command. JointMotion integrates it without
+/// time-stepping error, and fills the audit.
+///
+/// Hand: its target is sampled on a fixed grid of 1 ms from the start and is, by definition, the cubic through the
+/// samples' positions and velocities. So the motion does not depend on when anybody looks. Arm: the hand's coupling is
+/// linearised about the present configuration, at least once per ms (x = x0 + J (q - q0)). The audit belongs to the
+/// motion that results, and stays exact for it. Velocity-dependent inertial forces are left out. There are no
+/// mechanical stops: a hand that pulls out of reach stretches the arm, which stays finite there. Command: takes effect
+/// the facts' latency after `apply`, and is zeroed the facts' hold time after that. One that is not finite or of the
+/// wrong size is zero force, and counted. A gap of more than `kGapMax` between two calls is lived through for that long
+/// only; for the rest device and hand stand still, so that no gap costs more than a bounded time.
+///
+/// Real time: read and apply are noexcept and allocate nothing.
+class SimulatedDevice final : public HapticDevice {
+ public:
+  static constexpr Nanoseconds kGapMax = std::chrono::seconds(60);
+
+  /// What a person should hear about.
+  struct Counters {
+    std::uint64_t faulty_commands = 0;  ///< not finite or of the wrong size
+    std::uint64_t frozen_joints = 0;    ///< more stick-slip events in a ms than we follow
+    std::uint64_t gaps_cut = 0;         ///< longer than kGapMax
+  };
+
+  /// The exact state, for tests and figures. No law may see it.
+  struct Truth {
+    Vector joint;
+    Vector joint_velocity;
+    Vector position;  ///< of the tip, scene frame [m]
+    Vector velocity;  ///< likewise [m/s]
+  };
+
+  /// @throws std::invalid_argument if the hand's degrees of freedom are not the device's, or if the device with this
+  /// hand is too fast to follow (a time constant below 10 us).
+  SimulatedDevice(DeviceDescription description, std::unique_ptr<const Operator> hand);
+
+  [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return description_.facts; }
+  Reading read(Nanoseconds now) noexcept override;
+  void apply(Nanoseconds now, const Vector& force_N) noexcept override;
+  [[nodiscard]] std::optional<Nanoseconds> released_at() const noexcept override { return released_at_; }
+  [[nodiscard]] std::optional<control::PassivityAudit> audit() const noexcept override { return motion_.audit(); }
+
+  [[nodiscard]] Truth truth() const noexcept;
+  [[nodiscard]] Counters counters() const noexcept;
+  [[nodiscard]] const DeviceDescription& description() const noexcept { return description_; }
+  [[nodiscard]] const Operator& hand() const noexcept { return *operator_; }
+
+ private:
+  static constexpr int kPendingMax = 16;
+  struct Command {
+    Nanoseconds effect{0};
+    Vector torque;
+  };
+
+  void advance_to(Nanoseconds now) noexcept;
+  void integrate(Nanoseconds length) noexcept;
+  void enter_cell(std::int64_t cell) noexcept;
+  void linearise() noexcept;
+  void change_torque() noexcept;
+
+  DeviceDescription description_;
+  std::unique_ptr<const Operator> operator_;
+  std::unique_ptr<const Kinematics> kinematics_;
+  JointMotion motion_;
+  control::Damping tip_damping_;
+
+  // All times below are since the start, but for released_at_, which is the caller's.
+  std::optional<Nanoseconds> origin_;
+  Nanoseconds time_{0};
+  std::int64_t cell_ = -1;
+  Operator::Target cell_start_;
+  Operator::Target cell_end_;
+  double grip_ = 1;
+  Vector tip_;       ///< where the hand's coupling is linearised
+  Matrix jacobian_;  ///< likewise
+  Matrix reading_jacobian_;
+
+  std::array<Command, kPendingMax> pending_;
+  int pending_count_ = 0;
+  Vector torque_;
+  std::optional<Nanoseconds> release_;
+  std::optional<Nanoseconds> released_at_;
+  Counters counters_;
+};
+
+}  // namespace forcebound::device

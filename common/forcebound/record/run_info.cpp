@@ -1,0 +1,193 @@
+#include "forcebound/record/run_info.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <stdexcept>
+#include <string_view>
+
+namespace forcebound::record {
+namespace {
+
+constexpr std::array<const char*, wire::kMalformedReasons> kMalformedNames{"oversize", "truncated",  "foreign",
+                                                                           "corrupt",  "unreadable", "non_finite"};
+
+// The fields by name, once, for writing and for reading.
+template <class Info, class Visit>
+void each_field(Info& info, Visit&& visit) {
+  visit("program", info.program);
+  visit("law", info.law);
+  visit("law_parameters", info.law_parameters);
+  visit("device", info.device);
+  visit("facts", info.facts);
+  visit("operator", info.operator_name);
+  visit("hand", info.hand);
+  visit("scene", info.scene);
+  visit("simulated", info.simulated);
+  visit("network", info.network);
+  visit("seed", info.seed);
+  visit("period_ns", info.period);
+  visit("hold_ns", info.hold);
+  visit("drop_ns", info.drop);
+  visit("epoch_ns", info.epoch);
+  visit("audited", info.audited);
+  visit("settle_s", info.settle_s);
+  visit("stiffness_depth_m_min", info.stiffness_depth_m_min);
+  visit("force_N_max", info.force_N_max);
+  visit("rounding_N", info.rounding_N);
+}
+
+template <class Totals, class Visit>
+void each_total(Totals& totals, Visit&& visit) {
+  visit("sent", totals.sent);
+  visit("received", totals.received);
+  visit("lost_up", totals.lost_up);
+  visit("lost_down", totals.lost_down);
+  visit("duplicated", totals.duplicated);
+  visit("reordered", totals.reordered);
+  for (std::size_t i = 0; i < kMalformedNames.size(); ++i) {
+    visit(std::string("malformed_") + kMalformedNames[i], totals.malformed[i]);
+  }
+  visit("foreign_session", totals.foreign_session);
+  visit("non_finite_requests", totals.non_finite_requests);
+  visit("non_finite_readings", totals.non_finite_readings);
+  visit("withdrawn_forces", totals.withdrawn_forces);
+  visit("impossible_intervals", totals.impossible_intervals);
+  visit("held_too_long", totals.held_too_long);
+  visit("released_by_device", totals.released_by_device);
+  visit("reconnects", totals.reconnects);
+  visit("longest_blackout_ns", totals.longest_blackout.duration);
+  visit("longest_blackout_over", totals.longest_blackout.over);
+  visit("longest_blackout_counted", totals.longest_blackout.counted);
+  visit("longest_blackout_server_left", totals.longest_blackout.server_left);
+  visit("longest_blackout_motions", totals.longest_blackout.motions);
+  visit("longest_blackout_lost_up", totals.longest_blackout.lost_up);
+  visit("longest_blackout_answers", totals.longest_blackout.answers);
+  visit("longest_blackout_lost_down", totals.longest_blackout.lost_down);
+  visit("send_failures", totals.send_failures);
+  visit("missed_ticks", totals.missed_ticks);
+  visit("device_gaps_cut", totals.device_gaps_cut);
+  visit("device_frozen_joints", totals.device_frozen_joints);
+  visit("device_faulty_commands", totals.device_faulty_commands);
+  visit("datagrams_overflowed", totals.datagrams_overflowed);
+  visit("nobody_listening", totals.nobody_listening);
+  visit("events_dropped", totals.events_dropped);
+  visit("tick_allocations", totals.tick_allocations);
+  visit("recording_dropped", totals.recording_dropped);
+  visit("recording_unwritten", totals.recording_unwritten);
+  visit("scene", totals.scene);
+  visit("simulated", totals.simulated);
+  visit("idle_timer_wake_ups", totals.idle_timer.wake_ups);
+  visit("idle_timer_late", totals.idle_timer.late);
+  visit("idle_timer_p50_us", totals.idle_timer.p50_us);
+  visit("idle_timer_p99_us", totals.idle_timer.p99_us);
+  visit("idle_timer_p999_us", totals.idle_timer.p999_us);
+  visit("idle_timer_max_us", totals.idle_timer.max_us);
+}
+
+struct Writer {
+  KeyValues& out;
+  void operator()(const std::string& name, const std::string& value) { out[name] = value; }
+  void operator()(const std::string& name, std::uint64_t value) { out[name] = std::to_string(value); }
+  void operator()(const std::string& name, Nanoseconds value) { out[name] = std::to_string(value.count()); }
+  void operator()(const std::string& name, bool value) { out[name] = value ? "true" : "false"; }
+  void operator()(const std::string& name, double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    out[name] = text;
+  }
+};
+
+template <class Number>
+Number parse(const std::string& name, const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw std::invalid_argument("field '" + name + "' must be a number, got '" + text + "'");
+  }
+  return value;
+}
+
+struct InfoReader {
+  const KeyValues& in;
+  template <class Value>
+  void operator()(const std::string& name, Value& value) {
+    const auto found = in.find(name);
+    if (found != in.end()) assign(name, found->second, value);
+  }
+  static void assign(const std::string&, const std::string& text, std::string& value) { value = text; }
+  static void assign(const std::string&, const std::string& text, bool& value) { value = text == "true"; }
+  static void assign(const std::string& name, const std::string& text, Nanoseconds& value) {
+    value = Nanoseconds{parse<Nanoseconds::rep>(name, text)};
+  }
+  template <class Number>
+  static void assign(const std::string& name, const std::string& text, Number& value) {
+    value = parse<Number>(name, text);
+  }
+};
+
+constexpr std::string_view kNotePrefix = "note_";
+
+}  // namespace
+
+KeyValues to_key_values(const RunInfo& info) {
+  KeyValues values;
+  each_field(info, Writer{values});
+  return values;
+}
+
+KeyValues to_key_values(const RunTotals& totals) {
+  KeyValues values;
+  each_total(totals, Writer{values});
+  for (std::size_t i = 0; i < totals.notes.size(); ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "note_%06zu", i);  // sorts as it counts
+    values[name] = totals.notes[i];
+  }
+  return values;
+}
+
+RunInfo run_info_from(const KeyValues& values) {
+  RunInfo info;
+  each_field(info, InfoReader{values});
+  return info;
+}
+
+RunTotals run_totals_from(const KeyValues& values) {
+  RunTotals totals;
+  each_total(totals, InfoReader{values});
+  for (const auto& [name, text] : values) {
+    if (name.starts_with(kNotePrefix)) totals.notes.push_back(text);
+  }
+  return totals;
+}
+
+std::vector<Fault> faults_of(const RunTotals& t) {
+  return {
+      {"malformed_oversize", t.malformed[0], "datagrams longer than ours may be"},
+      {"malformed_truncated", t.malformed[1], "datagrams shorter than a frame header"},
+      {"malformed_foreign", t.malformed[2], "datagrams that are not ours, or of another version"},
+      {"malformed_corrupt", t.malformed[3], "datagrams whose checksum disagrees"},
+      {"malformed_unreadable", t.malformed[4], "datagrams whose body cannot be read"},
+      {"malformed_non_finite", t.malformed[5], "datagrams with numbers that are not finite"},
+      {"foreign_session", t.foreign_session, "datagrams of another session or sender"},
+      {"non_finite_requests", t.non_finite_requests, "forces asked for that were not finite, shown as zero"},
+      {"non_finite_readings", t.non_finite_readings, "failed device readings, shown as zero force"},
+      {"withdrawn_forces", t.withdrawn_forces, "forces commanded too long after the reading, and made zero"},
+      {"impossible_intervals", t.impossible_intervals, "ticks whose clock stood still or ran back: nothing credited"},
+      {"held_too_long", t.held_too_long, "ticks beyond the hold time of a device that cannot let go: not passive"},
+      {"released_by_device", t.released_by_device, "ticks so late that the device let go of the force"},
+      {"reconnects", t.reconnects, "times the session was lost and asked for again"},
+      {"send_failures", t.send_failures, "datagrams the system did not take"},
+      {"missed_ticks", t.missed_ticks, "ticks left out: the loop woke too late for them"},
+      {"device_gaps_cut", t.device_gaps_cut, "pauses so long that the simulated device stood still in them"},
+      {"device_frozen_joints", t.device_frozen_joints, "times the simulation of a joint's friction gave up for a ms"},
+      {"device_faulty_commands", t.device_faulty_commands, "commands not finite at the device, shown as zero"},
+      {"datagrams_overflowed", t.datagrams_overflowed, "datagrams lost here: the socket was full"},
+      {"nobody_listening", t.nobody_listening, "times the server's machine said that nobody listens there"},
+      {"events_dropped", t.events_dropped, "log lines missing: their queue was full"},
+      {"tick_allocations", t.tick_allocations, "heap allocations inside the tick"},
+      {"recording_dropped", t.recording_dropped, "records missing: the recorder's queue was full"},
+      {"recording_unwritten", t.recording_unwritten, "records missing: they could not be written"}};
+}
+
+}  // namespace forcebound::record

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "forcebound/record/blackout.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/wire/codec.hpp"
+
+/// What a run was, and what it came to, beside its ticks: with them a summary is complete.
+namespace forcebound::record {
+
+using time::Nanoseconds;
+using KeyValues = std::map<std::string, std::string>;
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+/// Known when a run begins.
+struct RunInfo {
+  std::string program;         ///< with its version
+  std::string law;             ///< none, fba-less, ...
+  std::string law_parameters;  ///< for people; empty: it has none
+  std::string device;          ///< name
+  std::string facts;           ///< the device's facts, for people
+  std::string operator_name;   ///< who holds the device
+  std::string hand;            ///< mass, stiffness and damping of that hand, for people
+  std::string scene;           ///< as asked for; empty: the server's own
+  std::string simulated;       ///< what is simulated, for people
+  std::string network;         ///< what was done to the network, as far as this side knows
+  std::uint64_t seed = 0;
+  Nanoseconds period{1'000'000};        ///< nominal length of a tick
+  Nanoseconds hold{250'000'000};        ///< late-force policy: forces older than this fade
+  Nanoseconds drop{1'000'000'000};      ///< ... and older than this are zero
+  Nanoseconds epoch{0};                 ///< wall-clock time [since 1970, UTC] when the steady clock read zero
+  bool audited = true;                  ///< the device knows P(t): a simulated one
+  double settle_s = 0;                  ///< contact statistics leave out this long after the first contact
+  double stiffness_depth_m_min = 1e-5;  ///< displayed stiffness is taken deeper than this only
+  double force_N_max = kNoLimit;        ///< the device's largest force: a request beyond it is cut without any law
+  double rounding_N = 0;                ///< a force that differs less from the request was rounded, not bounded
+};
+
+/// An interval that is so much longer than the period is late.
+inline constexpr Nanoseconds kLateBy = std::chrono::microseconds{500};
+
+/// What the machine does to a thread that only sleeps at the tick's period: the yardstick for the tick's own period.
+struct IdleTimer {
+  std::uint64_t wake_ups = 0;  ///< 0: not measured
+  std::uint64_t late = 0;      ///< intervals more than 0.5 ms above the period
+  double p50_us = 0;           ///< of the intervals between wake-ups
+  double p99_us = 0;
+  double p999_us = 0;
+  double max_us = 0;
+};
+
+/// Known when a run ends. Counts of datagrams are those of the environment forces and motions, not of handshakes.
+struct RunTotals {
+  std::uint64_t sent = 0;                                          ///< motions
+  std::uint64_t received = 0;                                      ///< distinct forces
+  std::uint64_t lost_up = 0;                                       ///< motions that the server did not see
+  std::uint64_t lost_down = 0;                                     ///< forces sent that did not arrive
+  std::uint64_t duplicated = 0;                                    ///< further copies of motions or forces
+  std::uint64_t reordered = 0;                                     ///< motions or forces overtaken by newer ones
+  std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
+  std::uint64_t foreign_session = 0;                               ///< well-formed, but of another session or sender
+  std::uint64_t non_finite_requests = 0;
+  std::uint64_t non_finite_readings = 0;
+  std::uint64_t withdrawn_forces = 0;      ///< commanded so long after the reading that the law no longer allowed them
+  std::uint64_t impossible_intervals = 0;  ///< ticks whose clock stood still or ran back: nothing credited
+  std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go
+  std::uint64_t released_by_device = 0;    ///< ticks so late that the device let go of the force
+  std::uint64_t reconnects = 0;
+  Blackout longest_blackout;  ///< without any new force
+  std::uint64_t send_failures = 0;
+  std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
+  std::uint64_t device_gaps_cut = 0;         ///< pauses longer than a simulated device lives through
+  std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which it could not follow its own friction
+  std::uint64_t device_faulty_commands = 0;  ///< not finite, shown as zero
+  std::uint64_t datagrams_overflowed = 0;    ///< arrived, but the socket was full
+  std::uint64_t nobody_listening = 0;        ///< the server's machine said that nobody listens there
+  std::uint64_t events_dropped = 0;          ///< log lines for which the queue had no room
+  std::uint64_t tick_allocations = 0;        ///< in the tick, after start
+  std::uint64_t recording_dropped = 0;       ///< records that found the recorder's queue full
+  std::uint64_t recording_unwritten = 0;     ///< records that could not be written, say on a full disk
+  std::vector<std::string> notes;            ///< one line per fault that needs words
+  std::string scene;                         ///< as the server named it; empty: there was no session
+  std::string simulated;                     ///< what the server said it simulates, for people
+  IdleTimer idle_timer;
+};
+
+/// As the metadata of a recording holds them: one entry per field, numbers in full.
+KeyValues to_key_values(const RunInfo& info);
+KeyValues to_key_values(const RunTotals& totals);
+
+/// Fields that are absent keep their default; unknown ones are ignored: an older or newer program wrote them.
+/// @throws std::invalid_argument naming the field if its value is not a number where one belongs.
+RunInfo run_info_from(const KeyValues& values);
+RunTotals run_totals_from(const KeyValues& values);
+
+/// Each count of something that should not happen, by its name in the summary and with what it means, in one place.
+struct Fault {
+  const char* name;
+  std::uint64_t count;
+  const char* meaning;
+};
+std::vector<Fault> faults_of(const RunTotals& totals);
+
+}  // namespace forcebound::record

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "forcebound/scene/effects/parameter.hpp"
+#include "forcebound/scene/geometry/point.hpp"
+
+namespace forcebound::scene {
+
+/// What an effect looks at beside place and contact. The plan computes an input only if some effect of the scene asks.
+struct Inputs {
+  bool velocity = false;
+  bool time = false;      ///< since the session's first motion, and since the previous one
+  bool pressure = false;  ///< how hard the object's other effects push; such an effect comes after them
+
+  [[nodiscard]] Inputs with(const Inputs& other) const noexcept {
+    return {velocity || other.velocity, time || other.time, pressure || other.pressure};
+  }
+};
+
+/// The device's point as an effect sees it. Everything is finite.
+struct Probe {
+  Point position_m = Point::Zero();
+  Point velocity_m_per_s = Point::Zero();  ///< Inputs::velocity: mean since the previous motion; zero on the first
+  double time_s = 0;                       ///< Inputs::time: by the device's clock
+  double interval_s = 0;                   ///< Inputs::time: since the previous motion, >= 0; zero on the first
+  Point normal = Point::UnitX();           ///< of an object: unit, out of its surface where it is nearest
+  double penetration_m = 0;                ///< of an object: depth below that surface, < 0 the distance above it
+  double pressure_N = 0;                   ///< Inputs::pressure: along the normal, >= 0
+};
+
+/// Ripples that the device itself renders, because a force that crossed the network is too late and too slow for them:
+///
+///     f = n A mean_i sin(k_i . x),    x the device's own position at its own rate
+struct Texture {
+  double amplitude_N = 0;  ///< A >= 0; zero: no texture
+  int waves = 0;
+  std::array<Point, 2> waves_rad_per_m{};  ///< k_i, in the tangent plane; 2 pi over the wavelength
+};
+
+/// What an object or field does to the device.
+struct Reaction {
+  Point force_N = Point::Zero();  ///< on the device, scene frame
+  Texture texture{};
+};
+
+/// What the plan and people need to know of an effect as a scene parametrised it.
+struct EffectFacts {
+  Inputs inputs{};
+  std::size_t state_bytes = 0;     ///< kept for each session; zeros at first, and again after contact is lost
+  double reach_m = 0;              ///< > 0: acts so far above the surface too; else only within
+  double stiffness_N_per_m = 0;    ///< K, the steepest that the force rises with the way into it
+  double stiffening_N_per_m2 = 0;  ///< how much steeper for each metre of depth
+  double damping_N_s_per_m = 0;    ///< B, the steepest that the force rises with the velocity
+  bool drives = false;             ///< puts in energy of its own: no damping makes that passive
+  double cost_ns = 5;              ///< for one motion, roughly, on a machine of today
+};
+
+/// What one object or field does to the device's point: motion in, force out. One file per effect.
+///
+/// Real time: `act` is noexcept, allocates nothing and takes bounded time. Immutable, so that every client's scene
+/// state shares it; what it remembers of a client lies in `state`, EffectFacts::state_bytes of it, aligned for a
+/// double.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  /// Adds to `reaction`.
+  virtual void act(const Probe& probe, std::byte* state, Reaction& reaction) const noexcept = 0;
+
+  [[nodiscard]] virtual EffectFacts facts() const { return {}; }
+};
+
+/// The state of an effect or shape, in the bytes kept for it. Bytes of zero must be its beginning.
+template <class State>
+State& state_as(std::byte* bytes) noexcept {
+  static_assert(std::is_trivially_copyable_v<State> && alignof(State) <= alignof(double));
+  return *std::launder(reinterpret_cast<State*>(bytes));
+}
+
+/// Where an effect can be asked for: on the surface of an [[object]]; or in space, that is in a [[field]] everywhere
+/// and in an object within it.
+enum class EffectPlace : std::uint8_t { surface, space };
+
+/// An effect as a scene file knows it.
+struct EffectKind {
+  std::string_view name;     ///< in `effects = [...]`, and of its own table
+  std::string_view purpose;  ///< what a hand feels, in one line
+  std::string_view law;      ///< its equation in one line, for people
+  EffectPlace place = EffectPlace::surface;
+  std::vector<EffectParameter> parameters{};  ///< every key its table may have
+  /// @throws std::invalid_argument where values that are in range do not fit each other
+  std::function<std::unique_ptr<Effect>(const EffectValues& values)> make;
+};
+
+}  // namespace forcebound::scene

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "forcebound/scene/effects/effect.hpp"
+
+namespace forcebound::scene {
+
+/// The weight of something in the hand:
+///
+///     f = m g e
+///
+/// Parameters: `mass_kg` m >= 0, `direction` e where it falls to (any length but zero), `gravity_m_per_s2` g >= 0
+/// (default 9.81). The weight alone: inertia would need the hand's acceleration, which no network brings in time.
+EffectKind gravity_effect();
+
+}  // namespace forcebound::scene

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "forcebound/scene/effects/effect.hpp"
+
+namespace forcebound::scene {
+
+/// Ripples of the surface. No force from here: amplitude and wave vectors go to the device, which renders them at its
+/// own position and rate (Texture, and client/session/texture.hpp).
+///
+/// The ripples follow `direction`, projected onto the surface; where that is along the normal, there are none. A grid
+/// has a second wave across. Parameters: `amplitude_N` > 0, `wavelength_m` > 0, `direction`, `pattern` ("ridges" or
+/// "grid").
+EffectKind texture_effect();
+
+}  // namespace forcebound::scene

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "forcebound/scene/effects/effect.hpp"
+
+namespace forcebound::scene {
+
+/// A still medium that resists every motion:
+///
+///     f = -B v,    v the velocity of the device's point
+///
+/// Parameter: `damping_N_s_per_m` B >= 0. It takes energy only: f.v <= 0.
+EffectKind viscosity_effect();
+
+}  // namespace forcebound::scene

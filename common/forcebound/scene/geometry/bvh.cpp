@@ -1,0 +1,211 @@
+#include "forcebound/scene/geometry/bvh.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace forcebound::scene {
+namespace {
+
+constexpr int kBins = 16;
+// Deeper than this, halves by number, which end after at most 32 more: kDepthMost holds both.
+constexpr int kDepthOfHeuristic = 44;
+// Boxes are larger by this share of the mesh's size than their triangles, more than contact allows for rounding.
+constexpr double kMargin = 0x1p-34;
+
+double half_area(const Bounds& box) {
+  const Point size = box.sizes();
+  return size.x() * size.y() + size.y() * size.z() + size.z() * size.x();
+}
+
+struct Bin {
+  Bounds box;
+  std::size_t count = 0;
+
+  void add(const Bin& other) {
+    box.extend(other.box);
+    count += other.count;
+  }
+  [[nodiscard]] double cost() const { return count == 0 ? 0 : half_area(box) * static_cast<double>(count); }
+};
+
+}  // namespace
+
+class Bvh::Builder {
+ public:
+  explicit Builder(Bvh& tree) : tree_(tree) {
+    const TriangleMesh& mesh = tree.mesh();
+    boxes_.resize(mesh.triangles().size());
+    for (std::size_t i = 0; i < boxes_.size(); ++i) {
+      for (std::size_t corner = 0; corner < 3; ++corner) boxes_[i].extend(mesh.corner_m(i, corner));
+    }
+    margin_ = Point::Constant(kMargin * mesh.size_m());
+    tree_.order_.resize(boxes_.size());
+    std::iota(tree_.order_.begin(), tree_.order_.end(), 0U);
+    tree_.nodes_.reserve(boxes_.size());
+    tree_.nodes_.emplace_back();
+    build(0, 0, static_cast<std::uint32_t>(boxes_.size()), 0);
+    tree_.nodes_.shrink_to_fit();
+  }
+
+ private:
+  void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end, int depth) {
+    Bounds box;
+    Bounds centers;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      box.extend(boxes_[tree_.order_[i]]);
+      centers.extend(boxes_[tree_.order_[i]].center());
+    }
+    tree_.nodes_[node].low = box.min() - margin_;
+    tree_.nodes_[node].high = box.max() + margin_;
+    if (end - begin <= kLeafMost) {
+      tree_.nodes_[node].first = begin;
+      tree_.nodes_[node].count = end - begin;
+      return;
+    }
+    std::uint32_t middle = depth < kDepthOfHeuristic ? split(begin, end, centers) : begin;
+    if (middle == begin || middle == end) middle = halve(begin, end, centers);
+    const auto child = static_cast<std::uint32_t>(tree_.nodes_.size());
+    tree_.nodes_[node].first = child;
+    tree_.nodes_.resize(tree_.nodes_.size() + 2);
+    build(child, begin, middle, depth + 1);
+    build(child + 1, middle, end, depth + 1);
+  }
+
+  /// Where the products of area and number of the two sides are the least, by axis and bin.
+  std::uint32_t split(std::uint32_t begin, std::uint32_t end, const Bounds& centers) {
+    double best_cost = std::numeric_limits<double>::infinity();
+    int best_bin = 0;
+    Eigen::Index best_axis = 0;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (!(centers.sizes()[axis] > 0)) continue;
+      std::array<Bin, kBins> bins;
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const Bounds& box = boxes_[tree_.order_[i]];
+        bins[static_cast<std::size_t>(bin_of(box, centers, axis))].add({box, 1});
+      }
+      std::array<double, kBins> cost{};
+      Bin left;
+      for (std::size_t i = 0; i + 1 < kBins; ++i) {
+        left.add(bins[i]);
+        cost[i] = left.cost();
+      }
+      Bin right;
+      for (std::size_t i = kBins - 1; i > 0; --i) {
+        right.add(bins[i]);
+        if (cost[i - 1] + right.cost() >= best_cost) continue;
+        best_cost = cost[i - 1] + right.cost();
+        best_bin = static_cast<int>(i);
+        best_axis = axis;
+      }
+    }
+    if (!(best_cost < std::numeric_limits<double>::infinity())) return begin;
+    const auto first = tree_.order_.begin();
+    const auto middle = std::partition(first + begin, first + end, [&](std::uint32_t triangle) {
+      return bin_of(boxes_[triangle], centers, best_axis) < best_bin;
+    });
+    return static_cast<std::uint32_t>(middle - first);
+  }
+
+  std::uint32_t halve(std::uint32_t begin, std::uint32_t end, const Bounds& centers) {
+    Eigen::Index axis = 0;
+    centers.sizes().maxCoeff(&axis);
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    const auto first = tree_.order_.begin();
+    std::nth_element(first + begin, first + middle, first + end, [&](std::uint32_t a, std::uint32_t b) {
+      return boxes_[a].center()[axis] < boxes_[b].center()[axis];
+    });
+    return middle;
+  }
+
+  static int bin_of(const Bounds& box, const Bounds& centers, Eigen::Index axis) {
+    const double share = (box.center()[axis] - centers.min()[axis]) / centers.sizes()[axis];
+    return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
+  }
+
+  Bvh& tree_;
+  std::vector<Bounds> boxes_;
+  Point margin_;
+};
+
+namespace {
+
+/// A line through triangles, watertight: the sign by which it passes an edge is the same for both triangles of the
+/// edge, since the same products are subtracted, the other way round.
+class WatertightRay {
+ public:
+  explicit WatertightRay(const Segment& segment) noexcept : from_(segment.from_m) {
+    segment.way_m.cwiseAbs().maxCoeff(&z_);
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+    const double way_z = segment.way_m[z_];
+    slope_x_ = segment.way_m[x_] / way_z;
+    slope_y_ = segment.way_m[y_] / way_z;
+    inverse_z_ = 1 / way_z;
+  }
+
+  /// The share of the way at which the triangle is met, anywhere on the line.
+  [[nodiscard]] std::optional<double> meets(const Point& a, const Point& b, const Point& c) const noexcept {
+    const Point p = sheared(a);
+    const Point q = sheared(b);
+    const Point r = sheared(c);
+    const double u = r.x() * q.y() - r.y() * q.x();
+    const double v = p.x() * r.y() - p.y() * r.x();
+    const double w = q.x() * p.y() - q.y() * p.x();
+    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return std::nullopt;
+    const double sum = u + v + w;
+    if (sum == 0) return std::nullopt;
+    return (u * p.z() + v * q.z() + w * r.z()) / sum * inverse_z_;
+  }
+
+ private:
+  /// In a frame in which the line is the z axis.
+  [[nodiscard]] Point sheared(const Point& vertex) const noexcept {
+    const Point d = vertex - from_;
+    return {d[x_] - slope_x_ * d[z_], d[y_] - slope_y_ * d[z_], d[z_]};
+  }
+
+  Point from_;
+  Eigen::Index x_ = 0;
+  Eigen::Index y_ = 0;
+  Eigen::Index z_ = 0;
+  double slope_x_;
+  double slope_y_;
+  double inverse_z_;
+};
+
+}  // namespace
+
+Bvh::Bvh(std::shared_ptr<const TriangleMesh> mesh) : mesh_(std::move(mesh)) { Builder{*this}; }
+
+std::optional<SegmentHit> Bvh::first_hit(const Segment& segment) const noexcept {
+  if (!(segment.way_m.squaredNorm() > 0)) return std::nullopt;
+  const WatertightRay ray(segment);
+  std::optional<SegmentHit> found;
+  for_each_along(segment, 1, [&](std::uint32_t place, double until) {
+    const std::uint32_t triangle = order_[place];
+    const auto share =
+        ray.meets(mesh_->corner_m(triangle, 0), mesh_->corner_m(triangle, 1), mesh_->corner_m(triangle, 2));
+    if (!share || !(*share >= 0) || !(*share <= until) || (found && *share == until)) return until;
+    found = SegmentHit{triangle, *share};
+    return *share;
+  });
+  return found;
+}
+
+std::optional<NearestPoint> Bvh::nearest(const Point& point_m, double reach_m) const noexcept {
+  double least = reach_m * reach_m;
+  std::optional<NearestPoint> found;
+  descend([&](const Node& node) { return squared_distance(node, point_m); }, [&] { return least; },
+          [&](const Node& leaf) {
+            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+              const NearestOnTriangle on = nearest_on(order_[i], point_m);
+              const double squared = (on.point_m - point_m).squaredNorm();
+              if (!(squared <= least) || (found && squared == least)) continue;
+              least = squared;
+              found = NearestPoint{order_[i], on.point_m, std::sqrt(squared), on.part};
+            }
+          });
+  return found;
+}
+
+}  // namespace forcebound::scene

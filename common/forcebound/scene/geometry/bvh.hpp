@@ -1,0 +1,182 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "forcebound/scene/geometry/nearest_on_triangle.hpp"
+#include "forcebound/scene/geometry/triangle_mesh.hpp"
+
+namespace forcebound::scene {
+
+/// The part of a line from `from_m` (share 0) to `from_m + way_m` (share 1).
+struct Segment {
+  Point from_m;
+  Point way_m;
+};
+
+struct SegmentHit {
+  std::uint32_t triangle = 0;
+  double share = 0;  ///< of the segment's way
+};
+
+struct NearestPoint {
+  std::uint32_t triangle = 0;
+  Point point_m = Point::Zero();
+  double distance_m = 0;
+  TrianglePart part;
+};
+
+/// Finds the few triangles of a mesh that are near to something: a binary tree of boxes along the axes, split where the
+/// surface area heuristic says, in double precision. All points are in the mesh's own frame.
+///
+/// Real time: the queries are noexcept, allocate nothing, and keep a stack whose size the tree's depth bounds.
+class Bvh {
+ public:
+  explicit Bvh(std::shared_ptr<const TriangleMesh> mesh);
+
+  [[nodiscard]] const TriangleMesh& mesh() const noexcept { return *mesh_; }
+
+  /// The triangles in the order of the tree: those near to each other are near to each other in it. `visit` below gets
+  /// places in it.
+  [[nodiscard]] std::span<const std::uint32_t> order() const noexcept { return order_; }
+
+  /// Where the segment first meets a triangle, from either side, ends included. A segment that passes between two
+  /// triangles that share an edge hits one of them.
+  [[nodiscard]] std::optional<SegmentHit> first_hit(const Segment& segment) const noexcept;
+
+  /// The nearest point of the mesh, if it is within `reach_m`.
+  [[nodiscard]] std::optional<NearestPoint> nearest(
+      const Point& point_m, double reach_m = std::numeric_limits<double>::infinity()) const noexcept;
+
+  /// Calls visit(place) for each triangle that is within `radius_m` of the point.
+  template <class Visit>
+  void for_each_within(const Point& point_m, double radius_m, Visit visit) const noexcept;
+
+  /// Calls visit(place) for each triangle whose box may meet the box, and perhaps some more.
+  template <class Visit>
+  void for_each_about(const Bounds& box_m, Visit visit) const noexcept;
+
+  /// Calls visit(place, until) for each triangle whose box the segment may meet before `until`, roughly from its start
+  /// on. It returns the new `until`, the share of the segment behind which nothing counts any more.
+  template <class Visit>
+  void for_each_along(const Segment& segment, double until, Visit visit) const noexcept;
+
+  [[nodiscard]] std::size_t memory_bytes() const noexcept {
+    return nodes_.size() * sizeof(Node) + order_.size() * sizeof(std::uint32_t);
+  }
+
+ private:
+  static constexpr int kDepthMost = 80;
+  static constexpr std::size_t kLeafMost = 4;
+
+  struct alignas(64) Node {
+    Point low;
+    Point high;
+    std::uint32_t first = 0;  // of a leaf: in the order; else the first of two children beside each other
+    std::uint32_t count = 0;  // of a leaf's triangles; 0: has children
+  };
+
+  struct Waiting {
+    std::uint32_t node;
+    double from;  // nothing of the node is nearer
+  };
+  using Stack = std::array<Waiting, kDepthMost>;
+
+  class Builder;
+
+  [[nodiscard]] static double squared_distance(const Node& node, const Point& p) noexcept {
+    return (node.low - p).cwiseMax(p - node.high).cwiseMax(0.0).squaredNorm();
+  }
+
+  /// Visits leaves from near to far: `enter(node)` is the key of a node, and those with a key beyond `limit()` are left
+  /// out; `visit(leaf)`.
+  template <class Enter, class Limit, class Visit>
+  void descend(Enter enter, Limit limit, Visit visit) const noexcept;
+
+  [[nodiscard]] NearestOnTriangle nearest_on(std::uint32_t triangle, const Point& p) const noexcept {
+    const Triangle& t = mesh_->triangles()[triangle];
+    const auto& v = mesh_->vertices_m();
+    return nearest_on_triangle(p, v[t[0]], v[t[1]], v[t[2]]);
+  }
+
+  std::shared_ptr<const TriangleMesh> mesh_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+template <class Enter, class Limit, class Visit>
+void Bvh::descend(Enter enter, Limit limit, Visit visit) const noexcept {
+  Stack stack;
+  std::size_t waiting = 0;
+  Waiting here{0, enter(nodes_[0])};
+  for (;;) {
+    if (here.from <= limit()) {
+      const Node& node = nodes_[here.node];
+      if (node.count == 0) {
+        Waiting near{node.first, enter(nodes_[node.first])};
+        Waiting far{node.first + 1, enter(nodes_[node.first + 1])};
+        if (far.from < near.from) std::swap(near, far);
+        if (far.from <= limit()) stack[waiting++] = far;
+        here = near;
+        continue;
+      }
+      visit(node);
+    }
+    if (waiting == 0) return;
+    here = stack[--waiting];
+  }
+}
+
+template <class Visit>
+void Bvh::for_each_within(const Point& point_m, double radius_m, Visit visit) const noexcept {
+  const double most = radius_m * radius_m;
+  descend([&](const Node& node) { return squared_distance(node, point_m); }, [&] { return most; },
+          [&](const Node& leaf) {
+            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+              if ((nearest_on(order_[i], point_m).point_m - point_m).squaredNorm() <= most) visit(i);
+            }
+          });
+}
+
+template <class Visit>
+void Bvh::for_each_about(const Bounds& box_m, Visit visit) const noexcept {
+  const auto apart = [&](const Node& node) {
+    return (node.low - box_m.max()).cwiseMax(box_m.min() - node.high).maxCoeff();
+  };
+  descend(
+      apart, [] { return 0.0; },
+      [&](const Node& leaf) {
+        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) visit(i);
+      });
+}
+
+template <class Visit>
+void Bvh::for_each_along(const Segment& segment, double until, Visit visit) const noexcept {
+  // Boxes are larger than what they hold, so that a segment exactly in the plane of a box's side, where 0 * infinity is
+  // neither inside nor outside, does not touch what is in it.
+  const Point inverse = segment.way_m.cwiseInverse();
+  const auto enter = [&](const Node& node) {
+    double first = 0;
+    double last = until;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double low = (node.low[axis] - segment.from_m[axis]) * inverse[axis];
+      const double high = (node.high[axis] - segment.from_m[axis]) * inverse[axis];
+      first = std::max(first, std::min(low, high));
+      last = std::min(last, std::max(low, high));
+    }
+    return first <= last ? first : std::numeric_limits<double>::infinity();
+  };
+  descend(
+      enter, [&] { return until; },
+      [&](const Node& leaf) {
+        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) until = visit(i, until);
+      });
+}
+
+}  // namespace forcebound::scene

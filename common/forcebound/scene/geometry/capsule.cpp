@@ -1,0 +1,40 @@
+#include "forcebound/scene/geometry/capsule.hpp"
+
+#include "forcebound/scene/geometry/last_normal.hpp"
+#include "forcebound/scene/geometry/segment.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+class Capsule final : public Shape {
+ public:
+  Capsule(const LineSegment& segment, double radius_m) : segment_(segment), radius_m_(radius_m) {}
+
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    const Point from_middle = position_m - segment_.middle_m();
+    const double along_m = std::clamp(from_middle.dot(segment_.axis()), -segment_.half_m(), segment_.half_m());
+    const Point out = from_middle - along_m * segment_.axis();
+    const double distance_m = out.stableNorm();
+    // How far along the axis one is, is rounded to so much.
+    const double least_m = kRounding * (radius_m_ + segment_.half_m());
+    LastNormal& last = LastNormal::in(state);
+    if (!(distance_m > least_m)) return {last.get_across(segment_.axis()), radius_m_ - distance_m, true};
+    return last.along(out, distance_m, least_m, radius_m_ - distance_m);
+  }
+
+  ShapeFacts facts() const override {
+    return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this, .cost_ns = 10};
+  }
+
+ private:
+  LineSegment segment_;
+  double radius_m_;
+};
+
+}  // namespace
+
+std::unique_ptr<Shape> make_capsule(const Point& from_m, const Point& to_m, double radius_m) {
+  return std::make_unique<Capsule>(LineSegment(from_m, to_m), radius_m);
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <stdexcept>
+
+namespace forcebound::scene {
+
+/// A shape that cannot be made of what was given. One line: the file, where in it, what is wrong.
+class GeometryError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace forcebound::scene

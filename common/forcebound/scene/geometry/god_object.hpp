@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "forcebound/scene/geometry/bvh.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
+
+namespace forcebound::scene {
+
+/// Where the god object of one client is: flat bytes, all zeros at first, which means fresh, with no contact.
+struct Proxy {
+  double x_m;  // in the mesh's own frame
+  double y_m;
+  double z_m;
+  std::uint64_t placed;  // 0: nowhere yet
+};
+
+struct GodObjectOptions {
+  bool two_sided = false;  ///< contact from behind the triangles as well; else only from where their normals point
+};
+
+/// The god object (proxy) of a point that touches a mesh [Zilles and Salisbury, "A Constraint-based God-object Method
+/// for Haptic Display", IROS 1995]: it follows the point, its goal, but stays outside, as near to it as the triangles
+/// let it. It knows from where the point came in, so that thin walls hold.
+///
+/// From where it is, the god object goes straight to its goal until a triangle is in its way. Then it goes on to
+///
+///     argmin |x - goal|^2   subject to   n_i . (x - a_i) >= 0   for at most three planes i [eq. 1 to 4 there],
+///
+/// through the next triangle in its way and so on, until nothing nearer is to be reached. Where the paper finds the
+/// planes by Lagrange multipliers once for each motion, ours are found anew wherever the god object comes to, because
+/// the plane of a triangle that it has left holds nothing; so it also follows a curved surface within one motion.
+///
+/// Numbers: all is computed in the mesh's own frame. A point is on a plane if within a `skin` of 2^-40 (1e-12) of the
+/// mesh's size, and on a triangle if within four skins of its edges, so that rounding opens no gap and makes no step. A
+/// path that leaves a triangle over an edge no deeper than the skin has not met it, if the surface goes on there level
+/// or downwards: triangles of one plane, whose computed normals differ by rounding, are one plane.
+///
+/// Real time: `follow` is noexcept, allocates nothing, and makes at most kQueriesMost searches in the tree.
+class GodObject {
+ public:
+  static constexpr int kQueriesMost = 64;
+
+  explicit GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOptions& options = {});
+
+  /// The surface that holds the god object back from `goal_m` (in the scene's frame): `normal` from the goal to the god
+  /// object, `penetration_m` their distance; 0 without contact. The first time, the god object is put to the goal, even
+  /// inside. A goal that is not finite leaves everything as it was and has no contact; one further away than 1e12 sizes
+  /// of the mesh makes the god object fresh again.
+  SurfacePoint follow(const Point& goal_m, Proxy& state) const noexcept;
+
+  [[nodiscard]] const Bvh& bvh() const noexcept { return bvh_; }
+  [[nodiscard]] std::size_t memory_bytes() const noexcept {
+    return bvh_.memory_bytes() + facets_.size() * sizeof(Facet) + bvh_.mesh().memory_bytes();
+  }
+
+ private:
+  struct Plane {
+    Point normal;
+    double offset = 0;  // normal . x of its points
+  };
+
+  /// The plane upright on a triangle through one of its edges, normal outwards.
+  struct Edge {
+    Plane plane;
+    double beyond_m = 0;  // so far past the edge the triangle still holds
+    double below_m = 0;   // a path that leaves over the edge may be that deep below the triangle and has not met it
+  };
+
+  struct Facet {
+    Plane plane;
+    std::array<Edge, 3> edges;
+  };
+
+  /// A plane in the way: how high the god object is above it.
+  struct Constraint {
+    Point normal;
+    double height_m;
+  };
+
+  struct Obstacle {
+    Constraint constraint;
+    double share = 0;  // of the way to it
+    const Facet* facet = nullptr;
+  };
+
+  class Constraints;
+
+  [[nodiscard]] Facet facet_of(std::uint32_t triangle) const;
+  [[nodiscard]] Edge edge_of(std::uint32_t triangle, std::size_t side) const;
+  [[nodiscard]] bool approach(Point& proxy, const Point& goal) const noexcept;
+  [[nodiscard]] Point settle(Point proxy, const Point& goal, Point& last_normal) const noexcept;
+  [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found) const noexcept;
+  [[nodiscard]] static bool is_over(const Facet& facet, const Point& p) noexcept;
+  [[nodiscard]] bool is_in_the_way(const Facet& facet, const Segment& path, double until,
+                                   Obstacle& found) const noexcept;
+
+  Bvh bvh_;
+  std::vector<Facet> facets_;  // in the order of the tree
+  double skin_m_;
+  double clearance_m_;  // kept from both sides, so that it is known on which one the god object is
+  bool two_sided_;
+};
+
+}  // namespace forcebound::scene

@@ -1,0 +1,101 @@
+#include "forcebound/scene/geometry/height_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcebound::scene {
+namespace {
+
+/// Height and slopes, at a point of the grid or between.
+using Relief = Eigen::Vector3d;
+
+class HeightField final : public Shape {
+ public:
+  explicit HeightField(const HeightGrid& grid)
+      : origin_m_(grid.origin_m),
+        spacing_m_(grid.spacing_m),
+        columns_(grid.columns),
+        rows_(grid.heights_m.size() / grid.columns),
+        size_m_(spacing_m_ * static_cast<double>(columns_ - 1), spacing_m_ * static_cast<double>(rows_ - 1)) {
+    reliefs_.reserve(grid.heights_m.size());
+    for (std::size_t row = 0; row < rows_; ++row) {
+      for (std::size_t column = 0; column < columns_; ++column) reliefs_.push_back(relief(grid, row, column));
+    }
+  }
+
+  SurfacePoint nearest(const Point& position_m, std::byte*) const noexcept override {
+    const Point from_origin = position_m - origin_m_;
+    const Eigen::Vector2d above = from_origin.head<2>().cwiseMax(0).cwiseMin(size_m_);
+    const Relief here = relief_at(above);
+    const Point normal = Point(-here[1], -here[2], 1).normalized();
+    const double depth_m = (here[0] - from_origin.z()) * normal.z();
+
+    Point beyond = Point::Zero();
+    beyond.head<2>() = from_origin.head<2>() - above;
+    const double beyond_m = beyond.norm();
+    if (beyond_m > 0) return beyond_the_rim(beyond / beyond_m, beyond_m, normal, depth_m);
+    const SurfacePoint cliff = nearest_cliff(above);
+    return cliff.penetration_m < depth_m ? cliff : SurfacePoint{normal, depth_m};
+  }
+
+  ShapeFacts facts() const override {
+    return {.memory_bytes = sizeof *this + reliefs_.size() * sizeof(Relief), .cost_ns = 20};
+  }
+
+ private:
+  static SurfacePoint beyond_the_rim(const Point& outwards, double beyond_m, const Point& normal, double depth_m) {
+    if (depth_m >= 0) return {outwards, -beyond_m};
+    return {(beyond_m * outwards - depth_m * normal).normalized(), -std::hypot(beyond_m, depth_m)};
+  }
+
+  /// Of the four, from within.
+  [[nodiscard]] SurfacePoint nearest_cliff(const Eigen::Vector2d& above) const noexcept {
+    SurfacePoint cliff{Point::UnitX(), size_m_.x() - above.x()};
+    const auto nearer = [&cliff](const Point& normal, double depth_m) {
+      if (depth_m < cliff.penetration_m) cliff = {normal, depth_m};
+    };
+    nearer(-Point::UnitX(), above.x());
+    nearer(Point::UnitY(), size_m_.y() - above.y());
+    nearer(-Point::UnitY(), above.y());
+    return cliff;
+  }
+
+  /// Within the rim.
+  [[nodiscard]] Relief relief_at(const Eigen::Vector2d& above) const noexcept {
+    const double u = above.x() / spacing_m_;
+    const double v = above.y() / spacing_m_;
+    const std::size_t column = std::min(static_cast<std::size_t>(u), columns_ - 2);
+    const std::size_t row = std::min(static_cast<std::size_t>(v), rows_ - 2);
+    const double s = u - static_cast<double>(column);
+    const double t = v - static_cast<double>(row);
+    const Relief* const near = &reliefs_[row * columns_ + column];
+    const Relief* const far = near + columns_;
+    return (1 - t) * ((1 - s) * near[0] + s * near[1]) + t * ((1 - s) * far[0] + s * far[1]);
+  }
+
+  /// At a point of the grid: slopes by central differences, one-sided at the rim.
+  [[nodiscard]] Relief relief(const HeightGrid& grid, std::size_t row, std::size_t column) const {
+    const auto height_m = [&](std::size_t r, std::size_t c) { return grid.heights_m[r * columns_ + c]; };
+    const std::size_t left = column - (column > 0 ? 1 : 0);
+    const std::size_t right = column + (column + 1 < columns_ ? 1 : 0);
+    const std::size_t before = row - (row > 0 ? 1 : 0);
+    const std::size_t behind = row + (row + 1 < rows_ ? 1 : 0);
+    return {
+        height_m(row, column),
+        (height_m(row, right) - height_m(row, left)) / (spacing_m_ * static_cast<double>(right - left)),
+        (height_m(behind, column) - height_m(before, column)) / (spacing_m_ * static_cast<double>(behind - before))};
+  }
+
+  Point origin_m_;
+  double spacing_m_;
+  std::size_t columns_;
+  std::size_t rows_;
+  Eigen::Vector2d size_m_;
+  std::vector<Relief> reliefs_;
+};
+
+}  // namespace
+
+std::unique_ptr<Shape> make_height_field(const HeightGrid& grid) { return std::make_unique<HeightField>(grid); }
+
+}  // namespace forcebound::scene

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "forcebound/scene/geometry/shape.hpp"
+
+namespace forcebound::scene {
+
+/// Nearer to a shape's skeleton than this share of its size, a direction is made of rounding errors.
+inline constexpr double kRounding = 1e-12;
+
+/// The last direction that was valid, for the places where a shape has none: the centre of a sphere, the axis of a
+/// cylinder. All zeros at first, which stands for x.
+struct LastNormal {
+  double x;
+  double y;
+  double z;
+
+  [[nodiscard]] static LastNormal& in(std::byte* state) noexcept {
+    return *std::launder(reinterpret_cast<LastNormal*>(state));
+  }
+
+  /// `out` from the nearest point of the surface's skeleton, which is `distance_m` away; `penetration_m` as it is.
+  /// Nearer than `least_m` a direction is made of rounding errors.
+  SurfacePoint along(const Point& out, double distance_m, double least_m, double penetration_m) noexcept {
+    if (!(distance_m > least_m)) return {get(), penetration_m, true};
+    return {keep(out / distance_m), penetration_m};
+  }
+
+  Point keep(const Point& normal) noexcept {
+    x = normal.x();
+    y = normal.y();
+    z = normal.z();
+    return normal;
+  }
+
+  /// The last direction, turned square to the unit vector `axis`: any such is nearest where an axis is the skeleton.
+  /// Lies in the plane of the first two axes if `axis` does.
+  [[nodiscard]] Point get_across(const Point& axis) const noexcept {
+    const Point last = get();
+    const Point across = last - last.dot(axis) * axis;
+    // What is left of a direction along the axis is rounding.
+    if (const double length = across.norm(); length > 1e-6) return across / length;
+    const Point in_plane(-axis.y(), axis.x(), 0);
+    return in_plane.isZero(0) ? Point::UnitX() : in_plane.stableNormalized();
+  }
+
+  [[nodiscard]] Point get() const noexcept { return x == 0 && y == 0 && z == 0 ? Point::UnitX() : Point(x, y, z); }
+};
+
+}  // namespace forcebound::scene

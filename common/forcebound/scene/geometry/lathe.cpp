@@ -1,0 +1,72 @@
+#include "forcebound/scene/geometry/lathe.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace forcebound::scene {
+namespace {
+
+constexpr int kSegmentsMax = 4096;
+
+void check(const std::string& name, const std::vector<LathePoint>& profile, int segments) {
+  if (profile.size() < 3) {
+    throw GeometryError(name + ": a profile has at least 3 points, got " + std::to_string(profile.size()));
+  }
+  if (segments < 3 || segments > kSegmentsMax) {
+    throw GeometryError(name + ": segments must be 3 to " + std::to_string(kSegmentsMax) + ", got " +
+                        std::to_string(segments));
+  }
+  for (const LathePoint& point : profile) {
+    if (!(point.radius_m >= 0)) throw GeometryError(name + ": a radius of the profile must be >= 0");
+  }
+}
+
+/// Each point of the profile as a ring of vertices, or one vertex on the axis.
+class Rings {
+ public:
+  Rings(const std::vector<LathePoint>& profile, int segments, const Point& origin_m) : segments_(segments) {
+    for (const LathePoint& point : profile) {
+      begins_.push_back(static_cast<std::uint32_t>(vertices_.size()));
+      on_axis_.push_back(point.radius_m == 0);
+      for (int i = 0; i < (on_axis_.back() ? 1 : segments); ++i) {
+        const double angle = 2 * std::numbers::pi * i / segments;
+        vertices_.emplace_back(
+            origin_m + Point(point.radius_m * std::cos(angle), point.radius_m * std::sin(angle), point.height_m));
+      }
+    }
+  }
+
+  [[nodiscard]] bool on_axis(std::size_t point) const { return on_axis_[point]; }
+  [[nodiscard]] std::uint32_t vertex(std::size_t point, int segment) const {
+    return begins_[point] + (on_axis_[point] ? 0U : static_cast<std::uint32_t>(segment % segments_));
+  }
+  [[nodiscard]] const std::vector<Point>& vertices() const { return vertices_; }
+
+ private:
+  int segments_;
+  std::vector<std::uint32_t> begins_;
+  std::vector<bool> on_axis_;
+  std::vector<Point> vertices_;
+};
+
+}  // namespace
+
+TriangleMesh make_lathe(std::string name, const std::vector<LathePoint>& profile, int segments, const Point& origin_m) {
+  check(name, profile, segments);
+  const Rings rings(profile, segments, origin_m);
+  std::vector<Triangle> triangles;
+  for (std::size_t here = 0; here < profile.size(); ++here) {
+    const std::size_t next = (here + 1) % profile.size();
+    for (int i = 0; i < segments; ++i) {
+      if (!rings.on_axis(here))
+        triangles.push_back({rings.vertex(here, i), rings.vertex(here, i + 1), rings.vertex(next, i)});
+      if (!rings.on_axis(next))
+        triangles.push_back({rings.vertex(here, i + 1), rings.vertex(next, i + 1), rings.vertex(next, i)});
+    }
+  }
+  // An edge along the axis has given neither: a triangle has at most one corner there.
+  std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  return {std::move(name), rings.vertices(), triangles};
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,214 @@
+#include "forcebound/scene/geometry/mesh_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+Words words_of(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r\f\v";
+  Words words;
+  for (;;) {
+    const auto first = line.find_first_not_of(kBlank);
+    if (first == std::string_view::npos) return words;
+    line.remove_prefix(first);
+    const auto length = std::min(line.find_first_of(kBlank), line.size());
+    words.push_back(line.substr(0, length));
+    line.remove_prefix(length);
+  }
+}
+
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kMost = 40;
+  return "'" + text::printable(word.substr(0, kMost)) + "'";
+}
+
+std::optional<std::int64_t> whole_number(std::string_view word) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+/// A text in which each refusal says the line.
+class Lines {
+ public:
+  Lines(const std::string& path, const std::string& content) : stream_(content), reader_(stream_, path) {}
+
+  /// The words of the next line that has any, without what follows a '#'; none at the end.
+  const Words& next() {
+    words_.clear();
+    while (words_.empty() && reader_.next()) {
+      words_ = words_of(reader_.line().substr(0, reader_.line().find('#')));
+    }
+    return words_;
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const { reader_.refuse(what); }
+
+  void expect_coordinates(std::size_t from) const {
+    if (words_.size() < from + 3)
+      refuse("a point needs three coordinates, got " + std::to_string(words_.size() - from));
+    for (std::size_t i = from; i < from + 3; ++i) {
+      const std::string_view word = words_[i].starts_with('+') ? words_[i].substr(1) : words_[i];
+      const auto number = text::finite_number(word);
+      if (!number) refuse(quoted(words_[i]) + " is not a finite number");
+      if (std::abs(*number) > std::numeric_limits<float>::max()) {
+        refuse(quoted(words_[i]) + " is more than single precision holds");
+      }
+    }
+  }
+
+ private:
+  std::istringstream stream_;
+  text::LineReader reader_;
+  Words words_;
+};
+
+std::int64_t count_at(const Lines& lines, std::string_view word, const char* what) {
+  const auto count = whole_number(word);
+  if (!count || *count < 0) lines.refuse(std::string("expected the number of ") + what + ", got " + quoted(word));
+  return *count;
+}
+
+void check_binary_stl(const std::string& path, const std::string& content) {
+  constexpr std::size_t kHead = 84;
+  constexpr std::size_t kTriangle = 50;
+  const auto fail = [&](const std::string& what) { throw std::runtime_error(path + ": " + what); };
+  if (content.size() < kHead)
+    fail("ends after " + std::to_string(content.size()) + " bytes, in the head of an STL file");
+  std::uint32_t triangles = 0;
+  std::memcpy(&triangles, content.data() + kHead - sizeof triangles, sizeof triangles);
+  const std::size_t whole = (content.size() - kHead) / kTriangle;
+  if (whole < triangles) {
+    fail("ends after " + std::to_string(whole) + " of " + std::to_string(triangles) + " triangles");
+  }
+  for (std::size_t i = 0; i < triangles; ++i) {
+    std::array<float, 9> corners{};
+    std::memcpy(corners.data(), content.data() + kHead + i * kTriangle + 3 * sizeof(float), sizeof corners);
+    if (!std::ranges::all_of(corners, [](float value) { return std::isfinite(value); })) {
+      fail("triangle " + std::to_string(i + 1) + " has a coordinate that is not finite");
+    }
+  }
+}
+
+bool is_text_stl(const std::string& content) {
+  // Binary files may begin with "solid" as well; no text has a zero byte.
+  return content.find('\0') == std::string::npos && text::trimmed(content).starts_with("solid");
+}
+
+}  // namespace
+
+void check_obj(const std::string& path, const std::string& content) {
+  Lines lines(path, content);
+  std::int64_t vertices = 0;
+  bool goes_on = false;
+  const auto check_corner = [&](std::string_view word) {
+    const auto index = whole_number(word.substr(0, word.find('/')));
+    if (!index) lines.refuse(quoted(word) + " is not the index of a vertex");
+    if (*index == 0 || std::abs(*index) > vertices) {
+      lines.refuse("vertex " + quoted(word) + " is not one of the " + std::to_string(vertices) + " before this line");
+    }
+  };
+  std::size_t corners = 0;
+  while (true) {
+    const Words& words = lines.next();
+    if (words.empty()) break;
+    const bool more = words.back() == "\\";
+    const bool in_face = goes_on || words.front() == "f";
+    if (!in_face) {
+      if (words.front() == "v") {
+        lines.expect_coordinates(1);
+        ++vertices;
+      }
+      continue;
+    }
+    if (!goes_on) corners = 0;
+    for (std::size_t i = goes_on ? 0 : 1; i < words.size() - (more ? 1 : 0); ++i, ++corners) check_corner(words[i]);
+    goes_on = more;
+    if (!more && corners < 3) lines.refuse("a face needs three corners, got " + std::to_string(corners));
+  }
+  if (goes_on) lines.refuse("the file ends within a face");
+}
+
+void check_off(const std::string& path, const std::string& content) {
+  Lines lines(path, content);
+  Words words = lines.next();
+  if (words.empty() || !words.front().ends_with("OFF")) lines.refuse("expected OFF in the first line");
+  words.erase(words.begin());
+  if (words.empty()) words = lines.next();
+  if (words.size() < 2) lines.refuse("expected the numbers of vertices, faces and edges");
+  const std::int64_t vertices = count_at(lines, words[0], "vertices");
+  const std::int64_t faces = count_at(lines, words[1], "faces");
+  const auto next = [&](const char* what, std::int64_t have, std::int64_t of) -> const Words& {
+    const Words& line = lines.next();
+    if (line.empty()) {
+      lines.refuse("the file ends after " + std::to_string(have) + " of " + std::to_string(of) + " " + what);
+    }
+    return line;
+  };
+  for (std::int64_t i = 0; i < vertices; ++i) {
+    (void)next("vertices", i, vertices);
+    lines.expect_coordinates(0);
+  }
+  for (std::int64_t i = 0; i < faces; ++i) {
+    const Words& face = next("faces", i, faces);
+    const std::int64_t corners = count_at(lines, face[0], "corners");
+    if (corners < 3) lines.refuse("a face needs three corners, got " + std::to_string(corners));
+    if (static_cast<std::int64_t>(face.size()) <= corners) {
+      lines.refuse("a face of " + std::to_string(corners) + " corners has only " + std::to_string(face.size() - 1));
+    }
+    for (std::int64_t k = 1; k <= corners; ++k) {
+      const auto word = face[static_cast<std::size_t>(k)];
+      const auto index = whole_number(word);
+      if (!index || *index < 0 || *index >= vertices) {
+        lines.refuse("vertex " + quoted(word) + " is not one of 0 to " + std::to_string(vertices - 1));
+      }
+    }
+  }
+}
+
+void check_stl(const std::string& path, const std::string& content) {
+  if (!is_text_stl(content)) {
+    check_binary_stl(path, content);
+    return;
+  }
+  Lines lines(path, content);
+  std::size_t corners = 0;
+  bool in_solid = false;
+  while (true) {
+    const Words& words = lines.next();
+    if (words.empty()) break;
+    if (words.front() == "solid") in_solid = true;
+    if (words.front() == "endsolid") in_solid = false;
+    if (words.front() == "facet") corners = 0;
+    if (words.front() == "vertex") {
+      lines.expect_coordinates(1);
+      ++corners;
+    }
+    if (words.front() == "endfacet" && corners != 3) {
+      lines.refuse("a facet needs three vertices, got " + std::to_string(corners));
+    }
+  }
+  if (in_solid) lines.refuse("the file ends without endsolid");
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,85 @@
+#include "forcebound/scene/geometry/mesh_file.hpp"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/scene/geometry/mesh_check.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/printable.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+struct Format {
+  std::string_view ending;
+  void (*check)(const std::string& path, const std::string& content);
+};
+
+constexpr std::array kFormats{Format{".obj", check_obj}, Format{".off", check_off}, Format{".stl", check_stl}};
+
+const Format& format_of(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& format : kFormats) {
+    if (format.ending == ending) return format;
+  }
+  throw GeometryError(path + ": a mesh is an .obj, .off or .stl file");
+}
+
+struct Soup {
+  std::vector<Point> vertices;
+  std::vector<Triangle> triangles;
+};
+
+void add(const aiMesh& mesh, Soup& soup) {
+  const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+  for (const aiVector3D& v : std::span(mesh.mVertices, mesh.mNumVertices)) soup.vertices.emplace_back(v.x, v.y, v.z);
+  for (const aiFace& face : std::span(mesh.mFaces, mesh.mNumFaces)) {
+    // Lines and points, which an OBJ file may have beside its faces.
+    if (face.mNumIndices != 3) continue;
+    soup.triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
+  }
+}
+
+Soup import(const std::string& path, const std::string& content, const Format& format) {
+  Assimp::Importer importer;
+  // From memory: what was checked is what is read, and materials named in it are not looked for.
+  const std::string hint(format.ending.substr(1));
+  const aiScene* scene =
+      importer.ReadFileFromMemory(content.data(), content.size(), aiProcess_Triangulate, hint.c_str());
+  if (scene == nullptr) {
+    throw GeometryError(path + ": cannot be read as " + hint + ": " + text::printable(importer.GetErrorString()));
+  }
+  Soup soup;
+  for (const aiMesh* mesh : std::span(scene->mMeshes, scene->mNumMeshes)) add(*mesh, soup);
+  return soup;
+}
+
+}  // namespace
+
+TriangleMesh load_mesh(const std::string& path, const MeshPlacement& placement) {
+  const Format& format = format_of(path);
+  std::string content;
+  try {
+    content = text::read_file(path);
+    format.check(path, content);
+  } catch (const GeometryError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw GeometryError(error.what());
+  }
+  const Soup soup = import(path, content, format);
+  return {path, soup.vertices, soup.triangles, placement};
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,80 @@
+#include "forcebound/scene/geometry/mesh_shape.hpp"
+
+#include <cmath>
+#include <limits>
+#include <new>
+#include <optional>
+
+#include "forcebound/scene/geometry/god_object.hpp"
+#include "forcebound/scene/geometry/pseudonormals.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+class MeshShape final : public Shape {
+ public:
+  MeshShape(std::shared_ptr<const TriangleMesh> mesh, const MeshShapeOptions& options)
+      : object_(std::move(mesh), {.two_sided = options.two_sided}), reach_m_(options.reach_m) {
+    if (this->mesh().report().closed() && !options.two_sided) sides_.emplace(this->mesh());
+  }
+
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    Proxy& proxy = *std::launder(reinterpret_cast<Proxy*>(state));
+    if (proxy.placed == 0) put_to_the_surface(position_m, proxy);
+    const SurfacePoint held = object_.follow(position_m, proxy);
+    if (held.penetration_m > 0 || reach_m_ == 0) return held;
+    const Point local_m = position_m - mesh().origin_m();
+    const auto found = object_.bvh().nearest(local_m, reach_m_);
+    if (!found || !(found->distance_m > 0)) return {.normal = held.normal, .penetration_m = found ? 0 : -reach_m_};
+    return {.normal = (local_m - found->point_m) / found->distance_m, .penetration_m = -found->distance_m};
+  }
+
+  ShapeFacts facts() const override {
+    // Searches, whose length grows with the depth of the tree.
+    constexpr double kPerLevel_ns = 45;
+    const double levels = std::log2(static_cast<double>(mesh().triangles().size()) + 1);
+    return {.state_bytes = sizeof(Proxy),
+            .memory_bytes = sizeof *this + object_.memory_bytes() + (sides_ ? sides_->memory_bytes() : 0),
+            .cost_ns = (reach_m_ > 0 ? 2 : 1) * kPerLevel_ns * levels,
+            .on_surface_m = top_m()};
+  }
+
+ private:
+  [[nodiscard]] const TriangleMesh& mesh() const noexcept { return object_.bvh().mesh(); }
+
+  /// The middle of the highest triangle, where what comes from above meets it.
+  [[nodiscard]] Point top_m() const {
+    Point top = Point::Constant(-std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < mesh().triangles().size(); ++i) {
+      const Point middle = (mesh().corner_m(i, 0) + mesh().corner_m(i, 1) + mesh().corner_m(i, 2)) / 3;
+      if (middle.z() > top.z()) top = middle;
+    }
+    return mesh().origin_m() + top;
+  }
+
+  void put_to_the_surface(const Point& position_m, Proxy& proxy) const noexcept {
+    if (!sides_ || !position_m.allFinite()) return;
+    const Point local_m = position_m - mesh().origin_m();
+    if (mesh().report().volume_m3 > 0 && !mesh().box_m().contains(local_m)) return;
+    const auto found = object_.bvh().nearest(local_m);
+    if (found && sides_->is_inside(local_m, *found)) {
+      proxy = {found->point_m.x(), found->point_m.y(), found->point_m.z(), 1};
+    }
+  }
+
+  GodObject object_;
+  std::optional<Pseudonormals> sides_;  // of a closed mesh
+  double reach_m_;
+};
+
+}  // namespace
+
+std::unique_ptr<Shape> make_mesh(std::shared_ptr<const TriangleMesh> mesh, const MeshShapeOptions& options) {
+  if (!(options.reach_m >= 0) || !std::isfinite(options.reach_m)) {
+    throw GeometryError(mesh->name() + ": reach_m must be >= 0, got " + text::to_text(options.reach_m));
+  }
+  return std::make_unique<MeshShape>(std::move(mesh), options);
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,118 @@
+#include "forcebound/scene/geometry/shape.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "forcebound/scene/geometry/last_normal.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+class HalfSpace final : public Shape {
+ public:
+  HalfSpace(const Point& through_m, const Point& normal) : through_m_(through_m), normal_(normal.stableNormalized()) {}
+
+  SurfacePoint nearest(const Point& position_m, std::byte*) const noexcept override {
+    return {.normal = normal_, .penetration_m = (through_m_ - position_m).dot(normal_)};
+  }
+
+  ShapeFacts facts() const override { return {.memory_bytes = sizeof *this, .cost_ns = 3, .on_surface_m = through_m_}; }
+
+ private:
+  Point through_m_;
+  Point normal_;
+};
+
+class Sphere final : public Shape {
+ public:
+  Sphere(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
+
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    const Point out = position_m - center_m_;
+    const double distance_m = out.stableNorm();
+    return LastNormal::in(state).along(out, distance_m, kRounding * radius_m_, radius_m_ - distance_m);
+  }
+
+  ShapeFacts facts() const override {
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 12,
+            .on_surface_m = center_m_ + radius_m_ * Point::UnitX()};
+  }
+
+ private:
+  Point center_m_;
+  double radius_m_;
+};
+
+class Cavity final : public Shape {
+ public:
+  Cavity(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
+
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    const Point in = center_m_ - position_m;
+    const double distance_m = in.stableNorm();
+    return LastNormal::in(state).along(in, distance_m, kRounding * radius_m_, distance_m - radius_m_);
+  }
+
+  ShapeFacts facts() const override {
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 12,
+            .on_surface_m = center_m_ + radius_m_ * Point::UnitX()};
+  }
+
+ private:
+  Point center_m_;
+  double radius_m_;
+};
+
+class Box final : public Shape {
+ public:
+  Box(const Point& center_m, const Point& size_m) : center_m_(center_m), half_m_(0.5 * size_m) {}
+
+  SurfacePoint nearest(const Point& position_m, std::byte*) const noexcept override {
+    const Point from_center = position_m - center_m_;
+    const Point outside_m = (from_center.cwiseAbs() - half_m_).cwiseMax(0.0);
+    if (const double distance_m = outside_m.stableNorm(); distance_m > 0) {
+      const Point sign = from_center.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
+      return {.normal = outside_m.cwiseProduct(sign) / distance_m, .penetration_m = -distance_m};
+    }
+    SurfacePoint found{.normal = Point::UnitX(), .penetration_m = std::numeric_limits<double>::infinity()};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double depth_m = half_m_[axis] - std::abs(from_center[axis]);
+      if (!(depth_m < found.penetration_m)) continue;
+      found.penetration_m = depth_m;
+      found.normal = (from_center[axis] < 0 ? -1.0 : 1.0) * Point::Unit(axis);
+    }
+    return found;
+  }
+
+  ShapeFacts facts() const override {
+    return {.memory_bytes = sizeof *this, .cost_ns = 10, .on_surface_m = center_m_ + half_m_[0] * Point::UnitX()};
+  }
+
+ private:
+  Point center_m_;
+  Point half_m_;
+};
+
+}  // namespace
+
+std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal) {
+  return std::make_unique<HalfSpace>(through_m, normal);
+}
+
+std::unique_ptr<Shape> make_sphere(const Point& center_m, double radius_m) {
+  return std::make_unique<Sphere>(center_m, radius_m);
+}
+
+std::unique_ptr<Shape> make_cavity(const Point& center_m, double radius_m) {
+  return std::make_unique<Cavity>(center_m, radius_m);
+}
+
+std::unique_ptr<Shape> make_box(const Point& center_m, const Point& size_m) {
+  return std::make_unique<Box>(center_m, size_m);
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,50 @@
+#include "forcebound/scene/geometry/torus.hpp"
+
+#include <Eigen/Geometry>
+
+#include "forcebound/scene/geometry/last_normal.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+class Torus final : public Shape {
+ public:
+  Torus(const Point& center_m, const Point& axis, double major_radius_m, double minor_radius_m)
+      : center_m_(center_m), axis_(axis.stableNormalized()), major_m_(major_radius_m), minor_m_(minor_radius_m) {}
+
+  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    const Point from_center = position_m - center_m_;
+    const double along_m = from_center.dot(axis_);
+    const Point across = from_center - along_m * axis_;
+    const double across_m = across.stableNorm();
+    const double least_m = kRounding * major_m_;
+    LastNormal& last = LastNormal::in(state);
+    const bool on_axis = !(across_m > least_m);
+    const Point radial = on_axis ? last.get_across(axis_) : Point(across / across_m);
+
+    const Point out = (across_m - major_m_) * radial + along_m * axis_;
+    const double distance_m = out.stableNorm();
+    if (!(distance_m > least_m)) return {last.get_across(axis_.cross(radial)), minor_m_ - distance_m, true};
+    if (on_axis) return {out / distance_m, minor_m_ - distance_m, true};
+    return last.along(out, distance_m, least_m, minor_m_ - distance_m);
+  }
+
+  ShapeFacts facts() const override {
+    return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this, .cost_ns = 15};
+  }
+
+ private:
+  Point center_m_;
+  Point axis_;
+  double major_m_;
+  double minor_m_;
+};
+
+}  // namespace
+
+std::unique_ptr<Shape> make_torus(const Point& center_m, const Point& axis, double major_radius_m,
+                                  double minor_radius_m) {
+  return std::make_unique<Torus>(center_m, axis, major_radius_m, minor_radius_m);
+}
+
+}  // namespace forcebound::scene

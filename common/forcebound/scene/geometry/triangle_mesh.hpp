@@ -1,0 +1,113 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "forcebound/scene/geometry/geometry_error.hpp"
+#include "forcebound/scene/geometry/point.hpp"
+
+namespace forcebound::scene {
+
+/// The corners of a triangle by their place among the vertices, anticlockwise seen from outside.
+using Triangle = std::array<std::uint32_t, 3>;
+
+using Bounds = Eigen::AlignedBox3d;
+
+/// Where a mesh lies in the scene: a vertex v of the file is at scale * v + offset_m.
+struct MeshPlacement {
+  double scale = 1;
+  Point offset_m = Point::Zero();
+};
+
+/// What a mesh turned out to be, and what was mended. Edges are counted before slivers are dropped: a triangle without
+/// an area opens no surface.
+struct MeshReport {
+  std::size_t triangles = 0;
+  std::size_t vertices = 0;
+  std::size_t welded_vertices = 0;        ///< equal to another one, and made one with it
+  std::size_t unreferenced_vertices = 0;  ///< of no triangle that was kept, dropped
+  std::size_t slivers = 0;                ///< triangles thinner than kSliver of the mesh, dropped
+  std::size_t duplicate_triangles = 0;    ///< the same corners the same way round as another one, dropped
+  std::size_t open_edges = 0;             ///< of one triangle only
+  std::size_t non_manifold_edges = 0;     ///< of three triangles or more
+  std::size_t inconsistent_edges = 0;     ///< of two triangles that disagree about which side is outside
+  double volume_m3 = 0;                   ///< if closed: < 0 where the outside is inside, as of a cavity
+
+  /// Whether there is an inside and an outside.
+  [[nodiscard]] bool closed() const noexcept {
+    return open_edges == 0 && non_manifold_edges == 0 && inconsistent_edges == 0;
+  }
+};
+
+/// In one line: "5856 triangles, 2930 vertices, closed; dropped 3 slivers".
+[[nodiscard]] std::string to_text(const MeshReport& report);
+
+/// A surface of triangles. Immutable.
+///
+/// Vertices are kept in the mesh's own frame, whose axes are the scene's and whose origin is the middle of the mesh's
+/// bounding box: what is computed there loses no digits, wherever in the scene the mesh lies and whatever its size.
+class TriangleMesh {
+ public:
+  /// The least height of a triangle, as a share of the mesh's size. The normal of a thinner one is made of rounding
+  /// errors; what contact allows for rounding bridges the gap that it leaves.
+  static constexpr double kSliver = 0x1p-38;
+
+  /// Where a triangle has no neighbour.
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  /// @param name what errors call it: the file.
+  /// @throws GeometryError if a coordinate is not finite, a corner is not among the vertices, the placement is not
+  /// finite with scale > 0, or no triangle is left.
+  TriangleMesh(std::string name, const std::vector<Point>& vertices, const std::vector<Triangle>& triangles,
+               const MeshPlacement& placement = {});
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const MeshReport& report() const noexcept { return report_; }
+
+  /// The origin of the mesh's own frame in the scene.
+  [[nodiscard]] const Point& origin_m() const noexcept { return origin_m_; }
+  /// Half the diagonal of the bounding box.
+  [[nodiscard]] double size_m() const noexcept { return size_m_; }
+  /// The bounding box, in the mesh's own frame.
+  [[nodiscard]] const Bounds& box_m() const noexcept { return box_m_; }
+
+  [[nodiscard]] const std::vector<Point>& vertices_m() const noexcept { return vertices_m_; }
+  [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
+  /// One of length 1 for each triangle, to the outside.
+  [[nodiscard]] const std::vector<Point>& normals() const noexcept { return normals_; }
+  /// The triangles beyond the edges from corner 0 to 1, 1 to 2 and 2 to 0; kNone where the edge is not one of two
+  /// triangles that agree.
+  [[nodiscard]] const std::vector<Triangle>& neighbours() const noexcept { return neighbours_; }
+
+  [[nodiscard]] const Point& corner_m(std::size_t triangle, std::size_t corner) const {
+    return vertices_m_[triangles_[triangle][corner]];
+  }
+
+  [[nodiscard]] std::size_t memory_bytes() const noexcept;
+
+ private:
+  void place(const std::vector<Point>& vertices, const MeshPlacement& placement);
+  void weld();
+  void drop_duplicates();
+  void count_edges();
+  void drop_slivers();
+  void drop_unreferenced();
+  void find_normals();
+
+  std::string name_;
+  MeshReport report_;
+  Point origin_m_ = Point::Zero();
+  double size_m_ = 0;
+  Bounds box_m_;
+  std::vector<Point> vertices_m_;
+  std::vector<Triangle> triangles_;
+  std::vector<Point> normals_;
+  std::vector<Triangle> neighbours_;
+};
+
+}  // namespace forcebound::scene

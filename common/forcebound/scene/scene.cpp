@@ -1,0 +1,40 @@
+#include "forcebound/scene/scene.hpp"
+
+#include "forcebound/control/vector.hpp"
+
+namespace forcebound::scene {
+
+Scene::Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy)
+    : facts_(std::move(facts)),
+      parts_(std::move(parts)),
+      plan_(parts_.objects, parts_.fields),
+      inputs_(plan_.inputs()),
+      accuracy_(std::move(accuracy)) {
+  for (const SceneDynamicModel& dynamic_model : parts_.dynamic_models)
+    inputs_ = inputs_.with(dynamic_model.dynamic_model->facts().inputs);
+}
+
+const std::string& Scene::name_of_step(std::size_t step) const noexcept {
+  const std::size_t objects = parts_.objects.size();
+  return step < objects ? parts_.objects[step].name : parts_.fields[step - objects].name;
+}
+
+Point Scene::on_surface_m(std::size_t part) const {
+  const auto steps = plan_.steps();
+  if (part >= steps.size()) return parts_.dynamic_models[part - steps.size()].dynamic_model->facts().on_surface_m;
+  return steps[part].shape == nullptr ? Point::Zero() : steps[part].shape->facts().on_surface_m;
+}
+
+bool Scene::accepts(std::uint32_t device_degrees_of_freedom) const noexcept {
+  const auto ours = static_cast<std::uint32_t>(facts_.degrees_of_freedom);
+  if (ours == kAnyDegreesOfFreedom)
+    return device_degrees_of_freedom >= 1 && device_degrees_of_freedom <= control::kDofMax;
+  return device_degrees_of_freedom == ours || (ours == 3 && device_degrees_of_freedom == 6);
+}
+
+std::string Scene::accepted_degrees_of_freedom() const {
+  if (facts_.degrees_of_freedom == kAnyDegreesOfFreedom) return "1 to " + std::to_string(control::kDofMax);
+  return facts_.degrees_of_freedom == 3 ? "3 or 6" : std::to_string(facts_.degrees_of_freedom);
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,156 @@
+#include "forcebound/scene/scene_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace forcebound::scene {
+SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
+                       const DynamicModelsNow& dynamic_models, bool shares_dynamic_models)
+    : scene_(std::move(scene)),
+      rows_(degrees_of_freedom),
+      translations_(std::min<Eigen::Index>(rows_, 3)),
+      bytes_(scene_->plan().state_bytes()),
+      steps_(scene_->plan().steps().size()),
+      shares_dynamic_models_(shares_dynamic_models) {
+  std::iota(steps_.begin(), steps_.end(), 0U);
+  seats_.reserve(dynamic_models.size());
+  for (const auto& dynamic_model : dynamic_models) seats_.emplace_back(dynamic_model);
+  dynamic_models_.resize(seats_.size());
+  std::iota(dynamic_models_.begin(), dynamic_models_.end(), 0U);
+  quarantined_.reserve(steps_.size() + seats_.size());
+}
+
+SceneState::SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom)
+    : SceneState(scene, degrees_of_freedom, begin_dynamic_models(*scene, 1), false) {}
+
+SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
+                       const DynamicModelsNow& shared)
+    : SceneState(std::move(scene), degrees_of_freedom, shared, true) {}
+
+SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part) {
+  const std::size_t steps = scene->plan().steps().size();
+  DynamicModelsNow dynamic_models;
+  if (part >= steps)
+    dynamic_models.push_back(std::make_shared<DynamicModelNow>(scene->dynamic_models()[part - steps], 1));
+  SceneState state(std::move(scene), degrees_of_freedom, dynamic_models, false);
+  state.steps_.clear();
+  if (part < steps) state.steps_.push_back(static_cast<std::uint32_t>(part));
+  return state;
+}
+
+SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time) noexcept {
+  const Plan& plan = scene_->plan();
+  Probe probe;
+  probe.position_m.head(translations_) = position.head(translations_);
+  if (scene_->inputs().velocity || scene_->inputs().time) look_at_time(probe, device_time);
+
+  Point total_N = Point::Zero();
+  SceneAnswer answer;
+  quarantined_.clear();
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const PlanStep& step = plan.steps()[steps_[i]];
+    Reaction reaction;
+    const SurfacePoint surface = find_surface(step, probe.position_m);
+    probe.normal = surface.normal;
+    probe.penetration_m = surface.penetration_m;
+    act(step, probe, reaction);
+    if (add(reaction, surface, total_N, answer)) continue;
+    quarantine(scene_->name_of_step(steps_[i]));
+    steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
+  }
+  for (std::size_t i = 0; i < dynamic_models_.size(); ++i) {
+    DynamicModelSeat& seat = seats_[dynamic_models_[i]];
+    const ModelTouch touch =
+        seat.feel(probe, shares_dynamic_models_ ? server_time : device_time, faults_.dynamic_models);
+    const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
+    if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) continue;
+    quarantine(seat.name());
+    dynamic_models_.erase(dynamic_models_.begin() + static_cast<std::ptrdiff_t>(i--));
+  }
+  answer.quarantined = quarantined_;
+  answer.force = in_device_rows(total_N);
+  return answer;
+}
+
+bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
+                     SceneAnswer& answer) noexcept {
+  if (!surface.normal.allFinite() || !(total_N + reaction.force_N).allFinite()) return false;
+  total_N += reaction.force_N;
+  if (!(surface.penetration_m > 0)) return true;
+  if (surface.normal_is_old) ++faults_.old_normals;
+  if (surface.penetration_m > answer.penetration_m) {
+    answer.penetration_m = surface.penetration_m;
+    answer.contact_normal = in_device_rows(surface.normal);
+    answer.texture = reaction.texture;
+  }
+  return true;
+}
+
+void SceneState::quarantine(const std::string& name) noexcept {
+  ++faults_.quarantined;
+  quarantined_.push_back(&name);
+}
+
+DynamicModelsNow SceneState::dynamic_models() const {
+  DynamicModelsNow dynamic_models;
+  dynamic_models.reserve(seats_.size());
+  for (const DynamicModelSeat& seat : seats_) dynamic_models.push_back(seat.now());
+  return dynamic_models;
+}
+
+Vector SceneState::in_device_rows(const Point& point) const noexcept {
+  Vector vector = Vector::Zero(rows_);
+  vector.head(translations_) = point.head(translations_);
+  return vector;
+}
+
+SurfacePoint SceneState::find_surface(const PlanStep& step, const Point& position_m) noexcept {
+  if (step.shape == nullptr) return {};
+  return step.shape->nearest(position_m, bytes_.data() + step.shape_state);
+}
+
+void SceneState::act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept {
+  if (step.shape != nullptr && !(probe.penetration_m > -step.reach_m)) {
+    forget(step.near_state, step.end_state);
+    return;
+  }
+  run(step.begin, step.near_end, probe, reaction);
+  if (!(probe.penetration_m > 0)) {
+    forget(step.touching_state, step.end_state);
+    return;
+  }
+  run(step.near_end, step.touching_end, probe, reaction);
+  probe.pressure_N = std::max(0.0, reaction.force_N.dot(probe.normal));
+  run(step.touching_end, step.end, probe, reaction);
+}
+
+void SceneState::run(std::uint32_t begin, std::uint32_t end, const Probe& probe, Reaction& reaction) noexcept {
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const PlannedEffect& planned = scene_->plan().effects()[i];
+    planned.effect->act(probe, bytes_.data() + planned.state, reaction);
+  }
+}
+
+void SceneState::forget(std::uint32_t begin, std::uint32_t end) noexcept {
+  std::fill(bytes_.begin() + begin, bytes_.begin() + end, std::byte{0});
+}
+
+void SceneState::look_at_time(Probe& probe, Nanoseconds device_time) noexcept {
+  if (has_last_) {
+    probe.interval_s = seconds_between(last_time_, device_time);
+    probe.time_s = seconds_between(first_time_, device_time);
+    if (probe.interval_s > 0) {
+      const Point velocity_m_per_s = (probe.position_m - last_position_m_) / probe.interval_s;
+      // From one end of the numbers to the other is farther than any number.
+      if (velocity_m_per_s.allFinite()) probe.velocity_m_per_s = velocity_m_per_s;
+    }
+  } else {
+    first_time_ = device_time;
+  }
+  has_last_ = true;
+  last_time_ = device_time;
+  last_position_m_ = probe.position_m;
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "forcebound/control/vector.hpp"
+#include "forcebound/scene/dynamic_model_seat.hpp"
+
+namespace forcebound::scene {
+
+using control::Vector;
+
+/// What the scene answers to one motion; the vectors have the device's rows, rotations are zero.
+struct SceneAnswer {
+  Vector force;              ///< on the device [N], then torque [N m]; always finite
+  Vector contact_normal{};   ///< unit, out of the surface touched (deepest one); no rows: no contact
+  double penetration_m = 0;  ///< depth below that surface, 0: no contact
+  Texture texture{};         ///< of that surface
+  /// Names of what is left out from now on, nothing new on most motions. Valid until the next one.
+  std::span<const std::string* const> quarantined{};
+};
+
+/// What went wrong within a scene and was kept from the client.
+struct SceneFaults {
+  std::uint64_t old_normals = 0;  ///< contacts whose direction had to be the last valid one
+  std::uint64_t quarantined =
+      0;  ///< objects, fields and dynamic models whose force was not finite: left out from then on
+  DynamicModelFaults dynamic_models{};  ///< while this client's motions were answered
+};
+
+/// One client's state of a scene.
+///
+/// An object, field or dynamic model whose force is not finite is left out from then on, for this client; the others
+/// keep their states.
+///
+/// Real time: `answer` is noexcept, allocates nothing and is O(effects), and what the dynamic models take. Not
+/// thread-safe, nor are states that share dynamic models.
+class SceneState {
+ public:
+  /// With dynamic models of its own, in which time goes by the device's clock.
+  /// The scene accepts so many degrees of freedom.
+  SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom);
+
+  /// In the dynamic models of somebody else's state of this scene, or in new ones for several; time goes there by the
+  /// server's clock.
+  SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const DynamicModelsNow& shared);
+
+  /// One part of it alone: the object or field of a step of the plan, or, counted on from there, a dynamic model.
+  static SceneState of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part);
+
+  /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
+  /// clock. The velocity is the mean since the previous call; a time that does not advance gives none.
+  /// @param server_time when that is answered; only shared dynamic models look at it
+  [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time,
+                                   Nanoseconds server_time = Nanoseconds{0}) noexcept;
+
+  [[nodiscard]] DynamicModelsNow dynamic_models() const;
+
+  /// With the device's rows; rotations are zero.
+  [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
+
+  [[nodiscard]] const Scene& scene() const noexcept { return *scene_; }
+  [[nodiscard]] const SceneFaults& faults() const noexcept { return faults_; }
+
+ private:
+  SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
+             const DynamicModelsNow& dynamic_models, bool shares_dynamic_models);
+
+  /// Adds what one part does to the answer and the force so far; false if that is not finite.
+  [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
+                         SceneAnswer& answer) noexcept;
+  void quarantine(const std::string& name) noexcept;
+  void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
+  [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;
+  void act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept;
+  void run(std::uint32_t begin, std::uint32_t end, const Probe& probe, Reaction& reaction) noexcept;
+  void forget(std::uint32_t begin, std::uint32_t end) noexcept;
+
+  std::shared_ptr<const Scene> scene_;
+  Eigen::Index rows_;                            ///< of the device
+  Eigen::Index translations_;                    ///< of them
+  std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes
+  std::vector<std::uint32_t> steps_;             ///< of the plan, less those quarantined
+  std::vector<DynamicModelSeat> seats_;          ///< in all dynamic models
+  std::vector<std::uint32_t> dynamic_models_;    ///< of the seats, less those quarantined
+  std::vector<const std::string*> quarantined_;  ///< on this motion; room for all
+  bool shares_dynamic_models_;
+  Point last_position_m_ = Point::Zero();
+  Nanoseconds first_time_{0};
+  Nanoseconds last_time_{0};
+  bool has_last_ = false;
+  SceneFaults faults_;
+};
+
+}  // namespace forcebound::scene

@@ -1,0 +1,346 @@
+#include "forcebound/wire/codec.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "forcebound/v1/session.pb.h"
+
+namespace forcebound::wire {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 8;
+constexpr std::byte kFrameVersion{1};
+constexpr std::array kMark{std::byte{'F'}, std::byte{'B'}};
+constexpr std::size_t kKindAt = 3;
+constexpr std::size_t kChecksumAt = 4;
+// Tag and two bytes of length: a Hello has always more than 127 bytes to pad.
+constexpr std::size_t kPaddingOverhead = 3;
+
+std::uint32_t checksum(std::span<const std::byte> datagram) noexcept {
+  const auto* bytes = reinterpret_cast<const Bytef*>(datagram.data());
+  // The kind is covered too, or a flipped bit could make a Bye of a Hello.
+  const uLong kind = crc32(crc32(0, nullptr, 0), bytes + kKindAt, 1);
+  return static_cast<std::uint32_t>(
+      crc32(kind, bytes + kHeaderBytes, static_cast<uInt>(datagram.size() - kHeaderBytes)));
+}
+
+/// Protocol Buffers writes to stderr about text that is not UTF-8; whom it comes from or goes to counts it. Only the
+/// kinds with text need it, and it locks.
+class QuietProtobuf {
+ public:
+  explicit QuietProtobuf(std::size_t kind) {
+    constexpr std::size_t kKindsWithText = 3;  // Hello, Welcome, Refusal
+    if (kind <= kKindsWithText) silencer_.emplace();
+  }
+
+ private:
+  std::optional<google::protobuf::LogSilencer> silencer_;
+};
+
+/// At most `bytes` of the text, not ending within a character.
+std::string_view cut(std::string_view text, std::size_t bytes) noexcept {
+  if (text.size() <= bytes) return text;
+  while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xC0U) == 0x80U) --bytes;
+  return text.substr(0, bytes);
+}
+
+std::string_view cut_name(std::string_view text) noexcept { return cut(text, kNameBytesMax); }
+std::string_view cut_text(std::string_view text) noexcept { return cut(text, kTextBytesMax); }
+
+using Numbers = google::protobuf::RepeatedField<double>;
+
+template <class Rows>
+void put(const Rows& from, Numbers* to) noexcept {
+  for (Eigen::Index i = 0; i < from.rows(); ++i) to->Add(from[i]);
+}
+
+/// False if it is none of our vectors.
+template <class Rows>
+bool take(const Numbers& from, Rows& to) noexcept {
+  if (from.size() > Rows::MaxRowsAtCompileTime) return false;
+  to.resize(from.size());
+  for (int i = 0; i < from.size(); ++i) to[i] = from[i];
+  return to.allFinite();
+}
+
+}  // namespace
+
+struct Codec::Storage {
+  Storage();
+
+  void fill(const Hello& from) noexcept;
+  void fill(const Welcome& from) noexcept;
+  void fill(const Refusal& from) noexcept;
+  void fill(const MotionSample& from) noexcept;
+  void fill(const EnvironmentForce& from) noexcept;
+  void fill(const Bye& from) noexcept;
+
+  template <class Proto>
+  std::span<const std::byte> frame(std::size_t kind, const Proto& body) noexcept;
+
+  template <class Proto>
+  std::variant<Message, Malformed> read(Proto& proto, std::span<const std::byte> datagram) noexcept;
+
+  v1::Hello hello;
+  v1::Welcome welcome;
+  v1::Refusal refusal;
+  v1::MotionSample motion;
+  v1::EnvironmentForce force;
+  v1::Bye bye;
+
+  std::array<std::byte, kFrameBytesMax> datagram{kMark[0], kMark[1], kFrameVersion};
+};
+
+// Grows every string and list to the most that a datagram can hold; clearing keeps what they have.
+Codec::Storage::Storage() {
+  const std::string longest(kFrameBytesMax, 'x');
+  for (std::string* text :
+       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_port(), hello.mutable_padding(),
+        welcome.mutable_scene(), welcome.mutable_simulated(), refusal.mutable_text()}) {
+    *text = longest;
+  }
+  for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_position_m(),
+                           force.mutable_contact_normal(), force.mutable_texture_wave_rad_per_m(),
+                           force.mutable_texture_across_rad_per_m(), motion.mutable_port(), force.mutable_port()}) {
+    numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
+  }
+}
+
+void Codec::Storage::fill(const Hello& from) noexcept {
+  hello.Clear();
+  hello.set_protocol_version(from.protocol_version);
+  hello.set_client_nonce(from.client_nonce);
+  hello.set_degrees_of_freedom(from.degrees_of_freedom);
+  hello.mutable_device()->assign(cut_name(from.device));
+  hello.set_period_s(from.period_s);
+  hello.set_force_n_max(from.force_N_max);
+  hello.mutable_scene()->assign(cut_name(from.scene));
+  hello.set_client_time_ns(from.client_time.count());
+  hello.set_round_trip_ns(from.round_trip.count());
+  hello.mutable_port()->assign(cut_name(from.port));
+  hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
+}
+
+void Codec::Storage::fill(const Welcome& from) noexcept {
+  welcome.Clear();
+  welcome.set_client_nonce(from.client_nonce);
+  welcome.set_session(from.session);
+  welcome.set_scene_hash(from.scene_hash);
+  welcome.mutable_scene()->assign(cut_name(from.scene));
+  welcome.mutable_simulated()->assign(cut_text(from.simulated));
+}
+
+void Codec::Storage::fill(const Refusal& from) noexcept {
+  refusal.Clear();
+  refusal.set_client_nonce(from.client_nonce);
+  refusal.set_session(from.session);
+  refusal.set_reason(static_cast<v1::Refusal::Reason>(from.reason));
+  refusal.mutable_text()->assign(cut_text(from.text));
+  refusal.set_client_time_ns(from.client_time.count());
+}
+
+void Codec::Storage::fill(const MotionSample& from) noexcept {
+  motion.Clear();
+  motion.set_session(from.session);
+  motion.set_sequence(from.sequence);
+  motion.set_device_time_ns(from.device_time.count());
+  put(from.position, motion.mutable_position_m());
+  put(from.port, motion.mutable_port());
+}
+
+void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
+  force.Clear();
+  force.set_session(from.session);
+  force.set_sequence(from.sequence);
+  force.set_motion_sequence(from.motion_sequence);
+  force.set_motion_device_time_ns(from.motion_device_time.count());
+  put(from.force, force.mutable_force_n());
+  put(from.position, force.mutable_position_m());
+  put(from.contact_normal, force.mutable_contact_normal());
+  force.set_penetration_m(from.penetration_m);
+  force.set_server_receive_time_ns(from.server_receive_time.count());
+  force.set_server_send_time_ns(from.server_send_time.count());
+  force.set_compute_time_ns(from.compute_time.count());
+  force.set_motions_received(from.motions_received);
+  force.set_motions_duplicated(from.motions_duplicated);
+  force.set_motions_reordered(from.motions_reordered);
+  force.set_texture_n(from.texture_N);
+  put(from.texture_wave, force.mutable_texture_wave_rad_per_m());
+  put(from.texture_across, force.mutable_texture_across_rad_per_m());
+  put(from.port, force.mutable_port());
+}
+
+void Codec::Storage::fill(const Bye& from) noexcept {
+  bye.Clear();
+  bye.set_session(from.session);
+  bye.set_motions_received(from.motions_received);
+  bye.set_motions_duplicated(from.motions_duplicated);
+  bye.set_motions_reordered(from.motions_reordered);
+  bye.set_forces_sent(from.forces_sent);
+}
+
+namespace {
+
+using Decoded = std::variant<Message, Malformed>;
+
+bool plausible(Nanoseconds time) noexcept { return time >= -kTimeMost && time <= kTimeMost; }
+
+Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
+  const Nanoseconds time{from.client_time_ns()};
+  const Nanoseconds round_trip{from.round_trip_ns()};
+  if (datagram_bytes != kFrameBytesMax || !plausible(time) || !plausible(round_trip)) return Malformed::unreadable;
+  if (!std::isfinite(from.period_s()) || !std::isfinite(from.force_n_max())) return Malformed::non_finite;
+  return Message{Hello{.protocol_version = from.protocol_version(),
+                       .client_nonce = from.client_nonce(),
+                       .degrees_of_freedom = from.degrees_of_freedom(),
+                       .device = cut_name(from.device()),
+                       .period_s = from.period_s(),
+                       .force_N_max = from.force_n_max(),
+                       .scene = cut_name(from.scene()),
+                       .client_time = time,
+                       .round_trip = round_trip,
+                       .port = cut_name(from.port())}};
+}
+
+Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
+  return Message{Welcome{.client_nonce = from.client_nonce(),
+                         .session = from.session(),
+                         .scene_hash = from.scene_hash(),
+                         .scene = cut_name(from.scene()),
+                         .simulated = cut_text(from.simulated())}};
+}
+
+Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
+  const bool known = v1::Refusal::Reason_IsValid(from.reason());
+  const Nanoseconds time{from.client_time_ns()};
+  if (!plausible(time)) return Malformed::unreadable;
+  return Message{Refusal{.client_nonce = from.client_nonce(),
+                         .session = from.session(),
+                         .reason = known ? static_cast<RefusalReason>(from.reason()) : RefusalReason::unspecified,
+                         .text = cut_text(from.text()),
+                         .client_time = time}};
+}
+
+Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
+  MotionSample motion{
+      .session = from.session(), .sequence = from.sequence(), .device_time = Nanoseconds{from.device_time_ns()}};
+  // Without a position it would be smaller than the Refusal that may answer it.
+  if (from.position_m().empty() || !plausible(motion.device_time)) return Malformed::unreadable;
+  if (!take(from.position_m(), motion.position) || !take(from.port(), motion.port)) return Malformed::non_finite;
+  return Message{motion};
+}
+
+Decoded to_value(const v1::EnvironmentForce& from, std::size_t) noexcept {
+  EnvironmentForce force{.session = from.session(),
+                         .sequence = from.sequence(),
+                         .motion_sequence = from.motion_sequence(),
+                         .motion_device_time = Nanoseconds{from.motion_device_time_ns()},
+                         .penetration_m = from.penetration_m(),
+                         .server_receive_time = Nanoseconds{from.server_receive_time_ns()},
+                         .server_send_time = Nanoseconds{from.server_send_time_ns()},
+                         .compute_time = Nanoseconds{from.compute_time_ns()},
+                         .motions_received = from.motions_received(),
+                         .motions_duplicated = from.motions_duplicated(),
+                         .motions_reordered = from.motions_reordered(),
+                         .texture_N = from.texture_n()};
+  const bool times = plausible(force.motion_device_time) && plausible(force.server_receive_time) &&
+                     plausible(force.server_send_time) && plausible(force.compute_time);
+  if (!times) return Malformed::unreadable;
+  const bool ours = take(from.force_n(), force.force) && take(from.position_m(), force.position) &&
+                    take(from.contact_normal(), force.contact_normal) && std::isfinite(force.penetration_m) &&
+                    std::isfinite(force.texture_N) && take(from.texture_wave_rad_per_m(), force.texture_wave) &&
+                    take(from.texture_across_rad_per_m(), force.texture_across) && take(from.port(), force.port);
+  if (!ours) return Malformed::non_finite;
+  return Message{force};
+}
+
+Decoded to_value(const v1::Bye& from, std::size_t) noexcept {
+  return Message{Bye{.session = from.session(),
+                     .motions_received = from.motions_received(),
+                     .motions_duplicated = from.motions_duplicated(),
+                     .motions_reordered = from.motions_reordered(),
+                     .forces_sent = from.forces_sent()}};
+}
+
+}  // namespace
+
+template <class Proto>
+std::span<const std::byte> Codec::Storage::frame(std::size_t kind, const Proto& body) noexcept {
+  const std::size_t bytes = kHeaderBytes + body.ByteSizeLong();
+  body.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data() + kHeaderBytes));
+  const std::span<std::byte> framed{datagram.data(), bytes};
+  framed[kKindAt] = static_cast<std::byte>(kind);
+  const std::uint32_t sum = checksum(framed);
+  for (std::size_t i = 0; i < 4; ++i) framed[kChecksumAt + i] = static_cast<std::byte>(sum >> (8 * i));
+  return framed;
+}
+
+template <class Proto>
+Decoded Codec::Storage::read(Proto& proto, std::span<const std::byte> bytes) noexcept {
+  const auto body = bytes.subspan(kHeaderBytes);
+  if (!proto.ParseFromArray(body.data(), static_cast<int>(body.size()))) return Malformed::unreadable;
+  return to_value(proto, bytes.size());
+}
+
+Codec::Codec() : storage_(std::make_unique<Storage>()) {}
+Codec::~Codec() = default;
+Codec::Codec(Codec&&) noexcept = default;
+Codec& Codec::operator=(Codec&&) noexcept = default;
+
+std::span<const std::byte> Codec::encode(const Message& message) noexcept {
+  const QuietProtobuf quiet(message.index() + 1);
+  std::visit([this](const auto& value) { storage_->fill(value); }, message);
+  switch (const std::size_t kind = message.index() + 1; kind) {
+    case 1:
+      return storage_->frame(kind, storage_->hello);
+    case 2:
+      return storage_->frame(kind, storage_->welcome);
+    case 3:
+      return storage_->frame(kind, storage_->refusal);
+    case 4:
+      return storage_->frame(kind, storage_->motion);
+    case 5:
+      return storage_->frame(kind, storage_->force);
+    default:
+      return storage_->frame(kind, storage_->bye);
+  }
+}
+
+std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagram) noexcept {
+  if (datagram.size() > kFrameBytesMax) return Malformed::oversize;
+  if (datagram.size() < kHeaderBytes) return Malformed::truncated;
+  if (!std::equal(kMark.begin(), kMark.end(), datagram.begin()) || datagram[2] != kFrameVersion) {
+    return Malformed::foreign;
+  }
+  std::uint32_t sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) sum |= std::to_integer<std::uint32_t>(datagram[kChecksumAt + i]) << (8 * i);
+  if (sum != checksum(datagram)) return Malformed::corrupt;
+
+  const auto kind = std::to_integer<std::size_t>(datagram[kKindAt]);
+  const QuietProtobuf quiet(kind);
+  switch (kind) {
+    case 1:
+      return storage_->read(storage_->hello, datagram);
+    case 2:
+      return storage_->read(storage_->welcome, datagram);
+    case 3:
+      return storage_->read(storage_->refusal, datagram);
+    case 4:
+      return storage_->read(storage_->motion, datagram);
+    case 5:
+      return storage_->read(storage_->force, datagram);
+    case 6:
+      return storage_->read(storage_->bye, datagram);
+    default:
+      return Malformed::unreadable;
+  }
+}
+
+}  // namespace forcebound::wire

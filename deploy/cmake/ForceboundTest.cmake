@@ -1,0 +1,54 @@
+set(FORCEBOUND_TEST_LABELS "" CACHE STRING "Regular expression: build and run only GoogleTests with such a label")
+
+# What nearly every test reads, read once for those whose sources are compiled one by one. Only headers of others: one of
+# ours would have everything compiled again whenever it changes.
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "// A target needs a source.\n")
+add_library(forcebound_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
+target_link_libraries(forcebound_test_headers PRIVATE forcebound_options Eigen3::Eigen GTest::gmock)
+target_precompile_headers(forcebound_test_headers PRIVATE
+  <algorithm> <array> <chrono> <cmath> <functional> <memory> <random> <string> <vector> <Eigen/Dense> <gmock/gmock.h>
+  <gtest/gtest.h>)
+
+# forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
+#                 [APART] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder. It
+# is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
+# APART: its sources name different things alike, so they are compiled one by one, with precompiled headers.
+# SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
+# --long is given; `threads` and `process` run it under ThreadSanitizer as well.
+function(forcebound_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "APART;SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  if(NOT arg_SHARDS)
+    set(arg_SHARDS 1)
+  endif()
+  if(arg_FOLDER)
+    file(GLOB_RECURSE arg_SOURCES CONFIGURE_DEPENDS ${arg_FOLDER}/*.cpp)
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  if(arg_APART)
+    target_precompile_headers(${name} REUSE_FROM forcebound_test_headers)
+  else()
+    forcebound_compile_together(${name})
+  endif()
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${name} PRIVATE FORCEBOUND_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_test_support GTest::gmock_main forcebound_options)
+  if(FORCEBOUND_TEST_LABELS AND NOT "${arg_LABELS}" MATCHES "${FORCEBOUND_TEST_LABELS}")
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
+  math(EXPR last "${arg_SHARDS} - 1")
+  foreach(shard RANGE ${last})
+    set(test ${name})
+    if(arg_SHARDS GREATER 1)
+      math(EXPR number "${shard} + 1")
+      set(test ${name}.${number})
+    endif()
+    add_test(NAME ${test} COMMAND ${name})
+    set_tests_properties(${test} PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} LABELS "${arg_LABELS}"
+                         ${arg_PROPERTIES})
+    set_property(TEST ${test} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${arg_SHARDS} GTEST_SHARD_INDEX=${shard})
+  endforeach()
+endfunction()

@@ -1,0 +1,57 @@
+#include "forcebound/server/app/log_observer.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+namespace forcebound::server {
+namespace {
+
+const char* words(CloseReason reason) {
+  switch (reason) {
+    case CloseReason::client_said_bye:
+      return "said goodbye";
+    case CloseReason::idle:
+      return "fell silent";
+    case CloseReason::server_stops:
+      return "is sent away, this server stops";
+  }
+  return "";
+}
+
+}  // namespace
+
+// The session's number is its key, so it is in no log line.
+void LogObserver::on_opened(const SessionInfo& info) {
+  spdlog::info("{} feels '{}' with device '{}' ({} degrees of freedom)", net::to_string(info.address), info.scene,
+               info.device, info.degrees_of_freedom);
+  if (!info.accuracy.empty()) spdlog::info("{} {}", net::to_string(info.address), info.accuracy);
+}
+
+void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) {
+  spdlog::info("{} {}: {} motions received, {} duplicated, {} reordered, {} forces sent",
+               net::to_string(info.address), words(reason), final_counts.motions_received,
+               final_counts.motions_duplicated, final_counts.motions_reordered, final_counts.forces_sent);
+}
+
+void LogObserver::on_quarantined(const SessionInfo& info, std::string_view object) noexcept {
+  spdlog::error("{} feels '{}' of scene '{}' no more: it came to no finite numbers", net::to_string(info.address),
+                object, info.scene);
+}
+
+void LogObserver::on_refused(const net::Address& address, std::string_view text) {
+  const time::Nanoseconds now = clock_.now();
+  if (any_refusal_ && now - refusal_logged_ < std::chrono::seconds{1}) {
+    ++refusals_not_logged_;
+    return;
+  }
+  any_refusal_ = true;
+  refusal_logged_ = now;
+  spdlog::warn("{} refused: {}", net::to_string(address), text);
+  if (const auto others = std::exchange(refusals_not_logged_, 0); others > 0) {
+    spdlog::warn("{} more were refused in between", others);
+  }
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "forcebound/server/session/observer.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::server {
+
+/// Logs who comes and goes. Nothing per datagram: refusals, which a untrusted client can cause at will, at most once a
+/// second.
+class LogObserver : public ServerObserver {
+ public:
+  explicit LogObserver(const time::Clock& clock) : clock_(clock) {}
+
+  void on_opened(const SessionInfo& info) override;
+  void on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) override;
+  void on_refused(const net::Address& address, std::string_view text) override;
+  void on_quarantined(const SessionInfo& info, std::string_view object) noexcept override;
+
+ private:
+  const time::Clock& clock_;
+  time::Nanoseconds refusal_logged_{0};
+  bool any_refusal_ = false;
+  std::uint64_t refusals_not_logged_ = 0;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "forcebound/server/environment/scene_library.hpp"
+
+namespace forcebound::server {
+
+/// Compiles what clients ask a library for, on a thread of its own, one scene after the other. The library must not be
+/// asked any more after this ends.
+class SceneCompiler {
+ public:
+  explicit SceneCompiler(SceneLibrary library);
+
+  /// Tells the library what came of it meanwhile; to be called by the library's own thread.
+  void deliver();
+
+ private:
+  void run(const std::stop_token& stop);
+
+  SceneLibrary library_;
+  std::mutex guard_;  // of the two lists
+  std::condition_variable_any wanted_changed_;
+  std::deque<SceneLibrary::Compilation> wanted_;
+  struct Outcome {
+    std::string name;
+    std::shared_ptr<const scene::Scene> scene{};  // null: not had
+    std::string why_not{};
+  };
+  std::vector<Outcome> outcomes_;
+  std::jthread thread_;  // last: ends before what it uses
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,223 @@
+#include "forcebound/server/dynamics/bodies/body_world.hpp"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "forcebound/server/dynamics/bodies/description.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr int kStepsMax = 50;
+// A device that is farther from its probe, or faster, pulls no harder: beyond any hand, and short of what makes bodies
+// fly off.
+constexpr double kReach_m = 0.2;
+constexpr double kSpeed_m_per_s_max = 5;
+constexpr double kVelocityHeld_s = 0.01;
+// A device that is farther away than that is a untrusted client's nonsense, which must not break what others feel.
+constexpr double kFar_m = 100;
+// In which the coupling comes to the device, at least: longer than a hand takes to notice and to give way.
+constexpr double kArrival_s_min = 0.5;
+constexpr double kArrival_m_per_s_max = 0.6;
+// How often a ball within bodies is pushed out of the one it is deepest in, and what does not count as within.
+constexpr int kPushesMax = 8;
+constexpr double kWithin_m = 1e-6;
+
+scene::Point at_most(const scene::Point& vector, double length) noexcept {
+  const double whole = vector.stableNorm();
+  return whole > length ? scene::Point(vector * (length / whole)) : vector;
+}
+
+// A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling give
+// back no more than it took.
+scene::Point position_of(const mjData& data, int body) noexcept {
+  return Eigen::Map<const scene::Point>(data.xipos + 3 * body);
+}
+
+scene::Point velocity_of(const mjModel& model, const mjData& data, int body) noexcept {
+  mjtNum velocity[6];
+  mj_objectVelocity(&model, &data, mjOBJ_BODY, body, velocity, 0);
+  return {velocity[3], velocity[4], velocity[5]};
+}
+
+bool touches(const mjModel& model, const mjContact& contact, int body) noexcept {
+  return model.geom_bodyid[contact.geom1] == body || model.geom_bodyid[contact.geom2] == body;
+}
+
+}  // namespace
+
+BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes)
+    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling) {
+  seats_.reserve(probes.size());
+  for (const Probe& probe : probes) {
+    seats_.push_back({probe});
+    park(static_cast<int>(seats_.size()) - 1);
+  }
+  forward(*model_, *data_);
+}
+
+int BodyWorld::join() {
+  const auto free = std::find_if(seats_.begin(), seats_.end(), [](const Seat& seat) { return !seat.taken; });
+  if (free == seats_.end()) return -1;
+  free->taken = true;
+  return static_cast<int>(free - seats_.begin());
+}
+
+void BodyWorld::leave(int seat) {
+  park(seat);
+  seats_[static_cast<std::size_t>(seat)].taken = false;
+}
+
+void BodyWorld::park(int seat) noexcept {
+  Seat& parked = seats_[static_cast<std::size_t>(seat)];
+  parked.placed = false;
+  parked.force_N.setZero();
+  parked.pushed_m.setZero();
+  if (parked.slides >= 0) place(parked, parking_m(seat));
+  Eigen::Map<scene::Point>(data_->xfrc_applied + 6 * parked.body) = bearing_N(parked);
+}
+
+void BodyWorld::place(const Probe& ball, const scene::Point& position_m) noexcept {
+  // Slides begin at the origin, where their body is.
+  for (int axis = 0; axis < 3; ++axis) data_->qpos[ball.slides + axis] = position_m[axis];
+  const int velocities = model_->jnt_dofadr[model_->body_jntadr[ball.body]];
+  mju_zero(data_->qvel + velocities, 3);
+}
+
+void BodyWorld::place_outside(const Probe& ball, scene::Point position_m) noexcept {
+  for (int i = 0; i <= kPushesMax; ++i) {
+    place(ball, position_m);
+    sound_ = sound_ && find_contacts(*model_, *data_);
+    const mjContact* deepest = nullptr;
+    for (int at = 0; at < data_->ncon; ++at) {
+      const mjContact& contact = data_->contact[at];
+      if (touches(*model_, contact, ball.body) && (deepest == nullptr || contact.dist < deepest->dist)) {
+        deepest = &contact;
+      }
+    }
+    if (deepest == nullptr || deepest->dist > -kWithin_m) return;
+    // A contact's normal is out of its first geom.
+    const double out = model_->geom_bodyid[deepest->geom2] == ball.body ? 1 : -1;
+    position_m -= out * deepest->dist * Eigen::Map<const scene::Point>(deepest->frame);
+  }
+}
+
+void BodyWorld::appear(Seat& seat) noexcept {
+  seat.placed = true;
+  seat.placed_s = 0;
+  if (seat.slides >= 0) place_outside(seat, seat.device_m);
+  seat.begins_aside_m = position_of(*data_, seat.body) - seat.device_m;
+  // The way eased at both ends is fastest half way, at 3/2 of its mean speed.
+  seat.arrival_s = std::max(kArrival_s_min, 1.5 * seat.begins_aside_m.norm() / kArrival_m_per_s_max);
+}
+
+void BodyWorld::move(int at, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept {
+  Seat& seat = seats_[static_cast<std::size_t>(at)];
+  seat.device_m = at_most(position_m, kFar_m);
+  seat.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
+  seat.heard = true;
+  seat.silent_s = 0;
+  if (!seat.placed) appear(seat);
+}
+
+void BodyWorld::advance(double elapsed_s) noexcept {
+  if (!sound_) return;
+  left_s_ += elapsed_s;
+  const double step_s = model_->opt.timestep;
+  // A rounding's worth less than a step is a step.
+  const double steps_due = std::floor(left_s_ / step_s + 1e-6);
+  const int steps = static_cast<int>(std::min<double>(steps_due, kStepsMax));
+  for (int i = 1; i <= steps && sound_; ++i) step_once((steps - i) * step_s);
+  left_s_ = std::max(0.0, left_s_ - steps_due * step_s);
+  faults_.slipped_s += (steps_due - steps) * step_s;
+  if (steps == 0) return;
+  for (Seat& seat : seats_) seat.heard = false;
+}
+
+bool BodyWorld::has_shape_of(const BodyWorld& other) const noexcept {
+  const mjModel& is = *model_;
+  const mjModel& should = *other.model_;
+  return is.nq == should.nq && is.nv == should.nv && is.na == should.na && is.nu == should.nu &&
+         is.nbody == should.nbody && is.nmocap == should.nmocap && is.njnt == should.njnt &&
+         std::equal(is.jnt_type, is.jnt_type + is.njnt, should.jnt_type) &&
+         std::ranges::equal(seats_, other.seats_, {}, &Seat::body, &Seat::body);
+}
+
+bool BodyWorld::copy_from(const scene::DynamicModelState& other) noexcept {
+  const auto* const from = dynamic_cast<const BodyWorld*>(&other);
+  if (from == nullptr || !has_shape_of(*from)) return false;
+  const mjModel& model = *model_;
+  const mjData& source = *from->data_;
+  mju_copy(data_->qpos, source.qpos, model.nq);
+  mju_copy(data_->qvel, source.qvel, model.nv);
+  mju_copy(data_->act, source.act, model.na);
+  mju_copy(data_->qacc_warmstart, source.qacc_warmstart, model.nv);
+  mju_copy(data_->ctrl, source.ctrl, model.nu);
+  mju_copy(data_->qfrc_applied, source.qfrc_applied, model.nv);
+  mju_copy(data_->xfrc_applied, source.xfrc_applied, 6 * model.nbody);
+  mju_copy(data_->mocap_pos, source.mocap_pos, 3 * model.nmocap);
+  mju_copy(data_->mocap_quat, source.mocap_quat, 4 * model.nmocap);
+  data_->time = source.time;
+  for (const int bad : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) data_->warning[bad].number = 0;
+  std::ranges::copy(from->seats_, seats_.begin());
+  left_s_ = from->left_s_;
+  sound_ = from->sound_ && find_contacts(model, *data_);
+  // Which made quaternions of length one, once more than will have been done to the other's.
+  mju_copy(data_->qpos, source.qpos, model.nq);
+  return true;
+}
+
+void BodyWorld::step_once(double before_end_s) noexcept {
+  const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
+  sound_ = begin_step(*model_, *data_);
+  // A reset of MuJoCo's has cleared its counts.
+  if (!sound_) return;
+  faults_.contacts_left_out += static_cast<std::uint64_t>(data_->warning[mjWARN_CONTACTFULL].number +
+                                                          data_->warning[mjWARN_CNSTRFULL].number - overfull);
+  for (Seat& seat : seats_) {
+    if (seat.placed) pull(seat, before_end_s);
+  }
+  sound_ = end_step(*model_, *data_);
+}
+
+void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
+  // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
+  // velocity is believed for a moment: without it every late motion would be a blow of the damper.
+  scene::Point end_m = seat.device_m;
+  scene::Point end_m_per_s = scene::Point::Zero();
+  if (seat.heard) end_m -= before_end_s * seat.device_m_per_s;
+  if (seat.heard || seat.silent_s < kVelocityHeld_s) end_m_per_s = seat.device_m_per_s;
+  seat.silent_s += model_->opt.timestep;
+  seat.placed_s += model_->opt.timestep;
+  if (const double left = 1 - seat.placed_s / seat.arrival_s; left > 0) {
+    // Without a jump of position or velocity at either end.
+    end_m += left * left * (3 - 2 * left) * seat.begins_aside_m;
+    end_m_per_s -= 6 * left * (1 - left) / seat.arrival_s * seat.begins_aside_m;
+  }
+  seat.pushed_m = position_of(*data_, seat.body) - end_m;
+  seat.force_N = coupling_.stiffness_N_per_m * at_most(seat.pushed_m, kReach_m) +
+                 coupling_.damping_N_s_per_m * (velocity_of(*model_, *data_, seat.body) - end_m_per_s);
+  Eigen::Map<scene::Point>(data_->xfrc_applied + 6 * seat.body) = bearing_N(seat) - seat.force_N;
+}
+
+scene::Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
+  // A ball's weight is the device's matter, not the hand's.
+  if (probe.slides < 0) return scene::Point::Zero();
+  return -model_->body_mass[probe.body] * Eigen::Map<const scene::Point>(model_->opt.gravity);
+}
+
+scene::ModelTouch BodyWorld::touch(int at) noexcept {
+  const Seat& seat = seats_[static_cast<std::size_t>(at)];
+  scene::ModelTouch touch{.force_N = seat.force_N};
+  bool in_contact = false;
+  for (int i = 0; i < data_->ncon && !in_contact; ++i) in_contact = touches(*model_, data_->contact[i], seat.body);
+  const double depth_m = seat.pushed_m.norm();
+  if (!in_contact || !(depth_m > 0)) return touch;
+  touch.normal = seat.pushed_m / depth_m;
+  touch.penetration_m = depth_m;
+  return touch;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <vector>
+
+#include "forcebound/scene/dynamic_model.hpp"
+#include "forcebound/server/dynamics/bodies/coupling.hpp"
+#include "forcebound/server/dynamics/bodies/mujoco.hpp"
+
+namespace forcebound::server {
+
+/// The bodies at a moment.
+///
+/// Where a device appears, the far end of its coupling begins at the probe and comes smoothly to the device, in half a
+/// second if it is near: nothing jerks the hand. A ball of ours appears at the device, or where that is within a body,
+/// on its surface; a body of the author's stays where it is.
+class BodyWorld final : public scene::DynamicModelState {
+ public:
+  /// What a device drags.
+  struct Probe {
+    int body = -1;
+    int slides = -1;  ///< a ball of ours: the first of its three coordinates; -1: a body of the author's
+  };
+
+  /// @throws BodiesError
+  BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes);
+
+  int join() override;
+  void leave(int seat) override;
+  void move(int seat, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept override;
+  void advance(double elapsed_s) noexcept override;
+  scene::ModelTouch touch(int seat) noexcept override;
+  [[nodiscard]] bool sound() const noexcept override { return sound_; }
+  [[nodiscard]] scene::DynamicModelFaults faults() const noexcept override { return faults_; }
+
+  /// Of worlds of as many bodies and probes on the same joints; masses, shapes, solver and time step may differ.
+  [[nodiscard]] bool copy_from(const scene::DynamicModelState& other) noexcept override;
+
+  [[nodiscard]] const mjModel_& model() const noexcept { return *model_; }
+  [[nodiscard]] const mjData_& data() const noexcept { return *data_; }
+  [[nodiscard]] mjData_& data() noexcept { return *data_; }
+
+ private:
+  struct Seat : Probe {
+    bool taken = false;
+    bool placed = false;  ///< has been somewhere since it was taken
+    scene::Point device_m = scene::Point::Zero();
+    scene::Point device_m_per_s = scene::Point::Zero();
+    bool heard = false;                                  ///< of the device, since the last advance
+    double silent_s = 0;                                 ///< simulated since the device was heard of
+    scene::Point begins_aside_m = scene::Point::Zero();  ///< how far from the device the coupling's far end began
+    double placed_s = 0;                                 ///< simulated since then
+    double arrival_s = 0;                                ///< when it is at the device
+    scene::Point force_N = scene::Point::Zero();         ///< on the device, in the last step
+    scene::Point pushed_m = scene::Point::Zero();        ///< from the coupling's far end to the probe then
+  };
+
+  [[nodiscard]] bool has_shape_of(const BodyWorld& other) const noexcept;
+  void park(int seat) noexcept;
+  void appear(Seat& seat) noexcept;
+  void place(const Probe& ball, const scene::Point& position_m) noexcept;
+  void place_outside(const Probe& ball, scene::Point position_m) noexcept;
+  void step_once(double before_end_s) noexcept;
+  void pull(Seat& seat, double before_end_s) noexcept;
+  [[nodiscard]] scene::Point bearing_N(const Probe& probe) const noexcept;
+
+  ModelPointer model_;
+  DataPointer data_;
+  Coupling coupling_;
+  std::vector<Seat> seats_;
+  double left_s_ = 0;
+  bool sound_ = true;
+  scene::DynamicModelFaults faults_;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "forcebound/server/dynamics/tissue/corotational_elasticity.hpp"
+#include "forcebound/server/dynamics/tissue/held_stiffness.hpp"
+#include "forcebound/server/dynamics/tissue/sphere_pressure.hpp"
+
+namespace forcebound::server {
+
+/// A tissue as it is deformed now, and the memory of a step.
+struct CorotationalBody {
+  DeformedBody now;
+  DeformedBody trial;
+  std::vector<LinearisedTetrahedron> linearised;
+  std::vector<Eigen::Quaterniond> turns;  ///< of the nodes
+  Eigen::VectorXd direction, residual, preconditioned, search, product, scratch;
+  PressedTriangles pressed;  ///< by spheres; none for points
+  bool at_rest = true;       ///< the last step converged
+
+  [[nodiscard]] std::size_t memory_bytes() const noexcept;
+};
+
+/// An energy of a body's displacement (three coordinates [m] per node), beside its elastic one. Real time: noexcept, no
+/// allocation, bounded.
+class BodyContact {
+ public:
+  virtual ~BodyContact() = default;
+
+  /// Infinite where the body may not be.
+  [[nodiscard]] virtual double energy_J(const Eigen::VectorXd& displacement_m) const noexcept = 0;
+
+  /// On the nodes: how steeply the energy falls.
+  virtual void add_forces(const Eigen::VectorXd& displacement_m, Eigen::VectorXd& force_N) const noexcept = 0;
+
+  /// From now on add_resistance is at that displacement, which stays until then.
+  virtual void linearise(const Eigen::VectorXd& displacement_m) noexcept = 0;
+
+  /// The second derivative times small motions of the nodes.
+  virtual void add_resistance(const Eigen::VectorXd& moved_m, Eigen::VectorXd& force_N) const noexcept = 0;
+};
+
+/// Takes down the energy of a body and of what touches it: Newton's method with the whole second derivative, conjugate
+/// gradients preconditioned by the factors of the stiffness at rest, turned with each node, and a line search.
+///
+/// Real time: noexcept, no allocation; `improve` makes at most 8 + 1 passes over the tetrahedra and as many over the
+/// blocks of their stiffness, with a solution by the factors each, as it is told.
+class BodyRelaxation {
+ public:
+  /// @param contact all must outlive it. The body as it is now tells how the nodes have turned.
+  BodyRelaxation(const CorotationalElasticity& elasticity, const StiffnessFactors& factors, CorotationalBody& body,
+                 BodyContact& contact) noexcept;
+
+  /// How far what is left of all forces on the nodes would move them, were they as stiff as at rest.
+  double find_residual_m() noexcept;
+
+  /// One round of Newton's method, after find_residual_m. False where no way down was found.
+  /// @param moved_m_most by which any coordinate of a node may change
+  bool improve(int linear_iterations_max, double moved_m_most = std::numeric_limits<double>::infinity()) noexcept;
+
+  /// At rest to within a tolerance is at rest, with nothing left to do: whether that is so.
+  bool settle(double tolerance_m) noexcept;
+
+  [[nodiscard]] double energy_J() const noexcept {
+    return body_.now.energy_J + contact_.energy_J(body_.now.displacement_m);
+  }
+
+ private:
+  void find_total_force() noexcept;
+  void precondition() noexcept;
+  void solve_linearised(int iterations_max) noexcept;
+  bool search_along(double share) noexcept;
+
+  const CorotationalElasticity& elasticity_;
+  const StiffnessFactors& factors_;
+  CorotationalBody& body_;
+  BodyContact& contact_;
+};
+
+}  // namespace forcebound::server

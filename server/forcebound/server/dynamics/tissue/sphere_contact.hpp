@@ -1,0 +1,113 @@
+#pragma once
+
+#include "forcebound/server/dynamics/tissue/other_contacts.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+
+namespace forcebound::server {
+
+/// The sphere's half of TissueModel::step: pushes places fixed on the surface against one direction.
+///
+/// Real time: noexcept, no allocation, bounded.
+class SphereContact {
+ public:
+  /// How many parts a triangle's edge may be divided into.
+  static constexpr int kDivisionsMax = 8;
+
+  struct Setting {
+    const LinearTissue& tissue;
+    const ProbeOptions& options;
+    OtherContacts* others = nullptr;  // may be none
+    double tolerance_m = 0;
+    int divisions = 1;  // of a triangle's edges
+  };
+
+  /// Along the direction of the last step, or another one, if that fits the surface better and does not raise the
+  /// energy.
+  /// @param shift_m how far others have moved the surface near the probe
+  static TissueResult step(const Setting& setting, TissueState& state, const scene::Point& probe_m,
+                           const scene::Point& shift_m) noexcept;
+
+ private:
+  // Where a sphere is, and where its contact may begin if there was none.
+  struct Begin {
+    scene::Point probe_m;
+    scene::Point shift_m;
+    SurfacePlace first;
+  };
+
+  // @param direction unit, along which the sphere is held off
+  SphereContact(const Setting& setting, const TissueState& last, const Begin& begin,
+                const scene::Point& direction) noexcept;
+
+  TissueResult solve_all() noexcept;
+  void put_into(TissueState& state) const noexcept;
+  void tell_others() const noexcept;
+
+  // A place that the sphere may push, and how deep the sphere is in it without pushing.
+  struct Pushed {
+    SurfacePlace place;
+    double depth_m = 0;
+    double below_m = 0;    // the sphere's centre, along the direction
+    scene::Point aside_m;  // the centre, across it
+    int group = 0;         // of those on the same triangle
+  };
+
+  // How far a triangle's corners, in columns, have moved.
+  struct Group {
+    int triangle = 0;
+    Eigen::Matrix3d moved_m = Eigen::Matrix3d::Zero();
+  };
+
+  static constexpr int kPoolMax = 256;
+
+  [[nodiscard]] Pushed pushed_at(const SurfacePlace& place) const noexcept;
+  void find_anchors(const SurfacePlace& first) noexcept;
+  void fill_pool() noexcept;
+  void fill_pool_from(int triangle) noexcept;
+  void keep(const Pushed& one) noexcept;
+  [[nodiscard]] bool owns(int triangle, const std::array<int, 3>& parts) const noexcept;
+  [[nodiscard]] scene::Point mean_normal() const noexcept;
+  [[nodiscard]] bool is_reached(const Pushed& one) const noexcept;
+  void take_from_state() noexcept;
+  void solve() noexcept;
+  void couple() noexcept;
+  [[nodiscard]] double yield(const Pushed& k, const Pushed& l) const noexcept;
+  void deform() noexcept;
+  [[nodiscard]] double gap(int candidate) const noexcept;
+  [[nodiscard]] int deepest_beside() const noexcept;
+  [[nodiscard]] int deepest_at_rest() const noexcept;
+  void remember(int candidate, TissueState& state) const noexcept;
+  [[nodiscard]] bool is_working(int candidate) const noexcept;
+  void conclude(TissueResult& result) const noexcept;
+
+  const LinearTissue& tissue_;
+  const TissueSurface& surface_;
+  const ProbeOptions& options_;
+  OtherContacts* others_;
+  const TissueState& last_;
+  scene::Point probe_m_;
+  scene::Point beside_rest_m_;  // where the probe would be beside the tissue at rest, had others not moved that
+  scene::Point direction_;
+  double tolerance_m_;
+  int divisions_;
+
+  // Where contact was, or where it may begin: from there the surface leads on.
+  std::array<Pushed, kContactsMax + 1> anchors_;
+  int anchor_count_ = 0;
+  double deepest_m_ = 0;
+
+  std::array<Pushed, kPoolMax> pool_;
+  int pool_count_ = 0;
+  int pool_left_out_ = 0;
+  std::array<Group, kPoolMax> groups_;
+  int group_count_ = 0;
+
+  std::array<int, kContactsMax> working_{};  // indices into the pool
+  int working_count_ = 0;
+  int pending_ = -1;  // would have come next, had there been another iteration: the next step begins with it
+  ContactVector force_N_;
+  ContactMatrix compliance_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, OtherContacts::kRowsMax, kContactsMax> coupled_;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "forcebound/scene/geometry/point.hpp"
+#include "forcebound/server/dynamics/tissue/gmsh_file.hpp"
+
+namespace forcebound::server {
+
+/// A body of linear tetrahedra and its surface, checked so that an elastic law can be put on it.
+///
+/// Every tetrahedron has a positive volume: one whose nodes are listed the other way round is turned and counted. Nodes
+/// that no tetrahedron uses are left out and counted. Triangles of the surface are counter-clockwise seen from outside.
+///
+/// Immutable.
+class TetrahedralMesh {
+ public:
+  using Tetrahedron = std::array<int, 4>;
+  using Triangle = std::array<int, 3>;
+
+  /// The height of the thinnest tetrahedron accepted, roughly: six times its volume over its longest edge's cube.
+  static constexpr double kFlat = 1e-6;
+
+  /// @param scale_m how long one unit of the file is, > 0 [m]
+  /// @throws std::runtime_error `FILE:LINE: what`, for a tetrahedron that is flat, for nodes that are not finite, for
+  /// more than two tetrahedra at one triangle, and for two that overlap since both lie on the same side of it.
+  explicit TetrahedralMesh(const TetrahedralSoup& soup, double scale_m = 1);
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const std::vector<scene::Point>& nodes_m() const noexcept { return nodes_m_; }
+  [[nodiscard]] const std::vector<Tetrahedron>& tetrahedra() const noexcept { return tetrahedra_; }
+  [[nodiscard]] const std::vector<double>& volumes_m3() const noexcept { return volumes_m3_; }
+  [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
+
+  /// The nodes of the surface, each once, in the order of their indices.
+  [[nodiscard]] const std::vector<int>& surface_nodes() const noexcept { return surface_nodes_; }
+
+  [[nodiscard]] double volume_m3() const noexcept;
+  [[nodiscard]] double mean_edge_m() const noexcept;  ///< of the surface
+  [[nodiscard]] int turned_tetrahedra() const noexcept { return turned_tetrahedra_; }
+  [[nodiscard]] int unused_nodes() const noexcept { return unused_nodes_; }
+
+ private:
+  void take_nodes(const TetrahedralSoup& soup, double scale_m);
+  void take_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index);
+  void find_surface(const TetrahedralSoup& soup);
+
+  std::string name_;
+  std::vector<scene::Point> nodes_m_;
+  std::vector<Tetrahedron> tetrahedra_;
+  std::vector<double> volumes_m3_;
+  std::vector<Triangle> triangles_;
+  std::vector<int> surface_nodes_;
+  int turned_tetrahedra_ = 0;
+  int unused_nodes_ = 0;
+};
+
+/// The nodes on or below the plane through a point; `normal` (any length but zero) points up.
+[[nodiscard]] std::vector<int> nodes_below(const TetrahedralMesh& mesh, const scene::Point& through_m,
+                                           const scene::Point& normal);
+
+/// The nodes in or on a block along the axes.
+[[nodiscard]] std::vector<int> nodes_in_box(const TetrahedralMesh& mesh, const scene::Point& center_m,
+                                            const scene::Point& size_m);
+
+}  // namespace forcebound::server

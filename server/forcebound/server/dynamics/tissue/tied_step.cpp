@@ -1,0 +1,139 @@
+#include "forcebound/server/dynamics/tissue/tied_step.hpp"
+
+#include <algorithm>
+
+namespace forcebound::server {
+namespace {
+
+SurfacePlace last_place(const TissueState& last) noexcept {
+  return {.triangle = static_cast<int>(last.contact[0].triangle), .weight = scene::to_point(last.contact[0].weight)};
+}
+
+}  // namespace
+
+TissueResult TiedStep::run(const TissueState& last) noexcept {
+  find_shift(last);
+  locate(last);
+  if (!own_ && others_.empty() && body_.now.displacement_m.isZero(0)) return result_;
+  for (SurfaceTie& other : others_) other.pulls = false;
+  slide();
+  // The tissue is not yet where it is for the probe's new place: what seems to pull may be a step back on the way.
+  body_.at_rest = false;
+  (void)let_go();
+  BodyRelaxation relaxation(setting_.elasticity, setting_.factors, body_, *this);
+  for (;;) {
+    result_.residual_m = relaxation.find_residual_m();
+    if (result_.residual_m <= setting_.tolerance_m || result_.iterations == setting_.options.iterations_max) break;
+    ++result_.iterations;
+    if (!relaxation.improve(setting_.options.linear_iterations_max)) break;
+    slide();
+    if (own_) own_->balanced_m = surface().stretch_m(*own_);
+  }
+  body_.at_rest = result_.residual_m <= setting_.tolerance_m;
+  if (let_go()) result_.residual_m = relaxation.find_residual_m();
+  conclude(relaxation);
+  return result_;
+}
+
+TissueState TiedStep::state() const noexcept {
+  TissueState next{.started = 1,
+                   .contacts = 0,
+                   .probe_m = scene::to_array(probe_m_),
+                   .shift_m = scene::to_array(shift_m_),
+                   .direction = {},
+                   .contact = {}};
+  if (own_) next.contact[next.contacts++] = {own_->place.triangle, scene::to_array(own_->place.weight)};
+  return next;
+}
+
+// How far the surface near the probe has moved already: without contact the probe counts as where it would be beside
+// the tissue at rest. Which place is nearest depends on that: a fixed point, followed from step to step.
+void TiedStep::find_shift(const TissueState& last) noexcept {
+  if (body_.now.displacement_m.isZero(0)) return;
+  if (last.started != 0) shift_m_ = scene::to_point(last.shift_m);
+  const SurfacePlace place = last.contacts > 0 ? last_place(last) : setting_.surface.nearest(probe_m_ - shift_m_).place;
+  shift_m_ = surface().at(place) - setting_.surface.at(place);
+}
+
+void TiedStep::locate(const TissueState& last) noexcept {
+  std::optional<SurfacePlace> place;
+  if (last.contacts > 0) {
+    place = last_place(last);
+  } else if (last.started != 0) {
+    place = setting_.surface.entry(scene::to_point(last.probe_m) - scene::to_point(last.shift_m), probe_m_ - shift_m_);
+  } else {
+    const TissueSurface::Nearest nearest = setting_.surface.nearest(probe_m_ - shift_m_);
+    if (nearest.height_m < 0) place = nearest.place;
+  }
+  if (!place) return;
+  own_ = SurfaceTie{.place = *place, .probe_m = probe_m_, .slides = true};
+  if (last.contacts > 0) own_->balanced_m = scene::to_point(last.probe_m) - surface().at(*place);
+}
+
+void TiedStep::slide() noexcept {
+  if (own_) own_->place = surface().slid(*own_).place;
+}
+
+// All that hold the tissue.
+template <typename Do>
+void TiedStep::for_each_tie(const Do& act) const noexcept {
+  if (own_) act(*own_);
+  for (const SurfaceTie& other : others_) {
+    if (!other.pulls) act(other);
+  }
+}
+
+double TiedStep::energy_J(const Eigen::VectorXd& displacement_m) const noexcept {
+  const DeformedSurface deformed(setting_.surface, displacement_m);
+  double square_m2 = 0;
+  for_each_tie([&](const SurfaceTie& tie) { square_m2 += deformed.slid(tie).square_m2; });
+  return 0.5 * stiffness_N_per_m() * square_m2;
+}
+
+void TiedStep::add_forces(const Eigen::VectorXd& displacement_m, Eigen::VectorXd& force_N) const noexcept {
+  const DeformedSurface deformed(setting_.surface, displacement_m);
+  for_each_tie([&](const SurfaceTie& tie) {
+    deformed.add_at(tie.place, stiffness_N_per_m() * deformed.stretch_m(tie), force_N);
+  });
+}
+
+void TiedStep::linearise(const Eigen::VectorXd& /*displacement_m*/) noexcept {
+  // Each tie has what it takes: see balanced_m.
+}
+
+void TiedStep::add_resistance(const Eigen::VectorXd& moved_m, Eigen::VectorXd& force_N) const noexcept {
+  const DeformedSurface deformed = surface();
+  for_each_tie([&](const SurfaceTie& tie) { deformed.add_resistance(tie, stiffness_N_per_m(), moved_m, force_N); });
+}
+
+// Away, where the tie would pull; whether any was. The probe's own only while the tissue is at rest: on its way, over
+// more than one step where it snaps, it may press the surface past a probe that it does not leave.
+bool TiedStep::let_go() noexcept {
+  const DeformedSurface deformed = surface();
+  bool any = false;
+  for (SurfaceTie& other : others_) {
+    if (other.pulls || !deformed.pulls(other)) continue;
+    any = other.pulls = true;
+  }
+  if (own_ && body_.at_rest && deformed.pulls(*own_)) {
+    shift_m_ = deformed.at(own_->place) - setting_.surface.at(own_->place);
+    own_.reset();
+    any = true;
+  }
+  return any;
+}
+
+void TiedStep::conclude(BodyRelaxation& relaxation) noexcept {
+  result_.converged = result_.residual_m <= setting_.tolerance_m;
+  result_.energy_J = relaxation.energy_J();
+  if (!own_) {
+    if (result_.converged && others_.empty() && relaxation.settle(setting_.tolerance_m)) result_.energy_J = 0;
+    return;
+  }
+  result_.contacts = 1;
+  result_.force_N = -stiffness_N_per_m() * surface().stretch_m(*own_);
+  result_.normal = result_.force_N.stableNormalized();
+  result_.depth_m = std::max(0.0, (setting_.surface.at(own_->place) - probe_m_).dot(result_.normal));
+}
+
+}  // namespace forcebound::server

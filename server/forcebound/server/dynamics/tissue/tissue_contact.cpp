@@ -1,0 +1,103 @@
+#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "forcebound/server/dynamics/tissue/other_contacts.hpp"
+#include "forcebound/server/dynamics/tissue/point_contact.hpp"
+#include "forcebound/server/dynamics/tissue/sphere_contact.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::server {
+namespace {
+
+// The places that a sphere pushes are this share of its radius apart.
+constexpr double kApart = 0.5;
+
+// A probe that begins where others have moved the surface is looked for so many times.
+constexpr int kTimesAtFirst = 4;
+
+int divisions_for(const LinearTissue& tissue, double radius_m) {
+  if (!(radius_m > 0)) return 1;
+  const double longest_m = tissue.surface().longest_edge_m();
+  const double divisions = std::ceil(longest_m / (kApart * radius_m));
+  if (divisions <= SphereContact::kDivisionsMax) return static_cast<int>(divisions);
+  throw std::runtime_error(tissue.mesh().name() + ": a sphere of radius " + text::to_text(radius_m) +
+                           " m is too small beside edges of " + text::to_text(longest_m) +
+                           " m: expected 0 (a point), or at least " +
+                           text::to_text(longest_m / (kApart * SphereContact::kDivisionsMax)) + " m, or a finer mesh");
+}
+
+}  // namespace
+
+void ProbeOptions::check() const {
+  const auto refuse = [](const std::string& what, double value) {
+    throw std::invalid_argument(what + ", got " + text::to_text(value));
+  };
+  if (!(radius_m >= 0) || !std::isfinite(radius_m)) refuse("radius_m must be >= 0", radius_m);
+  if (!(contact_stiffness_N_per_m > 0) || !std::isfinite(contact_stiffness_N_per_m)) {
+    refuse("contact_stiffness_N_per_m must be > 0", contact_stiffness_N_per_m);
+  }
+  if (contacts_max < 1 || contacts_max > kContactsMax) {
+    refuse("contacts_max must be from 1 to " + std::to_string(kContactsMax), contacts_max);
+  }
+  if (iterations_max < 1) refuse("iterations_max must be >= 1", iterations_max);
+  if (!(tolerance > 0 && tolerance < 1)) refuse("tolerance must be > 0 and < 1", tolerance);
+}
+
+TissueModel::TissueModel(LinearTissue tissue, const ProbeOptions& options)
+    : tissue_(std::move(tissue)), options_(options), tolerance_m_(options.tolerance * tissue_.mesh().mean_edge_m()) {
+  options_.check();
+  divisions_ = divisions_for(tissue_, options_.radius_m);
+}
+
+TissueResult TissueModel::step(TissueState& state, const scene::Point& probe_m, OtherContacts& others) const noexcept {
+  return step_among(others.empty() ? nullptr : &others, state, probe_m);
+}
+
+TissueResult TissueModel::step_among(OtherContacts* others, TissueState& state,
+                                     const scene::Point& probe_m) const noexcept {
+  if (!probe_m.allFinite()) return {.finite = false};
+  if (state.contacts == 0) {
+    const double reach_m = options_.radius_m + (others != nullptr ? others->reach_m() : 0);
+    const scene::Point from_m = state.started == 0 ? probe_m : scene::to_point(state.probe_m);
+    const scene::Point low_m = from_m.cwiseMin(probe_m).array() - reach_m;
+    const scene::Point high_m = from_m.cwiseMax(probe_m).array() + reach_m;
+    if (tissue_.surface().is_clear_of(low_m, high_m)) {
+      state.started = 1;
+      state.probe_m = scene::to_array(probe_m);
+      state.shift_m = {};
+      return {.energy_J = others != nullptr ? others->energy_J() : 0};
+    }
+  }
+  TissueState next = state;
+  TissueResult result;
+  const scene::Point shift_m =
+      others != nullptr ? shift_near(*others, state, probe_m) : scene::Point(scene::Point::Zero());
+  if (options_.radius_m > 0) {
+    const SphereContact::Setting setting{tissue_, options_, others, tolerance_m_, divisions_};
+    result = SphereContact::step(setting, next, probe_m, shift_m);
+  } else {
+    result = PointContact(tissue_, options_, others, tolerance_m_, probe_m, shift_m).step(next);
+  }
+  if (!result.force_N.allFinite() || !std::isfinite(result.energy_J)) return {.finite = false};
+  next.shift_m = scene::to_array(shift_m);
+  state = next;
+  return result;
+}
+
+// How far the others have moved the surface near the probe. Which place is nearest depends on how far it has moved: a
+// fixed point, followed from step to step.
+scene::Point TissueModel::shift_near(OtherContacts& others, const TissueState& state,
+                                     const scene::Point& probe_m) const noexcept {
+  if (state.contacts > 0) {
+    return others.moved_m(
+        {.triangle = static_cast<int>(state.contact[0].triangle), .weight = scene::to_point(state.contact[0].weight)});
+  }
+  scene::Point shift_m = state.started != 0 ? scene::to_point(state.shift_m) : scene::Point(scene::Point::Zero());
+  const int times = state.started != 0 ? 1 : kTimesAtFirst;
+  for (int n = 0; n < times; ++n) shift_m = others.moved_m(tissue_.surface().nearest(probe_m - shift_m).place);
+  return shift_m;
+}
+
+}  // namespace forcebound::server

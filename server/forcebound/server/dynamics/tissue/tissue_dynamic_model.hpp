@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "forcebound/scene/dynamic_model.hpp"
+#include "forcebound/server/dynamics/tissue/corotational_tissue.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+
+namespace forcebound::server {
+
+/// What is said of a soft tissue and of what touches it.
+struct TissueDescription {
+  TetrahedralMesh mesh;
+  ElasticMaterial material;
+  std::vector<int> held_nodes;  ///< of the mesh, which do not move
+  ProbeOptions probe{};         ///< under large motion the radius counts, and a point's stiffness
+  /// CorotationalTissue instead of TissueModel: some milliseconds a thousand tetrahedra, and a contact no stiffer than
+  /// CorotationalOptions allow.
+  bool large_motion = false;
+  double skin_Pa_per_m = 0;  ///< of a sphere under large motion; 0: as CorotationalOptions preset it
+};
+
+/// Soft tissue, and probes on it.
+///
+/// Quasi-static: a motion is answered by where the probe is, whatever the time. `move` does the step, `touch` returns
+/// what it came to.
+///
+/// Immutable; states keep a reference to it and must not outlive it.
+class TissueDynamicModel final : public scene::DynamicModel {
+ public:
+  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for too stiff a
+  /// contact under large motion
+  /// @throws std::runtime_error beginning with the mesh's name, for what LinearTissue, TissueModel or
+  /// CorotationalTissue refuse
+  explicit TissueDynamicModel(TissueDescription description);
+
+  [[nodiscard]] std::unique_ptr<scene::DynamicModelState> make_state(int seats) const override;
+  [[nodiscard]] scene::DynamicModelFacts facts() const override;
+
+ private:
+  using Law = std::variant<TissueModel, CorotationalTissue>;
+
+  static Law law_of(TissueDescription&& description, const ProbeOptions& probe);
+  void describe(const TissueModel& model, const std::vector<bool>& held, scene::DynamicModelFacts& facts) const;
+  void describe(const CorotationalTissue& tissue, scene::DynamicModelFacts& facts) const;
+  void describe(const CorotationalTissue& tissue, const SpherePressure& pressure,
+                scene::DynamicModelFacts& facts) const;
+
+  std::vector<int> held_nodes_;
+  ProbeOptions probe_;
+  ElasticMaterial material_;
+  Law law_;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,127 @@
+#include "forcebound/server/dynamics/tissue/tissue_world.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace forcebound::server {
+namespace {
+
+// A device that is farther away than that is a untrusted client's nonsense, which must not break what others feel.
+constexpr double kFar_m = 100;
+
+// Times that a step is done again without the others' contacts that pull: once is nearly always enough.
+constexpr int kDropsMax = 4;
+
+}  // namespace
+
+TissueWorld::TissueWorld(int seats, const TetrahedralMesh& mesh) : seats_(static_cast<std::size_t>(seats)) {
+  Eigen::AlignedBox3d box;
+  for (const scene::Point& node : mesh.nodes_m()) box.extend(node);
+  middle_m_ = box.center();
+  size_m_ = box.diagonal().norm();
+}
+
+int TissueWorld::join() {
+  const auto free = std::ranges::find(seats_, false, &Seat::taken);
+  if (free == seats_.end()) return -1;
+  *free = {};
+  free->taken = true;
+  return static_cast<int>(free - seats_.begin());
+}
+
+void TissueWorld::leave(int seat) { at(seat) = {}; }
+
+void TissueWorld::move(int seat, const scene::Point& position_m, const scene::Point& /*velocity_m_per_s*/) noexcept {
+  const scene::Point probe_m = position_m.cwiseMax(-kFar_m).cwiseMin(kFar_m);
+  if (lets_go(at(seat).state, probe_m)) at(seat).state = {};
+  const TissueResult result = step(static_cast<std::size_t>(seat), probe_m);
+  sound_ = sound_ && result.finite;
+  faults_.contacts_left_out += static_cast<std::uint64_t>(result.contacts_left_out);
+  if (!result.converged) ++faults_.not_converged;
+  at(seat).result = result;
+  if (result.contacts > 0) at(seat).normal = result.normal;
+}
+
+bool TissueWorld::lets_go(const TissueState& state, const scene::Point& probe_m) const noexcept {
+  if (state.started == 0) return false;
+  return (probe_m - scene::to_point(state.probe_m)).norm() > size_m_ || (probe_m - middle_m_).norm() > 1.5 * size_m_;
+}
+
+void TissueWorld::advance(double /*elapsed_s*/) noexcept {
+  // Quasi-static.
+}
+
+scene::ModelTouch TissueWorld::touch(int seat) noexcept {
+  const Seat& touched = at(seat);
+  return {.force_N = touched.result.force_N, .normal = touched.normal, .penetration_m = touched.result.depth_m};
+}
+
+LinearTissueWorld::LinearTissueWorld(const TissueModel& model, int seats)
+    : TissueWorld(seats, model.tissue().mesh()),
+      model_(model),
+      others_(seats > 1 ? std::make_unique<OtherContacts>(model) : nullptr) {}
+
+TissueResult LinearTissueWorld::step(std::size_t seat, const scene::Point& probe_m) noexcept {
+  return others_ == nullptr ? model_.step(seats()[seat].state, probe_m) : step_among(*others_, seat, probe_m);
+}
+
+int LinearTissueWorld::gather(OtherContacts& others, std::size_t seat) noexcept {
+  int left_out = 0;
+  others.clear();
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    if (other != seat) left_out += others.add(seats()[other].state);
+  }
+  return left_out;
+}
+
+TissueResult LinearTissueWorld::step_among(OtherContacts& others, std::size_t seat,
+                                           const scene::Point& probe_m) noexcept {
+  const int left_out = gather(others, seat);
+  TissueState& state = seats()[seat].state;
+  const TissueState before = state;
+  TissueResult result = model_.step(state, probe_m, others);
+  for (int n = 0; others.drop_pulling(); ++n) {
+    if (n == kDropsMax) {
+      result.converged = false;
+      break;
+    }
+    state = before;
+    result = model_.step(state, probe_m, others);
+  }
+  result.contacts_left_out += left_out;
+  return result;
+}
+
+CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissue, int seats)
+    : TissueWorld(seats, tissue.mesh()),
+      tissue_(tissue),
+      ties_(tissue.pressure() ? 0 : static_cast<std::size_t>(seats - 1)),
+      centers_m_(tissue.pressure() ? static_cast<std::size_t>(seats - 1) : 0),
+      body_(tissue.make_body()) {}
+
+TissueResult CorotationalTissueWorld::step(std::size_t seat, const scene::Point& probe_m) noexcept {
+  const OtherProbes others = tissue_.pressure() ? spheres_beside(seat) : ties_beside(seat);
+  return tissue_.step(seats()[seat].state, body_, probe_m, others);
+}
+
+OtherProbes CorotationalTissueWorld::ties_beside(std::size_t seat) noexcept {
+  std::size_t count = 0;
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    const TissueState& state = seats()[other].state;
+    if (other == seat || state.contacts == 0) continue;
+    ties_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), scene::to_point(state.contact[0].weight)},
+                      .probe_m = scene::to_point(state.probe_m)};
+  }
+  return {.ties = {ties_.data(), count}};
+}
+
+OtherProbes CorotationalTissueWorld::spheres_beside(std::size_t seat) noexcept {
+  std::size_t count = 0;
+  for (std::size_t other = 0; other < seats().size(); ++other) {
+    const TissueState& state = seats()[other].state;
+    if (other != seat && state.started != 0) centers_m_[count++] = scene::to_point(state.probe_m);
+  }
+  return {.centers_m = {centers_m_.data(), count}};
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "forcebound/scene/dynamic_model.hpp"
+#include "forcebound/server/dynamics/tissue/corotational_tissue.hpp"
+#include "forcebound/server/dynamics/tissue/other_contacts.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+
+namespace forcebound::server {
+
+/// The probes on a tissue at a moment. One motion is one step; the time between two does not matter.
+///
+/// A probe that leaps in one motion over more than the tissue's size, or goes that far away from it, lets go of it:
+/// that is no hand, and would drag the tissue along for all others.
+class TissueWorld : public scene::DynamicModelState {
+ public:
+  int join() override;
+  void leave(int seat) override;
+  void move(int seat, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept final;
+  void advance(double elapsed_s) noexcept final;
+  scene::ModelTouch touch(int seat) noexcept final;
+  [[nodiscard]] bool sound() const noexcept final { return sound_; }
+  [[nodiscard]] scene::DynamicModelFaults faults() const noexcept final { return faults_; }
+
+  struct Seat {
+    bool taken = false;
+    TissueState state{};
+    TissueResult result{};  ///< of the last step
+    scene::Point normal = scene::Point::UnitX();
+  };
+
+  [[nodiscard]] const Seat& seat(int index) const noexcept { return seats_[static_cast<std::size_t>(index)]; }
+
+ protected:
+  TissueWorld(int seats, const TetrahedralMesh& mesh);
+
+  /// One probe has moved there.
+  virtual TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept = 0;
+
+  [[nodiscard]] std::vector<Seat>& seats() noexcept { return seats_; }
+
+ private:
+  [[nodiscard]] Seat& at(int seat) noexcept { return seats_[static_cast<std::size_t>(seat)]; }
+
+  [[nodiscard]] bool lets_go(const TissueState& state, const scene::Point& probe_m) const noexcept;
+
+  std::vector<Seat> seats_;
+  scene::Point middle_m_;
+  double size_m_;  ///< of the tissue, from corner to corner
+  bool sound_ = true;
+  scene::DynamicModelFaults faults_;
+};
+
+/// Each step is that of one probe while the contacts of the others follow it, so that the order of the motions does not
+/// matter to probes that stay at their places: see OtherContacts. Where a probe touches is looked for at its own
+/// motions only: the others feel its last contacts until then.
+///
+/// Where contacts of others pull, the step is done again without them. A fifth time is not: what was found last is felt
+/// then, in which a contact may still pull, and counts as not converged.
+class LinearTissueWorld final : public TissueWorld {
+ public:
+  LinearTissueWorld(const TissueModel& model, int seats);
+
+ private:
+  TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;
+  TissueResult step_among(OtherContacts& others, std::size_t seat, const scene::Point& probe_m) noexcept;
+  int gather(OtherContacts& others, std::size_t seat) noexcept;
+
+  const TissueModel& model_;
+  std::unique_ptr<OtherContacts> others_;  // none where there is one seat
+};
+
+class CorotationalTissueWorld final : public TissueWorld {
+ public:
+  CorotationalTissueWorld(const CorotationalTissue& tissue, int seats);
+
+ private:
+  TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;
+
+  OtherProbes ties_beside(std::size_t seat) noexcept;
+  OtherProbes spheres_beside(std::size_t seat) noexcept;
+
+  const CorotationalTissue& tissue_;
+  std::vector<SurfaceTie> ties_;         // of points, or
+  std::vector<scene::Point> centers_m_;  // of spheres: room for all but one
+  CorotationalBody body_;
+};
+
+}  // namespace forcebound::server

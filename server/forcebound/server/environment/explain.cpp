@@ -1,0 +1,221 @@
+#include "forcebound/server/environment/explain.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "forcebound/server/environment/cost.hpp"
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using text::rounded;
+
+constexpr double kTick_ns = 1e6;
+const std::string kIndent = "              ";
+
+std::string time_text(double ns) {
+  if (ns < 1e3) return rounded(ns) + " ns";
+  return ns < 1e6 ? rounded(ns * 1e-3) + " us" : rounded(ns * 1e-6) + " ms";
+}
+
+std::string bytes_text(std::size_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (size < 10e3) return std::to_string(bytes) + " bytes";
+  return size < 1e6 ? rounded(size * 1e-3) + " kB" : rounded(size * 1e-6) + " MB";
+}
+
+std::string cost_text(double predicted_ns, const MeasuredCost* measured) {
+  std::string text = time_text(predicted_ns) + " predicted";
+  if (measured != nullptr) {
+    text += ", " + time_text(measured->median_ns) + " measured (p99 " + time_text(measured->p99_ns) + ")" +
+            (measured->left_out ? ", but left out on the way: it came to no finite numbers" : "");
+  }
+  return text;
+}
+
+/// What a part costs and needs, summed over its effects.
+struct PartSum {
+  scene::Inputs inputs{};
+  Ringing ringing{};
+  std::size_t state_bytes = 0;
+  std::size_t memory_bytes = 0;
+  double reach_m = 0;
+};
+
+PartSum sum_of(const scene::SceneObject& part) {
+  PartSum sum;
+  if (part.shape) {
+    const scene::ShapeFacts shape = part.shape->facts();
+    sum = {.state_bytes = shape.state_bytes, .memory_bytes = shape.memory_bytes};
+  }
+  for (const scene::RequestedEffect& requested : part.effects) {
+    const scene::EffectFacts effect = requested.effect->facts();
+    sum.inputs = sum.inputs.with(effect.inputs);
+    sum.ringing = sum.ringing.with({.stiffness_N_per_m = effect.stiffness_N_per_m,
+                                    .stiffening_N_per_m2 = effect.stiffening_N_per_m2,
+                                    .damping_N_s_per_m = effect.damping_N_s_per_m,
+                                    .drives = effect.drives});
+    sum.state_bytes += effect.state_bytes;
+    sum.reach_m = std::max(sum.reach_m, effect.reach_m);
+  }
+  return sum;
+}
+
+/// @param implied what is known to be, besides the inputs
+std::string implied_text(const scene::Inputs& inputs, std::vector<std::string> implied = {}) {
+  if (inputs.velocity) implied.emplace_back("velocity from successive motions");
+  if (inputs.time) implied.emplace_back("time by the device's clock");
+  if (inputs.pressure) implied.emplace_back("pressure of the effects before");
+  return implied.empty() ? "nothing but the position" : text::join(implied);
+}
+
+std::string implied_text(const scene::SceneObject& part, const PartSum& sum) {
+  std::vector<std::string> implied;
+  if (part.shape) {
+    implied.emplace_back("depth and normal at the nearest point of the shape");
+    if (sum.reach_m > 0) implied.push_back("distance above it, up to " + rounded(sum.reach_m * 1e3) + " mm");
+  }
+  return implied_text(sum.inputs, std::move(implied));
+}
+
+std::string explain_part(const std::string& what, const scene::SceneObject& part, const RingingDevice& device,
+                         const MeasuredCost* measured) {
+  const PartSum sum = sum_of(part);
+  std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n";
+  for (const scene::RequestedEffect& requested : part.effects) {
+    text +=
+        "  effect '" + requested.name + "'" + (requested.parameters.empty() ? "" : ": " + requested.parameters) + "\n";
+    text += "    law:      " + requested.law + "\n";
+  }
+  text += "  implies:    " + implied_text(part, sum) + "\n";
+  text += "  cost:       " + cost_text(kMotion_ns + predicted_cost_ns(part), measured) + "\n";
+  text += "  memory:     " + bytes_text(sum.memory_bytes) + " shared by all, " + bytes_text(sum.state_bytes) +
+          " for each client\n";
+  return text + "  stability:  " + stability_text(sum.ringing, device, kIndent) + "\n";
+}
+
+Ringing ringing_of(const scene::DynamicModelFacts& facts) {
+  return {
+      .stiffness_N_per_m = facts.stiffness_N_per_m, .damping_N_s_per_m = facts.damping_N_s_per_m, .age_s = facts.age_s};
+}
+
+std::string explain_dynamic_model(const scene::SceneDynamicModel& dynamic_model, const RingingDevice& device,
+                                  const MeasuredCost* measured) {
+  const scene::DynamicModelFacts facts = dynamic_model.dynamic_model->facts();
+  std::string text = "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n";
+  for (const std::string& line : facts.lines) text += "  " + line + "\n";
+  text += "  implies:    " + implied_text(facts.inputs) + "\n";
+  text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";
+  text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
+          " for each state\n";
+  return text + "  stability:  " + stability_text(ringing_of(facts), device, kIndent) + "\n";
+}
+
+std::string sharing_text(const scene::Scene& scene) {
+  if (scene.dynamic_models().empty()) return {};
+  if (!scene.facts().shared) return "each client has dynamic models of its own\n";
+  return "shared: up to " + std::to_string(scene.facts().clients_max) + " clients feel the same dynamic models\n";
+}
+
+std::string not_simulated_text(const scene::Scene& scene) {
+  std::string text = "not simulated: torques";
+  if (!scene.inputs().velocity) text += "; velocity (nothing needs it)";
+  if (scene.dynamic_models().empty()) text += "; bodies and tissue (there are none)";
+  if (!scene.facts().effects_not_requested.empty())
+    text += "; effects nobody asked for: " + text::join(scene.facts().effects_not_requested);
+  return text + "\n";
+}
+
+std::string clients_text(const scene::SceneFacts& scene, double cost_ns) {
+  if (scene.shared) {
+    return ", " + rounded(scene.clients_max * cost_ns / kTick_ns * 100) + " % for all " +
+           std::to_string(scene.clients_max);
+  }
+  // More clients than that have their network to fear first.
+  if (cost_ns < 1e-3 * kTick_ns) return {};
+  return "; at 1 kHz one core holds " + std::to_string(static_cast<int>(kTick_ns / cost_ns));
+}
+
+std::string accuracy_text(const scene::Scene& scene, bool measured) {
+  const scene::AutoAccuracy* const accuracy = scene.accuracy();
+  if (accuracy == nullptr) return {};
+  std::string text = "accuracy auto: by the client's round trip, one of\n";
+  for (const scene::AccuracyLevel& level : accuracy->levels) {
+    text += "  " + accuracy->key + " = " + level.value + ": model " + rounded(100 * level.model_error) + " % off, " +
+            time_text(level.step_s * 1e9) + " a motion " + (measured ? "measured" : "predicted") + "\n";
+  }
+  text += "  that is     ";
+  for (const double round_trip_ms : {1, 5, 20, 50}) {
+    text += (round_trip_ms > 1 ? ", " : "") + accuracy->best(round_trip_ms * 1e-3).value + " behind " +
+            rounded(round_trip_ms) + " ms";
+  }
+  return text + "\n";
+}
+
+std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
+  const double predicted_ns = predicted_cost_ns(scene);
+  Ringing ringing;
+  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
+    for (const scene::SceneObject& part : *parts) ringing = ringing.with(sum_of(part).ringing);
+  }
+  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
+    ringing = ringing.with(ringing_of(dynamic_model.dynamic_model->facts()));
+  const MeasuredCost* measured = facts.calibration ? &facts.calibration->whole : nullptr;
+  const double cost_ns = measured != nullptr ? measured->p99_ns : predicted_ns;
+  std::string text = "total:        " + cost_text(predicted_ns, measured) +
+                     " of the 1 ms of a tick: " + rounded(cost_ns / kTick_ns * 100) + " % for each client" +
+                     clients_text(scene.facts(), cost_ns) + "\n";
+  if (facts.answer_bytes > 0) {
+    text += kIndent + std::to_string(facts.answer_bytes) + " bytes an answer, " +
+            rounded(static_cast<double>(facts.answer_bytes)) + " kB/s to each client at 1 kHz\n";
+  }
+  if (scene.parts() < 2) return text;
+  return text + kIndent + "all at one place: " + stability_text(ringing, facts.device, kIndent) + "\n";
+}
+
+std::string summary_of(const scene::SceneObject& part) {
+  std::string text = part.name;
+  if (part.shape) text += " (" + part.shape_text.substr(0, part.shape_text.find(',')) + ")";
+  text += ":";
+  for (const scene::RequestedEffect& requested : part.effects) {
+    text += " " + requested.name + (requested.parameters.empty() ? "" : " " + requested.parameters);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(scene.facts().hash));
+  std::string text = "scene '" + scene.facts().name + "' (hash " + hash + "): " + scene.facts().description + "\n";
+  text += "devices: " + scene.accepted_degrees_of_freedom() + " degrees of freedom\n";
+  std::size_t part = 0;
+  const auto measured = [&] {
+    const std::size_t now = part++;
+    return facts.calibration ? &facts.calibration->parts.at(now) : nullptr;
+  };
+  for (const scene::SceneObject& object : scene.objects())
+    text += explain_part("object", object, facts.device, measured());
+  for (const scene::SceneObject& field : scene.fields()) text += explain_part("field", field, facts.device, measured());
+  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
+    text += explain_dynamic_model(dynamic_model, facts.device, measured());
+  if (part == 0) text += "no objects: every force is zero\n";
+  text += accuracy_text(scene, facts.calibration.has_value()) + sharing_text(scene);
+  return text + not_simulated_text(scene) + total_text(scene, facts);
+}
+
+std::string summary(const scene::Scene& scene) {
+  std::string text;
+  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
+    for (const scene::SceneObject& part : *parts) text += (text.empty() ? "" : "; ") + summary_of(part);
+  }
+  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models()) {
+    text += (text.empty() ? "" : "; ") + dynamic_model.name + " (" + dynamic_model.text + ")";
+  }
+  return text.empty() ? "nothing: every force is zero" : text;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,215 @@
+#include "forcebound/server/environment/scene_parser.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "forcebound/server/environment/accuracy_parser.hpp"
+#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/checked_table.hpp"
+#include "forcebound/server/environment/cost.hpp"
+#include "forcebound/server/environment/part_parser.hpp"
+#include "forcebound/server/environment/scene_key.hpp"
+#include "forcebound/server/environment/tissue_parser.hpp"
+#include "forcebound/text/names.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr std::array<std::string_view, 2> kAccuracies{"fixed", "auto"};
+
+std::uint64_t fnv1a(std::string_view text) noexcept {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+toml::table parse_toml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw SceneError(file + ":" + std::to_string(error.source().begin.line) + ": " + std::string(error.description()));
+  }
+}
+
+int parse_degrees_of_freedom(CheckedTable& scene) {
+  const toml::node& node = scene.at("degrees_of_freedom");
+  if (node.value_exact<std::string>() == "any") return scene::kAnyDegreesOfFreedom;
+  const auto number = node.value_exact<std::int64_t>();
+  if (!number || *number < 1 || *number > 3) {
+    scene.fail(node, "degrees_of_freedom must be 1, 2, 3 or \"any\", got " + as_written(node));
+  }
+  return static_cast<int>(*number);
+}
+
+class Parser {
+ public:
+  /// @param measure not empty
+  Parser(std::string_view text, std::string file, const scene::EffectRegistry& registry,
+         const scene::MeasureCost& measure)
+      : text_(text), file_(std::move(file)), registry_(registry), measure_(measure) {}
+
+  std::shared_ptr<const scene::Scene> parse() const { return parse(parse_toml(text_, file_), fnv1a(text_)); }
+
+  std::shared_ptr<const scene::Scene> parse_changed(std::span<const SceneChange> changes) const {
+    toml::table whole = without_levels();
+    std::string all(text_);
+    for (const SceneChange& change : changes) {
+      try {
+        set_scene_key(whole, change.key, change.value);
+      } catch (const std::invalid_argument& error) {
+        throw SceneError(file_ + ": " + error.what());
+      }
+      all += "\n" + change.key + " = " + change.value;
+    }
+    return parse(whole, fnv1a(all));
+  }
+
+ private:
+  std::shared_ptr<const scene::Scene> parse(const toml::table& whole, std::uint64_t hash) const {
+    CheckedTable file(whole, file_, "scene file");
+    scene::SceneFacts facts = parse_facts(file.table("scene"));
+    facts.hash = hash;
+    (void)file.find("accuracy");  // for later
+    const Eigen::Index rows = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
+    const PartParser parser(file_, registry_, rows);
+
+    scene::SceneParts parts;
+    file.each("object", [&](const toml::table& table) {
+      parts.objects.push_back(parser.object(table));
+      return parts.objects.back().name;
+    });
+    file.each("field", [&](const toml::table& table) {
+      parts.fields.push_back(parser.field(table));
+      return parts.fields.back().name;
+    });
+    parts.dynamic_models = parse_bodies(file);
+    for (scene::SceneDynamicModel& tissue : parse_tissues(file)) parts.dynamic_models.push_back(std::move(tissue));
+    file.refuse_unknown_keys();
+    check_dynamic_models(file, facts, parts.dynamic_models);
+    refuse_coincident(file, parts.objects);
+    for (const scene::EffectKind& kind : registry_.kinds()) {
+      if (!requested(parts, kind.name)) facts.effects_not_requested.emplace_back(kind.name);
+    }
+    // What is wrong with the whole shall be said of it, not of its first level.
+    scene::AutoAccuracy accuracy = parse_levels(file, facts);
+    return std::make_shared<const scene::Scene>(std::move(facts), std::move(parts), std::move(accuracy));
+  }
+
+  scene::AutoAccuracy parse_levels(CheckedTable& file, const scene::SceneFacts& facts) const {
+    const toml::node* const table = file.find("accuracy");
+    if (!facts.accuracy_auto) {
+      if (table != nullptr) file.fail(*table, "[accuracy] is for scenes with accuracy = \"auto\" in [scene]");
+      return {};
+    }
+    return parse_accuracy(
+        file, [&](const std::string& key, const toml::node& value) { return compile_level(key, value); }, measure_);
+  }
+
+  toml::table without_levels() const {
+    toml::table whole = parse_toml(text_, file_);
+    whole.erase("accuracy");
+    if (toml::table* const scene = whole["scene"].as_table()) scene->erase("accuracy");
+    return whole;
+  }
+
+  /// As if the file had said so from the beginning.
+  std::shared_ptr<const scene::Scene> compile_level(const std::string& key, const toml::node& value) const {
+    toml::table whole = without_levels();
+    set_scene_key(whole, key, value);
+    return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + as_written(value)));
+  }
+
+  scene::SceneFacts parse_facts(const toml::table& table) const {
+    CheckedTable scene(table, file_, "scene");
+    scene::SceneFacts facts{.name = scene.name("name"),
+                            .description = scene.text("description"),
+                            .degrees_of_freedom = parse_degrees_of_freedom(scene),
+                            .shared = scene.flag("shared", false),
+                            .accuracy_auto = scene.choice("accuracy", kAccuracies) == "auto"};
+    if (facts.shared && facts.accuracy_auto) {
+      scene.fail(scene.at("accuracy"), "accuracy cannot be \"auto\" in a shared scene, which is one for all");
+    }
+    const toml::node* clients = scene.find("clients_max");
+    if (facts.shared) {
+      facts.clients_max = scene.whole(kClientsMax);
+    } else if (clients != nullptr) {
+      scene.fail(*clients, "clients_max is for shared scenes; any number of clients may feel another one, each alone");
+    }
+    scene.refuse_unknown_keys();
+    return facts;
+  }
+
+  static void check_dynamic_models(CheckedTable& file, const scene::SceneFacts& facts,
+                                   const std::vector<scene::SceneDynamicModel>& dynamic_models) {
+    if (facts.shared && dynamic_models.empty()) {
+      file.fail(file.at("scene"), "shared scenes share bodies and tissue, of which this one has neither");
+    }
+    for (const scene::SceneDynamicModel& dynamic_model : dynamic_models) {
+      if (facts.degrees_of_freedom != 3) {
+        file.fail(file.at("scene"), "bodies and tissue need a scene of 3 degrees of freedom");
+      }
+      const int seats = dynamic_model.dynamic_model->facts().seats_max;
+      if (facts.clients_max <= seats) {
+        check_states(file, dynamic_model, facts.clients_max);
+        continue;
+      }
+      file.fail(file.at("scene"), "'" + dynamic_model.name + "' has room for " + std::to_string(seats) +
+                                      (seats == 1 ? " client" : " clients") + ", got clients_max " +
+                                      std::to_string(facts.clients_max));
+    }
+  }
+
+  /// What a dynamic model cannot begin with so many clients shall be known now, not when the first of them comes.
+  static void check_states(CheckedTable& file, const scene::SceneDynamicModel& dynamic_model, int clients) {
+    try {
+      (void)dynamic_model.dynamic_model->make_state(clients);
+    } catch (const std::exception& error) {
+      file.fail(file.at("scene"),
+                "'" + dynamic_model.name + "' for " + std::to_string(clients) + " clients: " + error.what());
+    }
+  }
+
+  /// One surface is felt once: its effects belong to one object.
+  static void refuse_coincident(const CheckedTable& file, const std::vector<scene::SceneObject>& objects) {
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (objects[i].shape_text != objects[j].shape_text) continue;
+        file.fail("objects '" + objects[j].name + "' and '" + objects[i].name +
+                  "' have the same shape in the same place, which would be felt twice: give one object all effects");
+      }
+    }
+  }
+
+  static bool requested(const scene::SceneParts& parts, std::string_view effect) {
+    const auto asks = [&](const scene::SceneObject& part) {
+      return std::any_of(part.effects.begin(), part.effects.end(),
+                         [&](const scene::RequestedEffect& requested) { return requested.name == effect; });
+    };
+    return std::any_of(parts.objects.begin(), parts.objects.end(), asks) ||
+           std::any_of(parts.fields.begin(), parts.fields.end(), asks);
+  }
+
+  std::string_view text_;
+  std::string file_;
+  const scene::EffectRegistry& registry_;
+  const scene::MeasureCost& measure_;
+};
+
+}  // namespace
+
+std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std::string& file_name,
+                                                const scene::EffectRegistry& registry,
+                                                const scene::MeasureCost& measure) {
+  const scene::MeasureCost predicted = [](const std::shared_ptr<const scene::Scene>& scene) {
+    return 1e-9 * predicted_cost_ns(*scene);
+  };
+  return Parser(text, file_name, registry, measure ? measure : predicted).parse();
+}
+
+std::shared_ptr<const scene::Scene> parse_changed_scene(std::string_view text, const std::string& file_name,
+                                                        std::span<const SceneChange> changes,
+                                                        const scene::EffectRegistry& registry) {
+  return Parser(text, file_name, registry, {}).parse_changed(changes);
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,69 @@
+#include "forcebound/server/session/counters.hpp"
+
+#include <initializer_list>
+#include <string_view>
+
+namespace forcebound::server {
+namespace {
+
+struct Count {
+  std::string_view what;
+  std::uint64_t value;
+};
+
+std::string line(std::string_view subject, Count always, std::initializer_list<Count> if_any) {
+  std::string text = std::string(subject) + ": " + std::to_string(always.value) + " " + std::string(always.what);
+  for (const Count& count : if_any) {
+    if (count.value > 0) text += ", " + std::to_string(count.value) + " " + std::string(count.what);
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+void ServerCounters::add(const scene::SceneFaults& faults) noexcept {
+  old_normals += faults.old_normals;
+  objects_quarantined += faults.quarantined;
+  contacts_left_out += faults.dynamic_models.contacts_left_out;
+  not_converged += faults.dynamic_models.not_converged;
+  slipped_s += faults.dynamic_models.slipped_s;
+}
+
+std::string ServerCounters::text() const {
+  return line("sessions", {"opened", sessions_opened},
+              {{"ended by the client", sessions_ended},
+               {"closed as idle", sessions_idle},
+               {"hellos refused", hellos_refused},
+               {"hellos before their scene was compiled", hellos_too_early},
+               {"hellos without a round trip", hellos_to_measure},
+               {"hellos repeated", hellos_repeated},
+               {"hellos after bye", hellos_after_bye},
+               {"hellos over the rate", hellos_over_rate},
+               {"byes repeated", byes_repeated},
+               {"byes of unknown sessions", byes_unknown},
+               {"changes of address", addresses_changed}}) +
+         line("motions", {"received", motions_received},
+              {{"duplicated", motions_duplicated},
+               {"reordered", motions_reordered},
+               {"overtaken before their answer", motions_overtaken},
+               {"over the rate", motions_over_rate},
+               {"of wrong size", motions_of_wrong_size},
+               {"without a session", motions_without_session}}) +
+         line("forces", {"sent", forces_sent},
+              {{"datagrams not sent", sends_failed},
+               {"of objects not finite and left out", objects_quarantined},
+               {"with the last valid normal", old_normals},
+               {"contacts beyond the room for them", contacts_left_out},
+               {"steps of tissue not converged", not_converged},
+               {"ms of bodies' time left out", static_cast<std::uint64_t>(slipped_s * 1e3)}}) +
+         line("datagrams", {"received", datagrams},
+              {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
+               {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},
+               {"foreign", malformed[static_cast<std::size_t>(wire::Malformed::foreign)]},
+               {"corrupt", malformed[static_cast<std::size_t>(wire::Malformed::corrupt)]},
+               {"unreadable", malformed[static_cast<std::size_t>(wire::Malformed::unreadable)]},
+               {"not finite", malformed[static_cast<std::size_t>(wire::Malformed::non_finite)]},
+               {"unexpected", unexpected}});
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/wire/messages.hpp"
+
+namespace forcebound::server {
+
+using time::Nanoseconds;
+
+/// Who a session is with.
+struct SessionInfo {
+  std::uint64_t session = 0;
+  net::Address address;
+  std::string device;  ///< as the client calls it; printable
+  std::uint32_t degrees_of_freedom = 0;
+  std::string scene;
+  std::string accuracy{};  ///< of a scene with `accuracy = "auto"`: what was picked, and why
+};
+
+enum class CloseReason : std::uint8_t { client_said_bye, idle, server_stops };
+
+/// Told of what happens in a server. Does nothing unless overridden.
+class ServerObserver {
+ public:
+  virtual ~ServerObserver() = default;
+
+  virtual void on_opened(const SessionInfo&) {}
+  virtual void on_closed(const SessionInfo&, CloseReason, const wire::Bye& /*final_counts*/) {}
+  virtual void on_refused(const net::Address&, std::string_view /*text*/) {}
+
+  /// The object or field was left out, because its force was not finite. Rare: at most once for each of a session's.
+  virtual void on_quarantined(const SessionInfo&, std::string_view /*object*/) noexcept {}
+
+  /// Real time: called for each motion answered, and for its answer. Must not allocate, wait or print.
+  virtual void on_motion(const wire::MotionSample&) noexcept {}
+  virtual void on_force(const wire::EnvironmentForce&) noexcept {}
+};
+
+}  // namespace forcebound::server

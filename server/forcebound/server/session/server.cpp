@@ -1,0 +1,257 @@
+#include "forcebound/server/session/server.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace forcebound::server {
+namespace {
+
+// Motion of a session that we do not know is answered this often at most: enough for every client after a restart.
+constexpr Nanoseconds kRefusalInterval = std::chrono::milliseconds{1};
+constexpr int kRefusalsAtOnce = 100;
+
+// So many ended sessions are looked through for each motion of none.
+constexpr std::size_t kEndedMax = 64;
+
+}  // namespace
+
+Server::Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& link, const time::Clock& clock,
+               std::function<std::uint64_t()> session_ids, ServerObserver* observer)
+    : options_(std::move(options)),
+      scenes_(std::move(scenes)),
+      link_(link),
+      clock_(clock),
+      session_ids_(std::move(session_ids)),
+      observer_(observer == nullptr ? nobody_ : *observer),
+      hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
+              std::max(1, options_.hellos_per_s_max), clock.now()),
+      refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
+  if (!scenes_.find(options_.scene)) throw std::invalid_argument(scenes_.unknown_scene_text(options_.scene));
+  if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
+      !(options_.motions_per_promised > 0)) {
+    throw std::invalid_argument("sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max must be > 0");
+  }
+  sessions_.reserve(options_.sessions_max);
+  waiting_.reserve(2 * options_.sessions_max);
+  ended_.resize(std::min(options_.sessions_max, kEndedMax));
+}
+
+void Server::on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  take_in(datagram, from, now);
+  answer_waiting();
+}
+
+void Server::answer_waiting() noexcept {
+  while (answer_next()) {
+  }
+}
+
+bool Server::answer_next() noexcept {
+  while (next_waiting_ < waiting_.size()) {
+    const auto found = sessions_.find(waiting_[next_waiting_++]);
+    if (found == sessions_.end() || !found->second.waiting) continue;
+    answer(found->second, *std::exchange(found->second.waiting, std::nullopt));
+    return true;
+  }
+  waiting_.clear();
+  next_waiting_ = 0;
+  return false;
+}
+
+void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  ++counters_.datagrams;
+  const auto decoded = codec_.decode(datagram);
+  if (const auto* malformed = std::get_if<wire::Malformed>(&decoded)) {
+    ++counters_.malformed[static_cast<std::size_t>(*malformed)];
+    return;
+  }
+  const auto& message = std::get<wire::Message>(decoded);
+  if (const auto* motion = std::get_if<wire::MotionSample>(&message)) {
+    on_motion(*motion, from, now);
+  } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
+    on_hello(*hello, from, now);
+  } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
+    on_bye(*bye, from);
+  } else {
+    ++counters_.unexpected;
+  }
+}
+
+void Server::on_timer(Nanoseconds now) {
+  std::erase_if(sessions_, [&](const auto& entry) {
+    const Session& session = entry.second;
+    if (now - session.last_heard < options_.idle_timeout) return false;
+    ++counters_.sessions_idle;
+    // If only the way up is dead, its client learns so. Who never sent motion may be somebody else's address.
+    if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.info.address);
+    close(session, CloseReason::idle);
+    return true;
+  });
+}
+
+void Server::stop() {
+  for (const auto& [id, session] : sessions_) {
+    send(session.arrivals.counts, session.info.address);
+    close(session, CloseReason::server_stops);
+  }
+  sessions_.clear();
+}
+
+ServerCounters Server::counters() const noexcept {
+  ServerCounters total = counters_;
+  for (const auto& [id, session] : sessions_) {
+    total.add(session.scene.faults());
+  }
+  return total;
+}
+
+Server::Ended* Server::find_ended(std::uint64_t session) noexcept {
+  if (session == 0) return nullptr;
+  const auto found = std::find_if(ended_.begin(), ended_.end(),
+                                  [&](const Ended& ended) { return ended.arrivals.counts.session == session; });
+  return found == ended_.end() ? nullptr : &*found;
+}
+
+wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t sequence) noexcept {
+  using Arrival = wire::SequenceWindow::Arrival;
+  const Arrival arrival = arrivals.window.note(sequence);
+  if (arrival == Arrival::duplicate) {
+    ++arrivals.counts.motions_duplicated;
+    ++counters_.motions_duplicated;
+    return arrival;
+  }
+  ++arrivals.counts.motions_received;
+  ++counters_.motions_received;
+  if (arrival == Arrival::late) {
+    ++arrivals.counts.motions_reordered;
+    ++counters_.motions_reordered;
+  }
+  return arrival;
+}
+
+void Server::on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept {
+  const auto found = sessions_.find(motion.session);
+  if (found == sessions_.end()) {
+    if (Ended* ended = find_ended(motion.session)) {
+      (void)note(ended->arrivals, motion.sequence);
+      return;
+    }
+    ++counters_.motions_without_session;
+    if (!refusals_.take(now)) return;
+    send(wire::Refusal{.session = motion.session, .reason = wire::RefusalReason::unknown_session}, from);
+    return;
+  }
+  Session& session = found->second;
+  if (motion.position.rows() != static_cast<Eigen::Index>(session.info.degrees_of_freedom)) {
+    ++counters_.motions_of_wrong_size;
+    return;
+  }
+  const auto arrival = note(session.arrivals, motion.sequence);
+  if (arrival == wire::SequenceWindow::Arrival::duplicate) return;
+  session.last_heard = now;
+  if (arrival == wire::SequenceWindow::Arrival::late) return;
+  if (session.info.address != from) {
+    ++counters_.addresses_changed;
+    session.info.address = from;
+  }
+  if (!session.rate.take(now)) {
+    ++counters_.motions_over_rate;
+    return;
+  }
+  if (std::exchange(session.waiting, Waiting{motion, now})) {
+    ++counters_.motions_overtaken;
+    return;
+  }
+  // Nobody who opens sessions and ends them between two answers shall make this grow.
+  if (waiting_.size() == waiting_.capacity()) answer_waiting();
+  waiting_.push_back(motion.session);
+}
+
+Vector Server::ServerSide::place(const wire::MotionSample& motion) noexcept {
+  if (!law) return motion.position;
+  // A clock that runs back says nothing of how long it was.
+  const Nanoseconds interval = motion.device_time - answered.value_or(motion.device_time);
+  answered = motion.device_time;
+  Vector at = law->place({.position = motion.position,
+                          .numbers = motion.port,
+                          .interval_s = time::to_seconds(std::max(interval, Nanoseconds::zero()))});
+  // No scene, least of all a shared one, shall see what is no place.
+  const bool sound = at.rows() == motion.position.rows() && at.allFinite();
+  return sound ? at : motion.position;
+}
+
+control::ServerSideLaw::Said Server::ServerSide::answer(const Vector& force_N) noexcept {
+  if (!law) return {.force = force_N, .numbers = {}};
+  return law->answer(force_N);
+}
+
+void Server::answer(Session& session, const Waiting& waiting) noexcept {
+  const wire::MotionSample& motion = waiting.motion;
+  const Nanoseconds now = waiting.since;
+  observer_.on_motion(motion);
+  const Nanoseconds begin = clock_.now();
+  const Vector place = session.server_side.place(motion);
+  const scene::SceneAnswer scene = session.scene.answer(place, motion.device_time, now);
+  const control::ServerSideLaw::Said said = session.server_side.answer(scene.force);
+  const Nanoseconds end = clock_.now();
+
+  const auto wave = [&](int i) {
+    const bool any = scene.texture.amplitude_N > 0 && i < scene.texture.waves;
+    return any ? session.scene.in_device_rows(scene.texture.waves_rad_per_m.at(static_cast<std::size_t>(i))) : Vector();
+  };
+  const wire::EnvironmentForce force{.session = motion.session,
+                                     .sequence = session.arrivals.counts.forces_sent + 1,
+                                     .motion_sequence = motion.sequence,
+                                     .motion_device_time = motion.device_time,
+                                     .force = said.force,
+                                     .position = place,
+                                     .contact_normal = scene.contact_normal,
+                                     .penetration_m = scene.penetration_m,
+                                     .server_receive_time = now,
+                                     .server_send_time = end,
+                                     .compute_time = end - begin,
+                                     .motions_received = session.arrivals.counts.motions_received,
+                                     .motions_duplicated = session.arrivals.counts.motions_duplicated,
+                                     .motions_reordered = session.arrivals.counts.motions_reordered,
+                                     .texture_N = scene.texture.amplitude_N,
+                                     .texture_wave = wave(0),
+                                     .texture_across = wave(1),
+                                     .port = said.numbers};
+  for (const std::string* name : scene.quarantined) observer_.on_quarantined(session.info, *name);
+  if (!send(force, session.info.address)) return;
+  ++session.arrivals.counts.forces_sent;
+  ++counters_.forces_sent;
+  observer_.on_force(force);
+}
+
+void Server::on_bye(const wire::Bye& bye, const net::Address& from) {
+  if (const auto found = sessions_.find(bye.session); found != sessions_.end()) {
+    const Session& session = found->second;
+    send(session.arrivals.counts, from);
+    ended_[ended_next_++ % ended_.size()] = {session.nonce, session.info.address, session.arrivals};
+    ++counters_.sessions_ended;
+    close(session, CloseReason::client_said_bye);
+    sessions_.erase(found);
+    return;
+  }
+  if (const Ended* ended = find_ended(bye.session)) {
+    ++counters_.byes_repeated;
+    send(ended->arrivals.counts, from);
+    return;
+  }
+  ++counters_.byes_unknown;
+}
+
+bool Server::send(const wire::Message& message, const net::Address& to) noexcept {
+  const bool sent = link_.send(codec_.encode(message), to);
+  if (!sent) ++counters_.sends_failed;
+  return sent;
+}
+
+void Server::close(const Session& session, CloseReason reason) {
+  counters_.add(session.scene.faults());
+  observer_.on_closed(session.info, reason, session.arrivals.counts);
+}
+
+}  // namespace forcebound::server

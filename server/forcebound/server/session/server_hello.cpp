@@ -1,0 +1,212 @@
+// Who comes in: Hellos, and what they are answered.
+
+#include <algorithm>
+#include <utility>
+
+#include "forcebound/server/environment/explain.hpp"
+#include "forcebound/server/session/server.hpp"
+#include "forcebound/text/printable.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using text::printable;
+using wire::RefusalReason;
+
+// A client may promise anything; we believe it within reason.
+constexpr double kPeriodLeast_s = 100e-6;
+constexpr double kPeriodMost_s = 1;
+
+// As much as one second promises may come at once, after a network held it back.
+int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
+
+std::string refusal_of_version(std::uint32_t version) {
+  return "this server speaks protocol version " + std::to_string(wire::kProtocolVersion) + ", the client " +
+         std::to_string(version);
+}
+
+std::string refusal_of_port(const control::LawRegistry& laws, std::string_view port) {
+  std::string known;
+  for (const std::string& name : laws.names()) {
+    if (laws.find(name).make_server_side) known += (known.empty() ? "" : ", ") + name;
+  }
+  return "this server has no half of a law '" + printable(port) + "'" +
+         (known.empty() ? ", nor of any other" : " (known: " + known + ")");
+}
+
+std::string refusal_of_dof(const scene::Scene& scene, const wire::Hello& hello) {
+  return "scene '" + scene.facts().name + "' accepts devices with " + scene.accepted_degrees_of_freedom() +
+         " degrees of freedom, device '" + printable(hello.device) + "' has " +
+         std::to_string(hello.degrees_of_freedom);
+}
+
+}  // namespace
+
+void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
+  // Who is here already is answered even while untrusted clients use up the rate.
+  if (const Session* session = find(from, hello.client_nonce)) {
+    ++counters_.hellos_repeated;
+    welcome(*session);
+    return;
+  }
+  if (!hellos_.take(now)) {
+    ++counters_.hellos_over_rate;
+    return;
+  }
+  const bool late = std::any_of(ended_.begin(), ended_.end(), [&](const Ended& ended) {
+    return ended.arrivals.counts.session != 0 && ended.nonce == hello.client_nonce && ended.address == from;
+  });
+  if (late) {
+    ++counters_.hellos_after_bye;
+    return;
+  }
+  if (hello.protocol_version != wire::kProtocolVersion) {
+    refuse(hello, from, {RefusalReason::version_mismatch, refusal_of_version(hello.protocol_version)});
+    return;
+  }
+  const auto wanted = scenes_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
+  if (wanted.coming) {
+    // Whose motions are answered meanwhile shall not wait; the client says Hello again.
+    ++counters_.hellos_too_early;
+    return;
+  }
+  if (!wanted.why_not.empty()) {
+    refuse(hello, from,
+           {RefusalReason::server_full,
+            "scene '" + printable(hello.scene) + "' cannot be had at the moment: " + wanted.why_not});
+    return;
+  }
+  if (!wanted.scene) {
+    refuse(hello, from, {RefusalReason::unknown_scene, scenes_.unknown_scene_text(printable(hello.scene))});
+    return;
+  }
+  if (const auto refusal = refusal_of(hello, *wanted.scene, now)) {
+    refuse(hello, from, *refusal);
+    return;
+  }
+  if (wanted.scene->accuracy() != nullptr && hello.round_trip <= Nanoseconds{0}) {
+    ++counters_.hellos_to_measure;
+    send(wire::Refusal{.client_nonce = hello.client_nonce,
+                       .reason = RefusalReason::round_trip_wanted,
+                       .text = "say Hello again, with the round trip that this answer tells",
+                       .client_time = hello.client_time},
+         from);
+    return;
+  }
+  Session& session = open(hello, wanted.scene, from, now);
+  welcome(session);
+  observer_.on_opened(session.info);
+}
+
+void Server::refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused) {
+  ++counters_.hellos_refused;
+  send(wire::Refusal{.client_nonce = hello.client_nonce, .reason = refused.reason, .text = refused.text}, from);
+  observer_.on_refused(from, refused.text);
+}
+
+std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const scene::Scene& scene,
+                                                  Nanoseconds now) {
+  if (!scene.accepts(hello.degrees_of_freedom)) {
+    return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(scene, hello)};
+  }
+  if (!hello.port.empty() && !options_.laws.make_server_side(hello.port, static_cast<int>(hello.degrees_of_freedom))) {
+    return Refused{RefusalReason::unknown_port, refusal_of_port(options_.laws, hello.port)};
+  }
+  if (scene.facts().shared && is_full(scene) && !evict_unproven(now, &scene)) {
+    return Refused{RefusalReason::server_full, "all " + std::to_string(scene.facts().clients_max) +
+                                                   " places in the shared scene '" + scene.facts().name +
+                                                   "' are taken, try again later"};
+  }
+  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
+    return Refused{RefusalReason::server_full,
+                   "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later"};
+  }
+  return std::nullopt;
+}
+
+bool Server::is_full(const scene::Scene& scene) const {
+  const auto there = std::count_if(sessions_.begin(), sessions_.end(),
+                                   [&](const auto& entry) { return &entry.second.scene.scene() == &scene; });
+  return there >= scene.facts().clients_max;
+}
+
+scene::SceneState Server::enter(const std::shared_ptr<const scene::Scene>& scene,
+                                std::uint32_t degrees_of_freedom) const {
+  if (!scene->facts().shared) return {scene, degrees_of_freedom};
+  for (const auto& [id, session] : sessions_) {
+    if (&session.scene.scene() != scene.get()) continue;
+    const scene::DynamicModelsNow dynamic_models = session.scene.dynamic_models();
+    const bool sound =
+        std::all_of(dynamic_models.begin(), dynamic_models.end(), [](const auto& now) { return now->state().sound(); });
+    if (sound) return {scene, degrees_of_freedom, dynamic_models};
+  }
+  return {scene, degrees_of_freedom, scene::begin_dynamic_models(*scene, scene->facts().clients_max)};
+}
+
+bool Server::evict_unproven(Nanoseconds now, const scene::Scene* scene) {
+  // A client that is there sends motion at once; who never did may be nobody at all.
+  constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
+  auto oldest = sessions_.end();
+  for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
+    const Session& session = it->second;
+    const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
+    if (scene != nullptr && &session.scene.scene() != scene) continue;
+    if (unproven && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard)) oldest = it;
+  }
+  if (oldest == sessions_.end()) return false;
+  ++counters_.sessions_idle;
+  close(oldest->second, CloseReason::idle);
+  sessions_.erase(oldest);
+  return true;
+}
+
+Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) noexcept {
+  for (auto& [id, session] : sessions_) {
+    if (session.nonce == nonce && session.info.address == address) return &session;
+  }
+  return nullptr;
+}
+
+Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const scene::Scene> scene,
+                              const net::Address& from, Nanoseconds now) {
+  std::uint64_t id = session_ids_();
+  // Zero means "no session" on the wire.
+  while (id == 0 || sessions_.contains(id)) id = session_ids_();
+
+  const double period_s = std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s);
+  SessionInfo info{.session = id,
+                   .address = from,
+                   .device = printable(hello.device),
+                   .degrees_of_freedom = hello.degrees_of_freedom,
+                   .scene = scene->facts().name};
+  if (const scene::AutoAccuracy* const accuracy = scene->accuracy()) {
+    const double round_trip_s = time::to_seconds(hello.round_trip);
+    const scene::AccuracyLevel& picked = accuracy->best(round_trip_s);
+    info.accuracy = accuracy->text(picked, round_trip_s);
+    scene = picked.scene;
+  }
+  Session session{
+      .info = std::move(info),
+      .nonce = hello.client_nonce,
+      .scene = enter(scene, hello.degrees_of_freedom),
+      .server_side = {.law = options_.laws.make_server_side(hello.port, static_cast<int>(hello.degrees_of_freedom))},
+      .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
+      .last_heard = now};
+  session.arrivals.counts.session = id;
+  ++counters_.sessions_opened;
+  return sessions_.emplace(id, std::move(session)).first->second;
+}
+
+void Server::welcome(const Session& session) {
+  const scene::Scene& scene = session.scene.scene();
+  const std::string& accuracy = session.info.accuracy;
+  const std::string simulated = (accuracy.empty() ? "" : accuracy + "; ") + summary(scene);
+  send(wire::Welcome{.client_nonce = session.nonce,
+                     .session = session.info.session,
+                     .scene_hash = scene.facts().hash,
+                     .scene = scene.facts().name,
+                     .simulated = simulated},
+       session.info.address);
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,67 @@
+#include "tests/tools/lab/accuracy/session_settings.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+std::string law_named(std::string name) {
+  const bool quoted = name.size() >= 2 && (name.front() == '"' || name.front() == '\'') && name.back() == name.front();
+  if (quoted) name = name.substr(1, name.size() - 2);
+  const std::vector<std::string> known = baselines::shipped_laws().names();
+  if (std::ranges::find(known, name) != known.end()) return name;
+  throw std::invalid_argument("law: there is no '" + name + "'" + text::suggestion(name, known));
+}
+
+enum class Least : std::uint8_t { zero, above_zero };
+
+double number(const std::string& key, const std::string& value, Least least) {
+  const auto read = text::finite_number(value);
+  const bool above = least == Least::above_zero;
+  if (read && (above ? *read > 0 : *read >= 0)) return *read;
+  throw std::invalid_argument(key + " must be a number " + (above ? "> 0" : ">= 0") + ", got '" + value + "'");
+}
+
+time::Nanoseconds milliseconds(const std::string& key, const std::string& value) {
+  return time::from_seconds(1e-3 * number(key, value, Least::zero));
+}
+
+std::string ms(time::Nanoseconds time) { return text::rounded(1e3 * time::to_seconds(time)) + " ms"; }
+
+}  // namespace
+
+const std::vector<std::string>& session_keys() {
+  static const std::vector<std::string> kKeys{"law", "hold_ms", "drop_ms", "rate_Hz"};
+  return kKeys;
+}
+
+bool is_session_key(std::string_view key) { return std::ranges::find(session_keys(), key) != session_keys().end(); }
+
+SessionSettings with_session_key(SessionSettings session, const std::string& key, const std::string& value) {
+  if (key == "law") {
+    session.law = law_named(value);
+  } else if (key == "hold_ms") {
+    session.policy.hold = milliseconds(key, value);
+  } else if (key == "drop_ms") {
+    session.policy.drop = milliseconds(key, value);
+  } else if (key == "rate_Hz") {
+    session.server_rate_Hz = number(key, value, Least::above_zero);
+  } else {
+    throw std::invalid_argument("a session has no '" + key + "'" + text::suggestion(key, session_keys()));
+  }
+  session.policy.validate();
+  return session;
+}
+
+std::string to_text(const SessionSettings& session) {
+  return "law " + session.law + ", hold " + ms(session.policy.hold) + ", drop " + ms(session.policy.drop) +
+         ", the server answers at most " + text::rounded(session.server_rate_Hz) + " motions a second";
+}
+
+}  // namespace forcebound::lab

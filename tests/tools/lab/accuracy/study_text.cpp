@@ -1,0 +1,298 @@
+#include "tests/tools/lab/accuracy/study_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using text::rounded;
+
+// Settings whose errors differ by less than this share of the least do not matter to the hand.
+constexpr double kAlike = 0.05;
+// A model's part below this share of what the age comes to is lost in it: their squares add up, to half a percent more.
+constexpr double kLostInAge = 0.1;
+
+// Less is what sums round to.
+constexpr double kLeastShare = 1e-12;
+
+std::string percent(double share) { return rounded(std::abs(share) < kLeastShare ? 0 : 100 * share) + " %"; }
+
+std::string percent_above(double share, double uncertainty) {
+  return share < 3 * uncertainty ? "<= " + percent(3 * uncertainty) : percent(share);
+}
+
+std::string ms(double seconds) { return rounded(seconds * 1e3) + " ms"; }
+
+template <class... Values>
+std::string line(const char* format, const Values&... values) {
+  char text[400];
+  std::snprintf(text, sizeof text, format, values...);
+  return std::string(text) + "\n";
+}
+
+/// What there is to say about scenes: one line for all settings where they are of one scene.
+struct Line {
+  std::string name;
+  const StudiedSetting* setting;
+};
+
+std::vector<Line> lines_of_scenes(const StudyResult& result) {
+  if (result.same_scene) return {{"(all)", &result.settings.front()}};
+  std::vector<Line> lines;
+  for (const StudiedSetting& setting : result.settings) lines.push_back({setting.value, &setting});
+  return lines;
+}
+
+std::string cross(const StudiedSetting& setting) { return setting.trouble.empty() ? "" : "X " + setting.trouble; }
+
+std::string cost_text(const StudyResult& result) {
+  std::string text =
+      "What a step costs\n" + line("  %-18s %10s %10s %10s %10s %10s %10s %12s", result.key.c_str(), "median", "p99",
+                                   "max", "idle p99", "idle max", "heap", "instructions");
+  for (const auto& [name, studied] : lines_of_scenes(result)) {
+    const StudiedSetting& setting = *studied;
+    const auto& [heap, instructions] = setting.per_step;
+    text += line("  %-18s %7s us %7s us %7s us %7s us %7s us %10s %12s", name.c_str(),
+                 rounded(setting.cost.median_us).c_str(), rounded(setting.cost.p99_us).c_str(),
+                 rounded(setting.cost.max_us).c_str(), rounded(setting.idle.p99_us).c_str(),
+                 rounded(setting.idle.max_us).c_str(), heap ? rounded(*heap).c_str() : "-",
+                 instructions ? rounded(*instructions).c_str() : "-");
+  }
+  if (!result.settings.front().per_step.instructions) {
+    text += "  instructions: not available here (the kernel does not let us count them)\n";
+  }
+  return text + "  an answer has " + std::to_string(result.answer_bytes) +
+         " bytes: " + rounded(static_cast<double>(result.answer_bytes)) + " kB/s to each client at 1 kHz\n";
+}
+
+std::string how_states_were_saved(const StudyResult& result) {
+  if (result.ticks_between_states == 0 && result.reference_bodies) return "Along the same positions\n";
+  if (result.ticks_between_states == 0) return "At the same states (a step forgets the past: the same positions)\n";
+  const int ticks = result.ticks_between_states;
+  return "At the same states (the reference's, " +
+         (ticks == 1 ? std::string("before each tick") : "before every " + std::to_string(ticks) + " ticks") +
+         "; then all go on from there)\n";
+}
+
+std::string at_states_text(const StudyResult& result) {
+  const bool bodies = result.ticks_between_states > 0;
+  std::string text = "\n" + how_states_were_saved(result) +
+                     line("  %-18s %12s %12s %12s %10s %12s %12s", result.key.c_str(), "force", "direction", "p95",
+                          "depth", "stiffness", bodies ? "velocities" : "");
+  for (const auto& [name, studied] : lines_of_scenes(result)) {
+    const StudiedSetting& setting = *studied;
+    const StateError& error = setting.at_states;
+    text += line("  %-18s %12s %8s deg %8s deg %7s mm %8s N/m %12s  %s", name.c_str(),
+                 percent_above(error.force, result.reference_uncertainty).c_str(),
+                 rounded(error.direction_median_deg).c_str(), rounded(error.direction_p95_deg).c_str(),
+                 rounded(error.penetration_m * 1e3).c_str(), rounded(error.displayed_stiffness_N_per_m).c_str(),
+                 bodies ? percent_above(setting.velocity_at_states, result.velocity_uncertainty).c_str() : "",
+                 cross(setting).c_str());
+  }
+  return text;
+}
+
+std::string free_row(const std::string& name, const std::string& force, const std::string& work,
+                     const BodyRecord& bodies, const std::string& trouble) {
+  const double exhausted = bodies.ticks > 0 ? static_cast<double>(bodies.exhausted) / bodies.ticks : 0;
+  return line("  %-18s %12s %9s mJ %9s mJ %9s mJ %9s mm %10s  %s", name.c_str(), force.c_str(), work.c_str(),
+              rounded(1e3 * bodies.drift_J).c_str(), rounded(1e3 * bodies.gained_J).c_str(),
+              rounded(1e3 * bodies.deepest_m).c_str(), percent(exhausted).c_str(), trouble.c_str());
+}
+
+std::string free_text(const StudyResult& result) {
+  if (!result.reference_bodies) {
+    std::string text = "\nFreely along the same way: work on the device above the reference's\n";
+    for (const auto& [name, setting] : lines_of_scenes(result)) {
+      text += line("  %-18s %9s mJ", name.c_str(), rounded(setting->at_states.work_J * 1e3).c_str());
+    }
+    return text;
+  }
+  std::string text = "\nFreely along the same way (uncertain to " + percent(result.free_uncertainty) +
+                     "). Drift: what the bodies hold in the end above what they began with and what was put in\n" +
+                     line("  %-18s %12s %12s %12s %12s %12s %10s", result.key.c_str(), "force", "work", "drift",
+                          "most gained", "deepest", "exhausted");
+  text += free_row("the reference", "", "", *result.reference_bodies,
+                   result.reference_trouble.empty() ? "" : "X " + result.reference_trouble);
+  for (const auto& [name, studied] : lines_of_scenes(result)) {
+    const StudiedSetting& setting = *studied;
+    if (!setting.bodies) continue;
+    text += free_row(name, percent_above(setting.free_force, result.free_uncertainty),
+                     rounded(1e3 * setting.at_states.work_J), *setting.bodies, cross(setting));
+  }
+  if (!result.places_known) {
+    text += "  where bodies come to rest is not judged: the reference and what tells its uncertainty do not agree\n";
+  }
+  return text;
+}
+
+std::string remark(const StudiedSetting& setting, std::size_t which, bool is_best) {
+  if (!setting.trouble.empty()) return "  X";
+  return std::string(is_best ? "  <- best" : "") + (setting.stays_passive(which) ? "" : "  not passive");
+}
+
+std::string behind_text(const StudyResult& result, std::size_t which) {
+  const double round_trip_s = result.settings.front().behind[which].round_trip_s;
+  std::string text = "\nAt the device, round trip " + ms(round_trip_s) + "\n" +
+                     line("  %-18s %10s = %9s + %9s + %9s + %9s %12s %10s", result.key.c_str(), "E_dev", "model", "age",
+                          "hold", "bounding", "least age", "P min");
+  const auto best = best_setting(result, which, std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < result.settings.size(); ++i) {
+    const StudiedSetting& setting = result.settings[i];
+    const DeviceError& error = setting.behind[which].error;
+    text += line("  %-18s %10s = %9s + %9s + %9s + %9s %9s %8s J%s", setting.value.c_str(),
+                 percent_above(error.total, result.free_uncertainty).c_str(), percent(error.model.share).c_str(),
+                 percent(error.age.share).c_str(), percent(error.hold.share).c_str(),
+                 percent(error.bounding.share).c_str(), ms(time::to_seconds(error.least_age)).c_str(),
+                 rounded(setting.behind[which].passivity_minimum_J).c_str(), remark(setting, which, best == i).c_str());
+  }
+  return text;
+}
+
+/// What the models' errors come to at most, of what the age alone does, over the settings that worked; infinite where
+/// there is no age or nothing to compare.
+double most_model_of_age(const StudyResult& result, std::size_t which) {
+  double most = 0;
+  int worked = 0;
+  for (const StudiedSetting& setting : result.settings) {
+    if (!setting.trouble.empty()) continue;
+    ++worked;
+    const DeviceError& error = setting.behind[which].error;
+    most = std::max(
+        most, error.age.alone > 0 ? error.model.alone / error.age.alone : std::numeric_limits<double>::infinity());
+  }
+  return worked < 2 ? std::numeric_limits<double>::infinity() : most;
+}
+
+nlohmann::ordered_json optional(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json to_json(const BodyRecord& bodies) {
+  return {{"drift_J", bodies.drift_J},     {"gained_J", bodies.gained_J}, {"turned_over_J", bodies.turned_over_J},
+          {"deepest_m", bodies.deepest_m}, {"ticks", bodies.ticks},       {"exhausted", bodies.exhausted}};
+}
+
+nlohmann::ordered_json to_json(const DeviceError::Part& part) { return {{"share", part.share}, {"alone", part.alone}}; }
+
+}  // namespace
+
+std::string to_text(const StudyResult& result) {
+  std::string text = "Reference: " + result.reference_why + "; uncertain to " + percent(result.reference_uncertainty) +
+                     "\nHand: " + result.hand + "\nSession: " + result.session +
+                     (result.fixed.empty() ? "" : "\nWith: " + result.fixed) + "\n\n" + cost_text(result) +
+                     at_states_text(result) + free_text(result);
+  for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which)
+    text += behind_text(result, which);
+  return text;
+}
+
+std::string what_does_not_matter(const StudyResult& result) {
+  if (result.same_scene || result.settings.size() < 2) return {};
+  const std::size_t networks = result.settings.front().behind.size();
+  std::vector<std::string> lost;
+  double most = 0;
+  for (std::size_t which = 0; which < networks; ++which) {
+    const double share = most_model_of_age(result, which);
+    if (!(share < kLostInAge)) continue;
+    lost.push_back(ms(result.settings.front().behind[which].round_trip_s));
+    most = std::max(most, share);
+  }
+  if (lost.empty()) return {};
+  const std::string where = lost.size() == networks ? "behind every round trip" : "behind " + text::join(lost);
+  return result.key + " does not matter beside the network's age " + where + ": the model's part of every setting is " +
+         (most > kLeastShare ? "at most " + percent(most) : "nothing") + " of the age's (the line is " +
+         percent(kLostInAge) + ")\n";
+}
+
+std::string recommendation(const StudyResult& result, double budget_us) {
+  std::string text;
+  if (!result.reference_trouble.empty()) {
+    text = "not to be relied on: the reference itself failed (" + result.reference_trouble + ")\n";
+  }
+  for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which) {
+    const std::string network = "behind " + ms(result.settings.front().behind[which].round_trip_s) + ": ";
+    const auto best = best_setting(result, which, budget_us);
+    if (!best) {
+      text += network + "nothing that worked" + (result.same_scene ? " and stayed passive" : "") + " takes at most " +
+              rounded(budget_us) + " us\n";
+      continue;
+    }
+    const auto error = [&](std::size_t i) { return result.settings[i].behind[which].error; };
+    const DeviceError least = error(*best);
+    double worst = 0;
+    double smallest = least.total;  // less than the best's where what is less wrong takes longer, or is not passive
+    for (std::size_t i = 0; i < result.settings.size(); ++i) {
+      if (!result.settings[i].trouble.empty()) continue;
+      worst = std::max(worst, error(i).total);
+      smallest = std::min(smallest, error(i).total);
+    }
+    text += network + result.key + " = " + result.settings[*best].value + ", E_dev " + percent(least.total) + ", " +
+            rounded(result.settings[*best].cost.median_us) + " us a step";
+    if (worst <= (1 + kAlike) * smallest) {
+      text += "; but " + result.key + " hardly matters here: the worst setting has " + percent(worst) + ", of which " +
+              percent(least.age.share + least.hold.share) + " are the age of forces";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json to_json(const StudyResult& result) {
+  nlohmann::ordered_json json{{"key", result.key},
+                              {"hand", result.hand},
+                              {"reference",
+                               {{"why", result.reference_why},
+                                {"order", result.reference_order},
+                                {"uncertainty", result.reference_uncertainty},
+                                {"velocity_uncertainty", result.velocity_uncertainty},
+                                {"free_uncertainty", result.free_uncertainty},
+                                {"trouble", result.reference_trouble}}},
+                              {"set", result.fixed},
+                              {"session", result.session},
+                              {"same_scene", result.same_scene},
+                              {"answer_bytes", result.answer_bytes},
+                              {"ticks_between_states", result.ticks_between_states},
+                              {"settings", nlohmann::ordered_json::array()}};
+  for (const StudiedSetting& setting : result.settings) {
+    nlohmann::ordered_json object{
+        {"value", setting.value},
+        {"step_us", {{"median", setting.cost.median_us}, {"p99", setting.cost.p99_us}, {"max", setting.cost.max_us}}},
+        {"idle_us", {{"median", setting.idle.median_us}, {"p99", setting.idle.p99_us}, {"max", setting.idle.max_us}}},
+        {"heap_operations", optional(setting.per_step.heap_operations)},
+        {"instructions", optional(setting.per_step.instructions)},
+        {"force_error", setting.at_states.force},
+        {"velocity_error", setting.velocity_at_states},
+        {"free_force_error", setting.free_force},
+        {"direction_deg",
+         {{"median", setting.at_states.direction_median_deg}, {"p95", setting.at_states.direction_p95_deg}}},
+        {"penetration_m", setting.at_states.penetration_m},
+        {"displayed_stiffness_N_per_m", setting.at_states.displayed_stiffness_N_per_m},
+        {"work_J", setting.at_states.work_J},
+        {"trouble", setting.trouble},
+        {"behind", nlohmann::ordered_json::array()}};
+    for (const StudiedSetting::Behind& behind : setting.behind) {
+      object["behind"].push_back({{"round_trip_s", behind.round_trip_s},
+                                  {"error", behind.error.total},
+                                  {"model", to_json(behind.error.model)},
+                                  {"age", to_json(behind.error.age)},
+                                  {"hold", to_json(behind.error.hold)},
+                                  {"bounding", to_json(behind.error.bounding)},
+                                  {"least_age_s", time::to_seconds(behind.error.least_age)},
+                                  {"motions_missed", behind.turns_missed},
+                                  {"passivity_minimum_J", behind.passivity_minimum_J}});
+    }
+    if (setting.bodies) object["bodies"] = to_json(*setting.bodies);
+    json["settings"].push_back(std::move(object));
+  }
+  return json;
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,133 @@
+#include "tests/tools/lab/accuracy/sweep.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
+
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/split.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+// Of what is as near to the exact forces of contacts as numbers go.
+constexpr int kTightIterations = 1000;
+constexpr const char* kTightTolerance = "1e-14";
+
+Sweep levels_of(const toml::table& accuracy) {
+  Sweep sweep{.key = accuracy["key"].value_or(std::string())};
+  for (const toml::node& level : *accuracy["levels"].as_array()) {
+    std::ostringstream value;
+    level.as_table()->at("value").visit([&](const auto& any) { value << any; });
+    sweep.values.push_back(value.str());
+  }
+  return sweep;
+}
+
+/// The name of the first of a kind that has such a shape; empty: there is none.
+std::string first_with(const toml::table& scene, const char* kind, const char* shape) {
+  const toml::array* const all = scene[kind].as_array();
+  if (all == nullptr) return {};
+  for (const toml::node& node : *all) {
+    const toml::table& table = *node.as_table();
+    if (table["shape"]["kind"].value_or(std::string()) == shape) return table["name"].value_or(std::string());
+  }
+  return {};
+}
+
+}  // namespace
+
+Sweep parse_sweep(std::string_view sweep) {
+  const auto equals = sweep.find('=');
+  if (equals == std::string_view::npos || equals == 0 || equals + 1 == sweep.size()) {
+    throw std::invalid_argument("a sweep must be KEY=VALUE,VALUE,..., got '" + std::string(sweep) + "'");
+  }
+  return {std::string(sweep.substr(0, equals)), text::split_outside_brackets(sweep.substr(equals + 1), ',')};
+}
+
+Sweep usual_sweep(const std::string& scene_text) {
+  const toml::table scene = toml::parse(scene_text);
+  if (const toml::table* const accuracy = scene["accuracy"].as_table()) return levels_of(*accuracy);
+  if (const std::string name = first_with(scene, "tissue", "block"); !name.empty()) {
+    return {"tissue." + name + ".shape.cells", {"[4, 4, 2]", "[6, 6, 3]", "[9, 9, 4]"}};
+  }
+  if (const std::string name = first_with(scene, "object", "distance_field"); !name.empty()) {
+    return {"object." + name + ".shape.spacing_m", {"0.008", "0.004", "0.002", "0.001"}};
+  }
+  if (const std::string name = first_with(scene, "object", "mesh"); !name.empty()) {
+    return {"object." + name + ".shape.detail", {"0.03", "0.1", "0.3", "1"}};
+  }
+  if (const toml::array* const bodies = scene["body"].as_array(); bodies != nullptr && !bodies->empty()) {
+    const toml::table& body = *bodies->front().as_table();
+    if (body.contains("shape")) return {"bodies.timestep_s", {"0.004", "0.002", "0.001", "0.0005", "0.00025"}};
+    return {"body." + body["name"].value_or(std::string()) + ".iterations", {"1", "2", "3", "5", "10", "100"}};
+  }
+  throw std::invalid_argument("nothing in the scene has levels by itself: say what to try with --sweep KEY=V1,V2,...");
+}
+
+std::optional<TightSolvers> tight_solvers(const std::string& key) {
+  const std::size_t dot = key.rfind('.');
+  if (dot == std::string::npos) return std::nullopt;
+  const std::string table = key.substr(0, dot);
+  const std::string last = key.substr(dot + 1);
+  const bool is_bodies = table == "bodies" || table.starts_with("body.");
+  if (!is_bodies || (last != "solver" && last != "iterations" && last != "tolerance")) return std::nullopt;
+  const auto with = [&](const std::string& solver) -> std::vector<server::SceneChange> {
+    return {{table + ".iterations", std::to_string(kTightIterations)},
+            {table + ".tolerance", kTightTolerance},
+            {table + ".solver", "\"" + solver + "\""}};
+  };
+  return TightSolvers{.newton = with("newton"), .cg = with("cg")};
+}
+
+std::string tight_text() {
+  return std::to_string(kTightIterations) + " iterations at most, tolerance " + kTightTolerance;
+}
+
+bool is_level_of_detail(const std::string& key) { return key.ends_with(".detail"); }
+
+std::optional<double> spacing_of(const std::string& key, const std::string& value) {
+  const bool is_list = value.starts_with('[');
+  const std::size_t begin = is_list ? value.find_first_not_of(' ', 1) : 0;
+  if (begin == std::string::npos) return std::nullopt;
+  const std::string first = is_list ? value.substr(begin, value.find_first_of(" ,]", begin) - begin) : value;
+  const auto number = text::finite_number(first);
+  if (!number || !(*number > 0)) return std::nullopt;
+  const auto is_in = [&](const std::string& unit) {
+    return key.ends_with("_" + unit) && !key.ends_with("_per_" + unit);
+  };
+  if (is_level_of_detail(key)) return 1 / std::sqrt(*number);
+  const bool is_size = !is_list && (is_in("m") || is_in("s"));
+  return is_size ? *number : 1 / *number;
+}
+
+std::vector<double> sort_to_fine(Sweep& sweep) {
+  if (sweep.values.size() < 2) {
+    throw std::invalid_argument("a reference needs two values or more of " + sweep.key + ", or a scene that is exact");
+  }
+  std::vector<double> spacings;
+  for (const std::string& value : sweep.values) {
+    const auto spacing = spacing_of(sweep.key, value);
+    if (!spacing) {
+      throw std::invalid_argument(sweep.key + " has no order from coarse to fine (" + value + "): say what is exact");
+    }
+    spacings.push_back(*spacing);
+  }
+  if (spacings.front() < spacings.back()) {
+    std::ranges::reverse(spacings);
+    std::ranges::reverse(sweep.values);
+  }
+  const auto wrong = std::ranges::adjacent_find(spacings, std::ranges::less_equal());
+  if (wrong != spacings.end()) {
+    const auto at = static_cast<std::size_t>(std::distance(spacings.begin(), wrong));
+    throw std::invalid_argument("values of " + sweep.key + " must go from coarse to fine or back, got " +
+                                sweep.values[at + 1] + " beside " + sweep.values[at]);
+  }
+  return spacings;
+}
+
+}  // namespace forcebound::lab

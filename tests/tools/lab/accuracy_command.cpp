@@ -1,0 +1,195 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/time/steady_clock.hpp"
+#include "tests/tools/lab/above_zero.hpp"
+#include "tests/tools/lab/accuracy/levels_text.hpp"
+#include "tests/tools/lab/accuracy/round_trips.hpp"
+#include "tests/tools/lab/accuracy/study_markdown.hpp"
+#include "tests/tools/lab/accuracy/study_text.hpp"
+#include "tests/tools/lab/commands.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+struct AccuracyOptions {
+  std::string scene;
+  std::string sweep;
+  std::vector<std::string> fixed;
+  std::string reference;
+  std::vector<std::string> round_trips{"1ms", "5ms", "20ms", "50ms"};
+  std::string motion = "press";
+  HarmonicMotion harmonic{};
+  bool has_harmonic = false;
+  std::string device = "cartesian-3dof";
+  SessionSettings session{};
+  double hold_ms = 1e3 * time::to_seconds(client::LateForcePolicy{}.hold);
+  double drop_ms = 1e3 * time::to_seconds(client::LateForcePolicy{}.drop);
+  double duration_s = 2;
+  double budget_us = std::numeric_limits<double>::infinity();
+  std::string json;
+  std::string levels;
+  std::string readme;
+  std::string figures;
+};
+
+std::vector<server::SceneChange> changes_of(const std::vector<std::string>& fixed) {
+  std::vector<server::SceneChange> changes;
+  for (const std::string& one : fixed) {
+    const Sweep change = parse_sweep(one);
+    if (change.values.size() != 1) throw std::invalid_argument("--set takes one value, got '" + one + "'");
+    if (is_session_key(change.key)) {
+      throw std::invalid_argument("--set is for keys of the scene; '" + change.key + "' has an option of its own");
+    }
+    changes.push_back({change.key, change.values.front()});
+  }
+  return changes;
+}
+
+bool is_replay(const std::string& motion) { return motion.starts_with("replay:"); }
+
+std::string check_motion(const std::string& motion) {
+  if (motion == "press" || motion == "slide" || is_replay(motion)) return {};
+  return "--motion must be press, slide or replay:FILE.csv, got '" + motion + "'";
+}
+
+/// @throws server::SceneError where the server would, naming file and line
+Study study_of(const AccuracyOptions& options) {
+  const server::SceneSource source = server::scene_source(options.scene);
+  Study study{.scene_text = source.text,
+              .scene_file = source.file,
+              .sweep = {},
+              .fixed = changes_of(options.fixed),
+              .round_trips_s = parse_round_trips_s(options.round_trips),
+              .motion = options.harmonic,
+              .device = options.device,
+              .session = options.session,
+              .duration_s = options.duration_s};
+  (void)compile(study);
+  study.sweep = options.sweep.empty() ? usual_sweep(source.text) : parse_sweep(options.sweep);
+  study.session.policy = {.hold = time::from_seconds(1e-3 * options.hold_ms),
+                          .drop = time::from_seconds(1e-3 * options.drop_ms)};
+  study.session.policy.validate();
+  study.motion.kind = options.motion == "slide" ? HarmonicMotion::Kind::slide : HarmonicMotion::Kind::press;
+  if (is_replay(options.motion)) study.hand = options.motion;
+  if (is_replay(options.motion) && options.has_harmonic) {
+    throw std::invalid_argument("--frequency and --depth are of press and slide; a recorded hand has offset_z_m=.. " +
+                                std::string("and scale=.. after its file"));
+  }
+  if (!options.reference.empty()) study.reference = server::load_scene(options.reference);
+  return study;
+}
+
+void accuracy(const AccuracyOptions& options) {
+  const StudyResult result = carry_out(study_of(options), time::SteadyClock());
+  std::printf("%s\n%s", to_text(result).c_str(),
+              (recommendation(result, options.budget_us) + what_does_not_matter(result)).c_str());
+  if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
+  if (!options.readme.empty()) {
+    text::write_file(options.readme,
+                     with_between_marks(text::read_file(options.readme), kAccuracyMarks, to_markdown(to_json(result))));
+  }
+  if (!options.levels.empty()) text::write_file(options.levels, levels_text(result));
+  if (options.figures.empty()) return;
+  std::filesystem::create_directories(options.figures);
+  const auto png = std::filesystem::path(options.figures) / "accuracy.png";
+  draw(result, "What accuracy costs in time", png);
+  std::printf("\nFigure: %s\n", png.c_str());
+}
+
+void add_session(CLI::App& command, AccuracyOptions& options) {
+  command.add_option("--law", options.session.law, "as the client's")
+      ->check(CLI::IsMember(baselines::shipped_laws().names()))
+      ->capture_default_str();
+  command.add_option("--hold", options.hold_ms, "as the client's: age up to which a force is applied as it is")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MS")
+      ->capture_default_str();
+  command.add_option("--drop", options.drop_ms, "as the client's: age from which a force is zero; it fades until then")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MS")
+      ->capture_default_str();
+  command.add_option("--rate", options.session.server_rate_Hz, "how often the server answers, at most")
+      ->check(above_zero())
+      ->type_name("HZ")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_accuracy(CLI::App& app) {
+  auto options = std::make_shared<AccuracyOptions>();
+  CLI::App* command = app.add_subcommand(
+      "accuracy", "How wrong a scene's force is at the device, over what its settings cost in time, behind networks");
+  command->add_option("SCENE", options->scene, "name or FILE.toml")->required();
+  command
+      ->add_option("--sweep", options->sweep,
+                   "a key of the scene and what to try, from coarse to fine or back:\n"
+                   "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1;\n"
+                   "or of the session, with the scene as it is: law=none,fba-less,fba-more,fba-exact;\n"
+                   "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000. Default: what the scene has")
+      ->type_name("KEY=V1,V2,...");
+  command
+      ->add_option("--set", options->fixed,
+                   "a key of the scene and another value for all runs, before the sweep; may be repeated:\n"
+                   "bodies.solver='\"pgs\"'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--reference", options->reference,
+                   "a scene whose force is exact; default: what the finest levels tend to; for a solver of\n"
+                   "bodies Newton's method as far as it goes")
+      ->type_name("NAME|FILE");
+  command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
+      ->delimiter(',')
+      ->type_name("TIME,TIME,...")
+      ->capture_default_str();
+  command
+      ->add_option("--motion", options->motion,
+                   "of the hand: press or slide on the scene's surface, or a recorded hand, where it was:\n"
+                   "replay:FILE.csv with columns time_s,x_m,y_m,z_m. To bring it where the scene's surface is:\n"
+                   "replay:FILE.csv,offset_x_m=0,offset_y_m=0,offset_z_m=-0.004,scale=0.5")
+      ->check(check_motion)
+      ->type_name("MOTION")
+      ->capture_default_str();
+  const CLI::Option* const frequency =
+      command->add_option("--frequency", options->harmonic.frequency_Hz, "of press and slide")
+          ->check(above_zero())
+          ->type_name("HZ")
+          ->capture_default_str();
+  const CLI::Option* const depth =
+      command->add_option("--depth", options->harmonic.depth_m, "of press and slide, as far as the hand wants")
+          ->check(above_zero())
+          ->type_name("M")
+          ->capture_default_str();
+  command->add_option("--device", options->device, "as the client's")->capture_default_str();
+  add_session(*command, *options);
+  command->add_option("--duration", options->duration_s, "virtual seconds of each run")
+      ->check(above_zero())
+      ->capture_default_str();
+  command->add_option("--budget", options->budget_us, "recommend nothing that takes longer")
+      ->check(above_zero())
+      ->type_name("US");
+  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
+  command
+      ->add_option("--levels", options->levels,
+                   "write what was found to this file as the [accuracy] of a scene, which then picks for itself")
+      ->type_name("FILE");
+  command->add_option("--readme", options->readme, "put a table between the marks of this file")
+      ->type_name("README.md");
+  command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
+  command->callback([options, frequency, depth] {
+    options->has_harmonic = frequency->count() + depth->count() > 0;
+    accuracy(*options);
+  });
+}
+
+}  // namespace forcebound::lab

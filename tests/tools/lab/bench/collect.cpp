@@ -1,0 +1,180 @@
+#include "tests/tools/lab/bench/collect.hpp"
+
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "forcebound/text/file.hpp"
+#include "tests/tools/lab/bench/readings.hpp"
+#include "tests/tools/lab/percentile.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPeriod_us = 1000;
+
+/// One benchmark beside another.
+struct Beside {
+  const char* what;
+  const char* ours;
+  const char* yardstick;
+  const char* theirs;
+  const char* wanted = "";
+};
+
+constexpr Beside kBeside[]{
+    {"law fba-exact: a step with 3 degrees of freedom", "law_step/fba_exact/3", "no law", "law_step/none/3"},
+    {"god object on 70224 triangles", "god_object_slides/depth_um:1000", "Embree: one nearest point",
+     "embree_nearest_point/triangles:70224"},
+    {"nearest point of 70224 triangles", "our_nearest_point/triangles:70224", "Embree",
+     "embree_nearest_point/triangles:70224"},
+    {"nearest point of 70224 triangles", "our_nearest_point/triangles:70224", "FCL",
+     "fcl_nearest_point/triangles:70224"},
+    {"three fields", "three_fields", "the same by hand in Eigen", "three_fields_in_eigen"},
+    {"stack of 20 boxes", "our_step/boxes:20", "mj_step", "mujocos_step/boxes:20"},
+    {"tissue of 600 tetrahedra: a sphere with 8 contacts", "sphere_step/radius_mm:20/depth_mm:10",
+     "eight sparse solves", "eight_sparse_solves/tetrahedra:600"},
+    {"the same bent far and sliding", "corotational_step/tetrahedra:600", "eight sparse solves",
+     "eight_sparse_solves/tetrahedra:600"},
+    {"a client's tick with --record", "tick/recorded", "without", "tick/plain"},
+};
+
+struct Growing {
+  const char* what;
+  const char* size;
+  const char* ours;
+  const char* yardstick = "";
+  const char* theirs = "";
+};
+
+constexpr Growing kGrowing[]{
+    {"server: one motion", "clients", "server_motion"},
+    {"law fba-exact: a step", "degrees of freedom", "law_step/fba_exact"},
+    {"law fba-more: a step", "degrees of freedom", "law_step/fba_more"},
+    {"nearest point", "triangles", "our_nearest_point", "Embree", "embree_nearest_point"},
+    {"nearest point", "triangles", "our_nearest_point", "FCL", "fcl_nearest_point"},
+    {"tissue bent far: a point's step", "tetrahedra", "corotational_step", "Eigen: eight sparse solves",
+     "eight_sparse_solves"},
+    {"stack of boxes", "boxes", "our_step", "mj_step", "mujocos_step"},
+};
+
+std::string text_of(const fs::path& file) { return text::read_file(file.string()); }
+
+/// Reads something out of a file; what goes wrong names the file.
+template <class Read>
+auto read_from(const fs::path& file, Read read) {
+  const std::string content = text_of(file);
+  try {
+    return read(content);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
+}
+
+double number_at(const std::string& json, const char* path) {
+  return nlohmann::json::parse(json).at(nlohmann::json::json_pointer(path)).get<double>();
+}
+
+/// Median over the files called N-NAME.
+double median_of_runs(const fs::path& folder, const std::string& name,
+                      const std::function<double(const std::string&)>& read) {
+  std::vector<double> values;
+  for (int run = 1; fs::exists(folder / (std::to_string(run) + "-" + name)); ++run) {
+    values.push_back(read_from(folder / (std::to_string(run) + "-" + name), read));
+  }
+  if (values.empty()) throw std::runtime_error("no run '1-" + name + "' in " + folder.string());
+  return percentile(values, 0.5);
+}
+
+void add_round_trips(const fs::path& folder, std::vector<BenchRow>& rows) {
+  const auto ours = [&](const char* path) {
+    return median_of_runs(folder, "ours.json", [&](const std::string& json) { return number_at(json, path); });
+  };
+  const auto clients = [&](const char* path) {
+    return median_of_runs(folder, "client.json", [&](const std::string& json) { return number_at(json, path); });
+  };
+  const auto sockperfs = [&](auto member) {
+    return median_of_runs(folder, "sockperf.txt", [&](const std::string& text) { return read_sockperf(text).*member; });
+  };
+  const double p50_us = sockperfs(&Sockperf::p50_us);
+  const double p99_us = sockperfs(&Sockperf::p99_us);
+  rows.push_back(ratio_row("motion to force and back: median", "us", ours("/read_us/p50"), "sockperf ping-pong", p50_us,
+                           "<= 1.25"));
+  rows.push_back(
+      ratio_row("motion to force and back: p99", "us", ours("/read_us/p99"), "sockperf ping-pong", p99_us, "<= 1.3"));
+  rows.push_back(ratio_row("client's round trip from reading to arrival: median", "us", clients("/rtt_us/p50"),
+                           "sockperf ping-pong", p50_us));
+  rows.push_back(ratio_row("client's round trip from reading to arrival: p99", "us", clients("/rtt_us/p99"),
+                           "sockperf ping-pong", p99_us));
+
+  const double late_us = clients("/period_us/p999") - kPeriod_us;
+  const double cyclictest_us = median_of_runs(folder, "cyclictest.txt", [](const std::string& text) {
+    return percentile(periods_us(kPeriod_us, read_cyclictest_us(text)), 0.999) - kPeriod_us;
+  });
+  rows.push_back(ratio_row("tick's period: p99.9 beyond 1 ms", "us", late_us, "cyclictest", cyclictest_us, "<= 1.2"));
+  // A thread beside the tick that only sleeps: where it is late too, the machine is.
+  rows.push_back(ratio_row("a sleeper beside the tick: p99.9 beyond 1 ms", "us",
+                           clients("/idle_timer/period_us/p999") - kPeriod_us, "cyclictest", cyclictest_us));
+}
+
+void add_capacity(const fs::path& folder, std::vector<BenchRow>& rows) {
+  const auto clients = [&](const char* file) {
+    return read_from(folder / file, [](const std::string& json) { return number_at(json, "/clients"); });
+  };
+  rows.push_back(ratio_row("most clients at 1 kHz on one core", "clients", clients("capacity-ours.json"),
+                           "plain echo server", clients("capacity-echo.json"), ">= 0.7"));
+}
+
+Benchmarks all_benchmarks(const fs::path& folder) {
+  Benchmarks all;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (!entry.path().string().ends_with("_benchmark.json")) continue;
+    all.merge(read_from(entry.path(), read_benchmarks));
+  }
+  return all;
+}
+
+void add_benchmarks(const fs::path& folder, std::vector<BenchRow>& rows) {
+  const Benchmarks all = all_benchmarks(folder);
+  const auto us = [&](const char* name) {
+    const auto found = all.find(name);
+    if (found == all.end()) throw std::runtime_error("no benchmark '" + std::string(name) + "' in " + folder.string());
+    return 1e-3 * found->second;
+  };
+  for (const Beside& pair : kBeside) {
+    rows.push_back(ratio_row(pair.what, "us", us(pair.ours), pair.yardstick, us(pair.theirs), pair.wanted));
+  }
+  const auto exponent = [&](const char* prefix) {
+    try {
+      return growth(by_size(all, prefix));
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error("benchmarks '" + std::string(prefix) + "/...': " + error.what());
+    }
+  };
+  for (const Growing& one : kGrowing) {
+    const bool alone = *one.yardstick == '\0';
+    rows.push_back(growth_row(one.what, one.size, exponent(one.ours), one.yardstick, alone ? 0 : exponent(one.theirs)));
+  }
+}
+
+}  // namespace
+
+BenchResults collect(const fs::path& folder) {
+  BenchResults results;
+  std::istringstream machine(text_of(folder / "machine.txt"));
+  for (std::string line; std::getline(machine, line);) {
+    if (const std::size_t colon = line.find(": "); colon != std::string::npos) {
+      results.machine.emplace_back(line.substr(0, colon), line.substr(colon + 2));
+    }
+  }
+  add_round_trips(folder, results.rows);
+  add_capacity(folder, results.rows);
+  add_benchmarks(folder, results.rows);
+  return results;
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+#include "tests/tools/lab/bench/results.hpp"
+
+namespace forcebound::lab {
+
+/// The results that follow from what deploy/bench left in a folder:
+///
+///     machine.txt                            "key: value" lines
+///     N-sockperf.txt  N-ours.json  N-client.json  N-cyclictest.txt   alternating runs, N = 1, 2, ...
+///     capacity-echo.json  capacity-ours.json
+///     *_benchmark.json                       Google Benchmark's
+///
+/// Of alternating runs the median of each figure counts.
+///
+/// @throws std::runtime_error naming the file or the benchmark that is missing or cannot be read
+[[nodiscard]] BenchResults collect(const std::filesystem::path& folder);
+
+}  // namespace forcebound::lab

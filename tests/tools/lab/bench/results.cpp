@@ -1,0 +1,179 @@
+#include "tests/tools/lab/bench/results.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+#include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr const char* kHeader = "kind,what,unit,ours,yardstick,theirs,ratio,wanted";
+constexpr std::size_t kColumns = 8;
+
+std::string number(double value) {
+  if (!std::isfinite(value)) throw std::runtime_error("a result is no number");
+  return text::rounded(value);
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  return text + std::string(width > text.size() ? width - text.size() : 0, ' ');
+}
+
+std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
+
+std::string joined(const std::vector<std::pair<std::string, std::string>>& machine) {
+  std::string text;
+  for (const auto& [key, value] : machine) {
+    if (!text.empty()) text += ", ";
+    text.append(key).append(" ").append(value);
+  }
+  return text;
+}
+
+template <class Show>
+void for_each(const BenchResults& results, BenchRow::Kind kind, Show show) {
+  for (const BenchRow& row : results.rows) {
+    if (row.kind == kind) show(row);
+  }
+}
+
+void append_table_line(std::string& out, const std::array<std::string, 6>& cells) {
+  constexpr std::array<std::size_t, 6> kWidths{62, 10, 28, 10, 8, 0};
+  std::string line;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    line += padded(cells[i], kWidths[i]) + (i + 1 < cells.size() ? " " : "");
+  while (line.ends_with(' ')) line.pop_back();
+  out += line + '\n';
+}
+
+}  // namespace
+
+bool BenchRow::fine() const {
+  if (wanted.empty() || ratio.empty()) return true;
+  const double bound = std::strtod(wanted.c_str() + 2, nullptr);
+  const double value = std::strtod(ratio.c_str(), nullptr);
+  return wanted.starts_with(">=") ? value >= bound : value <= bound;
+}
+
+BenchRow ratio_row(std::string what, std::string unit, double ours, std::string yardstick, double theirs,
+                   std::string wanted) {
+  return {.kind = BenchRow::Kind::ratio,
+          .what = std::move(what),
+          .unit = std::move(unit),
+          .ours = number(ours),
+          .yardstick = std::move(yardstick),
+          .theirs = number(theirs),
+          .ratio = number(ours / theirs),
+          .wanted = std::move(wanted)};
+}
+
+BenchRow growth_row(std::string what, std::string size, double ours, std::string yardstick, double theirs) {
+  const bool alone = yardstick.empty();
+  char text[32];
+  const auto exponent = [&](double value) {
+    std::snprintf(text, sizeof text, "%.2f", value);
+    return std::string(text);
+  };
+  return {.kind = BenchRow::Kind::growth,
+          .what = std::move(what),
+          .unit = std::move(size),
+          .ours = exponent(ours),
+          .yardstick = std::move(yardstick),
+          .theirs = alone ? std::string() : exponent(theirs),
+          .ratio = {},
+          .wanted = {}};
+}
+
+std::string to_csv(const BenchResults& results) {
+  std::string csv;
+  for (const auto& [key, value] : results.machine) csv.append("# ").append(key).append(": ").append(value).append("\n");
+  csv += std::string(kHeader) + '\n';
+  for (const BenchRow& row : results.rows) {
+    csv += row.kind == BenchRow::Kind::ratio ? "ratio" : "growth";
+    for (const std::string* cell :
+         {&row.what, &row.unit, &row.ours, &row.yardstick, &row.theirs, &row.ratio, &row.wanted}) {
+      if (cell->find_first_of(",\n") != std::string::npos) {
+        throw std::runtime_error("a cell must not have commas: '" + *cell + "'");
+      }
+      csv += ',' + *cell;
+    }
+    csv += '\n';
+  }
+  return csv;
+}
+
+BenchResults parse_bench_csv(std::string_view csv) {
+  BenchResults results;
+  std::istringstream lines{std::string(csv)};
+  std::string line;
+  bool headed = false;
+  while (std::getline(lines, line)) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("# ") && colon != std::string::npos && !headed) {
+      results.machine.emplace_back(line.substr(2, colon - 2), line.substr(colon + 2));
+      continue;
+    }
+    if (!headed) {
+      if (line != kHeader) throw std::runtime_error("expected '" + std::string(kHeader) + "', got '" + line + "'");
+      headed = true;
+      continue;
+    }
+    const auto cells = text::split(line, ',');
+    if (cells.size() != kColumns || (cells[0] != "ratio" && cells[0] != "growth")) {
+      throw std::runtime_error("not a result: '" + line + "'");
+    }
+    results.rows.push_back({.kind = cells[0] == "ratio" ? BenchRow::Kind::ratio : BenchRow::Kind::growth,
+                            .what = std::string(cells[1]),
+                            .unit = std::string(cells[2]),
+                            .ours = std::string(cells[3]),
+                            .yardstick = std::string(cells[4]),
+                            .theirs = std::string(cells[5]),
+                            .ratio = std::string(cells[6]),
+                            .wanted = std::string(cells[7])});
+  }
+  if (!headed) throw std::runtime_error("no results");
+  return results;
+}
+
+std::string to_table(const BenchResults& results) {
+  std::string out = joined(results.machine) + "\n\n";
+  append_table_line(out, {"", "ours", "beside", "theirs", "ratio", "wanted"});
+  for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
+    append_table_line(out, {row.what + " [" + row.unit + "]", row.ours, or_dash(row.yardstick), or_dash(row.theirs),
+                            or_dash(row.ratio), row.wanted + (row.fine() ? "" : "  MISSED")});
+  });
+  out += '\n';
+  append_table_line(out, {"cost grows as n to the power of", "ours", "beside", "theirs", "", ""});
+  for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
+    append_table_line(
+        out, {row.what + " (n: " + row.unit + ")", row.ours, or_dash(row.yardstick), or_dash(row.theirs), "", ""});
+  });
+  return out;
+}
+
+std::string to_markdown(const BenchResults& results) {
+  std::string out = "Measured by `deploy/bench`: " + joined(results.machine) + ".\n\n";
+  out += "| what | ours | beside | theirs | ratio | wanted |\n|---|---|---|---|---|---|\n";
+  for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
+    out += "| " + row.what + " [" + row.unit + "] | " + row.ours + " | " + or_dash(row.yardstick) + " | " +
+           or_dash(row.theirs) + " | " + (row.fine() ? or_dash(row.ratio) : "**" + row.ratio + "**") + " | " +
+           row.wanted + " |\n";
+  });
+  out +=
+      "\nHow the cost grows with n, as the exponent of n:\n\n| what | n | ours | beside | theirs "
+      "|\n|---|---|---|---|---|\n";
+  for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
+    out += "| " + row.what + " | " + row.unit + " | " + row.ours + " | " + or_dash(row.yardstick) + " | " +
+           or_dash(row.theirs) + " |\n";
+  });
+  return out;
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tests/tools/lab/marks.hpp"
+
+/// What deploy/bench found: one file of text, from which the table, the figure and the README's numbers are made.
+namespace forcebound::lab {
+
+struct BenchRow {
+  enum class Kind {
+    ratio,   ///< ours beside theirs, in `unit`
+    growth,  ///< exponents: cost grows as `unit` to the power of it
+  };
+  Kind kind = Kind::ratio;
+  std::string what;
+  std::string unit;
+  std::string ours;       ///< a number
+  std::string yardstick;  ///< whose `theirs` is; may be empty
+  std::string theirs;     ///< a number, or empty
+  std::string ratio;      ///< ours / theirs, or empty
+  std::string wanted;     ///< such as "<= 1.25", or empty
+
+  bool operator==(const BenchRow&) const = default;
+
+  /// False if the ratio misses what is wanted.
+  [[nodiscard]] bool fine() const;
+};
+
+struct BenchResults {
+  std::vector<std::pair<std::string, std::string>> machine;  ///< such as {"cpu", "..."}
+  std::vector<BenchRow> rows;
+
+  bool operator==(const BenchResults&) const = default;
+};
+
+[[nodiscard]] BenchRow ratio_row(std::string what, std::string unit, double ours, std::string yardstick, double theirs,
+                                 std::string wanted = {});
+[[nodiscard]] BenchRow growth_row(std::string what, std::string size, double ours, std::string yardstick = {},
+                                  double theirs = 0);
+
+/// "# key: value" for the machine, then comma-separated rows under a header.
+[[nodiscard]] std::string to_csv(const BenchResults& results);
+
+/// @throws std::runtime_error with the line that is none of to_csv's
+[[nodiscard]] BenchResults parse_bench_csv(std::string_view csv);
+
+/// For a terminal.
+[[nodiscard]] std::string to_table(const BenchResults& results);
+
+/// For the README, as Markdown.
+[[nodiscard]] std::string to_markdown(const BenchResults& results);
+
+inline constexpr Marks kBenchMarks{"<!-- bench: made by deploy/bench --readme -->\n", "<!-- /bench -->\n"};
+
+}  // namespace forcebound::lab

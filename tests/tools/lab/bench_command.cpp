@@ -1,0 +1,49 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "forcebound/text/file.hpp"
+#include "tests/tools/lab/bench/collect.hpp"
+#include "tests/tools/lab/bench/ratios_figure.hpp"
+#include "tests/tools/lab/bench/results.hpp"
+#include "tests/tools/lab/commands.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+struct BenchOptions {
+  std::string from;
+  std::string csv;
+  std::string figure;
+  std::string readme;
+};
+
+void run(const BenchOptions& options) {
+  const BenchResults results =
+      options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
+  std::cout << to_table(results) << std::flush;
+  if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
+  if (!options.figure.empty()) draw_ratios(results, options.figure);
+  if (!options.readme.empty()) {
+    text::write_file(options.readme,
+                     with_between_marks(text::read_file(options.readme), kBenchMarks, to_markdown(results)));
+  }
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command = app.add_subcommand("bench", "Turn what deploy/bench measured into its table of ratios");
+  command->add_option("from", options->from, "the folder with what its tools wrote, or results as CSV")
+      ->required()
+      ->type_name("DIR|FILE.csv");
+  command->add_option("--csv", options->csv, "write the results here")->type_name("FILE.csv");
+  command->add_option("--figure", options->figure, "draw the ratios here")->type_name("FILE.png");
+  command->add_option("--readme", options->readme, "put the results between the marks of this file")
+      ->type_name("README.md");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace forcebound::lab

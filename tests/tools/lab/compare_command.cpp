@@ -1,0 +1,149 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/time/steady_clock.hpp"
+#include "tests/tools/lab/above_zero.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/comparison/comparison_figure.hpp"
+#include "tests/tools/lab/comparison/comparison_run.hpp"
+#include "tests/tools/lab/comparison/standing.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+struct CompareOptions {
+  std::vector<std::string> laws;
+  std::vector<std::string> scenes{"wall", "circle", "sphere"};
+  std::vector<std::string> networks;
+  std::string device;
+  std::vector<double> stiffnesses_N_per_m{2e3, 10e3, 50e3};
+  std::vector<double> delays_ms{0, 1, 10, 50};
+  bool no_limits = false;
+  std::uint64_t seeds = 1;
+  std::uint64_t seed = 1;
+  int effort = 16;
+  std::string csv;
+  std::string json;
+  std::string readme;
+  std::string figures;
+};
+
+ComparisonSettings settings_of(const CompareOptions& options) {
+  ComparisonSettings settings{.laws = options.laws,
+                              .tasks = {},
+                              .networks = {},
+                              .stiffnesses_N_per_m = options.stiffnesses_N_per_m,
+                              .delays_s = {},
+                              .seeds = options.seeds,
+                              .effort = options.effort,
+                              .seed = options.seed};
+  if (settings.laws.empty()) settings.laws = baselines::shipped_laws().names();
+  for (const std::string& scene : options.scenes) settings.tasks.push_back(task_of(scene, options.device));
+  for (const std::string& words : options.networks) settings.networks.push_back(network_of(words));
+  if (settings.networks.empty()) {
+    StandardNetworks standard = standard_networks();
+    settings.networks = std::move(standard.networks);
+    for (const std::string& name : standard.absent) {
+      std::fprintf(stderr, "note: without the recorded network %s, which is not there (FORCEBOUND_DATA)\n",
+                   name.c_str());
+    }
+  }
+  if (!options.no_limits) {
+    for (const double ms : options.delays_ms) settings.delays_s.push_back(1e-3 * ms);
+  }
+  return settings;
+}
+
+void compare(const CompareOptions& options) {
+  // Minutes of work shall not end at a file that cannot be written.
+  for (const std::string& file : {options.csv, options.json}) {
+    if (!file.empty()) text::write_file(file, "");
+  }
+  const bool live = isatty(STDERR_FILENO) != 0;
+  const ComparisonResult result =
+      play_all(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
+        if (live) std::fprintf(stderr, "\r%zu of %zu\033[K", done, all);
+      });
+  if (live) std::fputs("\r\033[K", stderr);
+  const auto told = standings(result);
+  std::fputs(to_text(told).c_str(), stdout);
+  if (!options.csv.empty()) text::write_file(options.csv, to_csv(result));
+  if (!options.json.empty()) text::write_file(options.json, told.dump(2) + '\n');
+  if (!options.readme.empty()) {
+    text::write_file(options.readme,
+                     with_between_marks(text::read_file(options.readme), kComparisonMarks, comparison_markdown(told)));
+  }
+  if (options.figures.empty()) return;
+  const std::filesystem::path directory(options.figures);
+  std::filesystem::create_directories(directory);
+  draw_comparison(told, directory / "comparison.png");
+  std::printf("\nFigures: %s", (directory / "comparison.png").c_str());
+  if (!told.at("limits").empty()) {
+    draw_limits(told, directory / "limits.png");
+    std::printf(", %s", (directory / "limits.png").c_str());
+  }
+  std::printf("\n");
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "The laws side by side: the same device, hand, scene and network for each, with its best parameters");
+  command->footer("Laws:\n" + baselines::shipped_laws().help() +
+                  "\nExample: forcebound-lab compare --laws fba-less,tdpa --scenes wall --network none "
+                  "--network \"delay 20ms loss 5%\"\n");
+  command->add_option("--laws", options->laws, "which; default: all")
+      ->delimiter(',')
+      ->check(CLI::IsMember(baselines::shipped_laws().names()))
+      ->type_name("LAW,LAW,...");
+  command->add_option("--scenes", options->scenes, "the paper's")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"wall", "circle", "sphere"}))
+      ->capture_default_str();
+  command
+      ->add_option("--network", options->networks,
+                   "what is done to both ways: none, the words of netem, or trace:FILE; may be repeated;\n"
+                   "default: none, 1 to 250 ms, jitter, loss, bursts, and the 5G networks of FORCEBOUND_DATA")
+      ->type_name("WORDS")
+      ->allow_extra_args(false);
+  command->add_option("--device", options->device, "in place of the one that goes with the scene")
+      ->type_name("NAME|FILE");
+  command->add_option("--stiffness", options->stiffnesses_N_per_m, "of the walls [N/m]")
+      ->delimiter(',')
+      ->check(above_zero())
+      ->type_name("K,K,...");
+  command->add_option("--delays", options->delays_ms, "each way, to look for the stiffest wall at [ms]")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MS,MS,...");
+  command->add_flag("--no-limits", options->no_limits, "do not look for the stiffest wall");
+  command->add_option("--seeds", options->seeds, "runs of each contest")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the first, and of the search for parameters")->capture_default_str();
+  command
+      ->add_option("--effort", options->effort,
+                   "sets of parameters to try for each law that has any; 1: its standard ones")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE");
+  command->add_option("--json", options->json, "write the standings to this file")->type_name("FILE");
+  command->add_option("--readme", options->readme, "put tables between the marks of this file")->type_name("README.md");
+  command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
+  command->callback([options] { compare(*options); });
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,166 @@
+#include "tests/tools/lab/comparison/comparison_run.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace forcebound::lab {
+namespace {
+
+using Work = std::vector<std::function<void()>>;
+
+/// Does all of it, on every processor; throws what the first that failed threw.
+class Workers {
+ public:
+  explicit Workers(const std::function<void(std::size_t, std::size_t)>& progress) : progress_(progress) {}
+
+  void expect(std::size_t pieces) { all_ += pieces; }
+
+  void work_off(const Work& work) {
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr failure;
+    {
+      std::vector<std::jthread> workers;
+      for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+        workers.emplace_back([&] {
+          for (std::size_t piece = next++; piece < work.size(); piece = next++) {
+            try {
+              work[piece]();
+            } catch (...) {
+              const std::scoped_lock lock(mutex_);
+              if (!failure) failure = std::current_exception();
+              next = work.size();
+            }
+            const std::scoped_lock lock(mutex_);
+            progress_(++done_, all_);
+          }
+        });
+      }
+    }
+    if (failure) std::rethrow_exception(failure);
+  }
+
+ private:
+  const std::function<void(std::size_t, std::size_t)>& progress_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+  std::size_t all_ = 0;
+};
+
+Contest tuning_contest(const ComparisonSettings& settings, const Task& task, std::size_t network) {
+  return {.task = task,
+          .stiffness_N_per_m = settings.stiffnesses_N_per_m[settings.stiffnesses_N_per_m.size() / 2],
+          .network = settings.networks[network],
+          .seed = settings.seed};
+}
+
+/// Every contest of a law, without its parameters.
+std::vector<PlayedTrial> contests_of(const ComparisonSettings& settings, const std::string& law) {
+  std::vector<PlayedTrial> contests;
+  for (const Task& task : settings.tasks) {
+    for (std::size_t network = 0; network < settings.networks.size(); ++network) {
+      for (const double stiffness : settings.stiffnesses_N_per_m) {
+        for (const Conditions conditions : {Conditions::ideal, Conditions::real}) {
+          for (std::uint64_t seed = settings.seed; seed < settings.seed + settings.seeds; ++seed) {
+            contests.push_back({.contest = {.task = task,
+                                            .stiffness_N_per_m = stiffness,
+                                            .network = settings.networks[network],
+                                            .conditions = conditions,
+                                            .law = law,
+                                            .seed = seed},
+                                .network = network,
+                                .trial = {}});
+          }
+        }
+      }
+    }
+  }
+  return contests;
+}
+
+const Tuning& tuning_for(const LawInComparison& law, const PlayedTrial& played) {
+  const auto found = std::ranges::find_if(law.tuned, [&](const TunedOn& tuned) {
+    return tuned.scene == played.contest.task.scene && tuned.network == played.network;
+  });
+  return found->tuning;
+}
+
+/// What was found on the wall through a network that does nothing but delay by so much, if that was played with the
+/// same device; otherwise the law's standard parameters.
+control::LawParameters parameters_for(const LawInComparison& law, const ComparisonSettings& settings,
+                                      const std::string& device, double delay_s) {
+  netem::NetemParameters delayed;
+  delayed.delay.mean = time::from_seconds(delay_s);
+  const auto paper = std::ranges::find_if(
+      settings.tasks, [&](const Task& task) { return task.scene == "wall" && task.device == device; });
+  if (paper == settings.tasks.end()) return {};
+  for (const TunedOn& tuned : law.tuned) {
+    const sim::SimulatedNetworkSettings& network = settings.networks[tuned.network].settings;
+    if (tuned.scene == "wall" && !network.trace && network.up == delayed) return tuned.tuning.best;
+  }
+  return {};
+}
+
+StableStiffness limit_of(const LawInComparison& law, const ComparisonSettings& settings, const PressingHand& hand,
+                         double delay_s) {
+  PressedWall wall{.law = law.law, .hand = hand.specification, .delay_s = delay_s};
+  wall.parameters = parameters_for(law, settings, wall.device, delay_s);
+  return largest_stable({}, [&](double stiffness) { return is_stable(wall, stiffness); });
+}
+
+}  // namespace
+
+ComparisonResult play_all(const ComparisonSettings& settings, const time::Clock& clock,
+                          const std::function<void(std::size_t, std::size_t)>& progress) {
+  ComparisonResult result{.settings = settings};
+  Work tuning;
+  Work trials;
+  for (const std::string& law : settings.laws) {
+    result.laws.push_back({.law = law, .trials = contests_of(settings, law)});
+    for (const Task& task : settings.tasks) {
+      for (std::size_t network = 0; network < settings.networks.size(); ++network) {
+        result.laws.back().tuned.push_back({.scene = task.scene, .network = network});
+      }
+    }
+    result.laws.back().stable.resize(settings.delays_s.size(), std::vector<StableStiffness>(pressing_hands().size()));
+  }
+  for (LawInComparison& law : result.laws) {
+    for (std::size_t i = 0; i < law.tuned.size(); ++i) {
+      tuning.emplace_back([&, i] {
+        const Task& task = settings.tasks[i / settings.networks.size()];
+        const Contest contest = tuning_contest(settings, task, law.tuned[i].network);
+        law.tuned[i].tuning = tune(law.law, {&contest, 1}, settings.effort, settings.seed);
+      });
+    }
+    for (PlayedTrial& played : law.trials) {
+      trials.emplace_back([&] {
+        played.contest.parameters = tuning_for(law, played).best;
+        played.trial = play(played.contest);
+      });
+    }
+    for (std::size_t i = 0; i < settings.delays_s.size(); ++i) {
+      for (std::size_t hand = 0; hand < pressing_hands().size(); ++hand) {
+        trials.emplace_back([&, i, hand] {
+          law.stable[i][hand] = limit_of(law, settings, pressing_hands()[hand], settings.delays_s[i]);
+        });
+      }
+    }
+  }
+  Workers workers(progress);
+  workers.expect(tuning.size() + trials.size());
+  workers.work_off(tuning);
+  workers.work_off(trials);
+  for (const double delay_s : settings.delays_s) result.theory.push_back(theory_limits("wall-1dof", delay_s));
+  // Alone on the machine, or the laws' work would be the other's as well.
+  for (LawInComparison& law : result.laws) {
+    const Contest& first = law.trials.front().contest;
+    law.work_ns = law.trials.front().trial.refused.empty() ? work_ns(first, clock) : std::nan("");
+  }
+  return result;
+}
+
+}  // namespace forcebound::lab

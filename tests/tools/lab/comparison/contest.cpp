@@ -1,0 +1,93 @@
+#include "tests/tools/lab/comparison/contest.hpp"
+
+#include <array>
+#include <chrono>
+#include <stdexcept>
+
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/text/names.hpp"
+#include "tests/tools/lab/experiment.hpp"
+#include "tests/tools/recorded_data.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kRealLatency_s = 100e-6;
+constexpr time::Nanoseconds kRealChoosing = 15us;
+constexpr std::string_view kTrace = "trace:";
+
+}  // namespace
+
+Task task_of(const std::string& scene, const std::string& device) {
+  static const std::vector<std::string> kScenes{"wall", "circle", "sphere"};
+  for (const std::string& known : kScenes) {
+    if (known != scene) continue;
+    const Experiment paper = experiments(scene).front();
+    Task task{.scene = scene, .device = paper.device, .hand = paper.hand};
+    if (!device.empty()) task.device = device;
+    return task;
+  }
+  throw std::invalid_argument("unknown scene '" + scene + "'" + text::suggestion(scene, kScenes));
+}
+
+NamedNetwork network_of(const std::string& words) {
+  NamedNetwork network{.name = words};
+  if (words == "none") return network;
+  if (words.starts_with(kTrace)) {
+    network.settings.trace = netem::load_trace(words.substr(kTrace.size()));
+    return network;
+  }
+  network.settings.up = network.settings.down = netem::parse_netem(words);
+  return network;
+}
+
+StandardNetworks standard_networks() {
+  StandardNetworks standard;
+  constexpr std::array kWords{"none",
+                              "delay 1ms",
+                              "delay 10ms",
+                              "delay 50ms",
+                              "delay 250ms",
+                              "delay 20ms 10ms distribution normal",
+                              "delay 10ms loss 10%",
+                              "delay 10ms loss gemodel 2% 10%"};
+  for (const char* const words : kWords) standard.networks.push_back(network_of(words));
+  for (const char* const name : {"5g-urban-n8", "5g-rural-n8"}) {
+    const auto file = test::recorded_data("network/" + std::string(name) + ".csv");
+    if (!file) {
+      standard.absent.emplace_back(name);
+      continue;
+    }
+    standard.networks.push_back(network_of(std::string(kTrace) + file->string()));
+    standard.networks.back().name = name;
+  }
+  return standard;
+}
+
+sim::ClosedLoop::Settings settings_of(const Contest& contest) {
+  const Experiment experiment{.name = contest.task.scene,
+                              .device = contest.task.device,
+                              .hand = contest.task.hand,
+                              .stiffness_N_per_m = contest.stiffness_N_per_m,
+                              .duration_s = contest.task.duration_s,
+                              .settle_s = contest.task.settle_s};
+  sim::ClosedLoop::Settings settings = experiment.settings(contest.law);
+  settings.device = device::load_device(contest.task.device);
+  control::DeviceFacts& facts = settings.device.facts;
+  if (contest.conditions == Conditions::ideal) {
+    facts.encoder_step.setZero();
+    facts.actuator_step.setZero();
+    facts.latency_s = 0;
+  } else {
+    facts.latency_s = kRealLatency_s;
+    settings.timing = {.measured = true, .choosing_max = kRealChoosing};
+  }
+  settings.law_options.parameters = contest.parameters;
+  settings.network = contest.network.settings;
+  settings.network.seed = settings.seed = contest.seed;
+  return settings;
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,145 @@
+#include "tests/tools/lab/comparison/trial.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/damping.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/record/running_statistics.hpp"
+#include "tests/tools/lab/accuracy/device_run.hpp"
+#include "tests/tools/lab/accuracy/reference_model.hpp"
+#include "tests/tools/lab/measures.hpp"
+#include "tests/tools/lab/percentile.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+// A contact that has not come to rest in this share of its time never does, and one that shows less than this share of
+// the wall is none: blackout is no rest.
+constexpr double kTrialRingingMost = 0.75;
+constexpr double kShownLeast = 0.01;
+
+/// How far from the device the environment is asked.
+class DriftMeter final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    if (tick.motion_sequence != 0) note(tick.motion_sequence, tick.position);
+  }
+  void on_force(const record::ForceRecord& record) noexcept override {
+    note(record.force.motion_sequence, record.force.position);
+  }
+
+  double most_m = 0;
+
+ private:
+  void note(std::uint64_t motion, const control::Vector& place) noexcept {
+    const control::Vector& before = places_.try_emplace(motion, place).first->second;
+    if (before.rows() == place.rows()) most_m = std::max(most_m, (place - before).norm());
+  }
+
+  // Of each motion the device's or where the environment was asked, whichever was told first: an answer without delay
+  // comes before its own tick is over.
+  std::unordered_map<std::uint64_t, control::Vector> places_;
+};
+
+/// How much the force on the device changes from some time after the first contact on, in contact or not: who is thrown
+/// off the wall again and again is not at rest.
+class RestMeter final : public record::TickSink {
+ public:
+  explicit RestMeter(double settle_s) : settle_(time::from_seconds(settle_s)) {}
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    if (!contact_ && tick.penetration_m > 0) contact_ = tick.time;
+    if (contact_ && tick.time >= *contact_ + settle_) force_N_.add(tick.applied.norm());
+  }
+  void on_force(const record::ForceRecord&) noexcept override {}
+
+  [[nodiscard]] double restlessness() const { return std::sqrt(force_N_.variance()) / force_N_.mean(); }
+
+ private:
+  time::Nanoseconds settle_;
+  std::optional<time::Nanoseconds> contact_;
+  record::RunningStatistics force_N_;
+};
+
+/// Keeps what a law was asked, to ask it again.
+class Questions final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override { ticks.push_back(tick); }
+  void on_force(const record::ForceRecord&) noexcept override {}
+  std::vector<record::TickRecord> ticks;
+};
+
+double number(const nlohmann::json& summary, const char* path) {
+  const auto& value = summary.at(nlohmann::json::json_pointer(path));
+  return value.is_number() ? value.get<double>() : std::nan("");
+}
+
+}  // namespace
+
+Trial play(const Contest& contest) {
+  Trial trial;
+  sim::ClosedLoop::Settings settings = settings_of(contest);
+  trial.refused = baselines::shipped_laws().refusal(contest.law, settings.device.facts, settings.law_options);
+  if (!trial.refused.empty()) return trial;
+  RingingMeter ringing;
+  DirectionMeter direction;
+  DriftMeter drift;
+  RestMeter rest(settings.settle_s);
+  const ReferenceModel reference(settings.scene, 0, "closed form");
+  DeviceRun run = run_device(std::move(settings), contest.task.duration_s, {&ringing, &direction, &drift, &rest});
+  reference.fill_in(run);
+
+  trial.passivity_minimum_J = run.passivity_minimum_J;
+  trial.ringing_s = ringing.ringing_s();
+  // Who is nowhere in the wall is shown nothing of it.
+  const double shown_N_per_m = number(run.summary, "/displayed_stiffness_N_per_m/median");
+  trial.shown_N_per_m = std::isfinite(shown_N_per_m) ? shown_N_per_m : 0;
+  trial.calm = trial.ringing_s && *trial.ringing_s < kTrialRingingMost * ringing.contact_s() &&
+               trial.shown_N_per_m >= kShownLeast * contest.stiffness_N_per_m;
+  trial.force_N_mean = number(run.summary, "/force_N/mean");
+  trial.force_N2_variance = number(run.summary, "/force_N/variance");
+  trial.restlessness = rest.restlessness();
+  trial.error = device_error(run.ticks).total;
+  trial.direction_error_rad = direction.error_rad_max();
+  trial.drift_m = drift.most_m;
+  return trial;
+}
+
+double work_ns(const Contest& contest, const time::Clock& clock) {
+  sim::ClosedLoop::Settings settings = settings_of(contest);
+  const control::DeviceFacts facts = settings.device.facts;
+  const control::LawRegistry laws = baselines::shipped_laws();
+  if (!facts.cartesian || laws.find(contest.law).make_server_side) return std::nan("");
+  auto law = laws.make(contest.law, facts, settings.law_options);
+  const auto damping = control::Damping::from_matrix(facts.damping);
+  Questions questions;
+  sim::ClosedLoop loop(std::move(settings), {&questions});
+  loop.run(time::from_seconds(contest.task.duration_s));
+
+  control::Motion motion;
+  motion.latency_s_max = facts.latency_s;
+  motion.jacobian = control::Matrix::Identity(facts.damping.rows(), facts.damping.rows());
+  motion.damping = &damping;
+  // Many ticks at once, so that reading the clock is no part of it.
+  constexpr std::size_t kBatch = 200;
+  std::vector<double> each_ns;
+  for (std::size_t begin = 0; begin + kBatch <= questions.ticks.size(); begin += kBatch) {
+    const time::Nanoseconds start = clock.now();
+    for (std::size_t i = begin; i < begin + kBatch; ++i) {
+      const record::TickRecord& tick = questions.ticks[i];
+      motion.interval_s = time::to_seconds(tick.interval);
+      motion.position = tick.position;
+      motion.joint = tick.joint;
+      law->credit(motion);
+      law->commit(law->bound(tick.request));
+    }
+    each_ns.push_back(static_cast<double>((clock.now() - start).count()) / kBatch);
+  }
+  return percentile(std::move(each_ns), 0.5);
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,24 @@
+#include "tests/tools/lab/experiment_run.hpp"
+
+#include <cmath>
+
+#include "tests/tools/lab/measures.hpp"
+
+namespace forcebound::lab {
+
+double ExperimentRun::displayed_stiffness_N_per_m() const {
+  const auto& mean = summary["displayed_stiffness_N_per_m"]["mean"];
+  return mean.is_number() ? mean.get<double>() : std::nan("");
+}
+
+ExperimentRun run_experiment(const Experiment& experiment, const std::string& law, LawsFigure* figure) {
+  RingingMeter ringing;
+  DirectionMeter direction;
+  std::vector<record::TickSink*> sinks{&ringing, &direction};
+  if (figure != nullptr) sinks.push_back(&figure->add_law(law));
+  sim::ClosedLoop loop(experiment.settings(law), sinks);
+  loop.run(time::from_seconds(experiment.duration_s));
+  return {law, nlohmann::json::parse(loop.close().to_json()), ringing.ringing_s(), direction.error_rad_max()};
+}
+
+}  // namespace forcebound::lab

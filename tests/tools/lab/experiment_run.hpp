@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "tests/tools/lab/experiment.hpp"
+#include "tests/tools/lab/laws_figure.hpp"
+
+namespace forcebound::lab {
+
+/// What one law did in one experiment.
+struct ExperimentRun {
+  std::string law;
+  nlohmann::json summary;
+  std::optional<double> ringing_s;
+  double direction_error_rad = 0;
+
+  /// Mean over the contact [N/m]; not a number without contact.
+  [[nodiscard]] double displayed_stiffness_N_per_m() const;
+};
+
+/// @param figure may be null; otherwise it gets the law's curves.
+[[nodiscard]] ExperimentRun run_experiment(const Experiment& experiment, const std::string& law, LawsFigure* figure);
+
+}  // namespace forcebound::lab

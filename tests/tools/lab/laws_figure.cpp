@@ -1,0 +1,74 @@
+#include "tests/tools/lab/laws_figure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace forcebound::lab {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDepthLeast_m = 1e-5;
+
+std::string file_name(const std::string& title) {
+  std::string name;
+  for (const char c : title) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (plain) {
+      name += c;
+    } else if (!name.empty() && name.back() != '-') {
+      name += '-';
+    }
+  }
+  return name + ".png";
+}
+
+}  // namespace
+
+void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
+  if (!start) start = tick.time;
+  const double t = time::to_seconds(tick.time - *start);
+  const bool contact = tick.penetration_m > 0;
+  const bool deep = tick.penetration_m > kDepthLeast_m;
+  penetration_mm.add(t, contact ? tick.penetration_m * 1e3 : kNone);
+  force_N.add(t, tick.applied.norm());
+  audit_mJ.add(t, tick.audit_J * 1e3);
+  const double shown_N_per_mm = tick.displayed_N / tick.penetration_m * 1e-3;
+  stiffness_N_per_mm.add(t, deep ? shown_N_per_mm : kNone);
+  if (deep) stiffness_mN_per_mm.add(time::from_seconds(1e-6 * shown_N_per_mm).count());  // thousandths, saturating
+}
+
+record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
+
+void LawsFigure::draw_to(const std::filesystem::path& png) const {
+  Panel penetration{.title = "How deep the hand gets in", .y_label = "penetration [mm]", .y_min = 0};
+  Panel force{.title = "Force on the device", .y_label = "magnitude [N]", .y_min = 0};
+  Panel passivity{
+      .title = "Passivity: energy taken less returned", .y_label = "P [mJ]", .references = {{0, "passive above"}}};
+  Panel stiffness{.title = "Displayed stiffness", .y_label = "K [N/mm]", .y_min = 0};
+  double usual_N_per_mm = 0;
+  double most_N_per_mm = 0;
+  for (const Curves& curves : laws_) {
+    const char* hue = colour::of_law(curves.law);
+    penetration.series.push_back(curves.penetration_mm.series(curves.law, hue));
+    force.series.push_back(curves.force_N.series(curves.law, hue));
+    passivity.series.push_back(curves.audit_mJ.series(curves.law, hue));
+    stiffness.series.push_back(curves.stiffness_N_per_mm.series(curves.law, hue));
+    usual_N_per_mm = std::max(usual_N_per_mm, 1e-3 * curves.stiffness_mN_per_mm.percentile(0.95));
+    most_N_per_mm = std::max(most_N_per_mm, 1e-3 * static_cast<double>(curves.stiffness_mN_per_mm.max()));
+  }
+  cut_spikes(stiffness, usual_N_per_mm, most_N_per_mm);
+  Figure figure{.title = title_, .subtitle = subtitle_, .panels = {}};
+  figure.panels = {std::move(penetration), std::move(force), std::move(passivity), std::move(stiffness)};
+  draw(figure, png);
+}
+
+std::filesystem::path LawsFigure::draw_into(const std::filesystem::path& directory) const {
+  std::filesystem::create_directories(directory);
+  const auto png = directory / file_name(title_);
+  draw_to(png);
+  return png;
+}
+
+}  // namespace forcebound::lab

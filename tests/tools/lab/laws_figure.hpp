@@ -1,0 +1,53 @@
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "forcebound/record/histogram.hpp"
+#include "forcebound/record/tick_record.hpp"
+#include "tests/tools/lab/figure.hpp"
+
+namespace forcebound::lab {
+
+/// Runs of several laws over each other: penetration, force, passivity and displayed stiffness over time.
+class LawsFigure {
+ public:
+  LawsFigure() = default;
+  LawsFigure(std::string title, std::string subtitle) : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
+
+  void set_title(std::string title, std::string subtitle) {
+    title_ = std::move(title);
+    subtitle_ = std::move(subtitle);
+  }
+  [[nodiscard]] const std::string& title() const noexcept { return title_; }
+
+  /// A curve in each panel, from the first tick on; the sink stays valid as long as the figure.
+  record::TickSink& add_law(const std::string& law);
+
+  /// @throws std::runtime_error as `draw` does.
+  void draw_to(const std::filesystem::path& png) const;
+
+  /// Draws into a file that is named after the title, in a directory that is created if need be.
+  [[nodiscard]] std::filesystem::path draw_into(const std::filesystem::path& directory) const;
+
+ private:
+  struct Curves final : record::TickSink {
+    explicit Curves(std::string name) : law(std::move(name)) {}
+    void on_tick(const record::TickRecord& tick) noexcept override;
+    void on_force(const record::ForceRecord&) noexcept override {}
+
+    std::string law;
+    std::optional<record::Nanoseconds> start;
+    Envelope penetration_mm, force_N, audit_mJ, stiffness_N_per_mm;
+    record::Histogram stiffness_mN_per_mm;
+  };
+
+  std::string title_;
+  std::string subtitle_;
+  std::deque<Curves> laws_;
+};
+
+}  // namespace forcebound::lab

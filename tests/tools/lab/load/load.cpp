@@ -1,0 +1,167 @@
+#include "tests/tools/lab/load/load.hpp"
+
+#include <sched.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+#include <stdexcept>
+
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/time/real_time.hpp"
+#include "forcebound/time/steady_clock.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kPeriod = 1ms;
+// Later than this, a motion is not sent any more: a real client would send its next.
+constexpr Nanoseconds kTooLate = 1ms;
+// For answers to the last motions.
+constexpr Nanoseconds kAfter = 100ms;
+// Before a measurement: who spins in real time without ever sleeping is stopped by the system instead.
+constexpr Nanoseconds kRest = 100ms;
+// So often the other machine may say that nobody listens.
+constexpr std::uint64_t kRefusalsBorne = 10;
+// A server takes 50 in a second.
+constexpr Nanoseconds kHelloPause = 21ms;
+constexpr Nanoseconds kServerPatience = 5s;
+
+Nanoseconds now() noexcept { return time::SteadyClock().now(); }
+
+void stay_on(int processor) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<unsigned>(processor), &set);
+  if (sched_setaffinity(0, sizeof set, &set) != 0) {
+    throw std::runtime_error("cannot stay on processor " + std::to_string(processor) + ": " + std::strerror(errno));
+  }
+}
+
+LoadGenerator::Settings with_new_nonces(LoadGenerator::Settings settings) {
+  std::random_device device;
+  settings.first_nonce = std::uint64_t{device()} << 20U;
+  return settings;
+}
+
+}  // namespace
+
+Load::Load(const LoadOptions& options)
+    : options_(options),
+      server_(net::resolve(net::parse_endpoint(options.server))),
+      load_generator_(with_new_nonces(options.load_generator)) {
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
+  if (options.processor) stay_on(*options.processor);
+  if (options.priority && !time::ask_for_real_time(*options.priority).first_in_first_out) {
+    throw std::runtime_error("no right to real-time scheduling");
+  }
+  for (std::size_t i = 0; i < options.sockets; ++i) {
+    lines_.emplace_back(server_);
+    descriptors_.push_back(lines_.back().link.descriptor());
+  }
+}
+
+Load::~Load() {
+  for (std::size_t client = 0; client < load_generator_.size() && !options_.load_generator.echo; ++client) {
+    if (load_generator_.connected(client)) send(load_generator_.bye(client), client);
+  }
+}
+
+LoadResult Load::run(std::size_t clients) {
+  connect(clients);
+  LoadResult result{.clients = clients};
+  rest(now() + kRest);
+  const Nanoseconds begin = now();
+  load_generator_.begin(begin);
+  // Motion number i of all is due at begin + i of these; client i % clients sends it.
+  const auto motions = static_cast<std::int64_t>(clients) * (options_.duration / kPeriod);
+  const auto due = [&](std::int64_t i) { return begin + i * kPeriod / static_cast<std::int64_t>(clients); };
+  for (std::int64_t i = 0; i < motions;) {
+    for (Nanoseconds time = now(); time < due(i); time = now()) wait(due(i));
+    const auto first = static_cast<std::size_t>(i) % clients;
+    const Nanoseconds time = now();
+    // Who is late sends all that is due at once, up to the end of those who share a socket.
+    do {
+      const auto client = static_cast<std::size_t>(i) % clients;
+      if (client < first || &line_of(client) != &line_of(first)) break;
+      if (time > due(i) + kTooLate) {
+        ++result.unsent;
+      } else {
+        const auto motion = load_generator_.motion(client, time);
+        if (!burst_.take(motion)) {
+          result.unsent += send_burst(first);
+          static_cast<void>(burst_.take(motion));
+        }
+      }
+      ++i;
+    } while (i < motions && due(i) <= time);
+    result.unsent += send_burst(first);
+    // Answers are read in between also by whom the sending keeps busy, or the sockets would overflow.
+    receive();
+  }
+  for (const Nanoseconds end = now() + kAfter;
+       now() < end && load_generator_.tally().answered < load_generator_.tally().sent;)
+    wait(end);
+  if (!load_generator_.refusal().empty())
+    throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
+  result.tally = load_generator_.tally();
+  return result;
+}
+
+std::uint64_t Load::send_burst(std::size_t client) {
+  const std::size_t size = burst_.size();
+  if (size == 0) return 0;
+  return burst_.send(line_of(client).link, server_) ? 0 : size;
+}
+
+void Load::connect(std::size_t clients) {
+  load_generator_.grow(std::max(clients, load_generator_.size()));
+  for (std::size_t client = 0; client < clients; ++client) {
+    for (const Nanoseconds first = now(); !load_generator_.connected(client);) {
+      if (!load_generator_.refusal().empty())
+        throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
+      const bool nobody = line_of(client).link.counters().refused > kRefusalsBorne;
+      if (nobody || now() - first > kServerPatience) {
+        throw std::runtime_error("no answer from " + options_.server + (nobody ? ": nobody listens there" : ""));
+      }
+      send(load_generator_.hello(client, now()), client);
+      rest(now() + kHelloPause);
+    }
+  }
+}
+
+void Load::rest(Nanoseconds until) {
+  for (Nanoseconds time = now(); time < until; time = now()) {
+    net::wait_readable(descriptors_, until - time);
+    receive();
+  }
+}
+
+void Load::wait(Nanoseconds until) {
+  using Waiting = LoadOptions::Waiting;
+  const bool answer_missing = load_generator_.tally().answered < load_generator_.tally().sent;
+  const bool asleep = options_.waiting == Waiting::asleep || (options_.waiting == Waiting::ping_pong && answer_missing);
+  if (asleep) net::wait_readable(descriptors_, until - now());
+  receive();
+}
+
+void Load::receive() {
+  for (Line& line : lines_) {
+    const auto arrived = line.batch.receive_all();
+    const Nanoseconds time = now();
+    for (const auto& datagram : arrived) {
+      load_generator_.on_datagram(datagram.bytes, time - datagram.received.waited, time);
+    }
+  }
+}
+
+bool Load::send(std::span<const std::byte> datagram, std::size_t client) {
+  return line_of(client).link.send(datagram, server_);
+}
+
+Load::Line& Load::line_of(std::size_t client) noexcept { return lines_[client / Burst::kDatagramsMax % lines_.size()]; }
+
+}  // namespace forcebound::lab

@@ -1,0 +1,163 @@
+#include "tests/tools/lab/passivity.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <ostream>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
+#include "tests/tools/lab/figure.hpp"
+#include "tests/tools/sim/closed_loop.hpp"
+#include "tests/tools/sim/draw.hpp"
+#include "tests/tools/sim/restless_hand.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr std::array kEncoders_m{0.0, 15e-6, 55e-6};
+constexpr std::array kLatencies_s{0.0, 20e-6, 100e-6, 300e-6};
+constexpr double kLateShare = 0.2;
+constexpr double kGuarantee_J = 1e-9;
+
+sim::ClosedLoop::Settings settings_of(const PassivityCondition& condition, std::uint64_t seed, double duration_s) {
+  sim::Draw draw(seed);
+  sim::ClosedLoop::Settings settings;
+  settings.law = condition.law;
+  settings.seed = draw.seed();
+  settings.device = device::load_device("wall-1dof");
+  settings.device.facts.encoder_step.setConstant(condition.encoder_m);
+  settings.device.facts.latency_s = condition.latency_s;
+  if (condition.late_ticks) {
+    settings.timing = {.late_share = kLateShare, .late_max = time::from_seconds(settings.device.facts.period_s)};
+  }
+  settings.make_hand = [seed = draw.seed(), duration_s] {
+    return std::make_unique<sim::RestlessHand>(
+        sim::RestlessHand::Settings{.seed = seed,
+                                    .degrees_of_freedom = 1,
+                                    .hand = {.mass_kg = 0.05, .stiffness_N_per_m = 200, .damping_N_s_per_m = 1},
+                                    .duration_s = duration_s});
+  };
+  settings.scene = server::parse_scene(
+      "scene = { name = 'nothing', description = 'free space', degrees_of_freedom = 'any' }\n", "passivity");
+  settings.environment = sim::EnvironmentSetting{
+      .name = condition.adversary, .seed = draw.seed(), .force_N_max = settings.device.facts.force_N_max};
+  return settings;
+}
+
+/// The worst over all adversaries.
+double worst_J(const std::vector<PassivityResult>& results, const PassivityCondition& condition) {
+  double worst = 0;
+  for (const PassivityResult& result : results) {
+    const PassivityCondition& c = result.condition;
+    const bool same = c.law == condition.law && c.encoder_m == condition.encoder_m &&
+                      c.late_ticks == condition.late_ticks && c.latency_s == condition.latency_s;
+    if (same) worst = std::min(worst, result.worst_P_J);
+  }
+  return worst;
+}
+
+std::string millijoules(double energy_J) {
+  char text[32];
+  if (energy_J >= -kGuarantee_J) return "0";
+  std::snprintf(text, sizeof text, "%.*f", energy_J < -0.1 ? 0 : 2, energy_J * 1e3);
+  return text;
+}
+
+}  // namespace
+
+std::vector<PassivityCondition> passivity_conditions() {
+  std::vector<PassivityCondition> conditions;
+  for (const std::string& law : control::force_bounding_laws().names()) {
+    for (const double encoder_m : kEncoders_m) {
+      for (const bool late_ticks : {false, true}) {
+        for (const double latency_s : kLatencies_s) {
+          for (const std::string& adversary : sim::environment_names()) {
+            if (adversary == "honest" || adversary == "replayed") continue;
+            conditions.push_back({law, encoder_m, late_ticks, latency_s, adversary});
+          }
+        }
+      }
+    }
+  }
+  return conditions;
+}
+
+PassivityResult worst_passivity(const PassivityCondition& condition, const PassivitySettings& settings) {
+  PassivityResult result{.condition = condition};
+  for (std::uint64_t seed = settings.from; seed < settings.from + settings.seeds; ++seed) {
+    sim::ClosedLoop loop(settings_of(condition, seed, settings.duration_s));
+    loop.run(time::from_seconds(settings.duration_s));
+    const double least_J = loop.device().audit()->minimum_J;
+    if (least_J >= result.worst_P_J) continue;
+    result.worst_P_J = least_J;
+    result.seed = seed;
+  }
+  return result;
+}
+
+void print_passivity(std::ostream& out, const std::vector<PassivityResult>& results) {
+  char line[160];
+  out << "Least P [mJ] over all adversaries; 0: passive. Encoder [um] and ticks across, latency down.\n\n"
+         "                              exact ticks                  20 % of the ticks late\n"
+         "  law        latency         0        15        55         0        15        55\n";
+  for (const std::string& law : control::force_bounding_laws().names()) {
+    for (const double latency_s : kLatencies_s) {
+      std::snprintf(line, sizeof line, "  %-10s %4.0f us", latency_s == kLatencies_s[0] ? law.c_str() : "",
+                    latency_s * 1e6);
+      out << line;
+      for (const bool late_ticks : {false, true}) {
+        for (const double encoder_m : kEncoders_m) {
+          const double worst = worst_J(results, {law, encoder_m, late_ticks, latency_s, {}});
+          std::snprintf(line, sizeof line, "%10s", millijoules(worst).c_str());
+          out << line;
+        }
+      }
+      out << '\n';
+    }
+  }
+}
+
+void write_passivity_csv(std::ostream& out, const std::vector<PassivityResult>& results) {
+  out << "law,encoder_m,late_share,latency_s,adversary,worst_P_J,seed\n";
+  for (const auto& [condition, worst_P_J, seed] : results) {
+    char numbers[96];
+    std::snprintf(numbers, sizeof numbers, "%.9g,%.9g,%.9g", condition.encoder_m, condition.late_ticks ? kLateShare : 0,
+                  condition.latency_s);
+    out << condition.law << ',' << numbers << ',' << condition.adversary;
+    std::snprintf(numbers, sizeof numbers, ",%.17g,%llu\n", worst_P_J, static_cast<unsigned long long>(seed));
+    out << numbers;
+  }
+}
+
+void draw_passivity(const std::filesystem::path& png, const std::vector<PassivityResult>& results) {
+  Figure figure{.title = "What the laws leak on a real device",
+                .subtitle = "most energy that an adversary got back; thin: exact ticks, thick: 20 % of them late",
+                .x_label = "latency from reading to actuator [us]"};
+  for (const double encoder_m : kEncoders_m) {
+    char title[64];
+    std::snprintf(title, sizeof title, encoder_m > 0 ? "Encoder of %.0f um" : "Ideal encoder", encoder_m * 1e6);
+    Panel panel{.title = title,
+                .y_label = "-P [J]",
+                .references = {{kGuarantee_J, "passive"}},
+                .y_min = kGuarantee_J / 10,
+                .y_max = 1e4,
+                .y_log = true};
+    for (const std::string& law : control::force_bounding_laws().names()) {
+      for (const bool late_ticks : {false, true}) {
+        Series series{.label = late_ticks ? "" : law, .colour = colour::of_law(law), .width = late_ticks ? 3.2 : 1.6};
+        for (const double latency_s : kLatencies_s) {
+          const double worst = worst_J(results, {law, encoder_m, late_ticks, latency_s, {}});
+          series.x.push_back(latency_s * 1e6);
+          series.y.push_back(std::max(-worst, 0.3 * kGuarantee_J));
+        }
+        panel.series.push_back(std::move(series));
+      }
+    }
+    figure.panels.push_back(std::move(panel));
+  }
+  draw(figure, png);
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,96 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <system_error>
+
+#include "forcebound/control/law_registry.hpp"
+#include "tests/tools/lab/above_zero.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/experiment_run.hpp"
+#include "tests/tools/lab/passivity.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+struct PassivityOptions {
+  PassivitySettings settings;
+  std::string csv;
+  std::string figure;
+};
+
+/// What the guarantee costs: the paper's walls with each law.
+void print_costs() {
+  std::printf(
+      "\nWhat it costs: displayed stiffness and ringing on the paper's walls (30 N s/m, encoder 15 um).\n\n  %-10s",
+      "law");
+  const auto walls = experiments("wall");
+  for (const Experiment& wall : walls) std::printf("      K %3.0f N/mm, rings", wall.stiffness_N_per_m * 1e-3);
+  std::printf("\n");
+  for (const std::string& law : control::force_bounding_laws().names()) {
+    std::printf("  %-10s", law.c_str());
+    for (const Experiment& wall : walls) {
+      const ExperimentRun run = run_experiment(wall, law, nullptr);
+      std::printf("  %9.1f N/mm, %4.2f s", run.displayed_stiffness_N_per_m() * 1e-3,
+                  run.ringing_s.value_or(std::nan("")));
+    }
+    std::printf("\n");
+  }
+}
+
+std::vector<PassivityResult> play_all(const PassivitySettings& settings) {
+  const auto conditions = passivity_conditions();
+  const bool live = isatty(STDERR_FILENO) != 0;
+  std::vector<PassivityResult> results;
+  for (const PassivityCondition& condition : conditions) {
+    if (live && results.size() % 16 == 0) {
+      std::fprintf(stderr, "\r%zu of %zu conditions\033[K", results.size(), conditions.size());
+    }
+    results.push_back(worst_passivity(condition, settings));
+  }
+  if (live) std::fputs("\r\033[K", stderr);
+  return results;
+}
+
+void run(const PassivityOptions& options) {
+  std::ofstream csv;
+  if (!options.csv.empty()) {
+    csv.open(options.csv);
+    if (!csv) throw std::runtime_error("cannot write '" + options.csv + "': " + std::generic_category().message(errno));
+  }
+  const auto results = play_all(options.settings);
+  print_passivity(std::cout, results);
+  std::cout.flush();
+  print_costs();
+  if (csv.is_open()) {
+    write_passivity_csv(csv, results);
+    if (!csv.flush()) throw std::runtime_error("cannot write all of '" + options.csv + "'");
+  }
+  if (!options.figure.empty()) draw_passivity(options.figure, results);
+}
+
+}  // namespace
+
+void add_passivity(CLI::App& app) {
+  auto options = std::make_shared<PassivityOptions>();
+  CLI::App* command = app.add_subcommand(
+      "passivity", "What each law leaks with real encoders, late ticks and latency, and what the guarantee costs");
+  command->add_option("--seeds", options->settings.seeds, "runs for each condition")
+      ->check(above_zero())
+      ->capture_default_str();
+  command->add_option("--from", options->settings.from, "the first seed")->capture_default_str()->type_name("SEED");
+  command->add_option("--seconds", options->settings.duration_s, "virtual seconds of each run")
+      ->check(above_zero())
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "write every condition to this file, adversary by adversary")
+      ->type_name("FILE");
+  command->add_option("--figure", options->figure, "draw the leaks over the latency into this file")
+      ->type_name("FILE.png");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace forcebound::lab

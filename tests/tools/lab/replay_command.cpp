@@ -1,0 +1,148 @@
+#include "tests/tools/lab/commands.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/baselines/law_file.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "tests/tools/lab/csv_reader.hpp"
+#include "tests/tools/lab/replay.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+/// The options as typed: lists are taken apart here, not by the command line, so that a message names the number.
+struct ReplayArguments {
+  ReplayOptions options;
+  std::string damping;
+  std::string damping_matrix;
+  std::string encoder;
+  std::string friction;
+  std::string memory = "capped";
+  std::string law_parameters;
+  std::string input = "-";
+  std::string output = "-";
+};
+
+std::vector<double> numbers_of(const std::string& option, std::string_view text) {
+  std::vector<double> numbers;
+  if (text.empty()) return numbers;
+  for (const std::string_view field : text::split(text, ',')) {
+    try {
+      numbers.push_back(parse_number(field));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(option + ": " + error.what() + "; numbers separated by commas were expected");
+    }
+  }
+  return numbers;
+}
+
+ReplayOptions options_of(const ReplayArguments& arguments) {
+  ReplayOptions options = arguments.options;
+  options.damping_N_s_per_m = numbers_of("--damping", arguments.damping);
+  options.encoder_step_m = numbers_of("--encoder", arguments.encoder);
+  options.friction_N = numbers_of("--friction", arguments.friction);
+  options.law_options.memory = arguments.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
+  if (!arguments.law_parameters.empty()) {
+    options.law_options.parameters =
+        baselines::load_law_parameters(arguments.law_parameters, options.law, options.laws);
+  }
+  if (!arguments.damping_matrix.empty()) {
+    options.damping_matrix.emplace();
+    for (const std::string_view row : text::split(arguments.damping_matrix, ';')) {
+      options.damping_matrix->push_back(numbers_of("--damping-matrix", row));
+    }
+  }
+  return options;
+}
+
+template <typename Stream>
+Stream opened(const std::string& path, const char* purpose) {
+  Stream stream(path);
+  if (!stream) throw std::runtime_error(path + ": cannot be opened for " + purpose + ": " + std::strerror(errno));
+  return stream;
+}
+
+void report(const ReplayCounts& counts) {
+  if (counts.requests_not_finite > 0) {
+    std::cerr << "note: " << counts.requests_not_finite << " of " << counts.rows
+              << " rows asked for a force that is not finite: zero force\n";
+  }
+  if (counts.readings_not_finite > 0) {
+    std::cerr << "note: " << counts.readings_not_finite << " of " << counts.rows
+              << " rows had a position that is not finite: zero force, and the worst case charged\n";
+  }
+  if (counts.intervals_impossible > 0) {
+    std::cerr
+        << "note: " << counts.intervals_impossible << " of " << counts.rows
+        << " rows came no time after the row before, or more than 1e6 s: nothing credited, the worst case charged\n";
+  }
+}
+
+std::string law_help() {
+  std::string help = "law to run:\n" + baselines::shipped_laws().help();
+  help.pop_back();  // --help ends the last line itself
+  return help;
+}
+
+void run(const ReplayArguments& arguments) {
+  const ReplayOptions options = options_of(arguments);
+  std::ifstream input_file;
+  std::ofstream output_file;
+  if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "reading");
+  if (arguments.output != "-") output_file = opened<std::ofstream>(arguments.output, "writing");
+  const ReplayInput input =
+      arguments.input == "-" ? ReplayInput{std::cin, "<stdin>"} : ReplayInput{input_file, arguments.input};
+  report(replay(options, input, arguments.output == "-" ? std::cout : output_file));
+}
+
+}  // namespace
+
+void add_replay(CLI::App& program) {
+  const auto arguments = std::make_shared<ReplayArguments>();
+  ReplayOptions& options = arguments->options;
+  CLI::App* command = program.add_subcommand("replay", "Run a law over recorded rows, or over rows as they come");
+  command->footer(
+      "Reads   time_s,x0_m[,x1_m..],fe0_N[,fe1_N..]   readings and the force that the environment asks for\n"
+      "writes  time_s,f0_N[,f1_N..],energy_J,xi       the force on the device that the law allows\n"
+      "With --input - each row is answered as it comes, so that a simulator can close the loop through a pipe.\n\n"
+      "Example: forcebound-lab replay --law fba-more --damping 30 --period 1e-3 --input press.csv --output "
+      "bounded.csv");
+  command->add_option("--law", options.law, law_help())
+      ->required()
+      ->check(CLI::IsMember(baselines::shipped_laws().names()));
+  command->add_option("--law-parameters", arguments->law_parameters,
+                      "TOML file with a table for each law: [vc], coupling_N_per_m = 40000");
+  command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");
+  command->add_option("--damping-matrix", arguments->damping_matrix,
+                      "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping");
+  command->add_option("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
+  command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..");
+  command->add_option("--friction", arguments->friction, "Coulomb friction lower bound [N], one or c1,c2,..");
+  command->add_option("--hold", options.hold_s,
+                      "the device lets go of a force after this time [s]; default: the period, and never");
+  command->add_option("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
+  command->add_option("--force-max", options.force_N_max, "largest force asked of the law [N]")->capture_default_str();
+  command->add_option("--memory", arguments->memory, "energy kept: all, or what the largest force can need")
+      ->check(CLI::IsMember({"full", "capped"}))
+      ->capture_default_str();
+  command->add_option("--input", arguments->input, "file, or - for standard input")->capture_default_str();
+  command->add_option("--output", arguments->output, "file, or - for standard output")->capture_default_str();
+  command->callback([arguments] {
+    try {
+      run(*arguments);
+    } catch (const std::invalid_argument& wrong_use) {
+      throw CLI::ValidationError(wrong_use.what());
+    }
+  });
+}
+
+}  // namespace forcebound::lab

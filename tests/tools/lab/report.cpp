@@ -1,0 +1,94 @@
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "forcebound/record/recording_reader.hpp"
+#include "forcebound/record/summary.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/run_figures.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+struct ReportOptions {
+  std::string recording;
+  std::string figures;
+  std::string json;
+};
+
+/// Folds a recording into its summary and its figures in one pass.
+class Report final : public record::RecordingSink {
+ public:
+  void on_start(const record::RunInfo& info) override {
+    summary_.emplace(info);
+    figures_.emplace(info);
+  }
+  void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    summary_->on_tick(tick);
+    figures_->on_tick(tick);
+    any_tick_ = true;
+  }
+  void on_force(const record::ForceRecord& force) noexcept override {
+    summary_->on_force(force);
+    figures_->on_force(force);
+  }
+
+  [[nodiscard]] const record::Summary& summary() const { return *summary_; }
+  [[nodiscard]] const RunFigures& figures() const { return *figures_; }
+  [[nodiscard]] bool any_tick() const { return any_tick_; }
+
+ private:
+  std::optional<record::Summary> summary_;
+  std::optional<RunFigures> figures_;
+  bool any_tick_ = false;
+};
+
+void write_json(const std::string& file, const std::string& json) {
+  if (file == "-") {
+    std::cout << json;
+    return;
+  }
+  errno = 0;
+  std::ofstream out(file);
+  out << json;
+  out.flush();
+  if (!out) throw std::runtime_error("cannot write '" + file + "': " + std::strerror(errno));
+}
+
+void run(const ReportOptions& options) {
+  auto report = std::make_unique<Report>();
+  const bool complete = record::read_recording(options.recording, *report);
+  if (!report->any_tick()) {
+    throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
+  }
+  if (!complete) std::cerr << options.recording << ": ends before its end; what is there is shown\n";
+  if (options.json != "-") std::cout << report->summary().to_text() << std::flush;
+  if (!options.json.empty()) write_json(options.json, report->summary().to_json());
+  if (options.figures.empty()) return;
+  for (const auto& file : report->figures().draw_into(options.figures)) {
+    (options.json == "-" ? std::cerr : std::cout) << "figure " << file.string() << '\n';
+  }
+}
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw its figures");
+  report->add_option("recording", options->recording, "what a client's --record wrote")
+      ->required()
+      ->type_name("FILE.mcap");
+  report->add_option("--figures", options->figures, "draw motion, force, energy and timing as PNG here")
+      ->type_name("DIR");
+  report->add_option("--json", options->json, "write the summary as JSON here; -: to stdout, instead of the text")
+      ->type_name("FILE");
+  report->callback([options] { run(*options); });
+}
+
+}  // namespace forcebound::lab

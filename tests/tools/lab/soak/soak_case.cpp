@@ -1,0 +1,218 @@
+#include "tests/tools/lab/soak/soak_case.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
+#include "tests/tools/sim/draw.hpp"
+#include "tests/tools/sim/restless_hand.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using namespace std::chrono_literals;
+using sim::ClosedLoop;
+using sim::Draw;
+using time::Nanoseconds;
+
+constexpr Nanoseconds kDuration = 5s;
+/// Without faults at the end, so that a session has the time to come back.
+constexpr Nanoseconds kQuiet = 2500ms;
+
+device::DeviceDescription draw_device(Draw& draw) {
+  auto device = device::load_device(
+      draw.one_of({"wall-1dof", "wall-1dof", "cartesian-2dof", "cartesian-3dof", "cartesian-3dof", "omni"}));
+  control::DeviceFacts& facts = device.facts;
+  const auto dof = facts.damping.rows();
+  // Joint for joint the omni has about a thousandth of a Cartesian device's friction and steps of its own.
+  const double unit = device.arm ? 1e-2 : 1;
+  facts.friction.setConstant(draw.one_of({0.0, 0.0, 0.05, 0.5}) * unit);
+  if (!device.arm) facts.encoder_step.setConstant(draw.one_of({0.0, 15e-6, 55e-6}));
+  if (device.arm && draw.chance(0.25)) facts.encoder_step.setZero();
+  facts.damping *= draw.one_of({0.2, 1.0, 1.0, 3.0});
+  if (dof > 1 && draw.chance(0.25)) {
+    control::Matrix mix(dof, dof);
+    for (Eigen::Index i = 0; i < dof; ++i) mix.col(i) = draw.vector(dof, std::sqrt(facts.damping(i, i)));
+    facts.damping += mix * mix.transpose();
+  }
+  facts.force_N_max = draw.one_of({1.0, 1.0, 5.0}) * facts.force_N_max;
+  facts.actuator_step.setConstant(draw.one_of({0.0, 0.0, 1.0 / 2048}) * facts.force_N_max * (device.arm ? 0.1 : 1));
+  facts.latency_s = draw.one_of({0.0, 0.0, 20e-6, 100e-6, 300e-6});
+  facts.hold_s_max = draw.one_of({1e-3, 2e-3, 2e-3, 5e-3});
+  return device;
+}
+
+sim::TickTiming draw_timing(Draw& draw) {
+  sim::TickTiming timing;
+  timing.late_share = draw.one_of({0.0, 0.0, 0.2});
+  timing.late_max = draw.one_of<Nanoseconds>({1ms, 1ms, 5ms, 30ms});
+  timing.measured = draw.chance(0.3);
+  timing.choosing_max = draw.one_of<Nanoseconds>({0ns, 0ns, 15us, 200us});
+  return timing;
+}
+
+sim::RestlessHand::Settings draw_hand(Draw& draw, int degrees_of_freedom) {
+  sim::RestlessHand::Settings hand;
+  hand.seed = draw.seed();
+  hand.degrees_of_freedom = degrees_of_freedom;
+  hand.hand = {.mass_kg = draw.one_of({0.02, 0.1, 0.3}),
+               .stiffness_N_per_m = draw.one_of({20.0, 200.0, 1000.0}),
+               .damping_N_s_per_m = draw.one_of({0.0, 0.5, 5.0})};
+  hand.reach_m = draw.one_of({1e-3, 1e-2, 3e-2});
+  hand.duration_s = time::to_seconds(kDuration);
+  return hand;
+}
+
+std::string draw_way(Draw& draw) {
+  return draw.one_of({"", "", "delay 1ms", "delay 10ms 5ms", "delay 50ms 10ms loss 5%", "loss 20%",
+                      "delay 5ms duplicate 10% reorder 25% 50%", "delay 2ms loss gemodel 1% 10%",
+                      "delay 10ms rate 2mbit", "delay 1ms slot 5ms 20ms", "delay 2ms corrupt 3%",
+                      "delay 200ms 100ms distribution pareto"});
+}
+
+std::vector<ClosedLoop::Fault> draw_faults(Draw& draw) {
+  using Kind = ClosedLoop::Fault::Kind;
+  std::vector<ClosedLoop::Fault> faults(draw.index(3));
+  for (auto& fault : faults) {
+    fault.kind =
+        draw.one_of({Kind::stall, Kind::blackout_up, Kind::blackout_down, Kind::blackout, Kind::server_killed});
+    fault.length = draw.duration(0.005, draw.one_of({0.05, 0.5, 1.2}));
+    fault.at = draw.duration(0.3, time::to_seconds(kDuration - kQuiet - fault.length));
+  }
+  return faults;
+}
+
+sim::ClockSkew draw_skew(Draw& draw) {
+  sim::ClockSkew skew;
+  skew.offset = draw.duration(4000, draw.one_of({4000.0, 5000.0, 1e6}));  // no jump leads before its origin
+  skew.rate_error = draw.one_of({0.0, 1e-4, -1e-4});
+  if (draw.chance(0.2)) {
+    skew.jumps.push_back({draw.duration(1, 4), draw.duration(-3600, 3600)});
+  }
+  return skew;
+}
+
+std::shared_ptr<const scene::Scene> draw_scene(Draw& draw) {
+  std::ostringstream toml;
+  toml << "scene = { name = 'wall', description = 'a wall at x = 0', degrees_of_freedom = 'any' }\n"
+          "[[object]]\nname = 'wall'\nshape = { kind = 'half_space', through_m = [0], normal = [-1] }\n"
+          "effects = ['surface']\n[object.surface]\nstiffness_N_per_m = "
+       << draw.one_of({1e3, 1e4, 1.5e5, 1e9}) << "\ndamping_N_s_per_m = " << draw.one_of({0, 0, 100}) << '\n';
+  return server::parse_scene(toml.str(), "soak");
+}
+
+/// What a client on such a device was told by an environment that pumps it.
+std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings, std::uint64_t seed) {
+  class Forces final : public record::TickSink {
+   public:
+    void on_tick(const record::TickRecord& tick) noexcept override { forces.push_back(tick.request); }
+    void on_force(const record::ForceRecord&) noexcept override {}
+    std::vector<control::Vector> forces;
+  };
+  settings.environment = sim::EnvironmentSetting{.name = "bang-bang", .force_N_max = settings.device.facts.force_N_max};
+  settings.seed = seed;
+  settings.faults.clear();
+  Forces sink;
+  ClosedLoop loop(std::move(settings), {&sink});
+  loop.run(500ms);
+  return sink.forces;
+}
+
+/// What the proofs of the published laws ask for: readings as they are, punctual ticks, forces at once.
+void make_ideal(ClosedLoop::Settings& settings) {
+  settings.device.facts.encoder_step.setZero();
+  settings.device.facts.latency_s = 0;
+  settings.timing = {};
+  std::erase_if(settings.faults, [](const auto& fault) { return fault.kind == ClosedLoop::Fault::Kind::stall; });
+}
+
+/// What the law promises of this case, which may be made one for which it promises something.
+void note_promises(SoakCase& drawn, const control::LawDescription& law, Draw draw) {
+  using control::LawClaim;
+  // An arm holds torques while the tip moves on, which is no force held in the task's space.
+  const bool straight = !drawn.settings.device.arm.has_value();
+  const bool ideal = law.claim == LawClaim::passive_if_ideal && straight && draw.chance(0.5);
+  if (ideal) make_ideal(drawn.settings);
+  drawn.passive = ideal || law.claim == LawClaim::passive;
+  drawn.shortens = law.shortens;
+}
+
+std::string name_of(ClosedLoop::Fault::Kind kind) {
+  switch (kind) {
+    case ClosedLoop::Fault::Kind::stall:
+      return "client stalls";
+    case ClosedLoop::Fault::Kind::blackout_up:
+      return "nothing goes up";
+    case ClosedLoop::Fault::Kind::blackout_down:
+      return "nothing comes down";
+    case ClosedLoop::Fault::Kind::blackout:
+      return "nothing goes either way";
+    case ClosedLoop::Fault::Kind::server_killed:
+      return "server killed";
+  }
+  return {};
+}
+
+}  // namespace
+
+SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
+  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawDescription& description = laws.find(law);
+  Draw draw(seed);
+  SoakCase drawn;
+  drawn.seed = seed;
+  ClosedLoop::Settings& settings = drawn.settings;
+  settings.law = law;
+  settings.seed = draw.seed();
+  settings.device = draw_device(draw);
+  // Of as many axes, so that nothing else changes.
+  if (!laws.refusal(law, settings.device.facts).empty()) settings.device = device::load_device("cartesian-3dof");
+  settings.timing = draw_timing(draw);
+  settings.law_options.memory = draw.chance(0.3) ? control::EnergyMemory::full : control::EnergyMemory::capped;
+  settings.make_hand = [hand = draw_hand(draw, settings.device.facts.degrees_of_freedom())] {
+    return std::make_unique<sim::RestlessHand>(hand);
+  };
+  settings.scene = draw_scene(draw);
+  drawn.network_up = draw_way(draw);
+  drawn.network_down = draw_way(draw);
+  if (!drawn.network_up.empty()) settings.network.up = netem::parse_netem(drawn.network_up);
+  if (!drawn.network_down.empty()) settings.network.down = netem::parse_netem(drawn.network_down);
+  settings.network.seed = draw.seed();
+  settings.faults = draw_faults(draw);
+  note_promises(drawn, description, Draw(~settings.seed));
+  for (const auto& fault : settings.faults) drawn.last_fault = std::max(drawn.last_fault, fault.at + fault.length);
+  settings.server_clock = draw_skew(draw);
+  drawn.duration = kDuration;
+
+  const auto names = sim::environment_names();
+  sim::EnvironmentSetting environment{
+      .name = names[draw.index(names.size())], .seed = draw.seed(), .force_N_max = settings.device.facts.force_N_max};
+  drawn.environment = environment.name;
+  if (environment.name == "replayed") environment.other_run = forces_of_another_run(settings, draw.seed());
+  settings.environment = environment;
+  return drawn;
+}
+
+std::string SoakCase::description() const {
+  const auto ms = [](Nanoseconds t) { return time::to_seconds(t) * 1e3; };
+  std::ostringstream text;
+  text << "  seed         " << seed << "\n  law          " << settings.law << ", memory "
+       << (settings.law_options.memory == control::EnergyMemory::full ? "full" : "capped") << "\n  device       "
+       << describe(settings.device) << ", latency " << settings.device.facts.latency_s * 1e6 << " us\n  hand         "
+       << settings.make_hand()->description() << "\n  environment  " << environment << "\n  ticks        "
+       << settings.timing.late_share * 100 << " % late by up to " << ms(settings.timing.late_max) << " ms"
+       << (settings.timing.measured ? ", and as measured" : "") << "; command up to "
+       << ms(settings.timing.choosing_max) * 1e3 << " us after the reading\n  network      up \"" << network_up
+       << "\", down \"" << network_down << "\"\n  server       clock off by " << ms(settings.server_clock.offset)
+       << " ms, rate " << settings.server_clock.rate_error * 1e6 << " ppm, " << settings.server_clock.jumps.size()
+       << " jumps\n";
+  for (const auto& fault : settings.faults) {
+    text << "  fault        at " << ms(fault.at) << " ms for " << ms(fault.length) << " ms: " << name_of(fault.kind)
+         << '\n';
+  }
+  return text.str();
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "tests/tools/sim/closed_loop.hpp"
+
+namespace forcebound::lab {
+
+/// One hostile run: everything drawn from its seed.
+struct SoakCase {
+  std::uint64_t seed = 1;
+  sim::ClosedLoop::Settings settings;
+  time::Nanoseconds duration{0};
+  time::Nanoseconds last_fault{0};  ///< when the last fault is over
+  std::string environment;
+  std::string network_up;
+  std::string network_down;
+  bool passive = false;   ///< the law promises P >= 0 with this device and this clock
+  bool shortens = false;  ///< the law promises nothing but the request, made shorter
+
+  /// Every setting, a line each.
+  [[nodiscard]] std::string description() const;
+};
+
+/// Device, encoder, actuator, friction, latency, hold time, tick timing, law's memory, environment, hand, network,
+/// faults and the server's clock, all from the seed; the law is the caller's, so that the same seeds try them all. A
+/// law that promises something for an ideal device only gets one with half of the seeds; one that refuses the device
+/// gets another.
+/// @throws std::invalid_argument for a law that nobody knows
+[[nodiscard]] SoakCase draw_soak_case(std::uint64_t seed, const std::string& law);
+
+}  // namespace forcebound::lab

@@ -1,0 +1,99 @@
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "forcebound/record/recording_reader.hpp"
+#include "forcebound/record/summary.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/laws_figure.hpp"
+#include "tests/tools/lab/runs_table.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct TableOptions {
+  std::vector<std::string> runs;
+  std::string figure;
+};
+
+/// Hands a recording on to its summary and to the figure.
+class RunReader final : public record::RecordingSink {
+ public:
+  explicit RunReader(LawsFigure& figure) : figure_(figure) {}
+
+  void on_start(const record::RunInfo& info) override {
+    summary_.emplace(info);
+    figure_.set_title("The laws compared" + (info.scene.empty() ? "" : " on " + info.scene),
+                      info.device + ", " + info.operator_name);
+    curves_ = &figure_.add_law(info.law);
+  }
+  void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
+  void on_tick(const record::TickRecord& tick) noexcept override {
+    any_tick_ = true;
+    summary_->on_tick(tick);
+    curves_->on_tick(tick);
+  }
+  void on_force(const record::ForceRecord& force) noexcept override { summary_->on_force(force); }
+
+  [[nodiscard]] Json summary() const { return Json::parse(summary_->to_json()); }
+  [[nodiscard]] bool any_tick() const { return any_tick_; }
+
+ private:
+  LawsFigure& figure_;
+  record::TickSink* curves_ = nullptr;
+  std::optional<record::Summary> summary_;
+  bool any_tick_ = false;
+};
+
+Json read_summary(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error("cannot read '" + file + "'");
+  Json summary = Json::parse(in, nullptr, false);
+  if (!summary.is_object())
+    throw std::runtime_error(file + ": not a summary; what a client's --summary wrote is needed");
+  return summary;
+}
+
+Json read_run(const std::string& file, LawsFigure& figure) {
+  RunReader run(figure);
+  record::read_recording(file, run);
+  if (!run.any_tick()) {
+    throw std::runtime_error(file + ": no message on topic /tick; a client's recording is needed");
+  }
+  return run.summary();
+}
+
+void print_table(const TableOptions& options) {
+  std::vector<Json> summaries;
+  LawsFigure figure;
+  for (const std::string& file : options.runs) {
+    summaries.push_back(file.ends_with(".json") ? read_summary(file) : read_run(file, figure));
+  }
+  std::cout << comparison_table(summaries) << std::flush;
+  if (options.figure.empty()) return;
+  if (figure.title().empty()) {
+    throw std::runtime_error("--figure needs recordings (FILE.mcap): summaries have no curves");
+  }
+  figure.draw_to(options.figure);
+}
+
+}  // namespace
+
+void add_table(CLI::App& app) {
+  auto options = std::make_shared<TableOptions>();
+  CLI::App* command = app.add_subcommand("table", "Print runs side by side, and draw them over each other");
+  command->add_option("runs", options->runs, "recordings, or summaries that --summary wrote")
+      ->required()
+      ->type_name("FILE.mcap|FILE.json");
+  command->add_option("--figure", options->figure, "draw depth, force, passivity and stiffness of the recordings here")
+      ->type_name("FILE.png");
+  command->callback([options] { print_table(*options); });
+}
+
+}  // namespace forcebound::lab

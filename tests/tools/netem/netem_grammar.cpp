@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <set>
+#include <stdexcept>
+
+#include "tests/tools/netem/loss_model.hpp"
+#include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/netem/netem_values.hpp"
+
+namespace forcebound::netem {
+namespace {
+
+using netem::parse_integer;
+using netem::parse_percent;
+using netem::parse_rate;
+using netem::parse_time;
+
+constexpr std::int64_t kSlotNumberMax = 0x7fffffff;
+constexpr std::int64_t kRateBytesMax = 10'000;  // more than any link layer adds; keeps sums of bits within 64 bits
+
+/// The words one after the other.
+class Words {
+ public:
+  explicit Words(std::string_view line) {
+    constexpr std::string_view kSpace = " \t\r\n";
+    for (std::size_t begin = line.find_first_not_of(kSpace); begin != std::string_view::npos;) {
+      const std::size_t end = std::min(line.find_first_of(kSpace, begin), line.size());
+      words_.push_back(line.substr(begin, end - begin));
+      begin = line.find_first_not_of(kSpace, end);
+    }
+  }
+
+  [[nodiscard]] bool empty() const { return next_ == words_.size(); }
+  [[nodiscard]] bool next_is(std::string_view word) const { return !empty() && words_[next_] == word; }
+  [[nodiscard]] bool next_is_number() const { return !empty() && netem::looks_like_number(words_[next_]); }
+
+  std::string_view take(std::string_view meaning) {
+    if (empty()) throw std::invalid_argument("the line ends where " + std::string(meaning) + " is expected");
+    return words_[next_++];
+  }
+
+ private:
+  std::vector<std::string_view> words_;
+  std::size_t next_ = 0;
+};
+
+class Grammar {
+ public:
+  explicit Grammar(std::string_view line) : words_(line) {}
+
+  NetemParameters read() {
+    while (!words_.empty()) read_one();
+    check_together();
+    return result_;
+  }
+
+ private:
+  struct Keyword {
+    std::string_view word;
+    void (Grammar::*read)();
+  };
+
+  void read_one() {
+    static constexpr std::array<Keyword, 10> kKeywords{{{"delay", &Grammar::delay},
+                                                        {"distribution", &Grammar::distribution},
+                                                        {"loss", &Grammar::loss},
+                                                        {"duplicate", &Grammar::duplicate},
+                                                        {"corrupt", &Grammar::corrupt},
+                                                        {"reorder", &Grammar::reorder},
+                                                        {"gap", &Grammar::gap},
+                                                        {"rate", &Grammar::rate},
+                                                        {"limit", &Grammar::limit},
+                                                        {"slot", &Grammar::slot}}};
+    const std::string_view word = words_.take("a netem word");
+    const auto keyword =
+        std::find_if(kKeywords.begin(), kKeywords.end(), [&](const Keyword& k) { return k.word == word; });
+    if (keyword == kKeywords.end())
+      throw std::invalid_argument("'" + std::string(word) +
+                                  "' is no netem word: expected delay, distribution, loss, duplicate, corrupt, "
+                                  "reorder, gap, rate, limit or slot");
+    if (!said_.insert(word).second)
+      throw std::invalid_argument("'" + std::string(word) + "' is said twice: expected once");
+    (this->*keyword->read)();
+  }
+
+  Chance chance(std::string_view what) {
+    Chance result{
+        parse_percent(words_.take("a percentage for " + std::string(what)), std::string(what) + " percentage"), 0};
+    result.correlation = optional_percent(std::string(what) + " correlation", 0);
+    return result;
+  }
+
+  Share optional_percent(const std::string& meaning, Share otherwise) {
+    return words_.next_is_number() ? parse_percent(words_.take(meaning), meaning) : otherwise;
+  }
+
+  void delay() {
+    result_.delay.mean = parse_time(words_.take("a time for delay"), "delay time");
+    if (!words_.next_is_number()) return;
+    result_.delay.jitter = parse_time(words_.take("jitter"), "delay jitter");
+    result_.delay.correlation = optional_percent("delay correlation", 0);
+  }
+
+  void distribution() {
+    const std::string_view name = words_.take("the name of a distribution");
+    if (name == "normal") {
+      result_.delay.shape = DelayShape::normal;
+    } else if (name == "pareto") {
+      result_.delay.shape = DelayShape::pareto;
+    } else if (name == "paretonormal") {
+      result_.delay.shape = DelayShape::paretonormal;
+    } else {
+      throw std::invalid_argument("'" + std::string(name) +
+                                  "' is no distribution: expected normal, pareto or paretonormal (for a uniform one "
+                                  "leave the word out)");
+    }
+  }
+
+  void loss() {
+    if (words_.next_is("gemodel")) return gemodel();
+    if (words_.next_is("state")) return state();
+    if (words_.next_is("random")) words_.take("random");
+    if (!words_.empty() && !words_.next_is_number())
+      throw std::invalid_argument("'" + std::string(words_.take("")) +
+                                  "' is no loss: expected a percentage, random, gemodel or state");
+    result_.loss = RandomLoss{chance("loss")};
+  }
+
+  void gemodel() {
+    words_.take("gemodel");
+    GilbertElliottLoss model;
+    model.good_to_bad = parse_percent(words_.take("P of loss gemodel"), "P of loss gemodel");
+    model.bad_to_good = optional_percent("R of loss gemodel", kCertain - model.good_to_bad);
+    model.bad_loss = optional_percent("1-H of loss gemodel", kCertain);
+    model.good_loss = optional_percent("1-K of loss gemodel", 0);
+    result_.loss = model;
+  }
+
+  void state() {
+    words_.take("state");
+    FourStateLoss model;
+    model.p13 = parse_percent(words_.take("P13 of loss state"), "P13 of loss state");
+    model.p31 = optional_percent("P31 of loss state", kCertain - model.p13);
+    model.p32 = optional_percent("P32 of loss state", 0);
+    model.p23 = optional_percent("P23 of loss state", kCertain);
+    model.p14 = optional_percent("P14 of loss state", 0);
+    result_.loss = model;
+  }
+
+  void duplicate() { result_.duplicate = chance("duplicate"); }
+  void corrupt() { result_.corrupt = chance("corrupt"); }
+  void reorder() { result_.reorder.chance = chance("reorder"); }
+
+  void gap() {
+    result_.reorder.gap = static_cast<std::uint32_t>(parse_integer(words_.take("a number for gap"), "gap", 1));
+  }
+
+  void rate() {
+    Rate& rate = result_.rate;
+    rate.bits_per_second = parse_rate(words_.take("a rate"), "rate");
+    if (words_.next_is_number())
+      rate.packet_overhead_bytes = static_cast<std::int32_t>(
+          parse_integer(words_.take("overhead"), "packet overhead of rate", -kRateBytesMax, kRateBytesMax));
+    if (words_.next_is_number())
+      rate.cell_bytes =
+          static_cast<std::uint32_t>(parse_integer(words_.take("cell"), "cell size of rate", 0, kRateBytesMax));
+    if (words_.next_is_number())
+      rate.cell_overhead_bytes = static_cast<std::int32_t>(
+          parse_integer(words_.take("cell overhead"), "cell overhead of rate", -kRateBytesMax, kRateBytesMax));
+  }
+
+  void limit() {
+    result_.limit_packets =
+        static_cast<std::uint32_t>(parse_integer(words_.take("a number for limit"), "limit in packets", 0));
+  }
+
+  void slot() {
+    Slot& slot = result_.slot;
+    slot.shortest = parse_time(words_.take("a time for slot"), "shortest slot");
+    slot.longest = slot.shortest;
+    if (words_.next_is_number()) {
+      const std::string_view text = words_.take("longest slot");
+      slot.longest = parse_time(text, "longest slot");
+      if (slot.longest < slot.shortest)
+        throw std::invalid_argument("'" + std::string(text) +
+                                    "' is shorter than the shortest slot: expected at least " +
+                                    std::to_string(slot.shortest.count()) + "ns");
+    }
+    if (words_.next_is("packets")) slot.packets = slot_number("packets");
+    if (words_.next_is("bytes")) slot.bytes = slot_number("bytes");
+  }
+
+  std::uint64_t slot_number(std::string_view word) {
+    words_.take(word);
+    const std::string meaning = std::string(word) + " of slot";
+    return static_cast<std::uint64_t>(parse_integer(words_.take(meaning), meaning, 0, kSlotNumberMax));
+  }
+
+  void check_together() {
+    const Delay& delay = result_.delay;
+    if (said_.contains("distribution") && (delay.mean.count() == 0 || delay.jitter.count() == 0))
+      throw std::invalid_argument(
+          "'distribution' needs a delay and a jitter to shape: expected such as 'delay 50ms 10ms distribution normal'");
+    const bool reorders = result_.reorder.chance.probability != 0;
+    if (reorders && delay.mean.count() == 0)
+      throw std::invalid_argument("'reorder' needs a delay to escape: expected such as 'delay 10ms reorder 25% gap 5'");
+    if (said_.contains("gap") && !reorders)
+      throw std::invalid_argument("'gap' needs reorder: expected such as 'delay 10ms reorder 25% gap 5'");
+    if (reorders && result_.reorder.gap == 0) result_.reorder.gap = 1;
+  }
+
+  Words words_;
+  std::set<std::string_view> said_;
+  NetemParameters result_;
+};
+
+double percent(Share share) { return 100.0 * share / kCertain; }
+
+}  // namespace
+
+NetemParameters parse_netem(std::string_view words) { return Grammar(words).read(); }
+
+std::vector<std::string> netem_warnings(const NetemParameters& parameters) {
+  const auto* random_loss = std::get_if<RandomLoss>(&parameters.loss);
+  if (random_loss == nullptr || random_loss->chance.probability == 0 || random_loss->chance.correlation == 0) return {};
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "loss %g%% with correlation %g%% really loses about %.2g%%, since correlating the draws pulls them to "
+                "the middle; for loss in bursts use 'loss gemodel'",
+                percent(random_loss->chance.probability), percent(random_loss->chance.correlation),
+                percent(measured_loss(parameters.loss)));
+  return {text};
+}
+
+std::string_view netem_help() noexcept {
+  return "delay TIME [JITTER [CORR]] [distribution normal|pareto|paretonormal]\n"
+         "loss [random] PCT [CORR] | loss gemodel P [R [1-H [1-K]]] | loss state P13 [P31 [P32 [P23 [P14]]]]\n"
+         "duplicate PCT [CORR]     corrupt PCT [CORR]     reorder PCT [CORR] [gap N]\n"
+         "rate RATE [OVERHEAD [CELL [CELL_OVERHEAD]]]     limit N     slot MIN [MAX] [packets N] [bytes N]\n"
+         "A time without a unit is microseconds. Jitter without a distribution is uniform. The queue holds 1000 "
+         "packets\n"
+         "unless limit says otherwise.";
+}
+
+}  // namespace forcebound::netem

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "tests/tools/relay/packet_rows.hpp"
+#include "tests/tools/relay/relay.hpp"
+
+namespace forcebound::relay {
+
+/// What of a log reached its file.
+struct LogResult {
+  std::uint64_t written = 0;
+  std::uint64_t missing = 0;  ///< rows that should be there and are not
+  std::string problem;        ///< why, for people; empty if nothing is missing
+};
+
+/// Writes a relay's log from a thread of its own, so that no disk ever delays a packet.
+///
+/// The relay hands rows over through a bounded lock-free queue; if that is full they are counted as missing. So are
+/// all rows after the disk refuses one.
+class LogWriter final : public PacketObserver {
+ public:
+  /// @throws std::runtime_error if the file cannot be created.
+  LogWriter(const std::string& file, Nanoseconds start);
+  ~LogWriter() override;
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  void on_verdict(Direction direction, const netem::Verdict& verdict) noexcept override;
+  void on_departure(Direction direction, const netem::Verdict& verdict) noexcept override;
+
+  /// Writes what is left and closes the file. Once, after the last packet.
+  LogResult finish();
+
+ private:
+  struct Event {
+    netem::Verdict verdict;
+    Direction direction;
+    bool departed;
+  };
+  static constexpr std::size_t kEventsMax = std::size_t{1} << 16U;
+
+  void run();
+  void drain();
+  void write(std::size_t rows);
+  bool write_text();
+
+  int file_;
+  PacketRows rows_;
+  boost::lockfree::spsc_queue<Event> events_{kEventsMax};
+  std::uint64_t verdicts_refused_ = 0;  // by a full queue; the relay's side
+  std::string text_;
+  LogResult result_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace forcebound::relay

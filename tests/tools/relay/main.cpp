@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <random>
+
+#include "forcebound/time/real_time.hpp"
+#include "forcebound/time/steady_clock.hpp"
+#include "tests/tools/relay/log_writer.hpp"
+#include "tests/tools/relay/options.hpp"
+#include "tests/tools/relay/summary.hpp"
+#include "tests/tools/relay/udp_upstream.hpp"
+
+namespace {
+
+using namespace forcebound;
+using relay::Nanoseconds;
+
+constexpr int kFailed = 1;
+
+// Also bounds how long a signal that comes just before the wait goes unnoticed.
+constexpr Nanoseconds kLongestWait = std::chrono::milliseconds(50);
+
+volatile std::sig_atomic_t stop_asked = 0;
+
+void ask_to_stop(int) { stop_asked = 1; }
+
+Nanoseconds now() { return time::SteadyClock().now(); }
+
+std::uint64_t new_seed() {
+  std::random_device device;  // 32 bits of it are enough to tell runs apart, and short enough to type
+  return device();
+}
+
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = ask_to_stop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+/// The relay's own jitter adds to every delay. What the system does not allow is no error: the summary tells how late
+/// packets really left.
+void wake_up_precisely() {
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
+  if (time::ask_for_first_in_first_out(20) != 0)
+    spdlog::info("no real-time scheduling permitted: packets may leave a little late, see the summary");
+}
+
+relay::RelaySettings settings_of(const relay::Options& options, const relay::Address& upstream, Nanoseconds start) {
+  std::optional<netem::NetworkTrace> trace;
+  if (!options.trace.empty()) trace = netem::load_trace(options.trace);
+  const auto direction = [&](netem::Direction which, const netem::NetemParameters& netem,
+                             const std::vector<netem::Blackhole>& blackholes) {
+    return netem::ImpairmentSettings{.netem = netem,
+                                     .trace = trace,
+                                     .blackholes = blackholes,
+                                     .seed = netem::direction_seed(options.seed, which),
+                                     .origin = start};
+  };
+  return {.up = direction(netem::Direction::up, options.up, options.up_blackholes),
+          .down = direction(netem::Direction::down, options.down, options.down_blackholes),
+          .upstream = upstream};
+}
+
+std::string words(const std::string& netem, const std::vector<netem::Blackhole>& blackholes) {
+  std::string text = netem;
+  for (const netem::Blackhole& hole : blackholes) {
+    text += fmt::format("{}dead from {:g} s to {:g} s", text.empty() ? "" : ", ", time::to_seconds(hole.from),
+                        time::to_seconds(hole.to));
+  }
+  return text.empty() ? "perfect" : text;
+}
+
+void announce(const relay::Options& options, const relay::Address& listen, const relay::Address& upstream) {
+  fmt::print("forcebound-relay: listening on {}, upstream {}, seed {}\n  up:   {}\n  down: {}\n", to_string(listen),
+             to_string(upstream), options.seed, words(options.up_words, options.up_blackholes),
+             words(options.down_words, options.down_blackholes));
+  if (!options.trace.empty()) fmt::print("  trace: {}\n", options.trace);
+  std::fflush(stdout);
+  for (const netem::NetemParameters* netem : {&options.up, &options.down}) {
+    if (netem == &options.down && options.down == options.up) continue;
+    for (const std::string& warning : netem::netem_warnings(*netem)) spdlog::warn("{}", warning);
+  }
+}
+
+void run(relay::Relay& relay, const net::UdpLink& downstream, const relay::UdpUpstream& upstream) {
+  std::vector<int> descriptors;
+  while (stop_asked == 0) {
+    relay.forward(now());
+    relay.receive(now());
+    relay.forward(now());
+    descriptors = upstream.descriptors();
+    descriptors.push_back(downstream.descriptor());
+    const Nanoseconds time = now();
+    const Nanoseconds wake = std::min(relay.next_departure().value_or(Nanoseconds::max()), time + kLongestWait);
+    if (wake > time) net::wait_readable(descriptors, wake - time);
+  }
+}
+
+int relay_until_stopped(const relay::Options& options) {
+  const relay::Address upstream_address = net::resolve(options.upstream);
+  const Nanoseconds start = now();
+  const relay::RelaySettings settings = settings_of(options, upstream_address, start);
+  net::UdpLink downstream = net::UdpLink::listen(net::resolve(options.listen));
+  relay::UdpUpstream upstream(upstream_address);
+  std::unique_ptr<relay::LogWriter> log;
+  if (!options.log.empty()) log = std::make_unique<relay::LogWriter>(options.log, start);
+  relay::Relay relay(settings, downstream, upstream, log.get());
+
+  stop_on_signals();
+  announce(options, downstream.local_address(), upstream_address);
+  wake_up_precisely();
+  run(relay, downstream, upstream);
+
+  fmt::print("{}", relay::summary(relay));
+  if (upstream.refused() != 0)
+    fmt::print("{} times nobody listened at {}\n", upstream.refused(), to_string(upstream_address));
+  if (downstream.counters().overflowed != 0)
+    fmt::print("{} datagrams of clients lost: the socket was full\n", downstream.counters().overflowed);
+  if (log) {
+    const relay::LogResult result = log->finish();
+    fmt::print("log: {} rows in {}\n", result.written, options.log);
+    if (result.missing != 0 || !result.problem.empty())
+      fmt::print("log: {} rows are missing: {}\n", result.missing, result.problem);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("forcebound-relay"));
+  spdlog::set_pattern("%n: %l: %v");
+  return relay_until_stopped(relay::read_command_line(argc, argv, new_seed()));
+} catch (const relay::CommandLineEnd& end) {
+  std::fputs(end.text.c_str(), end.exit_code == 0 ? stdout : stderr);
+  return end.exit_code;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "forcebound-relay: %s\n", error.what());
+  return kFailed;
+}

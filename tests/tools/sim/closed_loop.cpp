@@ -1,0 +1,192 @@
+#include "tests/tools/sim/closed_loop.hpp"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/baselines/law_file.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/server/environment/explain.hpp"
+
+namespace forcebound::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kServerTimer = 250ms;
+constexpr Nanoseconds kClosing = 30s;  // virtual, so patience costs nothing
+
+ClosedLoop::Settings with_laws(ClosedLoop::Settings settings) {
+  if (!settings.laws) settings.laws = std::make_shared<const control::LawRegistry>(baselines::shipped_laws());
+  return settings;
+}
+
+}  // namespace
+
+ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& sinks)
+    : settings_(with_laws(std::move(settings))),
+      tick_clock_(clock_),
+      server_clock_(clock_, settings_.server_clock),
+      schedule_(settings_.timing, time::from_seconds(settings_.device.facts.period_s), settings_.seed),
+      network_(clock_, settings_.network),
+      busy_(settings_.server_turn),
+      device_(settings_.device,
+              settings_.make_hand ? settings_.make_hand()
+                                  : device::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom())),
+      summary_(info()),
+      sinks_(sinks) {
+  sinks_.push_back(&summary_);
+  network_.set_server_handler([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds now) {
+    if (!server_) return;
+    if (settings_.server_turn > Nanoseconds{0}) {
+      busy_.arrive(datagram, from, now);
+    } else {
+      server_->on_datagram(datagram, from, server_clock_.shown_at(now));
+    }
+  });
+  if (settings_.environment) {
+    environment_ = make_environment(*settings_.environment);
+    network_.set_tamper(
+        [this](std::span<const std::byte> datagram, Nanoseconds now) { return tampered(datagram, now); });
+  }
+  start_server();
+  session_ = std::make_unique<client::Session>(
+      client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
+      device_, settings_.laws->make(settings_.law, device_.facts(), settings_.law_options), network_.add_client(),
+      tick_clock_, client::Session::Sinks{.ticks = sinks_});
+}
+
+ClosedLoop::~ClosedLoop() = default;
+
+record::RunInfo ClosedLoop::info() const {
+  record::RunInfo info;
+  info.program = "virtual time";
+  info.law = settings_.law;
+  info.law_parameters = baselines::describe(
+      settings_.laws->parameters(settings_.law, settings_.device.facts, settings_.law_options.parameters));
+  info.device = settings_.device.facts.name;
+  info.facts = describe(settings_.device);
+  info.operator_name = settings_.make_hand ? std::string(device_.hand().name()) : settings_.hand;
+  info.hand = device_.hand().description();
+  info.scene = settings_.scene->facts().name;
+  info.simulated = server::summary(*settings_.scene);
+  info.seed = settings_.seed;
+  info.period = time::from_seconds(settings_.device.facts.period_s);
+  info.hold = settings_.policy.hold;
+  info.drop = settings_.policy.drop;
+  info.force_N_max = settings_.device.facts.force_N_max;
+  info.settle_s = settings_.settle_s;
+  return info;
+}
+
+void ClosedLoop::start_server() {
+  server::SceneLibrary scenes;
+  scenes.add(settings_.scene);
+  server_ = std::make_unique<server::Server>(
+      server::ServerOptions{.scene = settings_.scene->facts().name, .laws = *settings_.laws}, std::move(scenes),
+      network_.server_link(), server_clock_,
+      [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
+  network_.attach_server();
+}
+
+void ClosedLoop::kill_server() {
+  network_.detach_server();
+  busy_.forget();
+  server_.reset();
+}
+
+void ClosedLoop::live_until(Nanoseconds time) {
+  // The server reads the clock too: let it show when each datagram comes.
+  while (true) {
+    const auto arrival = network_.next_event();
+    const auto turn = busy_.next_event();
+    const Nanoseconds next = std::min(arrival.value_or(Nanoseconds::max()), turn.value_or(Nanoseconds::max()));
+    if (next > time) break;
+    clock_.set(std::max(next, clock_.now()));
+    if (turn == next) end_server_turn();
+    network_.deliver_due(clock_.now());
+  }
+  clock_.set(time);
+}
+
+void ClosedLoop::end_server_turn() {
+  busy_.end_turn([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds arrival) {
+    server_->take_in(datagram, from, server_clock_.shown_at(arrival));
+  });
+  server_->answer_waiting();
+}
+
+void ClosedLoop::run(Nanoseconds duration) {
+  for (end_ = std::max(end_, next_tick_) + duration; next_tick_ < end_; plan_next_tick()) {
+    live_until(next_tick_);
+    note_faults();
+    if (server_ && next_tick_ >= next_timer_) {
+      server_->on_timer(server_clock_.now());
+      next_timer_ += kServerTimer;
+    }
+    const Nanoseconds commanded = schedule_.next_choosing();
+    tick_clock_.begin_tick(schedule_.next_chosen(commanded), commanded);
+    session_->tick(next_tick_);
+    tick_clock_.begin_tick(Nanoseconds{0}, Nanoseconds{0});
+    free_ = next_tick_ + commanded + Nanoseconds{1};
+  }
+}
+
+void ClosedLoop::plan_next_tick() {
+  next_tick_ = schedule_.next_wake(free_);
+  for (const Fault& fault : settings_.faults) {
+    const bool stalled = fault.kind == Fault::Kind::stall && next_tick_ >= fault.at;
+    if (stalled) next_tick_ = std::max(next_tick_, fault.at + fault.length);
+  }
+  free_ = next_tick_;
+}
+
+void ClosedLoop::note_faults() {
+  using Kind = Fault::Kind;
+  bool up = false;
+  bool down = false;
+  bool killed = false;
+  for (const Fault& fault : settings_.faults) {
+    if (next_tick_ < fault.at || next_tick_ >= fault.at + fault.length) continue;
+    up = up || fault.kind == Kind::blackout_up || fault.kind == Kind::blackout;
+    down = down || fault.kind == Kind::blackout_down || fault.kind == Kind::blackout;
+    killed = killed || fault.kind == Kind::server_killed;
+  }
+  if (!settings_.faults.empty()) {
+    network_.set_blackhole(Direction::up, up);
+    network_.set_blackhole(Direction::down, down);
+    if (killed && server_) kill_server();
+    if (!killed && !server_) start_server();
+  }
+}
+
+std::span<const std::byte> ClosedLoop::tampered(std::span<const std::byte> datagram, Nanoseconds now) {
+  const auto decoded = codec_.decode(datagram);
+  const auto* message = std::get_if<wire::Message>(&decoded);
+  const auto* honest = message != nullptr ? std::get_if<wire::EnvironmentForce>(message) : nullptr;
+  if (honest == nullptr) return datagram;
+  const device::SimulatedDevice::Truth truth = device_.truth();
+  wire::EnvironmentForce force = *honest;
+  force.force = environment_->force({.time = now,
+                                     .position = honest->position,
+                                     .velocity = truth.velocity,
+                                     .at = truth.position,
+                                     .own_force = honest->force,
+                                     .ledger_J = session_->law().energy_J()});
+  return codec_.encode(force);
+}
+
+const record::Summary& ClosedLoop::close() {
+  bool closed = false;
+  const Nanoseconds period = time::from_seconds(settings_.device.facts.period_s);
+  for (const Nanoseconds end = next_tick_ + kClosing; !closed && next_tick_ < end; next_tick_ += period) {
+    live_until(next_tick_);
+    closed = session_->close(next_tick_);
+  }
+  summary_.finish(session_->totals());
+  return summary_;
+}
+
+}  // namespace forcebound::sim

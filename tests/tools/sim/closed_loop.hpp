@@ -1,0 +1,127 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "forcebound/client/session/session.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/simulated/simulated_device.hpp"
+#include "forcebound/record/summary.hpp"
+#include "forcebound/server/session/server.hpp"
+#include "tests/tools/sim/busy_server.hpp"
+#include "tests/tools/sim/environment.hpp"
+#include "tests/tools/sim/simulated_network.hpp"
+#include "tests/tools/sim/skewed_clock.hpp"
+#include "tests/tools/sim/tick_schedule.hpp"
+#include "tests/tools/sim/virtual_clock.hpp"
+
+namespace forcebound::sim {
+
+/// One client and one server, the very code of the programs, over the simulated network in virtual time:
+///
+///     hand -- device -- client session ==( impaired up / down )== environment -- server -- scene
+///         ticks late or not     |                                   (may lie)    another clock
+///                            ledger
+///
+/// The server takes no time but what it is told to. Everything follows from the settings: same settings, same run.
+class ClosedLoop {
+ public:
+  /// Something that goes wrong for a while, noticed with the first tick from its beginning on.
+  struct Fault {
+    enum class Kind : std::uint8_t {
+      stall,          ///< the client does nothing
+      blackout_up,    ///< what the client sends is lost
+      blackout_down,  ///< what the server sends is lost
+      blackout,       ///< both
+      server_killed,  ///< and restarted afterwards
+    };
+    Kind kind = Kind::stall;
+    Nanoseconds at{0};
+    Nanoseconds length{0};
+  };
+
+  struct Settings {
+    device::DeviceDescription device;
+    std::string hand;                                                      ///< the operator's specification
+    std::function<std::unique_ptr<const device::Operator>()> make_hand{};  ///< in its place, if set
+    std::string law;
+    std::shared_ptr<const scene::Scene> scene;
+    SimulatedNetworkSettings network{};
+    client::LateForcePolicy policy{};
+    std::uint64_t seed = 1;
+    double settle_s = 0;  ///< contact statistics begin this long after the first contact
+    TickTiming timing{};
+    ClockSkew server_clock{};
+    std::optional<EnvironmentSetting> environment{};  ///< none: what the server says
+    std::vector<Fault> faults{};
+    Nanoseconds server_turn{0};  ///< how long it computes before it answers; meanwhile what comes waits
+    std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: those that are shipped
+    control::LawOptions law_options{};
+  };
+
+  /// @param sinks see every tick, beside the summary; they must outlive the loop.
+  /// @throws what device, operator, law and scene refuse.
+  explicit ClosedLoop(Settings settings, const std::vector<record::TickSink*>& sinks = {});
+
+  ~ClosedLoop();
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
+
+  /// Ticks for so long.
+  void run(Nanoseconds duration);
+
+  /// The client does nothing for so long: its next tick is late by it.
+  void stall(Nanoseconds duration) noexcept { next_tick_ += duration; }
+
+  /// When the tick began that ran last.
+  [[nodiscard]] Nanoseconds time() const noexcept { return clock_.now(); }
+
+  /// Ends the session as the program does and gives the summary of all.
+  const record::Summary& close();
+
+  /// Of the ticks so far, without the totals of a session that has ended.
+  [[nodiscard]] const record::Summary& summary() const noexcept { return summary_; }
+
+  void kill_server();
+  void start_server();
+
+  [[nodiscard]] const device::SimulatedDevice& device() const noexcept { return device_; }
+  [[nodiscard]] const client::Session& session() const noexcept { return *session_; }
+  [[nodiscard]] SimulatedNetwork& network() noexcept { return network_; }
+  [[nodiscard]] const server::Server* server() const noexcept { return server_.get(); }
+  [[nodiscard]] record::RunTotals totals() const { return session_->totals(); }
+
+ private:
+  void live_until(Nanoseconds time);
+  void end_server_turn();
+  void plan_next_tick();
+  void note_faults();
+  std::span<const std::byte> tampered(std::span<const std::byte> datagram, Nanoseconds now);
+  [[nodiscard]] record::RunInfo info() const;
+
+  Settings settings_;
+  std::unique_ptr<Environment> environment_;
+  VirtualClock clock_;
+  TickClock tick_clock_;
+  SkewedClock server_clock_;
+  TickSchedule schedule_;
+  SimulatedNetwork network_;
+  BusyServer busy_;
+  device::SimulatedDevice device_;
+  record::Summary summary_;
+  std::vector<record::TickSink*> sinks_;
+  std::unique_ptr<client::Session> session_;
+  std::unique_ptr<server::Server> server_;
+  std::uint64_t server_starts_ = 0;
+  wire::Codec codec_;  // of the environment
+  Nanoseconds next_tick_{0};
+  Nanoseconds free_{0};  // when the client has done with its tick
+  Nanoseconds end_{0};
+  Nanoseconds next_timer_{0};
+};
+
+}  // namespace forcebound::sim

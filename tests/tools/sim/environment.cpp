@@ -1,0 +1,213 @@
+#include "tests/tools/sim/environment.hpp"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+
+#include "tests/tools/sim/draw.hpp"
+
+namespace forcebound::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+Vector along(const Vector& direction, double length) {
+  const double norm = direction.norm();
+  return norm > 0 ? Vector(direction * (length / norm)) : Vector::Zero(direction.rows());
+}
+
+class Honest final : public Environment {
+ public:
+  Vector force(const EnvironmentView& view) override { return view.own_force; }
+};
+
+/// Any force, another one on each motion.
+class Random final : public Environment {
+ public:
+  explicit Random(const EnvironmentSetting& setting) : draw_(setting.seed), force_N_max_(setting.force_N_max) {}
+  Vector force(const EnvironmentView& view) override {
+    return draw_.direction(view.position.rows(), draw_.number(0, force_N_max_));
+  }
+
+ private:
+  Draw draw_;
+  double force_N_max_;
+};
+
+/// Pushes away from where it first saw the device.
+class NegativeStiffness final : public Environment {
+ public:
+  explicit NegativeStiffness(const EnvironmentSetting& setting)
+      : stiffness_N_per_m_(Draw(setting.seed).one_of({1e3, 1e4, 1e5})) {}
+  Vector force(const EnvironmentView& view) override {
+    if (!centre_) centre_ = view.position;
+    return stiffness_N_per_m_ * (view.position - *centre_);
+  }
+
+ private:
+  double stiffness_N_per_m_;
+  std::optional<Vector> centre_;
+};
+
+/// Pushes along with the motion, as far as two readings tell of one.
+class NegativeDamping final : public Environment {
+ public:
+  explicit NegativeDamping(const EnvironmentSetting& setting)
+      : damping_N_s_per_m_(Draw(setting.seed).one_of({10.0, 100.0, 1000.0})) {}
+  Vector force(const EnvironmentView& view) override {
+    Vector force = Vector::Zero(view.position.rows());
+    if (before_ && view.time > time_) {
+      force = damping_N_s_per_m_ * (view.position - *before_) / time::to_seconds(view.time - time_);
+    }
+    before_ = view.position;
+    time_ = view.time;
+    return force;
+  }
+
+ private:
+  double damping_N_s_per_m_;
+  std::optional<Vector> before_;
+  Nanoseconds time_{0};
+};
+
+/// All it has, along with the true motion.
+class BangBang final : public Environment {
+ public:
+  explicit BangBang(const EnvironmentSetting& setting) : force_N_max_(setting.force_N_max) {}
+  Vector force(const EnvironmentView& view) override { return along(view.velocity, force_N_max_); }
+
+ private:
+  double force_N_max_;
+};
+
+/// A stiff spring to where it first saw the device, that feels where the device was some time ago.
+class DelayedWall final : public Environment {
+ public:
+  explicit DelayedWall(const EnvironmentSetting& setting) {
+    Draw draw(setting.seed);
+    stiffness_N_per_m_ = draw.one_of({3e3, 3e4, 3e5});
+    delay_ = draw.one_of({2ms, 10ms, 50ms});
+  }
+  Vector force(const EnvironmentView& view) override {
+    if (!centre_) centre_ = view.position;
+    past_.emplace_back(view.time, view.position);
+    while (past_.size() > 1 && past_[1].first <= view.time - delay_) past_.pop_front();
+    return -stiffness_N_per_m_ * (past_.front().second - *centre_);
+  }
+
+ private:
+  double stiffness_N_per_m_ = 0;
+  Nanoseconds delay_{0};
+  std::optional<Vector> centre_;
+  std::deque<std::pair<Nanoseconds, Vector>> past_;
+};
+
+/// One way and the other, by turns.
+class Switching final : public Environment {
+ public:
+  explicit Switching(const EnvironmentSetting& setting) : draw_(setting.seed), force_N_max_(setting.force_N_max) {}
+  Vector force(const EnvironmentView& view) override {
+    if (direction_.rows() == 0) direction_ = draw_.direction(view.position.rows(), force_N_max_);
+    return direction_ = -direction_;
+  }
+
+ private:
+  Draw draw_;
+  double force_N_max_;
+  Vector direction_;
+};
+
+/// Reads the law's ledger: lets the hand fill it, asks for nothing meanwhile, and then spends all of it along with the
+/// true motion. Between its raids it shakes the device by less than friction and law would ever refuse, so that an
+/// encoder flickers.
+class Greedy final : public Environment {
+ public:
+  explicit Greedy(const EnvironmentSetting& setting)
+      : draw_(setting.seed),
+        force_N_max_(setting.force_N_max),
+        filled_J_(draw_.one_of({1e-7, 1e-5, 1e-3})),
+        dither_N_(draw_.one_of({0.0, 0.05, 0.5})) {}
+  Vector force(const EnvironmentView& view) override {
+    if (!raiding_ && view.ledger_J > filled_J_) raiding_ = true;
+    if (raiding_ && view.ledger_J <= 1e-2 * filled_J_) raiding_ = false;
+    if (raiding_) return along(view.velocity, force_N_max_);
+    return draw_.direction(view.position.rows(), dither_N_);
+  }
+
+ private:
+  Draw draw_;
+  double force_N_max_;
+  double filled_J_;
+  double dither_N_;
+  bool raiding_ = false;
+};
+
+/// What another run's client was told, from the beginning again when it is over.
+class Replayed final : public Environment {
+ public:
+  explicit Replayed(const EnvironmentSetting& setting) : forces_(setting.other_run) {}
+  Vector force(const EnvironmentView& view) override {
+    if (forces_.empty()) return view.own_force;
+    const Vector& force = forces_[next_++ % forces_.size()];
+    return force.rows() == view.position.rows() ? force : view.own_force;
+  }
+
+ private:
+  std::vector<Vector> forces_;
+  std::size_t next_ = 0;
+};
+
+struct Kind {
+  std::string_view name;
+  std::string_view what;
+  std::unique_ptr<Environment> (*make)(const EnvironmentSetting&);
+};
+
+template <typename Hostile>
+std::unique_ptr<Environment> make(const EnvironmentSetting& setting) {
+  if constexpr (std::is_constructible_v<Hostile, const EnvironmentSetting&>) {
+    return std::make_unique<Hostile>(setting);
+  } else {
+    return std::make_unique<Hostile>();
+  }
+}
+
+constexpr std::array kKinds{
+    Kind{"honest", "what the scene says", make<Honest>},
+    Kind{"random", "any force, another one on each motion", make<Random>},
+    Kind{"negative-stiffness", "pushes away from where the motion began", make<NegativeStiffness>},
+    Kind{"negative-damping", "pushes along with the motion as it was read", make<NegativeDamping>},
+    Kind{"bang-bang", "the largest force, along with the true motion", make<BangBang>},
+    Kind{"delayed-wall", "a stiff spring that feels the past", make<DelayedWall>},
+    Kind{"switching", "the largest force, the other way on each motion", make<Switching>},
+    Kind{"greedy", "reads the ledger, lets it fill and spends it along with the true motion", make<Greedy>},
+    Kind{"replayed", "the forces of another run", make<Replayed>}};
+
+}  // namespace
+
+std::vector<std::string> environment_names() {
+  std::vector<std::string> names;
+  names.reserve(kKinds.size());
+  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string environments_help() {
+  std::string text;
+  for (const Kind& kind : kKinds) {
+    text += "  " + std::string(kind.name) + std::string(20 - kind.name.size(), ' ') + std::string(kind.what) + "\n";
+  }
+  return text;
+}
+
+std::unique_ptr<Environment> make_environment(const EnvironmentSetting& setting) {
+  for (const Kind& kind : kKinds) {
+    if (kind.name == setting.name) return kind.make(setting);
+  }
+  throw std::invalid_argument("unknown environment '" + setting.name + "'; known are\n" + environments_help());
+}
+
+}  // namespace forcebound::sim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "forcebound/device/simulated/operator.hpp"
+
+namespace forcebound::sim {
+
+/// A hand that pulls, holds, shakes and lets go by turns, all drawn from a seed.
+class RestlessHand final : public device::Operator {
+ public:
+  struct Settings {
+    std::uint64_t seed = 1;
+    int degrees_of_freedom = 1;
+    device::Hand hand{};
+    double reach_m = 0.02;   ///< how far from the origin it pulls, on each axis
+    double duration_s = 10;  ///< afterwards it holds
+  };
+
+  explicit RestlessHand(const Settings& settings);
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "restless"; }
+  [[nodiscard]] const device::Hand& hand() const noexcept override { return settings_.hand; }
+  [[nodiscard]] int degrees_of_freedom() const noexcept override { return settings_.degrees_of_freedom; }
+  [[nodiscard]] Target target(double time_s) const noexcept override;
+  [[nodiscard]] std::string description() const override;
+
+ private:
+  /// From one place to another in the first half, a whole number of shakes all the time.
+  struct Act {
+    double begin_s = 0;
+    double length_s = 0;
+    control::Vector from;
+    control::Vector to;
+    control::Vector shake;
+    double shakes = 0;
+    double grip = 1;
+  };
+
+  Settings settings_;
+  std::vector<Act> acts_;
+};
+
+}  // namespace forcebound::sim

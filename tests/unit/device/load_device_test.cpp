@@ -1,0 +1,151 @@
+#include "forcebound/device/load_device.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <functional>
+
+namespace forcebound::device {
+namespace {
+
+using testing::HasSubstr;
+
+std::string refusal(const std::function<void()>& attempt) {
+  try {
+    attempt();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string refusal_of(const std::string& text) {
+  return refusal([&] { (void)parse_device(text, "devices/mine.toml"); });
+}
+
+constexpr const char* kPoint =
+    "kind = 'cartesian'\ndegrees_of_freedom = 2\nmass_kg = 0.1\ndamping_N_s_per_m = 5\nforce_N_max = 30\n";
+
+TEST(LoadDevice, ShipsThePapersDevices) {
+  const DeviceDescription wall = load_device("wall-1dof");
+  EXPECT_EQ(wall.facts.name, "wall-1dof");
+  EXPECT_EQ(wall.facts.degrees_of_freedom(), 1);
+  EXPECT_EQ(wall.facts.damping(0, 0), 30);
+  EXPECT_EQ(wall.facts.encoder_step[0], 15e-6);
+  EXPECT_EQ(wall.facts.friction[0], 0);
+  EXPECT_EQ(load_device("cartesian-2dof").facts.damping, Matrix::Identity(2, 2));
+  EXPECT_EQ(load_device("cartesian-3dof").facts.damping, 0.5 * Matrix::Identity(3, 3));
+}
+
+TEST(LoadDevice, EveryShippedDeviceLoadsWithTheHoldTimeOfTwoTicks) {
+  ASSERT_EQ(shipped_device_names().size(), 4U);
+  for (const std::string& name : shipped_device_names()) {
+    const DeviceDescription device = load_device(name);
+    EXPECT_EQ(device.facts.hold_s_max, 2e-3) << name;
+    EXPECT_EQ(device.facts.latency_s, 0) << name;
+    EXPECT_EQ(device.facts.cartesian, !device.arm) << name;
+    EXPECT_THAT(baselines::describe(device), testing::StartsWith(name + ": "));
+  }
+}
+
+TEST(LoadDevice, OmniIsAnArmWithItsGeometry) {
+  const DeviceDescription omni = load_device("omni");
+  ASSERT_TRUE(omni.arm);
+  EXPECT_EQ(omni.arm->upper_length_m, 0.1335);
+  EXPECT_GT(omni.facts.encoder_step.minCoeff(), 0);
+}
+
+TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
+  const DeviceDescription device = parse_device(
+      "kind = 'cartesian'\ndegrees_of_freedom = 2\nmass_kg = [0.1, 0.2]\ndamping_N_s_per_m = [[2, 1], [1, 3]]\n"
+      "friction_N = [0, 0.1]\nencoder_step_m = 1e-5\nactuator_step_N = 0.01\nforce_N_max = 5\nperiod_s = 0.0005\n"
+      "hold_s_max = 0.003\nreleases = false\nlatency_s = 1e-4\n",
+      "a/b/plane.toml");
+  EXPECT_EQ(device.facts.name, "plane");
+  EXPECT_EQ(device.inertia(1, 1), 0.2);
+  EXPECT_EQ(device.inertia(0, 1), 0);
+  EXPECT_EQ(device.facts.damping(0, 1), 1);
+  EXPECT_EQ(device.facts.friction[1], 0.1);
+  EXPECT_EQ(device.facts.encoder_step[1], 1e-5);
+  EXPECT_EQ(device.facts.actuator_step[0], 0.01);
+  EXPECT_EQ(device.facts.period_s, 0.0005);
+  EXPECT_EQ(device.facts.hold_s_max, 0.003);
+  EXPECT_FALSE(device.facts.releases);
+  EXPECT_EQ(device.facts.latency_s, 1e-4);
+}
+
+TEST(ParseDevice, NamesFileLineDeviceKeyAndValueOfWhatItRefuses) {
+  EXPECT_EQ(refusal_of("kind = 'cartesian'\ndegrees_of_freedom = 1\nmass_kg = 1\n\ndamping_N_s_per_m = -2\n"),
+            "devices/mine.toml:5: device 'mine': damping_N_s_per_m must be > 0, got -2");
+}
+
+TEST(ParseDevice, SuggestsTheNearestKeyForAnUnknownOne) {
+  EXPECT_THAT(refusal_of(std::string(kPoint) + "frcition_N = 1\n"),
+              HasSubstr("devices/mine.toml:6: device 'mine': unknown key 'frcition_N', did you mean 'friction_N'?"));
+  EXPECT_THAT(refusal_of(std::string(kPoint) + "latency = 1\n"), HasSubstr("did you mean 'latency_s'?"));
+}
+
+TEST(ParseDevice, RefusesWhatNoDeviceCanBe) {
+  const auto with = [](const std::string& line) { return refusal_of(kPoint + line); };
+  EXPECT_THAT(with("friction_N = [0, -1]\n"),
+              HasSubstr("mine.toml:6: device 'mine': friction_N[1] must be >= 0, got -1"));
+  EXPECT_THAT(with("friction_N = [0]\n"), HasSubstr("friction_N must have 2 numbers, got 1"));
+  EXPECT_THAT(with("friction_N = 'much'\n"), HasSubstr("friction_N must be a finite number, got 'much'"));
+  EXPECT_THAT(with("encoder_step_m = nan\n"), HasSubstr("encoder_step_m must be a finite number, got nan"));
+  EXPECT_THAT(with("hold_s_max = 0\n"), HasSubstr("hold_s_max must be > 0, got 0"));
+  EXPECT_THAT(with("releases = 1\n"), HasSubstr("releases must be true or false, got 1"));
+  EXPECT_THAT(with("hold_s_max = 2\n"), HasSubstr("hold_s_max must be <= 1, got 2"));
+  EXPECT_THAT(with("latency_s = 0.02\n"), HasSubstr("latency_s must be <= 0.01, got 0.02"));
+  EXPECT_THAT(with("[arm]\n"), HasSubstr("mine.toml:6: device 'mine': unknown key 'arm'"));
+  EXPECT_THAT(with("force_N_max = 3\n"), HasSubstr("mine.toml:6: not TOML: "));
+}
+
+TEST(ParseDevice, RefusesDampingThatIsNotPositiveDefinite) {
+  const std::string head = "kind = 'cartesian'\ndegrees_of_freedom = 2\nmass_kg = 1\nforce_N_max = 3\n";
+  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 2], [2, 1]]\n"),
+              HasSubstr("mine.toml:5: device 'mine': damping_N_s_per_m must be symmetric and positive definite, got "));
+  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 0.5], [0, 1]]\n"), HasSubstr("symmetric"));
+  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 0]]\n"), HasSubstr("must be 2 rows"));
+  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 0], 2]\n"), HasSubstr("must be a list of rows"));
+}
+
+TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
+  EXPECT_EQ(refusal_of(""), "devices/mine.toml:1: device 'mine': needs 'kind'");
+  EXPECT_THAT(refusal_of("kind = 'delta'\n"), HasSubstr("kind must be \"cartesian\" or \"arm\", got 'delta'"));
+  EXPECT_THAT(refusal_of("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
+              HasSubstr("degrees_of_freedom must be a whole number from 1 to 6, got 7"));
+  EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("needs 'arm'"));
+  EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
+              HasSubstr("mine.toml:4: device 'mine', [arm]: upper_length_m must be > 0, got 0"));
+}
+
+TEST(LoadDevice, UnknownNameIsAnsweredWithTheKnownOnes) {
+  const std::string what = refusal([] { (void)load_device("wall-2dof"); });
+  EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
+  EXPECT_THAT(what, HasSubstr("wall-1dof, cartesian-2dof, cartesian-3dof, omni"));
+}
+
+TEST(LoadDevice, MissingFileIsNamedWithTheReason) {
+  EXPECT_EQ(refusal([] { (void)load_device("no/such.toml"); }),
+            "no/such.toml: cannot be read: No such file or directory");
+}
+
+TEST(LoadDevice, DirectoryAndEmptyFileAreRefusedForWhatTheyAre) {
+  EXPECT_EQ(refusal([] { (void)load_device("./"); }), "./: cannot be read: it is a directory");
+  const std::string path = testing::TempDir() + "forcebound_empty.toml";
+  std::ofstream(path).close();
+  EXPECT_THAT(refusal([&] { (void)load_device(path); }), HasSubstr("forcebound_empty.toml:1: device"));
+  std::remove(path.c_str());
+}
+
+TEST(LoadDevice, ReadsAFile) {
+  const std::string path = testing::TempDir() + "forcebound_plane.toml";
+  std::ofstream(path) << kPoint;
+  EXPECT_EQ(load_device(path).facts.name, "forcebound_plane");
+  std::remove(path.c_str());
+}
+
+}  // namespace
+}  // namespace forcebound::device

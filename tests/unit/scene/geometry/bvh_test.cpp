@@ -1,0 +1,166 @@
+#include "forcebound/scene/geometry/bvh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/embree_scene.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/tools/recorded_data.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+constexpr unsigned kSeed = 7;
+
+std::shared_ptr<const TriangleMesh> shared(const test::Soup& soup) {
+  return std::make_shared<const TriangleMesh>(soup.mesh());
+}
+
+/// Points in a box three times as large as the mesh.
+class RandomPoints {
+ public:
+  explicit RandomPoints(const TriangleMesh& mesh) : reach_m_(3 * mesh.box_m().max()) {}
+
+  Point next() {
+    std::uniform_real_distribution<double> unit(-1, 1);
+    return {reach_m_.x() * unit(random_), reach_m_.y() * unit(random_), reach_m_.z() * unit(random_)};
+  }
+
+ private:
+  std::mt19937 random_{kSeed};
+  Point reach_m_;
+};
+
+/// How near a segment passes to an edge of the mesh is where single precision may see it on the other side.
+bool passes_an_outline(const Bvh& bvh, const Segment& segment) {
+  const double near_m = 1e-5 * bvh.mesh().size_m();
+  const auto hits = [&](const Point& by) { return bvh.first_hit({segment.from_m + by, segment.way_m}).has_value(); };
+  const bool hit = hits(Point::Zero());
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (hits(near_m * Point::Unit(axis)) != hit || hits(-near_m * Point::Unit(axis)) != hit) return true;
+  }
+  return false;
+}
+
+void expect_what_embree_finds(const std::shared_ptr<const TriangleMesh>& mesh, int questions) {
+  SCOPED_TRACE(mesh->name() + ", seed " + std::to_string(kSeed));
+  const Bvh bvh(mesh);
+  const test::EmbreeScene embree(*mesh);
+  RandomPoints points(*mesh);
+  int hits = 0;
+  for (int i = 0; i < questions; ++i) {
+    const Point from_m = points.next();
+    const Segment segment{from_m, points.next() - from_m};
+    const auto ours = bvh.first_hit(segment);
+    const auto theirs = embree.first_hit(segment);
+    hits += ours ? 1 : 0;
+    if (ours.has_value() == theirs.has_value()) {
+      if (ours && std::abs(ours->share - theirs->share) * segment.way_m.norm() > 1e-4 * mesh->size_m()) {
+        EXPECT_TRUE(passes_an_outline(bvh, segment)) << i << ": " << ours->share << ", Embree " << theirs->share;
+      }
+    } else {
+      EXPECT_TRUE(passes_an_outline(bvh, segment)) << i << ": " << (ours ? "only we hit" : "only Embree hits");
+    }
+    const auto nearest = bvh.nearest(from_m);
+    ASSERT_TRUE(nearest);
+    EXPECT_NEAR(nearest->distance_m, embree.nearest_distance_m(from_m), 1e-6 * mesh->size_m()) << i;
+    EXPECT_NEAR((nearest->point_m - from_m).norm(), nearest->distance_m, 1e-12 * mesh->size_m()) << i;
+  }
+  EXPECT_GT(hits, questions / 20) << "hardly any segment met the mesh: nothing was compared";
+}
+
+TEST(Bvh, FindsWhatEmbreeFindsOnAMeshOfTheWorld) {
+  const auto path = test::recorded_data("meshes/spot.obj");
+  if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
+  expect_what_embree_finds(std::make_shared<const TriangleMesh>(load_mesh(path->string())), 20000);
+}
+
+TEST(Bvh, FindsWhatEmbreeFindsOnMadeMeshes) {
+  expect_what_embree_finds(shared(test::ball(1, 60)), 10000);
+  expect_what_embree_finds(shared(test::block({1, 2, 3}).moved(test::askew())), 10000);
+  expect_what_embree_finds(shared(test::square(1, 40).add(test::ball(0.4, 20))), 10000);
+  expect_what_embree_finds(shared(test::block({1, 1, 1e-4})), 10000);
+}
+
+TEST(Bvh, FindsWhatAskingEachTriangleFinds) {
+  const auto mesh = shared(test::ball(1, 16).moved(test::askew()));
+  const Bvh bvh(mesh);
+  RandomPoints points(*mesh);
+  for (int i = 0; i < 2000; ++i) {
+    const Point p = points.next();
+    double least_m = std::numeric_limits<double>::infinity();
+    std::set<std::uint32_t> within;
+    for (std::uint32_t t = 0; t < mesh->triangles().size(); ++t) {
+      const auto on = nearest_on_triangle(p, mesh->corner_m(t, 0), mesh->corner_m(t, 1), mesh->corner_m(t, 2));
+      least_m = std::min(least_m, (on.point_m - p).norm());
+      if ((on.point_m - p).norm() <= 1) within.insert(t);
+    }
+    EXPECT_EQ(bvh.nearest(p)->distance_m, least_m);
+    EXPECT_EQ(bvh.nearest(p, 0.99 * least_m), std::nullopt);
+    EXPECT_TRUE(bvh.nearest(p, 1.01 * least_m));
+    std::set<std::uint32_t> visited;
+    bvh.for_each_within(p, 1, [&](std::uint32_t place) { visited.insert(bvh.order()[place]); });
+    EXPECT_EQ(visited, within);
+    std::set<std::uint32_t> about;
+    bvh.for_each_about(Bounds(Point(p - Point::Ones()), Point(p + Point::Ones())),
+                       [&](std::uint32_t place) { about.insert(bvh.order()[place]); });
+    EXPECT_TRUE(std::includes(about.begin(), about.end(), within.begin(), within.end()));
+  }
+}
+
+TEST(Bvh, LetsNoSegmentThroughSharedEdgesAndVertices) {
+  const test::Soup soup = test::ball(1, 24).moved(test::askew());
+  const auto mesh = shared(soup);
+  const Bvh bvh(mesh);
+  for (std::size_t t = 0; t < mesh->triangles().size(); ++t) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Point& a = mesh->corner_m(t, corner);
+      const Point& b = mesh->corner_m(t, (corner + 1) % 3);
+      for (const double share : {0.0, 0.1, 1.0 / 3, 0.5, 0.9}) {
+        const Point on = a + share * (b - a);
+        EXPECT_TRUE(bvh.first_hit({3 * on, -6 * on})) << "triangle " << t << ", share " << share;
+      }
+    }
+  }
+}
+
+TEST(Bvh, MeetsASegmentAtItsEndsAndInTheSidesOfBoxes) {
+  const Bvh bvh(shared(test::square(1, 8)));
+  EXPECT_EQ(bvh.first_hit({{0.3, 0.2, 1}, {0, 0, -1}})->share, 1);
+  EXPECT_EQ(bvh.first_hit({{0.3, 0.2, 0}, {0, 0, 1}})->share, 0);
+  EXPECT_EQ(bvh.first_hit({{0.25, -0.5, 1}, {0, 0, -2}})->share, 0.5);
+  EXPECT_EQ(bvh.first_hit({{1, 1, 1}, {0, 0, -2}})->share, 0.5);
+  EXPECT_FALSE(bvh.first_hit({{0.3, 0.2, 1}, {0, 0, -0.999}}));
+  EXPECT_FALSE(bvh.first_hit({{0.3, 0.2, 1}, {0, 0, 0}}));
+}
+
+TEST(Bvh, HoldsMeshesWhoseTrianglesLieOnTopOfEachOther) {
+  test::Soup soup;
+  for (int i = 0; i < 100; ++i) {
+    test::Soup one = test::square(1, 1);
+    one.vertices[0].z() = 1e-9 * i;
+    soup.add(one);
+  }
+  const Bvh bvh(shared(soup));
+  EXPECT_EQ(bvh.order().size(), bvh.mesh().triangles().size());
+  EXPECT_TRUE(bvh.first_hit({{0.1, 0.2, 1}, {0, 0, -2}}));
+}
+
+TEST(Bvh, AnswersDoNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const Bvh bvh(shared(test::ball(1, 30)));
+  std::size_t found = 0;
+  const test::AllocationGuard guard;
+  found += bvh.first_hit({{2, 0.1, 0.2}, {-4, 0, 0}}) ? 1 : 0;
+  found += bvh.nearest({2, 0.1, 0.2}) ? 1 : 0;
+  bvh.for_each_within({1, 0, 0}, 0.1, [&](std::uint32_t) { ++found; });
+  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_GT(found, 2U);
+}
+
+}  // namespace
+}  // namespace forcebound::scene

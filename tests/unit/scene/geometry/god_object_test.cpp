@@ -1,0 +1,264 @@
+#include "forcebound/scene/geometry/god_object.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <type_traits>
+
+#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/follower.hpp"
+#include "tests/tools/recorded_data.hpp"
+#include "tests/support/winding.hpp"
+
+namespace forcebound::scene {
+namespace {
+
+using test::Follower;
+using test::spring_force;
+
+static_assert(std::is_trivially_copyable_v<Proxy> && std::is_trivially_default_constructible_v<Proxy>);
+static_assert(sizeof(Proxy) % 8 == 0 && alignof(Proxy) <= 8);
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(GodObject, IsAtItsGoalWhereNothingIsInTheWay) {
+  Follower follower(test::ball(1, 20));
+  for (const Point& goal : {Point(2, 0, 0), Point(1.1, 1.1, 1.1), Point(1e9, 0, 0), Point(1.001, 0, 0)}) {
+    EXPECT_EQ(follower.to(goal).penetration_m, 0);
+    EXPECT_EQ(follower.at_m(), goal);
+  }
+}
+
+TEST(GodObject, IsFirstPutToItsGoalEvenInside) {
+  Follower follower(test::ball(1, 20));
+  EXPECT_EQ(follower.to({0.5, 0, 0}).penetration_m, 0);
+  EXPECT_EQ(follower.to({2, 0, 0}).penetration_m, 0) << "from behind, a surface does not hold";
+  EXPECT_NEAR(follower.to({0.5, 0, 0}).penetration_m, 0.5, 0.01);
+}
+
+TEST(GodObject, SlidesOverAPlaneOfTrianglesAsOverAPlane) {
+  for (const auto& motion : {Eigen::Isometry3d::Identity(), test::askew()}) {
+    Follower follower(test::square(1, 20).moved(motion));
+    const Point normal = motion.linear().col(2);
+    (void)follower.to(motion * Point(0, 0, 1));
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 5000; ++i) {
+      const double depth_m = std::pow(10, -3 + 2.5 * unit(random));
+      // Every second goal lies under an edge or a vertex.
+      Point goal(0.9 * unit(random), 0.9 * unit(random), -depth_m);
+      if (i % 2 == 0) goal.x() = std::round(goal.x() * 10) / 10;
+      if (i % 4 == 0) goal.y() = std::round(goal.y() * 10) / 10;
+      const SurfacePoint found = follower.to(motion * goal);
+      ASSERT_LT((spring_force(found) - depth_m * normal).norm(), 1e-9 * depth_m + 2e-15) << "tick " << i;
+    }
+  }
+}
+
+TEST(GodObject, FeelsNoEdgeWhileItCreepsOverThem) {
+  Follower follower(test::square(1, 20).moved(test::askew()));
+  const Point normal = test::askew().linear().col(2);
+  (void)follower.to(test::askew() * Point(-0.5, 0.3, 0.1));
+  constexpr double kDepth_m = 0.01;
+  for (int i = 0; i < 20000; ++i) {
+    const SurfacePoint found = follower.to(test::askew() * Point(-0.5 + 5e-5 * i, 0.3 + 1e-5 * i, -kDepth_m));
+    ASSERT_LT((spring_force(found) - kDepth_m * normal).norm(), 1e-9 * kDepth_m) << "tick " << i;
+  }
+}
+
+TEST(GodObject, FollowsABallOfTrianglesWithinTheirOwnError) {
+  constexpr std::uint32_t kRows = 40;
+  Follower follower(test::ball(1, kRows).moved(test::askew()));
+  // The middle of a facet is this much nearer to the centre than its corners, and its normal off by such an angle.
+  const double half_angle = std::numbers::pi / kRows / std::numbers::sqrt2;
+  const double sagitta_m = 1 - std::cos(half_angle);
+  constexpr double kDepth_m = 0.05;
+  // Under a facet it gets deeper by the way's share along the normal; from one to the next, d becomes d cos(angle).
+  const double step_m = 1.05e-3 * 1.5 * half_angle + kDepth_m * (1 - std::cos(std::numbers::pi / kRows));
+  (void)follower.to(Point(0, 0, 2));
+  double before_m = follower.to({0, 0, 1 - kDepth_m}).penetration_m;
+  for (int i = 0; i < 20000; ++i) {
+    const double turn = 1e-3 * i;
+    const Point out(std::sin(turn) * std::cos(0.3 * turn), std::sin(turn) * std::sin(0.3 * turn), std::cos(turn));
+    const SurfacePoint found = follower.to((1 - kDepth_m) * out);
+    ASSERT_NEAR(found.penetration_m, kDepth_m, 1.1 * sagitta_m) << i;
+    ASSERT_LT(std::acos(std::min(1.0, found.normal.dot(out))), 1.5 * half_angle) << i;
+    ASSERT_LT(std::abs(found.penetration_m - before_m), step_m) << "a bump at " << i;
+    before_m = found.penetration_m;
+  }
+}
+
+TEST(GodObject, StopsInConcaveEdgesAndCorners) {
+  const auto motion = test::askew();
+  Follower follower(test::block({1, 1, 1}).inside_out().moved(motion));
+  (void)follower.to(motion * Point(0, 0, 0));
+  const auto expect_at = [&](const Point& goal, const Point& held) {
+    const SurfacePoint found = follower.to(motion * goal);
+    EXPECT_LT((motion.inverse() * follower.at_m() - held).norm(), 1e-12) << goal.transpose();
+    EXPECT_NEAR(found.penetration_m, (held - goal).norm(), 1e-12);
+  };
+  expect_at({1.5, 0.2, 0.3}, {1, 0.2, 0.3});
+  expect_at({1.5, 1.2, 0.3}, {1, 1, 0.3});
+  expect_at({1.5, 1.2, 1.3}, {1, 1, 1});
+  expect_at({1.5, 1.2, 1.3}, {1, 1, 1});
+  expect_at({1.5, 1.2, -0.9}, {1, 1, -0.9});
+  expect_at({-3, -1.2, -1.9}, {-1, -1, -1});
+  expect_at({-3, 0.5, -1.9}, {-1, 0.5, -1});
+  expect_at({0.1, 0.5, -0.9}, {0.1, 0.5, -0.9});
+}
+
+TEST(GodObject, FindsTheNearestPointInAConeOfManyPlanes) {
+  // The inside of a cone of 40 triangles, pointing down: 40 planes meet at its tip.
+  test::Soup soup;
+  soup.vertices.emplace_back(0, 0, 0);
+  for (int i = 0; i < 40; ++i) {
+    const double turn = 2 * std::numbers::pi * i / 40;
+    soup.vertices.emplace_back(std::cos(turn), std::sin(turn), 1);
+  }
+  for (std::uint32_t i = 0; i < 40; ++i) soup.triangles.push_back({0, 1 + i, 1 + (i + 1) % 40});
+  Follower follower(soup.moved(test::askew()));
+  const auto motion = test::askew();
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  (void)follower.to(motion * Point(0, 0, 0.5));
+  for (int i = 0; i < 2000; ++i) {
+    const Point goal(0.5 * unit(random), 0.5 * unit(random), -0.2 + 0.4 * unit(random));
+    (void)follower.to(motion * goal);
+    const Point at = motion.inverse() * follower.at_m();
+    EXPECT_GT(at.z() - std::hypot(at.x(), at.y()), -1e-9) << "went through at " << goal.transpose();
+    // Below the cone of the normals it is held by the tip alone.
+    if (goal.z() < -1.01 * std::hypot(goal.x(), goal.y())) {
+      EXPECT_LT(at.norm(), 1e-9) << goal.transpose();
+    }
+  }
+}
+
+TEST(GodObject, FindsTheNearestPointInAWedgeOfAnyAngle) {
+  const auto motion = test::askew();
+  for (const double half_angle : {1e-3, 0.01, 0.1, 0.7, 1.5, 1.57, 1.570796, 1.5707963}) {
+    SCOPED_TRACE("half angle " + std::to_string(half_angle));
+    const Point wall = Point(std::sin(half_angle), 0, std::cos(half_angle));
+    test::Soup soup;
+    for (const double side : {1.0, -1.0}) {
+      const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+      for (const auto& [along, up] : {std::pair(-1, 0), std::pair(-1, 1), std::pair(1, 1), std::pair(1, 0)}) {
+        soup.vertices.emplace_back(side * up * wall.x(), along, up * wall.z());
+      }
+      if (side > 0) soup.add_quad(first, first + 1, first + 2, first + 3);
+      if (side < 0) soup.add_quad(first, first + 3, first + 2, first + 1);
+    }
+    Follower follower(soup.moved(motion));
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    (void)follower.to(motion * Point(0, 0, 2));
+    for (int i = 0; i < 3000; ++i) {
+      const Point goal(0.1 * wall.x() * unit(random), 0.9 * unit(random), wall.z() * (0.2 * unit(random) - 0.1));
+      (void)follower.to(motion * goal);
+      // Seen from the side with positive x: `out` of the wedge through its wall, `up` along it.
+      const double x = std::abs(goal.x());
+      const double out = x * wall.z() - goal.z() * wall.x();
+      const double up = x * wall.x() + goal.z() * wall.z();
+      const Point held = std::max(0.0, up) * wall;
+      const Point expected = out <= 0 ? goal : Point(std::copysign(held.x(), goal.x()), goal.y(), held.z());
+      ASSERT_LT((motion.inverse() * follower.at_m() - expected).norm(), 1e-10)
+          << "tick " << i << ": " << goal.transpose();
+    }
+  }
+}
+
+TEST(GodObject, StaysPutWhileItsGoalDoes) {
+  Follower follower(test::ball(1, 30).moved(test::askew()));
+  (void)follower.to({0, 0, 2});
+  for (const Point& goal : {Point(0.1, 0.2, 0.5), Point(0.3, -0.5, 0.1), Point(0.01, 0, 0.99)}) {
+    const SurfacePoint first = follower.to(goal);
+    for (int i = 0; i < 100; ++i) {
+      const SurfacePoint again = follower.to(goal);
+      ASSERT_LT((spring_force(again) - spring_force(first)).norm(), 1e-14);
+    }
+  }
+}
+
+TEST(GodObject, HoldsFromBothSidesIfAskedTo) {
+  Follower follower(test::square(1, 4), {.two_sided = true});
+  (void)follower.to({0.1, 0.2, 0.5});
+  EXPECT_NEAR(follower.to({0.1, 0.2, -0.01}).penetration_m, 0.01, 1e-11);
+  EXPECT_EQ(follower.to({0.1, 0.2, 0.01}).penetration_m, 0) << "lets go of the side that it is on";
+  (void)follower.to({3, 0, 0.01});
+  (void)follower.to({3, 0, -0.5});
+  (void)follower.to({0.1, 0.2, -0.5});
+  const SurfacePoint below = follower.to({0.1, 0.2, 0.01});
+  EXPECT_NEAR(below.penetration_m, 0.01, 1e-11);
+  EXPECT_LT((below.normal - Point(0, 0, -1)).norm(), 1e-12);
+  EXPECT_EQ(follower.to({0.1, 0.2, -0.01}).penetration_m, 0);
+}
+
+TEST(GodObject, TurnsRoundTheRimOfAnOpenMesh) {
+  Follower follower(test::square(1, 4));
+  (void)follower.to({0.9, 0, 0.5});
+  EXPECT_NEAR(follower.to({0.95, 0, -0.1}).penetration_m, 0.1, 1e-12);
+  EXPECT_EQ(follower.to({1.05, 0, -0.1}).penetration_m, 0);
+  EXPECT_EQ(follower.to({0.5, 0, -0.1}).penetration_m, 0);
+  EXPECT_EQ(follower.to({0.5, 0, 0.1}).penetration_m, 0) << "from behind it is not there";
+}
+
+TEST(GodObject, RefusesGoalsThatAreNoneAndGoesOn) {
+  Follower follower(test::ball(1, 20));
+  (void)follower.to({0, 0, 2});
+  const SurfacePoint before = follower.to({0, 0, 0.9});
+  const Proxy kept = follower.state();
+  for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      Point goal(0, 0, 0.9);
+      goal[axis] = bad;
+      const SurfacePoint found = follower.to(goal);
+      EXPECT_EQ(found.penetration_m, 0);
+      EXPECT_TRUE(found.normal.allFinite());
+      EXPECT_EQ(std::memcmp(&kept, &follower.state(), sizeof kept), 0);
+    }
+  }
+  EXPECT_EQ(follower.to({0, 0, 0.9}).penetration_m, before.penetration_m);
+  EXPECT_EQ(follower.to({0, 0, -1e300}).penetration_m, 0);
+  EXPECT_EQ(follower.state().placed, 0U);
+}
+
+TEST(GodObject, NeverGetsInsideAClosedMesh) {
+  const auto path = test::recorded_data("meshes/spot.obj");
+  if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
+  Follower follower(load_mesh(path->string()));
+  const TriangleMesh& mesh = follower.object().bvh().mesh();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  (void)follower.to(mesh.origin_m() + Point(3, 3, 3));
+  Point goal = Point::Zero();
+  int contacts = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double stride_m = std::pow(10, -2.5 + 2 * unit(random));
+    goal += stride_m * Point(unit(random), unit(random), unit(random));
+    goal = goal.cwiseMax(-0.7 * mesh.box_m().max()).cwiseMin(0.7 * mesh.box_m().max());
+    const SurfacePoint found = follower.to(mesh.origin_m() + goal);
+    contacts += found.penetration_m > 0 ? 1 : 0;
+    // On the surface it may be as deep as rounding.
+    const Point at = follower.at_m() - mesh.origin_m();
+    if (follower.object().bvh().nearest(at)->distance_m < 4e-12 * mesh.size_m()) continue;
+    ASSERT_LT(std::abs(test::winding(mesh, at)), 0.01) << "inside at tick " << i;
+  }
+  EXPECT_GT(contacts, 1000);
+}
+
+TEST(GodObject, FollowDoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  Follower follower(test::ball(1, 30));
+  double sum_m = 0;
+  const test::AllocationGuard guard;
+  for (int i = 0; i < 1000; ++i)
+    sum_m += follower.to({0.9 * std::cos(0.01 * i), 0.9 * std::sin(0.01 * i), 2 - 0.01 * i}).penetration_m;
+  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_GT(sum_m, 0);
+}
+
+}  // namespace
+}  // namespace forcebound::scene

@@ -1,0 +1,120 @@
+#include "forcebound/server/dynamics/bodies/mujoco.hpp"
+
+#include <gmock/gmock.h>
+#include <mujoco/mujoco.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace forcebound::server {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr const char* kBall =
+    R"(<mujoco><worldbody><body name="a"><freejoint/><geom size="1"/></body></worldbody></mujoco>)";
+
+template <class Call>
+std::string error_of(const Call& call) {
+  try {
+    (void)call();
+  } catch (const BodiesError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CompileMjcf, NamesFileAndLine) {
+  EXPECT_THAT(error_of([] { return compile_mjcf("<mujoco><worldbody><bdy/></worldbody></mujoco>", "broken.xml"); }),
+              AllOf(StartsWith("broken.xml: XML Error: Schema violation: unrecognized element"), HasSubstr("line 1")));
+  EXPECT_THAT(error_of([] { return load_mjcf("/no/such.xml"); }), StartsWith("/no/such.xml: "));
+}
+
+TEST(CompileMjcf, RefusesWhatWouldEndMuJoCoOrItsFirstStep) {
+  const auto refusal = [](const std::string& option) -> std::string {
+    try {
+      (void)compile_mjcf(
+          "<mujoco>" + option + R"(<worldbody><body name="a"><freejoint/><geom size="1"/></body></worldbody></mujoco>)",
+          "a.xml");
+    } catch (const BodiesError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal(""), "accepted");
+  EXPECT_EQ(refusal(R"(<option timestep="0"/>)"), "a.xml: timestep must be >= 1e-04 and <= 0.01 s, got 0");
+  EXPECT_EQ(refusal(R"(<option timestep="-1"/>)"), "a.xml: timestep must be >= 1e-04 and <= 0.01 s, got -1");
+  EXPECT_THAT(refusal(R"(<option timestep="nan"/>)"), HasSubstr("timestep must be >= 1e-04"));
+  EXPECT_THAT(refusal(R"(<option gravity="0 0 1e300"/>)"), HasSubstr("cannot take the first step"));
+  EXPECT_THAT(refusal(R"(<size nstack="10"/>)"), HasSubstr("a.xml: Error: engine error: Stack overflow"));
+  try {
+    (void)compile_mjcf("", "empty.xml");
+    ADD_FAILURE() << "accepted";
+  } catch (const BodiesError& error) {
+    EXPECT_STREQ(error.what(), "empty.xml: is empty, expected <mujoco>...</mujoco>");
+  }
+}
+
+TEST(CompileMjcf, TakesTheIntegratorsThatTheCouplingIsMadeFor) {
+  const auto with = [](const std::string& integrator) {
+    return error_of(
+        [&] { return compile_mjcf("<mujoco><option integrator='" + integrator + "'/></mujoco>", "a.xml"); });
+  };
+  EXPECT_EQ(with("Euler"), "no error");
+  EXPECT_EQ(with("implicit"), "no error");
+  EXPECT_EQ(with("RK4"), "a.xml: integrator must be Euler or implicit, got RK4");
+}
+
+TEST(CompileMjcf, GivesMuJoCosReasonWhereThereIsNoMemory) {
+  (void)compile_mjcf(kBall, "ball.xml");
+  mju_user_malloc = [](std::size_t) -> void* { return nullptr; };
+  const std::string error = error_of([] { return compile_mjcf(kBall, "ball.xml"); });
+  mju_user_malloc = nullptr;
+  EXPECT_EQ(error, "ball.xml: Could not allocate memory");
+  EXPECT_EQ(error_of([] { return compile_mjcf(kBall, "ball.xml"); }), "no error") << "and goes on";
+}
+
+TEST(MakeData, GivesMuJoCosReason) {
+  const ModelPointer model = compile_mjcf(kBall, "ball.xml");
+  const ModelPointer narrow = copy_of(*model);
+  narrow->nstack = 10;
+  EXPECT_EQ(error_of([&] { return make_data(*narrow); }), "MuJoCo cannot compute where bodies are: Stack overflow");
+}
+
+TEST(Step, ThatMuJoCoGivesUpIsFalse) {
+  const ModelPointer model = compile_mjcf(kBall, "ball.xml");
+  const DataPointer data = make_data(*model);
+  EXPECT_TRUE(step(*model, *data));
+  data->nstack = 10;
+  EXPECT_FALSE(step(*model, *data));
+  EXPECT_FALSE(find_contacts(*model, *data));
+}
+
+TEST(ErrorHandlers, OfTheProgramHearOfItsOwnErrorsAndWarnings) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto own_error = [] {
+    mju_user_warning = [](const char* warning) { std::fprintf(stderr, "the program's %s, ", warning); };
+    mju_user_error = [](const char* error) {
+      std::fprintf(stderr, "the program's %s", error);
+      std::_Exit(3);
+    };
+    (void)compile_mjcf(kBall, "ball.xml");
+    mju_warning("own warning");
+    mju_error("own error");
+  };
+  EXPECT_EXIT(own_error(), testing::ExitedWithCode(3), "the program's own warning, the program's own error");
+}
+
+TEST(ErrorHandlers, WithoutAnyTheProcessEndsAndSaysWhy) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto own_error = [] {
+    (void)compile_mjcf(kBall, "ball.xml");
+    mju_error("its own");
+  };
+  EXPECT_DEATH(own_error(), "MuJoCo: its own");
+}
+
+}  // namespace
+}  // namespace forcebound::server

@@ -1,0 +1,92 @@
+#include "forcebound/server/environment/explain.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "forcebound/server/environment/scene_library.hpp"
+#include "tests/support/own_effects.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Explain, SaysWhatIsSimulatedWithUnits) {
+  const std::string text = explain(*load_scene("plane"));
+  EXPECT_THAT(text, HasSubstr("devices: 3 or 6 degrees of freedom\n"));
+  EXPECT_THAT(text, HasSubstr("object 'table': half_space, through_m [0, 0, 0], normal [0, 0, 1]\n"));
+  EXPECT_THAT(text, HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
+  EXPECT_THAT(text, HasSubstr("velocity from successive motions\n"));
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("not simulated: torques; bodies and tissue (there are none); effects nobody asked for: "),
+                    Not(HasSubstr("velocity (no effect"))));
+}
+
+TEST(Explain, SaysWhatIsNotSimulated) {
+  const std::string wall = explain(*load_scene("wall"));
+  EXPECT_THAT(wall, Not(HasSubstr("velocity from")));
+  EXPECT_THAT(wall, HasSubstr("not simulated: torques; velocity (nothing needs it)"));
+  const std::string free = explain(*load_scene("free"));
+  EXPECT_THAT(free, HasSubstr("no objects: every force is zero\n"));
+  EXPECT_THAT(free, HasSubstr("effects nobody asked for: surface, "));
+}
+
+TEST(Explain, SaysWhatEachPartCostsAndWhetherItCanRing) {
+  const std::string text = explain(*load_scene("wall"), {.answer_bytes = 123});
+  EXPECT_THAT(text, HasSubstr("passive without a law on a device with damping above 25 N s/m (b > K T/2 + B: "));
+  EXPECT_THAT(text, HasSubstr("0 bytes for each client\n"));
+  EXPECT_THAT(text, HasSubstr("ns predicted of the 1 ms of a tick"));
+  EXPECT_THAT(text, HasSubstr("\n              margin 0.04 for a device of 1 N s/m\n"));
+  EXPECT_THAT(text, HasSubstr("123 bytes an answer, 123 kB/s to each client at 1 kHz\n"));
+  EXPECT_THAT(text, Not(HasSubstr("measured")));
+}
+
+TEST(Explain, ShowsWhatWasMeasuredBesideWhatWasPredicted) {
+  const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500}}, .whole = {1.6e6, 2e6}}};
+  const std::string text = explain(*load_scene("wall"), facts);
+  EXPECT_THAT(text, HasSubstr("predicted, 1.5 us measured (p99 2.5 us)\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "1.6 ms measured (p99 2 ms) of the 1 ms of a tick: 200 % for each client; at 1 kHz one core holds 0\n"));
+}
+
+TEST(Explain, SaysWhatCouldNotBeMeasuredToItsEnd) {
+  const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500, true}}, .whole = {1.6e6, 2e6, true}}};
+  EXPECT_THAT(explain(*load_scene("wall"), facts), HasSubstr("(p99 2.5 us), but left out on the way"));
+}
+
+TEST(Explain, MarginsAreForTheDeviceAndTheNetworkThatWereSaid) {
+  const std::string text = explain(*load_scene("plane"), {.device = {.damping_N_s_per_m = 4, .round_trip_s = 0.0195}});
+  EXPECT_THAT(text, HasSubstr("damping above 2 N s/m (b > K T/2 + B: K 2000 N/m, B 1 N s/m, T 1 ms)"));
+  EXPECT_THAT(text, HasSubstr("margin 2 for a device of 4 N s/m, 0.0976 behind a round trip of 19.5 ms\n"));
+}
+
+TEST(Explain, AddsUpWhatIsFeltAtOnePlace) {
+  const std::string text = explain(*load_scene("microsurgery"));
+  EXPECT_THAT(text, HasSubstr("all at one place: passive without a law on a device with damping above 42.1 N s/m"));
+  EXPECT_THAT(explain(*load_scene("wall")), Not(HasSubstr("all at one place")));
+}
+
+TEST(Explain, TellsWhatDrivesByItself) {
+  EXPECT_THAT(explain(*load_scene("drive")), HasSubstr("drives the device with energy of its own"));
+  EXPECT_THAT(explain(*load_scene("gravity")), Not(HasSubstr("energy of its own")));
+}
+
+TEST(Explain, TellsAFieldFromAnObject) {
+  const std::string text = explain(*test::scene_with_own_effects("[[field]]\nname = 'fog'\neffects = ['clock']\n"));
+  EXPECT_THAT(text, HasSubstr("field 'fog'\n  effect 'clock'\n"));
+  EXPECT_THAT(text, HasSubstr("implies:    time by the device's clock\n"));
+  EXPECT_THAT(text, HasSubstr("8 bytes for each client\n"));
+  EXPECT_THAT(text, HasSubstr("stability:  neither stiffness nor damping: nothing that could ring\n"));
+}
+
+TEST(Summary, IsOneLine) {
+  EXPECT_EQ(summary(*load_scene("sphere")), "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0");
+  EXPECT_EQ(summary(*load_scene("free")), "nothing: every force is zero");
+}
+
+}  // namespace
+}  // namespace forcebound::server

@@ -1,0 +1,157 @@
+// Fields as scenes of one, two and three axes have them, and every scene that ships, everywhere.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/scene_files.hpp"
+#include "tests/support/vector_of.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// What each field is asked for with; ZERO and ONE stand for points of the scene's axes.
+const std::map<std::string, std::string> kFields = {
+    {"viscosity", "damping_N_s_per_m = 3"},
+    {"constant_force", "force_N = ONE"},
+    {"gravity", "mass_kg = 1, direction = ONE"},
+    {"flow", "velocity_m_per_s = ONE, damping_N_s_per_m = 3, drag_N_s2_per_m2 = 2"},
+    {"attractor", "center_m = ZERO, force_N_max = 2, radius_m = 0.1, falloff = 'inverse_square'"},
+    {"spring_to_point", "center_m = ZERO, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
+    {"spring_to_line", "through_m = ZERO, direction = ONE, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
+    {"spring_to_plane", "through_m = ZERO, normal = ONE, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
+    {"workspace_limit",
+     "center_m = ZERO, size_m = ONE, radius_m = 0.4, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
+    {"drive", "direction = ONE, amplitude_N = 1, frequency_Hz = 3"}};
+
+std::string replaced(std::string text, const std::string& word, const std::string& with) {
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word)) {
+    text.replace(at, word.size(), with);
+  }
+  return text;
+}
+
+std::string point_text(const std::string& first, const std::string& others, int axes) {
+  std::string text = "[" + first;
+  for (int axis = 1; axis < axes; ++axis) text += ", " + others;
+  return text + "]";
+}
+
+std::shared_ptr<const scene::Scene> scene_of(const std::string& field, int axes) {
+  const std::string parameters =
+      replaced(replaced(kFields.at(field), "ZERO", point_text("0", "0", axes)), "ONE", point_text("1", "0.5", axes));
+  return parse_scene("[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = " + std::to_string(axes) +
+                         "\n[[field]]\nname = 'x'\neffects = ['" + field + "']\n" + field + " = { " + parameters +
+                         " }\n",
+                     "x.toml");
+}
+
+class EveryField : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryField, IsFiniteOnEveryNumberOfAxesFromItsVeryCentreToFarAway) {
+  for (int axes = 1; axes <= 3; ++axes) {
+    const auto device = static_cast<std::uint32_t>(axes == 3 ? 6 : axes);
+    scene::SceneState state(scene_of(GetParam(), axes), device);
+    milliseconds now{0};
+    for (const double far_m : {0.0, 0.0, 1e-300, 1e-9, 0.01, -0.3, 0.7, 1e3, -1e6, 1e9, 0.0}) {
+      Vector position = Vector::Zero(device);
+      position.head(axes).setConstant(far_m);
+      const scene::SceneAnswer answer = state.answer(position, now += milliseconds(7));
+      ASSERT_TRUE(answer.force.allFinite()) << axes << " axes at " << far_m;
+      ASSERT_TRUE(answer.quarantined.empty()) << axes << " axes at " << far_m;
+      ASSERT_EQ(answer.force.rows(), static_cast<Eigen::Index>(device));
+      ASSERT_EQ(answer.contact_normal.rows(), 0) << "a field is no contact";
+      ASSERT_EQ(answer.force.tail(answer.force.rows() - axes).norm(), 0) << "no torque";
+    }
+  }
+}
+
+TEST_P(EveryField, IsFeltAlongTheAxesOfAScene) {
+  for (int axes = 1; axes <= 3; ++axes) {
+    // On one axis every place lies on every line along it.
+    if (axes == 1 && GetParam() == "spring_to_line") continue;
+    scene::SceneState state(scene_of(GetParam(), axes), static_cast<std::uint32_t>(axes));
+    double felt_N = 0;
+    for (int i = 0; i < 10; ++i) {
+      const Vector position = 0.3 * i * Vector::Unit(axes, axes - 1);
+      felt_N = std::max(felt_N, state.answer(position, milliseconds(10 * i)).force.norm());
+    }
+    EXPECT_GT(felt_N, 1e-3) << axes;
+  }
+}
+
+TEST_P(EveryField, WithinAShapeIsNothingOutsideOfIt) {
+  const std::string ball =
+      "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n[[object]]\nname = 'x'\n"
+      "shape = { kind = 'sphere', center_m = [1, 0, 0], radius_m = 0.5 }\neffects = ['" +
+      GetParam() + "']\n" + GetParam() + " = { " +
+      replaced(replaced(kFields.at(GetParam()), "ZERO", "[0, 0, 0]"), "ONE", "[1, 0.5, 0]") + " }\n";
+  scene::SceneState state(parse_scene(ball, "x.toml"), 3);
+  double felt_N = 0;
+  for (int i = 0; i < 10; ++i) {
+    felt_N = std::max(felt_N, state.answer(test::vector_of({1, 0.02 * i, 0}), milliseconds(10 * i)).force.norm());
+  }
+  EXPECT_GT(felt_N, 1e-3);
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(state.answer(test::vector_of({1, 0.51 + 0.02 * i, 0}), milliseconds(100 + 10 * i)).force.norm(), 0);
+  }
+}
+
+std::vector<std::string> fields_that_ship() {
+  std::vector<std::string> names;
+  names.reserve(kFields.size());
+  for (const auto& [name, parameters] : kFields) names.push_back(name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(FieldScene, EveryField, testing::ValuesIn(fields_that_ship()),
+                         [](const auto& field) { return field.param; });
+
+class EveryShippedScene : public testing::TestWithParam<std::string> {
+ protected:
+  static std::uint32_t device_of(const scene::Scene& scene) { return scene.accepts(3) ? 3 : 2; }
+
+  /// A walk through the very centre and 80 mm around it.
+  static Vector place(int step, std::uint32_t rows) {
+    const double t = 0.01 * step;
+    return 0.08 * std::sin(0.37 * t) * test::vector_of({std::sin(t), std::cos(1.3 * t), std::sin(1.7 * t)}).head(rows);
+  }
+};
+
+TEST_P(EveryShippedScene, IsFiniteAndSoundEverywhere) {
+  const auto scene = load_scene(GetParam());
+  const std::uint32_t device = device_of(*scene);
+  scene::SceneState state(scene, device);
+  for (int step = 0; step < 2500; ++step) {
+    const scene::SceneAnswer answer = state.answer(place(step, device), milliseconds(step));
+    ASSERT_TRUE(answer.force.allFinite()) << step;
+    ASSERT_TRUE(answer.quarantined.empty()) << step;
+    ASSERT_NEAR(answer.contact_normal.norm(), answer.penetration_m > 0 ? 1 : 0, 1e-12) << step;
+  }
+}
+
+TEST_P(EveryShippedScene, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const auto scene = load_scene(GetParam());
+  const std::uint32_t device = device_of(*scene);
+  scene::SceneState state(scene, device);
+  std::vector<Vector> path(3000);
+  for (std::size_t step = 0; step < path.size(); ++step) path[step] = place(static_cast<int>(step), device);
+  const test::AllocationGuard guard;
+  milliseconds now{0};
+  for (const Vector& position : path) (void)state.answer(position, now += milliseconds(1));
+  EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(FieldScene, EveryShippedScene, testing::ValuesIn(test::scene_files()),
+                         [](const auto& scene) { return scene.param; });
+
+}  // namespace
+}  // namespace forcebound::server

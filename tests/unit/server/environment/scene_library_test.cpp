@@ -1,0 +1,137 @@
+#include "forcebound/server/environment/scene_library.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "forcebound/text/names.hpp"
+#include "tests/support/scene_files.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using testing::HasSubstr;
+
+std::string library_error(const std::string& name_or_file) {
+  try {
+    (void)load_scene(name_or_file);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SceneLibrary, ShipsEveryFileOfItsFolderInAlphabeticalOrder) {
+  EXPECT_EQ(SceneLibrary::shipped().names(), text::join(test::scene_files()));
+}
+
+TEST(SceneLibrary, EverySceneIsNamedLikeItsFileAndDescribed) {
+  for (const std::string& name : test::scene_files()) {
+    const auto scene = load_scene(FORCEBOUND_SOURCE_DIR "/server/scenes/" + name + ".toml");
+    EXPECT_EQ(scene->facts().name, name);
+    EXPECT_TRUE(scene->facts().description.ends_with('.')) << name;
+  }
+}
+
+TEST(SceneLibrary, ShowsEveryEffectThatFillsSpaceInASceneOfItsName) {
+  const SceneLibrary library = SceneLibrary::shipped();
+  const scene::EffectRegistry registry = scene::EffectRegistry::standard();
+  for (const scene::EffectKind& kind : registry.kinds()) {
+    if (kind.place != scene::EffectPlace::space) continue;
+    const auto scene = library.find(kind.name);
+    ASSERT_NE(scene, nullptr) << kind.name;
+    ASSERT_EQ(scene->fields().size(), 1U) << kind.name;
+    EXPECT_EQ(scene->fields().front().effects.front().name, kind.name);
+  }
+}
+
+TEST(SceneLibrary, ShipsTheScenesWithTheirDegreesOfFreedom) {
+  const SceneLibrary library = SceneLibrary::shipped();
+  const auto accepted = [&](std::string_view name) { return library.find(name)->accepted_degrees_of_freedom(); };
+  EXPECT_EQ(accepted("wall"), "1 to 6");
+  EXPECT_EQ(accepted("free"), "1 to 6");
+  EXPECT_EQ(accepted("circle"), "2");
+  EXPECT_EQ(accepted("sphere"), "3 or 6");
+  EXPECT_EQ(accepted("plane"), "3 or 6");
+  EXPECT_EQ(accepted("box"), "3 or 6");
+}
+
+TEST(scene::Scene, AcceptsWhatItSays) {
+  const SceneLibrary library = SceneLibrary::shipped();
+  const auto accepted = [&](std::string_view name) {
+    std::string numbers;
+    for (std::uint32_t dof = 0; dof < 9; ++dof) {
+      if (library.find(name)->accepts(dof)) numbers += std::to_string(dof);
+    }
+    return numbers;
+  };
+  EXPECT_EQ(accepted("wall"), "123456");
+  EXPECT_EQ(accepted("circle"), "2");
+  EXPECT_EQ(accepted("sphere"), "36");
+}
+
+TEST(SceneLibrary, TheOwnersSceneReplacesAShippedOne) {
+  SceneLibrary library = SceneLibrary::shipped();
+  const auto own = parse_scene("[scene]\nname = 'wall'\ndescription = 'no wall'\ndegrees_of_freedom = 1\n", "own.toml");
+  library.add(own);
+  EXPECT_EQ(library.find("wall"), own);
+  EXPECT_EQ(library.names(), SceneLibrary::shipped().names());
+}
+
+TEST(SceneLibrary, WhoCannotWaitAsksAgainWhileASceneIsCompiledElsewhere) {
+  SceneLibrary library = SceneLibrary::shipped();
+  std::vector<SceneLibrary::Compilation> wanted;
+  library.compile_elsewhere([&](SceneLibrary::Compilation what) { wanted.push_back(std::move(what)); });
+  for (int i = 0; i < 3; ++i) {
+    const auto requested = library.request("sphere");
+    EXPECT_TRUE(requested.coming);
+    EXPECT_EQ(requested.scene, nullptr);
+  }
+  ASSERT_EQ(wanted.size(), 1U);
+  EXPECT_EQ(wanted.front().name, "sphere");
+  const auto compiled = wanted.front().compile();
+  library.add(compiled);
+  EXPECT_EQ(library.request("sphere").scene, compiled);
+  EXPECT_FALSE(library.request("sphere").coming);
+  EXPECT_FALSE(library.request("no such scene").coming);
+  EXPECT_EQ(wanted.size(), 1U);
+}
+
+TEST(SceneLibrary, WhatCouldNotBeCompiledIsToldOnceAndThenTriedAgain) {
+  SceneLibrary library = SceneLibrary::shipped();
+  int asked = 0;
+  library.compile_elsewhere([&](const SceneLibrary::Compilation&) { ++asked; });
+  EXPECT_TRUE(library.request("sphere").coming);
+  library.give_up("sphere", "no memory");
+  const auto told = library.request("sphere");
+  EXPECT_EQ(told.why_not, "no memory");
+  EXPECT_FALSE(told.coming);
+  EXPECT_EQ(asked, 1);
+  EXPECT_TRUE(library.request("sphere").coming);
+  EXPECT_EQ(asked, 2);
+}
+
+TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }
+
+TEST(LoadScene, UnknownNameListsTheKnownOnes) {
+  EXPECT_EQ(library_error("spere"), "no scene 'spere', did you mean 'sphere'? (known: " +
+                                        SceneLibrary::shipped().names() + "); a file is given as FILE.toml");
+}
+
+TEST(LoadScene, ReadsAFile) {
+  const std::string path = testing::TempDir() + "scene_library_test.toml";
+  std::ofstream(path) << "[scene]\nname = 'mine'\ndescription = ''\ndegrees_of_freedom = 2\n";
+  EXPECT_EQ(load_scene(path)->facts().name, "mine");
+}
+
+TEST(LoadScene, NamesTheFileThatIsNotThere) {
+  EXPECT_EQ(library_error("/nowhere/x.toml"), "/nowhere/x.toml: cannot be read: No such file or directory");
+}
+
+TEST(LoadScene, RefusesAFolder) {
+  EXPECT_THAT(library_error("/tmp/"), HasSubstr("/tmp/: cannot be read: it is a directory"));
+}
+
+}  // namespace
+}  // namespace forcebound::server

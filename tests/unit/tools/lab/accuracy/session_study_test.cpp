@@ -1,0 +1,127 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/support/process.hpp"
+#include "tests/tools/lab/accuracy/levels_text.hpp"
+#include "tests/tools/lab/accuracy/study_text.hpp"
+#include "tests/unit/tools/lab/accuracy/floor_study.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+StudyResult swept(double round_trip_s, const std::string& sweep) {
+  Study study = floor_study(round_trip_s);
+  study.sweep = parse_sweep(sweep);
+  return carry_out(study, EvenClock());
+}
+
+const DeviceError& error_of(const StudyResult& result, std::size_t setting) {
+  return result.settings[setting].behind[0].error;
+}
+
+TEST(StudyOfASession, HasARowForEachLawWhosePartsAddUp) {
+  const StudyResult result = swept(0.05, "law=none,fba-less,fba-more,fba-exact");
+  ASSERT_EQ(result.settings.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    SCOPED_TRACE(result.settings[i].value);
+    const DeviceError& error = error_of(result, i);
+    const double sum = error.model.share + error.age.share + error.hold.share + error.bounding.share;
+    EXPECT_NEAR(sum, error.total, 1e-9);
+    EXPECT_NEAR(error.model.alone, 0, 0.01) << "the scene is its own reference";
+    EXPECT_EQ(result.settings[i].at_states.force, 0);
+    EXPECT_EQ(result.settings[i].cost.median_us, 50);
+  }
+  EXPECT_EQ(error_of(result, 0).bounding.alone, 0) << "no law takes anything away";
+  EXPECT_GT(error_of(result, 2).bounding.alone, 0.1);
+}
+
+TEST(StudyOfASession, ForcesThatFadeBeforeTheyComeAreTheHoldsFault) {
+  const StudyResult result = swept(0.05, "hold_ms=250,0");
+  EXPECT_LT(error_of(result, 0).hold.alone, 0.2);
+  EXPECT_GT(error_of(result, 1).hold.alone, error_of(result, 0).hold.alone + 0.01);
+  EXPECT_EQ(error_of(result, 1).least_age, error_of(result, 0).least_age);
+  EXPECT_EQ(result.settings[0].value, "250")
+      << "in the order that they were given in: no setting is finer than another";
+}
+
+TEST(StudyOfASession, AServerThatAnswersRarelyIsWrongForItsAgeAndHold) {
+  const StudyResult result = swept(0.001, "rate_Hz=20,1000");
+  EXPECT_GT(result.settings[0].behind[0].turns_missed, 0.9);
+  EXPECT_GT(error_of(result, 0).least_age, std::chrono::milliseconds(50));
+  EXPECT_GT(error_of(result, 0).total, 3 * error_of(result, 1).total);
+}
+
+TEST(StudyOfASession, SaysOnceWhatIsOfTheScene) {
+  const StudyResult result = swept(0.001, "law=none,fba-exact");
+  const std::string text = to_text(result);
+  EXPECT_THAT(text, AllOf(HasSubstr("the scene itself"), HasSubstr("(all)"), HasSubstr("Session: law none")));
+  EXPECT_THAT(recommendation(result), HasSubstr("law = "));
+  EXPECT_EQ(what_does_not_matter(result), "");
+  EXPECT_THROW(static_cast<void>(levels_text(result)), std::runtime_error);
+}
+
+TEST(StudyOfASession, OfAnotherReferenceHasItsModelsErrorInAllRows) {
+  Study study = floor_study(0.001);
+  study.reference = compile(study, {{"object.floor.surface.stiffness_N_per_m", "200"}});
+  study.sweep = parse_sweep("law=none,fba-less");
+  const StudyResult result = carry_out(study, EvenClock());
+  for (const StudiedSetting& setting : result.settings) EXPECT_NEAR(setting.at_states.force, 0.5, 1e-9);
+  EXPECT_NEAR(error_of(result, 0).model.alone, 0.5, 0.05);
+}
+
+TEST(StudyOfASession, IsRefusedBeforeAnythingRuns) {
+  EXPECT_THROW(static_cast<void>(swept(0.001, "law=none,fab")), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(swept(0.001, "hold_ms=2000")), std::invalid_argument);
+}
+
+class StudyOfARecordedHand : public testing::Test {
+ protected:
+  /// Down into the floor and up again; `bottom_m` of its lowest.
+  [[nodiscard]] std::string recording(const std::string& bottom_m) const {
+    test::write_file(folder_.file("hand.csv"),
+                     "time_s,x_m,y_m,z_m\n0,0,0,0.01\n0.5,0,0," + bottom_m + "\n1,0,0,0.01\n");
+    return "replay:" + folder_.file("hand.csv");
+  }
+
+  [[nodiscard]] static Study by(const std::string& hand) {
+    Study study = floor_study(0.005);
+    study.sweep = {"object.floor.surface.stiffness_N_per_m", {"50", "100"}};
+    study.reference = compile(study);
+    study.hand = hand;
+    return study;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(StudyOfARecordedHand, PlaysItInEveryRun) {
+  const StudyResult result = carry_out(by(recording("-0.005")), EvenClock());
+  EXPECT_THAT(result.hand, HasSubstr("hand.csv"));
+  EXPECT_NEAR(result.settings[0].at_states.force, 0.5, 1e-9);
+  EXPECT_EQ(result.settings[1].at_states.force, 0);
+  EXPECT_GT(error_of(result, 1).age.share, 0.01);
+}
+
+TEST_F(StudyOfARecordedHand, GoesWhereTheSurfaceIsByItsOffset) {
+  const std::string above = recording("0.005");
+  EXPECT_THAT([&] { static_cast<void>(carry_out(by(above), EvenClock())); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  AllOf(HasSubstr("never feels anything"), HasSubstr("offset_z_m"), HasSubstr("(0, 0, 0) m"))));
+  const StudyResult result = carry_out(by(above + ",offset_z_m=-0.01"), EvenClock());
+  EXPECT_NEAR(result.settings[0].at_states.force, 0.5, 1e-9);
+}
+
+TEST_F(StudyOfARecordedHand, IsRefusedWithFileAndLine) {
+  test::write_file(folder_.file("bad.csv"), "time_s,x_m,y_m,z_m\n0,0,0,0\n0.1,0,zero,0\n");
+  EXPECT_THAT([&] { static_cast<void>(carry_out(by("replay:" + folder_.file("bad.csv")), EvenClock())); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("bad.csv:3: ")));
+}
+
+}  // namespace
+}  // namespace forcebound::lab

@@ -1,0 +1,115 @@
+#include "tests/tools/lab/bench/results.hpp"
+
+#include <gmock/gmock.h>
+
+#include <stdexcept>
+
+#include "forcebound/text/file.hpp"
+#include "tests/tools/lab/bench/collect.hpp"
+#include "tests/tools/lab/bench/ratios_figure.hpp"
+#include "tests/unit/record/sample_run.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+BenchResults sample() {
+  BenchResults results;
+  results.machine = {{"date", "2026-11-21"}, {"processor", "some (2)"}};
+  results.rows = {ratio_row("round trip: median", "us", 30, "sockperf", 25, "<= 1.25"),
+                  ratio_row("round trip: p99", "us", 60, "sockperf", 40, "<= 1.3"),
+                  ratio_row("most clients", "clients", 400, "echo", 600, ">= 0.7"),
+                  ratio_row("law", "us", 0.123456, "no law", 0.1),
+                  growth_row("law", "degrees of freedom", 0.7),
+                  growth_row("nearest point", "triangles", 0.25, "Embree", 0.2)};
+  return results;
+}
+
+TEST(BenchRow, IsFineUpToItsBoundOnTheRightSide) {
+  const BenchResults results = sample();
+  EXPECT_TRUE(results.rows[0].fine());
+  EXPECT_FALSE(results.rows[1].fine());
+  EXPECT_FALSE(results.rows[2].fine());
+  EXPECT_TRUE(ratio_row("most clients", "clients", 420, "echo", 600, ">= 0.7").fine());
+  EXPECT_TRUE(results.rows[3].fine());
+  EXPECT_TRUE(results.rows[4].fine());
+}
+
+TEST(BenchRow, HasNoResultThatIsNoNumber) {
+  EXPECT_THROW(static_cast<void>(ratio_row("x", "us", 1, "y", 0)), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(ratio_row("x", "us", NAN, "y", 1)), std::runtime_error);
+}
+
+TEST(BenchCsv, ReadsBackAsItWas) { EXPECT_EQ(parse_bench_csv(to_csv(sample())), sample()); }
+
+TEST(BenchCsv, IsRefusedWithTheLineThatIsWrong) {
+  EXPECT_THAT([] { static_cast<void>(parse_bench_csv(to_csv(sample()) + "ratio,short\n")); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("'ratio,short'")));
+  EXPECT_THAT([] { static_cast<void>(parse_bench_csv("what,ever\n")); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("'what,ever'")));
+  EXPECT_THROW(static_cast<void>(parse_bench_csv("")), std::runtime_error);
+}
+
+TEST(BenchCsv, RefusesToWriteACellThatWouldBecomeTwo) {
+  BenchResults results = sample();
+  results.rows[0].what = "a, b";
+  EXPECT_THROW(static_cast<void>(to_csv(results)), std::runtime_error);
+}
+
+TEST(BenchTable, MarksWhatMissesItsBoundAndNothingElse) {
+  const std::string table = to_table(sample());
+  EXPECT_THAT(table, HasSubstr("1.5      <= 1.3  MISSED"));
+  EXPECT_THAT(table, HasSubstr("0.667    >= 0.7  MISSED"));
+  EXPECT_THAT(table, HasSubstr("1.2      <= 1.25\n"));
+}
+
+TEST(Marks, TakeWhatIsBetweenThemAndLeaveTheRest) {
+  const std::string document =
+      "before\n" + std::string(kBenchMarks.begin) + "old\n" + std::string(kBenchMarks.end) + "after\n";
+  EXPECT_EQ(between_marks(document, kBenchMarks), "old\n");
+  const std::string after = with_between_marks(document, kBenchMarks, "new\nlines\n");
+  EXPECT_EQ(between_marks(after, kBenchMarks), "new\nlines\n");
+  EXPECT_THAT(after, testing::StartsWith("before\n<!-- bench"));
+  EXPECT_THAT(after, testing::EndsWith("<!-- /bench -->\nafter\n"));
+}
+
+TEST(Marks, AreNeededOnceEach) {
+  EXPECT_THROW(static_cast<void>(between_marks("nothing", kBenchMarks)), std::runtime_error);
+  const std::string once = std::string(kBenchMarks.begin) + std::string(kBenchMarks.end);
+  EXPECT_THROW(static_cast<void>(between_marks(once + once, kBenchMarks)), std::runtime_error);
+  EXPECT_THROW(
+      static_cast<void>(between_marks(std::string(kBenchMarks.end) + std::string(kBenchMarks.begin), kBenchMarks)),
+      std::runtime_error);
+}
+
+TEST(RatiosFigure, IsDrawn) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const record::test::TemporaryFile png("ratios.png");
+  draw_ratios(sample(), png.path());
+  EXPECT_THAT(text::read_file(png.path()), testing::StartsWith("\x89PNG"));
+}
+
+TEST(Collect, NamesWhatIsMissing) {
+  EXPECT_THAT([] { static_cast<void>(collect("/nowhere")); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/machine.txt")));
+}
+
+// deploy/bench --readme puts them there.
+TEST(Readme, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
+  const std::string root = FORCEBOUND_SOURCE_DIR;
+  const BenchResults committed = parse_bench_csv(text::read_file(root + "/deploy/bench-results.csv"));
+  EXPECT_EQ(between_marks(text::read_file(root + "/README.md"), kBenchMarks), to_markdown(committed))
+      << "the README's benchmarks are not those of deploy/bench-results.csv: run deploy/bench --readme";
+}
+
+TEST(Readme, WouldBeCaughtQuotingAnotherNumber) {
+  BenchResults other = sample();
+  other.rows[0].ours = "31";
+  EXPECT_THAT(to_markdown(sample()), Not(testing::StrEq(to_markdown(other))));
+}
+
+}  // namespace
+}  // namespace forcebound::lab

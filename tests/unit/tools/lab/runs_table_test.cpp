@@ -1,0 +1,61 @@
+#include "tests/tools/lab/runs_table.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace forcebound::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::ElementsAre;
+
+/// The words of one line; the first two lines are the head.
+std::vector<std::string> words_of_line(const std::string& table, int line) {
+  std::istringstream lines(table);
+  std::string text;
+  for (int i = 0; i <= line; ++i) std::getline(lines, text);
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+Json summary_of(const char* law, double least_P_J) {
+  return {{"law", law},
+          {"force_age_ms", {{"p50", 104.2}, {"p99", 121.76}, {"max", 300.0}}},
+          {"force_N", {{"mean", 1.0}, {"variance", 0.12345}, {"max", 3.3}}},
+          {"displayed_stiffness_N_per_m", {{"mean", 312.4}, {"median", 298.6}}},
+          {"passivity", {{"minimum_J", least_P_J}, {"final_J", 1.0}, {"ok", least_P_J >= 0}}}};
+}
+
+TEST(ComparisonTable, GivesEachRunALineInItsOrder) {
+  const std::string table = comparison_table({summary_of("none", -1.25), summary_of("fba-more", 0.0)});
+  EXPECT_THAT(words_of_line(table, 2), ElementsAre("none", "-1250.000", "0.1235", "312", "104.2"));
+  EXPECT_THAT(words_of_line(table, 3), ElementsAre("fba-more", "0.000", "0.1235", "312", "104.2"));
+}
+
+TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
+  Json summary = summary_of("fba-less", 0.0);
+  summary["passivity"] = {{"minimum_J", nullptr}, {"ok", nullptr}};
+  summary.erase("force_age_ms");
+  EXPECT_THAT(words_of_line(comparison_table({summary}), 2), ElementsAre("fba-less", "-", "0.1235", "312", "-"));
+  EXPECT_THAT(words_of_line(comparison_table({Json::object()}), 2), ElementsAre("-", "-", "-", "-", "-"));
+}
+
+TEST(ComparisonTable, HasAUnitOverEachNumber) {
+  EXPECT_THAT(words_of_line(comparison_table({}), 1),
+              ElementsAre("law", "[mJ]", "[N^2]", "mean", "[N/m]", "median", "[ms]"));
+}
+
+TEST(ComparisonTable, GivesNoSignToWhatIsZeroAsWritten) {
+  EXPECT_THAT(words_of_line(comparison_table({summary_of("none", -1e-9)}), 2)[1], "0.000");
+}
+
+TEST(ComparisonTable, KeepsItsColumnsUnderTheirHeads) {
+  std::istringstream lines(comparison_table({summary_of("none", -1234.5), summary_of("fba-exact", 0.0)}));
+  std::string line;
+  while (std::getline(lines, line)) EXPECT_EQ(line.size(), 81U) << line;
+}
+
+}  // namespace
+}  // namespace forcebound::lab
