@@ -11,8 +11,8 @@
 namespace forcebound::control {
 namespace {
 
-// Below this a direction is not credited at all rather than divided by: 1 uN s/m dissipates nothing a person could
-// feel.
+// Credited in every direction where the damping at the tip cannot be computed: above zero, so that it can be divided
+// by, and so small that it earns nothing a person could feel.
 constexpr double kDampingLeast = 1e-6;
 // Keeps the mobility invertible in singular configurations: no direction is credited with more than 1e6 N s/m.
 constexpr double kMobilityLeast = 1e-6;

@@ -4,7 +4,7 @@
 
 namespace forcebound::control {
 
-/// A positive definite lower bound b of the device's physical damping in task space, with its factor at hand.
+/// A positive definite lower bound b of the device's physical damping in task space, with its Cholesky factor.
 ///
 /// Real time: everything but `from_matrix` is noexcept and allocates nothing.
 class Damping {
@@ -19,8 +19,8 @@ class Damping {
   /// The damping that an arm with joint damping D shows at its tip: b = J^-T D J^-1.
   ///
   /// Built from the mobility J D^-1 J' + epsilon I, so that it exists at and near singular configurations as well;
-  /// there it is smaller than the exact value, hence still a lower bound. A configuration in which even that fails (not
-  /// finite) gives the smallest damping we ever credit.
+  /// there it is smaller than the exact value, hence still a lower bound. Where even that fails (a Jacobian that is
+  /// not finite or overflows), it is 1e-6 N s/m in every direction, the smallest damping that is ever credited.
   static Damping from_joints(const Matrix& jacobian, const Matrix& joint_damping) noexcept;
 
   [[nodiscard]] int degrees_of_freedom() const noexcept { return static_cast<int>(matrix_.rows()); }
@@ -47,8 +47,8 @@ class Damping {
   Matrix factor_;
 };
 
-/// The largest diagonal matrix of the shape diag(b) that is not above b, as a vector [N s/m]: what an algorithm may
-/// credit that looks at each axis on its own. Where b is diagonal, b itself.
+/// The largest multiple of diag(b) that is not above b, as a vector [N s/m]: what an algorithm that treats each axis on
+/// its own may credit. Where b is diagonal, b itself.
 ///
 /// lambda_min(S^-1 b S^-1) S^2 with S^2 = diag(b); always above zero.
 /// Real time: no allocation, O(dof^3).

@@ -20,9 +20,9 @@ struct DeviceFacts {
   Vector encoder_step;       ///< distance of two neighbouring readings, 0: ideal
   Vector actuator_step;      ///< distance of two neighbouring commands, 0: ideal
   double force_N_max = 0;    ///< largest tip force the device may be asked for
-  double hold_s_max = 2e-3;  ///< the device layer zeroes a force that has been in effect for so long without a new one
+  double hold_s_max = 2e-3;  ///< the device layer zeroes a force in effect for exactly this long without a new one
   bool releases = true;      ///< false: it does not, so that only the next command ends a force
-  double latency_s = 0;      ///< from the command to the force at the actuator, beyond what the tick measures
+  double latency_s = 0;      ///< from the command to the force at the actuator: what the tick cannot measure
 
   [[nodiscard]] int degrees_of_freedom() const noexcept { return static_cast<int>(damping.rows()); }
 };

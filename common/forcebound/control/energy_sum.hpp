@@ -7,8 +7,8 @@ namespace forcebound::control {
 
 /// A running sum of energies [J] that does not forget small terms beside large ones (Neumaier's compensated sum).
 ///
-/// A day at 1 kHz is 1e8 terms of nanojoules beside a total of joules; plain addition would lose them. One sum serves
-/// one law. It stays a number: beyond the largest there is, it is the largest. Real time: noexcept, no allocation,
+/// A day at 1 kHz is 1e8 terms of nanojoules beside a total of joules; plain addition would lose them. A sum
+/// beyond the largest double stays at the largest double. Real time: noexcept, no allocation,
 /// O(1).
 class EnergySum {
  public:

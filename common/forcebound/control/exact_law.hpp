@@ -21,10 +21,10 @@ namespace forcebound::control {
 ///     E_n = sum_i min V_n,i,   V from the readings, the measured intervals and what was in effect when
 ///     f_n = phi u, the largest phi <= |f_e| with  sum_i max(phi |(J'u)_i| - c_i, 0)^2 T_hold/(4 b_i) <= max(E_n, 0)
 ///
-/// where E_n is already less what the forces still in effect may take until f_n is. Scaling the torque scales the tip
-/// force: its direction is kept, no inverse Jacobian appears, singular configurations are harmless. With no energy at
-/// all the force is what friction holds: c. A coupled damping matrix D counts as lambda_min(S^-1 D S^-1) S^2, S^2 =
-/// diag(D).
+/// where what the forces still in effect may take until f_n takes effect is already subtracted from E_n. Scaling the
+/// torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular configurations are
+/// harmless. Without any energy the torque is what friction holds: the largest one along J'u with |tau_i| <= c_i. A
+/// coupled damping matrix D counts as lambda_min(S^-1 D S^-1) S^2, S^2 = diag(D).
 ///
 /// Energy beyond what a force of f_max could ever need is forgotten (EnergyMemory::capped), so that contact does not
 /// ring.
@@ -32,12 +32,15 @@ namespace forcebound::control {
 /// Without encoder step, friction and latency, and with every interval equal to period and hold time, this is
 /// LessConservativeLaw for a diagonal b.
 ///
-/// An interval that is not measurable (`is_measurable`) credits nothing and charges what all
-/// forces in effect can take in a hold time; one shorter than a tenth of the period is credited as that. A device that
-/// cannot let go of a force (DeviceFacts::releases) is credited as measured; a tick later than the hold time is then
-/// the one case without the guarantee, and the deficit is repaid first.
+/// An interval that is not measurable (`is_measurable`) credits nothing and charges what the forces in effect and on
+/// their way can take within one hold time in all, or until the newest is in effect where that is later. The forces on
+/// their way stay in the queue, so that behind a latency the guarantee does not hold across such an interval. One
+/// shorter than a tenth of the period is credited as that. A device that cannot let go of a force
+/// (DeviceFacts::releases) is credited as measured; a tick later than the hold time is without the
+/// guarantee too, and the deficit is repaid first.
 ///
-/// Real time: noexcept, no allocation, O(dof LeastEnergy::kKnotsMax). A copy is a saved state.
+/// Real time: noexcept, no allocation; dof times the cost of LeastEnergy for each torque in effect in an interval. A
+/// copy is a saved state.
 class ExactLaw final : public PassivityLaw {
  public:
   /// @throws std::invalid_argument unless the damping is symmetric positive definite of 1 to 6 rows, period and hold

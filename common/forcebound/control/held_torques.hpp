@@ -11,7 +11,8 @@ namespace forcebound::control {
 /// The torques in effect and on their way to the motors, from the present on.
 ///
 /// A torque is in effect until the next one is, or the device lets go of it. Several are on their way at once where the
-/// latency is longer than a tick; one for which there is no room takes the place of the newest, as in the device.
+/// latency is longer than a tick; one for which there is no room takes the place of the newest; a device must do the
+/// same.
 ///
 /// Real time: noexcept, no allocation. A value.
 class HeldTorques {

@@ -26,8 +26,8 @@ struct Motion {
 /// What the two halves of a law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no heap.
 using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 
-/// Makes the force on the device of what the environment asks for: force bounding so that the device never returns more
-/// energy than its own damping takes, the other approaches as near to that as they come (LawClaim).
+/// Turns what the environment asks for into the force on the device. Force bounding keeps the device from returning
+/// more energy than its own damping takes; what a law promises of that, and on which device, is its LawClaim.
 ///
 /// Sign: `f` [N] is the force **on the device**, the way haptics APIs mean it; a wall at x >= 0 gives f = -K x. The
 /// paper [Kim, Baek, Ryu 2015] writes F_d = -f, so its `+F dx` is our `-f'd`.
@@ -49,8 +49,8 @@ class PassivityLaw {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
 
   /// Notes the motion under the force committed last. An interval that is not measurable credits nothing. Where the
-  /// device let go of that force before this reading
-  /// (`held_s`), a law that knows of one force only credits nothing and charges it the worst case.
+  /// device let go of that force before this reading (`held_s`), a law that cannot tell where the device was at that
+  /// time credits nothing and charges the force its worst case.
   virtual void credit(const Motion& motion) noexcept = 0;
 
   /// The reading was lost: nothing can be credited, and the force committed last is charged its worst case. Of `motion`

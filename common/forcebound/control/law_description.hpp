@@ -52,12 +52,13 @@ enum class LawCertainty : std::uint8_t {
   reconstruction,  ///< built from a description; its authors may have done otherwise
 };
 
-/// What a law promises of P(t), whatever the environment and the network do. A law with a half at the server takes that
-/// half as it is: who would lie there could lend it energy.
+/// What a law promises of P(t), whatever the environment and the network do. A law with a half at the server trusts
+/// that half: false sums from there would be spent as energy.
 enum class LawClaim : std::uint8_t {
   nothing,
-  passive_if_ideal,  ///< P >= 0 on straight axes with ideal encoders, punctual ticks, and forces there with the reading
-  passive,           ///< P >= 0 with the device's facts as they are
+  passive_if_ideal,  ///< P >= 0 on straight axes with ideal encoders, punctual ticks, and forces in effect at the
+                     ///< reading
+  passive,           ///< P >= 0 on any device whose facts are true
 };
 
 /// A law as one can ask for it by name; said in --help.

@@ -141,9 +141,9 @@ std::optional<double> LeastEnergy::read(const Tube& tube) noexcept {
   return gain_J;
 }
 
-/// Beyond p = 0 an estimate from below has x farther out. A knot that dents the graph outwards from its neighbours'
-/// chord simply goes; for another one the line through it from its inner neighbour is drawn on until it is as far out
-/// as the outer neighbour, which moves there.
+/// Away from p = 0 an estimate from below has x farther out at the same p. A knot that lies within its neighbours'
+/// chord is left out, as the chord is farther out. For one beyond the chord, the line from its inner neighbour through
+/// it is drawn on to the x of the outer neighbour, which moves there, to a smaller |p|.
 LeastEnergy::Thinning LeastEnergy::thinning(int knot) const noexcept {
   const int out = graph_[knot].p >= 0 ? 1 : -1;
   const auto outwards = [&](int steps) { return out > 0 ? graph_[knot + steps] : mirrored(graph_[knot - steps]); };

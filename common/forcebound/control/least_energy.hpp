@@ -17,10 +17,11 @@ namespace forcebound::control {
 /// time has passed. The value of V at its minimum is not kept: the members below give its changes, and the law adds
 /// them up.
 ///
-/// A graph of more than `kKnotsMax` knots is thinned so that V becomes smaller nowhere near its minimum and larger
+/// A graph of more than `kKnotsMax` knots is thinned so that V stays as it is next to its minimum and becomes larger
 /// nowhere: an estimate from below keeps the guarantee.
 ///
-/// Units: [m], [N], [N s/m], [J] or [rad], [N m], [N m s/rad], [J]. Real time: noexcept, no allocation, O(kKnotsMax).
+/// Units: [m], [N], [N s/m], [J] or [rad], [N m], [N m s/rad], [J]. Real time: noexcept, no allocation, O(kKnotsMax),
+/// and O(kKnotsMax^2) where the graph is thinned.
 class LeastEnergy {
  public:
   static constexpr int kKnotsMax = 32;

@@ -9,7 +9,7 @@ namespace forcebound::control {
 ///
 ///     E_n = E_{n-1} + d'B d - f_{n-1}'d,   E_0 = 0
 ///
-/// Never reset. An interval of which nobody saw the end, or that no clock can have measured, credits nothing and is
+/// Never reset. An interval whose end was not read, or that no clock can have measured, credits nothing and is
 /// charged the worst that its force can have done.
 /// Real time: noexcept, no allocation, O(dof^2).
 class Ledger {

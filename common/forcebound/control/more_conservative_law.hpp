@@ -17,7 +17,7 @@ namespace forcebound::control {
 ///     r <= A_n :  f = f_e,                    xi = r / A_n,  R = A_n
 ///     else     :  f = u sqrt(4 A_n/u'B^-1 u), xi = 1,        R = A_n
 ///
-/// An interval of which nobody saw the end, or that no clock can have measured, leaves nothing of the reserve, and a
+/// An interval whose end was not read, or that no clock can have measured, leaves nothing of the reserve, and a
 /// debt where the force was held for longer than the period; the debt is repaid from A before anything else. A static
 /// wall in one degree of freedom shows min(K, 2b/T); where r <= A_n always, the law is transparent.
 class MoreConservativeLaw final : public PassivityLaw {

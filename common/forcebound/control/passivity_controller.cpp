@@ -64,7 +64,7 @@ bool PassivityController::note(const Motion& motion) noexcept {
 
 Vector PassivityController::release(const Motion& motion) noexcept {
   const Vector zero = Vector::Zero(actuator_step_.rows());
-  // Asked all the same: a law may have a tool of its own to move.
+  // The law is asked although its answer is not used: it may have a tool of its own to move.
   if (note(motion)) (void)law_->bound(zero);
   law_->commit(zero);
   return zero;
@@ -101,8 +101,8 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
   return direction * (force_N_max_ / length);
 }
 
-/// What no law should give: not finite or of the wrong size is zero; what is longer than the device may be asked for is
-/// made shorter.
+/// Guards against a faulty law: a force that is not finite or of the wrong size becomes zero; one longer than the
+/// device may be asked for is shortened.
 Vector PassivityController::sound(const Vector& force_N) noexcept {
   if (force_N.rows() != actuator_step_.rows() || !force_N.allFinite()) {
     ++counts_.forces_not_finite;

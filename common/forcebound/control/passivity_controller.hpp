@@ -13,8 +13,8 @@ namespace forcebound::control {
 ///     request -> finite? -> saturate at f_max along u -> law -> finite? within f_max? -> round to the actuator
 ///     -> commit the same number
 ///
-/// A request that is not finite is zero force. A reading that is not finite is zero force too; the interval credits
-/// nothing and the force held over it is charged its worst case. Rounding is toward zero in the joints, where motors
+/// A request that is not finite is zero force. A reading that is not finite is zero force too; the tick credits
+/// nothing and the force held is charged its worst case. Rounding is toward zero in the joints, where motors
 /// are; a rounded force that the law would not allow (a coupled damping matrix can make it so) becomes zero.
 ///
 /// Less than 1e-150 N is zero, asked for or given, so that no force depends on what the processor does with denormals.
@@ -35,8 +35,8 @@ class PassivityController {
   /// actuator step or the largest force is negative or not a number.
   PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
 
-  /// One tick without any word of the environment, because there never was one or the last is too old: notes the
-  /// motion, and zero is the force, whatever the law would go on with.
+  /// One tick without an answer of the environment, because there never was one or the newest is too old: notes the
+  /// motion and gives zero force, whatever the law would give.
   [[nodiscard]] Vector release(const Motion& motion) noexcept;
 
   /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.
@@ -45,13 +45,13 @@ class PassivityController {
   /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it.
   [[nodiscard]] Vector confirmed(const Vector& force_N, double latency_s) noexcept;
 
-  /// What the law's half at the server said with the newest force, ahead of the tick that uses that force. Numbers that
-  /// are not all finite are not heard.
+  /// What the law's half at the server said with the newest force, ahead of the tick that uses that force. If any
+  /// number is not finite, all are ignored.
   void hear(const PortNumbers& numbers) noexcept {
     if (numbers.allFinite()) law_->incoming(numbers);
   }
 
-  /// From now on another server answers, or the same one that remembers nothing.
+  /// From now on another server answers, or the same one after a restart.
   void begin_server_side() noexcept { law_->begin_server_side(); }
 
   [[nodiscard]] const PassivityLaw& law() const noexcept { return *law_; }

@@ -6,7 +6,7 @@
 namespace forcebound::control {
 
 /// No law: whatever is asked for is applied. The control group of every experiment; its ledger is kept all the same, so
-/// that a run shows how much energy it made up.
+/// that a run shows how much energy was given to the hand.
 class TransparentLaw final : public PassivityLaw {
  public:
   /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.
