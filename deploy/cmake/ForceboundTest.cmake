@@ -10,13 +10,14 @@ target_precompile_headers(forcebound_test_headers PRIVATE
   <gtest/gtest.h>)
 
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
-#                 [APART] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder. It
+#                 [TOGETHER] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder. It
 # is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
-# APART: its sources name different things alike, so they are compiled one by one, with precompiled headers.
+# TOGETHER: no two of its sources give one name to different things, so that several may be compiled as one; otherwise
+# each is compiled by itself, with precompiled headers.
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
 # --long is given; `threads` and `process` run it under ThreadSanitizer as well.
 function(forcebound_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "APART;SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL;TOGETHER" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
@@ -27,10 +28,10 @@ function(forcebound_test name)
     file(GLOB_RECURSE arg_SOURCES CONFIGURE_DEPENDS ${arg_FOLDER}/*.cpp)
   endif()
   add_executable(${name} ${arg_SOURCES})
-  if(arg_APART)
-    target_precompile_headers(${name} REUSE_FROM forcebound_test_headers)
-  else()
+  if(arg_TOGETHER)
     forcebound_compile_together(${name})
+  else()
+    target_precompile_headers(${name} REUSE_FROM forcebound_test_headers)
   endif()
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${name} PRIVATE FORCEBOUND_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

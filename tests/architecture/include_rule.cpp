@@ -50,6 +50,8 @@ const std::vector<Folder>& folders() {
       {"tests/tools/netem", {"forcebound/net", "forcebound/text", "forcebound/time"}},
       {"tests/tools/relay", {"forcebound/net", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
       {"tests/tools/sim", {"forcebound", "tests/tools/netem"}},
+      {"tests/tools/reference", {}},
+      {"tests/tools/lab", {"forcebound", "tests/tools"}},
       {"tests/tools", {"forcebound"}},
       {"tests/consumer", kAllOfOurs},
       {"tests", kTests},

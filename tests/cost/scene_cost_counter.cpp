@@ -46,7 +46,7 @@ std::string hundred_objects() {
 }
 
 /// FNV-1a over the bits.
-std::uint64_t hash(std::uint64_t so_far, const Vector& force) {
+std::uint64_t hash(std::uint64_t so_far, const control::Vector& force) {
   for (Eigen::Index i = 0; i < force.rows(); ++i) {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &force[i], sizeof bits);
@@ -61,7 +61,7 @@ void run(const std::string& which, int motions) {
   std::uint64_t forces = 0xcbf29ce484222325;
   const std::uint64_t heap_before = time::heap_operations_of_this_thread();
   for (int i = 0; i < motions; ++i) {
-    Vector position(3);
+    control::Vector position(3);
     position << 0.001 * (i % 1000), 0.004, 0.0002 * (i % 100);
     forces = hash(forces, state.answer(position, std::chrono::milliseconds{i}).force);
   }

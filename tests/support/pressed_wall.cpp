@@ -90,7 +90,7 @@ PressedWallResult press(const PressedWall& setting) {
   for (int tick = 0; tick < kTicks; ++tick) {
     const double step_m = setting.encoder_m;
     const double read_m = step_m > 0 ? step_m * std::round(motion.at_m() / step_m) : motion.at_m();
-    asked.push_back(loop.probe(control::Vector::Constant(1, read_m))[0]);
+    asked.push_back(loop.proxy_position(control::Vector::Constant(1, read_m))[0]);
     const double request_N = -setting.stiffness_N_per_m * std::max(0.0, asked.front());
     asked.pop_front();
     const double force_N = loop.tick(read_m, request_N);

@@ -86,8 +86,8 @@ TEST(LawFile, IsReadFromTheDisk) {
 }
 
 TEST(LawFile, IsDescribedForPeople) {
-  EXPECT_EQ(device::describe({{"mass_kg", 0.03}, {"gain", 40000}}), "gain 40000, mass_kg 0.03");
-  EXPECT_EQ(device::describe(LawParameters{}), "");
+  EXPECT_EQ(describe({{"mass_kg", 0.03}, {"gain", 40000}}), "gain 40000, mass_kg 0.03");
+  EXPECT_EQ(describe(LawParameters{}), "");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/tools/lab/soak/reference_exact.hpp"
+#include "tests/tools/reference/reference_exact.hpp"
 
 namespace forcebound::control {
 namespace {

@@ -46,7 +46,7 @@ TEST(LoadDevice, EveryShippedDeviceLoadsWithTheHoldTimeOfTwoTicks) {
     EXPECT_EQ(device.facts.hold_s_max, 2e-3) << name;
     EXPECT_EQ(device.facts.latency_s, 0) << name;
     EXPECT_EQ(device.facts.cartesian, !device.arm) << name;
-    EXPECT_THAT(baselines::describe(device), testing::StartsWith(name + ": "));
+    EXPECT_THAT(describe(device), testing::StartsWith(name + ": "));
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "forcebound/device/kinematics.hpp"
 #include "forcebound/record/tick_record.hpp"
-#include "tests/tools/lab/soak/reference_exact.hpp"
+#include "tests/tools/reference/reference_exact.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {

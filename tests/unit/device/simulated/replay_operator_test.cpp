@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string refusal_of(const std::string& text, int dof) {
+std::string replay_refusal(const std::string& text, int dof) {
   try {
     (void)parse_motion(text, "hand.csv", dof);
   } catch (const std::runtime_error& error) {
@@ -41,16 +41,17 @@ TEST(ParseMotion, TakesTheFirstColumnsOfTheDevicesDegreesOfFreedomAndCountsTimeF
 }
 
 TEST(ParseMotion, NamesFileAndLineOfWhatItRefuses) {
-  EXPECT_THAT(refusal_of("", 1), HasSubstr("hand.csv:1: the header must begin with 'time_s,x_m' for 1 degrees"));
-  EXPECT_THAT(refusal_of("time_s,x_m\n0,0\n1,1\n", 2), HasSubstr("must begin with 'time_s,x_m,y_m' for 2"));
-  EXPECT_THAT(refusal_of("t,x\n0,0\n", 1), HasSubstr("got 't,x'"));
-  EXPECT_EQ(refusal_of("time_s,x_m\n0,0\n1,two\n", 1), "hand.csv:3: expected 2 finite numbers, got '1,two'");
-  EXPECT_EQ(refusal_of("time_s,x_m\n0,0\n1\n", 1), "hand.csv:3: expected 2 finite numbers, got '1'");
-  EXPECT_EQ(refusal_of("time_s,x_m\n0,inf\n", 1), "hand.csv:2: expected 2 finite numbers, got '0,inf'");
-  EXPECT_EQ(refusal_of("time_s,x_m\n0,0\n1,1\n1,2\n", 1),
+  EXPECT_THAT(replay_refusal("", 1), HasSubstr("hand.csv:1: the header must begin with 'time_s,x_m' for 1 degrees"));
+  EXPECT_THAT(replay_refusal("time_s,x_m\n0,0\n1,1\n", 2), HasSubstr("must begin with 'time_s,x_m,y_m' for 2"));
+  EXPECT_THAT(replay_refusal("t,x\n0,0\n", 1), HasSubstr("got 't,x'"));
+  EXPECT_EQ(replay_refusal("time_s,x_m\n0,0\n1,two\n", 1), "hand.csv:3: expected 2 finite numbers, got '1,two'");
+  EXPECT_EQ(replay_refusal("time_s,x_m\n0,0\n1\n", 1), "hand.csv:3: expected 2 finite numbers, got '1'");
+  EXPECT_EQ(replay_refusal("time_s,x_m\n0,inf\n", 1), "hand.csv:2: expected 2 finite numbers, got '0,inf'");
+  EXPECT_EQ(replay_refusal("time_s,x_m\n0,0\n1,1\n1,2\n", 1),
             "hand.csv:4: time_s must increase from row to row, got '1,2'");
-  EXPECT_EQ(refusal_of("time_s,x_m\n0,0\n", 1), "hand.csv:2: needs at least two rows, got 1");
-  EXPECT_THAT(refusal_of(kHand, 6), HasSubstr("a recorded hand has at most 3 degrees of freedom, the device has 6"));
+  EXPECT_EQ(replay_refusal("time_s,x_m\n0,0\n", 1), "hand.csv:2: needs at least two rows, got 1");
+  EXPECT_THAT(replay_refusal(kHand, 6),
+              HasSubstr("a recorded hand has at most 3 degrees of freedom, the device has 6"));
 }
 
 TEST(ReplayOperator, PassesThroughEveryRow) {

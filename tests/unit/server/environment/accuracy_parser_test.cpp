@@ -18,7 +18,7 @@ using testing::StartsWith;
 
 double force_N(const std::shared_ptr<const scene::Scene>& scene) {
   scene::SceneState state(scene, 1);
-  return state.answer(test::vector_of({0.01}), Nanoseconds{0}).force[0];
+  return state.answer(test::vector_of({0.01}), time::Nanoseconds{0}).force[0];
 }
 
 /// The wall with one place replaced.

@@ -61,7 +61,7 @@ TEST_P(EveryField, IsFiniteOnEveryNumberOfAxesFromItsVeryCentreToFarAway) {
     scene::SceneState state(scene_of(GetParam(), axes), device);
     milliseconds now{0};
     for (const double far_m : {0.0, 0.0, 1e-300, 1e-9, 0.01, -0.3, 0.7, 1e3, -1e6, 1e9, 0.0}) {
-      Vector position = Vector::Zero(device);
+      control::Vector position = control::Vector::Zero(device);
       position.head(axes).setConstant(far_m);
       const scene::SceneAnswer answer = state.answer(position, now += milliseconds(7));
       ASSERT_TRUE(answer.force.allFinite()) << axes << " axes at " << far_m;
@@ -80,7 +80,7 @@ TEST_P(EveryField, IsFeltAlongTheAxesOfAScene) {
     scene::SceneState state(scene_of(GetParam(), axes), static_cast<std::uint32_t>(axes));
     double felt_N = 0;
     for (int i = 0; i < 10; ++i) {
-      const Vector position = 0.3 * i * Vector::Unit(axes, axes - 1);
+      const control::Vector position = 0.3 * i * control::Vector::Unit(axes, axes - 1);
       felt_N = std::max(felt_N, state.answer(position, milliseconds(10 * i)).force.norm());
     }
     EXPECT_GT(felt_N, 1e-3) << axes;
@@ -119,7 +119,7 @@ class EveryShippedScene : public testing::TestWithParam<std::string> {
   static std::uint32_t device_of(const scene::Scene& scene) { return scene.accepts(3) ? 3 : 2; }
 
   /// A walk through the very centre and 80 mm around it.
-  static Vector place(int step, std::uint32_t rows) {
+  static control::Vector place(int step, std::uint32_t rows) {
     const double t = 0.01 * step;
     return 0.08 * std::sin(0.37 * t) * test::vector_of({std::sin(t), std::cos(1.3 * t), std::sin(1.7 * t)}).head(rows);
   }
@@ -142,11 +142,11 @@ TEST_P(EveryShippedScene, DoesNotAllocate) {
   const auto scene = load_scene(GetParam());
   const std::uint32_t device = device_of(*scene);
   scene::SceneState state(scene, device);
-  std::vector<Vector> path(3000);
+  std::vector<control::Vector> path(3000);
   for (std::size_t step = 0; step < path.size(); ++step) path[step] = place(static_cast<int>(step), device);
   const test::AllocationGuard guard;
   milliseconds now{0};
-  for (const Vector& position : path) (void)state.answer(position, now += milliseconds(1));
+  for (const control::Vector& position : path) (void)state.answer(position, now += milliseconds(1));
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
 

@@ -42,7 +42,7 @@ std::string error_of_file(const std::string& text) {
 }
 
 double force_N_at(const std::shared_ptr<const scene::Scene>& scene, double x, double y, double z) {
-  return scene::SceneState(scene, 3).answer(test::vector_of({x, y, z}), Nanoseconds{0}).force[2];
+  return scene::SceneState(scene, 3).answer(test::vector_of({x, y, z}), time::Nanoseconds{0}).force[2];
 }
 
 TEST(HeightFieldParser, RowsFollowEachOtherAlongY) {

@@ -57,7 +57,7 @@ TEST(SceneLibrary, ShipsTheScenesWithTheirDegreesOfFreedom) {
   EXPECT_EQ(accepted("box"), "3 or 6");
 }
 
-TEST(scene::Scene, AcceptsWhatItSays) {
+TEST(Scene, AcceptsWhatItSays) {
   const SceneLibrary library = SceneLibrary::shipped();
   const auto accepted = [&](std::string_view name) {
     std::string numbers;

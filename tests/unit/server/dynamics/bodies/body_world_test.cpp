@@ -55,7 +55,7 @@ Ledger drag_an_arm_around(double timestep_s) {
                                    "mass='0.2' diaginertia='2e-4 2e-4 2e-4'/></body></worldbody>",
                                "arm", coupling);
   const int seat = bodies->join();
-  const auto path_m = [&](double time_s) -> Point {
+  const auto path_m = [&](double time_s) -> scene::Point {
     if (time_s < 0.32) return {kArm_m - std::min(time_s, 0.32 - time_s), 1e-3 * std::sin(20 * time_s), 0};
     const double angle = (time_s - 0.32) / kArm_m;
     return kArm_m * scene::Point(std::cos(angle), std::sin(angle), 0);
@@ -230,7 +230,7 @@ TEST(BodyWorld, AReturnOfMuJoCoToTheStartTakesNoContactsFromThoseLeftOut) {
 }
 
 TEST(BodyWorld, ASilentDevicesVelocityIsBelievedAsLongInOneAdvanceAsInMany) {
-  const auto force_N = [](int advances) -> Point {
+  const auto force_N = [](int advances) -> scene::Point {
     const BodyDynamicModel dynamic_model({.bodies = {floor_plate()}}, "test");
     const auto state = dynamic_model.make_state(1);
     Hand hand(*state);

@@ -11,6 +11,9 @@
 namespace forcebound::scene {
 namespace {
 
+using server::load_scene;
+using server::parse_scene;
+
 using std::chrono::milliseconds;
 
 using test::vector_of;

@@ -12,6 +12,8 @@
 namespace forcebound::scene {
 namespace {
 
+using server::parse_scene;
+
 using std::chrono::milliseconds;
 
 std::shared_ptr<const Scene> table_with_ball(bool shared) {

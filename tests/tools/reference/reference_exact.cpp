@@ -1,4 +1,4 @@
-#include "tests/tools/lab/soak/reference_exact.hpp"
+#include "tests/tools/reference/reference_exact.hpp"
 
 #include <algorithm>
 #include <cmath>
