@@ -40,7 +40,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/server/dynamics/tissue", {"forcebound/text", "forcebound/scene"}},
       {"forcebound/server/dynamics/bodies", {"forcebound/text", "forcebound/scene"}},
       {"forcebound/server/environment",
-       {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/scene", "forcebound/server/dynamics"}},
+       {"forcebound/control", "forcebound/device", "forcebound/text", "forcebound/time", "forcebound/scene", "forcebound/server/dynamics"}},
       {"forcebound/server/session",
        {"forcebound/control", "forcebound/baselines", "forcebound/text", "forcebound/time", "forcebound/wire",
         "forcebound/net", "forcebound/scene", "forcebound/server/environment"}},

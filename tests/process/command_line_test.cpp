@@ -53,6 +53,17 @@ TEST(EveryProgram, NamesAnUnknownOptionInOneLine) {
   }
 }
 
+TEST(TheServer, SuggestsTheOptionsOfAClientThatFeelsTheScene) {
+  const Ran sphere = run(kServer, {"--scene", "sphere", "--suggest"});
+  EXPECT_EQ(sphere.exit_code, 0) << sphere.err;
+  EXPECT_EQ(sphere.out, "--device omni --operator trace-sphere\n");
+  EXPECT_EQ(run(kServer, {"--scene", "wall", "--suggest"}).out, "--device wall-1dof --operator press\n");
+  EXPECT_EQ(run(kServer, {"--scene", "adhesion", "--suggest"}).out, "--device omni --operator stroke\n");
+  const Ran unknown = run(kServer, {"--scene", "spere", "--suggest"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'sphere'?"));
+}
+
 struct Refusal {
   Words arguments;
   int exit_code;

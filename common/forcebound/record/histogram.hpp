@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "forcebound/time/percentile.hpp"
+
 namespace forcebound::record {
 
 /// Percentiles of non-negative integers, such as nanoseconds, in memory that does not grow.
@@ -38,15 +40,19 @@ class Histogram {
   /// The largest value, exactly; NaN when there is none.
   [[nodiscard]] double max() const noexcept { return count_ == 0 ? kNone : static_cast<double>(max_); }
 
-  /// The smallest value that at least `fraction` of all values do not exceed (nearest rank); NaN when there is none.
+  /// The nearest rank, or of an even count the mean of the two middle values, as time::percentile_ranks says; NaN when
+  /// there is none.
   /// @param fraction 0 to 1.
   [[nodiscard]] double percentile(double fraction) const noexcept {
     if (count_ == 0) return kNone;
-    const double rank = std::max(1.0, std::ceil(fraction * static_cast<double>(count_)));
-    double seen = 0;
+    const auto [low, high] = time::percentile_ranks(fraction, count_);
+    std::uint64_t seen = 0;
+    double at_low = kNone;
     for (std::size_t i = 0; i < kBuckets; ++i) {
-      seen += static_cast<double>(counts_[i]);
-      if (seen >= rank) return std::min(middle_of(i), static_cast<double>(max_));
+      seen += counts_[i];
+      const double value = std::min(middle_of(i), static_cast<double>(max_));
+      if (seen >= low && std::isnan(at_low)) at_low = value;
+      if (seen >= high) return 0.5 * (at_low + value);
     }
     return static_cast<double>(max_);
   }

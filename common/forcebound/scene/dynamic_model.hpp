@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -71,6 +72,7 @@ struct DynamicModelFacts {
   /// Where a device meets it as it begins: some point of a surface that a probe can reach; where devices drag a body,
   /// the point at which the first one does.
   Point on_surface_m = Point::Zero();
+  Eigen::AlignedBox3d bounds_m{};  ///< of tissue as it begins; empty: not known
   int seats_max = std::numeric_limits<int>::max();
   Inputs inputs{};                   ///< beside the position: velocity of `move`, time of `advance`
   std::vector<std::string> lines{};  ///< what it consists of, what it assumes, how near to instability it is

@@ -25,16 +25,16 @@ Point Scene::on_surface_m(std::size_t part) const {
   return steps[part].shape == nullptr ? Point::Zero() : steps[part].shape->facts().on_surface_m;
 }
 
-bool Scene::accepts(std::uint32_t device_degrees_of_freedom) const noexcept {
-  const auto ours = static_cast<std::uint32_t>(facts_.degrees_of_freedom);
+bool SceneFacts::accepts(std::uint32_t device_degrees_of_freedom) const noexcept {
+  const auto ours = static_cast<std::uint32_t>(degrees_of_freedom);
   if (ours == kAnyDegreesOfFreedom)
     return device_degrees_of_freedom >= 1 && device_degrees_of_freedom <= control::kDofMax;
   return device_degrees_of_freedom == ours || (ours == 3 && device_degrees_of_freedom == 6);
 }
 
-std::string Scene::accepted_degrees_of_freedom() const {
-  if (facts_.degrees_of_freedom == kAnyDegreesOfFreedom) return "1 to " + std::to_string(control::kDofMax);
-  return facts_.degrees_of_freedom == 3 ? "3 or 6" : std::to_string(facts_.degrees_of_freedom);
+std::string SceneFacts::accepted_degrees_of_freedom() const {
+  if (degrees_of_freedom == kAnyDegreesOfFreedom) return "1 to " + std::to_string(control::kDofMax);
+  return degrees_of_freedom == 3 ? "3 or 6" : std::to_string(degrees_of_freedom);
 }
 
 }  // namespace forcebound::scene

@@ -16,12 +16,20 @@ namespace forcebound::scene {
 struct SceneFacts {
   std::string name;
   std::string description;
-  int degrees_of_freedom = 3;  ///< 1 to 3, or kAnyDegreesOfFreedom
-  bool shared = false;         ///< all clients feel the same bodies and tissue
-  bool accuracy_auto = false;  ///< it may be others as well, see Scene::accuracy
-  int clients_max = 1;         ///< of a shared scene, at once; else any number
-  std::uint64_t hash = 0;      ///< FNV-1a of the file's text: the same hash, the same scene
+  int degrees_of_freedom = 3;      ///< 1 to 3, or kAnyDegreesOfFreedom
+  bool shared = false;             ///< all clients feel the same bodies and tissue
+  bool accuracy_auto = false;      ///< it may be others as well, see Scene::accuracy
+  int clients_max = 1;             ///< of a shared scene, at once; else any number
+  std::uint64_t hash = 0;          ///< FNV-1a of the file's text: the same hash, the same scene
+  std::string suggested_device{};  ///< as the author wrote them; empty: see suggested_hand.hpp
+  std::string suggested_hand{};
   std::vector<std::string> effects_not_requested{};
+
+  /// Whether a device of so many degrees of freedom can feel it: the same number, or 6 where the scene has 3.
+  [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;
+
+  /// What `accepts` accepts, for people: "3 or 6".
+  [[nodiscard]] std::string accepted_degrees_of_freedom() const;
 };
 
 inline constexpr int kAnyDegreesOfFreedom = 0;
@@ -69,11 +77,10 @@ class Scene {
   /// Where a device meets a part as the scene begins; the origin for a field.
   [[nodiscard]] Point on_surface_m(std::size_t part) const;
 
-  /// Whether a device of so many degrees of freedom can feel it: the same number, or 6 where the scene has 3.
-  [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;
-
-  /// What `accepts` accepts, for people: "3 or 6".
-  [[nodiscard]] std::string accepted_degrees_of_freedom() const;
+  [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept {
+    return facts_.accepts(device_degrees_of_freedom);
+  }
+  [[nodiscard]] std::string accepted_degrees_of_freedom() const { return facts_.accepted_degrees_of_freedom(); }
 
  private:
   SceneFacts facts_;

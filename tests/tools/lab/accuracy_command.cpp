@@ -9,9 +9,11 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/accuracy/levels_text.hpp"
+#include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/round_trips.hpp"
 #include "tests/tools/lab/accuracy/study_markdown.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
@@ -105,6 +107,18 @@ void accuracy(const AccuracyOptions& options) {
   std::printf("\nFigure: %s\n", png.c_str());
 }
 
+std::string recommendation_help() {
+  return "Recommended behind each network is the most exact setting, unless a rougher one is less\n"
+         "wrong at the device and saves time: at least " +
+         text::rounded(100 * kTimeShareThatCounts) +
+         " % of the server's step (1 ms at --rate 1000)\n"
+         "off the median, and at least the interquartile range of the steps' times and of an idle\n"
+         "loop's. A force that points more than " +
+         text::rounded(kDirectionWarning_deg) +
+         " degrees aside (p95) is warned of. All figures\n"
+         "hold for the hand that they were taken with, which the output names.";
+}
+
 void add_session(CLI::App& command, AccuracyOptions& options) {
   command.add_option("--law", options.session.law, "as the client's")
       ->check(CLI::IsMember(baselines::shipped_laws().names()))
@@ -129,6 +143,7 @@ void add_accuracy(CLI::App& app) {
   auto options = std::make_shared<AccuracyOptions>();
   CLI::App* command = app.add_subcommand(
       "accuracy", "How wrong a scene's force is at the device, over what its settings cost in time, behind networks");
+  command->footer(recommendation_help());
   command->add_option("SCENE", options->scene, "name or FILE.toml")->required();
   command
       ->add_option("--sweep", options->sweep,

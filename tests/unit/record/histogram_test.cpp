@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <random>
 #include <vector>
@@ -16,6 +17,12 @@ namespace {
 double nearest_rank(const std::vector<std::int64_t>& sorted, double fraction) {
   const auto rank = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(sorted.size())));
   return static_cast<double>(sorted[std::max<std::size_t>(rank, 1) - 1]);
+}
+
+Histogram histogram_of(std::initializer_list<std::int64_t> values) {
+  Histogram histogram;
+  for (const std::int64_t value : values) histogram.add(value);
+  return histogram;
 }
 
 TEST(Histogram, IsWithinATwoThousandthOfTheSortedValuesOverTwelveDecades) {
@@ -37,9 +44,18 @@ TEST(Histogram, IsWithinATwoThousandthOfTheSortedValuesOverTwelveDecades) {
 TEST(Histogram, IsExactBelow1024) {
   Histogram histogram;
   for (int value = 0; value < 1024; ++value) histogram.add(value);
-  EXPECT_EQ(histogram.percentile(0.5), 511);
+  EXPECT_EQ(histogram.percentile(0.5), 511.5);
   EXPECT_EQ(histogram.percentile(1.0), 1023);
   EXPECT_EQ(histogram.percentile(0.0), 0);
+}
+
+TEST(Histogram, MedianOfAnEvenCountIsTheMeanOfTheTwoMiddleValues) {
+  EXPECT_EQ(histogram_of({7}).percentile(0.5), 7);
+  EXPECT_EQ(histogram_of({10, 1}).percentile(0.5), 5.5);
+  EXPECT_EQ(histogram_of({9, 1, 4}).percentile(0.5), 4);
+  EXPECT_EQ(histogram_of({100, 2, 8, 1}).percentile(0.5), 5);
+  EXPECT_EQ(histogram_of({3, 3, 3, 9}).percentile(0.5), 3) << "both in one bucket";
+  EXPECT_EQ(histogram_of({100, 2, 8, 1}).percentile(0.75), 8) << "of others the nearest rank";
 }
 
 TEST(Histogram, MergedIsAsIfAllHadBeenAddedToOne) {

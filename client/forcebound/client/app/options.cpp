@@ -33,6 +33,7 @@ Operators (--operator), simulated hands; NAME:key=value,... changes their number
   replay:FILE.csv[,key=value,...]  plays a recorded hand (time_s,x_m[,y_m,z_m])
 The summary lists an operator's keys and their values; such as press:to_m=0.03, or replay:hand.csv,offset_x_m=0.01.
 Without --operator the device chooses one, without --device the operator does; without both it is press on wall-1dof.
+Which ones feel a scene says forcebound-server --scene SCENE --suggest.
 
 A force is applied as it is while the motion it answers is younger than --hold, then fades, and is zero from --drop on.
 On a terminal a line shows how it goes; at the end, also after Ctrl-C, a summary is printed.

@@ -23,7 +23,11 @@ class Capsule final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this, .cost_ns = 10};
+    const Point half_m = segment_.half_m() * segment_.axis().cwiseAbs() + Point::Constant(radius_m_);
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 10,
+            .bounds_m = bounds_about(segment_.middle_m(), half_m)};
   }
 
  private:

@@ -33,7 +33,12 @@ class Cylinder final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this, .cost_ns = 12};
+    const Point across = (1 - segment_.axis().array().square()).max(0).sqrt();
+    const Point half_m = segment_.half_m() * segment_.axis().cwiseAbs() + radius_m_ * across;
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 12,
+            .bounds_m = bounds_about(segment_.middle_m(), half_m)};
   }
 
  private:

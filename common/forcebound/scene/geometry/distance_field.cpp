@@ -37,7 +37,8 @@ class DistanceField final : public Shape {
       : origin_m_(mesh->origin_m()),
         low_m_(mesh->box_m().min().array() - (options.reach_m + kRimSteps * options.spacing_m)),
         spacing_m_(options.spacing_m),
-        beyond_m_(std::max(options.reach_m, options.spacing_m)) {
+        beyond_m_(std::max(options.reach_m, options.spacing_m)),
+        bounds_m_(mesh->box_m().translated(origin_m_)) {
     const Point steps = ((mesh->box_m().max() - low_m_).array() + options.reach_m) / spacing_m_ + kRimSteps;
     const Point nodes = steps.array().ceil() + 1;
     if (!(nodes.prod() <= kNodesMost)) {
@@ -81,7 +82,8 @@ class DistanceField final : public Shape {
   ShapeFacts facts() const override {
     return {.state_bytes = sizeof(LastNormal),
             .memory_bytes = sizeof *this + phi_m_.size() * sizeof(double),
-            .cost_ns = 120};
+            .cost_ns = 120,
+            .bounds_m = bounds_m_};
   }
 
  private:
@@ -110,6 +112,7 @@ class DistanceField final : public Shape {
   Point low_m_;  // of the grid, in the mesh's own frame
   double spacing_m_;
   double beyond_m_;
+  Eigen::AlignedBox3d bounds_m_;  // of the mesh
   Eigen::Matrix<Eigen::Index, 3, 1> nodes_;
   std::vector<double> phi_m_;
 };

@@ -39,7 +39,10 @@ class HeightField final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    return {.memory_bytes = sizeof *this + reliefs_.size() * sizeof(Relief), .cost_ns = 20};
+    ShapeFacts facts{.memory_bytes = sizeof *this + reliefs_.size() * sizeof(Relief), .cost_ns = 20};
+    facts.bounds_m.extend(origin_m_).extend(origin_m_ + Point(size_m_.x(), size_m_.y(), 0));
+    for (const Relief& relief : reliefs_) facts.bounds_m.extend(origin_m_ + Point(0, 0, relief[0]));
+    return facts;
   }
 
  private:

@@ -37,7 +37,8 @@ class MeshShape final : public Shape {
     return {.state_bytes = sizeof(Proxy),
             .memory_bytes = sizeof *this + object_.memory_bytes() + (sides_ ? sides_->memory_bytes() : 0),
             .cost_ns = (reach_m_ > 0 ? 2 : 1) * kPerLevel_ns * levels,
-            .on_surface_m = top_m()};
+            .on_surface_m = top_m(),
+            .bounds_m = mesh().box_m().translated(mesh().origin_m())};
   }
 
  private:

@@ -37,7 +37,8 @@ class Sphere final : public Shape {
     return {.state_bytes = sizeof(LastNormal),
             .memory_bytes = sizeof *this,
             .cost_ns = 12,
-            .on_surface_m = center_m_ + radius_m_ * Point::UnitX()};
+            .on_surface_m = center_m_ + radius_m_ * Point::UnitX(),
+            .bounds_m = bounds_about(center_m_, Point::Constant(radius_m_))};
   }
 
  private:
@@ -59,7 +60,8 @@ class Cavity final : public Shape {
     return {.state_bytes = sizeof(LastNormal),
             .memory_bytes = sizeof *this,
             .cost_ns = 12,
-            .on_surface_m = center_m_ + radius_m_ * Point::UnitX()};
+            .on_surface_m = center_m_ + radius_m_ * Point::UnitX(),
+            .bounds_m = bounds_about(center_m_, Point::Constant(radius_m_))};
   }
 
  private:
@@ -89,7 +91,10 @@ class Box final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    return {.memory_bytes = sizeof *this, .cost_ns = 10, .on_surface_m = center_m_ + half_m_[0] * Point::UnitX()};
+    return {.memory_bytes = sizeof *this,
+            .cost_ns = 10,
+            .on_surface_m = center_m_ + half_m_[0] * Point::UnitX(),
+            .bounds_m = bounds_about(center_m_, half_m_)};
   }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <memory>
 
@@ -20,7 +21,13 @@ struct ShapeFacts {
   std::size_t memory_bytes = 0;        ///< of the shape itself, shared by all sessions
   double cost_ns = 5;                  ///< for one motion, roughly, on a machine of today
   Point on_surface_m = Point::Zero();  ///< some point of the surface, to try it at
+  Eigen::AlignedBox3d bounds_m{};      ///< what of the surface is not infinite lies in it; empty: all of it may be
 };
+
+/// The box of so much to each side of a point.
+[[nodiscard]] inline Eigen::AlignedBox3d bounds_about(const Point& middle_m, const Point& half_m) {
+  return {Point(middle_m - half_m), Point(middle_m + half_m)};
+}
 
 /// What an object fills.
 ///

@@ -30,7 +30,11 @@ class Torus final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    return {.state_bytes = sizeof(LastNormal), .memory_bytes = sizeof *this, .cost_ns = 15};
+    const Point across = (1 - axis_.array().square()).max(0).sqrt();
+    return {.state_bytes = sizeof(LastNormal),
+            .memory_bytes = sizeof *this,
+            .cost_ns = 15,
+            .bounds_m = bounds_about(center_m_, major_m_ * across + Point::Constant(minor_m_))};
   }
 
  private:

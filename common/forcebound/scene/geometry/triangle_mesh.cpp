@@ -93,10 +93,17 @@ TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices,
   report_.vertices = vertices_m_.size();
 }
 
-void TriangleMesh::place(const std::vector<Point>& vertices, const MeshPlacement& placement) {
-  if (!(placement.scale > 0) || !std::isfinite(placement.scale) || !placement.offset_m.allFinite()) {
-    throw GeometryError(name_ + ": scale must be > 0 and offset finite, got " + text::to_text(placement.scale));
+void TriangleMesh::place(const std::vector<Point>& as_read, const MeshPlacement& placement) {
+  if (!placement.valid()) {
+    throw GeometryError(name_ + ": scale must be > 0, rotation and offset finite, got " +
+                        text::to_text(placement.scale));
   }
+  std::vector<Point> turned;
+  if (placement.turns()) {
+    turned.reserve(as_read.size());
+    for (const Point& vertex : as_read) turned.emplace_back(placement.rotation * vertex);
+  }
+  const std::vector<Point>& vertices = placement.turns() ? turned : as_read;
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     for (const std::uint32_t corner : triangles_[i]) {
       if (corner < vertices.size()) continue;

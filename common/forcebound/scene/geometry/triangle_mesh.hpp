@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "forcebound/scene/geometry/geometry_error.hpp"
+#include "forcebound/scene/geometry/mesh_placement.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 
 namespace forcebound::scene {
@@ -17,12 +18,6 @@ namespace forcebound::scene {
 using Triangle = std::array<std::uint32_t, 3>;
 
 using Bounds = Eigen::AlignedBox3d;
-
-/// Where a mesh lies in the scene: a vertex v of the file is at scale * v + offset_m.
-struct MeshPlacement {
-  double scale = 1;
-  Point offset_m = Point::Zero();
-};
 
 /// What a mesh turned out to be, and what was mended. Edges are counted before slivers are dropped: a triangle without
 /// an area opens no surface.
@@ -91,7 +86,7 @@ class TriangleMesh {
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
-  void place(const std::vector<Point>& vertices, const MeshPlacement& placement);
+  void place(const std::vector<Point>& as_read, const MeshPlacement& placement);
   void weld();
   void drop_duplicates();
   void count_edges();

@@ -27,9 +27,11 @@ void explain(const forcebound::server::ProgramOptions& options) {
   using namespace forcebound::server;
   namespace scene = forcebound::scene;
   const forcebound::time::SteadyClock clock;
-  const auto built =
-      load_scene(options.scene, scene::EffectRegistry::standard(), options.calibrate ? measured_by(clock) : scene::MeasureCost{});
+  const auto built = load_scene(options.scene, scene::EffectRegistry::standard(),
+                                options.calibrate ? measured_by(clock) : scene::MeasureCost{});
   ExplainFacts facts{.answer_bytes = answer_bytes(*built), .device = options.device};
+  const SuggestedHand suggested = suggested_hand(built);
+  facts.hand = {.suggested = suggested, .trial = try_hand(built, suggested)};
   if (options.calibrate) facts.calibration = calibrate(built, clock);
   std::cout << explain(*built, facts);
 }
@@ -46,6 +48,11 @@ int main(int argc, char** argv) {
     }
     if (options.explain) {
       explain(options);
+      return 0;
+    }
+    if (options.suggest) {
+      using namespace forcebound::server;
+      std::cout << to_options(suggested_hand(load_scene(options.scene))) << "\n";
       return 0;
     }
     log_to_stderr();

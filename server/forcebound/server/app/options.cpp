@@ -73,6 +73,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->type_name("MS")
       ->check(within(0, 60000))
       ->needs("--explain");
+  app.add_flag("--suggest", options.suggest, "print a client's --device and --operator that feel the scene, and end");
   app.add_flag("--schema", options.schema, "print all that a scene file may have, as Markdown, and end");
   app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
       ->type_name("FILE.mcap");

@@ -14,6 +14,7 @@ struct ProgramOptions {
   net::Endpoint listen{"127.0.0.1", 47800};
   std::string scene = "wall";  ///< name or file
   bool explain = false;        ///< print what would be simulated, and end
+  bool suggest = false;        ///< print with which device and hand to feel it, and end
   bool schema = false;         ///< print what a scene file may have, and end
   bool calibrate = false;      ///< measure it too
   RingingDevice device{};      ///< for the margins that are explained

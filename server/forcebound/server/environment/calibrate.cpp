@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "forcebound/scene/scene_state.hpp"
+#include "forcebound/time/percentile.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -43,16 +44,10 @@ class Measurement {
   }
 
   /// The median of those batches in which a force was felt all the time, if there were any.
-  [[nodiscard]] double felt_median_ns() {
-    std::vector<double>& costs = felt_ns_.empty() ? costs_ns_ : felt_ns_;
-    std::sort(costs.begin(), costs.end());
-    return costs[costs.size() / 2];
-  }
+  [[nodiscard]] double felt_median_ns() { return time::percentile_of(felt_ns_.empty() ? costs_ns_ : felt_ns_, 0.5); }
 
   [[nodiscard]] MeasuredCost result() {
-    std::sort(costs_ns_.begin(), costs_ns_.end());
-    const std::size_t count = costs_ns_.size();
-    return {costs_ns_[count / 2], costs_ns_[count * 99 / 100], left_out_};
+    return {time::percentile_of(costs_ns_, 0.5), time::percentile_of(costs_ns_, 0.99), left_out_};
   }
 
  private:

@@ -80,10 +80,34 @@ std::string implied_text(const scene::SceneObject& part, const PartSum& sum) {
   return implied_text(sum.inputs, std::move(implied));
 }
 
-std::string explain_part(const std::string& what, const scene::SceneObject& part, const RingingDevice& device,
-                         const MeasuredCost* measured) {
+/// Of what a scene's author can hardly mean.
+std::string size_warning(double largest_m) {
+  constexpr double kLeast_m = 1e-3;
+  constexpr double kMost_m = 1;
+  if (largest_m >= kLeast_m && largest_m <= kMost_m) return {};
+  return kIndent + "warning: " +
+         (largest_m > kMost_m ? "larger than 1 m for a hand; is a scale missing? (0.001 for mm)\n"
+                              : "smaller than 1 mm for a hand; is the scale too small?\n");
+}
+
+/// The box about what begins there, along the scene's axes.
+/// @param axes of the scene
+std::string bounds_text(const Eigen::AlignedBox3d& bounds_m, Eigen::Index axes) {
+  if (bounds_m.isEmpty() || !bounds_m.sizes().head(axes).allFinite()) return {};
+  const auto list = [&](const scene::Point& point, const char* between, double unit) {
+    std::string text;
+    for (Eigen::Index i = 0; i < axes; ++i) text += (i == 0 ? "" : between) + rounded(unit * point[i]);
+    return text;
+  };
+  return "  box:        [" + list(bounds_m.min(), ", ", 1) + "] to [" + list(bounds_m.max(), ", ", 1) + "] m,\n" +
+         kIndent + list(bounds_m.sizes(), " x ", 1e3) + " mm\n" + size_warning(bounds_m.sizes().head(axes).maxCoeff());
+}
+
+/// @param bounds what bounds_text says of its shape
+std::string explain_part(const std::string& what, const scene::SceneObject& part, const std::string& bounds,
+                         const RingingDevice& device, const MeasuredCost* measured) {
   const PartSum sum = sum_of(part);
-  std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n";
+  std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n" + bounds;
   for (const scene::RequestedEffect& requested : part.effects) {
     text +=
         "  effect '" + requested.name + "'" + (requested.parameters.empty() ? "" : ": " + requested.parameters) + "\n";
@@ -104,7 +128,9 @@ Ringing ringing_of(const scene::DynamicModelFacts& facts) {
 std::string explain_dynamic_model(const scene::SceneDynamicModel& dynamic_model, const RingingDevice& device,
                                   const MeasuredCost* measured) {
   const scene::DynamicModelFacts facts = dynamic_model.dynamic_model->facts();
-  std::string text = "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n";
+  constexpr Eigen::Index kAxes = 3;
+  std::string text =
+      "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n" + bounds_text(facts.bounds_m, kAxes);
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
   text += "  implies:    " + implied_text(facts.inputs) + "\n";
   text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";
@@ -154,6 +180,18 @@ std::string accuracy_text(const scene::Scene& scene, bool measured) {
   return text + "\n";
 }
 
+std::string hand_text(const ExplainedHand& hand) {
+  const auto& [suggested, trial] = hand;
+  std::string text = "hand:         " + to_options(suggested) + "\n" + kIndent +
+                     (suggested.computed ? "computed from the scene" : "by the scene's author") + "; ";
+  if (trial.starts_inside) return text + "warning: it starts inside an object\n";
+  if (!trial.touched_s) {
+    return text + "warning: it feels nothing within " + rounded(HandTrial::kLongest_s) + " s\n" + kIndent +
+           "(tried in virtual time, without a network)\n";
+  }
+  return text + "feels something after " + rounded(*trial.touched_s) + " s\n";
+}
+
 std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
   const double predicted_ns = predicted_cost_ns(scene);
   Ringing ringing;
@@ -197,13 +235,17 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
     const std::size_t now = part++;
     return facts.calibration ? &facts.calibration->parts.at(now) : nullptr;
   };
-  for (const scene::SceneObject& object : scene.objects())
-    text += explain_part("object", object, facts.device, measured());
-  for (const scene::SceneObject& field : scene.fields()) text += explain_part("field", field, facts.device, measured());
+  const Eigen::Index axes = std::max(1, scene.facts().degrees_of_freedom);
+  for (const scene::SceneObject& object : scene.objects()) {
+    text += explain_part("object", object, bounds_text(object.shape->facts().bounds_m, axes), facts.device, measured());
+  }
+  for (const scene::SceneObject& field : scene.fields())
+    text += explain_part("field", field, "", facts.device, measured());
   for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
     text += explain_dynamic_model(dynamic_model, facts.device, measured());
   if (part == 0) text += "no objects: every force is zero\n";
   text += accuracy_text(scene, facts.calibration.has_value()) + sharing_text(scene);
+  if (facts.hand) text += hand_text(*facts.hand);
   return text + not_simulated_text(scene) + total_text(scene, facts);
 }
 

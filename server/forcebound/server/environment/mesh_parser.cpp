@@ -19,7 +19,7 @@ scene::Point offset(CheckedTable& table, std::string_view key) {
 
 std::shared_ptr<const scene::TriangleMesh> parse_file(CheckedTable& table) {
   const std::string path = table.path("file");
-  const scene::MeshPlacement placement{.scale = table.number(kMeshScale), .offset_m = offset(table, "offset_m")};
+  const scene::MeshPlacement placement = parse_placement(table);
   const double detail = table.number(kMeshDetail);
   auto mesh = table.built_at(table.at("file"), [&] {
     return std::make_shared<const scene::TriangleMesh>(scene::decimated(scene::load_mesh(path, placement), detail));

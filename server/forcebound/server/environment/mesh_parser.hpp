@@ -4,16 +4,9 @@
 
 #include "forcebound/scene/geometry/shape.hpp"
 #include "forcebound/server/environment/checked_table.hpp"
+#include "forcebound/server/environment/placement_parser.hpp"
 
 namespace forcebound::server {
-
-/// What a file's numbers are multiplied with.
-inline constexpr scene::NumberParameter kMeshScale{.key = "scale",
-                                                   .meaning = "metres per unit of the file",
-                                                   .preset = 1,
-                                                   .least = 0,
-                                                   .least_excluded = true,
-                                                   .most = 1e9};
 
 inline constexpr scene::NumberParameter kMeshDetail{
     .key = "detail",
@@ -26,8 +19,8 @@ inline constexpr scene::NumberParameter kMeshDetail{
 inline constexpr scene::NumberParameter kLatheSegments{
     .key = "segments", .meaning = "around the axis", .preset = 128, .least = 3, .most = 4096};
 
-/// Reads a triangle mesh: `file` beside the scene's, `scale` (default 1: metres) and `offset_m`, with
-/// as much `detail` as wanted (default 1: all triangles); felt through a god object, from the front unless `two_sided`.
+/// Reads a triangle mesh: `file` beside the scene's, placed by `scale`, `rotation_deg` and `offset_m`, with as much
+/// `detail` as wanted (default 1: all triangles); felt through a god object, from the front unless `two_sided`.
 /// @param reach_m how far outside of it the distance is wanted
 /// @throws SceneError
 std::unique_ptr<scene::Shape> parse_mesh(CheckedTable& table, double reach_m);

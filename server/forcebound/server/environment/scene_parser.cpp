@@ -9,6 +9,7 @@
 #include "forcebound/server/environment/cost.hpp"
 #include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_key.hpp"
+#include "forcebound/server/environment/suggested_hand.hpp"
 #include "forcebound/server/environment/tissue_parser.hpp"
 #include "forcebound/text/names.hpp"
 
@@ -135,6 +136,7 @@ class Parser {
     } else if (clients != nullptr) {
       scene.fail(*clients, "clients_max is for shared scenes; any number of clients may feel another one, each alone");
     }
+    parse_suggestion(scene, facts);
     scene.refuse_unknown_keys();
     return facts;
   }

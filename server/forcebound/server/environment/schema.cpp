@@ -173,7 +173,14 @@ std::vector<SchemaTable> part_tables() {
          "`false`"},
         described(kClientsMax),
         {"accuracy", "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
-         "`\"fixed\"` or `\"auto\"`", "`\"fixed\"`"}}},
+         "`\"fixed\"` or `\"auto\"`", "`\"fixed\"`"},
+        {"suggested_device", "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",
+         "a device that ships, of degrees of freedom that the scene accepts",
+         "`\"omni\"`, `\"cartesian-2dof\"` or `\"wall-1dof\"`, by `degrees_of_freedom`"},
+        {"suggested_hand",
+         "the simulated hand on it, as `--operator` of `forcebound-client` takes it: `\"stroke:offset_z_m=0.015\"`",
+         "`\"press\"`, `\"stroke\"`, `\"trace-circle\"`, `\"trace-sphere\"` or `\"wave\"`, with `:key=value,...`",
+         "a stroke from above, a press or a wave that was found to touch; see `--explain`"}}},
       {"`[accuracy]`",
        "With `accuracy = \"auto\"`: what the scene may give up to be in time. A client says how far away it is, the "
        "server measures what each level takes on its machine, and picks the one whose force is least wrong at the "

@@ -17,6 +17,10 @@ struct SchemaKey {
 
 SchemaKey described(const scene::EffectParameter& parameter);
 
+/// How a file's mesh or tissue is placed, and what of that a body made in place has.
+SchemaKey rotation_key(std::string_view meaning);
+std::vector<SchemaKey> placement_keys();
+
 /// A table of a scene file, all its keys, and what it is for.
 struct SchemaTable {
   std::string title;

@@ -112,6 +112,12 @@ SchemaTable tissue_table() {
         "`true` or `false`", "`false`"}}};
 }
 
+std::vector<SchemaKey> keys_of_file() {
+  std::vector<SchemaKey> keys{{"file", "Gmsh, ASCII of version 1, 2 or 4.1", "a file beside the scene's"}};
+  for (SchemaKey& key : placement_keys()) keys.push_back(std::move(key));
+  return keys;
+}
+
 }  // namespace
 
 std::vector<SchemaTable> dynamic_model_tables() {
@@ -134,15 +140,16 @@ std::vector<SchemaTable> dynamic_model_tables() {
       setting_table(),
       mjcf_table(),
       tissue_table(),
-      {"`shape = { kind = \"mesh\", ... }` of a `[[tissue]]`",
-       "Tetrahedra from a file.",
-       {{"file", "Gmsh, ASCII of version 1, 2 or 4.1", "a file beside the scene's"},
-        positive("scale", "how long one unit of the file is, in metres", 1)}},
+      {"`shape = { kind = \"mesh\", ... }` of a `[[tissue]]`", "Tetrahedra from a file.", keys_of_file()},
       {"`shape = { kind = \"block\", ... }` of a `[[tissue]]`",
        "A block along the axes, of cells of six tetrahedra each.",
-       {place("center_m", "its center"), size(), {"cells", "along each axis", "a list of whole numbers from 1 to 64"}}},
+       {place("center_m", "its center"),
+        size(),
+        rotation_key(
+            "roll, pitch and yaw: turned about its center and the directions of the scene's x, then y, then z axis"),
+        {"cells", "along each axis", "a list of whole numbers from 1 to 64"}}},
       {"`held` of a `[[tissue]]`",
-       "The nodes on or below a plane, or those in a block.",
+       "The nodes on or below a plane, or those in a block, where the tissue lies in the scene.",
        {{"through_m", "a point of the plane", "a point", "`center_m`"},
         {"normal", "out of what is held", "a direction", "`size_m`"},
         {"center_m", "of the block", "a point", "`through_m`"},

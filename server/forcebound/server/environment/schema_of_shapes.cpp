@@ -25,7 +25,13 @@ SchemaKey size_of_shape() { return {"size_m", "from face to face, along the axes
 
 SchemaKey mesh_file() { return {"file", "OBJ, STL or OFF", "a file beside the scene's"}; }
 
-SchemaKey scale() { return described(kMeshScale); }
+/// The file and where it lies, then what is a shape's own.
+std::vector<SchemaKey> keys_of_mesh(std::vector<SchemaKey> own) {
+  std::vector<SchemaKey> keys{mesh_file()};
+  for (SchemaKey& key : placement_keys()) keys.push_back(std::move(key));
+  for (SchemaKey& key : own) keys.push_back(std::move(key));
+  return keys;
+}
 
 SchemaTable straight(std::string title, std::string text) {
   return {std::move(title),
@@ -35,6 +41,16 @@ SchemaTable straight(std::string title, std::string text) {
 }
 
 }  // namespace
+
+SchemaKey rotation_key(std::string_view meaning) {
+  return {std::string(kRotationKey), std::string(meaning), "a list of 3 numbers", "[0, 0, 0]"};
+}
+
+std::vector<SchemaKey> placement_keys() {
+  return {described(kMeshScale),
+          rotation_key("roll, pitch and yaw: turned about the scene's x, then y, then z axis, after `scale`"),
+          {std::string(kOffsetKey), "added to every vertex, after `rotation_deg`", "a point", "[0, 0, 0]"}};
+}
 
 std::vector<SchemaTable> shape_tables() {
   return {
@@ -62,18 +78,13 @@ std::vector<SchemaTable> shape_tables() {
         {"heights_m", "rows follow each other along y, their numbers along x", "a list of rows of numbers",
          "read from `file`"},
         {"file", "the same, separated by commas, one row to a line", "a file beside the scene's", "`heights_m`"}}},
-      {"mesh",
-       "Triangles from a file, felt through a god object; 3 axes.",
-       {mesh_file(),
-        scale(),
-        moved("offset_m"),
-        described(kMeshDetail),
-        {"two_sided", "whether it is felt from behind as well", "`true` or `false`", "`false`"}}},
+      {"mesh", "Triangles from a file, felt through a god object; 3 axes.",
+       keys_of_mesh({described(kMeshDetail),
+                     {"two_sided", "whether it is felt from behind as well", "`true` or `false`", "`false`"}})},
       {"distance_field",
        "A closed mesh as its signed distance on a grid: edges are rounded by about a grid step, and the cost does not "
        "depend on the mesh; 3 axes.",
-       {mesh_file(), scale(), moved("offset_m"), described(kMeshDetail),
-        positive_of_shape("spacing_m", "of the grid")}},
+       keys_of_mesh({described(kMeshDetail), positive_of_shape("spacing_m", "of the grid")})},
       {"lathe",
        "A closed profile turned about the z axis, as a mesh: pots, bowls, rings; 3 axes.",
        {{"profile_m", "anticlockwise about its inside, with the radius to the right and the height up",

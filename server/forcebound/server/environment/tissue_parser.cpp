@@ -6,6 +6,7 @@
 
 #include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
 #include "forcebound/server/dynamics/tissue/tissue_dynamic_model.hpp"
+#include "forcebound/server/environment/placement_parser.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -24,7 +25,12 @@ TetrahedralMesh parse_block(CheckedTable& shape) {
   constexpr double kCellsMost = 64;
   const scene::Point center_m = shape.point("center_m", kTissueAxes);
   BlockDescription block{.cells = {}, .from_m = {}, .size_m = sizes(shape, "size_m")};
+  scene::MeshPlacement placement{.rotation = parse_rotation(shape)};
   block.from_m = center_m - 0.5 * block.size_m;
+  if (placement.turns()) {  // about its centre
+    block.from_m = -0.5 * block.size_m;
+    placement.offset_m = center_m;
+  }
   const scene::Point cells = shape.point("cells", kTissueAxes);
   for (std::size_t axis = 0; axis < block.cells.size(); ++axis) {
     const double count = cells[static_cast<Eigen::Index>(axis)];
@@ -33,13 +39,13 @@ TetrahedralMesh parse_block(CheckedTable& shape) {
     }
     block.cells[axis] = static_cast<std::size_t>(count);
   }
-  return shape.built_at(shape.at("size_m"), [&] { return TetrahedralMesh(tetrahedral_block(block)); });
+  return shape.built_at(shape.at("size_m"), [&] { return TetrahedralMesh(tetrahedral_block(block), placement); });
 }
 
 TetrahedralMesh parse_mesh(CheckedTable& shape) {
   const std::string path = shape.path("file");
-  const double scale_m = shape.number({.key = "scale", .preset = 1, .least = 0, .least_excluded = true, .most = 1e9});
-  return shape.built_at(shape.at("file"), [&] { return TetrahedralMesh(load_gmsh(path), scale_m); });
+  const scene::MeshPlacement placement = parse_placement(shape);
+  return shape.built_at(shape.at("file"), [&] { return TetrahedralMesh(load_gmsh(path), placement); });
 }
 
 TetrahedralMesh parse_shape(CheckedTable& tissue, std::string& text) {

@@ -49,8 +49,10 @@ std::string trouble_of(const scene::SceneFaults& faults, std::size_t steps) {
 }
 
 StepCost cost_of(const std::vector<double>& durations_ns) {
-  return {percentile(durations_ns, 0.5) * 1e-3, percentile(durations_ns, 0.99) * 1e-3,
-          *std::ranges::max_element(durations_ns) * 1e-3};
+  return {.median_us = percentile(durations_ns, 0.5) * 1e-3,
+          .p99_us = percentile(durations_ns, 0.99) * 1e-3,
+          .max_us = *std::ranges::max_element(durations_ns) * 1e-3,
+          .spread_us = (percentile(durations_ns, 0.75) - percentile(durations_ns, 0.25)) * 1e-3};
 }
 
 Along run_along(const std::shared_ptr<const scene::Scene>& scene, const std::vector<Vector>& positions_m,

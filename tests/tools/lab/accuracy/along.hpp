@@ -17,6 +17,7 @@ struct StepCost {
   double median_us = 0;
   double p99_us = 0;
   double max_us = 0;
+  double spread_us = 0;  ///< the interquartile range
 };
 
 /// @param durations_ns not empty

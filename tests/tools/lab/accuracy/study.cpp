@@ -36,6 +36,31 @@ std::unique_ptr<const device::Operator> make_hand(const Study& study, int degree
   return make_harmonic_hand(study.motion, degrees_of_freedom);
 }
 
+std::string point_text(const Eigen::Vector3d& point_m) {
+  return "(" + text::rounded(point_m.x()) + ", " + text::rounded(point_m.y()) + ", " + text::rounded(point_m.z()) +
+         ") m";
+}
+
+std::string motion_text(const Study& study) {
+  if (!study.hand.empty()) return "that moves as recorded: " + study.hand;
+  const HarmonicMotion& motion = study.motion;
+  const bool slides = motion.kind == HarmonicMotion::Kind::slide;
+  const auto mm = [](double length_m) { return text::rounded(1e3 * length_m) + " mm"; };
+  return (slides ? "that slides " + mm(motion.length_m) + " to and fro, " + mm(motion.depth_m) + " below"
+                 : "that presses from " + mm(motion.clearance_m) + " above to " + mm(motion.depth_m) + " below") +
+         "\n  " + point_text(motion.on_surface_m) + ", " + text::rounded(motion.frequency_Hz) + " times a second";
+}
+
+/// For people: what is known of this hand alone.
+std::string assumptions_of(const Study& study, const device::Operator& mover) {
+  const device::Hand& hand = mover.hand();
+  return "  The figures hold for a hand of " + text::rounded(hand.mass_kg) + " kg, " +
+         text::rounded(hand.stiffness_N_per_m) + " N/m and " + text::rounded(hand.damping_N_s_per_m) +
+         " N s/m, in every\n  direction alike, " + motion_text(study) + ",\n  on device " + study.device +
+         " without its encoder's steps. Another hand meets other\n"
+         "  places, speeds and forces: --motion, --frequency, --depth, --device.\n";
+}
+
 struct Network {
   double round_trip_s = 0;
   double server_turn_s = 0;
@@ -152,18 +177,20 @@ void add_synchronised(StudyResult& result, const Cast& cast, const Runs& runs, c
 }
 
 StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs, const ReferenceModel& reference) {
-  StudyResult result{
-      .key = study.sweep.key,
-      .hand = make_hand(study, device::load_device(study.device).facts.degrees_of_freedom())->description(),
-      .fixed = list_of(study.fixed),
-      .session = to_text(study.session),
-      .same_scene = is_session_key(study.sweep.key),
-      .reference_uncertainty = reference.uncertainty(),
-      .free_uncertainty = reference.uncertainty(),
-      .reference_order = reference.order(),
-      .reference_why = reference.why(),
-      .reference_bodies = runs.free[cast.best].bodies,
-      .answer_bytes = server::answer_bytes(*cast.scenes[cast.best])};
+  const auto hand = make_hand(study, device::load_device(study.device).facts.degrees_of_freedom());
+  StudyResult result{.key = study.sweep.key,
+                     .hand = hand->description(),
+                     .assumptions = assumptions_of(study, *hand),
+                     .fixed = list_of(study.fixed),
+                     .session = to_text(study.session),
+                     .server_step_us = 1e6 / study.session.server_rate_Hz,
+                     .same_scene = is_session_key(study.sweep.key),
+                     .reference_uncertainty = reference.uncertainty(),
+                     .free_uncertainty = reference.uncertainty(),
+                     .reference_order = reference.order(),
+                     .reference_why = reference.why(),
+                     .reference_bodies = runs.free[cast.best].bodies,
+                     .answer_bytes = server::answer_bytes(*cast.scenes[cast.best])};
   if (runs.synchronised) add_synchronised(result, cast, runs, *runs.synchronised);
   result.reference_trouble = trouble_of_run(cast.best, cast, runs, result.places_known);
   return result;
@@ -232,8 +259,7 @@ void live_behind(StudiedSetting& setting, const Study& study, const SessionSetti
   std::string where;
   if (scene.parts() > 0) {
     const scene::Point point_m = scene.on_surface_m(0);
-    where = "; a point of the scene's surface is (" + text::rounded(point_m.x()) + ", " + text::rounded(point_m.y()) +
-            ", " + text::rounded(point_m.z()) + ") m";
+    where = "; a point of the scene's surface is " + point_text(point_m);
   }
   throw std::runtime_error(what + "go where the surface is (" + study.hand.substr(0, study.hand.find(',')) +
                            ",offset_x_m=..,offset_y_m=..,offset_z_m=..) or move longer (--duration)" + where);

@@ -57,8 +57,10 @@ struct StudiedSetting {
 struct StudyResult {
   std::string key;
   std::string hand;
+  std::string assumptions{};  ///< which hand, device and place the figures hold for: lines
   std::string fixed{};
   std::string session{};             ///< before the sweep changed it
+  double server_step_us = 1000;      ///< what the server has for a motion at the session's rate
   bool same_scene = false;           ///< the key is one of the session: what is said of a scene is the same for all
   double change_per_s = 0;           ///< RMS of the reference's rate of change over its own, along the hand's way
   double reference_uncertainty = 0;  ///< at the same states

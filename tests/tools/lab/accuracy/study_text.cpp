@@ -8,21 +8,18 @@
 
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "tests/tools/lab/accuracy/percent.hpp"
 
 namespace forcebound::lab {
 namespace {
 
 using text::rounded;
 
-// Settings whose errors differ by less than this share of the least do not matter to the hand.
-constexpr double kAlike = 0.05;
 // A model's part below this share of what the age comes to is lost in it: their squares add up, to half a percent more.
 constexpr double kLostInAge = 0.1;
 
 // Less is what sums round to.
 constexpr double kLeastShare = 1e-12;
-
-std::string percent(double share) { return rounded(std::abs(share) < kLeastShare ? 0 : 100 * share) + " %"; }
 
 std::string percent_above(double share, double uncertainty) {
   return share < 3 * uncertainty ? "<= " + percent(3 * uncertainty) : percent(share);
@@ -135,7 +132,7 @@ std::string free_text(const StudyResult& result) {
 
 std::string remark(const StudiedSetting& setting, std::size_t which, bool is_best) {
   if (!setting.trouble.empty()) return "  X";
-  return std::string(is_best ? "  <- best" : "") + (setting.stays_passive(which) ? "" : "  not passive");
+  return std::string(is_best ? "  <- least" : "") + (setting.stays_passive(which) ? "" : "  not passive");
 }
 
 std::string behind_text(const StudyResult& result, std::size_t which) {
@@ -180,13 +177,17 @@ nlohmann::ordered_json to_json(const BodyRecord& bodies) {
           {"deepest_m", bodies.deepest_m}, {"ticks", bodies.ticks},       {"exhausted", bodies.exhausted}};
 }
 
+nlohmann::ordered_json to_json(const StepCost& cost) {
+  return {{"median", cost.median_us}, {"p99", cost.p99_us}, {"max", cost.max_us}, {"spread", cost.spread_us}};
+}
+
 nlohmann::ordered_json to_json(const DeviceError::Part& part) { return {{"share", part.share}, {"alone", part.alone}}; }
 
 }  // namespace
 
 std::string to_text(const StudyResult& result) {
   std::string text = "Reference: " + result.reference_why + "; uncertain to " + percent(result.reference_uncertainty) +
-                     "\nHand: " + result.hand + "\nSession: " + result.session +
+                     "\nHand: " + result.hand + "\n" + result.assumptions + "Session: " + result.session +
                      (result.fixed.empty() ? "" : "\nWith: " + result.fixed) + "\n\n" + cost_text(result) +
                      at_states_text(result) + free_text(result);
   for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which)
@@ -212,42 +213,10 @@ std::string what_does_not_matter(const StudyResult& result) {
          percent(kLostInAge) + ")\n";
 }
 
-std::string recommendation(const StudyResult& result, double budget_us) {
-  std::string text;
-  if (!result.reference_trouble.empty()) {
-    text = "not to be relied on: the reference itself failed (" + result.reference_trouble + ")\n";
-  }
-  for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which) {
-    const std::string network = "behind " + ms(result.settings.front().behind[which].round_trip_s) + ": ";
-    const auto best = best_setting(result, which, budget_us);
-    if (!best) {
-      text += network + "nothing that worked" + (result.same_scene ? " and stayed passive" : "") + " takes at most " +
-              rounded(budget_us) + " us\n";
-      continue;
-    }
-    const auto error = [&](std::size_t i) { return result.settings[i].behind[which].error; };
-    const DeviceError least = error(*best);
-    double worst = 0;
-    double smallest = least.total;  // less than the best's where what is less wrong takes longer, or is not passive
-    for (std::size_t i = 0; i < result.settings.size(); ++i) {
-      if (!result.settings[i].trouble.empty()) continue;
-      worst = std::max(worst, error(i).total);
-      smallest = std::min(smallest, error(i).total);
-    }
-    text += network + result.key + " = " + result.settings[*best].value + ", E_dev " + percent(least.total) + ", " +
-            rounded(result.settings[*best].cost.median_us) + " us a step";
-    if (worst <= (1 + kAlike) * smallest) {
-      text += "; but " + result.key + " hardly matters here: the worst setting has " + percent(worst) + ", of which " +
-              percent(least.age.share + least.hold.share) + " are the age of forces";
-    }
-    text += "\n";
-  }
-  return text;
-}
-
 nlohmann::ordered_json to_json(const StudyResult& result) {
   nlohmann::ordered_json json{{"key", result.key},
                               {"hand", result.hand},
+                              {"assumptions", result.assumptions},
                               {"reference",
                                {{"why", result.reference_why},
                                 {"order", result.reference_order},
@@ -264,8 +233,8 @@ nlohmann::ordered_json to_json(const StudyResult& result) {
   for (const StudiedSetting& setting : result.settings) {
     nlohmann::ordered_json object{
         {"value", setting.value},
-        {"step_us", {{"median", setting.cost.median_us}, {"p99", setting.cost.p99_us}, {"max", setting.cost.max_us}}},
-        {"idle_us", {{"median", setting.idle.median_us}, {"p99", setting.idle.p99_us}, {"max", setting.idle.max_us}}},
+        {"step_us", to_json(setting.cost)},
+        {"idle_us", to_json(setting.idle)},
         {"heap_operations", optional(setting.per_step.heap_operations)},
         {"instructions", optional(setting.per_step.instructions)},
         {"force_error", setting.at_states.force},

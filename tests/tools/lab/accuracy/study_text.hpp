@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -12,9 +11,6 @@ namespace forcebound::lab {
 /// A table for people: what each setting costs, how wrong it is at the same states, and how wrong at the device behind
 /// each network, with its parts. What lies within three times the reference's uncertainty is shown as "<=".
 std::string to_text(const StudyResult& result);
-
-/// Which setting to take behind each network, a line each; where the settings hardly differ, that they do not matter.
-std::string recommendation(const StudyResult& result, double budget_us = std::numeric_limits<double>::infinity());
 
 /// Where a scene's key is lost beside the age of forces: behind which networks the model's part of every setting that
 /// worked, by itself, is below 10 % of the age's. One line; empty: nowhere.

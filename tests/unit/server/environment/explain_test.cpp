@@ -75,6 +75,53 @@ TEST(Explain, TellsWhatDrivesByItself) {
   EXPECT_THAT(explain(*load_scene("gravity")), Not(HasSubstr("energy of its own")));
 }
 
+TEST(Explain, TellsTheBoxOfWhatHasOne) {
+  EXPECT_THAT(explain(*load_scene("box")),
+              HasSubstr("box:        [-0.03, -0.03, -0.02] to [0.03, 0.03, 0.02] m,\n              60 x 60 x 40 mm\n"));
+  EXPECT_THAT(explain(*load_scene("circle")),
+              HasSubstr("[-0.04, -0.04] to [0.04, 0.04] m,\n              80 x 80 mm\n"));
+  EXPECT_THAT(explain(*load_scene("palpation")), HasSubstr("100 x 100 x 40 mm\n"));
+  EXPECT_THAT(explain(*load_scene("plane")), Not(HasSubstr("box: "))) << "it has no end";
+}
+
+std::string ball(const std::string& radius_m, const std::string& center_m = "[0, 0, 0]", const std::string& more = "") {
+  return "[scene]\nname = 's'\ndescription = ''\ndegrees_of_freedom = 3\n" + more +
+         "[[object]]\nname = 'ball'\neffects = ['surface']\nsurface = { stiffness_N_per_m = 100 }\n"
+         "shape = { kind = 'sphere', center_m = " +
+         center_m + ", radius_m = " + radius_m + " }\n";
+}
+
+TEST(Explain, WarnsOfSizesThatNoHandMeets) {
+  EXPECT_THAT(explain(*parse_scene(ball("0.5"), "s.toml")), Not(HasSubstr("warning")));
+  EXPECT_THAT(explain(*parse_scene(ball("0.51"), "s.toml")), HasSubstr("warning: larger than 1 m for a hand"));
+  EXPECT_THAT(explain(*parse_scene(ball("0.0005"), "s.toml")), Not(HasSubstr("warning")));
+  EXPECT_THAT(explain(*parse_scene(ball("0.00049"), "s.toml")), HasSubstr("warning: smaller than 1 mm for a hand"));
+}
+
+std::string explained_with_hand(const std::string& text) {
+  const auto scene = parse_scene(text, "s.toml");
+  const SuggestedHand suggested = suggested_hand(scene);
+  return explain(*scene, {.hand = ExplainedHand{suggested, try_hand(scene, suggested)}});
+}
+
+TEST(Explain, TellsWithWhichHandThereIsSomethingToFeel) {
+  EXPECT_THAT(explained_with_hand(ball("0.03")),
+              HasSubstr("hand:         --device omni --operator stroke:offset_z_m=0.03\n"
+                        "              computed from the scene; feels something after 0."));
+  EXPECT_THAT(explained_with_hand(ball("0.02", "[0, 0, 0]", "suggested_hand = 'trace-sphere'\n")),
+              HasSubstr("hand:         --device omni --operator trace-sphere\n"
+                        "              by the scene's author; feels something after 0."));
+}
+
+TEST(Explain, WarnsOfAHandThatStartsInsideOrNeverTouches) {
+  EXPECT_THAT(explained_with_hand(ball("0.03", "[0, 0, 0.02]", "suggested_hand = 'stroke'\n")),
+              HasSubstr("warning: it starts inside an object\n"));
+  EXPECT_THAT(explained_with_hand(ball("0.03", "[0, 0, 5]")),
+              HasSubstr("warning: it feels nothing within 10 s\n"
+                        "              (tried in virtual time, without a network)\n"))
+      << "no omni reaches as far";
+}
+
 TEST(Explain, TellsAFieldFromAnObject) {
   const std::string text = explain(*test::scene_with_own_effects("[[field]]\nname = 'fog'\neffects = ['clock']\n"));
   EXPECT_THAT(text, HasSubstr("field 'fog'\n  effect 'clock'\n"));

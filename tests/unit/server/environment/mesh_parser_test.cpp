@@ -58,6 +58,36 @@ TEST_F(MeshParser, TakesAMeshBesideTheScenesFileInItsScaleAndPlace) {
   EXPECT_THAT(explain(*made), HasSubstr("4 triangles"));
 }
 
+TEST_F(MeshParser, TurnsAMeshAfterItsScaleAndBeforeItsOffset) {
+  test::write_file(folder.file("corner.obj"), kTetrahedron);
+  // The bottom, which looked down at z = 0, stands upright at x = 0.01 and looks along -x.
+  const auto made =
+      scene("kind = 'mesh', file = 'corner.obj', scale = 0.1, rotation_deg = [0, 90, 0], offset_m = [0.01, 0, 0]");
+  scene::SceneState state(made, 3);
+  (void)state.answer(vector_of({0.009, 0.02, -0.02}), milliseconds{1});
+  const scene::SceneAnswer answer = state.answer(vector_of({0.012, 0.02, -0.02}), milliseconds{2});
+  EXPECT_NEAR(answer.force[0], -2, 1e-6);
+  EXPECT_NEAR(answer.penetration_m, 0.002, 1e-9);
+  EXPECT_THAT(explain(*made), HasSubstr("scale 0.1, rotation_deg [0, 90, 0], offset_m [0.01, 0, 0]"));
+  EXPECT_THAT(explain(*made),
+              HasSubstr("box:        [0.01, 0, -0.1] to [0.11, 0.1, 0] m,\n              100 x 100 x 100 mm\n"));
+}
+
+TEST_F(MeshParser, RefusesAPlacementThatIsNone) {
+  test::write_file(folder.file("corner.obj"), kTetrahedron);
+  const std::string mesh = "kind = 'mesh', file = 'corner.obj', ";
+  const std::string place = folder.file("scene.toml") + ":7: object 'it', shape: ";
+  EXPECT_EQ(error_of(mesh + "rotation_deg = [90, 0]"),
+            place + "rotation_deg must have 3 numbers in this scene, got [ 90, 0 ]");
+  EXPECT_EQ(error_of(mesh + "rotation_deg = 90"), place + "rotation_deg must be a list, got 90");
+  EXPECT_EQ(error_of(mesh + "rotation_deg = [nan, 0, 0]"), place + "rotation_deg must be a finite number, got nan");
+  EXPECT_EQ(error_of(mesh + "scale = 0"), place + "scale must be > 0 and <= 1e+09, got 0");
+  EXPECT_THAT(error_of(mesh + "rotation = [90, 0, 0]"),
+              StartsWith(place + "unknown key 'rotation', did you mean 'rotation_deg'?"));
+  EXPECT_THAT(error_of(mesh + "offset = [90, 0, 0]"),
+              StartsWith(place + "unknown key 'offset', did you mean 'offset_m'?"));
+}
+
 TEST_F(MeshParser, FindsTheDistanceOnlyWhereAnEffectReaches) {
   test::write_file(folder.file("corner.obj"), kTetrahedron);
   const std::string shape = "kind = 'mesh', file = 'corner.obj', scale = 0.1";

@@ -32,9 +32,19 @@ const std::map<std::string, Keys> kShapes{
     {"torus", {{"center_m", "[0, 0, 0]"}, {"axis", "[0, 0, 1]"}, {"major_radius_m", "2"}, {"minor_radius_m", "1"}}},
     {"height_field", {{"origin_m", "[0, 0, 0]"}, {"spacing_m", "1"}, {"heights_m", "[[0, 0], [0, 0]]"}}},
     {"mesh",
-     {{"file", "'solid.obj'"}, {"scale", "2"}, {"offset_m", "[1, 1, 1]"}, {"detail", "0.5"}, {"two_sided", "true"}}},
+     {{"file", "'solid.obj'"},
+      {"scale", "2"},
+      {"rotation_deg", "[90, 0, 45]"},
+      {"offset_m", "[1, 1, 1]"},
+      {"detail", "0.5"},
+      {"two_sided", "true"}}},
     {"distance_field",
-     {{"file", "'solid.obj'"}, {"scale", "2"}, {"offset_m", "[1, 1, 1]"}, {"detail", "0.5"}, {"spacing_m", "0.5"}}},
+     {{"file", "'solid.obj'"},
+      {"scale", "2"},
+      {"rotation_deg", "[90, 0, 45]"},
+      {"offset_m", "[1, 1, 1]"},
+      {"detail", "0.5"},
+      {"spacing_m", "0.5"}}},
     {"lathe", {{"profile_m", "[[0, 0], [1, 0], [0, 1]]"}, {"segments", "8"}, {"origin_m", "[1, 1, 1]"}}}};
 
 /// The start of the error that a scene file is refused with, or "no error". A mesh lies beside it.

@@ -7,6 +7,7 @@
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
+#include "tests/support/process.hpp"
 #include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::server {
@@ -71,6 +72,46 @@ TEST(TissueParser, LargeMotionIsFeltByASphereThatIsAsStiffAsItsSkin) {
               refused("tissue 'pad': contact_stiffness_Pa_per_m must be > 0 and <= 274725274"));
   EXPECT_THAT([&] { parse_scene(pad("large_motion = true\nprobe_radius_m = 0.001\n"), "pad.toml"); },
               refused("5: tissue 'pad': block: a sphere of radius 0.001 m is too small beside edges of"));
+}
+
+/// A tetrahedron of 20 file units upright in a corner, its bottom held.
+std::string corner(const test::TemporaryFolder& folder, const std::string& placement, const std::string& held) {
+  test::write_file(folder.file("corner.msh"),
+                   "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 20 0 0\n3 0 20 0\n4 0 0 40\n"
+                   "$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n");
+  return "[scene]\nname = 'c'\ndescription = ''\ndegrees_of_freedom = 3\n[[tissue]]\nname = 'c'\n"
+         "shape = { kind = 'mesh', file = 'corner.msh', " +
+         placement + " }\nheld = " + held + "\nyoung_Pa = 1e4\npoisson = 0.3\n";
+}
+
+TEST(TissueParser, PlacesAFileByScaleRotationAndOffsetAsMeshesAre) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.file("scene.toml");
+  const auto scene = parse_scene(corner(folder, "scale = 0.001, rotation_deg = [0, 90, 0], offset_m = [0.1, 0, 0]",
+                                        "{ through_m = [0.1, 0, 0], normal = [1, 0, 0] }"),
+                                 file);
+  const Eigen::AlignedBox3d box_m = scene->dynamic_models().front().dynamic_model->facts().bounds_m;
+  EXPECT_LT((box_m.min() - scene::Point(0.1, 0, -0.02)).norm(), 1e-15) << "the height of 40 lies along x";
+  EXPECT_LT((box_m.max() - scene::Point(0.14, 0.02, 0)).norm(), 1e-15);
+  EXPECT_THAT(explain(*scene),
+              AllOf(HasSubstr("box:        [0.1, 0, -0.02] to [0.14, 0.02, 0] m,\n              40 x 20 x 20 mm\n"),
+                    HasSubstr("3 held"), testing::Not(HasSubstr("warning"))));
+  EXPECT_THAT(explain(*parse_scene(corner(folder, "scale = 1", "{ through_m = [0, 0, 0], normal = [0, 0, 1] }"), file)),
+              HasSubstr("warning: larger than 1 m for a hand; is a scale missing? (0.001 for mm)\n"));
+  EXPECT_THAT([&] { parse_scene(corner(folder, "rotation_deg = [1, 2]", "{}"), file); },
+              testing::ThrowsMessage<SceneError>(HasSubstr(
+                  "scene.toml:7: tissue 'c', shape: rotation_deg must have 3 numbers in this scene, got [ 1, 2 ]")));
+}
+
+TEST(TissueParser, TurnsABlockAboutItsCentre) {
+  const auto scene =
+      parse_scene(pad("",
+                      "{ kind = \"block\", center_m = [0.1, 0, -0.02], size_m = [0.08, 0.06, 0.04], cells = [4, 3, 2], "
+                      "rotation_deg = [0, 0, 90] }"),
+                  "pad.toml");
+  const Eigen::AlignedBox3d box_m = scene->dynamic_models().front().dynamic_model->facts().bounds_m;
+  EXPECT_LT((box_m.center() - scene::Point(0.1, 0, -0.02)).norm(), 1e-15);
+  EXPECT_LT((box_m.sizes() - scene::Point(0.06, 0.08, 0.04)).norm(), 1e-15);
 }
 
 TEST(TissueParser, RefusesWhatIsWrongByNameAndLine) {

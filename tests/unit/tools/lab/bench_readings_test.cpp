@@ -43,11 +43,14 @@ TEST(Cyclictest, ThatMeasuredNothingIsRefused) {
 
 TEST(Periods, AreThoseBetweenWakeUpsThatAreLate) { EXPECT_THAT(periods_us(1000, {5, 105, 4}), ElementsAre(1100, 899)); }
 
-TEST(Percentile, IsTheNearestRank) {
+TEST(Percentile, IsTheNearestRankAndOfAnEvenCountTheMeanOfTheTwoMiddleValues) {
   EXPECT_EQ(percentile({3, 1, 2}, 0.5), 2);
   EXPECT_EQ(percentile({3, 1, 2}, 0), 1);
   EXPECT_EQ(percentile({3, 1, 2}, 0.999), 3);
-  EXPECT_EQ(percentile({4, 3, 1, 2}, 0.5), 2);
+  EXPECT_EQ(percentile({4, 3, 1, 2}, 0.5), 2.5);
+  EXPECT_EQ(percentile({10, 0}, 0.5), 5);
+  EXPECT_EQ(percentile({4, 3, 1, 2}, 0.75), 3);
+  EXPECT_EQ(percentile({4, 3, 1, 2}, 1), 4);
   EXPECT_THROW(static_cast<void>(percentile({}, 0.5)), std::runtime_error);
 }
 

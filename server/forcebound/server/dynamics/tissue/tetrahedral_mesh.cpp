@@ -48,16 +48,18 @@ bool even(const TetrahedralMesh::Triangle& t) {
 
 }  // namespace
 
-TetrahedralMesh::TetrahedralMesh(const TetrahedralSoup& soup, double scale_m) : name_(soup.name) {
-  if (!(scale_m > 0) || !std::isfinite(scale_m)) {
-    throw std::runtime_error(soup.name + ": the scale must be > 0, got " + text::to_text(scale_m));
+TetrahedralMesh::TetrahedralMesh(const TetrahedralSoup& soup, const scene::MeshPlacement& placement)
+    : name_(soup.name) {
+  if (!placement.valid()) {
+    throw std::runtime_error(soup.name + ": the scale must be > 0, rotation and offset finite, got " +
+                             text::to_text(placement.scale));
   }
   if (soup.tetrahedra.empty()) throw std::runtime_error(soup.name + ": expected at least one tetrahedron");
-  take_nodes(soup, scale_m);
+  take_nodes(soup, placement);
   find_surface(soup);
 }
 
-void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, double scale_m) {
+void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement) {
   std::vector<int> index(soup.nodes.size(), kUnused);
   for (std::size_t t = 0; t < soup.tetrahedra.size(); ++t) {
     for (const std::size_t node : soup.tetrahedra[t].nodes) {
@@ -74,7 +76,9 @@ void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, double scale_m) {
       continue;
     }
     index[node] = static_cast<int>(nodes_m_.size());
-    nodes_m_.emplace_back(scale_m * soup.nodes[node]);
+    const scene::Point node_m = placement.scale * soup.nodes[node];
+    nodes_m_.emplace_back((placement.turns() ? scene::Point(placement.rotation * node_m) : node_m) +
+                          placement.offset_m);
   }
   take_tetrahedra(soup, index);
 }

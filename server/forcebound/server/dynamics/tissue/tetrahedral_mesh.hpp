@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/scene/geometry/mesh_placement.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 #include "forcebound/server/dynamics/tissue/gmsh_file.hpp"
 
@@ -23,10 +24,10 @@ class TetrahedralMesh {
   /// The height of the thinnest tetrahedron accepted, roughly: six times its volume over its longest edge's cube.
   static constexpr double kFlat = 1e-6;
 
-  /// @param scale_m how long one unit of the file is, > 0 [m]
+  /// @param placement where the soup's nodes lie in the scene
   /// @throws std::runtime_error `FILE:LINE: what`, for a tetrahedron that is flat, for nodes that are not finite, for
   /// more than two tetrahedra at one triangle, and for two that overlap since both lie on the same side of it.
-  explicit TetrahedralMesh(const TetrahedralSoup& soup, double scale_m = 1);
+  explicit TetrahedralMesh(const TetrahedralSoup& soup, const scene::MeshPlacement& placement = {});
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const std::vector<scene::Point>& nodes_m() const noexcept { return nodes_m_; }
@@ -43,7 +44,7 @@ class TetrahedralMesh {
   [[nodiscard]] int unused_nodes() const noexcept { return unused_nodes_; }
 
  private:
-  void take_nodes(const TetrahedralSoup& soup, double scale_m);
+  void take_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement);
   void take_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index);
   void find_surface(const TetrahedralSoup& soup);
 

@@ -128,6 +128,7 @@ scene::DynamicModelFacts TissueDynamicModel::facts() const {
   for (const int node : held_nodes_) held[node] = true;
   scene::DynamicModelFacts facts;
   facts.on_surface_m = top_of(mesh, held) + probe_.radius_m * scene::Point::UnitZ();
+  for (const scene::Point& node_m : mesh.nodes_m()) facts.bounds_m.extend(node_m);
   facts.stiffness_N_per_m = probe_.contact_stiffness_N_per_m;
   facts.lines = {
       std::to_string(mesh.nodes_m().size()) + " nodes, " + std::to_string(mesh.tetrahedra().size()) + " tetrahedra, " +

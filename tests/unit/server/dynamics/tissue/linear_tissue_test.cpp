@@ -145,7 +145,7 @@ TEST(LinearTissue, SaysHowMuchMemoryItTakes) {
 TEST(LinearTissue, TakesTheLiver) {
   const auto path = test::recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
-  TetrahedralMesh mesh(load_gmsh(path->string()), 0.01);
+  TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
   const std::vector<int> held = nodes_below(mesh, {0, 0, 0}, scene::Point::UnitZ());
   for (const double poisson : {0.3, 0.45, 0.49, 0.4999}) {
     const LinearTissue tissue(mesh, {.young_Pa = kYoung_Pa, .poisson = poisson}, held);

@@ -23,7 +23,7 @@ TetrahedralSoup one_tetrahedron() {
 
 std::string refusal(const TetrahedralSoup& soup, double scale_m = 1) {
   try {
-    static_cast<void>(TetrahedralMesh(soup, scale_m));
+    static_cast<void>(TetrahedralMesh(soup, {.scale = scale_m}));
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -40,7 +40,7 @@ double volume_within(const TetrahedralMesh& mesh) {
 }
 
 TEST(TetrahedralMesh, ScalesNodesToMetres) {
-  const TetrahedralMesh mesh(one_tetrahedron(), 0.01);
+  const TetrahedralMesh mesh(one_tetrahedron(), {.scale = 0.01});
   EXPECT_EQ(mesh.nodes_m()[1], scene::Point(0.02, 0, 0));
   EXPECT_NEAR(mesh.volume_m3(), 8e-6 / 6, 1e-20);
   EXPECT_NEAR(mesh.mean_edge_m(), (6 * 0.02 + 6 * 0.02 * std::sqrt(2.0)) / 12, 1e-15);
@@ -129,7 +129,7 @@ TEST(TetrahedralMesh, FindsNodesByPlaneAndBox) {
 TEST(TetrahedralMesh, TakesTheLiver) {
   const auto path = test::recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
-  const TetrahedralMesh mesh(load_gmsh(path->string()), 0.01);
+  const TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
   EXPECT_EQ(mesh.tetrahedra().size(), 596U);
   EXPECT_EQ(mesh.unused_nodes(), 0);
   EXPECT_NEAR(volume_within(mesh), mesh.volume_m3(), 1e-12 * mesh.volume_m3());

@@ -239,7 +239,7 @@ TEST(TissueDynamicModel, TheLiverIsFelt) {
   const auto path = test::recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   for (const bool large_motion : {false, true}) {
-    TetrahedralMesh mesh(load_gmsh(path->string()), 0.01);
+    TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
     std::vector<int> held = nodes_below(mesh, {0, 0, 0}, scene::Point::UnitZ());
     ASSERT_FALSE(held.empty());
     const TissueDynamicModel dynamic_model({.mesh = std::move(mesh),

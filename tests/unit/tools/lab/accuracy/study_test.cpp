@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/unit/tools/lab/accuracy/floor_study.hpp"
 
@@ -47,17 +48,6 @@ TEST(BestSetting, OfASessionIsPassive) {
   result.settings[1].behind[0].passivity_minimum_J = -1;
   EXPECT_EQ(best_setting(result, 0, kAnyBudget), std::nullopt);
   EXPECT_THAT(recommendation(result), HasSubstr("nothing that worked and stayed passive"));
-}
-
-TEST(Recommendation, SaysWhereASettingHardlyMatters) {
-  const StudyResult alike{
-      .key = "cell_m", .hand = "", .reference_why = "", .settings = {setting(10, {0.50}), setting(20, {0.51})}};
-  EXPECT_THAT(recommendation(alike),
-              HasSubstr("cell_m = 10, E_dev 50 %, 10 us a step; but cell_m hardly matters here"));
-  const StudyResult other{
-      .key = "cell_m", .hand = "", .reference_why = "", .settings = {setting(10, {0.50}), setting(20, {0.9})}};
-  EXPECT_THAT(recommendation(other), testing::Not(HasSubstr("hardly")));
-  EXPECT_THAT(recommendation(other, 1), HasSubstr("nothing that worked takes at most 1 us"));
 }
 
 TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreLostInTheAge) {
@@ -105,6 +95,22 @@ TEST(CarryOut, BehindANetworkThatIsNoneOnlyTheModelIsWrong) {
   EXPECT_EQ(result.settings[0].trouble, "");
   EXPECT_EQ(result.settings[0].per_step.heap_operations.value_or(0), 0);
   EXPECT_GT(result.answer_bytes, 100U);
+  EXPECT_EQ(result.server_step_us, 1000);
+}
+
+TEST(CarryOut, NamesTheHandThatTheFiguresHoldFor) {
+  const Study study = wall(0);
+  const StudyResult result = carry_out(study, EvenClock());
+  EXPECT_THAT(result.assumptions, HasSubstr("hold for a hand of 0.1 kg, 1000 N/m and 5 N s/m"));
+  EXPECT_THAT(result.assumptions, HasSubstr("presses from 2 mm above to 6 mm below\n  (0, 0, 0) m, 3 times a second"));
+  EXPECT_THAT(result.assumptions, HasSubstr("device cartesian-3dof without its encoder's steps"));
+  EXPECT_THAT(to_text(result), HasSubstr(result.assumptions));
+  Study rare = study;
+  rare.session.server_rate_Hz = 50;
+  rare.motion.kind = HarmonicMotion::Kind::slide;
+  const StudyResult other = carry_out(rare, EvenClock());
+  EXPECT_EQ(other.server_step_us, 20000);
+  EXPECT_THAT(other.assumptions, HasSubstr("slides 30 mm to and fro, 6 mm below"));
 }
 
 TEST(CarryOut, BehindALongerWayTheAgeIsMoreThanTheModel) {

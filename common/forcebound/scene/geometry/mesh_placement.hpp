@@ -1,0 +1,23 @@
+#pragma once
+
+#include "forcebound/scene/geometry/point.hpp"
+
+namespace forcebound::scene {
+
+/// Where the vertices of a file lie in the scene: v at rotation * (scale * v) + offset_m.
+struct MeshPlacement {
+  double scale = 1;
+  Point offset_m = Point::Zero();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+
+  [[nodiscard]] bool turns() const noexcept { return rotation != Eigen::Matrix3d::Identity(); }
+
+  /// Whether that places anything: all numbers are finite, and the scale is > 0.
+  [[nodiscard]] bool valid() const noexcept;
+};
+
+/// Turned about the scene's fixed x, then y, then z axis, each by the right hand: Rz(yaw) Ry(pitch) Rx(roll). Quarter
+/// turns are exact, so that what stands along an axis still does.
+[[nodiscard]] Eigen::Matrix3d rotation_from_degrees(const Point& roll_pitch_yaw_deg);
+
+}  // namespace forcebound::scene
