@@ -166,7 +166,8 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
                                  .motion_sequence = motion->sequence,
                                  .motion_device_time = motion->device_time,
                                  .force = control::Vector::Constant(3, 1e300),
-                                 .position = motion->position};
+                                 .position = motion->position,
+                                 .motions_received = sequence};
     server.say(force);
     server.say(force);  // duplicate
     auto other = force;

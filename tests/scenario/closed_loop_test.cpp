@@ -95,6 +95,19 @@ INSTANTIATE_TEST_SUITE_P(Laws, LawsThroughABadNetwork, ::testing::Values("none",
                            return name;
                          });
 
+//   omni, trace-sphere -- session ==( delay 50ms )== server, sphere
+TEST(ClosedLoop, TakesNoMotionForLostThatIsOnItsWay) {
+  ClosedLoop loop(sphere_through("delay 50ms", "fba-less"));
+  loop.run(1s);
+  const auto before = record::fates_of(loop.totals());
+  EXPECT_NEAR(static_cast<double>(before.in_flight), 100, 2);
+  EXPECT_EQ(before.answered + before.in_flight, before.sent) << record::words_of(before);
+  loop.close();
+  const auto after = record::fates_of(loop.totals());
+  EXPECT_EQ(after.sent, before.sent);
+  EXPECT_EQ(after.lost_up + after.lost_down + after.in_flight, 0U) << record::words_of(after);
+}
+
 TEST(ClosedLoop, SameSettingsGiveTheSameRunByteForByte) {
   const auto once = [] {
     ClosedLoop loop(sphere_through("delay 20ms 15ms 25% loss gemodel 2% 20% duplicate 1%", "fba-less"));

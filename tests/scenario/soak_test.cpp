@@ -79,6 +79,21 @@ TEST(Soak, MeetsLateTicksAndLedgersThatCanBeRecomputed) {
 // A Hello every two seconds needs twenty of them to outlast a burst of ten datagrams each way.
 TEST(Soak, TakesAHandshakeThatDrownsInABurstOfDatagramsForNoFault) { EXPECT_EQ(soak(558, "fba-less").broken, ""); }
 
+// The law or the hand throws the device hundreds of metres behind the wall, and the server says so.
+TEST(Soak, KeepsTheSessionOfADeviceThatIsThrownFarBehindTheWall) {
+  EXPECT_EQ(soak(771000769, "fba-exact").broken, "");
+  EXPECT_EQ(soak(100003126, "tdpa").broken, "");
+  EXPECT_EQ(soak(555003210, "tdpa").broken, "");
+  EXPECT_EQ(soak(555000628, "none").broken, "");
+}
+
+// A way up of 200 +- 100 ms (Pareto): the last motion of all comes 250 ms after all others have come.
+TEST(Soak, CountsNoMotionAsLostThatComesAfterAllOthers) {
+  EXPECT_EQ(soak(882000141, "aol").broken, "");
+  EXPECT_EQ(soak(555000734, "eba").broken, "");
+  EXPECT_EQ(soak(555001011, "vc").broken, "");
+}
+
 TEST(Soak, GivesOneRunForOneSeed) {
   for (const std::uint64_t seed : {7U, 8U, 9U}) {
     const SoakResult once = soak(seed, "fba-exact");

@@ -1,5 +1,6 @@
 #include "forcebound/record/run_info.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <stdexcept>
@@ -42,6 +43,8 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("received", totals.received);
   visit("lost_up", totals.lost_up);
   visit("lost_down", totals.lost_down);
+  visit("in_flight", totals.in_flight);
+  visit("overtaken", totals.overtaken);
   visit("duplicated", totals.duplicated);
   visit("reordered", totals.reordered);
   for (std::size_t i = 0; i < kMalformedNames.size(); ++i) {
@@ -155,10 +158,28 @@ RunInfo run_info_from(const KeyValues& values) {
 RunTotals run_totals_from(const KeyValues& values) {
   RunTotals totals;
   each_total(totals, InfoReader{values});
+  // A program that did not count it yet counted the rest alike.
+  const std::uint64_t elsewhere = totals.received + totals.lost_up + totals.lost_down;
+  if (!values.contains("overtaken") && totals.sent > elsewhere) totals.overtaken = totals.sent - elsewhere;
   for (const auto& [name, text] : values) {
     if (name.starts_with(kNotePrefix)) totals.notes.push_back(text);
   }
   return totals;
+}
+
+MotionFates fates_of(const RunTotals& totals) noexcept {
+  return {.sent = totals.sent,
+          .answered = totals.received,
+          .overtaken = totals.overtaken,
+          .lost_up = totals.lost_up - std::min(totals.lost_up, totals.in_flight),
+          .lost_down = totals.lost_down,
+          .in_flight = std::min(totals.lost_up, totals.in_flight)};
+}
+
+std::string words_of(const MotionFates& fates) {
+  return std::to_string(fates.sent) + " sent = " + std::to_string(fates.answered) + " answered + " +
+         std::to_string(fates.overtaken) + " overtaken + " + std::to_string(fates.lost_up) + " lost up + " +
+         std::to_string(fates.lost_down) + " lost down + " + std::to_string(fates.in_flight) + " in flight";
 }
 
 std::vector<Fault> faults_of(const RunTotals& t) {

@@ -62,6 +62,8 @@ struct RunTotals {
   std::uint64_t received = 0;                                      ///< distinct forces
   std::uint64_t lost_up = 0;                                       ///< motions that the server did not see
   std::uint64_t lost_down = 0;                                     ///< forces sent that did not arrive
+  std::uint64_t in_flight = 0;                                     ///< of `lost_up`: may still be on their way
+  std::uint64_t overtaken = 0;                                     ///< motions that the server saw, not answered
   std::uint64_t duplicated = 0;                                    ///< further copies of motions or forces
   std::uint64_t reordered = 0;                                     ///< motions or forces overtaken by newer ones
   std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
@@ -90,6 +92,22 @@ struct RunTotals {
   std::string simulated;                     ///< what the server said it simulates, for people
   IdleTimer idle_timer;
 };
+
+/// What became of the motions, each counted once, from both ends' counters:
+///
+///     sent = answered + overtaken + lost_up + lost_down + in_flight
+struct MotionFates {
+  std::uint64_t sent = 0;
+  std::uint64_t answered = 0;   ///< their forces arrived
+  std::uint64_t overtaken = 0;  ///< the server received but did not answer them: a newer one was there, or the end
+  std::uint64_t lost_up = 0;    ///< the server did not receive them
+  std::uint64_t lost_down = 0;  ///< their forces did not arrive
+  std::uint64_t in_flight = 0;  ///< too young for either end to tell
+};
+[[nodiscard]] MotionFates fates_of(const RunTotals& totals) noexcept;
+
+/// "20000 sent = 18990 answered + 12 overtaken + 503 lost up + 490 lost down + 5 in flight"
+[[nodiscard]] std::string words_of(const MotionFates& fates);
 
 /// As the metadata of a recording holds them: one entry per field, numbers in full.
 KeyValues to_key_values(const RunInfo& info);

@@ -21,6 +21,9 @@ namespace forcebound::record {
 /// - `sent received lost duplicated reordered`: datagrams of motion and force, both directions together, as the session
 ///   counted them; `lost_up` and `lost_down` apart. When a killed process left no totals (`complete` is false), `sent`
 ///   and `received` are counted from the records, and the rest is unknown.
+/// - `motions`: what became of each of them, by the counts of both ends: `sent` = `answered` + `overtaken` (the server
+///   received them and answered a newer one) + `lost_up` + `lost_down` (their answers) + `in_flight` (still on their
+///   way at the end, which the other `lost_up` counts as lost).
 /// - `stale_ticks`: ticks on which the late-force policy faded or dropped the force; `late_force` says which, and how
 ///   often the policy changed.
 /// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.

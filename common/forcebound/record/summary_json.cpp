@@ -54,10 +54,18 @@ void SummaryView::add_network(Json& json) const {
   json["reordered"] = count_json(total(&RunTotals::reordered));
   json["lost_up"] = count_json(total(&RunTotals::lost_up));
   json["lost_down"] = count_json(total(&RunTotals::lost_down));
+  json["motions"] = motions();
   json["stale_ticks"] = stale_ticks();
   json["late_force"] = {
       {"fading_ticks", s.fading_ticks_}, {"dropped_ticks", s.dropped_ticks_}, {"changes", s.policy_changes_}};
   json["blackouts"] = blackouts();
+}
+
+nlohmann::ordered_json SummaryView::motions() const {
+  if (!s.totals_) return nullptr;
+  const MotionFates fates = fates_of(*s.totals_);
+  return {{"sent", fates.sent},       {"answered", fates.answered},   {"overtaken", fates.overtaken},
+          {"lost_up", fates.lost_up}, {"lost_down", fates.lost_down}, {"in_flight", fates.in_flight}};
 }
 
 nlohmann::ordered_json SummaryView::blackouts() const {

@@ -53,6 +53,7 @@ void SummaryView::print_network(std::string& out) const {
         count_text(lost()).c_str(), count_text(total(&RunTotals::lost_up)).c_str(),
         count_text(total(&RunTotals::lost_down)).c_str(), count_text(total(&RunTotals::duplicated)).c_str(),
         count_text(total(&RunTotals::reordered)).c_str());
+  if (s.totals_) print_field(out, "motions", words_of(fates_of(*s.totals_)));
   if (s.forces_ == 0) {
     print(out, "  forces        none arrived\n");
     return;

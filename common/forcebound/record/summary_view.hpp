@@ -51,6 +51,7 @@ struct SummaryView {
     return s.totals_ && s.totals_->idle_timer.wake_ups > 0 ? &s.totals_->idle_timer : nullptr;
   }
 
+  [[nodiscard]] nlohmann::ordered_json motions() const;
   [[nodiscard]] nlohmann::ordered_json blackouts() const;
 
   void add_run(nlohmann::ordered_json& json) const;

@@ -184,6 +184,7 @@ void Codec::Storage::fill(const Bye& from) noexcept {
   bye.set_motions_duplicated(from.motions_duplicated);
   bye.set_motions_reordered(from.motions_reordered);
   bye.set_forces_sent(from.forces_sent);
+  bye.set_motions_behind(from.motions_behind);
 }
 
 namespace {
@@ -266,7 +267,8 @@ Decoded to_value(const v1::Bye& from, std::size_t) noexcept {
                      .motions_received = from.motions_received(),
                      .motions_duplicated = from.motions_duplicated(),
                      .motions_reordered = from.motions_reordered(),
-                     .forces_sent = from.forces_sent()}};
+                     .forces_sent = from.forces_sent(),
+                     .motions_behind = from.motions_behind()}};
 }
 
 }  // namespace

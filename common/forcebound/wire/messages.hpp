@@ -103,6 +103,7 @@ struct Bye {
   std::uint64_t motions_duplicated = 0;
   std::uint64_t motions_reordered = 0;
   std::uint64_t forces_sent = 0;
+  std::uint64_t motions_behind = 0;  ///< how many numbers the latest of the reordered was behind the newest
 };
 
 using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye>;

@@ -20,6 +20,9 @@ class SequenceWindow {
 
   [[nodiscard]] Arrival note(std::uint64_t sequence) noexcept;
 
+  /// Of those noted.
+  [[nodiscard]] std::uint64_t newest() const noexcept { return newest_; }
+
  private:
   static constexpr std::uint64_t kWordBits = 64;
   static constexpr std::uint64_t kWords = kNumbers / kWordBits;

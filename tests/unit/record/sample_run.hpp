@@ -41,6 +41,8 @@ inline RunTotals sample_totals() {
   totals.received = 4700;
   totals.lost_up = 120;
   totals.lost_down = 150;
+  totals.in_flight = 5;
+  totals.overtaken = 30;
   totals.duplicated = 3;
   totals.reordered = 27;
   totals.malformed[3] = 2;

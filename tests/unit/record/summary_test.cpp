@@ -185,6 +185,33 @@ TEST(Summary, CountsBlackoutsLongerThanTheHoldTime) {
   EXPECT_DOUBLE_EQ(object["blackouts"]["longest_s"], 0.399);
 }
 
+TEST(Summary, GivesEachMotionOneFate) {
+  Summary summary(test::sample_info());
+  EXPECT_TRUE(json_of(summary)["motions"].is_null()) << "a run that was cut off does not know";
+  summary.finish(test::sample_totals());
+  const json object = json_of(summary);
+  const json motions = object["motions"];
+  EXPECT_EQ(motions["sent"], 5000);
+  EXPECT_EQ(motions["answered"], 4700);
+  EXPECT_EQ(motions["overtaken"], 30);
+  EXPECT_EQ(motions["lost_up"], 115);
+  EXPECT_EQ(motions["lost_down"], 150);
+  EXPECT_EQ(motions["in_flight"], 5);
+  EXPECT_EQ(object["lost_up"], 120) << "what is on its way counts as lost there, as ever";
+  EXPECT_THAT(summary.to_text(),
+              HasSubstr("5000 sent = 4700 answered + 30 overtaken + 115 lost up + 150 lost down + 5 in flight"));
+}
+
+TEST(RunTotals, OfAProgramThatDidNotCountOvertakenMotionsAddUp) {
+  auto values = to_key_values(test::sample_totals());
+  values.erase("overtaken");
+  values.erase("in_flight");
+  const MotionFates fates = fates_of(run_totals_from(values));
+  EXPECT_EQ(fates.overtaken, 30U);
+  EXPECT_EQ(fates.lost_up, 120U);
+  EXPECT_EQ(fates.in_flight, 0U);
+}
+
 TEST(Summary, SaysWhatDiedInTheLongestBlackout) {
   Summary summary(test::sample_info());
   summary.finish(test::sample_totals());

@@ -192,13 +192,14 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
 TEST(Codec, GivesAnyByeBack) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const Bye sent{any_count(), any_count(), any_count(), any_count(), any_count()};
+    const Bye sent{any_count(), any_count(), any_count(), any_count(), any_count(), any_count()};
     const Bye back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.motions_received == sent.motions_received);
     RC_ASSERT(back.motions_duplicated == sent.motions_duplicated);
     RC_ASSERT(back.motions_reordered == sent.motions_reordered);
     RC_ASSERT(back.forces_sent == sent.forces_sent);
+    RC_ASSERT(back.motions_behind == sent.motions_behind);
   }));
 }
 

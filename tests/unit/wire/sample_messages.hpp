@@ -62,7 +62,8 @@ inline std::array<Message, 6> one_of_each() {
               .motions_received = 990,
               .motions_duplicated = 3,
               .motions_reordered = 2,
-              .forces_sent = 988}};
+              .forces_sent = 988,
+              .motions_behind = 40}};
 }
 
 }  // namespace forcebound::wire

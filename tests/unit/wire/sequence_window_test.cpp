@@ -28,6 +28,7 @@ TEST(SequenceWindow, LatecomersAreToldFromCopies) {
   EXPECT_EQ(window.note(10), Arrival::duplicate);
   EXPECT_EQ(window.note(12), Arrival::late);
   EXPECT_EQ(window.note(9), Arrival::late) << "overtaken by the first";
+  EXPECT_EQ(window.newest(), 13U);
 }
 
 TEST(SequenceWindow, RemembersSixteenSecondsAtOneKilohertz) {

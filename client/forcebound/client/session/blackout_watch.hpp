@@ -17,6 +17,8 @@ struct Progress {
   std::uint64_t motions_arrived = 0;  ///< at the server, by its own count
   std::uint64_t answers_sent = 0;     ///< by the server, by its own count
   std::uint64_t answers_arrived = 0;
+
+  friend bool operator==(const Progress&, const Progress&) noexcept = default;
 };
 
 /// Notices when no new force comes for longer than the policy holds one, and remembers the longest such blackout with

@@ -17,7 +17,7 @@ bool fits(const control::Vector& wave_rad_per_m, int degrees_of_freedom) noexcep
 
 /// Whether the numbers can be what they say; what follows may then compute with them.
 bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept {
-  constexpr double kPenetration_m_max = 10;
+  constexpr double kSurface_m_max = 10;  // of any scene, from its origin
   constexpr double kNormalRounding = 1e-6;
   if (force.force.rows() != degrees_of_freedom || force.position.rows() != degrees_of_freedom) return false;
   if (force.server_receive_time < Nanoseconds::zero() || force.server_send_time < force.server_receive_time)
@@ -28,31 +28,38 @@ bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept 
   }
   if (force.contact_normal.rows() == 0) return true;
   if (!fits(force.texture_wave, degrees_of_freedom) || !fits(force.texture_across, degrees_of_freedom)) return false;
-  return force.contact_normal.rows() == degrees_of_freedom && std::abs(force.penetration_m) <= kPenetration_m_max &&
+  // A place is no further from a surface than from the origin and from there to the surface. A limit without the place
+  // would refuse every answer to a device that was thrown far behind a wall, which is a session without forces.
+  const double penetration_m_max = kSurface_m_max + force.position.stableNorm();
+  return force.contact_normal.rows() == degrees_of_freedom && std::abs(force.penetration_m) <= penetration_m_max &&
          std::abs(force.contact_normal.stableNorm() - 1) <= kNormalRounding;
 }
+
+constexpr std::uint64_t missing(std::uint64_t all, std::uint64_t seen) noexcept { return all > seen ? all - seen : 0; }
 
 }  // namespace
 
 ForceStream::ForceStream(int degrees_of_freedom) : degrees_of_freedom_(degrees_of_freedom), sent_(kSentRing) {}
 
 void ForceStream::begin_session(std::uint64_t session) noexcept {
-  ended_ = counts();
+  ended_ = settled_counts();
   session_ = session;
   arrivals_ = {};
   server_ = {};
   sent_here_ = 0;
   received_ = 0;
+  settled_ = sequence_;
+  round_trip_ = Nanoseconds::zero();
 }
 
 std::uint64_t ForceStream::note_sent(Nanoseconds reading_time) noexcept {
   ++sequence_;
+  sent_[sequence_ % kSentRing] = {sequence_, reading_time, sent_here_};
   ++sent_here_;
-  sent_[sequence_ % kSentRing] = {sequence_, reading_time};
   return sequence_;
 }
 
-ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) noexcept {
+ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept {
   if (session_ == 0 || force.session != session_) {
     ++ended_.foreign;
     return Verdict::foreign;
@@ -60,7 +67,7 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) no
   const Sent& motion = sent_[force.motion_sequence % kSentRing];
   const bool answers =
       force.motion_sequence != 0 && motion.sequence == force.motion_sequence && motion.time == force.motion_device_time;
-  const bool counts = can_count(force.motions_received, force.sequence);
+  const bool counts = force.sequence != 0 && can_count(force.motions_received, force.sequence);
   if (!answers || !counts || !fits(force, degrees_of_freedom_)) {
     ++ended_.implausible;
     return Verdict::implausible;
@@ -70,6 +77,8 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) no
     return Verdict::duplicate;
   }
   ++received_;
+  settled_ = std::max(settled_, force.motion_sequence);
+  round_trip_ = std::max(round_trip_, arrival - motion.time);
   note_server_counts({.session = force.session,
                       .motions_received = force.motions_received,
                       .motions_duplicated = force.motions_duplicated,
@@ -85,7 +94,7 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force) no
 
 bool ForceStream::accept(const wire::Bye& bye) noexcept {
   if (session_ == 0 || bye.session != session_) return false;
-  if (can_count(bye.motions_received, bye.forces_sent)) {
+  if (can_count(bye.motions_received, bye.forces_sent) && bye.motions_behind <= sequence_) {
     note_server_counts(bye);
   } else {
     ++ended_.implausible;
@@ -99,15 +108,39 @@ void ForceStream::note_server_counts(const wire::Bye& counts) noexcept {
   server_.motions_duplicated = std::max(server_.motions_duplicated, counts.motions_duplicated);
   server_.motions_reordered = std::max(server_.motions_reordered, counts.motions_reordered);
   server_.forces_sent = std::max(server_.forces_sent, counts.forces_sent);
+  server_.motions_behind = std::max(server_.motions_behind, counts.motions_behind);
 }
 
-ForceStream::Counts ForceStream::counts() const noexcept {
-  const auto missing = [](std::uint64_t all, std::uint64_t seen) { return all > seen ? all - seen : 0; };
+Nanoseconds ForceStream::longest_delay(Nanoseconds period) const noexcept {
+  return round_trip_ + static_cast<std::int64_t>(server_.motions_behind) * period;
+}
+
+std::uint64_t ForceStream::in_flight(Nanoseconds now) const noexcept {
+  const std::uint64_t oldest_known = sequence_ < kSentRing ? 1 : sequence_ - kSentRing + 1;
+  std::uint64_t first = std::max(settled_ + 1, oldest_known);
+  for (std::uint64_t left = sequence_ + 1 - first; left > 0;) {  // by halves: readings are in the order of time
+    const std::uint64_t half = left / 2;
+    const bool too_old = now - sent_[(first + half) % kSentRing].time > round_trip_;
+    if (too_old) first += half + 1;
+    left = too_old ? left - half - 1 : half;
+  }
+  if (first > sequence_) return 0;
+  return std::min(missing(sent_here_, sent_[first % kSentRing].before), missing(sent_here_, server_.motions_received));
+}
+
+ForceStream::Counts ForceStream::counts(Nanoseconds now) const noexcept {
+  Counts all = settled_counts();
+  all.in_flight = in_flight(now);
+  return all;
+}
+
+ForceStream::Counts ForceStream::settled_counts() const noexcept {
   Counts all = ended_;
   all.sent += sent_here_;
   all.received += received_;
   all.lost_up += missing(sent_here_, server_.motions_received);
   all.lost_down += missing(server_.forces_sent, received_);
+  all.unanswered += missing(server_.motions_received, server_.forces_sent);
   all.motions_duplicated += server_.motions_duplicated;
   all.motions_overtaken += server_.motions_reordered;
   return all;

@@ -39,6 +39,8 @@ class ForceStream {
     std::uint64_t implausible = 0;
     std::uint64_t lost_up = 0;             ///< motions that the server has not seen, as far as is known
     std::uint64_t lost_down = 0;           ///< forces sent that have not arrived
+    std::uint64_t in_flight = 0;           ///< of `lost_up`: may still be on their way, or their answers
+    std::uint64_t unanswered = 0;          ///< motions that the server has seen and not answered
     std::uint64_t motions_duplicated = 0;  ///< at the server
     std::uint64_t motions_overtaken = 0;   ///< at the server, which does not answer those
   };
@@ -55,7 +57,8 @@ class ForceStream {
   /// The network did not even take it: it is not lost, it was never sent.
   void note_not_sent() noexcept { --sent_here_; }
 
-  Verdict accept(const wire::EnvironmentForce& force) noexcept;
+  /// @param arrival by the clock of the reading times
+  Verdict accept(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept;
 
   /// The server's last word on this session. False if it is of another one.
   bool accept(const wire::Bye& bye) noexcept;
@@ -73,15 +76,27 @@ class ForceStream {
   /// This session's, as of the server's last word on it.
   [[nodiscard]] Progress final_progress() const noexcept { return progress_at(sequence_); }
 
-  /// Over all sessions. Whatever is still on its way counts as lost.
-  [[nodiscard]] Counts counts() const noexcept;
+  /// How long this session's network has held a datagram up: the longest round trip of a force, and beside it how late
+  /// the latest motion came after newer ones. What has not come after so long is lost, as far as this can be told.
+  [[nodiscard]] Nanoseconds longest_delay(Nanoseconds period) const noexcept;
+
+  /// Over all sessions. Whatever is still on its way counts as lost. Each motion has one fate:
+  ///
+  ///     sent = received + unanswered + lost_up + lost_down
+  ///
+  /// In flight are those of this session that are newer than the newest answered and no older at `now` than the longest
+  /// round trip: there has been no time yet for the server's count of them to come.
+  [[nodiscard]] Counts counts(Nanoseconds now) const noexcept;
 
  private:
+  [[nodiscard]] Counts settled_counts() const noexcept;
+  [[nodiscard]] std::uint64_t in_flight(Nanoseconds now) const noexcept;
   void note_server_counts(const wire::Bye& counts) noexcept;
 
-  /// Whether a server can have heard and said so much: more than was sent would spoil the counts of what was lost.
+  /// Whether a server can have heard and said so much: more than was sent, or more answers than motions, would spoil
+  /// the counts of what was lost.
   [[nodiscard]] bool can_count(std::uint64_t motions_received, std::uint64_t forces_sent) const noexcept {
-    return motions_received <= sent_here_ && forces_sent <= sent_here_;
+    return motions_received <= sent_here_ && forces_sent <= motions_received;
   }
   [[nodiscard]] Progress progress_at(std::uint64_t motion) const noexcept {
     return {session_, motion, server_.motions_received, server_.forces_sent, received_};
@@ -90,6 +105,7 @@ class ForceStream {
   struct Sent {
     std::uint64_t sequence = 0;
     Nanoseconds time{0};
+    std::uint64_t before = 0;  ///< sent in its session before it
   };
 
   int degrees_of_freedom_;
@@ -102,6 +118,8 @@ class ForceStream {
   wire::Bye server_;             // the server's counts so far, this session
   std::uint64_t sent_here_ = 0;  // this session
   std::uint64_t received_ = 0;   // this session
+  std::uint64_t settled_ = 0;    // number of the newest motion answered, or of the last before this session
+  Nanoseconds round_trip_{0};    // the longest, this session
   Counts ended_;                 // of sessions that are over, and what belongs to none
 };
 

@@ -46,6 +46,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
 }
 
 void Session::tick(Nanoseconds now) noexcept {
+  now_ = now;
   const device::Reading reading = device_.read(now);
   send_motion(controller_.law().proxy_position(reading.position), now);
   receive_all(now);
@@ -198,14 +199,14 @@ void Session::receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nan
 }
 
 void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept {
-  switch (forces_.accept(force)) {
+  switch (forces_.accept(force, arrival)) {
     case ForceStream::Verdict::newest:
       silent_since_ = now;
       blackouts_.on_force(now, forces_.progress());
       controller_.hear(force.port);
       [[fallthrough]];
     case ForceStream::Verdict::overtaken:
-      answers_without_news_ = 0;
+      note_news(now);
       force_record_.receive_time = arrival;
       force_record_.round_trip = std::max(Nanoseconds::zero(), arrival - ForceStream::reading_time(force));
       force_record_.force = force;
@@ -219,7 +220,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
 }
 
 void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
-  const ForceStream::Counts before = forces_.counts();
+  const Progress before = forces_.final_progress();
   // The first copy ended the session; a further one must not end the next.
   if (bye.session != connection_.session() || !forces_.accept(bye)) {
     ++totals_.foreign_session;
@@ -234,12 +235,16 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
   if (!closing_) {
     connection_.on_bye();
     tell(Event::Kind::server_left, now, {});
-  } else if (const auto after = forces_.counts();
-             before.lost_up == after.lost_up && before.lost_down == after.lost_down) {
+  } else if (forces_.final_progress() == before) {
     ++answers_without_news_;
   } else {
-    answers_without_news_ = 0;
+    note_news(now);
   }
+}
+
+void Session::note_news(Nanoseconds now) noexcept {
+  answers_without_news_ = 0;
+  last_news_ = now;
 }
 
 void Session::keep_connected(Nanoseconds now) noexcept {
@@ -273,10 +278,13 @@ void Session::write_down(const device::Reading& reading, const Vector& applied, 
 }
 
 bool Session::close(Nanoseconds now) noexcept {
-  closing_ = true;
+  if (!std::exchange(closing_, true)) note_news(now);
+  now_ = now;
   device_.apply(now, Vector::Zero(device_.facts().degrees_of_freedom()));
   receive_all(now);
-  if (connection_.session() == 0 || answers_without_news_ >= kAnswersWithoutNews) return true;
+  // A network that has held a datagram up for so long may hold up the last ones as long.
+  const bool all_came = now - last_news_ >= forces_.longest_delay(time::from_seconds(device_.facts().period_s));
+  if (connection_.session() == 0 || (all_came && answers_without_news_ >= kAnswersWithoutNews)) return true;
   if (now >= next_bye_) {
     next_bye_ = now + kByePause;
     (void)send(wire::Bye{.session = connection_.session()});
@@ -294,12 +302,14 @@ void Session::tell(Event::Kind kind, Nanoseconds now, std::string_view words, Na
 }
 
 record::RunTotals Session::totals() const {
-  const ForceStream::Counts network = forces_.counts();
+  const ForceStream::Counts network = forces_.counts(now_);
   record::RunTotals totals = totals_;
   totals.sent = network.sent;
   totals.received = network.received;
   totals.lost_up = network.lost_up;
   totals.lost_down = network.lost_down;
+  totals.in_flight = network.in_flight;
+  totals.overtaken = network.unanswered;
   totals.duplicated = network.duplicated + network.motions_duplicated;
   totals.reordered = network.overtaken + network.motions_overtaken;
   totals.foreign_session += network.foreign;

@@ -55,9 +55,9 @@ class Session {
   /// One tick, at `now`, the time of the wake-up.
   void tick(Nanoseconds now) noexcept;
 
-  /// Ends the session: zero force, and Bye until the server's answers bring no news any more, so that what was still on
-  /// its way is not taken for lost. Call it each millisecond or so until it gives true; the caller decides how long
-  /// that is worth.
+  /// Ends the session: zero force, and Bye until the server's answers have brought no news for as long as the network
+  /// has held a datagram up, so that what was still on its way is not taken for lost. Call it each millisecond or so
+  /// until it gives true; the caller decides how long that is worth.
   [[nodiscard]] bool close(Nanoseconds now) noexcept;
 
   [[nodiscard]] SessionState state() const noexcept { return connection_.state(); }
@@ -75,6 +75,7 @@ class Session {
   void receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
+  void note_news(Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] control::Motion motion_at(const device::Reading& reading, Nanoseconds now) const noexcept;
   [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
@@ -107,6 +108,8 @@ class Session {
   Nanoseconds next_bye_{Nanoseconds::min()};
   bool closing_ = false;
   int answers_without_news_ = 0;
+  Nanoseconds last_news_{0};
+  Nanoseconds now_{0};
   bool refused_ = false;
   record::RunTotals totals_;  // its texts hold all that a Welcome can carry, so that the tick does not allocate
 };

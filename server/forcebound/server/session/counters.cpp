@@ -47,6 +47,7 @@ std::string ServerCounters::text() const {
                {"reordered", motions_reordered},
                {"overtaken before their answer", motions_overtaken},
                {"over the rate", motions_over_rate},
+               {"after the end of their session", motions_after_end},
                {"of wrong size", motions_of_wrong_size},
                {"without a session", motions_without_session}}) +
          line("forces", {"sent", forces_sent},

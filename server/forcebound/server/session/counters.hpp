@@ -33,6 +33,7 @@ struct ServerCounters {
   std::uint64_t motions_reordered = 0;
   std::uint64_t motions_overtaken = 0;        ///< received, but a newer one was there before its answer
   std::uint64_t motions_over_rate = 0;        ///< received, but not answered
+  std::uint64_t motions_after_end = 0;        ///< received, but its session ended before its answer
   std::uint64_t motions_of_wrong_size = 0;    ///< not as many rows as the session's device has
   std::uint64_t motions_without_session = 0;  ///< refused
   std::uint64_t forces_sent = 0;
@@ -44,6 +45,12 @@ struct ServerCounters {
   std::uint64_t contacts_left_out = 0;  ///< in tissue or among bodies: more than there was room for
   std::uint64_t not_converged = 0;      ///< steps of tissue that their budget ended
   double slipped_s = 0;  ///< simulated time of bodies left out, because there was too much to make up for
+
+  /// Received and not answered: what is missing between motions received and forces sent, if every force went out and
+  /// no motion waits.
+  [[nodiscard]] std::uint64_t motions_unanswered() const noexcept {
+    return motions_reordered + motions_overtaken + motions_over_rate + motions_after_end;
+  }
 
   /// Those of one session.
   void add(const scene::SceneFaults& faults) noexcept;

@@ -126,6 +126,7 @@ wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t seq
   if (arrival == Arrival::late) {
     ++arrivals.counts.motions_reordered;
     ++counters_.motions_reordered;
+    arrivals.counts.motions_behind = std::max(arrivals.counts.motions_behind, arrivals.window.newest() - sequence);
   }
   return arrival;
 }
@@ -134,7 +135,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
   const auto found = sessions_.find(motion.session);
   if (found == sessions_.end()) {
     if (Ended* ended = find_ended(motion.session)) {
-      (void)note(ended->arrivals, motion.sequence);
+      counters_.motions_after_end += note(ended->arrivals, motion.sequence) == wire::SequenceWindow::Arrival::newest;
       return;
     }
     ++counters_.motions_without_session;
@@ -251,6 +252,7 @@ bool Server::send(const wire::Message& message, const net::Address& to) noexcept
 
 void Server::close(const Session& session, CloseReason reason) {
   counters_.add(session.scene.faults());
+  counters_.motions_after_end += session.waiting.has_value();
   observer_.on_closed(session.info, reason, session.arrivals.counts);
 }
 

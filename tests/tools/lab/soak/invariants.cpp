@@ -91,6 +91,10 @@ void Invariants::finish(const record::RunTotals& totals, bool active, const serv
   }
   if (totals.sent != motions_) fail(end, "counted ", totals.sent, " motions sent, ticks sent ", motions_);
   if (totals.received != forces_) fail(end, "counted ", totals.received, " forces, sinks saw ", forces_);
+  const record::MotionFates fates = record::fates_of(totals);
+  if (fates.sent != fates.answered + fates.overtaken + fates.lost_up + fates.lost_down + fates.in_flight) {
+    fail(end, "the motions do not add up: ", record::words_of(fates));
+  }
   if (totals.reconnects > 0 || !active) return;  // what was under way to a dead server, nobody can tell
   if (totals.sent != server.motions_received + totals.lost_up) {
     fail(end, totals.sent, " motions sent, but ", server.motions_received, " received by the server and ",
@@ -99,6 +103,10 @@ void Invariants::finish(const record::RunTotals& totals, bool active, const serv
   if (server.forces_sent != totals.received + totals.lost_down) {
     fail(end, server.forces_sent, " forces sent by the server, but ", totals.received, " received and ",
          totals.lost_down, " counted as lost");
+  }
+  if (fates.overtaken != server.motions_unanswered()) {
+    fail(end, fates.overtaken, " motions counted as overtaken, but ", server.motions_unanswered(),
+         " not answered by the server");
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 namespace forcebound::client {
 namespace {
 
@@ -29,100 +31,176 @@ class ForceStreamTest : public ::testing::Test {
     return force;
   }
 
+  /// It arrives a millisecond after the newest motion was sent.
+  Verdict accept(const wire::EnvironmentForce& force) { return stream.accept(force, now + 1ms); }
+  ForceStream::Counts counts() { return stream.counts(now); }
+
+  Nanoseconds now = 10ms;
   ForceStream stream{1};
 };
 
 TEST_F(ForceStreamTest, ChoosesTheForceThatAnswersTheNewestMotion) {
-  EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::newest);
-  EXPECT_EQ(stream.accept(answer(3, 7)), Verdict::newest);
-  EXPECT_EQ(stream.accept(answer(2, 5)), Verdict::overtaken);
+  EXPECT_EQ(accept(answer(1, 3)), Verdict::newest);
+  EXPECT_EQ(accept(answer(3, 7)), Verdict::newest);
+  EXPECT_EQ(accept(answer(2, 5)), Verdict::overtaken);
   EXPECT_EQ(stream.newest()->motion_sequence, 7U);
-  EXPECT_EQ(stream.counts().received, 3U);
-  EXPECT_EQ(stream.counts().overtaken, 1U);
+  EXPECT_EQ(counts().received, 3U);
+  EXPECT_EQ(counts().overtaken, 1U);
 }
 
 TEST_F(ForceStreamTest, CountsOfMoreThanWasEverSentAreImplausible) {
   constexpr std::uint64_t kMost = ~std::uint64_t{0};
   auto heard_too_much = answer(1, 3);
   heard_too_much.motions_received = 11;
-  EXPECT_EQ(stream.accept(heard_too_much), Verdict::implausible);
-  EXPECT_EQ(stream.accept(answer(kMost, 3)), Verdict::implausible);
-  EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::newest);
+  EXPECT_EQ(accept(heard_too_much), Verdict::implausible);
+  EXPECT_EQ(accept(answer(kMost, 3)), Verdict::implausible);
+  EXPECT_EQ(accept(answer(1, 3)), Verdict::newest);
   EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = kMost, .forces_sent = 1}));
   EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 10, .forces_sent = kMost}));
-  EXPECT_EQ(stream.counts().lost_up, 7U);
-  EXPECT_EQ(stream.counts().lost_down, 0U);
-  EXPECT_EQ(stream.counts().implausible, 4U);
+  EXPECT_EQ(counts().lost_up, 7U);
+  EXPECT_EQ(counts().lost_down, 0U);
+  EXPECT_EQ(counts().implausible, 4U);
 }
 
 TEST_F(ForceStreamTest, DropsCopies) {
-  EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::newest);
-  EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::duplicate);
-  EXPECT_EQ(stream.counts().received, 1U);
-  EXPECT_EQ(stream.counts().duplicated, 1U);
+  EXPECT_EQ(accept(answer(1, 3)), Verdict::newest);
+  EXPECT_EQ(accept(answer(1, 3)), Verdict::duplicate);
+  EXPECT_EQ(counts().received, 1U);
+  EXPECT_EQ(counts().duplicated, 1U);
 }
 
 TEST_F(ForceStreamTest, DropsForcesOfAnotherSession) {
   auto force = answer(1, 3);
   force.session = kSession + 1;
-  EXPECT_EQ(stream.accept(force), Verdict::foreign);
+  EXPECT_EQ(accept(force), Verdict::foreign);
   EXPECT_FALSE(stream.newest());
 }
 
 TEST_F(ForceStreamTest, DropsWhatAnswersNothingThatWasSent) {
-  EXPECT_EQ(stream.accept(answer(1, 0)), Verdict::implausible);
-  EXPECT_EQ(stream.accept(answer(1, 11)), Verdict::implausible);
+  EXPECT_EQ(accept(answer(1, 0)), Verdict::implausible);
+  EXPECT_EQ(accept(answer(1, 11)), Verdict::implausible);
   auto wrong_time = answer(1, 3);
   wrong_time.motion_device_time += 1ns;
-  EXPECT_EQ(stream.accept(wrong_time), Verdict::implausible);
+  EXPECT_EQ(accept(wrong_time), Verdict::implausible);
   auto wrong_rows = answer(1, 3);
   wrong_rows.force = control::Vector::Zero(3);
-  EXPECT_EQ(stream.accept(wrong_rows), Verdict::implausible);
+  EXPECT_EQ(accept(wrong_rows), Verdict::implausible);
   EXPECT_FALSE(stream.newest());
-  EXPECT_EQ(stream.counts().implausible, 4U);
+  EXPECT_EQ(counts().implausible, 4U);
+}
+
+TEST_F(ForceStreamTest, BelievesAPenetrationAsDeepAsThePlaceAskedForIsFarAway) {
+  auto far_behind_a_wall = answer(1, 3);
+  far_behind_a_wall.position[0] = 300;
+  far_behind_a_wall.contact_normal = control::Vector::Constant(1, -1.0);
+  far_behind_a_wall.penetration_m = 300;
+  EXPECT_EQ(accept(far_behind_a_wall), Verdict::newest);
+  auto deeper_than_it_can_be = answer(2, 4);
+  deeper_than_it_can_be.contact_normal = control::Vector::Constant(1, -1.0);
+  deeper_than_it_can_be.penetration_m = 300;
+  EXPECT_EQ(accept(deeper_than_it_can_be), Verdict::implausible);
 }
 
 TEST_F(ForceStreamTest, DropsAnswersToMotionOlderThanItRemembers) {
   for (int i = 11; i <= 70'000; ++i) stream.note_sent(i * 1ms);
-  EXPECT_EQ(stream.accept(answer(1, 3)), Verdict::implausible);
-  EXPECT_EQ(stream.accept(answer(2, 69'999)), Verdict::newest);
+  EXPECT_EQ(accept(answer(1, 3)), Verdict::implausible);
+  EXPECT_EQ(accept(answer(2, 69'999)), Verdict::newest);
 }
 
 TEST_F(ForceStreamTest, TellsWhichDirectionLost) {
   auto force = answer(4, 10);  // ten sent, eight arrived there, four forces sent of which this is the only one here
   force.motions_received = 8;
   force.motions_reordered = 3;
-  ASSERT_EQ(stream.accept(force), Verdict::newest);
-  const auto counts = stream.counts();
-  EXPECT_EQ(counts.sent, 10U);
-  EXPECT_EQ(counts.lost_up, 2U);
-  EXPECT_EQ(counts.lost_down, 3U);
-  EXPECT_EQ(counts.motions_overtaken, 3U);
+  ASSERT_EQ(accept(force), Verdict::newest);
+  const auto told = counts();
+  EXPECT_EQ(told.sent, 10U);
+  EXPECT_EQ(told.lost_up, 2U);
+  EXPECT_EQ(told.lost_down, 3U);
+  EXPECT_EQ(told.motions_overtaken, 3U);
 }
 
 TEST_F(ForceStreamTest, TakesTheServersLastWordWhateverItsOrder) {
   ASSERT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 9, .forces_sent = 9}));
-  stream.accept(answer(1, 3));
-  EXPECT_EQ(stream.counts().lost_up, 1U);
-  EXPECT_EQ(stream.counts().lost_down, 8U);
+  accept(answer(1, 3));
+  EXPECT_EQ(counts().lost_up, 1U);
+  EXPECT_EQ(counts().lost_down, 8U);
   EXPECT_FALSE(stream.accept(wire::Bye{.session = kSession + 1, .motions_received = 10}));
+}
+
+TEST_F(ForceStreamTest, AServerThatAnsweredMoreThanItReceivedIsImplausible) {
+  auto force = answer(3, 5);
+  force.motions_received = 2;
+  EXPECT_EQ(accept(force), Verdict::implausible);
+  EXPECT_EQ(accept(answer(0, 5)), Verdict::implausible) << "its forces count from one";
+  EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 2, .forces_sent = 3}));
+  EXPECT_EQ(counts().implausible, 3U);
+  EXPECT_EQ(counts().lost_up, 10U);
+}
+
+TEST_F(ForceStreamTest, GivesEachMotionOneFate) {
+  // Of ten motions the fourth was lost, the third came after the fifth, and the answer to the second was lost: the
+  // server has received six of the first seven and sent five answers. The seventh took longest: 4 ms.
+  for (const auto& [sequence, motion, received, arrival_ms] :
+       {std::tuple{1, 1, 1, 2}, {3, 5, 3, 6}, {4, 6, 5, 8}, {5, 7, 6, 11}}) {
+    auto force = answer(static_cast<std::uint64_t>(sequence), static_cast<std::uint64_t>(motion));
+    force.motions_received = static_cast<std::uint64_t>(received);
+    ASSERT_EQ(stream.accept(force, arrival_ms * 1ms), Verdict::newest);
+  }
+  const auto told = stream.counts(11ms);
+  EXPECT_EQ(told.sent, 10U);
+  EXPECT_EQ(told.received, 4U);
+  EXPECT_EQ(told.unanswered, 1U);
+  EXPECT_EQ(told.lost_down, 1U);
+  EXPECT_EQ(told.in_flight, 3U) << "the eighth to the tenth";
+  EXPECT_EQ(told.lost_up, 1U + told.in_flight);
+  EXPECT_EQ(stream.counts(13ms).in_flight, 2U) << "of the ninth and tenth an answer may still come";
+  EXPECT_EQ(stream.counts(15ms).in_flight, 0U);
+  EXPECT_EQ(stream.counts(15ms).lost_up, 4U);
+}
+
+TEST_F(ForceStreamTest, AMotionThatWasNeverSentIsNotInFlight) {
+  ASSERT_EQ(accept(answer(1, 5)), Verdict::newest);
+  stream.note_sent(11ms);
+  stream.note_not_sent();
+  stream.note_sent(12ms);
+  const auto told = stream.counts(12ms);
+  EXPECT_EQ(told.sent, 11U);
+  EXPECT_EQ(told.in_flight, 6U);
+}
+
+TEST_F(ForceStreamTest, NothingIsInFlightWhereNoAnswerEverCame) {
+  EXPECT_EQ(stream.counts(11ms).in_flight, 0U);
+  EXPECT_EQ(stream.counts(11ms).lost_up, 10U);
+}
+
+TEST_F(ForceStreamTest, TellsHowLongTheNetworkHeldADatagramUp) {
+  ASSERT_EQ(stream.accept(answer(1, 3), 7ms), Verdict::newest);
+  ASSERT_EQ(stream.accept(answer(2, 4), 6ms), Verdict::newest);
+  EXPECT_EQ(stream.longest_delay(1ms), 4ms);
+  ASSERT_TRUE(
+      stream.accept(wire::Bye{.session = kSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 3}));
+  EXPECT_EQ(stream.longest_delay(1ms), 7ms);
+  ASSERT_TRUE(
+      stream.accept(wire::Bye{.session = kSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 11}));
+  EXPECT_EQ(stream.longest_delay(1ms), 7ms) << "no motion can be behind so many";
+  EXPECT_EQ(counts().implausible, 1U);
 }
 
 TEST_F(ForceStreamTest, KeepsCountingOverSessions) {
   auto force = answer(1, 10);
   force.motions_received = 9;
-  stream.accept(force);
+  accept(force);
   stream.begin_session(kSession + 1);
-  EXPECT_EQ(stream.counts().lost_up, 1U);
+  EXPECT_EQ(counts().lost_up, 1U);
   EXPECT_EQ(stream.note_sent(11ms), 11U) << "motions keep their numbers";
   EXPECT_EQ(stream.newest()->motion_sequence, 10U) << "the force fades by its age, it does not jump";
   auto next = answer(1, 11);
   next.session = kSession + 1;
   next.motions_received = 1;
-  EXPECT_EQ(stream.accept(next), Verdict::newest) << "a new session's forces are numbered from 1 again";
-  EXPECT_EQ(stream.counts().sent, 11U);
-  EXPECT_EQ(stream.counts().received, 2U);
-  EXPECT_EQ(stream.counts().lost_up, 1U);
+  EXPECT_EQ(accept(next), Verdict::newest) << "a new session's forces are numbered from 1 again";
+  EXPECT_EQ(counts().sent, 11U);
+  EXPECT_EQ(counts().received, 2U);
+  EXPECT_EQ(counts().lost_up, 1U);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -95,7 +96,7 @@ class SessionTest : public ::testing::Test {
     force.position = motion.position;
     force.contact_normal = Vector::Constant(1, -1.0);
     force.penetration_m = 1e-3;
-    force.motions_received = motion.sequence;
+    force.motions_received = std::max(motion.sequence, force_sequence);  // no answer without a motion
     return force;
   }
 

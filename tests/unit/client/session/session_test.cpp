@@ -262,6 +262,29 @@ TEST_F(SessionTest, ClosesWithZeroForceWhenTheServersAnswersBringNoNews) {
   EXPECT_EQ(session.totals().lost_down, 1U);
 }
 
+TEST_F(SessionTest, WaitsForStragglersAsLongAsTheLatestMotionWasLate) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
+  for (int i = 0; i < 600; ++i) tick();
+  const std::uint64_t motions = session.totals().sent;
+  bool closed = false;
+  int ms = 0;
+  for (; ms < 2000 && !closed; ++ms) {
+    clock.time += 1ms;
+    closed = session.close(clock.time);
+    // The last motion comes 450 ms after all others, which is no longer than one before was late.
+    const std::uint64_t received = ms < 450 ? motions - 1 : motions;
+    for (const auto& bye : sent<wire::Bye>()) {
+      arrive(wire::Bye{.session = bye.session, .motions_received = received, .forces_sent = 1, .motions_behind = 460});
+    }
+  }
+  EXPECT_TRUE(closed);
+  EXPECT_LT(ms, 1000);
+  EXPECT_EQ(session.totals().lost_up, 0U);
+  EXPECT_EQ(session.totals().in_flight, 0U);
+}
+
 TEST_F(SessionTest, ADeviceThatLetGoIsCounted) {
   connect();
   tick();

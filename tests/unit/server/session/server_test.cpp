@@ -225,12 +225,48 @@ TEST_F(ServerTest, AnswersByeWithFinalCountsAndForgetsTheSession) {
   arrive(wire::Bye{.session = session});
   const auto bye = only_answer<wire::Bye>();
   EXPECT_EQ(bye.session, session);
+  EXPECT_EQ(bye.motions_behind, 1u);
   EXPECT_EQ(bye.motions_received, 3u);
   EXPECT_EQ(bye.motions_duplicated, 1u);
   EXPECT_EQ(bye.motions_reordered, 1u);
   EXPECT_EQ(bye.forces_sent, 2u);
   EXPECT_EQ(server->sessions(), 0u);
   EXPECT_THAT(diary.lines, ElementsAre("opened wall-1dof in wall", "closed wall-1dof: bye"));
+}
+
+TEST_F(ServerTest, TellsHowFarTheLatestMotionWasBehindEvenIfItCameAfterBye) {
+  const auto session = join();
+  for (const std::uint64_t sequence : {1U, 9U, 5U}) arrive(motion(session, sequence));
+  answers();
+  arrive(wire::Bye{.session = session});
+  EXPECT_EQ(only_answer<wire::Bye>().motions_behind, 4u);
+  arrive(motion(session, 2));
+  arrive(wire::Bye{.session = session});
+  EXPECT_EQ(only_answer<wire::Bye>().motions_behind, 7u);
+}
+
+TEST_F(ServerTest, CountsEachMotionThatItDidNotAnswer) {
+  const auto session = join();
+  wire::Codec codec;
+  const auto came = [&](std::uint64_t sequence) {
+    const auto bytes = codec.encode(motion(session, sequence));
+    server->take_in(bytes, address(1), clock.time);
+  };
+  came(2);
+  came(3);
+  server->answer_waiting();
+  came(1);  // too late
+  came(4);  // for its answer, the session ends too early
+  arrive(wire::Bye{.session = session});
+  came(6);
+  came(5);
+  const auto counters = server->counters();
+  EXPECT_EQ(counters.motions_received, 6u);
+  EXPECT_EQ(counters.forces_sent, 1u);
+  EXPECT_EQ(counters.motions_overtaken, 1u);
+  EXPECT_EQ(counters.motions_reordered, 2u);
+  EXPECT_EQ(counters.motions_after_end, 2u);
+  EXPECT_EQ(counters.motions_unanswered(), 5u);
 }
 
 TEST_F(ServerTest, AnswersByeAgainIfItsAnswerWasLost) {
