@@ -1,5 +1,5 @@
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/client/app/options.hpp"
+#include "forcebound/baselines/baselines.hpp"
 
 #include <CLI/CLI.hpp>
 #include <charconv>

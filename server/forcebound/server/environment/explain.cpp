@@ -128,9 +128,9 @@ Ringing ringing_of(const scene::DynamicModelFacts& facts) {
 std::string explain_dynamic_model(const scene::SceneDynamicModel& dynamic_model, const RingingDevice& device,
                                   const MeasuredCost* measured) {
   const scene::DynamicModelFacts facts = dynamic_model.dynamic_model->facts();
-  constexpr Eigen::Index kAxes = 3;
-  std::string text =
-      "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n" + bounds_text(facts.bounds_m, kAxes);
+  constexpr Eigen::Index kModelAxes = 3;
+  std::string text = "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n" +
+                     bounds_text(facts.bounds_m, kModelAxes);
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
   text += "  implies:    " + implied_text(facts.inputs) + "\n";
   text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";

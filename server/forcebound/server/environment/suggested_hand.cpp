@@ -17,7 +17,7 @@
 namespace forcebound::server {
 namespace {
 
-constexpr Nanoseconds kTick = std::chrono::milliseconds{1};
+constexpr time::Nanoseconds kTick = std::chrono::milliseconds{1};
 
 // How far from what has no end a surface is looked for, and how far beside what has one [m].
 constexpr double kUnboundedHalf_m = 0.1;
@@ -224,16 +224,17 @@ HandTrial try_hand(const std::shared_ptr<const scene::Scene>& scene, const Sugge
   const control::DeviceFacts& facts = device.facts();
   scene::SceneState state(scene, static_cast<std::uint32_t>(facts.degrees_of_freedom()));
   const bool surface = has_surface(*scene);
-  for (Nanoseconds now{0}; time::to_seconds(now) <= HandTrial::kLongest_s; now += kTick) {
+  for (time::Nanoseconds now{0}; time::to_seconds(now) <= HandTrial::kLongest_s; now += kTick) {
     const device::Reading reading = device.read(now);
     if (!reading.position.allFinite()) break;
     const scene::SceneAnswer answer = state.answer(reading.position, now);
     // Who is within an object that does not push, such as a viscous one, has not touched it.
     const bool touches = !answer.force.isZero(0) && (!surface || answer.penetration_m > 0);
-    if (touches) return {.starts_inside = surface && now == Nanoseconds{0}, .touched_s = time::to_seconds(now)};
+    if (touches) return {.starts_inside = surface && now == time::Nanoseconds{0}, .touched_s = time::to_seconds(now)};
     // Until then only fields push, which a device resists up to its limit.
     const double force_N = answer.force.norm();
-    device.apply(now, force_N > facts.force_N_max ? Vector(facts.force_N_max / force_N * answer.force) : answer.force);
+    device.apply(
+        now, force_N > facts.force_N_max ? control::Vector(facts.force_N_max / force_N * answer.force) : answer.force);
   }
   return {};
 }

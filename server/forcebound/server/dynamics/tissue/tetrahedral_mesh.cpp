@@ -97,9 +97,9 @@ void TetrahedralMesh::take_tetrahedra(const TetrahedralSoup& soup, const std::ve
     const double thickness = volumes / longest_m / longest_m / longest_m;
     // Written so that NaN, from four times the same node, is refused as well.
     if (!(std::abs(thickness) > kFlat)) {
-      throw std::runtime_error(
-          place(soup, t) + " is flat: six times its volume over its longest edge's cube must be > " +
-          text::to_text(kFlat) + ", got " + text::to_text(longest_m > 0 ? thickness : 0));
+      throw std::runtime_error(place(soup, t) +
+                               " is flat: six times its volume over its longest edge's cube must be > " +
+                               text::to_text(kFlat) + ", got " + text::to_text(longest_m > 0 ? thickness : 0));
     }
     if (volumes < 0) {
       std::swap(tetrahedron[2], tetrahedron[3]);

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <stdexcept>
 
-#include "tests/tools/recorded_data.hpp"
 #include "tests/support/tissue_block.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tests/tools/recorded_data.hpp"
 #include "tests/support/tissue_block.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "tests/support/allocation_guard.hpp"
-#include "tests/tools/recorded_data.hpp"
 #include "tests/support/tissue_block.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {
