@@ -67,6 +67,12 @@ class Bvh {
   template <class Visit>
   void for_each_along(const Segment& segment, double until, Visit visit) const noexcept;
 
+  [[nodiscard]] NearestOnTriangle nearest_on(std::uint32_t triangle, const Point& point_m) const noexcept {
+    const Triangle& t = mesh_->triangles()[triangle];
+    const auto& v = mesh_->vertices_m();
+    return nearest_on_triangle(point_m, v[t[0]], v[t[1]], v[t[2]]);
+  }
+
   [[nodiscard]] std::size_t memory_bytes() const noexcept {
     return nodes_.size() * sizeof(Node) + order_.size() * sizeof(std::uint32_t);
   }
@@ -98,12 +104,6 @@ class Bvh {
   /// out; `visit(leaf)`.
   template <class Enter, class Limit, class Visit>
   void descend(Enter enter, Limit limit, Visit visit) const noexcept;
-
-  [[nodiscard]] NearestOnTriangle nearest_on(std::uint32_t triangle, const Point& p) const noexcept {
-    const Triangle& t = mesh_->triangles()[triangle];
-    const auto& v = mesh_->vertices_m();
-    return nearest_on_triangle(p, v[t[0]], v[t[1]], v[t[2]]);
-  }
 
   std::shared_ptr<const TriangleMesh> mesh_;
   std::vector<std::uint32_t> order_;

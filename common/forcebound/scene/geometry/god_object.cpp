@@ -1,7 +1,10 @@
 #include "forcebound/scene/geometry/god_object.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <span>
 
 namespace forcebound::scene {
 namespace {
@@ -21,22 +24,29 @@ constexpr double kRisingEdgeSkins = 0x1p12;
 constexpr double kRisingBelowSkins = 0x1p-6;
 // Where it ends, or nobody knows.
 constexpr double kOpenBelowSkins = 0x1p-3;
+// Triangles so near to the god object are about it: more than it may be beyond an edge.
+constexpr double kAboutSkins = 0x1p13;
 constexpr double kFarSizes = 1e12;
 // A contact no deeper than this has no direction but the triangle's.
 constexpr double kShallowSkins = 64;
-
-Point point_of(const Proxy& state) noexcept { return {state.x_m, state.y_m, state.z_m}; }
-
-Proxy proxy_at(const Point& p) noexcept { return {p.x(), p.y(), p.z(), 1}; }
+// How far one motion may move the god object: so many times as far as the goal went, and shares of how far it is from
+// it and of the mesh's size.
+constexpr double kStretch = 4;
+constexpr double kShareOfDepth = 0x1p-3;
+constexpr double kShareOfSize = 0x1p-10;
 
 }  // namespace
+
+Proxy proxy_at(const Point& at_m, const Point& goal_m) noexcept {
+  return {at_m.x(), at_m.y(), at_m.z(), 1, goal_m.x(), goal_m.y(), goal_m.z()};
+}
 
 /// The planes that hold the god object where it is, at most three, and the way that they leave it: the point of their
 /// common outside that is nearest to the goal. When a plane comes that this way runs into, it is one of those that
 /// matter for the next: there are at most the plane itself, its creases with each of the others, and standing still.
 class GodObject::Constraints {
  public:
-  explicit Constraints(double skin_m) noexcept : skin_m_(skin_m) {}
+  explicit Constraints(const GodObject& object) noexcept : object_(object), skin_m_(object.skin_m_) {}
 
   void clear() noexcept {
     count_ = 0;
@@ -60,7 +70,36 @@ class GodObject::Constraints {
       best = way;
       other = &held_[i];
     }
-    return other == nullptr ? Point::Zero() : keep(best, wanted, plane, other);
+    if (other != nullptr) return keep(best, wanted, plane, other);
+    held_[count_++] = plane;
+    return Point::Zero();
+  }
+
+  /// Whether the god object, having moved to `p`, is still on the triangles of all planes.
+  [[nodiscard]] bool follow(const Point& p) noexcept {
+    bool on_all = true;
+    for (Constraint& plane : std::span(held_).first(count_)) {
+      plane = object_.seen_from(p, plane);
+      on_all = on_all && std::abs(plane.height_m) <= kFitSkins * skin_m_ && is_on(*plane.facet, p);
+    }
+    return on_all;
+  }
+
+  /// Whether the planes are all that there is about `p`: none of their triangles ends there, but at another of them
+  /// that rises from it. Then what they leave free is convex, and their nearest point is the nearest.
+  [[nodiscard]] bool are_all_about(const Point& p) const noexcept {
+    return std::ranges::all_of(held(), [&](const Constraint& plane) {
+      for (std::size_t side = 0; side < 3; ++side) {
+        const Plane& end = plane.facet->edges[side].plane;
+        if (end.normal.dot(p) - end.offset < -kRisingEdgeSkins * skin_m_) continue;
+        const std::uint32_t beyond = object_.neighbour(*plane.facet, side);
+        const auto rises = [&](const Constraint& other) {
+          return object_.triangle_of(*other.facet) == beyond && other.normal.dot(end.normal) < 0;
+        };
+        if (std::ranges::none_of(held(), rises)) return false;
+      }
+      return true;
+    });
   }
 
  private:
@@ -95,10 +134,80 @@ class GodObject::Constraints {
     return true;
   }
 
+  [[nodiscard]] std::span<const Constraint> held() const noexcept { return std::span(held_).first(count_); }
+
+  [[nodiscard]] static bool is_on(const Facet& facet, const Point& p) noexcept {
+    return std::ranges::all_of(
+        facet.edges, [&](const Edge& edge) { return edge.plane.normal.dot(p) - edge.plane.offset <= edge.beyond_m; });
+  }
+
+  const GodObject& object_;
   double skin_m_;
   double least_ = 0;  // how far, squared, the way ends from the goal
   std::size_t count_ = 0;
-  std::array<Constraint, 2> held_;  // two and a new one are three
+  std::array<Constraint, 3> held_;  // the third only while standing still
+};
+
+/// The triangles about a point of the surface, and the steps over them that lead nearer to the goal, the fastest first.
+class GodObject::Fan {
+ public:
+  struct Step {
+    Point way;
+    double rate = 0;  // how much nearer to the goal per way
+    std::uint32_t place = 0;
+  };
+
+  Fan(const GodObject& object, const Point& proxy, const Point& goal) noexcept : object_(object) {
+    const double reach_m = kAboutSkins * object.skin_m_;
+    object.bvh_.for_each_about({proxy.array() - reach_m, proxy.array() + reach_m}, [&](std::uint32_t place) {
+      const Facet& facet = object.facets_[place];
+      const bool near = std::abs(facet.plane.normal.dot(proxy) - facet.plane.offset) <= reach_m;
+      if (near && is_within(facet, proxy, reach_m) && count_ < kMost) about_[count_++] = place;
+    });
+    for (const std::uint32_t place : std::span(about_).first(count_)) {
+      const NearestOnTriangle best = object.bvh_.nearest_on(object.bvh_.order()[place], goal);
+      Step step{best.point_m - proxy, 0, place};
+      // At the height at which it is.
+      const Point& normal = object.facets_[place].plane.normal;
+      step.way -= normal * normal.dot(step.way);
+      const double length_m = step.way.norm();
+      if (length_m <= 2 * reach_m) continue;
+      step.rate = (goal - proxy).dot(step.way) / length_m;
+      if (step.rate > 0) insert(step);
+    }
+  }
+
+  [[nodiscard]] std::span<const Step> steps() const noexcept { return std::span(steps_).first(step_count_); }
+
+  /// The triangles about the point that go on from that of the step, from edge to edge: none of them is in its way.
+  [[nodiscard]] std::span<const std::uint32_t> around(std::size_t step) noexcept {
+    const auto end = about_.begin() + static_cast<std::ptrdiff_t>(count_);
+    auto last = std::partition(about_.begin(), end, [&](std::uint32_t place) { return place == steps_[step].place; });
+    for (auto member = about_.begin(); member != last; ++member) {
+      const Triangle& beyond = object_.bvh_.mesh().neighbours()[object_.bvh_.order()[*member]];
+      last = std::partition(last, end, [&](std::uint32_t place) {
+        return std::ranges::find(beyond, object_.bvh_.order()[place]) != beyond.end();
+      });
+    }
+    return {about_.begin(), last};
+  }
+
+ private:
+  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kStepsMost = 8;
+
+  void insert(Step step) noexcept {
+    for (Step& other : std::span(steps_).first(step_count_)) {
+      if (step.rate > other.rate) std::swap(step, other);
+    }
+    if (step_count_ < kStepsMost) steps_[step_count_++] = step;
+  }
+
+  const GodObject& object_;
+  std::size_t count_ = 0;
+  std::array<std::uint32_t, kMost> about_;
+  std::size_t step_count_ = 0;
+  std::array<Step, kStepsMost> steps_;
 };
 
 GodObject::GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOptions& options)
@@ -148,10 +257,14 @@ SurfacePoint GodObject::follow(const Point& goal_m, Proxy& state) const noexcept
     state = {};
     return {};
   }
-  Point proxy = state.placed != 0 ? point_of(state) : goal;
+  if (state.placed == 0) state = proxy_at(goal, goal);
+  Point proxy(state.x_m, state.y_m, state.z_m);
+  const Point before(state.goal_x_m, state.goal_y_m, state.goal_z_m);
+  const double most_m =
+      kStretch * (goal - before).norm() + kShareOfDepth * (goal - proxy).norm() + kShareOfSize * bvh_.mesh().size_m();
   Point normal = Point::UnitX();
-  proxy = approach(proxy, goal) ? settle(proxy, goal, normal) : goal;
-  state = proxy_at(proxy);
+  proxy = approach(proxy, goal) ? settle({proxy, most_m}, goal, normal) : goal;
+  state = proxy_at(proxy, goal);
   const Point out = proxy - goal;
   const double penetration_m = out.norm();
   if (penetration_m > kShallowSkins * skin_m_) normal = out / penetration_m;
@@ -181,32 +294,64 @@ bool GodObject::approach(Point& proxy, const Point& goal) const noexcept {
   return true;
 }
 
-Point GodObject::settle(Point proxy, const Point& goal, Point& last_normal) const noexcept {
-  Constraints held(skin_m_);
-  const Facet* facet = nullptr;
-  Point way = goal - proxy;
-  for (int query = 0; query < kQueriesMost && way.squaredNorm() > 0; ++query) {
-    Obstacle obstacle;
-    const bool blocked = first_obstacle({proxy, way}, obstacle);
+Point GodObject::settle(Walk walk, const Point& goal, Point& last_normal) const noexcept {
+  Constraints held(*this);
+  Point way = goal - walk.at_m;
+  for (int searches = 0; searches < kQueriesMost;) {
     const double length_m = way.norm();
-    if (blocked && obstacle.share * length_m <= skin_m_) {
-      last_normal = obstacle.constraint.normal;
-      facet = obstacle.facet;
-      way = held.add(obstacle.constraint, goal - proxy);
-      continue;
+    bool rests = length_m <= kOnSkins * skin_m_;
+    if (!rests) {
+      Obstacle obstacle;
+      ++searches;
+      const bool blocked = first_obstacle({walk.at_m, way}, obstacle);
+      const bool stands = blocked && obstacle.share * length_m <= skin_m_;
+      if (blocked) last_normal = obstacle.constraint.normal;
+      if (!stands && !walk.go(way, blocked ? obstacle.share : 1)) return walk.at_m;
+      if (!blocked && held.size() == 0) return goal;
+      const bool holds = held.follow(walk.at_m);
+      if (blocked && (holds || stands)) {
+        way = held.add(seen_from(walk.at_m, obstacle.constraint), goal - walk.at_m);
+        continue;
+      }
+      rests = !blocked && (holds || length_m <= skin_m_);
     }
-    if (!blocked && held.size() == 0) return goal;
-    proxy += (blocked ? obstacle.share : 1) * way;
-    if (!blocked && (length_m <= skin_m_ || (held.size() == 1 && is_over(*facet, proxy)))) return proxy;
+    if (rests) {
+      if (held.are_all_about(walk.at_m)) return walk.at_m;
+      if (!step_around(walk, goal, searches)) return walk.at_m;
+    }
     held.clear();
-    way = goal - proxy;
+    way = goal - walk.at_m;
   }
-  return proxy;
+  return walk.at_m;
 }
 
-bool GodObject::first_obstacle(const Segment& path, Obstacle& found) const noexcept {
+/// Planes hold beyond their triangles. Where triangles meet that do not leave a convex space free, there may so be a
+/// way past them: straight on, or else over one of them, which it is for the one that leads to the goal the fastest.
+/// False if there is none, or it ends on the way.
+bool GodObject::step_around(Walk& walk, const Point& goal, int& searches) const noexcept {
+  const auto is_open = [&](const Point& way, std::span<const std::uint32_t> without, double& share) {
+    Obstacle obstacle;
+    ++searches;
+    const bool blocked = first_obstacle({walk.at_m, way}, obstacle, without);
+    share = blocked ? obstacle.share : 1;
+    return share * way.norm() > skin_m_;
+  };
+  double share = 0;
+  const Point straight = goal - walk.at_m;
+  if (is_open(straight, {}, share)) return walk.go(straight, share);
+  ++searches;
+  Fan about(*this, walk.at_m, goal);
+  for (std::size_t i = 0; i < about.steps().size(); ++i) {
+    if (is_open(about.steps()[i].way, about.around(i), share)) return walk.go(about.steps()[i].way, share);
+  }
+  return false;
+}
+
+bool GodObject::first_obstacle(const Segment& path, Obstacle& found,
+                               std::span<const std::uint32_t> without) const noexcept {
   bool blocked = false;
   bvh_.for_each_along(path, 1, [&](std::uint32_t place, double until) {
+    if (!without.empty() && std::ranges::find(without, place) != without.end()) return until;
     if (!is_in_the_way(facets_[place], path, until, found)) return until;
     blocked = true;
     return found.share;
@@ -214,9 +359,14 @@ bool GodObject::first_obstacle(const Segment& path, Obstacle& found) const noexc
   return blocked;
 }
 
-bool GodObject::is_over(const Facet& facet, const Point& p) noexcept {
-  return std::ranges::all_of(facet.edges,
-                             [&](const Edge& edge) { return edge.plane.normal.dot(p) < edge.plane.offset; });
+bool GodObject::is_within(const Facet& facet, const Point& p, double beyond_m) noexcept {
+  return std::ranges::all_of(
+      facet.edges, [&](const Edge& edge) { return edge.plane.normal.dot(p) - edge.plane.offset <= beyond_m; });
+}
+
+GodObject::Constraint GodObject::seen_from(const Point& p, const Constraint& plane) const noexcept {
+  const double side = plane.normal.dot(plane.facet->plane.normal) < 0 ? -1 : 1;
+  return {plane.normal, plane.normal.dot(p) - side * plane.facet->plane.offset - clearance_m_, plane.facet};
 }
 
 bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double until, Obstacle& found) const noexcept {
@@ -249,7 +399,7 @@ bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double un
   if (height_m + leave * rate_m >= -below_m) return false;
   // So little above, rounding decides where a flat path meets the plane: here.
   const double meets = height_m > kOnSkins * skin_m_ ? height_m / -rate_m : 0;
-  found = {{side * facet.plane.normal, height_m}, std::max(enter, meets), &facet};
+  found = {{side * facet.plane.normal, height_m, &facet}, std::max(enter, meets)};
   return true;
 }
 

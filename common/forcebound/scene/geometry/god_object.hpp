@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "forcebound/scene/geometry/bvh.hpp"
@@ -16,7 +17,13 @@ struct Proxy {
   double y_m;
   double z_m;
   std::uint64_t placed;  // 0: nowhere yet
+  double goal_x_m;       // where it was to go last
+  double goal_y_m;
+  double goal_z_m;
 };
+
+/// Both in the mesh's own frame.
+[[nodiscard]] Proxy proxy_at(const Point& at_m, const Point& goal_m) noexcept;
 
 struct GodObjectOptions {
   bool two_sided = false;  ///< contact from behind the triangles as well; else only from where their normals point
@@ -75,26 +82,52 @@ class GodObject {
     std::array<Edge, 3> edges;
   };
 
-  /// A plane in the way: how high the god object is above it.
+  /// The plane of a facet in the way: how high the god object is above it.
   struct Constraint {
     Point normal;
     double height_m;
+    const Facet* facet;
   };
 
   struct Obstacle {
     Constraint constraint;
     double share = 0;  // of the way to it
-    const Facet* facet = nullptr;
+  };
+
+  /// Where the god object is, and how far it may still go.
+  struct Walk {
+    Point at_m;
+    double left_m;
+
+    /// Whether it gets that far.
+    [[nodiscard]] bool go(const Point& way_m, double share) noexcept {
+      const double length_m = way_m.norm();
+      const bool arrives = share * length_m <= left_m;
+      if (!arrives) share = left_m / length_m;
+      at_m += share * way_m;
+      left_m -= share * length_m;
+      return arrives;
+    }
   };
 
   class Constraints;
+  class Fan;
 
   [[nodiscard]] Facet facet_of(std::uint32_t triangle) const;
   [[nodiscard]] Edge edge_of(std::uint32_t triangle, std::size_t side) const;
   [[nodiscard]] bool approach(Point& proxy, const Point& goal) const noexcept;
-  [[nodiscard]] Point settle(Point proxy, const Point& goal, Point& last_normal) const noexcept;
-  [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found) const noexcept;
-  [[nodiscard]] static bool is_over(const Facet& facet, const Point& p) noexcept;
+  [[nodiscard]] Point settle(Walk walk, const Point& goal, Point& last_normal) const noexcept;
+  [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found,
+                                    std::span<const std::uint32_t> without = {}) const noexcept;
+  [[nodiscard]] Constraint seen_from(const Point& p, const Constraint& plane) const noexcept;
+  [[nodiscard]] std::uint32_t triangle_of(const Facet& facet) const noexcept {
+    return bvh_.order()[static_cast<std::size_t>(&facet - facets_.data())];
+  }
+  [[nodiscard]] std::uint32_t neighbour(const Facet& facet, std::size_t side) const noexcept {
+    return bvh_.mesh().neighbours()[triangle_of(facet)][side];
+  }
+  [[nodiscard]] bool step_around(Walk& walk, const Point& goal, int& searches) const noexcept;
+  [[nodiscard]] static bool is_within(const Facet& facet, const Point& p, double beyond_m) noexcept;
   [[nodiscard]] bool is_in_the_way(const Facet& facet, const Segment& path, double until,
                                    Obstacle& found) const noexcept;
 

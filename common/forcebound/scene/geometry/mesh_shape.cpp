@@ -60,7 +60,7 @@ class MeshShape final : public Shape {
     if (mesh().report().volume_m3 > 0 && !mesh().box_m().contains(local_m)) return;
     const auto found = object_.bvh().nearest(local_m);
     if (found && sides_->is_inside(local_m, *found)) {
-      proxy = {found->point_m.x(), found->point_m.y(), found->point_m.z(), 1};
+      proxy = proxy_at(found->point_m, local_m);
     }
   }
 
