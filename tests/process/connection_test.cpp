@@ -51,7 +51,8 @@ TEST(AClientWithoutAServer, KeepsTryingAndEndsWithASummary) {
   Client client(nobody, {"--law", "fba-more", "--duration", "3"});
   EXPECT_EQ(client.wait(20s), 0);
   EXPECT_THAT(client.err(), HasSubstr("no answer from " + nobody + " yet; asking on"));
-  EXPECT_THAT(client.out(), AllOf(HasSubstr("Summary: law fba-more"), HasSubstr("forces        none arrived")));
+  EXPECT_THAT(client.out(),
+              AllOf(HasSubstr("Summary: never connected, no verdict"), HasSubstr("forces        none arrived")));
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());
   EXPECT_EQ(summary["received"], 0);

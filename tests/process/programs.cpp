@@ -46,9 +46,11 @@ std::string free_address() {
 }
 
 std::uint64_t counted(const std::string& text, std::string_view subject, std::string_view what) {
+  // Lines of more than 80 columns go on in a further one, indented.
+  const std::string whole = std::regex_replace(text, std::regex("\n  +"), " ");
   const std::regex line("(^|\n)" + std::string(subject) + ":([^\n]*)");
   std::smatch found;
-  if (!std::regex_search(text, found, line)) return 0;
+  if (!std::regex_search(whole, found, line)) return 0;
   const std::string counts = found[2];
   const std::regex count("(\\d+) " + std::string(what) + "(,|$)");
   if (!std::regex_search(counts, found, count)) return 0;

@@ -43,13 +43,13 @@ TEST(AFullDisk, EndsTheRecordingButNotTheRun) {
   EXPECT_EQ(summary["faults"]["recording_unwritten"].get<int>(),
             summary["ticks"].get<int>() + summary["received"].get<int>());
   EXPECT_THAT(summary["faults"]["notes"].dump(), AllOf(HasSubstr("/dev/full"), HasSubstr("No space left on device")));
-  EXPECT_THAT(client.out(), HasSubstr("No space left on device"));
+  EXPECT_THAT(client.out(), testing::StartsWith("Summary: passive, RECORDING INCOMPLETE; "));
 }
 
 TEST(AFullDisk, IsNamedWhereTheSummaryCouldNotBeWritten) {
   const Ran ran = run(kClient, {"--server", free_address(), "--duration", "1", "--summary", kFull});
   EXPECT_EQ(ran.exit_code, 1);
-  EXPECT_THAT(ran.out, HasSubstr("Summary: law"));
+  EXPECT_THAT(ran.out, HasSubstr("Summary: never connected, no verdict"));
   EXPECT_THAT(ran.err, HasSubstr("could not write all of the summary to '/dev/full': No space left on device"));
 }
 

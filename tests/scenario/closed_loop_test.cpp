@@ -108,6 +108,26 @@ TEST(ClosedLoop, TakesNoMotionForLostThatIsOnItsWay) {
   EXPECT_EQ(after.lost_up + after.lost_down + after.in_flight, 0U) << record::words_of(after);
 }
 
+//   without a law the device is thrown about; what it got is measured at the ball itself
+TEST(ClosedLoop, TellsTheDepthBelowTheTrueSurfaceAndNoStiffnessThatIsNotThere) {
+  constexpr double kRadius_m = 0.02;
+  const auto scene = server::load_scene("sphere");
+  const double stiffness_N_per_m = scene->plan().effects().front().effect->facts().stiffness_N_per_m;
+  for (const char* law : {"none", "fba-less", "fba-more", "fba-exact"}) {
+    SCOPED_TRACE(law);
+    ClosedLoop loop(sphere_through("delay 50ms 10ms loss 5%", law));
+    loop.run(12s);
+    const json summary = summary_of(loop);
+    EXPECT_EQ(summary["run"]["surface"], "true");
+    EXPECT_EQ(summary["surface_unknown_ticks"], 0);
+    EXPECT_GT(summary["penetration_m"]["max"], 0);
+    EXPECT_LE(summary["penetration_m"]["max"], kRadius_m) << "no ball is deeper than its centre";
+    const json& shown = summary["displayed_stiffness_N_per_m"]["median"];
+    if (shown.is_number())
+      EXPECT_LT(shown.get<double>(), 1.05 * stiffness_N_per_m) << "nobody shows more than there is";
+  }
+}
+
 TEST(ClosedLoop, SameSettingsGiveTheSameRunByteForByte) {
   const auto once = [] {
     ClosedLoop loop(sphere_through("delay 20ms 15ms 25% loss gemodel 2% 20% duplicate 1%", "fba-less"));

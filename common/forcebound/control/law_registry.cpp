@@ -146,6 +146,20 @@ std::string LawRegistry::help() const {
   return columns(rows);
 }
 
+std::string LawRegistry::guarantee(std::string_view name) const {
+  switch (find(name).claim) {
+    case LawClaim::nothing:
+      return {};
+    case LawClaim::passive_if_ideal:
+      return "P >= 0 only on straight axes with an ideal encoder, punctual ticks and forces that act at once, which no "
+             "real device has";
+    case LawClaim::passive:
+      return "P >= 0 as long as damping, friction, encoder step, latency and hold time are as the device's description "
+             "says";
+  }
+  return {};
+}
+
 std::string LawRegistry::help(std::string_view name) const {
   const LawDescription& law = find(name);
   std::vector<std::pair<std::string, std::string>> rows;

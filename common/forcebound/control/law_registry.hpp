@@ -48,6 +48,10 @@ class LawRegistry {
   /// "NAME  what it does", a line each, for --help.
   [[nodiscard]] std::string help() const;
 
+  /// What a law promises of P where nobody measures it, and of which facts that takes: "P >= 0 as long as ...". Empty:
+  /// it promises nothing.
+  [[nodiscard]] std::string guarantee(std::string_view name) const;
+
   /// Everything about one law: what it does, after whom, how sure, what it promises and its parameters.
   [[nodiscard]] std::string help(std::string_view name) const;
 

@@ -135,6 +135,7 @@ std::string encode(const TickRecord& tick) {
   put(tick.applied, *out.mutable_applied_n());
   out.set_penetration_m(tick.penetration_m);
   out.set_displayed_n(tick.displayed_N);
+  out.set_contact(tick.contact);
   out.set_energy_j(tick.energy_J);
   out.set_xi(tick.xi);
   out.set_audit_j(tick.audit_J);
@@ -159,6 +160,7 @@ void decode(std::string_view bytes, TickRecord& tick) {
   tick.applied = vector_from(in.applied_n(), "applied_N");
   tick.penetration_m = in.penetration_m();
   tick.displayed_N = in.displayed_n();
+  tick.contact = in.has_contact() ? in.contact() : in.penetration_m() > 0;
   tick.energy_J = in.energy_j();
   tick.xi = in.xi();
   tick.audit_J = in.audit_j();

@@ -31,6 +31,9 @@ void each_field(Info& info, Visit&& visit) {
   visit("drop_ns", info.drop);
   visit("epoch_ns", info.epoch);
   visit("audited", info.audited);
+  visit("device_simulated", info.device_simulated);
+  visit("surface_true", info.surface_true);
+  visit("guarantee", info.guarantee);
   visit("settle_s", info.settle_s);
   visit("stiffness_depth_m_min", info.stiffness_depth_m_min);
   visit("force_N_max", info.force_N_max);
@@ -184,31 +187,52 @@ std::string words_of(const MotionFates& fates) {
 
 std::vector<Fault> faults_of(const RunTotals& t) {
   return {
-      {"malformed_oversize", t.malformed[0], "datagrams longer than ours may be"},
-      {"malformed_truncated", t.malformed[1], "datagrams shorter than a frame header"},
-      {"malformed_foreign", t.malformed[2], "datagrams that are not ours, or of another version"},
-      {"malformed_corrupt", t.malformed[3], "datagrams whose checksum disagrees"},
-      {"malformed_unreadable", t.malformed[4], "datagrams whose body cannot be read"},
-      {"malformed_non_finite", t.malformed[5], "datagrams with numbers that are not finite"},
-      {"foreign_session", t.foreign_session, "datagrams of another session or sender"},
-      {"non_finite_requests", t.non_finite_requests, "forces asked for that were not finite, shown as zero"},
-      {"non_finite_readings", t.non_finite_readings, "failed device readings, shown as zero force"},
-      {"withdrawn_forces", t.withdrawn_forces, "forces commanded too long after the reading, and made zero"},
-      {"impossible_intervals", t.impossible_intervals, "ticks whose clock stood still or ran back: nothing credited"},
-      {"held_too_long", t.held_too_long, "ticks beyond the hold time of a device that cannot let go: not passive"},
-      {"released_by_device", t.released_by_device, "ticks so late that the device let go of the force"},
-      {"reconnects", t.reconnects, "times the session was lost and asked for again"},
-      {"send_failures", t.send_failures, "datagrams the system did not take"},
-      {"missed_ticks", t.missed_ticks, "ticks left out: the loop woke too late for them"},
-      {"device_gaps_cut", t.device_gaps_cut, "pauses so long that the simulated device stood still in them"},
-      {"device_frozen_joints", t.device_frozen_joints, "times the simulation of a joint's friction gave up for a ms"},
-      {"device_faulty_commands", t.device_faulty_commands, "commands not finite at the device, shown as zero"},
-      {"datagrams_overflowed", t.datagrams_overflowed, "datagrams lost here: the socket was full"},
-      {"nobody_listening", t.nobody_listening, "times the server's machine said that nobody listens there"},
-      {"events_dropped", t.events_dropped, "log lines missing: their queue was full"},
-      {"tick_allocations", t.tick_allocations, "heap allocations inside the tick"},
-      {"recording_dropped", t.recording_dropped, "records missing: the recorder's queue was full"},
-      {"recording_unwritten", t.recording_unwritten, "records missing: they could not be written"}};
+      {"malformed_oversize", t.malformed[0], "datagram longer than ours may be", "datagrams longer than ours may be"},
+      {"malformed_truncated", t.malformed[1], "datagram shorter than a frame header",
+       "datagrams shorter than a frame header"},
+      {"malformed_foreign", t.malformed[2], "datagram that is not ours, or of another version",
+       "datagrams that are not ours, or of another version"},
+      {"malformed_corrupt", t.malformed[3], "datagram whose checksum disagrees", "datagrams whose checksum disagrees"},
+      {"malformed_unreadable", t.malformed[4], "datagram whose body cannot be read",
+       "datagrams whose body cannot be read"},
+      {"malformed_non_finite", t.malformed[5], "datagram with numbers that are not finite",
+       "datagrams with numbers that are not finite"},
+      {"foreign_session", t.foreign_session, "datagram of another session or sender",
+       "datagrams of another session or sender"},
+      {"non_finite_requests", t.non_finite_requests, "force asked for that was not finite, shown as zero",
+       "forces asked for that were not finite, shown as zero"},
+      {"non_finite_readings", t.non_finite_readings, "failed device reading, shown as zero force",
+       "failed device readings, shown as zero force"},
+      {"withdrawn_forces", t.withdrawn_forces, "force commanded too long after the reading, and made zero",
+       "forces commanded too long after the reading, and made zero"},
+      {"impossible_intervals", t.impossible_intervals, "tick whose clock stood still or ran back: nothing credited",
+       "ticks whose clock stood still or ran back: nothing credited"},
+      {"held_too_long", t.held_too_long, "tick beyond the hold time of a device that cannot let go: not passive",
+       "ticks beyond the hold time of a device that cannot let go: not passive"},
+      {"released_by_device", t.released_by_device, "tick so late that the device let go of the force",
+       "ticks so late that the device let go of the force"},
+      {"reconnects", t.reconnects, "time the session was lost and asked for again",
+       "times the session was lost and asked for again"},
+      {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},
+      {"missed_ticks", t.missed_ticks, "tick left out: the loop woke too late for it",
+       "ticks left out: the loop woke too late for them"},
+      {"device_gaps_cut", t.device_gaps_cut, "pause so long that the simulated device stood still in it",
+       "pauses so long that the simulated device stood still in them"},
+      {"device_frozen_joints", t.device_frozen_joints, "time the simulation of a joint's friction gave up for a ms",
+       "times the simulation of a joint's friction gave up for a ms"},
+      {"device_faulty_commands", t.device_faulty_commands, "command not finite at the device, shown as zero",
+       "commands not finite at the device, shown as zero"},
+      {"datagrams_overflowed", t.datagrams_overflowed, "datagram lost here: the socket was full",
+       "datagrams lost here: the socket was full"},
+      {"nobody_listening", t.nobody_listening, "time the server's machine said that nobody listens there",
+       "times the server's machine said that nobody listens there"},
+      {"events_dropped", t.events_dropped, "log line missing: the queue was full",
+       "log lines missing: their queue was full"},
+      {"tick_allocations", t.tick_allocations, "heap allocation inside the tick", "heap allocations inside the tick"},
+      {"recording_dropped", t.recording_dropped, "record missing: the recorder's queue was full",
+       "records missing: the recorder's queue was full"},
+      {"recording_unwritten", t.recording_unwritten, "record missing: it could not be written",
+       "records missing: they could not be written"}};
 }
 
 }  // namespace forcebound::record

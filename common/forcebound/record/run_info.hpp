@@ -36,7 +36,10 @@ struct RunInfo {
   Nanoseconds hold{250'000'000};        ///< late-force policy: forces older than this fade
   Nanoseconds drop{1'000'000'000};      ///< ... and older than this are zero
   Nanoseconds epoch{0};                 ///< wall-clock time [since 1970, UTC] when the steady clock read zero
-  bool audited = true;                  ///< the device knows P(t): a simulated one
+  bool audited = false;                 ///< the device knows P(t)
+  bool device_simulated = false;        ///< it is a model within this program, and so is the hand that holds it
+  bool surface_true = false;            ///< penetration is that of the device's true place in the scene itself
+  std::string guarantee;                ///< what the law promises of P without an audit, for people; empty: nothing
   double settle_s = 0;                  ///< contact statistics leave out this long after the first contact
   double stiffness_depth_m_min = 1e-5;  ///< displayed stiffness is taken deeper than this only
   double force_N_max = kNoLimit;        ///< the device's largest force: a request beyond it is cut without any law
@@ -122,7 +125,9 @@ RunTotals run_totals_from(const KeyValues& values);
 struct Fault {
   const char* name;
   std::uint64_t count;
-  const char* meaning;
+  const char* one;   ///< "tick left out: the loop woke too late for it"
+  const char* many;  ///< the same for any other count
+  [[nodiscard]] const char* meaning() const noexcept { return count == 1 ? one : many; }
 };
 std::vector<Fault> faults_of(const RunTotals& totals);
 

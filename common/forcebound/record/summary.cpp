@@ -27,6 +27,7 @@ void Summary::on_tick(const TickRecord& tick) noexcept {
 }
 
 void Summary::note_period(const TickRecord& tick) noexcept {
+  if (tick.state != SessionState::connecting) connected_ = true;
   if (ticks_ == 0) {
     first_ = tick.time;
   } else {
@@ -61,18 +62,25 @@ void Summary::note_force_stream(const TickRecord& tick) noexcept {
 void Summary::note_contact(const TickRecord& tick) noexcept {
   const double force_N = tick.applied.norm();
   force_N_max_ = std::max(force_N_max_, force_N);
-  penetration_m_max_ = std::max(penetration_m_max_, tick.penetration_m);
+  if (tick.penetration_m > penetration_m_max_) penetration_m_max_ = tick.penetration_m;
   if (was_bounded(tick, info_)) ++bounded_ticks_;
-  if (!(tick.penetration_m > 0)) return;
+  if (std::isnan(tick.penetration_m)) ++unknown_ticks_;
+  const auto stiffness = displayed_.on_tick(tick);
+  if (!tick.contact) return;
   ++contact_ticks_;
   if (!contact_) contact_ = tick.time;
   if (time::to_seconds(tick.time - *contact_) < info_.settle_s) return;
+  ++settled_ticks_;
   force_N_.add(force_N);
-  penetration_m_.add(tick.penetration_m);
-  if (!(tick.penetration_m > info_.stiffness_depth_m_min)) return;
-  const double stiffness = tick.displayed_N / tick.penetration_m;
-  stiffness_.add(stiffness);
-  stiffness_mN_per_m_.add(time::from_seconds(stiffness * 1e-6).count());  // N/m to mN/m, saturating
+  if (tick.penetration_m > 0) penetration_m_.add(tick.penetration_m);
+  if (displayed_.at_rest()) {
+    ++rest_ticks_;
+    rest_uN_.add(time::from_seconds(force_N * 1e-3).count());  // N to uN, saturating
+    rest_nm_.add(time::from_seconds(tick.penetration_m).count());
+  }
+  if (!stiffness) return;
+  stiffness_.add(*stiffness);
+  stiffness_mN_per_m_.add(time::from_seconds(*stiffness * 1e-6).count());  // N/m to mN/m, saturating
 }
 
 void Summary::note_energy(const TickRecord& tick) noexcept {
@@ -92,6 +100,7 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   network_ns_.add((record.round_trip - at_server).count());
   server_ns_.add((at_server - force.compute_time).count());
   ++forces_;
+  connected_ = true;
   if (force.motion_sequence <= arrived_motion_) return;  // overtaken: no tick will use it
   arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;

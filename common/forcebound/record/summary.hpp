@@ -3,10 +3,12 @@
 #include <optional>
 #include <string>
 
+#include "forcebound/record/displayed_stiffness.hpp"
 #include "forcebound/record/histogram.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/running_statistics.hpp"
 #include "forcebound/record/tick_record.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::record {
 
@@ -36,18 +38,28 @@ namespace forcebound::record {
 ///   both ways together; `server` what the server took beside computing; `wait` from arrival until a tick used the
 ///   force.
 /// - `tick_latency_us`: from the reading to the command.
-/// - `force_N`: of the applied force's magnitude: `mean` and (population) `variance` over the ticks in contact, those
-/// with
-///   penetration_m > 0, and `max` over all ticks. `penetration_m` likewise.
-/// - `displayed_stiffness_N_per_m`: component of the applied force out of the surface over the penetration, on ticks in
-///   contact deeper than `stiffness_depth_m_min`, where an encoder's step does not dominate. `median` takes negative
-///   values as zero and is exact to 0.05 %.
-/// - All three leave out the first `settle_s` after the first contact (but `max` does not).
+/// - `contact_ticks`: those on which the device touched the surface, or, where that is not known, the newest answer had
+///   touched it. `surface_unknown_ticks`: those on which nobody knew where the surface was.
+/// - `force_N`: of the applied force's magnitude: `mean` and (population) `variance` over the ticks in contact, and
+/// `max`
+///   over all ticks. `penetration_m` likewise, over those of them on which it is known: in a simulation it is that of
+///   the device's true place in the scene (`run.surface` is "true"); otherwise that below the plane which the newest
+///   answer tells, within 1 mm of where that answer was computed and nowhere else ("plane").
+/// - `displayed_stiffness_N_per_m`: see DisplayedStiffness, on ticks at rest or quasi-static only: component of the
+///   applied force out of the surface over the penetration. `median` takes negative values as zero and is exact to
+///   0.05 %.
+/// - `at_rest`: what those ticks are: `fraction` of the ticks in contact, `force_N` and `penetration_m` their medians,
+///   `speed_m_per_s_max` the fastest change of depth that is still called rest.
+/// - All of these leave out the first `settle_s` after the first contact (but `max` does not).
 /// - `bounded_fraction`: share of the ticks on which the law took something away: the applied force differs from the
 ///   request, cut at the device's largest force, by more than 1e-12 of it and by more than the actuator's rounding.
-/// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; `ok` if the minimum
-/// is not
-///   below -1e-9 J. Unknown for a device without audit. `ledger.final_J`: what the law may still spend.
+/// - `verdict`: "passive", "not passive", or why there is none: "not audited", "no contact" (the device touched nothing
+///   and no force was ever applied), "never connected".
+/// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; both null for a
+/// device
+///   without audit. `ok`: false if the minimum is below -1e-9 J or not a number, true if not; null where there is no
+///   verdict. `guarantee`: what the law promises without an audit, and under which facts; null: nothing.
+///   `ledger.final_J`: what the law may still spend.
 /// - `faults`: counts of what should not happen, and `notes` in words.
 ///
 /// A number that is unknown or not finite is null.
@@ -55,7 +67,7 @@ namespace forcebound::record {
 /// Real time: `on_tick` and `on_force` are noexcept and allocate nothing. Not thread-safe.
 class Summary final : public TickSink {
  public:
-  explicit Summary(RunInfo info) : info_(std::move(info)) {}
+  explicit Summary(RunInfo info) : info_(std::move(info)), displayed_(info_.stiffness_depth_m_min) {}
 
   void on_tick(const TickRecord& tick) noexcept override;
   void on_force(const ForceRecord& force) noexcept override;
@@ -66,8 +78,8 @@ class Summary final : public TickSink {
   /// One JSON object with the keys above, numbers in full.
   [[nodiscard]] std::string to_json() const;
 
-  /// One screen for a person.
-  [[nodiscard]] std::string to_text() const;
+  /// One screen for a person, of 80 columns; the first line has the verdict.
+  [[nodiscard]] std::string to_text(text::Colour colour = text::Colour::none) const;
 
   [[nodiscard]] const RunInfo& info() const noexcept { return info_; }
 
@@ -81,6 +93,7 @@ class Summary final : public TickSink {
 
   RunInfo info_;
   std::optional<RunTotals> totals_;
+  bool connected_ = false;  ///< once at least
 
   std::uint64_t ticks_ = 0;
   Nanoseconds first_{0};
@@ -106,8 +119,12 @@ class Summary final : public TickSink {
 
   std::optional<Nanoseconds> contact_;  ///< the first one
   std::uint64_t contact_ticks_ = 0;
+  std::uint64_t unknown_ticks_ = 0;
+  std::uint64_t settled_ticks_ = 0;  ///< in contact
+  std::uint64_t rest_ticks_ = 0;     ///< of them
+  DisplayedStiffness displayed_;
   RunningStatistics force_N_, penetration_m_, stiffness_;
-  Histogram stiffness_mN_per_m_;
+  Histogram stiffness_mN_per_m_, rest_uN_, rest_nm_;
   double force_N_max_ = 0;
   double penetration_m_max_ = 0;
   std::uint64_t bounded_ticks_ = 0;

@@ -26,7 +26,38 @@ Json blackout_json(const Blackout& blackout) {
   return object;
 }
 
+const char* name_of(SummaryView::Verdict verdict) {
+  using Verdict = SummaryView::Verdict;
+  switch (verdict) {
+    case Verdict::passive:
+      return "passive";
+    case Verdict::not_passive:
+      return "not passive";
+    case Verdict::not_audited:
+      return "not audited";
+    case Verdict::no_contact:
+      return "no contact";
+    case Verdict::never_connected:
+      return "never connected";
+  }
+  return "";
+}
+
+Json ok_json(SummaryView::Verdict verdict) {
+  if (verdict == SummaryView::Verdict::passive) return true;
+  if (verdict == SummaryView::Verdict::not_passive) return false;
+  return nullptr;
+}
+
 }  // namespace
+
+SummaryView::Verdict SummaryView::verdict() const {
+  // What was measured comes first: energy that came from nowhere is told, contact or not.
+  if (s.info_.audited && !(minimum_J() >= kPassiveLeast_J)) return Verdict::not_passive;
+  if (!s.connected_) return Verdict::never_connected;
+  if (!touched()) return Verdict::no_contact;
+  return s.info_.audited ? Verdict::passive : Verdict::not_audited;
+}
 
 void SummaryView::add_run(Json& json) const {
   const RunInfo& info = s.info_;
@@ -87,12 +118,18 @@ void SummaryView::add_times(Json& json) const {
 
 void SummaryView::add_contact(Json& json) const {
   json["contact_ticks"] = s.contact_ticks_;
+  json["surface_unknown_ticks"] = s.unknown_ticks_;
   json["force_N"] = {{"mean", s.force_N_.mean()}, {"variance", s.force_N_.variance()}, {"max", s.force_N_max_}};
   json["penetration_m"] = {{"mean", s.penetration_m_.mean()}, {"max", s.penetration_m_max_}};
   json["displayed_stiffness_N_per_m"] = {{"mean", s.stiffness_.mean()}, {"median", stiffness_median()}};
+  json["at_rest"] = {{"fraction", rest_fraction()},
+                     {"force_N", rest_force_N()},
+                     {"penetration_m", rest_depth_m()},
+                     {"speed_m_per_s_max", DisplayedStiffness::kSpeed_m_per_s}};
   json["bounded_fraction"] = bounded_fraction();
-  json["passivity"] = {{"minimum_J", minimum_J()}, {"final_J", final_J()}, {"ok", passive()}};
-  if (!s.info_.audited) json["passivity"]["ok"] = nullptr;
+  json["verdict"] = name_of(verdict());
+  json["passivity"] = {{"minimum_J", minimum_J()}, {"final_J", final_J()}, {"ok", ok_json(verdict())}};
+  json["passivity"]["guarantee"] = s.info_.guarantee.empty() ? Json(nullptr) : Json(s.info_.guarantee);
   json["ledger"] = {{"final_J", s.ledger_final_J_}};
 }
 
@@ -116,7 +153,10 @@ void SummaryView::add_faults(Json& json) const {
                  {"hold_s", time::to_seconds(info.hold)},
                  {"drop_s", time::to_seconds(info.drop)},
                  {"settle_s", info.settle_s},
-                 {"stiffness_depth_m_min", info.stiffness_depth_m_min}};
+                 {"stiffness_depth_m_min", info.stiffness_depth_m_min},
+                 {"device_simulated", info.device_simulated},
+                 {"audited", info.audited},
+                 {"surface", info.surface_true ? "true" : "plane"}};
 }
 
 std::string Summary::to_json() const {

@@ -1,122 +1,182 @@
-#include <cstdarg>
-#include <cstdio>
+#include <algorithm>
+#include <string>
 
 #include "forcebound/record/summary_view.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::record {
 namespace {
 
-/// printf into the end of a string.
-[[gnu::format(printf, 2, 3)]] void print(std::string& out, const char* format, ...) {
-  char line[512];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line, sizeof line, format, arguments);
-  va_end(arguments);
-  out += line;
-}
+using text::counted;
 
-void print_field(std::string& out, const char* name, const std::string& text) {
-  if (text.empty()) return;
-  print(out, "  %-13s ", name);
-  out += text;  // of any length
-  out += '\n';
+constexpr std::size_t kNameColumns = 16;
+constexpr int kDigits = 4;
+
+std::string rounded(double value) { return text::rounded(value, kDigits); }
+
+std::string percent(double share) { return text::rounded(100 * share) + " %"; }
+
+/// A line "  name          words", going on below the words where it is too long; nothing without words.
+void print_field(std::string& out, const char* name, const std::string& words) {
+  if (words.empty()) return;
+  std::string line = "  " + std::string(name);
+  line.resize(std::max(line.size() + 1, kNameColumns), ' ');
+  out += text::wrapped(line + words, kNameColumns) + '\n';
 }
 
 std::string count_text(const std::optional<std::uint64_t>& count) { return count ? std::to_string(*count) : "?"; }
 
+std::string percentiles(const Histogram& ns, double unit_ns, const char* unit) {
+  return rounded(ns.percentile(0.5) / unit_ns) + " " + unit + " median, " + rounded(ns.percentile(0.99) / unit_ns) +
+         " p99";
+}
+
 }  // namespace
+
+void SummaryView::print_verdict(std::string& out, text::Colour colour) const {
+  switch (verdict()) {
+    case Verdict::passive:
+      out += "passive";
+      break;
+    case Verdict::not_passive:
+      out += text::red("NOT PASSIVE", colour);
+      break;
+    case Verdict::not_audited:
+      out += "not audited";
+      break;
+    case Verdict::no_contact:
+      out += "no contact, no verdict";
+      break;
+    case Verdict::never_connected:
+      out += "never connected, no verdict";
+      break;
+  }
+  if (recording_incomplete()) out += ", " + text::red("RECORDING INCOMPLETE", colour);
+}
 
 void SummaryView::print_run(std::string& out) const {
   const RunInfo& info = s.info_;
-  print(out, "Summary: law %.60s, %.1f s, %llu ticks\n", info.law.c_str(), duration_s(),
-        static_cast<unsigned long long>(s.ticks_));
-  print_field(out, "parameters", info.law_parameters);
-  print_field(out, "device", info.facts.empty() ? info.device : info.facts);
+  print_field(out, "law", info.law + (info.law_parameters.empty() ? "" : ": " + info.law_parameters));
+  const std::string& device = info.facts.empty() ? info.device : info.facts;
+  print_field(out, "device", (info.device_simulated ? "simulated, " : "") + device);
   print_field(out, "operator", info.hand.empty() ? info.operator_name : info.hand);
   print_field(out, "scene", scene() + (simulated().empty() ? "" : ": " + simulated()));
   print_field(out, "network", info.network);
-  print(out, "  period        %.1f us median, %.1f us p99, %.1f us p99.9, %.1f us max; %llu late by > 0.5 ms\n",
-        s.period_ns_.percentile(0.5) * 1e-3, s.period_ns_.percentile(0.99) * 1e-3,
-        s.period_ns_.percentile(0.999) * 1e-3, s.period_ns_.max() * 1e-3,
-        static_cast<unsigned long long>(s.late_ticks_));
+  if (s.ticks_ < 2) return;
+  print_field(out, "period",
+              percentiles(s.period_ns_, 1e3, "us") + ", " + rounded(s.period_ns_.percentile(0.999) * 1e-3) +
+                  " p99.9, " + rounded(s.period_ns_.max() * 1e-3) + " max; " + std::to_string(s.late_ticks_) + " late");
   if (const IdleTimer* idle = idle_timer()) {
-    print(out,
-          "  idle timer    %.1f us median, %.1f us p99, %.1f us p99.9, %.1f us max; %llu late: the machine's own\n",
-          idle->p50_us, idle->p99_us, idle->p999_us, idle->max_us, static_cast<unsigned long long>(idle->late));
+    print_field(out, "idle timer",
+                rounded(idle->p50_us) + " us median, " + rounded(idle->p99_us) + " p99, " + rounded(idle->p999_us) +
+                    " p99.9, " + rounded(idle->max_us) + " max; " + std::to_string(idle->late) + " late");
   }
 }
 
 void SummaryView::print_network(std::string& out) const {
-  print(out, "  datagrams     %llu sent, %llu received, %s lost (%s up, %s down), %s duplicated, %s reordered\n",
-        static_cast<unsigned long long>(sent()), static_cast<unsigned long long>(received()),
-        count_text(lost()).c_str(), count_text(total(&RunTotals::lost_up)).c_str(),
-        count_text(total(&RunTotals::lost_down)).c_str(), count_text(total(&RunTotals::duplicated)).c_str(),
-        count_text(total(&RunTotals::reordered)).c_str());
+  print_field(out, "datagrams",
+              std::to_string(sent()) + " sent, " + std::to_string(received()) + " received, " + count_text(lost()) +
+                  " lost (" + count_text(total(&RunTotals::lost_up)) + " up, " +
+                  count_text(total(&RunTotals::lost_down)) + " down), " + count_text(total(&RunTotals::duplicated)) +
+                  " duplicated, " + count_text(total(&RunTotals::reordered)) + " reordered");
   if (s.totals_) print_field(out, "motions", words_of(fates_of(*s.totals_)));
   if (s.forces_ == 0) {
-    print(out, "  forces        none arrived\n");
+    print_field(out, "forces", "none arrived");
     return;
   }
-  print(out, "  force age     %.1f ms median, %.1f ms p99, %.1f ms max\n", s.age_ns_.percentile(0.5) * 1e-6,
-        s.age_ns_.percentile(0.99) * 1e-6, s.age_ns_.max() * 1e-6);
-  print(out, "  round trip    %.2f ms median, %.2f ms p99, %.2f ms max; server computes %.1f us median, %.1f us p99\n",
-        s.round_trip_ns_.percentile(0.5) * 1e-6, s.round_trip_ns_.percentile(0.99) * 1e-6,
-        s.round_trip_ns_.max() * 1e-6, s.compute_ns_.percentile(0.5) * 1e-3, s.compute_ns_.percentile(0.99) * 1e-3);
-  print(out, "  late forces   %llu ticks faded, %llu ticks at zero, %llu changes; %llu blackouts, longest %.3f s\n",
-        static_cast<unsigned long long>(s.fading_ticks_), static_cast<unsigned long long>(s.dropped_ticks_),
-        static_cast<unsigned long long>(s.policy_changes_), static_cast<unsigned long long>(s.blackouts_),
-        time::to_seconds(s.blackout_longest_));
+  print_field(out, "force age", percentiles(s.age_ns_, 1e6, "ms") + ", " + rounded(s.age_ns_.max() * 1e-6) + " max");
+  print_field(out, "round trip",
+              percentiles(s.round_trip_ns_, 1e6, "ms") + ", " + rounded(s.round_trip_ns_.max() * 1e-6) +
+                  " max; server " + rounded(s.compute_ns_.percentile(0.5) * 1e-3) + " us, " +
+                  rounded(s.compute_ns_.percentile(0.99) * 1e-3) + " p99");
+  print_field(out, "late forces",
+              counted(s.fading_ticks_, "tick") + " faded, " + std::to_string(s.dropped_ticks_) + " at zero, " +
+                  counted(s.policy_changes_, "change") + "; " + counted(s.blackouts_, "blackout") +
+                  (s.blackouts_ == 0 ? "" : ", longest " + rounded(time::to_seconds(s.blackout_longest_)) + " s"));
 }
 
 void SummaryView::print_contact(std::string& out) const {
   if (s.contact_ticks_ == 0) {
-    print(out, "  contact       none; %.3f N max\n", s.force_N_max_);
+    print_field(out, "contact", "none; " + rounded(s.force_N_max_) + " N max");
     return;
   }
-  print(out, "  contact       %.1f %% of the ticks, penetration %.3f mm mean, %.3f mm max\n",
-        100 * share(s.contact_ticks_), s.penetration_m_.mean() * 1e3, s.penetration_m_max_ * 1e3);
-  print(out, "  force         %.3f N mean, %.4f N^2 variance in contact; %.3f N max; bounded on %.1f %% of the ticks\n",
-        s.force_N_.mean(), s.force_N_.variance(), s.force_N_max_, 100 * bounded_fraction());
-  print(out, "  stiffness     %.3f N/mm mean, %.3f N/mm median displayed\n", s.stiffness_.mean() * 1e-3,
-        stiffness_median() * 1e-3);
+  std::string contact = percent(share(s.contact_ticks_)) + " of the ticks, ";
+  if (s.penetration_m_.count() > 0) {
+    contact += rounded(s.penetration_m_.mean() * 1e3) + " mm deep in the mean, " + rounded(s.penetration_m_max_ * 1e3) +
+               " at most";
+  } else {
+    contact += "depth not known";
+  }
+  if (s.unknown_ticks_ > 0 && !s.info_.surface_true) {
+    contact += "; surface not known on " + percent(share(s.unknown_ticks_)) +
+               " of the ticks, where the newest answer is for a place over 1 mm away";
+  }
+  print_field(out, "contact", contact);
+  print_field(out, "force",
+              rounded(s.force_N_.mean()) + " N mean, " + rounded(s.force_N_.variance()) + " N^2 variance in contact; " +
+                  rounded(s.force_N_max_) + " N max; bounded on " + percent(bounded_fraction()));
+  const double speed_mm_per_s = 1e3 * DisplayedStiffness::kSpeed_m_per_s;
+  if (s.rest_ticks_ == 0) {
+    print_field(out, "at rest",
+                "never: the depth, where it is known, never changed by less than " + rounded(speed_mm_per_s) + " mm/s");
+    return;
+  }
+  print_field(out, "at rest",
+              percent(rest_fraction()) + " of the contact (depth changes by less than " + rounded(speed_mm_per_s) +
+                  " mm/s); medians there: " + rounded(rest_force_N()) + " N, " + rounded(rest_depth_m() * 1e3) +
+                  " mm deep, " +
+                  (s.stiffness_.count() == 0
+                       ? "too shallow to tell a stiffness"
+                       : rounded(stiffness_median()) + " N/m displayed against " +
+                             (s.info_.surface_true ? "the true surface" : "the plane of the newest answer")));
 }
 
-void SummaryView::print_energy(std::string& out) const {
+void SummaryView::print_energy(std::string& out, text::Colour colour) const {
   if (s.info_.audited) {
-    print(out, "  passivity     P minimum %.6g J, final %.6g J: %s\n", minimum_J(), final_J(),
-          passive() ? "passive" : "NOT PASSIVE");
+    const std::string minimum = rounded(minimum_J()) + " J";
+    // The colour takes no columns, so it goes in after the line is broken.
+    std::string line;
+    print_field(line, "passivity", "P minimum " + minimum + ", final " + rounded(final_J()) + " J");
+    const std::size_t at = line.find(minimum);
+    if (verdict() == Verdict::not_passive && at != std::string::npos) {
+      line.replace(at, minimum.size(), text::red(minimum, colour));
+    }
+    out += line;
   } else {
-    print(out, "  passivity     unknown: this device has no audit\n");
+    print_field(out, "passivity",
+                "not audited: this device does not measure P. Law " + s.info_.law +
+                    (s.info_.guarantee.empty() ? " promises nothing of it." : " promises " + s.info_.guarantee + "."));
   }
-  print(out, "  ledger        %.6g J left to spend\n", s.ledger_final_J_);
+  print_field(out, "ledger", rounded(s.ledger_final_J_) + " J left to spend");
 }
 
 void SummaryView::print_faults(std::string& out) const {
   if (!s.totals_) {
-    print(out, "  faults        unknown: the run was cut off before it counted them\n");
+    print_field(out, "faults", "unknown: the run was cut off before it counted them");
     return;
   }
   bool any = false;
   for (const Fault& fault : faults_of(*s.totals_)) {
     if (fault.count == 0) continue;
-    print(out, "  %-13s %llu %s\n", any ? "" : "faults", static_cast<unsigned long long>(fault.count), fault.meaning);
+    print_field(out, any ? "" : "faults", std::to_string(fault.count) + " " + fault.meaning());
     any = true;
   }
   for (const std::string& note : s.totals_->notes) {
     print_field(out, any ? "" : "faults", note);
     any = true;
   }
-  if (!any) print(out, "  faults        none\n");
+  if (!any) print_field(out, "faults", "none");
 }
 
-std::string Summary::to_text() const {
+std::string Summary::to_text(text::Colour colour) const {
   const SummaryView view{*this};
-  std::string out;
+  std::string out = "Summary: ";
+  view.print_verdict(out, colour);
+  out += "; " + rounded(view.duration_s()) + " s, " + counted(ticks_, "tick") + '\n';
   view.print_run(out);
   view.print_network(out);
   view.print_contact(out);
-  view.print_energy(out);
+  view.print_energy(out, colour);
   view.print_faults(out);
   return out;
 }

@@ -20,12 +20,23 @@ struct SummaryView {
   [[nodiscard]] double duration_s() const { return time::to_seconds(s.last_ - s.first_); }
   [[nodiscard]] double minimum_J() const { return s.info_.audited ? s.passivity_minimum_J_ : kNone; }
   [[nodiscard]] double final_J() const { return s.info_.audited ? s.passivity_final_J_ : kNone; }
-  [[nodiscard]] bool passive() const { return minimum_J() >= kPassiveLeast_J; }
+
+  enum class Verdict : std::uint8_t { passive, not_passive, not_audited, no_contact, never_connected };
+  [[nodiscard]] Verdict verdict() const;
+  [[nodiscard]] bool touched() const { return s.contact_ticks_ > 0 || s.force_N_max_ > 0; }
+  [[nodiscard]] bool recording_incomplete() const {
+    return s.totals_ && s.totals_->recording_dropped + s.totals_->recording_unwritten > 0;
+  }
   [[nodiscard]] double bounded_fraction() const { return share(s.bounded_ticks_); }
   [[nodiscard]] double share(std::uint64_t ticks) const {
     return s.ticks_ == 0 ? kNone : static_cast<double>(ticks) / static_cast<double>(s.ticks_);
   }
   [[nodiscard]] std::uint64_t stale_ticks() const { return s.fading_ticks_ + s.dropped_ticks_; }
+  [[nodiscard]] double rest_fraction() const {
+    return s.settled_ticks_ == 0 ? kNone : static_cast<double>(s.rest_ticks_) / static_cast<double>(s.settled_ticks_);
+  }
+  [[nodiscard]] double rest_force_N() const { return s.rest_uN_.percentile(0.5) * 1e-6; }
+  [[nodiscard]] double rest_depth_m() const { return s.rest_nm_.percentile(0.5) * 1e-9; }
   [[nodiscard]] double stiffness_median() const { return s.stiffness_mN_per_m_.percentile(0.5) * 1e-3; }
 
   /// A count of the session's, if the run got as far as telling it.
@@ -60,10 +71,11 @@ struct SummaryView {
   void add_contact(nlohmann::ordered_json& json) const;
   void add_faults(nlohmann::ordered_json& json) const;
 
+  void print_verdict(std::string& out, text::Colour colour) const;
   void print_run(std::string& out) const;
   void print_network(std::string& out) const;
   void print_contact(std::string& out) const;
-  void print_energy(std::string& out) const;
+  void print_energy(std::string& out, text::Colour colour) const;
   void print_faults(std::string& out) const;
 };
 

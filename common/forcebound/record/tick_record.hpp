@@ -31,7 +31,8 @@ struct TickRecord {
   control::Vector joint;              ///< reading, joints
   control::Vector request;            ///< force asked for, after the late-force policy [N]
   control::Vector applied;            ///< force commanded [N]
-  double penetration_m = 0;           ///< below the surface last reported, extrapolated as a plane; <= 0: no contact
+  bool contact = false;               ///< the newest answer, or the true surface where it is known, says so
+  double penetration_m = 0;           ///< below that surface; <= 0: no contact; not a number: not known here
   double displayed_N = 0;             ///< component of `applied` out of that surface
   double energy_J = 0;                ///< what the law may spend
   double xi = 1;

@@ -13,18 +13,18 @@ std::string to_text(double value) {
   return {buffer.data(), end};
 }
 
-std::string rounded(double value) {
+std::string rounded(double value, int digits) {
   std::array<char, 32> buffer{};
   const auto print = [&](double number, std::chars_format format) {
     return std::string(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, format).ptr);
   };
   const auto short_end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 3).ptr;
-  double three_digits = value;
-  std::from_chars(buffer.data(), short_end, three_digits);
-  const double size = std::abs(three_digits);
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, digits).ptr;
+  double rounded_value = value;
+  std::from_chars(buffer.data(), short_end, rounded_value);
+  const double size = std::abs(rounded_value);
   const bool written_out = size == 0 || (size >= 1e-3 && size < 1e7);
-  return print(three_digits, written_out ? std::chars_format::fixed : std::chars_format::general);
+  return print(rounded_value, written_out ? std::chars_format::fixed : std::chars_format::general);
 }
 
 std::optional<double> finite_number(std::string_view text) noexcept {

@@ -9,8 +9,9 @@ namespace forcebound::text {
 /// The shortest text that reads back as the same number.
 [[nodiscard]] std::string to_text(double value);
 
-/// Three significant digits, with an exponent only where nobody would write it out. Infinite: "inf".
-[[nodiscard]] std::string rounded(double value);
+/// Three significant digits, or as many as said, with an exponent only where nobody would write it out. Infinite:
+/// "inf".
+[[nodiscard]] std::string rounded(double value, int digits = 3);
 
 /// The whole text as a finite number, in any notation but with a point: no locale is asked. Nothing if it is anything
 /// else.

@@ -18,6 +18,7 @@
 #include "tests/tools/lab/accuracy/study_markdown.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -91,7 +92,10 @@ Study study_of(const AccuracyOptions& options) {
 }
 
 void accuracy(const AccuracyOptions& options) {
-  const StudyResult result = carry_out(study_of(options), time::SteadyClock());
+  Progress progress;
+  const StudyResult result = carry_out(study_of(options), time::SteadyClock(),
+                                       [&](double done) { progress.tell(done, "playing the settings"); });
+  progress.clear();
   std::printf("%s\n%s", to_text(result).c_str(),
               (recommendation(result, options.budget_us) + what_does_not_matter(result)).c_str());
   if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
@@ -121,7 +125,8 @@ std::string recommendation_help() {
 
 void add_session(CLI::App& command, AccuracyOptions& options) {
   command.add_option("--law", options.session.law, "as the client's")
-      ->check(CLI::IsMember(baselines::shipped_laws().names()))
+      ->type_name("LAW")
+      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
       ->capture_default_str();
   command.add_option("--hold", options.hold_ms, "as the client's: age up to which a force is applied as it is")
       ->check(CLI::NonNegativeNumber)
@@ -147,20 +152,20 @@ void add_accuracy(CLI::App& app) {
   command->add_option("SCENE", options->scene, "name or FILE.toml")->required();
   command
       ->add_option("--sweep", options->sweep,
-                   "a key of the scene and what to try, from coarse to fine or back:\n"
-                   "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1;\n"
-                   "or of the session, with the scene as it is: law=none,fba-less,fba-more,fba-exact;\n"
+                   "a key of the scene and what to try, from coarse to fine or back: "
+                   "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1; "
+                   "or of the session, with the scene as it is: law=none,fba-less,fba-more,fba-exact; "
                    "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000. Default: what the scene has")
       ->type_name("KEY=V1,V2,...");
   command
       ->add_option("--set", options->fixed,
-                   "a key of the scene and another value for all runs, before the sweep; may be repeated:\n"
+                   "a key of the scene and another value for all runs, before the sweep; may be repeated: "
                    "bodies.solver='\"pgs\"'")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command
       ->add_option("--reference", options->reference,
-                   "a scene whose force is exact; default: what the finest levels tend to; for a solver of\n"
+                   "a scene whose force is exact; default: what the finest levels tend to; for a solver of "
                    "bodies Newton's method as far as it goes")
       ->type_name("NAME|FILE");
   command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
@@ -169,8 +174,8 @@ void add_accuracy(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--motion", options->motion,
-                   "of the hand: press or slide on the scene's surface, or a recorded hand, where it was:\n"
-                   "replay:FILE.csv with columns time_s,x_m,y_m,z_m. To bring it where the scene's surface is:\n"
+                   "of the hand: press or slide on the scene's surface, or a recorded hand, where it was: "
+                   "replay:FILE.csv with columns time_s,x_m,y_m,z_m. To bring it where the scene's surface is: "
                    "replay:FILE.csv,offset_x_m=0,offset_y_m=0,offset_z_m=-0.004,scale=0.5")
       ->check(check_motion)
       ->type_name("MOTION")

@@ -16,5 +16,6 @@ void add_report(CLI::App& app);
 void add_reproduce(CLI::App& app);
 void add_soak(CLI::App& app);
 void add_table(CLI::App& app);
+void add_trials(CLI::App& app);
 
 }  // namespace forcebound::lab

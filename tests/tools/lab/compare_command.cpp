@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -18,6 +16,7 @@
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
 #include "tests/tools/lab/comparison/comparison_run.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
+#include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -70,12 +69,13 @@ void compare(const CompareOptions& options) {
   for (const std::string& file : {options.csv, options.json}) {
     if (!file.empty()) text::write_file(file, "");
   }
-  const bool live = isatty(STDERR_FILENO) != 0;
+  Progress progress;
   const ComparisonResult result =
       play_all(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
-        if (live) std::fprintf(stderr, "\r%zu of %zu\033[K", done, all);
+        progress.tell(static_cast<double>(done) / static_cast<double>(all),
+                      std::to_string(done) + " of " + std::to_string(all) + " steps");
       });
-  if (live) std::fputs("\r\033[K", stderr);
+  progress.clear();
   const auto told = standings(result);
   std::fputs(to_text(told).c_str(), stdout);
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(result));
@@ -103,11 +103,11 @@ void add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "compare", "The laws side by side: the same device, hand, scene and network for each, with its best parameters");
   command->footer("Laws:\n" + baselines::shipped_laws().help() +
-                  "\nExample: forcebound-lab compare --laws fba-less,tdpa --scenes wall --network none "
-                  "--network \"delay 20ms loss 5%\"\n");
+                  "\nExample:\n  forcebound-lab compare --laws fba-less,tdpa --scenes wall --network none \\\n"
+                  "    --network \"delay 20ms loss 5%\"\n");
   command->add_option("--laws", options->laws, "which; default: all")
       ->delimiter(',')
-      ->check(CLI::IsMember(baselines::shipped_laws().names()))
+      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
       ->type_name("LAW,LAW,...");
   command->add_option("--scenes", options->scenes, "the paper's")
       ->delimiter(',')
@@ -115,7 +115,7 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--network", options->networks,
-                   "what is done to both ways: none, the words of netem, or trace:FILE; may be repeated;\n"
+                   "what is done to both ways: none, the words of netem, or trace:FILE; may be repeated; "
                    "default: none, 1 to 250 ms, jitter, loss, bursts, and the 5G networks of FORCEBOUND_DATA")
       ->type_name("WORDS")
       ->allow_extra_args(false);
@@ -130,7 +130,7 @@ void add_compare(CLI::App& app) {
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("MS,MS,...");
   command->add_flag("--no-limits", options->no_limits, "do not look for the stiffest wall");
-  command->add_option("--seeds", options->seeds, "runs of each contest")
+  command->add_option("--seeds", options->seeds, "runs of each trial")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of the first, and of the search for parameters")->capture_default_str();

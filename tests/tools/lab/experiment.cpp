@@ -23,8 +23,7 @@ std::vector<Experiment> walls() {
   };
   return {wall(50e3, {{"none", "stable"}, {"fba-less", "50 N/mm"}, {"fba-more", "50 N/mm"}}),
           wall(80e3, {{"none", "unstable"}}),
-          wall(150e3,
-               {{"none", "unstable"}, {"fba-less", "93 N/mm, rings 0.2 s"}, {"fba-more", "60 N/mm, does not ring"}})};
+          wall(150e3, {{"none", "unstable"}, {"fba-less", "93 N/mm, 0.2 s"}, {"fba-more", "60 N/mm, no ringing"}})};
 }
 
 std::vector<Experiment> delays() {
@@ -42,27 +41,25 @@ std::vector<Experiment> delays() {
 }
 
 std::vector<Experiment> circle() {
-  return {
-      {.name = "circle",
-       .device = "cartesian-2dof",
-       .hand = "trace-circle",
-       .encoder_m = 55e-6,
-       .stiffness_N_per_m = 10e3,
-       .duration_s = 10,
-       .settle_s = 1,
-       .paper = {{"none", "unstable"}, {"fba-less", "var F 1.63, 6.61 N/mm"}, {"fba-more", "var F 0.13, 5.80 N/mm"}}}};
+  return {{.name = "circle",
+           .device = "cartesian-2dof",
+           .hand = "trace-circle",
+           .encoder_m = 55e-6,
+           .stiffness_N_per_m = 10e3,
+           .duration_s = 10,
+           .settle_s = 1,
+           .paper = {{"none", "unstable"}, {"fba-less", "1.63 N^2, 6.61 N/mm"}, {"fba-more", "0.13 N^2, 5.80 N/mm"}}}};
 }
 
 std::vector<Experiment> sphere() {
-  return {
-      {.name = "sphere",
-       .device = "cartesian-3dof",
-       .hand = "trace-sphere",
-       .encoder_m = 55e-6,
-       .stiffness_N_per_m = 10e3,
-       .duration_s = 10,
-       .settle_s = 1,
-       .paper = {{"none", "unstable"}, {"fba-less", "var F 1.75, 3.62 N/mm"}, {"fba-more", "var F 0.23, 3.47 N/mm"}}}};
+  return {{.name = "sphere",
+           .device = "cartesian-3dof",
+           .hand = "trace-sphere",
+           .encoder_m = 55e-6,
+           .stiffness_N_per_m = 10e3,
+           .duration_s = 10,
+           .settle_s = 1,
+           .paper = {{"none", "unstable"}, {"fba-less", "1.75 N^2, 3.62 N/mm"}, {"fba-more", "0.23 N^2, 3.47 N/mm"}}}};
 }
 
 std::shared_ptr<const scene::Scene> scene_of(const Experiment& experiment) {

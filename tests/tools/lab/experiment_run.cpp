@@ -7,8 +7,8 @@
 namespace forcebound::lab {
 
 double ExperimentRun::displayed_stiffness_N_per_m() const {
-  const auto& mean = summary["displayed_stiffness_N_per_m"]["mean"];
-  return mean.is_number() ? mean.get<double>() : std::nan("");
+  const auto& median = summary["displayed_stiffness_N_per_m"]["median"];
+  return median.is_number() ? median.get<double>() : std::nan("");
 }
 
 ExperimentRun run_experiment(const Experiment& experiment, const std::string& law, LawsFigure* figure) {

@@ -16,7 +16,7 @@ struct ExperimentRun {
   std::optional<double> ringing_s;
   double direction_error_rad = 0;
 
-  /// Mean over the contact [N/m]; not a number without contact.
+  /// Median at rest [N/m]; not a number for a contact that never rests.
   [[nodiscard]] double displayed_stiffness_N_per_m() const;
 };
 

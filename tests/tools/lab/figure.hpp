@@ -34,6 +34,7 @@ struct Series {
   double width = 1.6;
   enum class Mark : std::uint8_t { none, dot, ring, cross };  ///< of each point; rings and crosses have no curve
   Mark mark = Mark::none;
+  bool joined = true;                ///< dots have a curve through them
   std::vector<std::string> names{};  ///< of its points, to stand beside them; none, or as many as points
 };
 
@@ -52,6 +53,7 @@ struct Panel {
   std::optional<double> y_min{};  ///< otherwise from the data
   std::optional<double> y_max{};
   bool y_log = false;
+  std::optional<double> y_linear_to{};  ///< linear up to this much above and below zero, logarithmic beyond
 };
 
 /// Panels one below the other, with the same x axis.

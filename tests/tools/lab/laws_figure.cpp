@@ -9,7 +9,7 @@ namespace forcebound::lab {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDepthLeast_m = 1e-5;
+constexpr double kSmallEnergy_mJ = 1;
 
 std::string file_name(const std::string& title) {
   std::string name;
@@ -29,14 +29,12 @@ std::string file_name(const std::string& title) {
 void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
   if (!start) start = tick.time;
   const double t = time::to_seconds(tick.time - *start);
-  const bool contact = tick.penetration_m > 0;
-  const bool deep = tick.penetration_m > kDepthLeast_m;
-  penetration_mm.add(t, contact ? tick.penetration_m * 1e3 : kNone);
+  penetration_mm.add(t, tick.penetration_m > 0 ? tick.penetration_m * 1e3 : kNone);
   force_N.add(t, tick.applied.norm());
   audit_mJ.add(t, tick.audit_J * 1e3);
-  const double shown_N_per_mm = tick.displayed_N / tick.penetration_m * 1e-3;
-  stiffness_N_per_mm.add(t, deep ? shown_N_per_mm : kNone);
-  if (deep) stiffness_mN_per_mm.add(time::from_seconds(1e-6 * shown_N_per_mm).count());  // thousandths, saturating
+  const auto shown_N_per_m = displayed.on_tick(tick);
+  stiffness_N_per_mm.add(t, shown_N_per_m ? 1e-3 * *shown_N_per_m : kNone);
+  if (shown_N_per_m) stiffness_mN_per_mm.add(time::from_seconds(1e-9 * *shown_N_per_m).count());  // saturating
 }
 
 record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
@@ -44,9 +42,14 @@ record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emp
 void LawsFigure::draw_to(const std::filesystem::path& png) const {
   Panel penetration{.title = "How deep the hand gets in", .y_label = "penetration [mm]", .y_min = 0};
   Panel force{.title = "Force on the device", .y_label = "magnitude [N]", .y_min = 0};
-  Panel passivity{
-      .title = "Passivity: energy taken less returned", .y_label = "P [mJ]", .references = {{0, "passive above"}}};
-  Panel stiffness{.title = "Displayed stiffness", .y_label = "K [N/mm]", .y_min = 0};
+  // A law that is not passive gives away a thousand times what the others ever hold: on one straight scale these would
+  // be a line at zero.
+  Panel passivity{.title = "Passivity: energy taken less returned; logarithmic beyond 1 mJ",
+                  .y_label = "P [mJ]",
+                  .references = {{0, "passive above"}},
+                  .y_linear_to = kSmallEnergy_mJ};
+  Panel stiffness{
+      .title = "Displayed stiffness at rest (depth changes by less than 5 mm/s)", .y_label = "K [N/mm]", .y_min = 0};
   double usual_N_per_mm = 0;
   double most_N_per_mm = 0;
   for (const Curves& curves : laws_) {

@@ -6,7 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "forcebound/record/displayed_stiffness.hpp"
 #include "forcebound/record/histogram.hpp"
+#include "forcebound/record/run_info.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "tests/tools/lab/figure.hpp"
 
@@ -41,6 +43,8 @@ class LawsFigure {
 
     std::string law;
     std::optional<record::Nanoseconds> start;
+    record::DisplayedStiffness displayed{record::RunInfo{}.stiffness_depth_m_min};
+    double penetration_mm_max = 0;
     Envelope penetration_mm, force_N, audit_mJ, stiffness_N_per_mm;
     record::Histogram stiffness_mN_per_mm;
   };

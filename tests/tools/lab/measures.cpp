@@ -13,7 +13,7 @@ constexpr double kShare = 0.2;
 }  // namespace
 
 void RingingMeter::on_tick(const record::TickRecord& tick) noexcept {
-  if (force_N_.empty() && !(tick.penetration_m > 0)) return;
+  if (force_N_.empty() && !tick.contact) return;
   force_N_.push_back(tick.applied.norm());
   time_s_.push_back(time::to_seconds(tick.time));
 }

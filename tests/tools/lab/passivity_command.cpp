@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +11,7 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/passivity.hpp"
+#include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -26,17 +25,20 @@ struct PassivityOptions {
 /// What the guarantee costs: the paper's walls with each law.
 void print_costs() {
   std::printf(
-      "\nWhat it costs: displayed stiffness and ringing on the paper's walls (30 N s/m, encoder 15 um).\n\n  %-10s",
+      "\nWhat it costs: displayed stiffness at rest and ringing on the paper's walls\n(30 N s/m, encoder 15 um).\n\n  "
+      "%-10s",
       "law");
   const auto walls = experiments("wall");
-  for (const Experiment& wall : walls) std::printf("      K %3.0f N/mm, rings", wall.stiffness_N_per_m * 1e-3);
+  for (const Experiment& wall : walls) std::printf("  %4.0f N/mm, rings", wall.stiffness_N_per_m * 1e-3);
   std::printf("\n");
   for (const std::string& law : control::force_bounding_laws().names()) {
     std::printf("  %-10s", law.c_str());
     for (const Experiment& wall : walls) {
       const ExperimentRun run = run_experiment(wall, law, nullptr);
-      std::printf("  %9.1f N/mm, %4.2f s", run.displayed_stiffness_N_per_m() * 1e-3,
-                  run.ringing_s.value_or(std::nan("")));
+      const double shown_N_per_mm = run.displayed_stiffness_N_per_m() * 1e-3;
+      char shown[24] = "no rest";
+      if (std::isfinite(shown_N_per_mm)) std::snprintf(shown, sizeof shown, "%.1f N/mm", shown_N_per_mm);
+      std::printf("  %10s, %4.2f s", shown, run.ringing_s.value_or(std::nan("")));
     }
     std::printf("\n");
   }
@@ -44,15 +46,13 @@ void print_costs() {
 
 std::vector<PassivityResult> play_all(const PassivitySettings& settings) {
   const auto conditions = passivity_conditions();
-  const bool live = isatty(STDERR_FILENO) != 0;
+  Progress progress;
   std::vector<PassivityResult> results;
   for (const PassivityCondition& condition : conditions) {
-    if (live && results.size() % 16 == 0) {
-      std::fprintf(stderr, "\r%zu of %zu conditions\033[K", results.size(), conditions.size());
-    }
+    progress.tell(static_cast<double>(results.size()) / static_cast<double>(conditions.size()),
+                  std::to_string(results.size()) + " of " + std::to_string(conditions.size()) + " conditions");
     results.push_back(worst_passivity(condition, settings));
   }
-  if (live) std::fputs("\r\033[K", stderr);
   return results;
 }
 

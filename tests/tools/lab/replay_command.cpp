@@ -87,12 +87,6 @@ void report(const ReplayCounts& counts) {
   }
 }
 
-std::string law_help() {
-  std::string help = "law to run:\n" + baselines::shipped_laws().help();
-  help.pop_back();  // --help ends the last line itself
-  return help;
-}
-
 void run(const ReplayArguments& arguments) {
   const ReplayOptions options = options_of(arguments);
   std::ifstream input_file;
@@ -111,14 +105,21 @@ void add_replay(CLI::App& program) {
   ReplayOptions& options = arguments->options;
   CLI::App* command = program.add_subcommand("replay", "Run a law over recorded rows, or over rows as they come");
   command->footer(
-      "Reads   time_s,x0_m[,x1_m..],fe0_N[,fe1_N..]   readings and the force that the environment asks for\n"
-      "writes  time_s,f0_N[,f1_N..],energy_J,xi       the force on the device that the law allows\n"
-      "With --input - each row is answered as it comes, so that a simulator can close the loop through a pipe.\n\n"
-      "Example: forcebound-lab replay --law fba-more --damping 30 --period 1e-3 --input press.csv --output "
-      "bounded.csv");
-  command->add_option("--law", options.law, law_help())
+      "Reads   time_s,x0_m[,x1_m..],fe0_N[,fe1_N..]\n"
+      "        readings, and the force that the environment asks for\n"
+      "writes  time_s,f0_N[,f1_N..],energy_J,xi\n"
+      "        the force on the device that the law allows\n"
+      "With --input - each row is answered as it comes, so that a simulator can close the\n"
+      "loop through a pipe.\n\n"
+      "Laws:\n" +
+      baselines::shipped_laws().help() +
+      "\nExample:\n"
+      "  forcebound-lab replay --law fba-more --damping 30 --period 1e-3 \\\n"
+      "    --input press.csv --output bounded.csv");
+  command->add_option("--law", options.law, "law to run, see below")
       ->required()
-      ->check(CLI::IsMember(baselines::shipped_laws().names()));
+      ->type_name("LAW")
+      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""));
   command->add_option("--law-parameters", arguments->law_parameters,
                       "TOML file with a table for each law: [vc], coupling_N_per_m = 40000");
   command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");

@@ -1,17 +1,25 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/laws_figure.hpp"
+#include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -49,18 +57,36 @@ std::string paper_says(const Experiment& experiment, const std::string& law) {
 
 void print_heading(const Experiment& experiment, const device::DeviceDescription& device,
                    const device::Operator& hand) {
-  std::printf("\n%s\n  device  %s\n  hand    %s\n\n", experiment.title().c_str(), describe(device).c_str(),
-              hand.description().c_str());
-  std::printf("  %-10s %12s %12s %12s %12s %12s %10s   %s\n", "law", "P min [J]", "K [N/mm]", "mean F [N]",
-              "var F [N2]", "direction", "rings [s]", "the paper");
+  const std::string text = "\n" + experiment.title() + "\n" + text::wrapped("  device  " + describe(device), 10) +
+                           "\n" + text::wrapped("  hand    " + hand.description(), 10) + "\n\n";
+  std::fputs(text.c_str(), stdout);
+  std::printf("  %-9s %9s %7s %6s %8s %7s %6s  %s\n", "law", "P min [J]", "K", "mean F", "var F", "bent by", "rings",
+              "the paper");
+  std::printf("  %-9s %9s %7s %6s %8s %7s %6s\n", "", "", "[N/mm]", "[N]", "[N^2]", "[deg]", "[s]");
+}
+
+/// Three significant digits, right in so many columns; "-" for what is not a number.
+std::string cell(double value, std::size_t columns) {
+  const std::string words = std::isfinite(value) ? text::rounded(value) : "-";
+  return std::string(columns - std::min(columns, words.size()), ' ') + words;
+}
+
+/// What rounding makes of a direction is none.
+double degrees(double angle_rad) {
+  constexpr double kRounding_deg = 1e-6;
+  const double angle_deg = angle_rad * 180 / std::numbers::pi;
+  return angle_deg < kRounding_deg ? 0 : angle_deg;
 }
 
 void print_row(const Experiment& experiment, const ExperimentRun& run) {
   const json& s = run.summary;
-  std::printf("  %-10s %12.3g %12.2f %12.3f %12.3g %12.2g %10.3f   %s\n", run.law.c_str(),
-              number(s["passivity"]["minimum_J"]), number(s["displayed_stiffness_N_per_m"]["mean"]) * 1e-3,
-              number(s["force_N"]["mean"]), number(s["force_N"]["variance"]), run.direction_error_rad,
-              run.ringing_s.value_or(std::nan("")), paper_says(experiment, run.law).c_str());
+  const double minimum_J = number(s["passivity"]["minimum_J"]);
+  const auto colour = s["verdict"] == "not passive" ? text::colour_for(STDOUT_FILENO) : text::Colour::none;
+  std::printf("  %-9s %s %s %s %s %s %s  %s\n", run.law.c_str(), text::red(cell(minimum_J, 9), colour).c_str(),
+              cell(run.displayed_stiffness_N_per_m() * 1e-3, 7).c_str(), cell(number(s["force_N"]["mean"]), 6).c_str(),
+              cell(number(s["force_N"]["variance"]), 8).c_str(), cell(degrees(run.direction_error_rad), 7).c_str(),
+              cell(run.ringing_s.value_or(std::nan("")), 6).c_str(), paper_says(experiment, run.law).c_str());
+  std::fflush(stdout);
 }
 
 std::ofstream open(const std::string& file) {
@@ -75,14 +101,24 @@ void reproduce(const ReproduceOptions& options) {
   std::ofstream file = open(options.json);
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
-  std::printf("Kim, Baek, Ryu 2015, section VI, each law in turn. Masses and hands are ours: the paper gives none.\n");
-  for (const Experiment& experiment : experiments(options.experiment)) {
+  std::printf(
+      "Kim, Baek, Ryu 2015, section VI, each law in turn. Masses and hands are ours: the\n"
+      "paper gives none. P below 0: not passive. K: displayed stiffness, median while the\n"
+      "contact rests (depth changes by < 5 mm/s), of the true surface; -: it never rests.\n"
+      "The paper's own K is a mean.\n");
+  const auto all = experiments(options.experiment);
+  const auto laws = control::force_bounding_laws().names();
+  Progress progress;
+  for (const Experiment& experiment : all) {
     const auto settings = experiment.settings("none");
     const auto hand = device::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
     print_heading(experiment, settings.device, *hand);
     LawsFigure figure(experiment.title(), "same device, same hand, three laws");
-    for (const std::string& law : control::force_bounding_laws().names()) {
+    for (const std::string& law : laws) {
+      progress.tell(static_cast<double>(runs.size()) / static_cast<double>(all.size() * laws.size()),
+                    std::to_string(runs.size()) + " of " + std::to_string(all.size() * laws.size()) + " runs");
       const ExperimentRun done = run_experiment(experiment, law, options.figures.empty() ? nullptr : &figure);
+      progress.clear();
       print_row(experiment, done);
       runs.push_back(to_json(experiment, done, hand->hand()));
     }

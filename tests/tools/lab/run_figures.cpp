@@ -27,10 +27,9 @@ void RunFigures::on_tick(const record::TickRecord& tick) noexcept {
   penetration_mm_.add(t, 1e3 * std::max(tick.penetration_m, 0.0));
   request_N_.add(t, tick.request.norm());
   applied_N_.add(t, tick.applied.norm());
-  const bool deep = tick.penetration_m > info_.stiffness_depth_m_min;
-  const double stiffness = deep ? 1e-3 * tick.displayed_N / tick.penetration_m : kNothingDrawn;
-  stiffness_N_per_mm_.add(t, stiffness);
-  if (deep) stiffness_mN_per_mm_.add(time::from_seconds(stiffness * 1e-6).count());  // thousandths, saturating
+  const auto stiffness = displayed_.on_tick(tick);
+  stiffness_N_per_mm_.add(t, stiffness ? 1e-3 * *stiffness : kNothingDrawn);
+  if (stiffness) stiffness_mN_per_mm_.add(time::from_seconds(1e-9 * *stiffness).count());  // thousandths, saturating
   ledger_mJ_.add(t, 1e3 * tick.energy_J);
   audit_mJ_.add(t, 1e3 * tick.audit_J);
   age_ms_.add(t, tick.force_sequence != 0 ? 1e3 * time::to_seconds(tick.force_age) : kNothingDrawn);
@@ -53,7 +52,7 @@ Figure RunFigures::motion() const {
     if (position_mm_[axis].empty()) continue;
     position.series.push_back(position_mm_[axis].series(kNames[axis], colour::kAxes[axis]));
   }
-  Panel penetration{"Penetration", "depth [mm]", {}, {}, 0.0, {}};
+  Panel penetration{"Penetration, where the surface is known", "depth [mm]", {}, {}, 0.0, {}};
   penetration.series = {penetration_mm_.series("below the surface", colour::kApplied)};
   return {{}, {}, "time [s]", {std::move(position), std::move(penetration)}};
 }
@@ -61,7 +60,8 @@ Figure RunFigures::motion() const {
 Figure RunFigures::force() const {
   Panel force{"Force", "magnitude [N]", {}, {}, 0.0, {}};
   force.series = {request_N_.series("asked for", colour::kRequest), applied_N_.series("applied", colour::kApplied)};
-  Panel stiffness{"Displayed stiffness in contact", "stiffness [N/mm]", {}, {}, 0.0, {}};
+  Panel stiffness{
+      "Displayed stiffness at rest (depth changes by less than 5 mm/s)", "stiffness [N/mm]", {}, {}, 0.0, {}};
   cut_spikes(stiffness, 1e-3 * stiffness_mN_per_mm_.percentile(0.95), 1e-3 * stiffness_mN_per_mm_.max());
   stiffness.series = {stiffness_N_per_mm_.series("displayed", colour::kApplied)};
   return {{}, {}, "time [s]", {std::move(force), std::move(stiffness)}};

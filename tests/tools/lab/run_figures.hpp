@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/record/displayed_stiffness.hpp"
 #include "forcebound/record/histogram.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/tick_record.hpp"
@@ -15,7 +16,7 @@ namespace forcebound::lab {
 /// Collects what a run's figures show, in memory that does not grow, and draws them.
 class RunFigures final : public record::TickSink {
  public:
-  explicit RunFigures(const record::RunInfo& info) : info_(info) {}
+  explicit RunFigures(const record::RunInfo& info) : info_(info), displayed_(info.stiffness_depth_m_min) {}
 
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord& force) noexcept override;
@@ -38,6 +39,7 @@ class RunFigures final : public record::TickSink {
   record::Nanoseconds arrival_{0};  ///< of the last force
   std::array<Envelope, control::kDofMax> position_mm_;
   Envelope penetration_mm_, request_N_, applied_N_, stiffness_N_per_mm_, ledger_mJ_, audit_mJ_;
+  record::DisplayedStiffness displayed_;
   record::Histogram stiffness_mN_per_mm_;
   Envelope age_ms_, round_trip_ms_, period_ms_, latency_ms_;
 };

@@ -23,7 +23,7 @@ std::string number(const Json& summary, const char* path, double scale, int deci
 std::string line(const std::string& law, const std::string& passivity, const std::string& variance,
                  const std::string& stiffness, const std::string& age) {
   char text[256];
-  std::snprintf(text, sizeof text, "%-12.12s %18s %15s %20s %12s\n", law.c_str(), passivity.c_str(), variance.c_str(),
+  std::snprintf(text, sizeof text, "%-12.12s %18s %15s %20s %11s\n", law.c_str(), passivity.c_str(), variance.c_str(),
                 stiffness.c_str(), age.c_str());
   return text;
 }
@@ -32,12 +32,12 @@ std::string line(const std::string& law, const std::string& passivity, const std
 
 std::string comparison_table(const std::vector<Json>& summaries) {
   std::string table = line("", "passivity minimum", "force variance", "displayed stiffness", "force age") +
-                      line("law", "[mJ]", "[N^2]", "mean [N/m]", "median [ms]");
+                      line("law", "[mJ]", "[N^2]", "at rest [N/m]", "median [ms]");
   for (const Json& summary : summaries) {
     const bool named = summary.contains("law") && summary["law"].is_string();
     table +=
         line(named ? summary["law"].get<std::string>() : "-", number(summary, "/passivity/minimum_J", 1e3, 3),
-             number(summary, "/force_N/variance", 1, 4), number(summary, "/displayed_stiffness_N_per_m/mean", 1, 0),
+             number(summary, "/force_N/variance", 1, 4), number(summary, "/displayed_stiffness_N_per_m/median", 1, 0),
              number(summary, "/force_age_ms/p50", 1, 1));
   }
   return table;

@@ -17,6 +17,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
 #include "tests/tools/lab/soak/soak_case.hpp"
 
@@ -63,6 +64,14 @@ class Tally {
   }
 
   [[nodiscard]] double elapsed_s() const { return std::chrono::duration<double>(SteadyTime::now() - begin_).count(); }
+
+  /// That leaves room for how much longer it takes.
+  [[nodiscard]] std::string short_line() const {
+    char text[80];
+    std::snprintf(text, sizeof text, "%llu seeds, worst P %.3g J", static_cast<unsigned long long>(seeds_),
+                  sum_.worst_P_J);
+    return text;
+  }
 
   [[nodiscard]] std::string line() const {
     char text[160];
@@ -127,9 +136,10 @@ void run(const SoakOptions& options) {
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
   const bool live = isatty(STDERR_FILENO) != 0;
-  const double between_s = live ? 0.2 : 10;
-  double next_s = between_s;
+  constexpr double kBetween_s = 10;
+  double next_s = kBetween_s;
   Tally tally;
+  Progress progress;
   std::printf("seeds from %llu, %s\n", static_cast<unsigned long long>(options.from), options.law.c_str());
   for (std::uint64_t i = 0; !interrupted; ++i) {
     if (options.minutes > 0 ? tally.elapsed_s() >= options.minutes * 60 : i == options.seeds) break;
@@ -138,14 +148,17 @@ void run(const SoakOptions& options) {
     const SoakResult result = soak(seed, law);
     tally.add(seed, law, result);
     if (!result.broken.empty()) {
-      if (live) std::fputs("\n", stderr);
+      progress.clear();
       fail(seed, law, result);
     }
-    if (tally.elapsed_s() < next_s) continue;
-    next_s = tally.elapsed_s() + between_s;
-    std::fprintf(stderr, live ? "\r%s\033[K" : "%s\n", tally.line().c_str());
+    const double share = options.minutes > 0 ? tally.elapsed_s() / (options.minutes * 60)
+                                             : static_cast<double>(i + 1) / static_cast<double>(options.seeds);
+    progress.tell(share, tally.short_line());
+    if (live || tally.elapsed_s() < next_s) continue;
+    next_s = tally.elapsed_s() + kBetween_s;
+    std::fprintf(stderr, "%s\n", tally.line().c_str());
   }
-  if (live) std::fputs("\r\033[K", stderr);
+  progress.clear();
   tally.print();
 }
 
@@ -163,17 +176,19 @@ void add_soak(CLI::App& app) {
   std::vector<std::string> laws = baselines::shipped_laws().names();
   laws.emplace_back(kDrawn);
   command->add_option("--law", options->law, "for all seeds; drawn: from each seed one of all laws")
-      ->check(CLI::IsMember(laws))
+      ->type_name("LAW")
+      ->check(CLI::IsMember(laws).description(""))
       ->capture_default_str();
   command->footer(
-      "From each seed: law, device, encoder, actuator, friction, latency, hold time, late ticks, law's memory, "
-      "hostile\n"
-      "environment, restless hand, both ways of the network, blackouts, stalls, server kills, the server's clock.\n"
-      "On each tick: everything finite, |f| <= f_max, and what the law promises: direction kept, P >= -1e-9 J and the\n"
-      "ledger never above P (fba-exact always, others with the ideal device that half of their seeds have), the "
-      "ledger\n"
-      "equal to its recomputation in long double; in the end, counters add up and the session is back. The first "
-      "failure ends it (exit code 1), with all that was drawn and the command that runs it again.");
+      "From each seed: law, device, encoder, actuator, friction, latency, hold time, late\n"
+      "ticks, the law's memory, hostile environment, restless hand, both ways of the\n"
+      "network, blackouts, stalls, server kills, the server's clock.\n"
+      "On each tick: everything finite, |f| <= f_max, and what the law promises: direction\n"
+      "kept, P >= -1e-9 J and the ledger never above P (fba-exact always, others with the\n"
+      "ideal device that half of their seeds have), the ledger equal to its recomputation\n"
+      "in long double; in the end, counters add up and the session is back. The first\n"
+      "failure ends it (exit code 1), with all that was drawn and the command that runs it\n"
+      "again.");
   command->callback([options] { run(*options); });
 }
 

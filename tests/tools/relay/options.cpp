@@ -4,7 +4,9 @@
 #include <charconv>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/relay/blackhole.hpp"
 
 namespace forcebound::relay {
@@ -14,43 +16,46 @@ constexpr std::string_view kName = "forcebound-relay";
 constexpr int kWrongUse = 2;
 
 constexpr std::string_view kAbout =
-    "Stands between forcebound-client and forcebound-server and makes the network bad: delay, jitter, loss, bursts,\n"
-    "duplicates, corruption, reordering, a slow line, or a recorded network.\n"
+    "Stands between forcebound-client and forcebound-server and makes the network bad:\n"
+    "delay, jitter, loss, bursts, duplicates, corruption, reordering, a slow line, or a\n"
+    "recorded network.\n"
     "\n"
     "Point the client at --listen; the relay talks to the server at --upstream.\n";
 
-constexpr std::string_view kMore =
-    "\n"
-    "Traces (--trace), for both directions, starting with the relay and over again after their end:\n"
-    "  CSV with the header send_time_ms,rtt_ms: half of the round trip each way, interpolated; a hole of more than\n"
-    "  1 s is a blackout, and what is sent in it is lost. Adds to the words of --netem. The queue then holds 100000\n"
-    "  packets unless limit says otherwise.\n"
-    "  mahimahi (one whole millisecond per line): each line is an opportunity to deliver 1500 bytes.\n"
-    "\n"
-    "Differences from tc: all randomness of a direction comes from one generator seeded by --seed, which is printed "
-    "at\n"
-    "start, so the same seed gives the same fate to the same packets; netem draws from the kernel's own. A slot never\n"
-    "exceeds its bytes, except by a packet that is larger than a slot. loss with a correlation loses far less (or "
-    "more)\n"
-    "than its percentage, as in netem, and is warned about: for bursts use 'loss gemodel'.\n"
-    "\n"
-    "The log (--log) has a row per packet and direction, in the order of arrival:\n"
-    "  direction,number,time_ms,verdict,delay_ms\n"
-    "Verdicts: forwarded, lost, over-limit, blackout (in a hole of the trace, or a --blackhole), waiting (at the "
-    "end),\n"
-    "with duplicate+, corrupted+ or reordered+ in front where they apply. It is written aside, so a slow disk delays "
-    "no packet.\n"
-    "\n"
-    "Up to 256 clients at once, each forgotten after 60 s of blackout. Ctrl-C or SIGTERM ends it with totals.\n"
-    "\n"
-    "Examples:\n"
-    "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --netem 'delay 50ms 10ms loss 5%'\n"
-    "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --netem-up 'loss gemodel 1% 10%' --seed 7\n"
-    "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --trace 5g-rural-n8.csv --log packets.csv\n"
-    "  forcebound-relay --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800 --blackhole down:10-70 --blackhole "
-    "both:90-95\n"
-    "\n"
-    "Exit code: 0 ended by a signal, 1 failed, 2 wrong use.\n";
+constexpr std::string_view kMore = R"(
+Traces (--trace), for both directions, starting with the relay and over again
+after their end:
+  CSV with the header send_time_ms,rtt_ms: half of the round trip each way,
+  interpolated; a hole of more than 1 s is a blackout, and what is sent in it is
+  lost. Adds to the words of --netem. The queue then holds 100000 packets unless
+  limit says otherwise.
+  mahimahi (one whole millisecond per line): each line is an opportunity to
+  deliver 1500 bytes.
+
+Differences from tc: all randomness of a direction comes from one generator
+seeded by --seed, which is printed at start, so the same seed gives the same fate
+to the same packets; netem draws from the kernel's own. A slot never exceeds its
+bytes, except by a packet that is larger than a slot. loss with a correlation
+loses far less (or more) than its percentage, as in netem, and is warned about:
+for bursts use 'loss gemodel'.
+
+The log (--log) has a row per packet and direction, in the order of arrival:
+  direction,number,time_ms,verdict,delay_ms
+Verdicts: forwarded, lost, over-limit, blackout (in a hole of the trace, or a
+--blackhole), waiting (at the end), with duplicate+, corrupted+ or reordered+ in
+front where they apply. It is written aside, so a slow disk delays no packet.
+
+Up to 256 clients at once, each forgotten after 60 s without a datagram. Ctrl-C or
+SIGTERM ends it with totals.
+
+Examples, each with --listen 127.0.0.1:47801 --upstream 127.0.0.1:47800:
+  forcebound-relay ... --netem 'delay 50ms 10ms loss 5%'
+  forcebound-relay ... --netem-up 'loss gemodel 1% 10%' --seed 7
+  forcebound-relay ... --trace 5g-rural-n8.csv --log packets.csv
+  forcebound-relay ... --blackhole down:10-70 --blackhole both:90-95
+
+Exit code: 0 ended by a signal, 1 failed, 2 wrong use.
+)";
 
 struct Texts {
   std::string listen;
@@ -82,6 +87,9 @@ auto read_value(std::string_view option, Parser parse) {
 }
 
 void declare(CLI::App& app, Options& options, Texts& texts) {
+  app.formatter_fn([](const CLI::App* of, std::string name, CLI::AppFormatMode mode) {
+    return text::wrapped_help(CLI::Formatter().make_help(of, std::move(name), mode));
+  });
   app.set_version_flag("--version", std::string(kName) + " " FORCEBOUND_VERSION);
   app.add_option("--listen", texts.listen, "Where clients send to; port 0 takes any free one")
       ->required()

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "forcebound/text/terminal.hpp"
+
 namespace forcebound::relay {
 namespace {
 
@@ -10,7 +12,7 @@ double milliseconds(Nanoseconds t) { return static_cast<double>(t.count()) * 1e-
 std::string totals(const Relay& relay, Direction direction) {
   const netem::Impairment& impairment = relay.impairment(direction);
   const netem::ImpairmentCounters& c = impairment.counters();
-  return fmt::format("{:<10}{:>10}{:>11}{:>8}{:>12}{:>11}{:>11}{:>12}{:>10}{:>9}\n", to_string(direction), c.received,
+  return fmt::format("{:<9} {:>8} {:>9} {:>7} {:>5} {:>7} {:>7} {:>6} {:>8} {:>5}\n", to_string(direction), c.received,
                      c.forwarded, c.lost, c.duplicated, c.corrupted, c.reordered, c.over_limit, c.blackout,
                      impairment.waiting());
 }
@@ -23,17 +25,19 @@ std::string count_line(std::uint64_t count, const char* what) {
 
 std::string summary(const Relay& relay) {
   std::string text =
-      fmt::format("{:<10}{:>10}{:>11}{:>8}{:>12}{:>11}{:>11}{:>12}{:>10}{:>9}\n", "direction", "received", "forwarded",
-                  "lost", "duplicated", "corrupted", "reordered", "over-limit", "blackout", "waiting");
+      fmt::format("{:<9} {:>8} {:>9} {:>7} {:>5} {:>7} {:>7} {:>6} {:>8} {:>5}\n", "direction", "received", "forwarded",
+                  "lost", "twice", "corrupt", "reorder", "excess", "blackout", "wait");
   text += totals(relay, Direction::up) + totals(relay, Direction::down);
   const Lateness& late = relay.lateness();
   if (late.packets != 0)
-    text +=
+    text += text::wrapped(
         fmt::format("delay added by the relay itself: mean {:.3f} ms, most {:.3f} ms, more than {} ms for {} of {}\n",
                     milliseconds(late.total) / static_cast<double>(late.packets), milliseconds(late.most),
-                    milliseconds(Lateness::kLate), late.late, late.packets);
+                    milliseconds(Lateness::kLate), late.late, late.packets),
+        2);
   const RelayCounters& c = relay.counters();
-  text += fmt::format("clients: {} seen, {} forgotten after blackout\n", c.flows_opened, c.flows_expired);
+  text +=
+      fmt::format("clients: {} seen, {} forgotten after 60 s without a datagram\n", c.flows_opened, c.flows_expired);
   text += count_line(c.flow_refused, "datagrams refused: no room for another client");
   text += count_line(c.orphaned, "packets dropped: their client was forgotten");
   text += count_line(c.send_failed, "packets dropped: the system did not take them");

@@ -35,9 +35,10 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       device_(settings_.device,
               settings_.make_hand ? settings_.make_hand()
                                   : device::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom())),
-      summary_(info()),
-      sinks_(sinks) {
-  sinks_.push_back(&summary_);
+      surface_(settings_.scene, device_),
+      summary_(info()) {
+  surface_.hand_on_to(sinks);
+  surface_.hand_on_to({&summary_});
   network_.set_server_handler([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds now) {
     if (!server_) return;
     if (settings_.server_turn > Nanoseconds{0}) {
@@ -55,7 +56,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
   session_ = std::make_unique<client::Session>(
       client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
       device_, settings_.laws->make(settings_.law, device_.facts(), settings_.law_options), network_.add_client(),
-      tick_clock_, client::Session::Sinks{.ticks = sinks_});
+      tick_clock_, client::Session::Sinks{.ticks = session_sinks_});
 }
 
 ClosedLoop::~ClosedLoop() = default;
@@ -78,6 +79,10 @@ record::RunInfo ClosedLoop::info() const {
   info.drop = settings_.policy.drop;
   info.force_N_max = settings_.device.facts.force_N_max;
   info.settle_s = settings_.settle_s;
+  info.audited = true;
+  info.device_simulated = true;
+  info.surface_true = surface_.known();
+  info.guarantee = settings_.laws->guarantee(settings_.law);
   return info;
 }
 

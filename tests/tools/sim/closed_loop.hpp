@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "tests/tools/sim/simulated_network.hpp"
 #include "tests/tools/sim/skewed_clock.hpp"
 #include "tests/tools/sim/tick_schedule.hpp"
+#include "tests/tools/sim/true_surface.hpp"
 #include "tests/tools/sim/virtual_clock.hpp"
 
 namespace forcebound::sim {
@@ -63,7 +65,8 @@ class ClosedLoop {
     control::LawOptions law_options{};
   };
 
-  /// @param sinks see every tick, beside the summary; they must outlive the loop.
+  /// @param sinks see every tick, beside the summary, with the depth below the true surface (TrueSurface); they must
+  /// outlive the loop.
   /// @throws what device, operator, law and scene refuse.
   explicit ClosedLoop(Settings settings, const std::vector<record::TickSink*>& sinks = {});
 
@@ -112,8 +115,9 @@ class ClosedLoop {
   SimulatedNetwork network_;
   BusyServer busy_;
   device::SimulatedDevice device_;
+  TrueSurface surface_;
   record::Summary summary_;
-  std::vector<record::TickSink*> sinks_;
+  std::array<record::TickSink*, 1> session_sinks_{&surface_};
   std::unique_ptr<client::Session> session_;
   std::unique_ptr<server::Server> server_;
   std::uint64_t server_starts_ = 0;

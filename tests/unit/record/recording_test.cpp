@@ -101,9 +101,11 @@ TEST(Recording, KeepsEveryFieldOfATickAndAForce) {
     const TickRecord& a = kept.ticks[i];
     const TickRecord& b = read.ticks[i];
     EXPECT_EQ(std::tie(a.tick, a.time, a.interval, a.latency, a.state, a.policy, a.motion_sequence, a.force_sequence,
-                       a.force_age, a.penetration_m, a.displayed_N, a.energy_J, a.xi, a.audit_J, a.audit_minimum_J),
+                       a.force_age, a.contact, a.penetration_m, a.displayed_N, a.energy_J, a.xi, a.audit_J,
+                       a.audit_minimum_J),
               std::tie(b.tick, b.time, b.interval, b.latency, b.state, b.policy, b.motion_sequence, b.force_sequence,
-                       b.force_age, b.penetration_m, b.displayed_N, b.energy_J, b.xi, b.audit_J, b.audit_minimum_J));
+                       b.force_age, b.contact, b.penetration_m, b.displayed_N, b.energy_J, b.xi, b.audit_J,
+                       b.audit_minimum_J));
     EXPECT_EQ(a.position, b.position);
     EXPECT_EQ(a.joint, b.joint);
     EXPECT_EQ(a.request, b.request);

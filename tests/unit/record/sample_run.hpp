@@ -27,6 +27,8 @@ inline RunInfo sample_info() {
   info.law = "fba-more";
   info.device = "wall-1dof";
   info.operator_name = "press";
+  info.audited = true;
+  info.device_simulated = true;
   info.hand = "0.08 kg, 150 N/m, 0.3 N s/m";
   info.scene = "sphere";
   info.simulated = "a sphere of radius 20 mm, 10 N/mm";
@@ -75,6 +77,7 @@ inline void play_sample_run(TickSink& sink, std::uint64_t ticks) {
     tick.position = vector_of({0.01 * std::sin(t), 0.02 * std::cos(3 * t), -0.003});
     tick.joint = tick.position;
     tick.penetration_m = n > ticks / 2 ? 1e-3 + 1e-4 * std::sin(20 * t) : -1e-3;
+    tick.contact = tick.penetration_m > 0;
     tick.request = vector_of({0, 0, n > ticks / 2 ? 3.0 + 0.1 * std::sin(50 * t) : 0.0});
     tick.applied = n % 3 == 0 ? control::Vector(0.5 * tick.request) : tick.request;
     tick.displayed_N = tick.applied[2];

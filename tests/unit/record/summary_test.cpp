@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/unit/record/sample_run.hpp"
@@ -17,6 +18,7 @@ using nlohmann::json;
 using record::test::vector_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 json json_of(const Summary& summary) { return json::parse(summary.to_json()); }
 
@@ -35,6 +37,7 @@ TickRecord contact_at(std::uint64_t n, double force_N, double penetration_m) {
   tick.request = tick.applied = vector_of({-force_N});
   tick.displayed_N = force_N;
   tick.penetration_m = penetration_m;
+  tick.contact = !(penetration_m <= 0);
   return tick;
 }
 
@@ -97,7 +100,7 @@ TEST(Summary, HasEveryPromisedKey) {
   EXPECT_EQ(object["run"]["seed"], 18446744073709551615U);
 }
 
-TEST(Summary, TakesForceAndStiffnessInContactOnly) {
+TEST(Summary, TakesForceInContactOnly) {
   Summary summary(RunInfo{});
   summary.on_tick(tick_at(1));
   summary.on_tick(contact_at(2, 1, 1e-3));
@@ -109,23 +112,63 @@ TEST(Summary, TakesForceAndStiffnessInContactOnly) {
   EXPECT_DOUBLE_EQ(object["force_N"]["mean"], 2);
   EXPECT_DOUBLE_EQ(object["force_N"]["variance"], 1);
   EXPECT_DOUBLE_EQ(object["force_N"]["max"], 9);
-  EXPECT_DOUBLE_EQ(object["displayed_stiffness_N_per_m"]["mean"], 2000);
-  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["median"], 1000, 2);
   EXPECT_DOUBLE_EQ(object["bounded_fraction"], 0.25);
   EXPECT_DOUBLE_EQ(object["duration_s"], 0.003);
 }
 
+TEST(Summary, ShowsAStiffnessAtRestOnly) {
+  Summary summary(RunInfo{});
+  // Comes in at 50 mm/s, then rests 1 mm deep for a second, and is pulled out as fast.
+  for (std::uint64_t n = 1; n <= 20; ++n) summary.on_tick(contact_at(n, 9, 5e-5 * static_cast<double>(n)));
+  for (std::uint64_t n = 21; n <= 1020; ++n) summary.on_tick(contact_at(n, n % 4 == 0 ? 4 : 2, 1e-3));
+  for (std::uint64_t n = 1021; n <= 1040; ++n) summary.on_tick(contact_at(n, 9, 5e-5 * static_cast<double>(1041 - n)));
+  const json object = json_of(summary);
+  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["mean"], 2500, 1);
+  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["median"], 2000, 2);
+  EXPECT_NEAR(object["at_rest"]["force_N"], 2, 2e-3);
+  EXPECT_NEAR(object["at_rest"]["penetration_m"], 1e-3, 1e-6);
+  EXPECT_NEAR(object["at_rest"]["fraction"], 982.0 / 1040, 2.0 / 1040);
+  EXPECT_DOUBLE_EQ(object["at_rest"]["speed_m_per_s_max"], 5e-3);
+}
+
+TEST(Summary, ShowsNoStiffnessOfAContactThatNeverRests) {
+  Summary summary(RunInfo{});
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    summary.on_tick(contact_at(n, 5, 1e-3 + 2e-4 * std::sin(0.3 * static_cast<double>(n))));
+  }
+  const json object = json_of(summary);
+  EXPECT_TRUE(object["displayed_stiffness_N_per_m"]["mean"].is_null());
+  EXPECT_TRUE(object["displayed_stiffness_N_per_m"]["median"].is_null());
+  EXPECT_EQ(object["at_rest"]["fraction"], 0);
+  EXPECT_THAT(summary.to_text(), HasSubstr("at rest       never"));
+}
+
+TEST(Summary, SaysNothingOfADepthThatNobodyKnows) {
+  Summary summary(RunInfo{});
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    // The newest answer touched the surface, but far from where the device is now.
+    summary.on_tick(contact_at(n, 2, n <= 600 ? std::numeric_limits<double>::quiet_NaN() : 1e-3));
+  }
+  const json object = json_of(summary);
+  EXPECT_EQ(object["contact_ticks"], 1000);
+  EXPECT_EQ(object["surface_unknown_ticks"], 600);
+  EXPECT_DOUBLE_EQ(object["penetration_m"]["mean"], 1e-3);
+  EXPECT_DOUBLE_EQ(object["penetration_m"]["max"], 1e-3);
+  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["median"], 2000, 2);
+  EXPECT_THAT(summary.to_text(), HasSubstr("surface not known on 60 %"));
+}
+
 TEST(Summary, LeavesOutShallowContactAndTheTimeToSettle) {
   RunInfo info;
-  info.settle_s = 0.010;
+  info.settle_s = 0.050;
   info.stiffness_depth_m_min = 1e-4;
   Summary summary(info);
-  for (std::uint64_t n = 1; n <= 10; ++n) summary.on_tick(contact_at(n, 100, 1e-3));
-  for (std::uint64_t n = 11; n <= 20; ++n) summary.on_tick(contact_at(n, 2, n % 2 == 0 ? 1e-3 : 1e-5));
+  for (std::uint64_t n = 1; n <= 50; ++n) summary.on_tick(contact_at(n, 100, 1.5e-4));
+  for (std::uint64_t n = 51; n <= 150; ++n) summary.on_tick(contact_at(n, 2, n % 2 == 0 ? 1.5e-4 : 0.9e-4));
   const json object = json_of(summary);
   EXPECT_DOUBLE_EQ(object["force_N"]["mean"], 2);
   EXPECT_DOUBLE_EQ(object["force_N"]["max"], 100);
-  EXPECT_DOUBLE_EQ(object["displayed_stiffness_N_per_m"]["mean"], 2000);
+  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["mean"], 2 / 1.5e-4, 1e-6);
 }
 
 TEST(Summary, DoesNotTakeRoundingForBounding) {
@@ -243,10 +286,21 @@ TEST(Summary, AttributesTheRoundTripToStages) {
   EXPECT_DOUBLE_EQ(stages["wait"]["max"], 1000);
 }
 
+RunInfo audited() {
+  RunInfo info;
+  info.audited = true;
+  return info;
+}
+
+TickRecord connected(TickRecord tick) {
+  tick.state = SessionState::active;
+  return tick;
+}
+
 TEST(Summary, CallsPassiveOnlyWhatNeverFellBelowTheRounding) {
   for (const auto& [minimum, ok] : {std::pair{0.0, true}, {-0.9e-9, true}, {-1.1e-9, false}, {-0.004, false}}) {
-    Summary summary(RunInfo{});
-    TickRecord tick = tick_at(1);
+    Summary summary(audited());
+    TickRecord tick = connected(contact_at(1, 1, 1e-3));
     tick.audit_minimum_J = minimum;
     summary.on_tick(tick);
     tick.audit_minimum_J = 0;  // a later tick cannot make it good
@@ -254,28 +308,96 @@ TEST(Summary, CallsPassiveOnlyWhatNeverFellBelowTheRounding) {
     const json passivity = json_of(summary)["passivity"];
     EXPECT_EQ(passivity["ok"], ok) << minimum;
     EXPECT_EQ(passivity["minimum_J"], minimum);
-    EXPECT_EQ(summary.to_text().find("NOT PASSIVE") == std::string::npos, ok);
+    EXPECT_THAT(summary.to_text(), StartsWith(ok ? "Summary: passive; " : "Summary: NOT PASSIVE; ")) << minimum;
   }
 }
 
 TEST(Summary, NeverTakesAnAuditThatIsNotANumberForPassive) {
-  Summary summary(RunInfo{});
+  Summary summary(audited());
   TickRecord tick = tick_at(1);
   tick.audit_minimum_J = std::numeric_limits<double>::quiet_NaN();
   summary.on_tick(tick);
   summary.on_tick(tick_at(2));
-  const json passivity = json_of(summary)["passivity"];
-  EXPECT_TRUE(passivity["minimum_J"].is_null());
-  EXPECT_EQ(passivity["ok"], false);
+  const json object = json_of(summary);
+  EXPECT_TRUE(object["passivity"]["minimum_J"].is_null());
+  EXPECT_EQ(object["passivity"]["ok"], false);
+  EXPECT_EQ(object["verdict"], "not passive");
 }
 
 TEST(Summary, DoesNotJudgeADeviceWithoutAudit) {
   RunInfo info;
-  info.audited = false;
+  info.law = "fba-exact";
+  info.guarantee = "P >= 0 as long as its damping is as said";
   Summary summary(info);
-  summary.on_tick(tick_at(1));
-  EXPECT_TRUE(json_of(summary)["passivity"]["ok"].is_null());
-  EXPECT_THAT(summary.to_text(), HasSubstr("no audit"));
+  summary.on_tick(connected(contact_at(1, 1, 1e-3)));
+  const json object = json_of(summary);
+  EXPECT_EQ(object["verdict"], "not audited");
+  EXPECT_TRUE(object["passivity"]["ok"].is_null());
+  EXPECT_TRUE(object["passivity"]["minimum_J"].is_null());
+  EXPECT_EQ(object["passivity"]["guarantee"], info.guarantee);
+  const std::string text = summary.to_text();
+  EXPECT_THAT(text, StartsWith("Summary: not audited; "));
+  EXPECT_THAT(text, HasSubstr("not audited: this device does not measure P"));
+  EXPECT_THAT(text, Not(HasSubstr("P minimum")));
+  EXPECT_THAT(text, Not(HasSubstr(": passive")));
+}
+
+TEST(Summary, HasNoVerdictOfARunThatTouchedNothing) {
+  Summary summary(audited());
+  for (std::uint64_t n = 1; n <= 10; ++n) summary.on_tick(connected(tick_at(n)));
+  const json object = json_of(summary);
+  EXPECT_EQ(object["verdict"], "no contact");
+  EXPECT_TRUE(object["passivity"]["ok"].is_null());
+  EXPECT_THAT(summary.to_text(), StartsWith("Summary: no contact, no verdict; "));
+}
+
+TEST(Summary, HasAVerdictOfForcesWithoutASurface) {
+  Summary summary(audited());
+  TickRecord tick = connected(tick_at(1));
+  tick.request = tick.applied = vector_of({1});
+  summary.on_tick(tick);
+  EXPECT_EQ(json_of(summary)["verdict"], "passive");
+}
+
+TEST(Summary, HasNoVerdictOfARunThatNeverConnected) {
+  Summary summary(audited());
+  for (std::uint64_t n = 1; n <= 10; ++n) summary.on_tick(tick_at(n));
+  const json object = json_of(summary);
+  EXPECT_EQ(object["verdict"], "never connected");
+  EXPECT_TRUE(object["passivity"]["ok"].is_null());
+  EXPECT_THAT(summary.to_text(), StartsWith("Summary: never connected, no verdict; "));
+}
+
+TEST(Summary, SaysFirstThatARecordingIsIncomplete) {
+  for (std::uint64_t RunTotals::*count : {&RunTotals::recording_dropped, &RunTotals::recording_unwritten}) {
+    Summary summary(audited());
+    TickRecord tick = connected(contact_at(1, 1, 1e-3));
+    tick.audit_minimum_J = -1;
+    summary.on_tick(tick);
+    RunTotals totals;
+    totals.*count = 1;
+    summary.finish(totals);
+    EXPECT_THAT(summary.to_text(), StartsWith("Summary: NOT PASSIVE, RECORDING INCOMPLETE; "));
+    EXPECT_THAT(summary.to_text(), HasSubstr("1 record missing"));
+  }
+}
+
+TEST(Summary, SaysWhetherTheDeviceIsSimulated) {
+  RunInfo info = test::sample_info();
+  EXPECT_THAT(Summary(info).to_text(), HasSubstr("device        simulated, wall-1dof"));
+  EXPECT_EQ(json_of(Summary(info))["run"]["device_simulated"], true);
+  info.device_simulated = false;
+  EXPECT_THAT(Summary(info).to_text(), HasSubstr("device        wall-1dof"));
+  EXPECT_EQ(json_of(Summary(info))["run"]["device_simulated"], false);
+}
+
+TEST(Summary, ShowsANegativePInRedWhereColoursAreWanted) {
+  Summary summary(audited());
+  TickRecord tick = connected(contact_at(1, 1, 1e-3));
+  tick.audit_minimum_J = -0.25;
+  summary.on_tick(tick);
+  EXPECT_THAT(summary.to_text(text::Colour::ansi), HasSubstr("P minimum \033[31m-0.25 J\033[0m, final"));
+  EXPECT_THAT(summary.to_text(), Not(HasSubstr("\033")));
 }
 
 TEST(Summary, SaysWhatACutOffRunDoesNotKnow) {
@@ -309,11 +431,17 @@ TEST(Summary, SurvivesTextThatIsNotUtf8AndLongerThanALine) {
 }
 
 TEST(Summary, FitsOneScreenAndNamesEachFault) {
-  Summary summary(test::sample_info());
+  RunInfo info = test::sample_info();
+  info.facts =
+      "wall-1dof: 1 degree of freedom, Cartesian, mass 0.08 kg, damping 30 N s/m, friction 0 N, encoder 1.5e-05 "
+      "m, force <= 30 N, hold 0.001 s, latency 0 s";
+  Summary summary(info);
   test::play_sample_run(summary, 3000);
   summary.finish(test::sample_totals());
   const std::string text = summary.to_text();
-  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 24);
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 30);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), text::kColumns) << line;
   EXPECT_THAT(text, HasSubstr("2 datagrams whose checksum disagrees"));
   EXPECT_THAT(text, HasSubstr("server restarted at 1.234 s"));
   EXPECT_THAT(text, Not(HasSubstr("nan")));

@@ -1,5 +1,6 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
@@ -8,6 +9,7 @@
 
 #include "forcebound/client/app/options.hpp"
 #include "forcebound/client/app/run.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace {
 
@@ -19,7 +21,9 @@ void end_cleanly(int) { stop = true; }
 }  // namespace
 
 int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("forcebound-client"));
+  const bool coloured = forcebound::text::colour_for(STDERR_FILENO) != forcebound::text::Colour::none;
+  spdlog::set_default_logger(spdlog::stderr_color_mt(
+      "forcebound-client", coloured ? spdlog::color_mode::automatic : spdlog::color_mode::never));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   const auto options = forcebound::client::parse_options(argc, argv);
   std::signal(SIGINT, end_cleanly);

@@ -9,37 +9,46 @@
 #include <random>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
 namespace {
 
 constexpr std::string_view kAbout =
-    "The device side of Forcebound: reads a haptic device at 1 kHz, sends its motion to a server, and applies the\n"
-    "forces that come back, bounded so that the device never returns more energy than its damping takes, however\n"
-    "late they are.\n";
+    "The device side of Forcebound: reads a haptic device at 1 kHz, sends its motion to\n"
+    "a server, and applies the forces that come back, bounded so that the device never\n"
+    "returns more energy than its damping takes, however late they are.\n";
 
 constexpr std::string_view kMore = R"(
-Devices (--device), simulated; or a TOML file with a device's facts:
-  wall-1dof      the paper's one-axis device, 30 N s/m, 15 um encoder
-  cartesian-2dof two axes, 1 N s/m, 55 um;  cartesian-3dof  three axes, 0.5 N s/m, 55 um
-  omni           three-joint arm in the size of a PHANToM Omni
+Devices (--device), all simulated, or a TOML file with a device's facts:
+  wall-1dof       the paper's one-axis device, 30 N s/m, 15 um encoder
+  cartesian-2dof  two axes, 1 N s/m, 55 um
+  cartesian-3dof  three axes, 0.5 N s/m, 55 um
+  omni            three-joint arm in the size of a PHANToM Omni
 Operators (--operator), simulated hands; NAME:key=value,... changes their numbers:
-  press          moves into a wall and stays        trace-circle  follows the inside of a circle
-  stroke         comes from above, goes to and fro  trace-sphere  follows the outside of a sphere
-  wave           moves in free space
-  replay:FILE.csv[,key=value,...]  plays a recorded hand (time_s,x_m[,y_m,z_m])
-The summary lists an operator's keys and their values; such as press:to_m=0.03, or replay:hand.csv,offset_x_m=0.01.
-Without --operator the device chooses one, without --device the operator does; without both it is press on wall-1dof.
-Which ones feel a scene says forcebound-server --scene SCENE --suggest.
+  press           moves into a wall and stays
+  stroke          comes from above, goes to and fro
+  trace-circle    follows the inside of a circle
+  trace-sphere    follows the outside of a sphere
+  wave            moves in free space
+  replay:FILE.csv[,key=value,...]
+                  plays a recorded hand (time_s,x_m[,y_m,z_m])
+The summary lists an operator's keys and their values; such as press:to_m=0.03, or
+replay:hand.csv,offset_x_m=0.01. Without --operator the device chooses one, without
+--device the operator does; without both it is press on wall-1dof. Which ones feel a
+scene says forcebound-server --scene SCENE --suggest.
 
-A force is applied as it is while the motion it answers is younger than --hold, then fades, and is zero from --drop on.
-On a terminal a line shows how it goes; at the end, also after Ctrl-C, a summary is printed.
+A force is applied as it is while the motion it answers is younger than --hold,
+then fades, and is zero from --drop on. On a terminal a line shows how it goes; at
+the end, also after Ctrl-C, a summary is printed. NO_COLOR=1 leaves out colours.
 
 Example, with forcebound-server --scene sphere running on this machine:
-  forcebound-client --server 127.0.0.1:47800 --device omni --operator trace-sphere --law fba-more --duration 20
+  forcebound-client --server 127.0.0.1:47800 --device omni \
+    --operator trace-sphere --law fba-more --duration 20
 Exit code: 0 done, 1 failed, 2 wrong use.
 )";
 
@@ -97,6 +106,9 @@ Options parse_options(int argc, char** argv) {
   const control::LawRegistry laws = baselines::shipped_laws();
 
   CLI::App app{std::string(kAbout), "forcebound-client"};
+  app.formatter_fn([](const CLI::App* of, std::string name, CLI::AppFormatMode mode) {
+    return text::wrapped_help(CLI::Formatter().make_help(of, std::move(name), mode));
+  });
   app.footer("Laws (--law):\n" + laws.help() + std::string(kMore));
   app.set_version_flag("--version", "forcebound-client " FORCEBOUND_VERSION);
   app.add_option("--server", options.server, "the server, or a relay in front of it")
@@ -105,11 +117,14 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--scene", options.scene, "scene to ask for; default: the one the server runs")->type_name("NAME");
   app.add_option("--device", options.device, "see below")->type_name("NAME|FILE");
   app.add_option("--operator", options.hand, "see below")->type_name("SPEC");
-  app.add_option("--law", options.law, "see below")->check(CLI::IsMember(laws.names()))->capture_default_str();
+  app.add_option("--law", options.law, "see below")
+      ->check(CLI::IsMember(laws.names()).description(""))
+      ->type_name("LAW")
+      ->capture_default_str();
   app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
       ->type_name("FILE.toml");
   app.add_option("--law-help", options.law_help, "tell of this law, its parameters and their values for --device")
-      ->check(CLI::IsMember(laws.names()))
+      ->check(CLI::IsMember(laws.names()).description(""))
       ->type_name("LAW");
   app.add_option("--memory", memory, "energy that fba-exact keeps: what the largest force can ever need, or all")
       ->check(CLI::IsMember({"capped", "full"}))

@@ -2,6 +2,7 @@
 #include "forcebound/client/app/run.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdio>
@@ -26,6 +27,7 @@
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/summary.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "forcebound/time/heap_operations.hpp"
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/real_time.hpp"
@@ -133,6 +135,8 @@ record::RunInfo run_info(const Options& options, const device::SimulatedDevice& 
   info.hold = options.policy.hold;
   info.drop = options.policy.drop;
   info.force_N_max = device.facts().force_N_max;
+  info.audited = device.audit().has_value();
+  info.device_simulated = true;
   info.epoch = time::wall_clock_now() - clock.now();
   return info;
 }
@@ -144,7 +148,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const control::LawRegistry laws = baselines::shipped_laws();
   device::DeviceDescription description = device::load_device(options.device);
   if (!options.law_help.empty()) {
-    std::fputs(laws.help(options.law_help, description.facts).c_str(), stdout);
+    std::fputs(text::wrapped_help(laws.help(options.law_help, description.facts)).c_str(), stdout);
     return 0;
   }
   auto hand = device::make_operator(options.hand, description.facts.degrees_of_freedom());
@@ -157,6 +161,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
 
   record::RunInfo info = run_info(options, device, clock);
   info.law_parameters = baselines::describe(laws.parameters(options.law, device.facts(), chosen.parameters));
+  info.guarantee = laws.guarantee(options.law);
+  spdlog::info("device '{}' and its hand '{}' are simulated; law {}, server {}", info.device, options.hand, options.law,
+               options.server);
   std::optional<record::RecordingWriter> writer;
   if (!options.record.empty()) writer.emplace(options.record, info);
   record::Summary summary(info);
@@ -194,7 +201,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     writer->finish(totals);
   }
   summary.finish(totals);
-  std::fputs(summary.to_text().c_str(), stdout);
+  std::fputs(summary.to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
   bool failed = loop.gave_up;
   if (summary_file.is_open()) {
     summary_file << summary.to_json();

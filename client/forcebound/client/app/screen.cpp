@@ -6,12 +6,18 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <string>
 #include <utility>
+
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
 namespace {
 
 constexpr Nanoseconds kBlackoutTold = std::chrono::seconds{2};
+
+// What a line of the log has left after its time and level.
+constexpr std::size_t kLogColumns = text::kColumns - 21;
 
 const char* const kClearLine = "\r\033[K";
 
@@ -73,7 +79,7 @@ void Screen::log_connection() const {
   clear();
   switch (event_.kind) {
     case Event::Kind::welcomed:
-      return spdlog::info("connected; simulated: {}", event_.words());
+      return spdlog::info("{}", text::wrapped("connected; simulated: " + std::string(event_.words()), 4, kLogColumns));
     case Event::Kind::refused:
       return spdlog::error("refused by the server: {}", event_.words());
     case Event::Kind::session_unknown:

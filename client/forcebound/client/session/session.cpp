@@ -1,6 +1,7 @@
 #include "forcebound/client/session/session.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "forcebound/client/session/texture.hpp"
@@ -13,6 +14,12 @@ namespace {
 constexpr int kDatagramsPerTickMax = 64;
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
+
+// Of a surface an answer tells the plane at one place. Along a surface bent with a radius of 20 mm it is 25 um off this
+// far away; further away nothing is said of how deep the device is.
+constexpr double kPlaneReach_m = 1e-3;
+constexpr Eigen::Index kTranslationsMax = 3;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 Connection::Facts connection_facts(const control::DeviceFacts& device, const std::string& scene,
                                    std::string_view port) {
@@ -261,20 +268,31 @@ void Session::write_down(const device::Reading& reading, const Vector& applied, 
   record_.applied = applied;
   record_.energy_J = law().energy_J();
   record_.xi = law().xi();
-  record_.penetration_m = 0;
-  record_.displayed_N = 0;
-  const auto& force = forces_.newest();
-  const bool known = force && record_.policy != record::ForcePolicy::dropped;
-  if (known && force->contact_normal.rows() == applied.rows()) {
-    // The surface as a plane: exact for a flat one, close for a round one as long as the force is not too old.
-    record_.penetration_m = force->penetration_m - force->contact_normal.dot(reading.position - force->position);
-    record_.displayed_N = applied.dot(force->contact_normal);
-  }
+  note_contact(reading.position, applied);
   if (const auto audit = device_.audit()) {
     record_.audit_J = audit->energy_J;
     record_.audit_minimum_J = audit->minimum_J;
   }
   for (record::TickSink* sink : sinks_.ticks) sink->on_tick(record_);
+}
+
+void Session::note_contact(const Vector& position, const Vector& applied) noexcept {
+  record_.contact = false;
+  record_.penetration_m = kUnknown;
+  record_.displayed_N = 0;
+  const auto& force = forces_.newest();
+  if (!force || record_.policy == record::ForcePolicy::dropped) return;
+  const Vector away = position - force->position;
+  const bool near = away.head(std::min(away.rows(), kTranslationsMax)).norm() <= kPlaneReach_m;
+  record_.contact = force->contact_normal.rows() == applied.rows();
+  if (!record_.contact) {
+    if (near) record_.penetration_m = 0;
+    return;
+  }
+  record_.displayed_N = applied.dot(force->contact_normal);
+  if (!near) return;
+  record_.penetration_m = force->penetration_m - force->contact_normal.dot(away);
+  record_.contact = record_.penetration_m > 0;
 }
 
 bool Session::close(Nanoseconds now) noexcept {

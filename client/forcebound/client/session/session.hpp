@@ -82,6 +82,7 @@ class Session {
   [[nodiscard]] Vector request_at(const Vector& position, Nanoseconds now) noexcept;
   void note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
   void write_down(const device::Reading& reading, const Vector& applied, Nanoseconds now) noexcept;
+  void note_contact(const Vector& position, const Vector& applied) noexcept;
   void tell(Event::Kind kind, Nanoseconds now, std::string_view words, Nanoseconds duration = {}) noexcept;
 
   Options options_;

@@ -12,6 +12,7 @@
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/schema.hpp"
 #include "forcebound/server/session/answer_size.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace {
@@ -33,7 +34,7 @@ void explain(const forcebound::server::ProgramOptions& options) {
   const SuggestedHand suggested = suggested_hand(built);
   facts.hand = {.suggested = suggested, .trial = try_hand(built, suggested)};
   if (options.calibrate) facts.calibration = calibrate(built, clock);
-  std::cout << explain(*built, facts);
+  std::cout << forcebound::text::wrapped(explain(*built, facts), 6);
 }
 
 }  // namespace

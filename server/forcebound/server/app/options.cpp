@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <utility>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -31,8 +33,8 @@ CLI::Validator within(double least, double most) {
 }
 
 std::string footer() {
-  return "Scenes: " + SceneLibrary::shipped().names() +
-         ", or a file of your own (FILE.toml).\n"
+  return text::wrapped("Scenes: " + SceneLibrary::shipped().names() + ", or a file of your own (FILE.toml).", 2) +
+         "\n"
          "A client may ask for any of them by name; files are opened for --scene only.\n"
          "\n"
          "Examples:\n"
@@ -51,6 +53,9 @@ std::string footer() {
 void describe(CLI::App& app, ProgramOptions& options, std::string& listen, double& idle_timeout_s,
               double& round_trip_ms) {
   app.description(kDescription);
+  app.formatter_fn([](const CLI::App* of, std::string name, CLI::AppFormatMode mode) {
+    return text::wrapped_help(CLI::Formatter().make_help(of, std::move(name), mode));
+  });
   app.footer(footer());
   app.set_version_flag("--version", std::string(kProgram) + " " + FORCEBOUND_VERSION, "print the version, and end");
   app.set_help_flag("-h,--help", "print this, and end");

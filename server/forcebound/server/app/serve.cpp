@@ -15,6 +15,7 @@
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/app/scene_compiler.hpp"
 #include "forcebound/server/environment/explain.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
@@ -126,13 +127,15 @@ void serve(ProgramOptions options) {
   const auto observer = make_observer(options, *scene, clock);
   Server server(options.server, std::move(scenes), batch, clock, random_session_id, observer.get());
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
-  spdlog::info("listening on {}, scene '{}': {}", net::to_string(link.local_address()), scene->facts().name,
-               summary(*scene));
+  // After the time and the name, which take 24 columns.
+  spdlog::info("{}", text::wrapped("listening on " + net::to_string(link.local_address()) + ", scene '" +
+                                       scene->facts().name + "': " + summary(*scene),
+                                   4, text::kColumns - 24));
 
   run(link, batch, server, compiler, clock, options.verbose);
   server.stop();
   batch.flush();
-  std::cout << server.counters().text();
+  std::cout << text::wrapped(server.counters().text(), 2);
   if (const auto lost = link.counters().overflowed; lost > 0) {
     std::cout << "socket: " << lost << " datagrams lost because it was full\n";
   }

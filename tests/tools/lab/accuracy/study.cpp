@@ -137,9 +137,13 @@ struct Runs {
   [[nodiscard]] const std::vector<Along>& at_states() const { return synchronised ? synchronised->runs : free; }
 };
 
-Runs run_all(const Cast& cast, const std::vector<Vector>& positions_m, const time::Clock& clock) {
+Runs run_all(const Cast& cast, const std::vector<Vector>& positions_m, const time::Clock& clock,
+             const std::function<void()>& step) {
   Runs runs;
-  for (const ScenePointer& scene : cast.scenes) runs.free.push_back(run_along(scene, positions_m, clock));
+  for (const ScenePointer& scene : cast.scenes) {
+    runs.free.push_back(run_along(scene, positions_m, clock));
+    step();
+  }
   if (cast.scenes.size() > 1) runs.synchronised = run_synchronised(cast.scenes, cast.best, positions_m);
   return runs;
 }
@@ -278,8 +282,13 @@ ScenePointer compile(const Study& study, const std::vector<server::SceneChange>&
   }
 }
 
-StudyResult carry_out(Study study, const time::Clock& clock) {
+StudyResult carry_out(Study study, const time::Clock& clock, const std::function<void(double)>& progress) {
   const Cast cast = cast_of(study);
+  const std::size_t steps = 1 + cast.scenes.size() + study.sweep.values.size();
+  std::size_t done = 0;
+  const auto step = [&] {
+    if (progress) progress(static_cast<double>(++done) / static_cast<double>(steps));
+  };
   // What a session refuses shall be known before long runs.
   std::vector<SessionSettings> sessions(study.sweep.values.size(), study.session);
   const bool same_scene = is_session_key(study.sweep.key);
@@ -289,7 +298,8 @@ StudyResult carry_out(Study study, const time::Clock& clock) {
   const ScenePointer best = cast.scenes[cast.best];
   if (best->parts() > 0) study.motion.on_surface_m = best->on_surface_m(0);
   const auto saved = run_device(settings_of(study, study.session, best, {}), study.duration_s).true_positions;
-  const Runs runs = run_all(cast, saved, clock);
+  step();
+  const Runs runs = run_all(cast, saved, clock, step);
   const ReferenceModel reference = reference_of(cast, runs);
   const Right right = right_of(cast, runs, reference);
   if (rms(right.free.forces) == 0) refuse_numb(study, *best);
@@ -303,6 +313,7 @@ StudyResult carry_out(Study study, const time::Clock& clock) {
     setting.value = study.sweep.values[i];
     live_behind(setting, study, sessions[i], cast.scenes[which], reference);
     result.settings.push_back(std::move(setting));
+    step();
   }
   return result;
 }

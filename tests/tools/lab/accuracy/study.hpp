@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -82,8 +83,9 @@ std::shared_ptr<const scene::Scene> compile(const Study& study, const std::vecto
 
 /// A key of a scene has a dot; another one is of the session (`session_keys`). Then there is one scene, which is its
 /// own reference unless there is another, and all settings hold the same forces against it.
+/// @param progress is told what share is done; may be empty
 /// @throws what the scene's variants, hand, device and law refuse
-StudyResult carry_out(Study study, const time::Clock& clock);
+StudyResult carry_out(Study study, const time::Clock& clock, const std::function<void(double done)>& progress = {});
 
 /// The value with the least error at the device behind a round trip, of those within a budget; crosses do not count,
 /// and of a session's settings none that gave energy away: what makes a force wrong by keeping the peace is no fault.

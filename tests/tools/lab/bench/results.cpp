@@ -45,9 +45,11 @@ void for_each(const BenchResults& results, BenchRow::Kind kind, Show show) {
 }
 
 void append_table_line(std::string& out, const std::array<std::string, 6>& cells) {
-  constexpr std::array<std::size_t, 6> kWidths{62, 10, 28, 10, 8, 0};
-  std::string line;
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  // What a row is about stands above its numbers: beside them it would not fit 80 columns.
+  constexpr std::array<std::size_t, 6> kWidths{3, 10, 28, 10, 8, 0};
+  if (!cells[0].empty()) out += cells[0] + '\n';
+  std::string line(kWidths[0] + 1, ' ');
+  for (std::size_t i = 1; i < cells.size(); ++i)
     line += padded(cells[i], kWidths[i]) + (i + 1 < cells.size() ? " " : "");
   while (line.ends_with(' ')) line.pop_back();
   out += line + '\n';

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
 
 namespace forcebound::lab {
@@ -64,63 +66,99 @@ std::string degrees(const Json& angle) {
 
 std::string passivity_table(const Json& all) {
   std::string table =
-      "Who stays passive and comes to rest: least P over everything [mJ], 0: passive; shares of all runs\n"
-      "                 ideal device          real device                  force               direction   drift"
-      "     work\n"
-      "  law          least P  passive     least P  passive  at rest  variance [N2]  rings [s]      bent by    [mm]"
-      "   a tick\n";
+      "Who stays passive and comes to rest: least P over all trials [mJ], 0: passive;\n"
+      "passive and at rest: shares of all trials\n"
+      "                    ideal device          real device\n"
+      "  law             least P   passive   least P   passive   at rest  rings [s]\n";
   for (const Json& law : all.at("laws")) {
     if (!played(law)) {
-      table += law_cell(law) + "  " + refused(law) + "\n";
+      table += text::wrapped(law_cell(law) + "  " + refused(law), 4) + "\n";
       continue;
     }
     const double trials = law.at("trials");
-    table += law_cell(law) + padded(millijoules(law.at("ideal").at("least_P_J")), 10) +
-             padded(share(law.at("ideal").at("passive").get<double>() / trials), 9) +
-             padded(millijoules(law.at("real").at("least_P_J")), 12) +
-             padded(share(law.at("real").at("passive").get<double>() / trials), 9) + padded(share(law.at("calm")), 9) +
-             padded(number(law.at("variance_N2")), 15) + padded(number(law.at("ringing_s")), 11) +
-             padded(degrees(law.at("direction_deg")), 13) + padded(number(law.at("drift_mm")), 8) +
+    table += law_cell(law) + padded(millijoules(law.at("ideal").at("least_P_J")), 12) +
+             padded(share(law.at("ideal").at("passive").get<double>() / trials), 10) +
+             padded(millijoules(law.at("real").at("least_P_J")), 10) +
+             padded(share(law.at("real").at("passive").get<double>() / trials), 10) +
+             padded(share(law.at("calm")), 10) + padded(number(law.at("ringing_s")), 11) + "\n";
+  }
+  return table;
+}
+
+std::string force_table(const Json& all) {
+  std::string table =
+      "The force: variance in contact (median), most that its direction was bent by, most\n"
+      "that the place it was asked for was away from the device, work of a tick\n"
+      "  law          variance [N^2]       bent by    drift [mm]    work\n";
+  for (const Json& law : all.at("laws")) {
+    if (!played(law)) continue;
+    table += law_cell(law) + padded(number(law.at("variance_N2")), 16) + padded(degrees(law.at("direction_deg")), 14) +
+             padded(number(law.at("drift_mm")), 14) +
              padded(law.at("work_ns").is_number() ? number(law.at("work_ns")) + " ns" : std::string("-"), 9) + "\n";
   }
   return table;
 }
 
+/// A share with one decimal: columns of ten networks fit.
+std::string percent(const Json& value) {
+  if (!value.is_number()) return "-";
+  char cell[32];
+  std::snprintf(cell, sizeof cell, "%.1f", 100 * value.get<double>());
+  return cell;
+}
+
+/// So many columns side by side fit; more go on below.
+constexpr std::size_t kNetworksInARow = 9;
+constexpr std::size_t kLimitsInARow = 4;
+
 std::string network_table(const Json& all, const char* what, const char* title) {
-  std::string table = std::string(title) + "\n  law        ";
-  for (std::size_t i = 0; i < all.at("networks").size(); ++i) table += padded("(" + std::to_string(i + 1) + ")", 9);
-  table += "\n";
-  for (const Json& law : all.at("laws")) {
-    if (!played(law)) continue;
-    table += law_cell(law);
-    for (const Json& behind : law.at("behind")) table += padded(share(behind.at(what)), 9);
+  const std::size_t count = all.at("networks").size();
+  std::string table = std::string(title) + " [%]\n";
+  for (std::size_t begin = 0; begin < count; begin += kNetworksInARow) {
+    const std::size_t end = std::min(count, begin + kNetworksInARow);
+    table += "  law        ";
+    for (std::size_t i = begin; i < end; ++i) table += padded("(" + std::to_string(i + 1) + ")", 7);
     table += "\n";
+    for (const Json& law : all.at("laws")) {
+      if (!played(law)) continue;
+      table += law_cell(law);
+      for (std::size_t i = begin; i < end; ++i) table += padded(percent(law.at("behind").at(i).at(what)), 7);
+      table += "\n";
+    }
   }
   return table;
 }
 
 std::string limits_table(const Json& all) {
-  if (all.at("limits").empty()) return {};
+  const std::size_t count = all.at("limits").size();
+  if (count == 0) return {};
   std::string table =
-      "Stiffest wall up to which every wall tried comes to rest, under a light, a usual and a firm hand, the paper's "
-      "device, ideal [N/mm]; all: up to 1000\n  each way   ";
-  for (const Json& limit : all.at("limits")) {
-    table += padded(text::rounded(1e3 * limit.at("delay_s").get<double>()) + " ms", 22);
-  }
-  const auto theory = [&](const char* name, const char* key) {
-    char cell[64];
-    std::snprintf(cell, sizeof cell, "\n  %-11s", name);
-    table += cell;
-    for (const Json& limit : all.at("limits")) table += padded(text::rounded(1e-3 * limit.at(key).get<double>()), 22);
-  };
-  theory("2b/T", "passive_N_per_m");
-  theory("b/(T/2+2t)", "delayed_N_per_m");
-  theory("free device", "free_N_per_m");
-  table += "\n";
-  for (const Json& law : all.at("laws")) {
-    table += law_cell(law);
-    for (const Json& limit : law.at("stable")) table += padded(stiffness(limit), 22);
-    table += "\n";
+      "Stiffest wall up to which every wall tried comes to rest, under a light / a usual /\n"
+      "a firm hand, the paper's device, ideal [N/mm]; all: up to 1000\n";
+  for (std::size_t begin = 0; begin < count; begin += kLimitsInARow) {
+    const std::size_t end = std::min(count, begin + kLimitsInARow);
+    const auto row = [&](const std::string& name, auto cell) {
+      table += name;
+      for (std::size_t i = begin; i < end; ++i) table += padded(cell(i), 16);
+      table += "\n";
+    };
+    const auto theory = [&](const char* name, const char* key) {
+      char cell[64];
+      std::snprintf(cell, sizeof cell, "  %-11s", name);
+      row(cell, [&](std::size_t i) { return text::rounded(1e-3 * all.at("limits").at(i).at(key).get<double>()); });
+    };
+    row("  each way   ",
+        [&](std::size_t i) { return text::rounded(1e3 * all.at("limits").at(i).at("delay_s").get<double>()) + " ms"; });
+    theory("2b/T", "passive_N_per_m");
+    theory("b/(T/2+2t)", "delayed_N_per_m");
+    theory("free device", "free_N_per_m");
+    for (const Json& law : all.at("laws")) {
+      row(law_cell(law), [&](std::size_t i) {
+        std::string hands = stiffness(law.at("stable").at(i));
+        std::erase(hands, ' ');
+        return hands;
+      });
+    }
   }
   return table;
 }
@@ -134,9 +172,10 @@ std::string in_words(const Json& parameters) {
 }
 
 std::string tuning_table(const Json& all) {
-  std::string table = "Parameters: " + std::to_string(all.at("effort").get<int>()) +
-                      " sets tried for each law that has any, on each scene and network; score: error at "
-                      "the device, 1 more for no rest, 1 more for energy given\n";
+  std::string table = text::wrapped("Parameters: " + text::counted(all.at("effort").get<std::uint64_t>(), "set") +
+                                        " tried for each law that has any, on each scene and network; score: error at "
+                                        "the device, 1 more for no rest, 1 more for energy given\n",
+                                    2);
   bool any = false;
   for (const Json& law : all.at("laws")) {
     for (const Json& tuned : law.at("tuned")) {
@@ -144,9 +183,10 @@ std::string tuning_table(const Json& all) {
       const auto score = [&](const char* key) {
         return tuned.at(key).is_number() ? number(tuned.at(key)) : std::string("refused");
       };
-      table += law_cell(law) + " " + tuned.at("scene").get<std::string>() + " (" +
-               std::to_string(tuned.at("network").get<int>()) + "): " + in_words(tuned.at("best")) + "; score " +
-               score("best_score") + ", standard " + score("standard_score") + "\n";
+      table += text::wrapped(law_cell(law) + " " + tuned.at("scene").get<std::string>() + " (" +
+                                 std::to_string(tuned.at("network").get<int>()) + "): " + in_words(tuned.at("best")) +
+                                 "; score " + score("best_score") + ", standard " + score("standard_score") + "\n",
+                             4);
     }
   }
   return any ? table : "";
@@ -159,10 +199,12 @@ std::string to_text(const Json& all) {
   for (std::size_t i = 0; i < all.at("networks").size(); ++i) {
     text += "  (" + std::to_string(i + 1) + ") " + all.at("networks").at(i).get<std::string>() + "\n";
   }
-  text += "\n" + passivity_table(all) + "\n" +
-          network_table(all, "shown", "Displayed stiffness over the wall's, through each network, real device") + "\n" +
-          network_table(all, "error", "E_dev: error of the force at the device's true position, at its moment") + "\n" +
-          network_table(all, "ripple", "Restlessness: deviation of the force over its mean, once contact was made");
+  text +=
+      "\n" + passivity_table(all) + "\n" + force_table(all) + "\n" +
+      network_table(all, "shown",
+                    "Displayed stiffness over the wall's where the contact rests, real device, through\neach network") +
+      "\n" + network_table(all, "error", "E_dev: error of the force at the device's true position, at its moment") +
+      "\n" + network_table(all, "ripple", "Restlessness: deviation of the force over its mean, once contact was made");
   const std::string limits = limits_table(all);
   const std::string tuning = tuning_table(all);
   return text + (limits.empty() ? "" : "\n" + limits) + (tuning.empty() ? "" : "\n" + tuning);

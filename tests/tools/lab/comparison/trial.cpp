@@ -52,7 +52,7 @@ class RestMeter final : public record::TickSink {
  public:
   explicit RestMeter(double settle_s) : settle_(time::from_seconds(settle_s)) {}
   void on_tick(const record::TickRecord& tick) noexcept override {
-    if (!contact_ && tick.penetration_m > 0) contact_ = tick.time;
+    if (!contact_ && tick.contact) contact_ = tick.time;
     if (contact_ && tick.time >= *contact_ + settle_) force_N_.add(tick.applied.norm());
   }
   void on_force(const record::ForceRecord&) noexcept override {}
@@ -95,9 +95,9 @@ Trial play(const Contest& contest) {
 
   trial.passivity_minimum_J = run.passivity_minimum_J;
   trial.ringing_s = ringing.ringing_s();
-  // Who is nowhere in the wall is shown nothing of it.
-  const double shown_N_per_m = number(run.summary, "/displayed_stiffness_N_per_m/median");
-  trial.shown_N_per_m = std::isfinite(shown_N_per_m) ? shown_N_per_m : 0;
+  // Who is nowhere in the wall is shown nothing of it; who is never at rest there, nothing that could be told.
+  const bool touched = number(run.summary, "/contact_ticks") > 0;
+  trial.shown_N_per_m = touched ? number(run.summary, "/displayed_stiffness_N_per_m/median") : 0;
   trial.calm = trial.ringing_s && *trial.ringing_s < kTrialRingingMost * ringing.contact_s() &&
                trial.shown_N_per_m >= kShownLeast * contest.stiffness_N_per_m;
   trial.force_N_mean = number(run.summary, "/force_N/mean");

@@ -17,7 +17,7 @@ struct Trial {
   double passivity_minimum_J = 0;  ///< P of the audit
   bool calm = false;               ///< its contact came to rest: the force's peak-to-peak over 20 ms
   std::optional<double> ringing_s{};        ///< until then; nothing without contact
-  double shown_N_per_m = std::nan("");      ///< displayed stiffness, median; 0 without contact
+  double shown_N_per_m = std::nan("");      ///< displayed stiffness, median at rest; 0 without contact
   double force_N_mean = std::nan("");       ///< in contact
   double force_N2_variance = std::nan("");  ///< in contact
   double restlessness = std::nan("");  ///< deviation of the force's magnitude over its mean, once contact has settled

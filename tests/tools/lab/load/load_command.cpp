@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/load/capacity.hpp"
@@ -48,12 +49,13 @@ std::string line_of(const LoadResult& result) {
   const auto& read = result.tally.read_ns;
   char text[320];
   std::snprintf(text, sizeof text,
-                "%5zu clients: %llu motions, %llu lost, %llu not sent in time; service %.1f us median, %.1f us p99, "
-                "%.1f us max; until read %.1f us median, %.1f us p99\n",
-                result.clients, static_cast<unsigned long long>(result.tally.sent),
-                static_cast<unsigned long long>(result.lost()), static_cast<unsigned long long>(result.unsent),
-                in_us(arrived.percentile(0.5)), in_us(arrived.percentile(0.99)), in_us(arrived.max()),
-                in_us(read.percentile(0.5)), in_us(read.percentile(0.99)));
+                "%5zu %s: %llu motions, %llu lost, %llu not sent in time\n"
+                "      service %.4g us median, %.4g p99, %.4g max; until read %.4g median, %.4g p99\n",
+                result.clients, result.clients == 1 ? "client" : "clients",
+                static_cast<unsigned long long>(result.tally.sent), static_cast<unsigned long long>(result.lost()),
+                static_cast<unsigned long long>(result.unsent), in_us(arrived.percentile(0.5)),
+                in_us(arrived.percentile(0.99)), in_us(arrived.max()), in_us(read.percentile(0.5)),
+                in_us(read.percentile(0.99)));
   return text;
 }
 
@@ -80,7 +82,7 @@ LoadResult most(const LoadCommandOptions& options, Load& load) {
     return held;
   });
   if (!best) throw std::runtime_error("not even one client is answered in time");
-  std::cout << "most: " << clients << " clients with " << kHolds << '\n';
+  std::cout << text::wrapped("most: " + text::counted(clients, "client") + " with " + kHolds, 2) << '\n';
   return *best;
 }
 
@@ -114,7 +116,7 @@ void add_load(CLI::App& app) {
       ->capture_default_str();
   command->add_flag(
       "--find-most", options->find_most,
-      std::string("search for the most clients with ") + kHolds + ";\na motion that is never answered counts as late");
+      std::string("search for the most clients with ") + kHolds + "; a motion that is never answered counts as late");
   command->add_option("--limit", options->search.limit, "with --find-most: try no more")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -32,6 +33,33 @@ TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
   EXPECT_EQ(records.last.force_age, 1ms);
   EXPECT_EQ(records.last_force.round_trip, 1ms);
   EXPECT_EQ(records.last.displayed_N, 2.5);
+}
+
+TEST_F(SessionTest, TellsTheDepthOnlyNearWhereTheAnswerWasComputed) {
+  connect();
+  device.position[0] = 0.25;
+  tick();
+  arrive(answer(sent<wire::MotionSample>().at(0), -2.5));  // 1 mm deep there, normal -x
+  tick();
+  EXPECT_TRUE(records.last.contact);
+  EXPECT_NEAR(records.last.penetration_m, 1e-3, 1e-12);
+  device.position[0] = 0.2505;
+  tick();
+  EXPECT_NEAR(records.last.penetration_m, 1.5e-3, 1e-12) << "0.5 mm deeper";
+  device.position[0] = 0.2521;
+  tick();
+  EXPECT_TRUE(std::isnan(records.last.penetration_m)) << "2.1 mm away: the surface may have turned";
+  EXPECT_TRUE(records.last.contact) << "as the newest answer says";
+  device.position[0] = 0.2485;
+  tick();
+  EXPECT_TRUE(std::isnan(records.last.penetration_m));
+}
+
+TEST_F(SessionTest, KnowsNoDepthBeforeTheFirstAnswer) {
+  connect();
+  tick();
+  EXPECT_FALSE(records.last.contact);
+  EXPECT_TRUE(std::isnan(records.last.penetration_m));
 }
 
 TEST_F(SessionTest, RendersTheTextureOfAnOldAnswerWhereTheDeviceIsNow) {

@@ -14,6 +14,7 @@ void feed(RingingMeter& meter, int ms, double force_N, double penetration_m = 1e
   tick.time = std::chrono::milliseconds{ms};
   tick.applied = Vector::Constant(1, -force_N);
   tick.penetration_m = penetration_m;
+  tick.contact = penetration_m > 0;
   meter.on_tick(tick);
 }
 

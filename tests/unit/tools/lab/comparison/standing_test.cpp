@@ -62,7 +62,7 @@ TEST(Standings, TellWhoRefusesTheDevice) {
 }
 
 TEST(Standings, TellTheStiffestWallUnderEachHand) {
-  EXPECT_THAT(to_text(standings(two_laws())), HasSubstr("62 / 70 / all\n"));
+  EXPECT_THAT(to_text(standings(two_laws())), HasSubstr("62/70/all\n"));
   EXPECT_THAT(comparison_markdown(standings(two_laws())), HasSubstr("| `none` | 62 / 70 / all |\n"));
 }
 

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace forcebound::text {
+
+/// What programs print fits this many columns.
+inline constexpr std::size_t kColumns = 80;
+
+enum class Colour : std::uint8_t { none, ansi };
+
+/// ansi for a terminal, unless NO_COLOR is set to anything or TERM is "dumb" (https://no-color.org).
+[[nodiscard]] Colour colour_for(int descriptor) noexcept;
+
+/// In red, where colours are wanted.
+[[nodiscard]] std::string red(std::string_view text, Colour colour);
+
+/// How many columns a terminal gives UTF-8 text, as long as each character takes one.
+[[nodiscard]] std::size_t columns_of(std::string_view text) noexcept;
+
+/// Breaks lines that are longer than `columns` at blanks, or after commas where a single word is that long; what goes
+/// on in a further line is indented by `indent`. A word that cannot be broken stays whole. Shorter lines stay as they
+/// are.
+[[nodiscard]] std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = kColumns);
+
+/// The same for a program's --help: a line goes on below its own description, which two blanks part from the option's
+/// name, or else where it began.
+[[nodiscard]] std::string wrapped_help(std::string_view help, std::size_t columns = kColumns);
+
+/// "1 tick", "2 ticks". @param many the plural; empty: the singular with an s
+[[nodiscard]] std::string counted(std::uint64_t count, std::string_view one, std::string_view many = {});
+
+}  // namespace forcebound::text

@@ -1,0 +1,54 @@
+#include "tests/tools/lab/progress.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "forcebound/text/terminal.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr std::chrono::milliseconds kBetween{200};
+
+std::string in_words(double seconds) {
+  char text[48];
+  if (seconds < 99.5) {
+    std::snprintf(text, sizeof text, "%.0f s", std::ceil(seconds));
+  } else {
+    std::snprintf(text, sizeof text, "%.0f min", std::ceil(seconds / 60));
+  }
+  return text;
+}
+
+}  // namespace
+
+bool Progress::on_terminal() { return isatty(STDERR_FILENO) != 0; }
+
+std::string Progress::line(double share, const std::string& words, double elapsed_s) {
+  const double done = std::clamp(share, 0.0, 1.0);
+  char percent[16];
+  std::snprintf(percent, sizeof percent, ", %.0f %%", 100 * done);
+  std::string line = words + percent;
+  if (done > 0) line += ", about " + in_words(elapsed_s / done * (1 - done)) + " left";
+  return line.substr(0, text::kColumns - 1);
+}
+
+void Progress::tell(double share, const std::string& words) {
+  const auto now = Clock::now();
+  if (!live_ || now < next_) return;
+  next_ = now + kBetween;
+  shown_ = true;
+  const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
+  std::fprintf(stderr, "\r%s\033[K", line(share, words, elapsed_s).c_str());
+}
+
+void Progress::clear() {
+  if (!shown_) return;
+  shown_ = false;
+  std::fputs("\r\033[K", stderr);
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,106 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/text/file.hpp"
+#include "tests/tools/lab/above_zero.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/trials.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  TrialsSettings settings{.scene = "sphere",
+                          .device = "omni",
+                          .hand = "trace-sphere",
+                          .network = "delay 50ms 10ms loss 5%",
+                          .laws = {"none", "fba-less", "fba-more", "fba-exact"}};
+  std::vector<std::string> live;
+  std::string json;
+  std::string figure;
+};
+
+Json read_summary(const std::string& file) {
+  Json summary = Json::parse(text::read_file(file), nullptr, false);
+  if (!summary.is_object())
+    throw std::runtime_error(file + ": not a summary; what a client's --summary wrote is needed");
+  return summary;
+}
+
+void run(const Options& options) {
+  std::vector<Json> live;
+  for (const std::string& file : options.live) live.push_back(read_summary(file));
+  LawsFigure figure("The laws compared on " + options.settings.scene,
+                    options.settings.device + ", " + options.settings.hand + ", virtual time, network \"" +
+                        options.settings.network + "\"");
+  std::vector<Trial> trials;
+  {
+    Progress progress;
+    trials = play_trials(options.settings, options.figure.empty() ? nullptr : &figure,
+                         [&](double share) { progress.tell(share, "playing the laws"); });
+  }
+  std::fputs(trials_table(options.settings, trials, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
+  if (!live.empty()) std::printf("\n%s", timing_table(live).c_str());
+  if (!options.figure.empty()) figure.draw_to(options.figure);
+  if (options.json.empty()) return;
+  Json all = Json::array();
+  for (const Trial& trial : trials) {
+    all.push_back({{"law", trial.law},
+                   {"refused", trial.refused},
+                   {"ringing_s", trial.ringing_s ? Json(*trial.ringing_s) : Json(nullptr)},
+                   {"push_N", trial.push_N},
+                   {"summary", trial.summary}});
+  }
+  text::write_file(options.json, all.dump(2) + '\n');
+}
+
+}  // namespace
+
+void add_trials(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  TrialsSettings& settings = options->settings;
+  CLI::App* command = app.add_subcommand(
+      "trials", "One scene, device, hand and network with each law, in virtual time: figures that repeat");
+  command->add_option("SCENE", settings.scene, "name or FILE.toml")->capture_default_str();
+  command->add_option("--device", settings.device, "as the client's")->type_name("NAME|FILE")->capture_default_str();
+  command->add_option("--operator", settings.hand, "as the client's")->type_name("SPEC")->capture_default_str();
+  command
+      ->add_option("--netem", settings.network,
+                   "what the network does to both directions, as the relay's; or none, or trace:FILE")
+      ->type_name("WORDS")
+      ->capture_default_str();
+  command->add_option("--laws", settings.laws, "which")
+      ->delimiter(',')
+      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
+      ->type_name("LAW,LAW,...")
+      ->default_str("none,fba-less,fba-more,fba-exact");
+  command->add_option("--seconds", settings.duration_s, "virtual seconds of each run")
+      ->type_name("S")
+      ->check(above_zero())
+      ->capture_default_str();
+  command->add_option("--seed", settings.seed, "of the network and of the ticks' lateness")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--live", options->live, "summaries of live runs, whose timing is printed beside")
+      ->type_name("FILE.json");
+  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
+  command->add_option("--figure", options->figure, "draw the laws over each other into this file")
+      ->type_name("FILE.png");
+  command->footer(
+      "Server, client, device and hand are those of the programs; the clock and the\n"
+      "network are simulated, and ticks are as late as measured on a shared machine.\n"
+      "The same options give the same figures on every machine.\n");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace forcebound::lab
