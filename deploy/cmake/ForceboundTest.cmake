@@ -1,4 +1,14 @@
-set(FORCEBOUND_TEST_LABELS "" CACHE STRING "Regular expression: build and run only GoogleTests with such a label")
+set(FORCEBOUND_TEST_LABELS "" CACHE STRING
+    "Regular expression: build and run only tests with such a label, a test without one having the label ''")
+
+# forcebound_wants(LABEL RESULT): whether tests with this label, or none, are built and run.
+function(forcebound_wants label result)
+  set(wanted ON)
+  if(FORCEBOUND_TEST_LABELS AND NOT "${label}" MATCHES "${FORCEBOUND_TEST_LABELS}")
+    set(wanted OFF)
+  endif()
+  set(${result} ${wanted} PARENT_SCOPE)
+endfunction()
 
 # What nearly every test reads, read once for those whose sources are compiled one by one. Only headers of others: one of
 # ours would have everything compiled again whenever it changes.
@@ -36,7 +46,8 @@ function(forcebound_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${name} PRIVATE FORCEBOUND_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_test_support GTest::gmock_main forcebound_options)
-  if(FORCEBOUND_TEST_LABELS AND NOT "${arg_LABELS}" MATCHES "${FORCEBOUND_TEST_LABELS}")
+  forcebound_wants("${arg_LABELS}" wanted)
+  if(NOT wanted)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
