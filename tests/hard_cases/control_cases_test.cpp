@@ -20,12 +20,7 @@ constexpr double kPeriod_s = 1e-3;
 constexpr double kDamping_N_s_per_m = 30;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Ten million ticks are an hour and three quarters; without optimisation a tenth must do.
-#ifdef __OPTIMIZE__
-constexpr int kMany = 10'000'000;
-#else
-constexpr int kMany = 1'000'000;
-#endif
+constexpr int kMany = FORCEBOUND_CONTROL_TICKS;
 
 DeviceFacts facts(const Matrix& damping, double encoder_step = 0) {
   DeviceFacts facts;

@@ -26,7 +26,7 @@ scene::Probe pressed_at(const scene::Point& position_m, double pressure_N,
       .position_m = position_m, .interval_s = 1e-3, .normal = normal, .penetration_m = 1e-3, .pressure_N = pressure_N};
 }
 
-TEST(HardCase36, FrictionAtRestDoesNotCreepForTenMillionTicks) {
+TEST(HardCase36, FrictionAtRestDoesNotCreep) {
   const auto effect = friction(0.5, 0.4, 0);
   test::Felt felt(*effect);
   (void)felt(pressed_at(scene::Point::Zero(), 2));
