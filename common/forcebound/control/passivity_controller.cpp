@@ -94,11 +94,10 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
   const double largest = request_N.lpNorm<Eigen::Infinity>();
   if (next_to_nothing(request_N)) return Vector::Zero(actuator_step_.rows());
   // The length of 1e308 N on every axis is beyond a double, its direction is not.
-  const Vector direction = request_N / largest;
-  const double length = direction.norm();
+  const double length = (request_N / largest).norm();
   if (largest * length <= force_N_max_) return request_N;
   ++counts_.saturated;
-  return direction * (force_N_max_ / length);
+  return (request_N / largest) * (force_N_max_ / length);
 }
 
 /// Guards against a faulty law: a force that is not finite or of the wrong size becomes zero; one longer than the
