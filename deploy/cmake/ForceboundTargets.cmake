@@ -34,6 +34,33 @@ if(FORCEBOUND_WARNINGS_ARE_ERRORS)
   target_compile_options(forcebound_options INTERFACE -Werror)
 endif()
 
+option(FORCEBOUND_WITH_MUJOCO "Rigid bodies in scenes, if MuJoCo is found" ON)
+
+# forcebound_find_mujoco(): sets FORCEBOUND_MUJOCO to whether there will be rigid bodies. Without them a scene with a
+# [[body]] is refused, and says why.
+macro(forcebound_find_mujoco)
+  set(FORCEBOUND_MUJOCO OFF)
+  if(FORCEBOUND_WITH_MUJOCO)
+    find_package(mujoco QUIET)
+    set(FORCEBOUND_MUJOCO ${mujoco_FOUND})
+  endif()
+  if(NOT FORCEBOUND_MUJOCO)
+    message(STATUS "Without MuJoCo: no rigid bodies in scenes, and none of their tests (Debian: libmujoco-dev libqhull-dev)")
+  endif()
+endmacro()
+
+# forcebound_by_mujoco(WITH source... WITHOUT source...): which sources of the current folder are for builds with MuJoCo
+# alone, and which stand in for them without.
+function(forcebound_by_mujoco)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "WITH;WITHOUT")
+  set(unused ${arg_WITH})
+  if(FORCEBOUND_MUJOCO)
+    set(unused ${arg_WITHOUT})
+  endif()
+  list(TRANSFORM unused PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  set_source_files_properties(${unused} PROPERTIES HEADER_FILE_ONLY ON)
+endfunction()
+
 # forcebound_library(NAME [FOLDER folder] [LINK ...] [LINK_PRIVATE ...]): every source of one folder as the static library
 # forcebound::NAME, which others find as package component NAME. The folder is forcebound/NAME below the current one; of
 # client_session and server_session it is forcebound/client/session and forcebound/server/session. FOLDER names it below

@@ -146,6 +146,8 @@ bool is_mjcf(const toml::table& body) { return body.contains("mjcf") || body.con
 
 }  // namespace
 
+bool has_bodies() noexcept { return true; }
+
 std::vector<scene::SceneDynamicModel> parse_bodies(CheckedTable& file) {
   std::vector<scene::SceneDynamicModel> dynamic_models;
   const toml::node* setting = file.find("bodies");

@@ -12,4 +12,7 @@ namespace forcebound::server {
 /// @throws SceneError
 std::vector<scene::SceneDynamicModel> parse_bodies(CheckedTable& file);
 
+/// Whether Forcebound was built with MuJoCo. Without, parse_bodies() refuses every body.
+bool has_bodies() noexcept;
+
 }  // namespace forcebound::server

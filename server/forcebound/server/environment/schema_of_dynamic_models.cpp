@@ -1,4 +1,4 @@
-#include "forcebound/server/dynamics/bodies/body_dynamic_model.hpp"
+#include "forcebound/server/dynamics/bodies/description.hpp"
 #include "forcebound/server/dynamics/tissue/corotational_options.hpp"
 #include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
 #include "forcebound/server/environment/schema.hpp"

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/environment/body_parser.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/scene_files.hpp"
@@ -117,6 +118,11 @@ INSTANTIATE_TEST_SUITE_P(FieldScene, EveryField, testing::ValuesIn(fields_that_s
 class EveryShippedScene : public testing::TestWithParam<std::string> {
  protected:
   static std::uint32_t device_of(const scene::Scene& scene) { return scene.accepts(3) ? 3 : 2; }
+
+  void SetUp() override {
+    const bool asks_for_bodies = scene_source(GetParam()).text.find("[[body]]") != std::string::npos;
+    if (asks_for_bodies && !has_bodies()) GTEST_SKIP() << "built without MuJoCo";
+  }
 
   /// A walk through the very centre and 80 mm around it.
   static control::Vector place(int step, std::uint32_t rows) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "forcebound/server/environment/body_parser.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/support/process.hpp"
@@ -168,6 +169,7 @@ TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
 }
 
 TEST(Schema, HasExactlyTheKeysOfBodiesAndTissue) {
+  if (!has_bodies()) GTEST_SKIP() << "built without MuJoCo";
   const std::string nobodys = std::string(kNobodysKey) + " = 1\n";
   const std::string scene = "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n";
   const auto body = [&](const std::string& shape) {

@@ -1,3 +1,4 @@
+#include "forcebound/server/environment/body_parser.hpp"
 #include "tests/support/frail_model.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
@@ -11,6 +12,7 @@ using testing::HasSubstr;
 class SharedSceneTest : public ServerFixture {
  protected:
   void SetUp() override {
+    if (!has_bodies()) GTEST_SKIP() << "built without MuJoCo";
     serve(
         parse_scene("[scene]\nname = \"ball\"\ndescription = \"\"\ndegrees_of_freedom = 3\n"
                     "shared = true\nclients_max = 2\n"

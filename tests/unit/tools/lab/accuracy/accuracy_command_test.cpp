@@ -18,6 +18,9 @@ using testing::HasSubstr;
 
 class AccuracyCommandTest : public testing::Test {
  protected:
+  void SetUp() override {
+    if (!server::has_bodies()) GTEST_SKIP() << "built without MuJoCo";
+  }
   AccuracyCommandTest() { test::write_file(folder_.file("stack.toml"), stack_text()); }
 
   void run(std::vector<std::string> options) const {
