@@ -9,6 +9,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/server/environment/explain.hpp"
+#include "forcebound/server/environment/scene_environment.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -47,11 +48,6 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       server_->on_datagram(datagram, from, server_clock_.shown_at(now));
     }
   });
-  if (settings_.environment) {
-    environment_ = make_environment(*settings_.environment);
-    network_.set_tamper(
-        [this](std::span<const std::byte> datagram, Nanoseconds now) { return tampered(datagram, now); });
-  }
   start_server();
   session_ = std::make_unique<client::Session>(
       client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
@@ -87,10 +83,13 @@ record::RunInfo ClosedLoop::info() const {
 }
 
 void ClosedLoop::start_server() {
-  server::SceneLibrary scenes;
-  scenes.add(settings_.scene);
+  server::EnvironmentKind scene = server::scene_environment(settings_.scene);
+  server::EnvironmentLibrary environments;
+  environments.add(settings_.environment
+                       ? taken_over(std::move(scene), *settings_.environment, [this] { return truth(); })
+                       : std::move(scene));
   server_ = std::make_unique<server::Server>(
-      server::ServerOptions{.scene = settings_.scene->facts().name, .laws = *settings_.laws}, std::move(scenes),
+      server::ServerOptions{.scene = settings_.scene->facts().name, .laws = *settings_.laws}, std::move(environments),
       network_.server_link(), server_clock_,
       [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
   network_.attach_server();
@@ -167,20 +166,8 @@ void ClosedLoop::note_faults() {
   }
 }
 
-std::span<const std::byte> ClosedLoop::tampered(std::span<const std::byte> datagram, Nanoseconds now) {
-  const auto decoded = codec_.decode(datagram);
-  const auto* message = std::get_if<wire::Message>(&decoded);
-  const auto* honest = message != nullptr ? std::get_if<wire::EnvironmentForce>(message) : nullptr;
-  if (honest == nullptr) return datagram;
-  const device::SimulatedDevice::Truth truth = device_.truth();
-  wire::EnvironmentForce force = *honest;
-  force.force = environment_->force({.time = now,
-                                     .position = honest->position,
-                                     .velocity = truth.velocity,
-                                     .at = truth.position,
-                                     .own_force = honest->force,
-                                     .ledger_J = session_->law().energy_J()});
-  return codec_.encode(force);
+Truth ClosedLoop::truth() const {
+  return {.time = clock_.now(), .velocity = device_.truth().velocity, .ledger_J = session_->law().energy_J()};
 }
 
 const record::Summary& ClosedLoop::close() {

@@ -25,8 +25,8 @@ namespace forcebound::sim {
 
 /// One client and one server, the very code of the programs, over the simulated network in virtual time:
 ///
-///     hand -- device -- client session ==( impaired up / down )== environment -- server -- scene
-///         ticks late or not     |                                   (may lie)    another clock
+///     hand -- device -- client session ==( impaired up / down )== server -- environment -- scene
+///         ticks late or not     |                             another clock  (may lie)
 ///                            ledger
 ///
 /// The server takes no time but what it is told to. Everything follows from the settings: same settings, same run.
@@ -58,7 +58,7 @@ class ClosedLoop {
     double settle_s = 0;  ///< contact statistics begin this long after the first contact
     TickTiming timing{};
     ClockSkew server_clock{};
-    std::optional<EnvironmentSetting> environment{};  ///< none: what the server says
+    std::optional<EnvironmentSetting> environment{};  ///< none: what the scene says
     std::vector<Fault> faults{};
     Nanoseconds server_turn{0};  ///< how long it computes before it answers; meanwhile what comes waits
     std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: those that are shipped
@@ -103,11 +103,10 @@ class ClosedLoop {
   void end_server_turn();
   void plan_next_tick();
   void note_faults();
-  std::span<const std::byte> tampered(std::span<const std::byte> datagram, Nanoseconds now);
+  [[nodiscard]] Truth truth() const;
   [[nodiscard]] record::RunInfo info() const;
 
   Settings settings_;
-  std::unique_ptr<Environment> environment_;
   VirtualClock clock_;
   TickClock tick_clock_;
   SkewedClock server_clock_;
@@ -121,7 +120,6 @@ class ClosedLoop {
   std::unique_ptr<client::Session> session_;
   std::unique_ptr<server::Server> server_;
   std::uint64_t server_starts_ = 0;
-  wire::Codec codec_;  // of the environment
   Nanoseconds next_tick_{0};
   Nanoseconds free_{0};  // when the client has done with its tick
   Nanoseconds end_{0};

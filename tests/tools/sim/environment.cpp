@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/tools/sim/draw.hpp"
 
@@ -19,16 +20,53 @@ Vector along(const Vector& direction, double length) {
   return norm > 0 ? Vector(direction * (length / norm)) : Vector::Zero(direction.rows());
 }
 
-class Honest final : public Environment {
+/// What it decides by.
+struct View {
+  Nanoseconds time;         ///< true
+  const Vector& position;   ///< of the motion it answers [m]
+  const Vector& velocity;   ///< of the tip, true, now [m/s]
+  const Vector& own_force;  ///< what the scene says [N]
+  double ledger_J = 0;      ///< what the client's law has to spend
+};
+
+/// Answers what the scene says, but with a force of its own.
+class Adversary : public server::Environment {
  public:
-  Vector force(const EnvironmentView& view) override { return view.own_force; }
+  void take_over(std::unique_ptr<server::Environment> honest, std::function<Truth()> truth) {
+    honest_ = std::move(honest);
+    truth_ = std::move(truth);
+  }
+
+  server::Response respond(const server::Motion& motion) noexcept final {
+    server::Response response = honest_->respond(motion);
+    const Truth truth = truth_();
+    response.force = force({.time = truth.time,
+                            .position = motion.position,
+                            .velocity = truth.velocity,
+                            .own_force = response.force,
+                            .ledger_J = truth.ledger_J});
+    return response;
+  }
+
+  server::EnvironmentFaults faults() const noexcept final { return honest_->faults(); }
+
+ private:
+  virtual Vector force(const View& view) = 0;
+
+  std::unique_ptr<server::Environment> honest_;
+  std::function<Truth()> truth_;
+};
+
+class Honest final : public Adversary {
+ public:
+  Vector force(const View& view) override { return view.own_force; }
 };
 
 /// Any force, another one on each motion.
-class Random final : public Environment {
+class Random final : public Adversary {
  public:
   explicit Random(const EnvironmentSetting& setting) : draw_(setting.seed), force_N_max_(setting.force_N_max) {}
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     return draw_.direction(view.position.rows(), draw_.number(0, force_N_max_));
   }
 
@@ -38,11 +76,11 @@ class Random final : public Environment {
 };
 
 /// Pushes away from where it first saw the device.
-class NegativeStiffness final : public Environment {
+class NegativeStiffness final : public Adversary {
  public:
   explicit NegativeStiffness(const EnvironmentSetting& setting)
       : stiffness_N_per_m_(Draw(setting.seed).one_of({1e3, 1e4, 1e5})) {}
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     if (!centre_) centre_ = view.position;
     return stiffness_N_per_m_ * (view.position - *centre_);
   }
@@ -53,11 +91,11 @@ class NegativeStiffness final : public Environment {
 };
 
 /// Pushes along with the motion, as far as two readings tell of one.
-class NegativeDamping final : public Environment {
+class NegativeDamping final : public Adversary {
  public:
   explicit NegativeDamping(const EnvironmentSetting& setting)
       : damping_N_s_per_m_(Draw(setting.seed).one_of({10.0, 100.0, 1000.0})) {}
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     Vector force = Vector::Zero(view.position.rows());
     if (before_ && view.time > time_) {
       force = damping_N_s_per_m_ * (view.position - *before_) / time::to_seconds(view.time - time_);
@@ -74,24 +112,24 @@ class NegativeDamping final : public Environment {
 };
 
 /// All it has, along with the true motion.
-class BangBang final : public Environment {
+class BangBang final : public Adversary {
  public:
   explicit BangBang(const EnvironmentSetting& setting) : force_N_max_(setting.force_N_max) {}
-  Vector force(const EnvironmentView& view) override { return along(view.velocity, force_N_max_); }
+  Vector force(const View& view) override { return along(view.velocity, force_N_max_); }
 
  private:
   double force_N_max_;
 };
 
 /// A stiff spring to where it first saw the device, that feels where the device was some time ago.
-class DelayedWall final : public Environment {
+class DelayedWall final : public Adversary {
  public:
   explicit DelayedWall(const EnvironmentSetting& setting) {
     Draw draw(setting.seed);
     stiffness_N_per_m_ = draw.one_of({3e3, 3e4, 3e5});
     delay_ = draw.one_of({2ms, 10ms, 50ms});
   }
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     if (!centre_) centre_ = view.position;
     past_.emplace_back(view.time, view.position);
     while (past_.size() > 1 && past_[1].first <= view.time - delay_) past_.pop_front();
@@ -106,10 +144,10 @@ class DelayedWall final : public Environment {
 };
 
 /// One way and the other, by turns.
-class Switching final : public Environment {
+class Switching final : public Adversary {
  public:
   explicit Switching(const EnvironmentSetting& setting) : draw_(setting.seed), force_N_max_(setting.force_N_max) {}
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     if (direction_.rows() == 0) direction_ = draw_.direction(view.position.rows(), force_N_max_);
     return direction_ = -direction_;
   }
@@ -123,14 +161,14 @@ class Switching final : public Environment {
 /// Reads the law's ledger: lets the hand fill it, asks for nothing meanwhile, and then spends all of it along with the
 /// true motion. Between its raids it shakes the device by less than friction and law would ever refuse, so that an
 /// encoder flickers.
-class Greedy final : public Environment {
+class Greedy final : public Adversary {
  public:
   explicit Greedy(const EnvironmentSetting& setting)
       : draw_(setting.seed),
         force_N_max_(setting.force_N_max),
         filled_J_(draw_.one_of({1e-7, 1e-5, 1e-3})),
         dither_N_(draw_.one_of({0.0, 0.05, 0.5})) {}
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     if (!raiding_ && view.ledger_J > filled_J_) raiding_ = true;
     if (raiding_ && view.ledger_J <= 1e-2 * filled_J_) raiding_ = false;
     if (raiding_) return along(view.velocity, force_N_max_);
@@ -146,10 +184,10 @@ class Greedy final : public Environment {
 };
 
 /// What another run's client was told, from the beginning again when it is over.
-class Replayed final : public Environment {
+class Replayed final : public Adversary {
  public:
   explicit Replayed(const EnvironmentSetting& setting) : forces_(setting.other_run) {}
-  Vector force(const EnvironmentView& view) override {
+  Vector force(const View& view) override {
     if (forces_.empty()) return view.own_force;
     const Vector& force = forces_[next_++ % forces_.size()];
     return force.rows() == view.position.rows() ? force : view.own_force;
@@ -163,11 +201,11 @@ class Replayed final : public Environment {
 struct Kind {
   std::string_view name;
   std::string_view what;
-  std::unique_ptr<Environment> (*make)(const EnvironmentSetting&);
+  std::unique_ptr<Adversary> (*make)(const EnvironmentSetting&);
 };
 
 template <typename Hostile>
-std::unique_ptr<Environment> make(const EnvironmentSetting& setting) {
+std::unique_ptr<Adversary> make(const EnvironmentSetting& setting) {
   if constexpr (std::is_constructible_v<Hostile, const EnvironmentSetting&>) {
     return std::make_unique<Hostile>(setting);
   } else {
@@ -186,6 +224,12 @@ constexpr std::array kKinds{
     Kind{"greedy", "reads the ledger, lets it fill and spends it along with the true motion", make<Greedy>},
     Kind{"replayed", "the forces of another run", make<Replayed>}};
 
+const Kind& kind_of(const EnvironmentSetting& setting) {
+  const auto found = std::ranges::find(kKinds, setting.name, &Kind::name);
+  if (found != kKinds.end()) return *found;
+  throw std::invalid_argument("unknown environment '" + setting.name + "'; known are\n" + environments_help());
+}
+
 }  // namespace
 
 std::vector<std::string> environment_names() {
@@ -203,11 +247,23 @@ std::string environments_help() {
   return text;
 }
 
-std::unique_ptr<Environment> make_environment(const EnvironmentSetting& setting) {
-  for (const Kind& kind : kKinds) {
-    if (kind.name == setting.name) return kind.make(setting);
-  }
-  throw std::invalid_argument("unknown environment '" + setting.name + "'; known are\n" + environments_help());
+std::unique_ptr<server::Environment> make_environment(const EnvironmentSetting& setting,
+                                                      std::unique_ptr<server::Environment> honest,
+                                                      std::function<Truth()> truth) {
+  auto adversary = kind_of(setting).make(setting);
+  adversary->take_over(std::move(honest), std::move(truth));
+  return adversary;
+}
+
+server::EnvironmentKind taken_over(server::EnvironmentKind kind, const EnvironmentSetting& setting,
+                                   std::function<Truth()> truth) {
+  (void)kind_of(setting);
+  kind.make = [honest = std::move(kind.make), setting, truth = std::move(truth)](const server::ClientFacts& client) {
+    server::MadeEnvironment made = honest(client);
+    made.environment = make_environment(setting, std::move(made.environment), truth);
+    return made;
+  };
+  return kind;
 }
 
 }  // namespace forcebound::sim

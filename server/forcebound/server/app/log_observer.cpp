@@ -26,7 +26,7 @@ const char* words(CloseReason reason) {
 void LogObserver::on_opened(const SessionInfo& info) {
   spdlog::info("{} feels '{}' with device '{}' ({} degrees of freedom)", net::to_string(info.address), info.scene,
                info.device, info.degrees_of_freedom);
-  if (!info.accuracy.empty()) spdlog::info("{} {}", net::to_string(info.address), info.accuracy);
+  if (!info.choice.empty()) spdlog::info("{} {}", net::to_string(info.address), info.choice);
 }
 
 void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) {

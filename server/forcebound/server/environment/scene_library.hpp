@@ -53,6 +53,8 @@ class SceneLibrary {
   /// As `find`, for those who cannot wait.
   [[nodiscard]] Requested request(std::string_view name) const;
 
+  [[nodiscard]] std::vector<std::string> all_names() const;
+
   /// "box, circle, ...".
   [[nodiscard]] std::string names() const;
 
@@ -61,7 +63,6 @@ class SceneLibrary {
 
  private:
   struct Shelf;
-  [[nodiscard]] std::vector<std::string> all_names() const;
 
   std::shared_ptr<Shelf> shelf_;
 };

@@ -21,12 +21,12 @@ std::string line(std::string_view subject, Count always, std::initializer_list<C
 
 }  // namespace
 
-void ServerCounters::add(const scene::SceneFaults& faults) noexcept {
+void ServerCounters::add(const EnvironmentFaults& faults) noexcept {
   old_normals += faults.old_normals;
   objects_quarantined += faults.quarantined;
-  contacts_left_out += faults.dynamic_models.contacts_left_out;
-  not_converged += faults.dynamic_models.not_converged;
-  slipped_s += faults.dynamic_models.slipped_s;
+  contacts_left_out += faults.contacts_left_out;
+  not_converged += faults.not_converged;
+  slipped_s += faults.slipped_s;
 }
 
 std::string ServerCounters::text() const {
@@ -52,6 +52,7 @@ std::string ServerCounters::text() const {
                {"without a session", motions_without_session}}) +
          line("forces", {"sent", forces_sent},
               {{"datagrams not sent", sends_failed},
+               {"of zero because the environment's response was unsound", responses_unsound},
                {"of objects not finite and left out", objects_quarantined},
                {"with the last valid normal", old_normals},
                {"contacts beyond the room for them", contacts_left_out},

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/environment/environment.hpp"
 #include "forcebound/wire/codec.hpp"
 
 namespace forcebound::server {
@@ -39,6 +39,7 @@ struct ServerCounters {
   std::uint64_t forces_sent = 0;
   std::uint64_t sends_failed = 0;
 
+  std::uint64_t responses_unsound = 0;    ///< of an environment, not finite or of wrong size: zero force was sent
   std::uint64_t old_normals = 0;          ///< contacts whose direction had to be the last valid one
   std::uint64_t objects_quarantined = 0;  ///< objects of a session whose force was not finite: left out from then on
 
@@ -53,7 +54,7 @@ struct ServerCounters {
   }
 
   /// Those of one session.
-  void add(const scene::SceneFaults& faults) noexcept;
+  void add(const EnvironmentFaults& faults) noexcept;
 
   /// One line per subject; what never happened is left out.
   [[nodiscard]] std::string text() const;

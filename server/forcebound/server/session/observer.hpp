@@ -18,7 +18,7 @@ struct SessionInfo {
   std::string device;  ///< as the client calls it; printable
   std::uint32_t degrees_of_freedom = 0;
   std::string scene;
-  std::string accuracy{};  ///< of a scene with `accuracy = "auto"`: what was picked, and why
+  std::string choice{};  ///< what was picked for this client, and why; empty: there was no choice
 };
 
 enum class CloseReason : std::uint8_t { client_said_bye, idle, server_stops };
@@ -31,6 +31,9 @@ class ServerObserver {
   virtual void on_opened(const SessionInfo&) {}
   virtual void on_closed(const SessionInfo&, CloseReason, const wire::Bye& /*final_counts*/) {}
   virtual void on_refused(const net::Address&, std::string_view /*text*/) {}
+
+  /// The environment's responses are not finite or of wrong size: zero force is sent instead. Once for each session.
+  virtual void on_unsound_response(const SessionInfo&) noexcept {}
 
   /// The object or field was left out, because its force was not finite. Rare: at most once for each of a session's.
   virtual void on_quarantined(const SessionInfo&, std::string_view /*object*/) noexcept {}

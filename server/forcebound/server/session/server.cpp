@@ -1,6 +1,7 @@
 #include "forcebound/server/session/server.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -14,12 +15,21 @@ constexpr int kRefusalsAtOnce = 100;
 // So many ended sessions are looked through for each motion of none.
 constexpr std::size_t kEndedMax = 64;
 
+bool is_sound(const Response& response, Eigen::Index rows) noexcept {
+  const auto none_or_sound = [rows](const Vector& vector) {
+    return vector.rows() == 0 || (vector.rows() == rows && vector.allFinite());
+  };
+  return response.force.rows() == rows && response.force.allFinite() && none_or_sound(response.contact_normal) &&
+         std::isfinite(response.penetration_m) && response.penetration_m >= 0 && std::isfinite(response.texture_N) &&
+         response.texture_N >= 0 && none_or_sound(response.texture_wave) && none_or_sound(response.texture_across);
+}
+
 }  // namespace
 
-Server::Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& link, const time::Clock& clock,
-               std::function<std::uint64_t()> session_ids, ServerObserver* observer)
+Server::Server(ServerOptions options, EnvironmentLibrary environments, net::DatagramLink& link,
+               const time::Clock& clock, std::function<std::uint64_t()> session_ids, ServerObserver* observer)
     : options_(std::move(options)),
-      scenes_(std::move(scenes)),
+      environments_(std::move(environments)),
       link_(link),
       clock_(clock),
       session_ids_(std::move(session_ids)),
@@ -27,7 +37,7 @@ Server::Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& li
       hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
               std::max(1, options_.hellos_per_s_max), clock.now()),
       refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
-  if (!scenes_.find(options_.scene)) throw std::invalid_argument(scenes_.unknown_scene_text(options_.scene));
+  if (!environments_.find(options_.scene)) throw std::invalid_argument(environments_.unknown_text(options_.scene));
   if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
       !(options_.motions_per_promised > 0)) {
     throw std::invalid_argument("sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max must be > 0");
@@ -101,7 +111,7 @@ void Server::stop() {
 ServerCounters Server::counters() const noexcept {
   ServerCounters total = counters_;
   for (const auto& [id, session] : sessions_) {
-    total.add(session.scene.faults());
+    total.add(session.made.environment->faults());
   }
   return total;
 }
@@ -177,7 +187,7 @@ Vector Server::ServerSide::place(const wire::MotionSample& motion) noexcept {
   Vector at = law->place({.position = motion.position,
                           .numbers = motion.port,
                           .interval_s = time::to_seconds(std::max(interval, Nanoseconds::zero()))});
-  // No scene, least of all a shared one, shall see what is no place.
+  // No environment, least of all one that others share, shall see what is no place.
   const bool sound = at.rows() == motion.position.rows() && at.allFinite();
   return sound ? at : motion.position;
 }
@@ -187,39 +197,43 @@ control::ServerSideLaw::Said Server::ServerSide::answer(const Vector& force_N) n
   return law->answer(force_N);
 }
 
+Response Server::ask(Session& session, const Motion& motion) noexcept {
+  const Response response = session.made.environment->respond(motion);
+  if (is_sound(response, motion.position.rows())) return response;
+  ++counters_.responses_unsound;
+  if (!std::exchange(session.unsound_noted, true)) observer_.on_unsound_response(session.info);
+  return {.force = Vector::Zero(motion.position.rows()), .quarantined = response.quarantined};
+}
+
 void Server::answer(Session& session, const Waiting& waiting) noexcept {
   const wire::MotionSample& motion = waiting.motion;
   const Nanoseconds now = waiting.since;
   observer_.on_motion(motion);
   const Nanoseconds begin = clock_.now();
   const Vector place = session.server_side.place(motion);
-  const scene::SceneAnswer scene = session.scene.answer(place, motion.device_time, now);
-  const control::ServerSideLaw::Said said = session.server_side.answer(scene.force);
+  const Response response = ask(session, {.position = place, .device_time = motion.device_time, .server_time = now});
+  const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
 
-  const auto wave = [&](int i) {
-    const bool any = scene.texture.amplitude_N > 0 && i < scene.texture.waves;
-    return any ? session.scene.in_device_rows(scene.texture.waves_rad_per_m.at(static_cast<std::size_t>(i))) : Vector();
-  };
   const wire::EnvironmentForce force{.session = motion.session,
                                      .sequence = session.arrivals.counts.forces_sent + 1,
                                      .motion_sequence = motion.sequence,
                                      .motion_device_time = motion.device_time,
                                      .force = said.force,
                                      .position = place,
-                                     .contact_normal = scene.contact_normal,
-                                     .penetration_m = scene.penetration_m,
+                                     .contact_normal = response.contact_normal,
+                                     .penetration_m = response.penetration_m,
                                      .server_receive_time = now,
                                      .server_send_time = end,
                                      .compute_time = end - begin,
                                      .motions_received = session.arrivals.counts.motions_received,
                                      .motions_duplicated = session.arrivals.counts.motions_duplicated,
                                      .motions_reordered = session.arrivals.counts.motions_reordered,
-                                     .texture_N = scene.texture.amplitude_N,
-                                     .texture_wave = wave(0),
-                                     .texture_across = wave(1),
+                                     .texture_N = response.texture_N,
+                                     .texture_wave = response.texture_wave,
+                                     .texture_across = response.texture_across,
                                      .port = said.numbers};
-  for (const std::string* name : scene.quarantined) observer_.on_quarantined(session.info, *name);
+  for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
@@ -251,7 +265,7 @@ bool Server::send(const wire::Message& message, const net::Address& to) noexcept
 }
 
 void Server::close(const Session& session, CloseReason reason) {
-  counters_.add(session.scene.faults());
+  counters_.add(session.made.environment->faults());
   counters_.motions_after_end += session.waiting.has_value();
   observer_.on_closed(session.info, reason, session.arrivals.counts);
 }

@@ -13,8 +13,7 @@
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/net/datagram_link.hpp"
-#include "forcebound/scene/scene_state.hpp"
-#include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/server/environment/environment_library.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/time/clock.hpp"
@@ -36,19 +35,18 @@ struct ServerOptions {
   control::LawRegistry laws = baselines::shipped_laws();  ///< whose halves clients may ask for
 };
 
-/// Who is connected, and the answer to each of their motions. Every client has its own state of its scene, but for the
-/// dynamic models of a shared scene, which begin with the first client and end with the last.
+/// Who is connected, and the answer to each of their motions: every client meets an environment made for its session.
 ///
-/// Hello: the same nonce from the same address always means the same session. For a scene with `accuracy = "auto"` it
-/// must tell the round trip; who does not is answered so that it can measure it, and remembered nowhere. Motion: if
+/// Hello: the same nonce from the same address always means the same session. For an environment that depends on the
+/// round trip it must tell it; who does not is answered so that it can measure it, and remembered nowhere. Motion: if
 /// newer than every other of its session it is answered; copies and latecomers are counted, in the session too, so that
 /// client and server agree on what the network did. Motion of an unknown session (the server restarted) is refused at
 /// once with fewer bytes than it had. A session follows its client to another address if the newest motion comes from
 /// there, because nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was
 /// lost; sent as well to a client that was there and fell silent, because perhaps only the way up has died.
 ///
-/// A law that has a half here is asked for by name in the Hello. That half chooses where the scene is asked, and what
-/// of its answer goes to the device; it begins anew with each session.
+/// A law that has a half here is asked for by name in the Hello. That half chooses where the environment is asked, and
+/// what of its answer goes to the device; it begins anew with each session.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -56,8 +54,9 @@ class Server {
  public:
   /// @param session_ids unguessable numbers
   /// @param observer may be null
-  /// @throws std::invalid_argument if the library has no scene of the name in the options, or an option is not positive
-  Server(ServerOptions options, SceneLibrary scenes, net::DatagramLink& link, const time::Clock& clock,
+  /// @throws std::invalid_argument if the library has no environment of the name in the options, or an option is not
+  /// positive
+  Server(ServerOptions options, EnvironmentLibrary environments, net::DatagramLink& link, const time::Clock& clock,
          std::function<std::uint64_t()> session_ids, ServerObserver* observer = nullptr);
 
   /// Whatever came from the network; `now` is when it came. Motion waits for `answer_waiting`, and a newer one of its
@@ -97,12 +96,12 @@ class Server {
     Nanoseconds since;
   };
 
-  /// The half of a client's law that stands between its motions and the scene.
+  /// The half of a client's law that stands between its motions and the environment.
   struct ServerSide {
     std::unique_ptr<control::ServerSideLaw> law;  ///< null: the law has no half here
     std::optional<Nanoseconds> answered{};        ///< device time of the motion answered last
 
-    /// Where the scene is to be asked [m].
+    /// Where the environment is to be asked [m].
     [[nodiscard]] Vector place(const wire::MotionSample& motion) noexcept;
     [[nodiscard]] control::ServerSideLaw::Said answer(const Vector& force_N) noexcept;
   };
@@ -110,12 +109,14 @@ class Server {
   struct Session {
     SessionInfo info;
     std::uint64_t nonce;
-    scene::SceneState scene;
+    std::shared_ptr<const EnvironmentKind> kind;
+    MadeEnvironment made;
     ServerSide server_side;
     time::TokenBucket rate;
     Nanoseconds last_heard;
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
+    bool unsound_noted = false;
   };
 
   /// What remains of a session that the client ended: its motion that was still on its way is counted, further copies
@@ -137,30 +138,32 @@ class Server {
   void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
 
   /// None: there is room, if need be instead of somebody who never sent motion.
-  [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const scene::Scene& scene, Nanoseconds now);
+  [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
+                                                  Nanoseconds now);
 
-  /// @param scene only who is in this one; null: anybody
-  [[nodiscard]] bool evict_unproven(Nanoseconds now, const scene::Scene* scene);
+  /// @param kind only who is in this one; null: anybody
+  [[nodiscard]] bool evict_unproven(Nanoseconds now, const EnvironmentKind* kind);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
-  /// @param scene where it may be others, the one that suits the client is taken
-  Session& open(const wire::Hello& hello, std::shared_ptr<const scene::Scene> scene, const net::Address& from,
-                Nanoseconds now);
-  [[nodiscard]] bool is_full(const scene::Scene& scene) const;
-
-  /// In a shared scene into the dynamic models of those who are there, if these are still numbers.
-  [[nodiscard]] scene::SceneState enter(const std::shared_ptr<const scene::Scene>& scene,
-                                        std::uint32_t degrees_of_freedom) const;
+  /// Makes the environment and opens a session in it, or refuses.
+  void let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,
+              Nanoseconds now);
+  Session& open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, MadeEnvironment made,
+                const net::Address& from, Nanoseconds now);
+  [[nodiscard]] bool is_full(const EnvironmentKind& kind) const;
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
+
+  /// What the environment says, or zero force where that is not finite or of wrong size.
+  [[nodiscard]] Response ask(Session& session, const Motion& motion) noexcept;
   bool send(const wire::Message& message, const net::Address& to) noexcept;
 
   /// Tells the observer and keeps what the totals need; the caller erases.
   void close(const Session& session, CloseReason reason);
 
   ServerOptions options_;
-  SceneLibrary scenes_;
+  EnvironmentLibrary environments_;
   net::DatagramLink& link_;
   const time::Clock& clock_;
   std::function<std::uint64_t()> session_ids_;

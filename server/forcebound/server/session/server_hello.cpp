@@ -1,9 +1,10 @@
 // Who comes in: Hellos, and what they are answered.
 
 #include <algorithm>
+#include <exception>
+#include <stdexcept>
 #include <utility>
 
-#include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/session/server.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -16,6 +17,19 @@ using wire::RefusalReason;
 // A client may promise anything; we believe it within reason.
 constexpr double kPeriodLeast_s = 100e-6;
 constexpr double kPeriodMost_s = 1;
+
+double believed_period_s(const wire::Hello& hello) { return std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s); }
+
+/// @throws why it cannot be had
+MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) {
+  MadeEnvironment made = kind.make({.device = printable(hello.device),
+                                    .degrees_of_freedom = hello.degrees_of_freedom,
+                                    .period_s = believed_period_s(hello),
+                                    .force_N_max = hello.force_N_max,
+                                    .round_trip = hello.round_trip});
+  if (!made.environment) throw std::runtime_error("none was made");
+  return made;
+}
 
 // As much as one second promises may come at once, after a network held it back.
 int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
@@ -34,8 +48,12 @@ std::string refusal_of_port(const control::LawRegistry& laws, std::string_view p
          (known.empty() ? ", nor of any other" : " (known: " + known + ")");
 }
 
-std::string refusal_of_dof(const scene::Scene& scene, const wire::Hello& hello) {
-  return "scene '" + scene.facts().name + "' accepts devices with " + scene.accepted_degrees_of_freedom() +
+std::string refusal_for_now(const std::string& scene, std::string_view why) {
+  return "scene '" + scene + "' cannot be had at the moment: " + std::string(why);
+}
+
+std::string refusal_of_dof(const EnvironmentKind& kind, const wire::Hello& hello) {
+  return "scene '" + kind.name + "' accepts devices with " + kind.accepted_degrees_of_freedom() +
          " degrees of freedom, device '" + printable(hello.device) + "' has " +
          std::to_string(hello.degrees_of_freedom);
 }
@@ -64,27 +82,25 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     refuse(hello, from, {RefusalReason::version_mismatch, refusal_of_version(hello.protocol_version)});
     return;
   }
-  const auto wanted = scenes_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
+  auto wanted = environments_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
   if (wanted.coming) {
     // Whose motions are answered meanwhile shall not wait; the client says Hello again.
     ++counters_.hellos_too_early;
     return;
   }
   if (!wanted.why_not.empty()) {
-    refuse(hello, from,
-           {RefusalReason::server_full,
-            "scene '" + printable(hello.scene) + "' cannot be had at the moment: " + wanted.why_not});
+    refuse(hello, from, {RefusalReason::server_full, refusal_for_now(printable(hello.scene), wanted.why_not)});
     return;
   }
-  if (!wanted.scene) {
-    refuse(hello, from, {RefusalReason::unknown_scene, scenes_.unknown_scene_text(printable(hello.scene))});
+  if (!wanted.kind) {
+    refuse(hello, from, {RefusalReason::unknown_scene, environments_.unknown_text(printable(hello.scene))});
     return;
   }
-  if (const auto refusal = refusal_of(hello, *wanted.scene, now)) {
+  if (const auto refusal = refusal_of(hello, *wanted.kind, now)) {
     refuse(hello, from, *refusal);
     return;
   }
-  if (wanted.scene->accuracy() != nullptr && hello.round_trip <= Nanoseconds{0}) {
+  if (wanted.kind->wants_round_trip && hello.round_trip <= Nanoseconds{0}) {
     ++counters_.hellos_to_measure;
     send(wire::Refusal{.client_nonce = hello.client_nonce,
                        .reason = RefusalReason::round_trip_wanted,
@@ -93,7 +109,19 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
          from);
     return;
   }
-  Session& session = open(hello, wanted.scene, from, now);
+  let_in(hello, std::move(wanted.kind), from, now);
+}
+
+void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,
+                    Nanoseconds now) {
+  MadeEnvironment made;
+  try {
+    made = make_for(hello, *kind);
+  } catch (const std::exception& error) {
+    refuse(hello, from, {RefusalReason::server_full, refusal_for_now(kind->name, error.what())});
+    return;
+  }
+  const Session& session = open(hello, std::move(kind), std::move(made), from, now);
   welcome(session);
   observer_.on_opened(session.info);
 }
@@ -104,17 +132,17 @@ void Server::refuse(const wire::Hello& hello, const net::Address& from, const Re
   observer_.on_refused(from, refused.text);
 }
 
-std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const scene::Scene& scene,
+std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
                                                   Nanoseconds now) {
-  if (!scene.accepts(hello.degrees_of_freedom)) {
-    return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(scene, hello)};
+  if (!kind.accepts(hello.degrees_of_freedom)) {
+    return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(kind, hello)};
   }
   if (!hello.port.empty() && !options_.laws.make_server_side(hello.port, static_cast<int>(hello.degrees_of_freedom))) {
     return Refused{RefusalReason::unknown_port, refusal_of_port(options_.laws, hello.port)};
   }
-  if (scene.facts().shared && is_full(scene) && !evict_unproven(now, &scene)) {
-    return Refused{RefusalReason::server_full, "all " + std::to_string(scene.facts().clients_max) +
-                                                   " places in the shared scene '" + scene.facts().name +
+  if (is_full(kind) && !evict_unproven(now, &kind)) {
+    return Refused{RefusalReason::server_full, "all " + std::to_string(kind.sessions_max) +
+                                                   " places in the shared scene '" + kind.name +
                                                    "' are taken, try again later"};
   }
   if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
@@ -124,33 +152,21 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
   return std::nullopt;
 }
 
-bool Server::is_full(const scene::Scene& scene) const {
+bool Server::is_full(const EnvironmentKind& kind) const {
+  if (kind.sessions_max == 0) return false;
   const auto there = std::count_if(sessions_.begin(), sessions_.end(),
-                                   [&](const auto& entry) { return &entry.second.scene.scene() == &scene; });
-  return there >= scene.facts().clients_max;
+                                   [&](const auto& entry) { return entry.second.kind.get() == &kind; });
+  return static_cast<std::size_t>(there) >= kind.sessions_max;
 }
 
-scene::SceneState Server::enter(const std::shared_ptr<const scene::Scene>& scene,
-                                std::uint32_t degrees_of_freedom) const {
-  if (!scene->facts().shared) return {scene, degrees_of_freedom};
-  for (const auto& [id, session] : sessions_) {
-    if (&session.scene.scene() != scene.get()) continue;
-    const scene::DynamicModelsNow dynamic_models = session.scene.dynamic_models();
-    const bool sound =
-        std::all_of(dynamic_models.begin(), dynamic_models.end(), [](const auto& now) { return now->state().sound(); });
-    if (sound) return {scene, degrees_of_freedom, dynamic_models};
-  }
-  return {scene, degrees_of_freedom, scene::begin_dynamic_models(*scene, scene->facts().clients_max)};
-}
-
-bool Server::evict_unproven(Nanoseconds now, const scene::Scene* scene) {
+bool Server::evict_unproven(Nanoseconds now, const EnvironmentKind* kind) {
   // A client that is there sends motion at once; who never did may be nobody at all.
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
   auto oldest = sessions_.end();
   for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
     const Session& session = it->second;
     const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
-    if (scene != nullptr && &session.scene.scene() != scene) continue;
+    if (kind != nullptr && session.kind.get() != kind) continue;
     if (unproven && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard)) oldest = it;
   }
   if (oldest == sessions_.end()) return false;
@@ -167,28 +183,24 @@ Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) 
   return nullptr;
 }
 
-Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const scene::Scene> scene,
-                              const net::Address& from, Nanoseconds now) {
+Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind,
+                              MadeEnvironment made, const net::Address& from, Nanoseconds now) {
   std::uint64_t id = session_ids_();
   // Zero means "no session" on the wire.
   while (id == 0 || sessions_.contains(id)) id = session_ids_();
 
-  const double period_s = std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s);
+  const double period_s = believed_period_s(hello);
   SessionInfo info{.session = id,
                    .address = from,
                    .device = printable(hello.device),
                    .degrees_of_freedom = hello.degrees_of_freedom,
-                   .scene = scene->facts().name};
-  if (const scene::AutoAccuracy* const accuracy = scene->accuracy()) {
-    const double round_trip_s = time::to_seconds(hello.round_trip);
-    const scene::AccuracyLevel& picked = accuracy->best(round_trip_s);
-    info.accuracy = accuracy->text(picked, round_trip_s);
-    scene = picked.scene;
-  }
+                   .scene = kind->name,
+                   .choice = made.choice};
   Session session{
       .info = std::move(info),
       .nonce = hello.client_nonce,
-      .scene = enter(scene, hello.degrees_of_freedom),
+      .kind = std::move(kind),
+      .made = std::move(made),
       .server_side = {.law = options_.laws.make_server_side(hello.port, static_cast<int>(hello.degrees_of_freedom))},
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
@@ -198,13 +210,12 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const sc
 }
 
 void Server::welcome(const Session& session) {
-  const scene::Scene& scene = session.scene.scene();
-  const std::string& accuracy = session.info.accuracy;
-  const std::string simulated = (accuracy.empty() ? "" : accuracy + "; ") + summary(scene);
+  const MadeEnvironment& made = session.made;
+  const std::string simulated = (made.choice.empty() ? "" : made.choice + "; ") + made.simulated;
   send(wire::Welcome{.client_nonce = session.nonce,
                      .session = session.info.session,
-                     .scene_hash = scene.facts().hash,
-                     .scene = scene.facts().name,
+                     .scene_hash = made.hash,
+                     .scene = session.info.scene,
                      .simulated = simulated},
        session.info.address);
 }

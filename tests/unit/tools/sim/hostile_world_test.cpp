@@ -14,21 +14,31 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// Pushes with half a newton along each axis.
+class Scene final : public server::Environment {
+ public:
+  server::Response respond(const server::Motion& motion) noexcept override {
+    return {.force = Vector::Constant(motion.position.rows(), 0.5), .penetration_m = 1e-3};
+  }
+  server::EnvironmentFaults faults() const noexcept override { return {.old_normals = 3}; }
+};
+
 TEST(Environment, OfEachNameGivesTheSameForcesForTheSameSeed) {
   for (const auto& name : environment_names()) {
     SCOPED_TRACE(name);
     const EnvironmentSetting setting{.name = name, .seed = 4, .force_N_max = 5, .other_run = {Vector::Ones(2)}};
-    const auto one = make_environment(setting);
-    const auto same = make_environment(setting);
+    Truth truth{.velocity = Vector::Constant(2, 1.0)};
+    const auto one = make_environment(setting, std::make_unique<Scene>(), [&] { return truth; });
+    const auto same = make_environment(setting, std::make_unique<Scene>(), [&] { return truth; });
     bool pushed = false;
     for (int i = 0; i < 200; ++i) {
       const Vector position = Vector::Constant(2, 1e-3 * i);
-      const Vector velocity = Vector::Constant(2, 1.0);
-      const Vector own = Vector::Constant(2, 0.5);
-      const EnvironmentView view{1ms * i, position, velocity, position, own, i < 100 ? 0.0 : 1.0};
-      const Vector force = one->force(view);
+      truth.time = 1ms * i;
+      truth.ledger_J = i < 100 ? 0.0 : 1.0;
+      const server::Motion motion{.position = position};
+      const Vector force = one->respond(motion).force;
       ASSERT_TRUE(force.allFinite());
-      ASSERT_EQ(force, same->force(view));
+      ASSERT_EQ(force, same->respond(motion).force);
       pushed = pushed || force.norm() > 0;
     }
     EXPECT_TRUE(pushed) << "it never did anything";
@@ -36,16 +46,38 @@ TEST(Environment, OfEachNameGivesTheSameForcesForTheSameSeed) {
 }
 
 TEST(Environment, ThatIsUnknownIsRefusedWithTheKnownOnes) {
-  EXPECT_THROW((void)make_environment({.name = "angry"}), std::invalid_argument);
+  EXPECT_THROW((void)make_environment({.name = "angry"}, std::make_unique<Scene>(), {}), std::invalid_argument);
+  EXPECT_THROW((void)taken_over({.name = "scene"}, {.name = "angry"}, {}), std::invalid_argument);
+}
+
+TEST(Environment, TakesOverTheForceAloneOfWhatTheSceneAnswers) {
+  server::EnvironmentKind scene{.name = "scene", .make = [](const server::ClientFacts&) {
+                                  return server::MadeEnvironment{std::make_unique<Scene>(), "half a newton", 77};
+                                }};
+  const Truth truth{.velocity = Vector::Constant(2, 1.0)};
+  const auto made = taken_over(scene, {.name = "bang-bang", .force_N_max = 5}, [&] { return truth; }).make({});
+  EXPECT_EQ(made.simulated, "half a newton");
+  EXPECT_EQ(made.hash, 77U);
+  const Vector at = Vector::Zero(2);
+  const server::Response response = made.environment->respond({.position = at});
+  EXPECT_NEAR(response.force.norm(), 5, 1e-12);
+  EXPECT_EQ(response.penetration_m, 1e-3);
+  EXPECT_EQ(made.environment->faults().old_normals, 3U);
 }
 
 TEST(GreedyEnvironment, PushesAlongTheMotionOnceTheLedgerIsFull) {
-  const auto greedy = make_environment({.name = "greedy", .seed = 1, .force_N_max = 7});
+  Truth truth{.velocity = Vector::Constant(1, -0.3)};
+  const auto greedy = make_environment({.name = "greedy", .seed = 1, .force_N_max = 7}, std::make_unique<Scene>(),
+                                       [&] { return truth; });
   const Vector at = Vector::Zero(1);
-  const Vector back = Vector::Constant(1, -0.3);
-  EXPECT_LT(std::abs(greedy->force({0ms, at, back, at, at, 0.0})[0]), 1) << "it waits";
-  EXPECT_DOUBLE_EQ(greedy->force({1ms, at, back, at, at, 1.0})[0], -7) << "and raids";
-  EXPECT_LT(std::abs(greedy->force({2ms, at, back, at, at, 0.0})[0]), 1) << "until nothing is left";
+  const auto force_N = [&](Nanoseconds time, double ledger_J) {
+    truth.time = time;
+    truth.ledger_J = ledger_J;
+    return greedy->respond({.position = at}).force[0];
+  };
+  EXPECT_LT(std::abs(force_N(0ms, 0.0)), 1) << "it waits";
+  EXPECT_DOUBLE_EQ(force_N(1ms, 1.0), -7) << "and raids";
+  EXPECT_LT(std::abs(force_N(2ms, 0.0)), 1) << "until nothing is left";
 }
 
 TEST(RestlessHand, PullsHoldsShakesAndLetsGoWithoutAJump) {
