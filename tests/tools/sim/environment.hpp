@@ -18,8 +18,8 @@ using time::Nanoseconds;
 
 /// What a hostile environment may know beside the motion it answers: more than any real one could.
 struct Truth {
-  Nanoseconds time;     ///< true
-  Vector velocity;      ///< of the tip, now [m/s]
+  Nanoseconds time{0};  ///< true
+  Vector velocity{};    ///< of the tip, now [m/s]
   double ledger_J = 0;  ///< what the client's law has to spend
 };
 

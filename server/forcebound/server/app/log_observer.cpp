@@ -35,6 +35,15 @@ void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const w
                final_counts.motions_duplicated, final_counts.motions_reordered, final_counts.forces_sent);
 }
 
+void LogObserver::on_scene_failed(std::string_view scene, std::string_view why) {
+  spdlog::error("scene '{}' cannot be had: {}", scene, why);
+}
+
+void LogObserver::on_unsound_response(const SessionInfo& info) noexcept {
+  spdlog::error("{} is sent zero force: environment '{}' answered what is not finite or of wrong size",
+                net::to_string(info.address), info.scene);
+}
+
 void LogObserver::on_quarantined(const SessionInfo& info, std::string_view object) noexcept {
   spdlog::error("{} feels '{}' of scene '{}' no more: it came to no finite numbers", net::to_string(info.address),
                 object, info.scene);

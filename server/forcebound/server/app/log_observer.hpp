@@ -14,6 +14,8 @@ class LogObserver : public ServerObserver {
   void on_opened(const SessionInfo& info) override;
   void on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) override;
   void on_refused(const net::Address& address, std::string_view text) override;
+  void on_scene_failed(std::string_view scene, std::string_view why) override;
+  void on_unsound_response(const SessionInfo& info) noexcept override;
   void on_quarantined(const SessionInfo& info, std::string_view object) noexcept override;
 
  private:

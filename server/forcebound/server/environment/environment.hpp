@@ -64,7 +64,7 @@ class Environment {
 
 /// What is known of a client when its environment is made.
 struct ClientFacts {
-  std::string device;  ///< as the client calls it; printable
+  std::string device{};  ///< as the client calls it; printable
   std::uint32_t degrees_of_freedom = 0;
   double period_s = 0;        ///< how often motion will come, as promised
   double force_N_max = 0;     ///< more than this the device cannot show
@@ -73,7 +73,7 @@ struct ClientFacts {
 
 /// An environment for one session, and what its client and the log are told of it.
 struct MadeEnvironment {
-  std::unique_ptr<Environment> environment;
+  std::unique_ptr<Environment> environment{};
   std::string simulated{};  ///< in one line
   std::uint64_t hash = 0;   ///< the same hash, the same environment; 0: not known
   std::string choice{};     ///< what was picked for this client, and why; empty: there was no choice
@@ -81,13 +81,13 @@ struct MadeEnvironment {
 
 /// Something that clients may ask for by name, described once. `make` is called for each session.
 struct EnvironmentKind {
-  std::string name;
+  std::string name{};
   std::vector<std::uint32_t> degrees_of_freedom{};  ///< of devices that it accepts; empty: any
   std::size_t sessions_max = 0;                     ///< at once; 0: as many as the server has room for
   bool wants_round_trip = false;                    ///< `make` depends on it, so the client measures it first
 
   /// @throws std::exception if it cannot be had now; the client is told why, and may ask again
-  std::function<MadeEnvironment(const ClientFacts&)> make;
+  std::function<MadeEnvironment(const ClientFacts&)> make{};
 
   [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;
 

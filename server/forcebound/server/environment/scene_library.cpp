@@ -68,6 +68,7 @@ void SceneLibrary::add(std::shared_ptr<const scene::Scene> scene) {
 
 void SceneLibrary::compile_elsewhere(std::function<void(Compilation)> elsewhere) {
   shelf_->elsewhere = std::move(elsewhere);
+  for (Shelf::Entry& entry : shelf_->entries) entry.coming = false;
 }
 
 void SceneLibrary::give_up(std::string_view name, std::string why) {

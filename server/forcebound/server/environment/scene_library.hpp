@@ -35,7 +35,8 @@ class SceneLibrary {
   };
 
   /// Who asks by `request` for a scene that is not compiled does not wait: `elsewhere` is given what is to be done, and
-  /// `add` or `give_up` what came of it.
+  /// `add` or `give_up` what came of it. What somebody else was given before is asked for anew; without `elsewhere`,
+  /// whoever asks waits.
   void compile_elsewhere(std::function<void(Compilation)> elsewhere);
 
   /// Who asks next is told why, and who asks then has it tried again.

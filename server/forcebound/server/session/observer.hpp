@@ -32,6 +32,9 @@ class ServerObserver {
   virtual void on_closed(const SessionInfo&, CloseReason, const wire::Bye& /*final_counts*/) {}
   virtual void on_refused(const net::Address&, std::string_view /*text*/) {}
 
+  /// A scene that was asked for could not be compiled.
+  virtual void on_scene_failed(std::string_view /*scene*/, std::string_view /*why*/) {}
+
   /// The environment's responses are not finite or of wrong size: zero force is sent instead. Once for each session.
   virtual void on_unsound_response(const SessionInfo&) noexcept {}
 

@@ -35,12 +35,14 @@ class Diary final : public ServerObserver {
     left_out = object;
     ++times_left_out;
   }
+  void on_unsound_response(const SessionInfo&) noexcept override { ++unsound; }
   void on_motion(const wire::MotionSample&) noexcept override { ++motions; }
   void on_force(const wire::EnvironmentForce&) noexcept override { ++forces; }
 
   std::vector<std::string> lines;
   std::string left_out;  ///< short, hence never on the heap
   int times_left_out = 0;
+  int unsound = 0;
   int motions = 0;
   int forces = 0;
 };
@@ -52,9 +54,9 @@ class ServerFixture : public testing::Test {
  protected:
   void SetUp() override { start({}); }
 
-  void start(const ServerOptions& options, SceneLibrary scenes = SceneLibrary::shipped()) {
+  void start(const ServerOptions& options, EnvironmentLibrary environments = SceneLibrary::shipped()) {
     server.emplace(
-        options, std::move(scenes), link, clock, [this] { return next_id_ += 1000; }, &diary);
+        options, std::move(environments), link, clock, [this] { return next_id_ += 1000; }, &diary);
   }
 
   void arrive(const wire::Message& message, const net::Address& from = address(1)) {

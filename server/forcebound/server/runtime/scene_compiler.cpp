@@ -1,14 +1,15 @@
-#include "forcebound/server/app/scene_compiler.hpp"
-
-#include <spdlog/spdlog.h>
+#include "forcebound/server/runtime/scene_compiler.hpp"
 
 #include <exception>
 #include <utility>
 
 namespace forcebound::server {
 
-SceneCompiler::SceneCompiler(SceneLibrary library)
-    : library_(std::move(library)), thread_([this](const std::stop_token& stop) { run(stop); }) {
+SceneCompiler::SceneCompiler(SceneLibrary library,
+                             std::function<void(std::string_view scene, std::string_view why)> failed)
+    : library_(std::move(library)),
+      failed_(std::move(failed)),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {
   library_.compile_elsewhere([this](SceneLibrary::Compilation compilation) {
     {
       const std::lock_guard lock(guard_);
@@ -17,6 +18,8 @@ SceneCompiler::SceneCompiler(SceneLibrary library)
     wanted_changed_.notify_one();
   });
 }
+
+SceneCompiler::~SceneCompiler() { library_.compile_elsewhere({}); }
 
 void SceneCompiler::deliver() {
   std::vector<Outcome> outcomes;
@@ -29,7 +32,7 @@ void SceneCompiler::deliver() {
       library_.add(std::move(outcome.scene));
       continue;
     }
-    spdlog::error("scene '{}' cannot be had: {}", outcome.name, outcome.why_not);
+    failed_(outcome.name, outcome.why_not);
     library_.give_up(outcome.name, std::move(outcome.why_not));
   }
 }

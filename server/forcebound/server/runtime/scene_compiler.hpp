@@ -2,9 +2,11 @@
 
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -12,11 +14,15 @@
 
 namespace forcebound::server {
 
-/// Compiles what clients ask a library for, on a thread of its own, one scene after the other. The library must not be
-/// asked any more after this ends.
+/// Compiles what clients ask a library for, on a thread of its own, one scene after the other. Without it the library
+/// compiles while its asker waits.
 class SceneCompiler {
  public:
-  explicit SceneCompiler(SceneLibrary library);
+  /// @param failed is told the scene and the reason, by the library's own thread
+  SceneCompiler(SceneLibrary library, std::function<void(std::string_view scene, std::string_view why)> failed);
+  ~SceneCompiler();
+  SceneCompiler(const SceneCompiler&) = delete;
+  SceneCompiler& operator=(const SceneCompiler&) = delete;
 
   /// Tells the library what came of it meanwhile; to be called by the library's own thread.
   void deliver();
@@ -25,6 +31,7 @@ class SceneCompiler {
   void run(const std::stop_token& stop);
 
   SceneLibrary library_;
+  std::function<void(std::string_view, std::string_view)> failed_;
   std::mutex guard_;  // of the two lists
   std::condition_variable_any wanted_changed_;
   std::deque<SceneLibrary::Compilation> wanted_;

@@ -1,0 +1,86 @@
+#include "forcebound/server/runtime/udp_server.hpp"
+
+#include <array>
+#include <random>
+#include <utility>
+
+namespace forcebound::server {
+namespace {
+
+// Also how late the end may be noticed: a signal between two waits wakes nobody.
+constexpr Nanoseconds kTimerPeriod = std::chrono::milliseconds{100};
+// A flood must not keep the loop from its timer and its end.
+constexpr int kBatchesPerTurn = 64;
+// As long as answers may wait for others to go with them.
+constexpr Nanoseconds kAnswersTogether = std::chrono::microseconds{100};
+
+/// The system's randomness, so that nobody guesses a session.
+std::uint64_t random_session_id() {
+  static std::random_device device;
+  return std::uint64_t{device()} << 32U | device();
+}
+
+}  // namespace
+
+net::UdpLink listen(const net::Endpoint& endpoint) {
+  return net::UdpLink::listen(net::resolve(endpoint), net::UdpLink::Stamps::left_out);
+}
+
+UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
+                     ServerObserver* observer)
+    : link_(std::move(link)),
+      compiler_(environments.scenes(),
+                [observer](std::string_view scene, std::string_view why) {
+                  if (observer != nullptr) observer->on_scene_failed(scene, why);
+                }),
+      server_(options, environments, batch_, clock_, random_session_id, observer),
+      timer_(clock_.now() + kTimerPeriod) {}
+
+void UdpServer::turn() {
+  const bool readable = net::wait_readable(std::array{link_.descriptor()}, timer_ - clock_.now());
+  compiler_.deliver();
+  if (readable) {
+    take_in_all();
+    answer_all();
+  }
+  const Nanoseconds now = clock_.now();
+  if (now < timer_) return;
+  server_.on_timer(now);
+  batch_.flush();
+  timer_ = now + kTimerPeriod;
+}
+
+void UdpServer::run(const std::stop_token& wanted) {
+  while (!wanted.stop_requested()) turn();
+  stop();
+}
+
+void UdpServer::stop() {
+  server_.stop();
+  batch_.flush();
+}
+
+/// A batch at a time.
+void UdpServer::take_in_all() {
+  for (int i = 0; i < kBatchesPerTurn; ++i) {
+    const auto arrived = batch_.receive_all();
+    const Nanoseconds now = clock_.now();
+    for (const auto& datagram : arrived) server_.take_in(datagram.bytes, datagram.received.from, now);
+    // Asking whether there are more costs a call; the next wait asks the same.
+    if (arrived.size() < net::UdpBatch::kDatagramsMax) return;
+  }
+}
+
+/// The newest motion of each client.
+void UdpServer::answer_all() {
+  // Who was answered shall not wait for a scene of somebody else's that takes long.
+  Nanoseconds flushed = clock_.now();
+  while (server_.answer_next()) {
+    if (clock_.now() - flushed < kAnswersTogether) continue;
+    batch_.flush();
+    flushed = clock_.now();
+  }
+  batch_.flush();
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/net/udp_batch.hpp"
+#include "forcebound/net/udp_link.hpp"
+#include "forcebound/server/runtime/scene_compiler.hpp"
+#include "forcebound/server/session/server.hpp"
+#include "forcebound/time/steady_clock.hpp"
+
+namespace forcebound::server {
+
+/// A socket for a server; port 0 takes any free one.
+/// @throws std::runtime_error saying plainly why the address cannot be had
+net::UdpLink listen(const net::Endpoint& endpoint);
+
+/// Serves environments by UDP, as forcebound-server does:
+///
+///     EnvironmentLibrary environments;
+///     environments.add({.name = "spring", .make = ...});
+///     UdpServer server(listen({"127.0.0.1", 47800}), {.scene = "spring"}, environments);
+///     std::jthread thread([&](const std::stop_token& stop) { server.run(stop); });
+///
+/// All of it is one thread's: whoever calls `turn` or `run`, and the environments and the observer on it. A second
+/// thread of its own compiles scenes that are asked for first while it serves.
+///
+/// Real time: a turn with motions alone allocates nothing; it waits for datagrams and for nothing else.
+class UdpServer {
+ public:
+  /// @param observer may be null; must outlive the server
+  /// @throws std::invalid_argument as Server's
+  UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
+            ServerObserver* observer = nullptr);
+  UdpServer(const UdpServer&) = delete;
+  UdpServer& operator=(const UdpServer&) = delete;
+
+  /// Waits until something comes, for 0.1 s at most, and answers it; a signal ends the wait too.
+  void turn();
+
+  /// Turns until it is asked to stop, and then stops.
+  void run(const std::stop_token& wanted);
+
+  /// Says goodbye to all clients.
+  void stop();
+
+  [[nodiscard]] net::Address address() const noexcept { return link_.local_address(); }
+  [[nodiscard]] const Server& server() const noexcept { return server_; }
+
+  /// Datagrams that the system dropped, because nobody read them in time.
+  [[nodiscard]] std::uint64_t overflowed() const noexcept { return link_.counters().overflowed; }
+
+ private:
+  void take_in_all();
+  void answer_all();
+
+  time::SteadyClock clock_;
+  net::UdpLink link_;
+  net::UdpBatch batch_{link_};
+  SceneCompiler compiler_;
+  Server server_;
+  Nanoseconds timer_;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,70 @@
+// An environment of one's own, from outside: one class and one line that adds it. Sessions, counting, limits and UDP
+// come with the server.
+#include <forcebound/server/runtime/udp_server.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "../asking_client.hpp"
+
+namespace server = forcebound::server;
+using forcebound::control::Vector;
+
+namespace {
+
+/// Pulls back to where the device was first, until it tears.
+class RubberBand final : public server::Environment {
+ public:
+  [[nodiscard]] server::Response respond(const server::Motion& motion) noexcept override {
+    if (!fixed_at_) fixed_at_ = motion.position;
+    const Vector force_N = 300 * (*fixed_at_ - motion.position);
+    torn_ = torn_ || force_N.norm() > 5;
+    return {.force = torn_ ? Vector::Zero(force_N.rows()) : force_N};
+  }
+
+ private:
+  std::optional<Vector> fixed_at_;
+  bool torn_ = false;
+};
+
+server::EnvironmentKind rubber_band() {
+  return {.name = "rubber band", .degrees_of_freedom = {1}, .make = [](const server::ClientFacts&) {
+            return server::MadeEnvironment{std::make_unique<RubberBand>(), "a rubber band of 300 N/m, torn by 5 N"};
+          }};
+}
+
+double force_N(AskingClient& client, double x_m) {
+  const double force = client.force_at(Vector::Constant(1, x_m))[0];
+  std::printf("at x = %5.1f mm: %5.2f N\n", 1e3 * x_m, force);
+  return force;
+}
+
+bool is(double force_N, double expected_N) { return std::abs(force_N - expected_N) < 1e-9; }
+
+/// Two hands at rubber bands of their own.
+bool felt(const forcebound::net::Address& address) {
+  AskingClient one(address, 1);
+  AskingClient other(address, 1);
+  const bool holds = is(force_N(one, 0.0), 0) && is(force_N(one, 0.010), -3);
+  const bool is_its_own = is(force_N(other, 0.010), 0) && is(force_N(other, 0.0), 3);
+  const bool tears = is(force_N(one, 0.020), 0) && is(force_N(one, 0.010), 0) && is(force_N(other, 0.0), 3);
+  return holds && is_its_own && tears;
+}
+
+}  // namespace
+
+int main() try {
+  server::EnvironmentLibrary environments;
+  environments.add(rubber_band());
+  server::UdpServer udp(server::listen({"127.0.0.1", 0}), {.scene = "rubber band"}, environments);
+  const auto address = udp.address();
+  const std::jthread thread([&](const std::stop_token& stop) { udp.run(stop); });
+  return felt(address) ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "serve_a_rubber_band: %s\n", error.what());
+  return 1;
+}

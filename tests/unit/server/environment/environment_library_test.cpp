@@ -1,0 +1,82 @@
+#include "forcebound/server/environment/environment_library.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "forcebound/server/environment/scene_environment.hpp"
+
+namespace forcebound::server {
+namespace {
+
+std::shared_ptr<const scene::Scene> wall(double stiffness_N_per_m) {
+  return parse_scene(
+      "[scene]\nname = \"wall\"\ndescription = \"\"\ndegrees_of_freedom = 1\n"
+      "[[object]]\nname = \"wall\"\n"
+      "shape = { kind = \"half_space\", through_m = [0], normal = [-1] }\neffects = [\"surface\"]\n"
+      "[object.surface]\nstiffness_N_per_m = " +
+          std::to_string(stiffness_N_per_m) + "\n",
+      "wall.toml");
+}
+
+double force_N(const EnvironmentKind& kind, double x_m) {
+  const MadeEnvironment made = kind.make({.degrees_of_freedom = 1});
+  const Vector position = Vector::Constant(1, x_m);
+  return made.environment->respond({.position = position}).force[0];
+}
+
+TEST(EnvironmentLibrary, MakesASceneAnEnvironmentWithTheScenesFacts) {
+  const EnvironmentLibrary environments = SceneLibrary::shipped();
+  const auto sphere = environments.find("sphere");
+  ASSERT_NE(sphere, nullptr);
+  EXPECT_EQ(sphere->name, "sphere");
+  EXPECT_EQ(sphere->accepted_degrees_of_freedom(), "3 or 6");
+  EXPECT_TRUE(sphere->accepts(6));
+  EXPECT_FALSE(sphere->accepts(1));
+  EXPECT_EQ(sphere->sessions_max, 0U);
+  EXPECT_EQ(sphere->make({.degrees_of_freedom = 3}).hash, load_scene("sphere")->facts().hash);
+  EXPECT_EQ(environments.find("spher"), nullptr);
+}
+
+TEST(EnvironmentLibrary, GivesASceneOneKindUntilTheSceneIsReplaced) {
+  SceneLibrary scenes;
+  scenes.add(wall(100));
+  const EnvironmentLibrary environments = scenes;
+  const auto first = environments.find("wall");
+  EXPECT_EQ(environments.request("wall").kind, first) << "who shares a scene must meet the same one";
+  EXPECT_NEAR(force_N(*first, 0.01), -1, 1e-12);
+  scenes.add(wall(200));
+  const auto second = environments.find("wall");
+  EXPECT_NE(second, first);
+  EXPECT_NEAR(force_N(*second, 0.01), -2, 1e-12);
+  EXPECT_NEAR(force_N(*first, 0.01), -1, 1e-12) << "whoever has the old one keeps it";
+}
+
+TEST(EnvironmentLibrary, PutsAnEnvironmentOfOnesOwnBeforeASceneOfItsName) {
+  EnvironmentLibrary environments = SceneLibrary::shipped();
+  EnvironmentKind own = scene_environment(wall(300));
+  environments.add(own);
+  EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -3, 1e-12);
+  EXPECT_NEAR(force_N(*environments.request("wall").kind, 0.01), -3, 1e-12);
+  own = scene_environment(wall(400));
+  environments.add(own);
+  EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -4, 1e-12) << "the later one replaces it";
+}
+
+TEST(EnvironmentLibrary, RefusesAKindWithoutANameOrAFunction) {
+  EnvironmentLibrary environments;
+  EXPECT_THROW(environments.add({.name = "nothing"}), std::invalid_argument);
+  EXPECT_THROW(environments.add({.make = [](const ClientFacts&) { return MadeEnvironment{}; }}), std::invalid_argument);
+}
+
+TEST(EnvironmentKind, AcceptsAnyDeviceThatThereIsIfItNamesNone) {
+  const EnvironmentKind kind;
+  EXPECT_FALSE(kind.accepts(0));
+  EXPECT_TRUE(kind.accepts(1));
+  EXPECT_TRUE(kind.accepts(6));
+  EXPECT_FALSE(kind.accepts(7));
+  EXPECT_EQ(kind.accepted_degrees_of_freedom(), "1 to 6");
+}
+
+}  // namespace
+}  // namespace forcebound::server

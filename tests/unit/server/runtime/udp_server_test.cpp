@@ -1,0 +1,125 @@
+#include "forcebound/server/runtime/udp_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <stdexcept>
+#include <thread>
+
+#include "tests/support/vector_of.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using test::vector_of;
+
+class Push final : public Environment {
+ public:
+  Response respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
+};
+
+EnvironmentLibrary pushing() {
+  EnvironmentLibrary environments;
+  environments.add({.name = "push", .make = [](const ClientFacts&) {
+                      return MadeEnvironment{.environment = std::make_unique<Push>(), .simulated = "a push"};
+                    }});
+  return environments;
+}
+
+/// The other end, by hand.
+class Asker {
+ public:
+  explicit Asker(const net::Address& server) : link_(net::UdpLink::towards(server)), server_(server) {}
+
+  template <class Answer>
+  Answer ask(const wire::Message& question) {
+    link_.send(codec_.encode(question), server_);
+    return hear<Answer>();
+  }
+
+  template <class Answer>
+  Answer hear() {
+    net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds{10});
+    const auto received = link_.receive(buffer_);
+    if (!received) throw std::runtime_error("nothing came in 10 s");
+    return std::get<Answer>(std::get<wire::Message>(codec_.decode(std::span(buffer_).first(received->bytes))));
+  }
+
+ private:
+  net::UdpLink link_;
+  net::Address server_;
+  wire::Codec codec_;
+  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
+};
+
+//   asker ==( UDP of this machine )== UdpServer, on a thread of its own -- an environment of one's own
+TEST(UdpServer, AnswersByUdpUntilItIsAskedToStopAndThenSaysGoodbye) {
+  UdpServer server(listen({"127.0.0.1", 0}), {.scene = "push"}, pushing());
+  Asker asker(server.address());
+  std::jthread thread([&](const std::stop_token& stop) { server.run(stop); });
+  const auto welcome =
+      asker.ask<wire::Welcome>(wire::Hello{.client_nonce = 1, .degrees_of_freedom = 1, .period_s = 1e-3});
+  EXPECT_EQ(welcome.scene, "push");
+  EXPECT_EQ(welcome.simulated, "a push");
+  const auto session = welcome.session;
+  const auto force = asker.ask<wire::EnvironmentForce>(
+      wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({0.02})});
+  EXPECT_EQ(force.force, vector_of({-2}));
+  thread.request_stop();
+  const auto bye = asker.hear<wire::Bye>();
+  EXPECT_EQ(bye.session, session);
+  EXPECT_EQ(bye.forces_sent, 1U);
+  thread.join();
+  EXPECT_EQ(server.server().sessions(), 0U);
+  EXPECT_EQ(server.server().counters().forces_sent, 1U);
+}
+
+TEST(UdpServer, RefusesToServeWhatItDoesNotHave) {
+  EXPECT_THROW(UdpServer(listen({"127.0.0.1", 0}), {.scene = "pull"}, pushing()), std::invalid_argument);
+}
+
+TEST(UdpServer, TwoCannotHaveOneAddress) {
+  const UdpServer server(listen({"127.0.0.1", 0}), {.scene = "push"}, pushing());
+  EXPECT_THROW((void)listen({"127.0.0.1", server.address().port}), std::runtime_error);
+}
+
+/// What a library hands its asker once the compiler is done.
+SceneLibrary::Requested request_until_done(const SceneLibrary& scenes, SceneCompiler& compiler, std::string_view name) {
+  SceneLibrary::Requested requested = scenes.request(name);
+  while (requested.coming) {
+    std::this_thread::yield();
+    compiler.deliver();
+    requested = scenes.request(name);
+  }
+  return requested;
+}
+
+TEST(SceneCompiler, CompilesWhatIsAskedForAndLeavesTheLibraryToItselfWhenItEnds) {
+  const SceneLibrary scenes = SceneLibrary::shipped();
+  {
+    SceneCompiler compiler(scenes, [](std::string_view, std::string_view why) { ADD_FAILURE() << why; });
+    const auto requested = request_until_done(scenes, compiler, "wall");
+    ASSERT_NE(requested.scene, nullptr);
+    EXPECT_EQ(requested.scene->facts().name, "wall");
+    EXPECT_TRUE(scenes.request("sphere").coming);
+  }
+  EXPECT_NE(scenes.request("sphere").scene, nullptr) << "compiled while its asker waits";
+}
+
+TEST(SceneCompiler, TellsWhichSceneItCannotCompileAndWhy) {
+  const SceneLibrary scenes = SceneLibrary::shipped(scene::EffectRegistry{});  // no effect is known
+  std::string failed;
+  std::string reason;
+  SceneCompiler compiler(scenes, [&](std::string_view scene, std::string_view why) {
+    failed = scene;
+    reason = why;
+  });
+  const auto requested = request_until_done(scenes, compiler, "wall");
+  EXPECT_EQ(requested.scene, nullptr);
+  EXPECT_EQ(failed, "wall");
+  EXPECT_EQ(requested.why_not, reason);
+  EXPECT_NE(reason.find("scenes/wall.toml"), std::string::npos) << reason;
+}
+
+}  // namespace
+}  // namespace forcebound::server
