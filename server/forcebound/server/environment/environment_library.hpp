@@ -16,8 +16,8 @@ class EnvironmentLibrary {
  public:
   EnvironmentLibrary();
 
-  /// Every scene of that library is an environment, also one that is added to it later.
-  EnvironmentLibrary(SceneLibrary scenes);  // NOLINT(google-explicit-constructor): scenes are environments
+  /// Every scene of that library is an environment, also one that is added to it later; so it converts by itself.
+  EnvironmentLibrary(SceneLibrary scenes);
 
   /// Replaces an environment of the same name, and goes before a scene of that name.
   /// @throws std::invalid_argument without a name or without `make`
