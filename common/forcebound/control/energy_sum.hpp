@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "forcebound/control/assertion.hpp"
+
 namespace forcebound::control {
 
 /// A running sum of energies [J] that does not forget small terms beside large ones (Neumaier's compensated sum).
@@ -13,6 +15,7 @@ namespace forcebound::control {
 class EnergySum {
  public:
   void add(double energy_J) noexcept {
+    FORCEBOUND_ASSERT(!std::isnan(energy_J), "energy is a number, so that the ledger stays one");
     const double sum = sum_ + energy_J;
     if (std::isinf(sum)) {
       sum_ = std::copysign(std::numeric_limits<double>::max(), sum);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/control/assertion.hpp"
 #include "forcebound/control/damping.hpp"
 
 namespace forcebound::control {
@@ -70,6 +71,7 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory)
       committed_(Vector::Zero(dof_)) {}
 
 void ExactLaw::credit(const Motion& motion) noexcept {
+  FORCEBOUND_ASSERT(motion.joint.rows() == dof_, "a reading has a row for each joint");
   note_times(motion);
   for (Eigen::Index i = 0; i < dof_; ++i) {
     LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "forcebound/control/assertion.hpp"
+
 namespace forcebound::control {
 namespace {
 
@@ -74,6 +76,8 @@ Vector PassivityController::tick(const Motion& motion, const Vector& request_N) 
   Vector force = Vector::Zero(actuator_step_.rows());
   if (note(motion)) force = rounded(sound(law_->bound(saturated(request_N))), motion);
   if (next_to_nothing(force)) force.setZero();
+  FORCEBOUND_ASSERT(force.rows() == actuator_step_.rows() && force.allFinite(),
+                    "a force that is committed is finite, with a row for each degree of freedom");
   law_->commit(force);
   return force;
 }

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/control/assertion.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -176,6 +178,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
   }
   // Nobody who opens sessions and ends them between two answers shall make this grow.
   if (waiting_.size() == waiting_.capacity()) answer_waiting();
+  FORCEBOUND_ASSERT(waiting_.size() < waiting_.capacity(), "a motion that waits needs no memory of its own");
   waiting_.push_back(motion.session);
 }
 
@@ -211,6 +214,8 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
   observer_.on_motion(motion);
   const Nanoseconds begin = clock_.now();
   const Vector place = session.server_side.place(motion);
+  FORCEBOUND_ASSERT(place.rows() == static_cast<Eigen::Index>(session.info.degrees_of_freedom) && place.allFinite(),
+                    "an environment is asked about a place, with a row for each degree of freedom");
   const Response response = ask(session, {.position = place, .device_time = motion.device_time, .server_time = now});
   const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
