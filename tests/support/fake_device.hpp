@@ -24,10 +24,14 @@ class FakeDevice final : public device::HapticDevice {
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
 
-  device::Reading read(time::Nanoseconds) noexcept override {
+  device::Reading read(time::Nanoseconds now) noexcept override {
     const Eigen::Index dof = position.rows();
-    return {
-        .joint = position, .position = position, .jacobian = control::Matrix::Identity(dof, dof), .damping = &damping_};
+    return {.joint = position,
+            .position = position,
+            .jacobian = control::Matrix::Identity(dof, dof),
+            .damping = &damping_,
+            .latched = now - latched_before,
+            .status = status};
   }
 
   void apply(time::Nanoseconds now, const control::Vector& force_N) noexcept override {
@@ -41,6 +45,8 @@ class FakeDevice final : public device::HapticDevice {
   control::Vector applied;
   time::Nanoseconds applied_at{0};
   std::optional<time::Nanoseconds> released;
+  time::Nanoseconds latched_before{0};  ///< so long before it is read
+  device::Reading::Status status = device::Reading::Status::ok;
 
  private:
   control::DeviceFacts facts_;

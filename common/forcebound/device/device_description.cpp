@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include "forcebound/device/haptic_device.hpp"
+
 namespace forcebound::device {
 namespace {
 
@@ -17,19 +19,28 @@ std::string written(const Matrix& matrix) {
   return text.str();
 }
 
+/// What comes before and after the inertia.
+std::string described(const control::DeviceFacts& facts, const std::string& inertia) {
+  const bool arm = !facts.cartesian;
+  std::ostringstream text;
+  text << facts.name << ": " << facts.degrees_of_freedom() << " degrees of freedom, "
+       << (arm ? "serial arm, " : "Cartesian, ") << inertia << "damping " << written(facts.damping)
+       << (arm ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (arm ? " N m" : " N")
+       << ", encoder " << written(facts.encoder_step) << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max
+       << " N, hold " << facts.hold_s_max << " s, latency " << facts.latency_s << " s";
+  return text.str();
+}
+
 }  // namespace
 
 std::string describe(const DeviceDescription& device) {
-  const auto& facts = device.facts;
   const bool arm = device.arm.has_value();
-  std::ostringstream text;
-  text << facts.name << ": " << facts.degrees_of_freedom() << " degrees of freedom, "
-       << (arm ? "serial arm, inertia " : "Cartesian, mass ") << written(device.inertia) << (arm ? " kg m^2" : " kg")
-       << ", damping " << written(facts.damping) << (arm ? " N m s/rad" : " N s/m") << ", friction "
-       << written(facts.friction) << (arm ? " N m" : " N") << ", encoder " << written(facts.encoder_step)
-       << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max << " N, hold " << facts.hold_s_max
-       << " s, latency " << facts.latency_s << " s";
-  return text.str();
+  return described(device.facts,
+                   (arm ? "inertia " : "mass ") + written(device.inertia) + (arm ? " kg m^2, " : " kg, "));
 }
+
+std::string describe(const control::DeviceFacts& facts) { return described(facts, ""); }
+
+std::string HapticDevice::facts_in_words() const { return describe(facts()); }
 
 }  // namespace forcebound::device

@@ -19,4 +19,7 @@ struct DeviceDescription {
 /// One line to print: name, degrees of freedom, inertia, damping, friction, encoder, each with its unit.
 [[nodiscard]] std::string describe(const DeviceDescription& device);
 
+/// The same of a device of which only the facts are known: all but the inertia.
+[[nodiscard]] std::string describe(const control::DeviceFacts& facts);
+
 }  // namespace forcebound::device

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/config/toml_section.hpp"
+#include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 
@@ -22,8 +22,10 @@ void read_joints(config::TomlSection& file, DeviceDescription& device, int dof) 
   device.inertia = file.matrix(arm ? "joint_inertia_kg_m2" : "mass_kg", dof);
   facts.damping = file.matrix(arm ? "joint_damping_N_m_s_per_rad" : "damping_N_s_per_m", dof);
   facts.friction = file.vector_or(arm ? "joint_friction_N_m" : "friction_N", dof, config::Allowed::not_negative, 0);
-  facts.encoder_step = file.vector_or(arm ? "encoder_step_rad" : "encoder_step_m", dof, config::Allowed::not_negative, 0);
-  facts.actuator_step = file.vector_or(arm ? "actuator_step_N_m" : "actuator_step_N", dof, config::Allowed::not_negative, 0);
+  facts.encoder_step =
+      file.vector_or(arm ? "encoder_step_rad" : "encoder_step_m", dof, config::Allowed::not_negative, 0);
+  facts.actuator_step =
+      file.vector_or(arm ? "actuator_step_N_m" : "actuator_step_N", dof, config::Allowed::not_negative, 0);
 }
 
 void read_limits(config::TomlSection& file, control::DeviceFacts& facts) {
@@ -68,10 +70,12 @@ DeviceDescription parse_device(std::string_view toml_text, const std::string& pl
   return device;
 }
 
+bool names_a_file(std::string_view name_or_file) noexcept {
+  return name_or_file.find('/') != std::string_view::npos || name_or_file.ends_with(".toml");
+}
+
 DeviceDescription load_device(const std::string& name_or_file) {
-  if (name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml")) {
-    return parse_device(text::read_file(name_or_file), name_or_file);
-  }
+  if (names_a_file(name_or_file)) return parse_device(text::read_file(name_or_file), name_or_file);
   for (const text::EmbeddedText& device : shipped_devices()) {
     if (device.name == name_or_file) return parse_device(device.text, "devices/" + name_or_file + ".toml");
   }

@@ -25,7 +25,10 @@ namespace forcebound::device {
 /// @throws std::runtime_error `PLACE:LINE: device 'NAME': KEY must be ..., got ...`; unknown keys are errors.
 [[nodiscard]] DeviceDescription parse_device(std::string_view toml_text, const std::string& place);
 
-/// A shipped device by its name, or any other by its file (what has a '/' or ends with ".toml").
+/// Whether this is a file's path (has a '/' or ends with ".toml") rather than the name of a device.
+[[nodiscard]] bool names_a_file(std::string_view name_or_file) noexcept;
+
+/// A shipped device by its name, or any other by its file.
 /// @throws std::runtime_error as parse_device; or if there is no such device or file, with what there is.
 [[nodiscard]] DeviceDescription load_device(const std::string& name_or_file);
 

@@ -59,6 +59,7 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
   }
   reading.jacobian = reading_jacobian_;
   reading.damping = &tip_damping_;
+  reading.latched = now;
   return reading;
 }
 
@@ -82,8 +83,8 @@ SimulatedDevice::Truth SimulatedDevice::truth() const noexcept {
   return {joint, motion_.velocity(), kinematics_->position(joint), kinematics_->jacobian(joint) * motion_.velocity()};
 }
 
-SimulatedDevice::Counters SimulatedDevice::counters() const noexcept {
-  Counters counters = counters_;
+DeviceCounters SimulatedDevice::counters() const noexcept {
+  DeviceCounters counters = counters_;
   counters.frozen_joints = motion_.frozen_joints();
   return counters;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "forcebound/device/device_description.hpp"
 #include "forcebound/device/haptic_device.hpp"
@@ -34,13 +35,6 @@ class SimulatedDevice final : public HapticDevice {
  public:
   static constexpr Nanoseconds kGapMax = std::chrono::seconds(60);
 
-  /// What a person should hear about.
-  struct Counters {
-    std::uint64_t faulty_commands = 0;  ///< not finite or of the wrong size
-    std::uint64_t frozen_joints = 0;    ///< more stick-slip events in a ms than we follow
-    std::uint64_t gaps_cut = 0;         ///< longer than kGapMax
-  };
-
   /// The exact state, for tests and figures. No law may see it.
   struct Truth {
     Vector joint;
@@ -54,13 +48,17 @@ class SimulatedDevice final : public HapticDevice {
   SimulatedDevice(DeviceDescription description, std::unique_ptr<const Operator> hand);
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return description_.facts; }
+  [[nodiscard]] bool is_simulated() const noexcept override { return true; }
+  [[nodiscard]] std::string facts_in_words() const override { return describe(description_); }
+  [[nodiscard]] std::string hand_in_words() const override { return operator_->description(); }
   Reading read(Nanoseconds now) noexcept override;
   void apply(Nanoseconds now, const Vector& force_N) noexcept override;
   [[nodiscard]] std::optional<Nanoseconds> released_at() const noexcept override { return released_at_; }
   [[nodiscard]] std::optional<control::PassivityAudit> audit() const noexcept override { return motion_.audit(); }
 
+  [[nodiscard]] DeviceCounters counters() const noexcept override;
+
   [[nodiscard]] Truth truth() const noexcept;
-  [[nodiscard]] Counters counters() const noexcept;
   [[nodiscard]] const DeviceDescription& description() const noexcept { return description_; }
   [[nodiscard]] const Operator& hand() const noexcept { return *operator_; }
 
@@ -99,7 +97,7 @@ class SimulatedDevice final : public HapticDevice {
   Vector torque_;
   std::optional<Nanoseconds> release_;
   std::optional<Nanoseconds> released_at_;
-  Counters counters_;
+  DeviceCounters counters_;
 };
 
 }  // namespace forcebound::device

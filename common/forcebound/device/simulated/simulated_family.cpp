@@ -1,0 +1,60 @@
+#include "forcebound/device/simulated/simulated_family.hpp"
+
+#include <string_view>
+#include <utility>
+
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/device/simulated/simulated_device.hpp"
+
+namespace forcebound::device {
+namespace {
+
+constexpr std::string_view kHelp = R"(Devices (--device), simulated; or a TOML file with a device's facts:
+  wall-1dof      the paper's one-axis device, 30 N s/m, 15 um encoder
+  cartesian-2dof two axes, 1 N s/m, 55 um;  cartesian-3dof  three axes, 0.5 N s/m, 55 um
+  omni           three-joint arm in the size of a PHANToM Omni
+Operators (--operator), simulated hands; NAME:key=value,... changes their numbers:
+  press          moves into a wall and stays        trace-circle  follows the inside of a circle
+  stroke         comes from above, goes to and fro  trace-sphere  follows the outside of a sphere
+  wave           moves in free space
+  replay:FILE.csv[,key=value,...]  plays a recorded hand (time_s,x_m[,y_m,z_m])
+The summary lists an operator's keys and their values; such as press:to_m=0.03, or replay:hand.csv,offset_x_m=0.01.
+Without --operator the device chooses one, without --device the operator does; without both it is press on wall-1dof.
+)";
+
+std::string hand_for(std::string_view device) {
+  if (device == "wall-1dof") return "press";
+  return device == "cartesian-2dof" ? "trace-circle" : "trace-sphere";
+}
+
+std::string device_for(std::string_view hand) {
+  const std::string_view name = hand.substr(0, hand.find(':'));
+  if (name.empty() || name == "press") return "wall-1dof";
+  return name == "trace-circle" ? "cartesian-2dof" : "omni";
+}
+
+void complete_simulated(DeviceRequest& request) {
+  if (request.device.empty()) request.device = device_for(request.hand);
+  if (request.hand.empty()) request.hand = hand_for(request.device);
+}
+
+std::unique_ptr<HapticDevice> make_simulated(const DeviceRequest& request) {
+  DeviceDescription description = load_device(request.device);
+  auto hand = make_operator(request.hand, description.facts.degrees_of_freedom());
+  return std::make_unique<SimulatedDevice>(std::move(description), std::move(hand));
+}
+
+}  // namespace
+
+DeviceFamily simulated_devices() {
+  return {.name = "simulated",
+          .names = shipped_device_names(),
+          .takes_files = true,
+          .help = std::string(kHelp),
+          .complete = complete_simulated,
+          .facts = [](const std::string& name_or_file) { return load_device(name_or_file).facts; },
+          .make = make_simulated};
+}
+
+}  // namespace forcebound::device
