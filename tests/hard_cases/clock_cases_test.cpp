@@ -118,7 +118,7 @@ TEST_P(HardCase04, ASessionWhoseClockStandsRunsBackAndJumpsAnHourStaysPassive) {
     SCOPED_TRACE(jump.count());
     loop.stall(jump);
     loop.run(3s);
-    EXPECT_EQ(loop.session().state(), record::SessionState::active);
+    EXPECT_EQ(loop.session().state(), client::SessionState::active);
     EXPECT_TRUE(std::isfinite(loop.session().law().energy_J()));
     EXPECT_GE(loop.device().audit()->minimum_J, -1e-9);
   }

@@ -74,7 +74,7 @@ class ControlLoopHardCase : public testing::TestWithParam<const char*> {
     ClosedLoop loop(settings, {&forces});
     loop.run(4s);
     EXPECT_GE(loop.device().audit()->minimum_J, -1e-9);
-    EXPECT_EQ(loop.session().state(), record::SessionState::active);
+    EXPECT_EQ(loop.session().state(), client::SessionState::active);
     EXPECT_TRUE(forces.finite);
     EXPECT_TRUE(forces.within);
     EXPECT_TRUE(forces.whole);

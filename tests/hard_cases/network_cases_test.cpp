@@ -115,7 +115,7 @@ TEST_F(NetworkHardCase, Case14AllLostForAMinuteAndBack) {
   loop.network().set_blackhole(Direction::up, true);
   loop.network().set_blackhole(Direction::down, true);
   loop.run(60s);
-  EXPECT_NE(loop.session().state(), record::SessionState::active);
+  EXPECT_NE(loop.session().state(), client::SessionState::active);
   loop.network().set_blackhole(Direction::up, false);
   loop.network().set_blackhole(Direction::down, false);
   expect_unbroken_and_back();
@@ -141,7 +141,7 @@ TEST_F(NetworkHardCase, Case14OneWayLostForLongerThanTheServerWaitsAndBack) {
   // Without motion the server gives the session up after a minute; without answers only the client notices.
   loop.network().set_blackhole(Direction::up, true);
   loop.run(65s);
-  EXPECT_NE(loop.session().state(), record::SessionState::active);
+  EXPECT_NE(loop.session().state(), client::SessionState::active);
   EXPECT_EQ(loop.server()->sessions(), 0U);
   EXPECT_EQ(loop.server()->counters().sessions_idle, 1U);
   loop.network().set_blackhole(Direction::up, false);
@@ -150,7 +150,7 @@ TEST_F(NetworkHardCase, Case14OneWayLostForLongerThanTheServerWaitsAndBack) {
 
   loop.network().set_blackhole(Direction::down, true);
   loop.run(65s);
-  EXPECT_NE(loop.session().state(), record::SessionState::active);
+  EXPECT_NE(loop.session().state(), client::SessionState::active);
   EXPECT_EQ(loop.server()->sessions(), 1U) << "its motion still comes";
   loop.network().set_blackhole(Direction::down, false);
   expect_unbroken_and_back();
@@ -163,10 +163,10 @@ TEST_F(NetworkHardCase, Case15AServerKilledInContactAndRestarted) {
     const std::uint64_t pushed = never.pushed;
     loop.kill_server();
     loop.run(1500ms);
-    EXPECT_NE(loop.session().state(), record::SessionState::active);
+    EXPECT_NE(loop.session().state(), client::SessionState::active);
     loop.start_server();
     loop.run(1s);
-    EXPECT_EQ(loop.session().state(), record::SessionState::active) << "a new session within a second";
+    EXPECT_EQ(loop.session().state(), client::SessionState::active) << "a new session within a second";
     EXPECT_GT(never.pushed, pushed + 500) << "felt until the policy dropped it, and felt again";
   }
   EXPECT_EQ(loop.totals().reconnects, 3U);
@@ -187,7 +187,7 @@ TEST_F(NetworkHardCase, Case15AClientKilledInContactAndRestarted) {
       killed.tick(loop.time());
       loop.run(1ms);
     }
-    EXPECT_EQ(killed.state(), record::SessionState::active);
+    EXPECT_EQ(killed.state(), client::SessionState::active);
     EXPECT_EQ(loop.server()->sessions(), 2U + static_cast<std::size_t>(i));
   }
   loop.run(70s);

@@ -51,13 +51,13 @@ class NetworkHardCase : public testing::Test {
   explicit NetworkHardCase(const ClosedLoop::Settings& settings = omni_on_the_sphere())
       : never(settings.device.facts.force_N_max), loop(settings, {&never}) {
     loop.run(2s);
-    EXPECT_EQ(loop.session().state(), record::SessionState::active);
+    EXPECT_EQ(loop.session().state(), client::SessionState::active);
     EXPECT_GT(never.pushed, 100U) << "nothing was touched";
   }
 
   void expect_unbroken_and_back() {
     loop.run(3s);
-    EXPECT_EQ(loop.session().state(), record::SessionState::active);
+    EXPECT_EQ(loop.session().state(), client::SessionState::active);
     EXPECT_EQ(never.broken, 0U);
   }
 

@@ -92,9 +92,9 @@ class SessionHardCase : public testing::Test {
     const auto before = another_->session.totals();
     run(500ms);
     const auto after = another_->session.totals();
-    EXPECT_EQ(another_->session.state(), record::SessionState::active);
+    EXPECT_EQ(another_->session.state(), client::SessionState::active);
     EXPECT_NEAR(static_cast<double>(after.received - before.received), 500, 2);
-    EXPECT_EQ(loop_.session().state(), record::SessionState::active);
+    EXPECT_EQ(loop_.session().state(), client::SessionState::active);
     EXPECT_GE(another_->device.audit()->minimum_J, -1e-9);
     EXPECT_GE(loop_.device().audit()->minimum_J, -1e-9);
   }
@@ -204,7 +204,7 @@ TEST_F(SessionHardCase, HardCase15AClientKilledAndRestartedAtTheSameAddressWithT
     run(10ms);
     begin_another(1);
     run(100ms);
-    EXPECT_EQ(another_->session.state(), record::SessionState::active);
+    EXPECT_EQ(another_->session.state(), client::SessionState::active);
     EXPECT_GT(another_->session.totals().received, 70U) << "its motions are taken for copies of the dead one's";
     expect_forces_flow();
   }
@@ -284,7 +284,7 @@ TEST_F(LyingServer, HardCase16AWelcomeOrRefusalOfNobodyIsCounted) {
   ASSERT_TRUE(hello.has_value());
   say(wire::Welcome{.client_nonce = hello->client_nonce, .session = 9});
   tick();
-  ASSERT_EQ(session_.state(), record::SessionState::active);
+  ASSERT_EQ(session_.state(), client::SessionState::active);
   for (std::uint64_t i = 0; i < 10; ++i) {
     say(wire::Welcome{.client_nonce = hello->client_nonce, .session = 9});
     say(wire::Welcome{.client_nonce = i, .session = 100 + i});
@@ -295,7 +295,7 @@ TEST_F(LyingServer, HardCase16AWelcomeOrRefusalOfNobodyIsCounted) {
   tick();
   EXPECT_EQ(session_.totals().foreign_session, 30U) << "a further copy of our own Welcome is none of them";
   EXPECT_EQ(session_.totals().reconnects, 0U);
-  EXPECT_EQ(session_.state(), record::SessionState::active);
+  EXPECT_EQ(session_.state(), client::SessionState::active);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class ASilentNetwork : public ::testing::Test {
   /// What died and how the client says it, after it has recovered.
   void expect_longest(const std::string& died, const std::string& words) {
     loop.run(3s);
-    EXPECT_EQ(loop.session().state(), record::SessionState::active);
+    EXPECT_EQ(loop.session().state(), client::SessionState::active);
     expect_longest_at_the_end(died, words);
   }
 

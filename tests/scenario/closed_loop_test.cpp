@@ -158,10 +158,10 @@ TEST(ClosedLoop, AServerThatRestartsCostsAFadingForceAndNothingElse) {
   EXPECT_EQ(invariants.last.policy, record::ForcePolicy::fading);
   loop.run(1400ms);
   EXPECT_EQ(invariants.last.applied.norm(), 0.0);
-  EXPECT_EQ(loop.session().state(), record::SessionState::reconnecting);
+  EXPECT_EQ(loop.session().state(), client::SessionState::reconnecting);
   loop.start_server();
   loop.run(1s);
-  EXPECT_EQ(loop.session().state(), record::SessionState::active) << "a new session within a second";
+  EXPECT_EQ(loop.session().state(), client::SessionState::active) << "a new session within a second";
   EXPECT_EQ(invariants.last.policy, record::ForcePolicy::fresh);
   const json summary = summary_of(loop);
   EXPECT_EQ(summary["faults"]["reconnects"], 1);
@@ -178,7 +178,7 @@ TEST(ClosedLoop, ABlackoutInOneDirectionIsSaidToBeThatDirection) {
   EXPECT_EQ(invariants.last.applied.norm(), 0.0);
   loop.network().set_blackhole(netem::Direction::down, false);
   loop.run(2s);
-  EXPECT_EQ(loop.session().state(), record::SessionState::active);
+  EXPECT_EQ(loop.session().state(), client::SessionState::active);
   const json summary = summary_of(loop);
   EXPECT_LT(summary["lost_up"], 20);
   EXPECT_GT(summary["lost_down"], 59'000);
@@ -268,7 +268,7 @@ TEST_P(AnAutoScene, IsPickedByTheMeasuredRoundTripAndSaidInTheSummary) {
                    .network = {.up = parameters, .down = parameters}});
   loop.run(4s);
   EXPECT_THAT(loop.totals().simulated, testing::HasSubstr(GetParam().level));
-  EXPECT_EQ(loop.session().state(), record::SessionState::active);
+  EXPECT_EQ(loop.session().state(), client::SessionState::active);
 }
 
 INSTANTIATE_TEST_SUITE_P(RoundTrips, AnAutoScene,

@@ -61,7 +61,7 @@ TEST_P(TwoPortLawsInTheLoop, MakeContactStayFiniteAndWithinTheLargestForce) {
   EXPECT_TRUE(watch.finite);
   EXPECT_GT(watch.most_N, 0.1) << "contact; a wave of b_w 0.5 N s/m, 50 ms long, is a spring of 10 N/m at 20 mm";
   EXPECT_LE(watch.most_N, device::load_device(device).facts.force_N_max * (1 + 1e-12));
-  EXPECT_EQ(loop.session().state(), record::SessionState::active);
+  EXPECT_EQ(loop.session().state(), client::SessionState::active);
   const auto report = [](const char* what, double value) { RecordProperty(what, std::to_string(value)); };
   report("passivity_minimum_mJ", watch.least_J * 1e3);
   report("most_N", watch.most_N);
@@ -80,7 +80,7 @@ TEST_P(TwoPortLawsInTheLoop, GoOnWithAServerThatRestarted) {
   loop.run(300ms);
   loop.start_server();
   loop.run(3s);
-  EXPECT_EQ(loop.session().state(), record::SessionState::active);
+  EXPECT_EQ(loop.session().state(), client::SessionState::active);
   EXPECT_EQ(loop.totals().reconnects, 1U);
   EXPECT_TRUE(watch.finite);
 }

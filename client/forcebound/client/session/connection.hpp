@@ -4,12 +4,11 @@
 #include <random>
 #include <string>
 
-#include "forcebound/record/tick_record.hpp"
+#include "forcebound/client/session/session_state.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::client {
 
-using record::SessionState;
 using time::Nanoseconds;
 
 /// Whether there is a session with the server, and when to ask for one.

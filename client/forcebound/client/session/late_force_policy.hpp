@@ -1,11 +1,15 @@
 #pragma once
 
-#include "forcebound/record/tick_record.hpp"
+#include <cstdint>
+
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
 
 using time::Nanoseconds;
+
+/// What the policy made of the newest force; none: there is no force yet.
+enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
 /// What to make of a force, by the age of the motion it answers: up to `hold` as it is, then fading linearly, from
 /// `drop` on zero.
@@ -25,9 +29,9 @@ struct LateForcePolicy {
     return static_cast<double>((drop - age).count()) / static_cast<double>((drop - hold).count());
   }
 
-  [[nodiscard]] record::ForcePolicy verdict(Nanoseconds age) const noexcept {
-    if (age <= hold) return record::ForcePolicy::fresh;
-    return age < drop ? record::ForcePolicy::fading : record::ForcePolicy::dropped;
+  [[nodiscard]] ForcePolicy verdict(Nanoseconds age) const noexcept {
+    if (age <= hold) return ForcePolicy::fresh;
+    return age < drop ? ForcePolicy::fading : ForcePolicy::dropped;
   }
 };
 

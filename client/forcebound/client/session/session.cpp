@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "forcebound/client/session/texture.hpp"
+#include "forcebound/control/assertion.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::client {
@@ -31,6 +32,34 @@ Connection::Facts connection_facts(const control::DeviceFacts& device, const std
           .force_N_max = device.force_N_max};
 }
 
+record::SessionState recorded(SessionState state) noexcept {
+  switch (state) {
+    case SessionState::connecting:
+      return record::SessionState::connecting;
+    case SessionState::active:
+      return record::SessionState::active;
+    case SessionState::stale:
+      return record::SessionState::stale;
+    case SessionState::reconnecting:
+      break;
+  }
+  return record::SessionState::reconnecting;
+}
+
+record::ForcePolicy recorded(ForcePolicy policy) noexcept {
+  switch (policy) {
+    case ForcePolicy::none:
+      return record::ForcePolicy::none;
+    case ForcePolicy::fresh:
+      return record::ForcePolicy::fresh;
+    case ForcePolicy::fading:
+      return record::ForcePolicy::fading;
+    case ForcePolicy::dropped:
+      break;
+  }
+  return record::ForcePolicy::dropped;
+}
+
 }  // namespace
 
 Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
@@ -48,49 +77,68 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       forces_(device.facts().degrees_of_freedom()),
       blackouts_(options_.policy.hold) {
   options_.policy.validate();
-  totals_.scene.reserve(wire::kNameBytesMax);
-  totals_.simulated.reserve(wire::kTextBytesMax);
+  scene_.reserve(wire::kNameBytesMax);
+  simulated_.reserve(wire::kTextBytesMax);
 }
 
 void Session::tick(Nanoseconds now) noexcept {
   now_ = now;
-  const device::Reading reading = device_.read(now);
-  send_motion(controller_.law().proxy_position(reading.position), now);
+  Done done{.reading = read_device(now)};
+  const device::Reading& reading = done.reading;
+  done.motion_sequence = send_motion(controller_.law().proxy_position(reading.position), reading.latched);
   receive_all(now);
   keep_connected(now);
 
   choosing_since_ = clock_.now();
-  const control::Motion motion = motion_at(reading, now);
-  totals_.released_by_device += motion.held_s < motion.interval_s;
-  totals_.held_too_long +=
+  const control::Motion motion = motion_at(reading);
+  counts_.released_by_device += motion.held_s < motion.interval_s;
+  counts_.held_too_long +=
       !device_.facts().releases && motion.interval_s - motion.latency_s > device_.facts().hold_s_max;
-  const Vector request = request_at(reading.position, now);
-  const bool silent = record_.policy == record::ForcePolicy::none || record_.policy == record::ForcePolicy::dropped;
-  const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, request);
+  done.request = request_at(reading.position, now);
+  const bool silent = policy_ == ForcePolicy::none || policy_ == ForcePolicy::dropped;
+  const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, done.request.force_N);
   const Nanoseconds commanded = clock_.now();
   choosing_.note(commanded - choosing_since_);
-  const Vector applied = controller_.confirmed(chosen, latency_s(commanded - now));
-  device_.apply(commanded, applied);
+  done.latency = commanded - reading.latched;
+  done.applied = controller_.confirmed(chosen, latency_s(done.latency));
+  FORCEBOUND_ASSERT(done.applied.rows() == device_.facts().degrees_of_freedom() && done.applied.allFinite(),
+                    "a force on its way to the device is finite, with a row for each degree of freedom");
+  device_.apply(commanded, done.applied);
 
-  record_.interval = previous_reading_ ? now - *previous_reading_ : Nanoseconds::zero();
-  record_.latency = commanded - now;
-  previous_reading_ = now;
+  done.interval = previous_reading_ ? reading.latched - *previous_reading_ : Nanoseconds::zero();
+  previous_reading_ = reading.latched;
   previous_command_ = commanded;
-  record_.request = request;
-  write_down(reading, applied, now);
+  last_tick_ = reading.latched;
+  ++ticks_;
+  write_down(done);
 }
 
-control::Motion Session::motion_at(const device::Reading& reading, Nanoseconds now) const noexcept {
+/// A reading that is of no use is that of a device of which nothing is known now: the controller charges what its force
+/// can have done, and gives zero.
+device::Reading Session::read_device(Nanoseconds now) noexcept {
+  device::Reading reading = device_.read(now);
+  const int dof = device_.facts().degrees_of_freedom();
+  if (device::is_usable(reading, dof) && reading.latched <= std::max(now, clock_.now())) {
+    return reading;
+  }
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  reading.position = reading.joint = Vector::Constant(dof, unknown);
+  reading.jacobian = device::Matrix::Identity(dof, dof);
+  reading.latched = now;
+  return reading;
+}
+
+control::Motion Session::motion_at(const device::Reading& reading) const noexcept {
   control::Motion motion{
       .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
   if (previous_reading_) {
-    motion.interval_s = time::to_seconds(now - *previous_reading_);
+    motion.interval_s = time::to_seconds(reading.latched - *previous_reading_);
     motion.latency_s = latency_s(*previous_command_ - *previous_reading_);
     if (const auto released = device_.released_at()) {
       motion.held_s = time::to_seconds(*released - *previous_reading_) - motion.latency_s;
     }
   }
-  motion.latency_s_max = latency_s(choosing_since_ - now + choosing_.allowed());
+  motion.latency_s_max = latency_s(choosing_since_ - reading.latched + choosing_.allowed());
   return motion;
 }
 
@@ -98,25 +146,24 @@ double Session::latency_s(Nanoseconds reading_to_command) const noexcept {
   return time::to_seconds(reading_to_command) + device_.facts().latency_s;
 }
 
-Vector Session::request_at(const Vector& position, Nanoseconds now) noexcept {
+Session::Request Session::request_at(const Vector& position, Nanoseconds now) noexcept {
   const auto& newest = forces_.newest();
   if (!newest) {
-    record_.policy = record::ForcePolicy::none;
-    record_.force_sequence = 0;
-    record_.force_age = {};
-    return Vector::Zero(device_.facts().degrees_of_freedom());
+    policy_ = ForcePolicy::none;
+    return {.force_N = Vector::Zero(device_.facts().degrees_of_freedom())};
   }
+  FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().degrees_of_freedom() && newest->force.allFinite(),
+                    "a force that was accepted is finite, with a row for each degree of freedom");
   const Nanoseconds age = now - ForceStream::reading_time(*newest);
   note_policy(options_.policy.verdict(age), age, now);
-  record_.force_sequence = newest->motion_sequence;
-  record_.force_age = age;
-  return options_.policy.scale(age) * (newest->force + texture_force_N(*newest, position));
+  return {.force_N = options_.policy.scale(age) * (newest->force + texture_force_N(*newest, position)),
+          .motion_sequence = newest->motion_sequence,
+          .age = age};
 }
 
-void Session::note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept {
-  using record::ForcePolicy;
-  if (policy == record_.policy) return;
-  const ForcePolicy before = std::exchange(record_.policy, policy);
+void Session::note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept {
+  if (policy == policy_) return;
+  const ForcePolicy before = std::exchange(policy_, policy);
   if (policy == ForcePolicy::fresh) {
     if (before != ForcePolicy::none) tell(Event::Kind::force_fresh, now, {}, now - not_fresh_since_);
     return;
@@ -126,21 +173,21 @@ void Session::note_policy(record::ForcePolicy policy, Nanoseconds age, Nanosecon
   tell(policy == ForcePolicy::fading ? Event::Kind::force_fading : Event::Kind::force_dropped, now, {}, age);
 }
 
-void Session::send_motion(const Vector& position, Nanoseconds now) noexcept {
-  record_.motion_sequence = 0;
-  if (connection_.session() == 0 || !position.allFinite()) return;
-  record_.motion_sequence = forces_.note_sent(now);
+std::uint64_t Session::send_motion(const Vector& position, Nanoseconds read_at) noexcept {
+  if (connection_.session() == 0 || !position.allFinite()) return 0;
+  const std::uint64_t sequence = forces_.note_sent(read_at);
   const wire::MotionSample motion{.session = connection_.session(),
-                                  .sequence = record_.motion_sequence,
-                                  .device_time = now,
+                                  .sequence = sequence,
+                                  .device_time = read_at,
                                   .position = position,
                                   .port = law().outgoing()};
   if (!send(motion)) forces_.note_not_sent();
+  return sequence;
 }
 
 bool Session::send(const wire::Message& message) noexcept {
   const bool sent = link_.send(codec_.encode(message), options_.server);
-  if (!sent) ++totals_.send_failures;
+  if (!sent) ++counts_.send_failures;
   return sent;
 }
 
@@ -150,12 +197,12 @@ void Session::receive_all(Nanoseconds now) noexcept {
     if (!received) return;
     const Nanoseconds read_at = clock_.now();
     if (received->from != options_.server) {
-      ++totals_.foreign_session;
+      ++counts_.foreign_session;
       continue;
     }
     const auto decoded = codec_.decode(std::span(buffer_).first(std::min(received->bytes, buffer_.size())));
     if (const auto* reason = std::get_if<wire::Malformed>(&decoded)) {
-      ++totals_.malformed[static_cast<std::size_t>(*reason)];
+      ++counts_.malformed[static_cast<std::size_t>(*reason)];
     } else {
       // Waited until now, which is later than the tick's time by the reading and the sending.
       receive(std::get<wire::Message>(decoded), now, read_at - received->waited);
@@ -168,30 +215,30 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     receive_force(*force, now, arrival);
   } else if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
     if (!connection_.on_welcome(*welcome)) {
-      totals_.foreign_session += welcome->session != connection_.session();
+      counts_.foreign_session += welcome->session != connection_.session();
       return;
     }
     forces_.begin_session(welcome->session);
     controller_.begin_server_side();
     silent_since_ = now;
-    totals_.scene.assign(welcome->scene);
-    totals_.simulated.assign(welcome->simulated);
-    text::make_printable(totals_.scene);
-    text::make_printable(totals_.simulated);
-    tell(Event::Kind::welcomed, now, totals_.simulated);
+    scene_.assign(welcome->scene);
+    simulated_.assign(welcome->simulated);
+    text::make_printable(scene_);
+    text::make_printable(simulated_);
+    tell(Event::Kind::welcomed, now, simulated_);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
     receive_refusal(*refusal, now, arrival);
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     receive_bye(*bye, now);
   } else {
-    ++totals_.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)];
+    ++counts_.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)];
   }
 }
 
 void Session::receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept {
   switch (connection_.on_refusal(refusal, arrival)) {
     case Connection::Refused::not_us:
-      ++totals_.foreign_session;
+      ++counts_.foreign_session;
       break;
     case Connection::Refused::session:
       tell(Event::Kind::session_unknown, now, refusal.text);
@@ -214,10 +261,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
       [[fallthrough]];
     case ForceStream::Verdict::overtaken:
       note_news(now);
-      force_record_.receive_time = arrival;
-      force_record_.round_trip = std::max(Nanoseconds::zero(), arrival - ForceStream::reading_time(force));
-      force_record_.force = force;
-      for (record::TickSink* sink : sinks_.ticks) sink->on_force(force_record_);
+      write_down(force, arrival);
       break;
     case ForceStream::Verdict::duplicate:
     case ForceStream::Verdict::foreign:
@@ -230,12 +274,12 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
   const Progress before = forces_.final_progress();
   // The first copy ended the session; a further one must not end the next.
   if (bye.session != connection_.session() || !forces_.accept(bye)) {
-    ++totals_.foreign_session;
+    ++counts_.foreign_session;
     return;
   }
   // While closing no forces come any more, which is no blackout.
   if (closing_) {
-    blackouts_.on_bye(record_.time, forces_.final_progress(), BlackoutWatch::Bye::answers_ours);
+    blackouts_.on_bye(last_tick_, forces_.final_progress(), BlackoutWatch::Bye::answers_ours);
   } else {
     blackouts_.on_bye(now, forces_.final_progress(), BlackoutWatch::Bye::of_the_server);
   }
@@ -259,46 +303,61 @@ void Session::keep_connected(Nanoseconds now) noexcept {
   if (connection_.hello_due(now)) (void)send(connection_.hello(clock_.now()));
 }
 
-void Session::write_down(const device::Reading& reading, const Vector& applied, Nanoseconds now) noexcept {
-  ++record_.tick;
-  record_.time = now;
-  record_.state = connection_.state();
-  record_.position = reading.position;
-  record_.joint = reading.joint;
-  record_.applied = applied;
-  record_.energy_J = law().energy_J();
-  record_.xi = law().xi();
-  note_contact(reading.position, applied);
+void Session::write_down(const Done& done) const noexcept {
+  record::TickRecord record{.tick = ticks_,
+                            .time = done.reading.latched,
+                            .interval = done.interval,
+                            .latency = done.latency,
+                            .state = recorded(state()),
+                            .policy = recorded(policy_),
+                            .motion_sequence = done.motion_sequence,
+                            .force_sequence = done.request.motion_sequence,
+                            .force_age = done.request.age,
+                            .position = done.reading.position,
+                            .joint = done.reading.joint,
+                            .request = done.request.force_N,
+                            .applied = done.applied,
+                            .energy_J = law().energy_J(),
+                            .xi = law().xi()};
+  note_contact(done, record);
   if (const auto audit = device_.audit()) {
-    record_.audit_J = audit->energy_J;
-    record_.audit_minimum_J = audit->minimum_J;
+    record.audit_J = audit->energy_J;
+    record.audit_minimum_J = audit->minimum_J;
   }
-  for (record::TickSink* sink : sinks_.ticks) sink->on_tick(record_);
+  for (record::TickSink* sink : sinks_.ticks) sink->on_tick(record);
 }
 
-void Session::note_contact(const Vector& position, const Vector& applied) noexcept {
-  record_.contact = false;
-  record_.penetration_m = kUnknown;
-  record_.displayed_N = 0;
+void Session::write_down(const wire::EnvironmentForce& force, Nanoseconds arrival) const noexcept {
+  const record::ForceRecord record{
+      .receive_time = arrival,
+      .round_trip = std::max(Nanoseconds::zero(), arrival - ForceStream::reading_time(force)),
+      .force = force};
+  for (record::TickSink* sink : sinks_.ticks) sink->on_force(record);
+}
+
+void Session::note_contact(const Done& done, record::TickRecord& record) const noexcept {
+  record.contact = false;
+  record.penetration_m = kUnknown;
+  record.displayed_N = 0;
   const auto& force = forces_.newest();
-  if (!force || record_.policy == record::ForcePolicy::dropped) return;
-  const Vector away = position - force->position;
+  if (!force || policy_ == ForcePolicy::dropped) return;
+  const Vector away = done.reading.position - force->position;
   const bool near = away.head(std::min(away.rows(), kTranslationsMax)).norm() <= kPlaneReach_m;
-  record_.contact = force->contact_normal.rows() == applied.rows();
-  if (!record_.contact) {
-    if (near) record_.penetration_m = 0;
+  record.contact = force->contact_normal.rows() == done.applied.rows();
+  if (!record.contact) {
+    if (near) record.penetration_m = 0;
     return;
   }
-  record_.displayed_N = applied.dot(force->contact_normal);
+  record.displayed_N = done.applied.dot(force->contact_normal);
   if (!near) return;
-  record_.penetration_m = force->penetration_m - force->contact_normal.dot(away);
-  record_.contact = record_.penetration_m > 0;
+  record.penetration_m = force->penetration_m - force->contact_normal.dot(away);
+  record.contact = record.penetration_m > 0;
 }
 
 bool Session::close(Nanoseconds now) noexcept {
   if (!std::exchange(closing_, true)) note_news(now);
   now_ = now;
-  device_.apply(now, Vector::Zero(device_.facts().degrees_of_freedom()));
+  device_.stop(now);
   receive_all(now);
   // A network that has held a datagram up for so long may hold up the last ones as long.
   const bool all_came = now - last_news_ >= forces_.longest_delay(time::from_seconds(device_.facts().period_s));
@@ -321,7 +380,21 @@ void Session::tell(Event::Kind kind, Nanoseconds now, std::string_view words, Na
 
 record::RunTotals Session::totals() const {
   const ForceStream::Counts network = forces_.counts(now_);
-  record::RunTotals totals = totals_;
+  record::RunTotals totals;
+  totals.scene = scene_;
+  totals.simulated = simulated_;
+  totals.malformed = counts_.malformed;
+  totals.foreign_session = counts_.foreign_session;
+  totals.send_failures = counts_.send_failures;
+  totals.held_too_long = counts_.held_too_long;
+  totals.released_by_device = counts_.released_by_device;
+  const device::DeviceCounters device = device_.counters();
+  totals.device_gaps_cut = device.gaps_cut;
+  totals.device_frozen_joints = device.frozen_joints;
+  totals.device_faulty_commands = device.faulty_commands;
+  if (!device_.last_error().empty()) {
+    totals.notes.push_back(device_.facts().name + ": " + std::string(device_.last_error()));
+  }
   totals.sent = network.sent;
   totals.received = network.received;
   totals.lost_up = network.lost_up;
@@ -336,7 +409,7 @@ record::RunTotals Session::totals() const {
   totals.impossible_intervals = controller_.counts().intervals_impossible;
   totals.withdrawn_forces = controller_.counts().withdrawn;
   totals.non_finite_readings = controller_.counts().readings_not_finite;
-  totals.longest_blackout = blackouts_.longest(record_.time);
+  totals.longest_blackout = blackouts_.longest(last_tick_);
   if (totals.longest_blackout.duration > Nanoseconds::zero()) {
     totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));
   }

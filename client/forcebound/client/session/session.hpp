@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "forcebound/client/session/blackout_watch.hpp"
 #include "forcebound/client/session/choosing_time.hpp"
@@ -30,8 +31,8 @@ using time::Nanoseconds;
 ///     -> saturate, bound, round (PassivityController) -> apply -> write down
 ///
 /// The motion leaves before the force is chosen, so that an answer loses no tick where the server is near.
-/// Whatever fails on the way, the force is zero and the event is counted; the law runs in every state of the connection
-/// and its ledger is never reset.
+/// Nothing is decided by what was written down. Whatever fails on the way, the force is zero and the event is counted;
+/// the law runs in every state of the connection and its ledger is never reset.
 ///
 /// Real time: `tick` and `close` are noexcept, allocate nothing, wait for nothing. Owned by one thread.
 class Session {
@@ -61,6 +62,7 @@ class Session {
   [[nodiscard]] bool close(Nanoseconds now) noexcept;
 
   [[nodiscard]] SessionState state() const noexcept { return connection_.state(); }
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] bool refused() const noexcept { return refused_; }
   [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
 
@@ -68,7 +70,34 @@ class Session {
   [[nodiscard]] record::RunTotals totals() const;
 
  private:
-  void send_motion(const Vector& position, Nanoseconds now) noexcept;
+  /// What the environment wants of the device on this tick.
+  struct Request {
+    Vector force_N{};                   ///< after the late-force policy
+    std::uint64_t motion_sequence = 0;  ///< of the motion that it answers, 0: there is none
+    Nanoseconds age{0};                 ///< since that motion's reading
+  };
+
+  /// What one tick did, for the record.
+  struct Done {
+    device::Reading reading{};
+    std::uint64_t motion_sequence = 0;  ///< sent, 0: none
+    Request request{};
+    Vector applied{};
+    Nanoseconds interval{0};
+    Nanoseconds latency{0};
+  };
+
+  /// Of what a person should hear about, as far as Session counts it itself.
+  struct Counts {
+    std::uint64_t foreign_session = 0;
+    std::array<std::uint64_t, wire::kMalformedReasons> malformed{};
+    std::uint64_t send_failures = 0;
+    std::uint64_t held_too_long = 0;
+    std::uint64_t released_by_device = 0;
+  };
+
+  [[nodiscard]] device::Reading read_device(Nanoseconds now) noexcept;
+  std::uint64_t send_motion(const Vector& position, Nanoseconds read_at) noexcept;
   bool send(const wire::Message& message) noexcept;
   void receive_all(Nanoseconds now) noexcept;
   void receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept;
@@ -77,12 +106,13 @@ class Session {
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void note_news(Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
-  [[nodiscard]] control::Motion motion_at(const device::Reading& reading, Nanoseconds now) const noexcept;
+  [[nodiscard]] control::Motion motion_at(const device::Reading& reading) const noexcept;
   [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
-  [[nodiscard]] Vector request_at(const Vector& position, Nanoseconds now) noexcept;
-  void note_policy(record::ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
-  void write_down(const device::Reading& reading, const Vector& applied, Nanoseconds now) noexcept;
-  void note_contact(const Vector& position, const Vector& applied) noexcept;
+  [[nodiscard]] Request request_at(const Vector& position, Nanoseconds now) noexcept;
+  void note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
+  void write_down(const Done& done) const noexcept;
+  void write_down(const wire::EnvironmentForce& force, Nanoseconds arrival) const noexcept;
+  void note_contact(const Done& done, record::TickRecord& record) const noexcept;
   void tell(Event::Kind kind, Nanoseconds now, std::string_view words, Nanoseconds duration = {}) noexcept;
 
   Options options_;
@@ -99,9 +129,10 @@ class Session {
   wire::Codec codec_;
   std::array<std::byte, net::kDatagramBytesMax + 1> buffer_{};  // one more, so that an oversize datagram shows
 
-  record::TickRecord record_;
-  record::ForceRecord force_record_;
   Event event_;
+  std::uint64_t ticks_ = 0;
+  ForcePolicy policy_ = ForcePolicy::none;
+  Nanoseconds last_tick_{0};
   std::optional<Nanoseconds> previous_reading_;
   std::optional<Nanoseconds> previous_command_;
   Nanoseconds silent_since_{0};
@@ -112,7 +143,10 @@ class Session {
   Nanoseconds last_news_{0};
   Nanoseconds now_{0};
   bool refused_ = false;
-  record::RunTotals totals_;  // its texts hold all that a Welcome can carry, so that the tick does not allocate
+  Counts counts_;
+  // They hold all that a Welcome can carry, so that the tick does not allocate.
+  std::string scene_;
+  std::string simulated_;
 };
 
 }  // namespace forcebound::client

@@ -55,7 +55,7 @@ SoakResult soak(std::uint64_t seed, const std::string& law) {
   Witness witness(time::from_seconds(drawn.settings.device.facts.period_s));
   sim::ClosedLoop loop(drawn.settings, {&invariants, &witness});
   loop.run(drawn.duration);
-  const bool active = loop.session().state() == record::SessionState::active;
+  const bool active = loop.session().state() == client::SessionState::active;
   (void)loop.close();
   const record::RunTotals totals = loop.totals();
   invariants.finish(totals, active, loop.server()->counters());

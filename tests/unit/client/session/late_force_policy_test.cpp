@@ -20,9 +20,9 @@ TEST(LateForcePolicy, HoldsThenFadesLinearlyThenDrops) {
 
 TEST(LateForcePolicy, NamesWhatItDoes) {
   const LateForcePolicy policy{.hold = 200ms, .drop = 1000ms};
-  EXPECT_EQ(policy.verdict(200ms), record::ForcePolicy::fresh);
-  EXPECT_EQ(policy.verdict(201ms), record::ForcePolicy::fading);
-  EXPECT_EQ(policy.verdict(1000ms), record::ForcePolicy::dropped);
+  EXPECT_EQ(policy.verdict(200ms), ForcePolicy::fresh);
+  EXPECT_EQ(policy.verdict(201ms), ForcePolicy::fading);
+  EXPECT_EQ(policy.verdict(1000ms), ForcePolicy::dropped);
 }
 
 TEST(LateForcePolicy, DropsAtOnceWhereHoldEqualsDrop) {

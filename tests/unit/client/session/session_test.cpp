@@ -16,7 +16,7 @@ TEST_F(SessionTest, AppliesNothingBeforeTheServerHasSpoken) {
   for (int i = 0; i < 50; ++i) tick();
   EXPECT_EQ(device.applied, Vector::Zero(1));
   EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
-  EXPECT_EQ(records.last.state, SessionState::connecting);
+  EXPECT_EQ(records.last.state, record::SessionState::connecting);
 }
 
 TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
@@ -354,6 +354,52 @@ TEST_F(SessionTest, TickDoesNotAllocateInTheWholeLifeOfASession) {
     (void)session.close(clock.time);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+TEST_F(SessionTest, GivesZeroForceOnAReadingThatFailedOrIsStale) {
+  for (const auto status : {device::Reading::Status::failed, device::Reading::Status::stale}) {
+    device.status = device::Reading::Status::ok;
+    if (session.state() != SessionState::active) connect();
+    tick();
+    const auto before = session.totals().non_finite_readings;
+    arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+    tick();
+    ASSERT_EQ(device.applied[0], -2.0);
+    device.status = status;
+    link.sent.clear();
+    tick();
+    EXPECT_EQ(device.applied[0], 0.0);
+    EXPECT_EQ(session.totals().non_finite_readings, before + 1);
+    EXPECT_EQ(sent<wire::MotionSample>().size(), 0U) << "nobody knows where the device is";
+  }
+}
+
+TEST_F(SessionTest, GivesZeroForceOnAReadingOfTheWrongSize) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+  device.position = Vector::Zero(3);
+  tick();
+  EXPECT_EQ(device.applied, Vector::Zero(1));
+  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+}
+
+TEST_F(SessionTest, TakesTheTimeOfAReadingFromTheDeviceThatLatchedIt) {
+  connect();
+  device.latched_before = 300us;
+  tick();
+  EXPECT_EQ(sent<wire::MotionSample>().at(0).device_time, clock.time - 300us);
+  EXPECT_EQ(records.last.time, clock.time - 300us);
+  EXPECT_EQ(records.last.interval, 700us);
+  EXPECT_EQ(records.last.latency, 300us);
+}
+
+TEST_F(SessionTest, BelievesNoReadingThatIsYetToCome) {
+  connect();
+  device.latched_before = -1ms;
+  tick();
+  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(records.last.time, clock.time);
 }
 
 TEST_F(SessionTest, RandomDatagramsNeverReachTheDevice) {
