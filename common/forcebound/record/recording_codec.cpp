@@ -6,25 +6,22 @@
 #include <stdexcept>
 
 #include "forcebound/v1/record.pb.h"
+#include "forcebound/wire/internal/proto_conversion.hpp"
 
 namespace forcebound::record {
 namespace {
 
 using Repeated = google::protobuf::RepeatedField<double>;
 
-template <class Rows>
-void put(const Rows& vector, Repeated& out) {
-  out.Add(vector.data(), vector.data() + vector.size());
-}
+void put(const control::Vector& vector, Repeated& out) { out.Add(vector.data(), vector.data() + vector.size()); }
 
-template <class Rows = control::Vector>
-Rows vector_from(const Repeated& in, const char* name) {
-  constexpr int kRowsMax = Rows::MaxRowsAtCompileTime;
+control::Vector vector_from(const Repeated& in, const char* name) {
+  constexpr int kRowsMax = control::kDofMax;
   if (in.size() > kRowsMax) {
     throw std::invalid_argument(std::string(name) + " must have at most " + std::to_string(kRowsMax) + " rows, got " +
                                 std::to_string(in.size()));
   }
-  Rows vector(in.size());
+  control::Vector vector(in.size());
   for (int row = 0; row < in.size(); ++row) vector[row] = in[row];
   return vector;
 }
@@ -47,46 +44,15 @@ Enum enum_from(int value, Enum last, const char* name) {
   return static_cast<Enum>(value);
 }
 
-void put(const wire::EnvironmentForce& force, v1::EnvironmentForce& out) {
-  out.set_session(force.session);
-  out.set_sequence(force.sequence);
-  out.set_motion_sequence(force.motion_sequence);
-  out.set_motion_device_time_ns(force.motion_device_time.count());
-  put(force.force, *out.mutable_force_n());
-  put(force.position, *out.mutable_position_m());
-  put(force.contact_normal, *out.mutable_contact_normal());
-  out.set_penetration_m(force.penetration_m);
-  out.set_server_receive_time_ns(force.server_receive_time.count());
-  out.set_server_send_time_ns(force.server_send_time.count());
-  out.set_compute_time_ns(force.compute_time.count());
-  out.set_motions_received(force.motions_received);
-  out.set_motions_duplicated(force.motions_duplicated);
-  out.set_motions_reordered(force.motions_reordered);
-  out.set_texture_n(force.texture_N);
-  put(force.texture_wave, *out.mutable_texture_wave_rad_per_m());
-  put(force.texture_across, *out.mutable_texture_across_rad_per_m());
-  put(force.port, *out.mutable_port());
-}
-
-void take(const v1::EnvironmentForce& in, wire::EnvironmentForce& force) {
-  force.session = in.session();
-  force.sequence = in.sequence();
-  force.motion_sequence = in.motion_sequence();
-  force.motion_device_time = time_from(in.motion_device_time_ns(), "motion_device_time_ns");
-  force.force = vector_from(in.force_n(), "force_N");
-  force.position = vector_from(in.position_m(), "position_m");
-  force.contact_normal = vector_from(in.contact_normal(), "contact_normal");
-  force.penetration_m = in.penetration_m();
-  force.server_receive_time = time_from(in.server_receive_time_ns(), "server_receive_time_ns");
-  force.server_send_time = time_from(in.server_send_time_ns(), "server_send_time_ns");
-  force.compute_time = time_from(in.compute_time_ns(), "compute_time_ns");
-  force.motions_received = in.motions_received();
-  force.motions_duplicated = in.motions_duplicated();
-  force.motions_reordered = in.motions_reordered();
-  force.texture_N = in.texture_n();
-  force.texture_wave = vector_from(in.texture_wave_rad_per_m(), "texture_wave_rad_per_m");
-  force.texture_across = vector_from(in.texture_across_rad_per_m(), "texture_across_rad_per_m");
-  force.port = vector_from<control::PortNumbers>(in.port(), "port");
+template <class Proto, class Value>
+void take_over(const Proto& in, Value& value) {
+  const auto refuse = [](const wire::Flaws::Flaw& flaw, const std::string& accepted) {
+    throw std::invalid_argument(std::string(flaw.field) + " must " + accepted + ", got " + std::to_string(flaw.got));
+  };
+  value = {};
+  const wire::Flaws flaws = wire::take(in, value);
+  if (flaws.time.field != nullptr) refuse(flaws.time, "be within 2^61");
+  if (flaws.rows.field != nullptr) refuse(flaws.rows, "have at most " + std::to_string(flaws.rows.most) + " rows");
 }
 
 template <class Message>
@@ -171,7 +137,7 @@ std::string encode(const ForceRecord& force) {
   v1::ForceRecord out;
   out.set_receive_time_ns(force.receive_time.count());
   out.set_round_trip_ns(force.round_trip.count());
-  put(force.force, *out.mutable_force());
+  wire::fill(force.force, *out.mutable_force());
   return out.SerializeAsString();
 }
 
@@ -179,34 +145,25 @@ void decode(std::string_view bytes, ForceRecord& force) {
   const auto in = parse<v1::ForceRecord>(bytes);
   force.receive_time = time_from(in.receive_time_ns(), "receive_time_ns");
   force.round_trip = time_from(in.round_trip_ns(), "round_trip_ns");
-  take(in.force(), force.force);
+  take_over(in.force(), force.force);
 }
 
 std::string encode(const wire::MotionSample& motion) {
   v1::MotionSample out;
-  out.set_session(motion.session);
-  out.set_sequence(motion.sequence);
-  out.set_device_time_ns(motion.device_time.count());
-  put(motion.position, *out.mutable_position_m());
-  put(motion.port, *out.mutable_port());
+  wire::fill(motion, out);
   return out.SerializeAsString();
 }
 
-void decode(std::string_view bytes, wire::MotionSample& motion) {
-  const auto in = parse<v1::MotionSample>(bytes);
-  motion.session = in.session();
-  motion.sequence = in.sequence();
-  motion.device_time = time_from(in.device_time_ns(), "device_time_ns");
-  motion.position = vector_from(in.position_m(), "position_m");
-  motion.port = vector_from<control::PortNumbers>(in.port(), "port");
-}
+void decode(std::string_view bytes, wire::MotionSample& motion) { take_over(parse<v1::MotionSample>(bytes), motion); }
 
 std::string encode(const wire::EnvironmentForce& force) {
   v1::EnvironmentForce out;
-  put(force, out);
+  wire::fill(force, out);
   return out.SerializeAsString();
 }
 
-void decode(std::string_view bytes, wire::EnvironmentForce& force) { take(parse<v1::EnvironmentForce>(bytes), force); }
+void decode(std::string_view bytes, wire::EnvironmentForce& force) {
+  take_over(parse<v1::EnvironmentForce>(bytes), force);
+}
 
 }  // namespace forcebound::record

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "forcebound/v1/session.pb.h"
+#include "forcebound/wire/internal/proto_conversion.hpp"
 
 namespace forcebound::wire {
 namespace {
@@ -56,20 +57,6 @@ std::string_view cut_text(std::string_view text) noexcept { return cut(text, kTe
 
 using Numbers = google::protobuf::RepeatedField<double>;
 
-template <class Rows>
-void put(const Rows& from, Numbers* to) noexcept {
-  for (Eigen::Index i = 0; i < from.rows(); ++i) to->Add(from[i]);
-}
-
-/// False if it is none of our vectors.
-template <class Rows>
-bool take(const Numbers& from, Rows& to) noexcept {
-  if (from.size() > Rows::MaxRowsAtCompileTime) return false;
-  to.resize(from.size());
-  for (int i = 0; i < from.size(); ++i) to[i] = from[i];
-  return to.allFinite();
-}
-
 }  // namespace
 
 struct Codec::Storage {
@@ -78,8 +65,8 @@ struct Codec::Storage {
   void fill(const Hello& from) noexcept;
   void fill(const Welcome& from) noexcept;
   void fill(const Refusal& from) noexcept;
-  void fill(const MotionSample& from) noexcept;
-  void fill(const EnvironmentForce& from) noexcept;
+  void fill(const MotionSample& from) noexcept { wire::fill(from, motion); }
+  void fill(const EnvironmentForce& from) noexcept { wire::fill(from, force); }
   void fill(const Bye& from) noexcept;
 
   template <class Proto>
@@ -146,37 +133,6 @@ void Codec::Storage::fill(const Refusal& from) noexcept {
   refusal.set_client_time_ns(from.client_time.count());
 }
 
-void Codec::Storage::fill(const MotionSample& from) noexcept {
-  motion.Clear();
-  motion.set_session(from.session);
-  motion.set_sequence(from.sequence);
-  motion.set_device_time_ns(from.device_time.count());
-  put(from.position, motion.mutable_position_m());
-  put(from.port, motion.mutable_port());
-}
-
-void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
-  force.Clear();
-  force.set_session(from.session);
-  force.set_sequence(from.sequence);
-  force.set_motion_sequence(from.motion_sequence);
-  force.set_motion_device_time_ns(from.motion_device_time.count());
-  put(from.force, force.mutable_force_n());
-  put(from.position, force.mutable_position_m());
-  put(from.contact_normal, force.mutable_contact_normal());
-  force.set_penetration_m(from.penetration_m);
-  force.set_server_receive_time_ns(from.server_receive_time.count());
-  force.set_server_send_time_ns(from.server_send_time.count());
-  force.set_compute_time_ns(from.compute_time.count());
-  force.set_motions_received(from.motions_received);
-  force.set_motions_duplicated(from.motions_duplicated);
-  force.set_motions_reordered(from.motions_reordered);
-  force.set_texture_n(from.texture_N);
-  put(from.texture_wave, force.mutable_texture_wave_rad_per_m());
-  put(from.texture_across, force.mutable_texture_across_rad_per_m());
-  put(from.port, force.mutable_port());
-}
-
 void Codec::Storage::fill(const Bye& from) noexcept {
   bye.Clear();
   bye.set_session(from.session);
@@ -229,38 +185,21 @@ Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
                          .client_time = time}};
 }
 
-Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
-  MotionSample motion{
-      .session = from.session(), .sequence = from.sequence(), .device_time = Nanoseconds{from.device_time_ns()}};
-  // Without a position it would be smaller than the Refusal that may answer it.
-  if (from.position_m().empty() || !plausible(motion.device_time)) return Malformed::unreadable;
-  if (!take(from.position_m(), motion.position) || !take(from.port(), motion.port)) return Malformed::non_finite;
-  return Message{motion};
+template <class Value, class Proto>
+Decoded taken(const Proto& from) noexcept {
+  Value value;
+  const Flaws flaws = take(from, value);
+  if (flaws.time.field != nullptr) return Malformed::unreadable;
+  if (flaws.rows.field != nullptr || flaws.not_finite) return Malformed::non_finite;
+  return Message{value};
 }
 
-Decoded to_value(const v1::EnvironmentForce& from, std::size_t) noexcept {
-  EnvironmentForce force{.session = from.session(),
-                         .sequence = from.sequence(),
-                         .motion_sequence = from.motion_sequence(),
-                         .motion_device_time = Nanoseconds{from.motion_device_time_ns()},
-                         .penetration_m = from.penetration_m(),
-                         .server_receive_time = Nanoseconds{from.server_receive_time_ns()},
-                         .server_send_time = Nanoseconds{from.server_send_time_ns()},
-                         .compute_time = Nanoseconds{from.compute_time_ns()},
-                         .motions_received = from.motions_received(),
-                         .motions_duplicated = from.motions_duplicated(),
-                         .motions_reordered = from.motions_reordered(),
-                         .texture_N = from.texture_n()};
-  const bool times = plausible(force.motion_device_time) && plausible(force.server_receive_time) &&
-                     plausible(force.server_send_time) && plausible(force.compute_time);
-  if (!times) return Malformed::unreadable;
-  const bool ours = take(from.force_n(), force.force) && take(from.position_m(), force.position) &&
-                    take(from.contact_normal(), force.contact_normal) && std::isfinite(force.penetration_m) &&
-                    std::isfinite(force.texture_N) && take(from.texture_wave_rad_per_m(), force.texture_wave) &&
-                    take(from.texture_across_rad_per_m(), force.texture_across) && take(from.port(), force.port);
-  if (!ours) return Malformed::non_finite;
-  return Message{force};
+Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
+  // Without a position it would be smaller than the Refusal that may answer it.
+  return from.position_m().empty() ? Decoded{Malformed::unreadable} : taken<MotionSample>(from);
 }
+
+Decoded to_value(const v1::EnvironmentForce& from, std::size_t) noexcept { return taken<EnvironmentForce>(from); }
 
 Decoded to_value(const v1::Bye& from, std::size_t) noexcept {
   return Message{Bye{.session = from.session(),

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "forcebound/v1/session.pb.h"
+#include "forcebound/wire/messages.hpp"
+
+/// Motions and forces as Protocol Buffers messages, in one place for datagrams and recordings: a new field is a line in
+/// the schema, in the struct and in each direction here. Private to wire and record.
+namespace forcebound::wire {
+
+/// What the numbers of a message cannot be; the first field of each kind. Everything else was taken over.
+struct Flaws {
+  struct Flaw {
+    const char* field = nullptr;  ///< null: no such flaw
+    std::int64_t got = 0;
+    std::int64_t most = 0;
+  };
+
+  Flaw time;                ///< further from zero than kTimeMost; the field stays zero
+  Flaw rows;                ///< more of them than there can be; the field stays empty
+  bool not_finite = false;  ///< some number
+};
+
+/// Clears `to` first, which keeps its memory.
+void fill(const MotionSample& from, v1::MotionSample& to) noexcept;
+void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept;
+
+[[nodiscard]] Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept;
+[[nodiscard]] Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept;
+
+}  // namespace forcebound::wire
