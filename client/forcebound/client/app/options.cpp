@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/device_registry.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/text/terminal.hpp"
 
@@ -24,24 +25,6 @@ constexpr std::string_view kAbout =
     "returns more energy than its damping takes, however late they are.\n";
 
 constexpr std::string_view kMore = R"(
-Devices (--device), all simulated, or a TOML file with a device's facts:
-  wall-1dof       the paper's one-axis device, 30 N s/m, 15 um encoder
-  cartesian-2dof  two axes, 1 N s/m, 55 um
-  cartesian-3dof  three axes, 0.5 N s/m, 55 um
-  omni            three-joint arm in the size of a PHANToM Omni
-Operators (--operator), simulated hands; NAME:key=value,... changes their numbers:
-  press           moves into a wall and stays
-  stroke          comes from above, goes to and fro
-  trace-circle    follows the inside of a circle
-  trace-sphere    follows the outside of a sphere
-  wave            moves in free space
-  replay:FILE.csv[,key=value,...]
-                  plays a recorded hand (time_s,x_m[,y_m,z_m])
-The summary lists an operator's keys and their values; such as press:to_m=0.03, or
-replay:hand.csv,offset_x_m=0.01. Without --operator the device chooses one, without
---device the operator does; without both it is press on wall-1dof. Which ones feel a
-scene says forcebound-server --scene SCENE --suggest.
-
 A force is applied as it is while the motion it answers is younger than --hold,
 then fades, and is zero from --drop on. On a terminal a line shows how it goes; at
 the end, also after Ctrl-C, a summary is printed. NO_COLOR=1 leaves out colours.
@@ -85,17 +68,6 @@ void check_server(const std::string& server) {
   std::exit(2);
 }
 
-std::string operator_for(std::string_view device) {
-  if (device == "wall-1dof") return "press";
-  return device == "cartesian-2dof" ? "trace-circle" : "trace-sphere";
-}
-
-std::string device_for(std::string_view hand) {
-  const std::string_view name = hand.substr(0, hand.find(':'));
-  if (name.empty() || name == "press") return "wall-1dof";
-  return name == "trace-circle" ? "cartesian-2dof" : "omni";
-}
-
 }  // namespace
 
 Options parse_options(int argc, char** argv) {
@@ -104,19 +76,20 @@ Options parse_options(int argc, char** argv) {
   double drop_ms = time::to_seconds(options.policy.drop) * 1e3;
   std::string memory = "capped";
   const control::LawRegistry laws = baselines::shipped_laws();
+  const device::DeviceRegistry devices = device::DeviceRegistry::standard();
 
   CLI::App app{std::string(kAbout), "forcebound-client"};
   app.formatter_fn([](const CLI::App* of, std::string name, CLI::AppFormatMode mode) {
     return text::wrapped_help(CLI::Formatter().make_help(of, std::move(name), mode));
   });
-  app.footer("Laws (--law):\n" + laws.help() + std::string(kMore));
+  app.footer("Laws (--law):\n" + laws.help() + "\n" + devices.help() + std::string(kMore));
   app.set_version_flag("--version", "forcebound-client " FORCEBOUND_VERSION);
   app.add_option("--server", options.server, "the server, or a relay in front of it")
       ->required()
       ->type_name("HOST:PORT");
   app.add_option("--scene", options.scene, "scene to ask for; default: the one the server runs")->type_name("NAME");
-  app.add_option("--device", options.device, "see below")->type_name("NAME|FILE");
-  app.add_option("--operator", options.hand, "see below")->type_name("SPEC");
+  app.add_option("--device", options.device.device, "see below")->type_name("NAME|FILE");
+  app.add_option("--operator", options.device.hand, "see below")->type_name("SPEC");
   app.add_option("--law", options.law, "see below")
       ->check(CLI::IsMember(laws.names()).description(""))
       ->type_name("LAW")
@@ -166,8 +139,7 @@ Options parse_options(int argc, char** argv) {
   } catch (const std::exception& error) {
     end_as_wrong_use(error.what());
   }
-  if (options.device.empty()) options.device = device_for(options.hand);
-  if (options.hand.empty()) options.hand = operator_for(options.device);
+  options.device = devices.completed(options.device);
   return options;
 }
 

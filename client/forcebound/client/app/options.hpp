@@ -4,6 +4,7 @@
 
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/device_registry.hpp"
 
 namespace forcebound::client {
 
@@ -11,8 +12,7 @@ namespace forcebound::client {
 struct Options {
   std::string server;
   std::string scene;
-  std::string device;
-  std::string hand;  ///< the operator's specification
+  device::DeviceRequest device;  ///< the hand is the operator's specification
   std::string law = "fba-exact";
   std::string law_parameters;  ///< the file of them; empty: standard values
   std::string law_help;        ///< law to tell about instead of running

@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "forcebound/client/app/event_queue.hpp"
 #include "forcebound/client/app/late_force_log.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/options.hpp"
+#include "forcebound/client/runtime/event_queue.hpp"
 
 namespace forcebound::client {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <atomic>
-#include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
+#include <memory>
 
 #include "forcebound/client/session/event.hpp"
 
@@ -13,17 +13,20 @@ namespace forcebound::client {
 /// Real time: `on_event` is noexcept, allocates nothing and never waits; a full queue drops the event and counts it.
 class EventQueue final : public EventSink {
  public:
-  void on_event(const Event& event) noexcept override {
-    if (!queue_.push(event)) dropped_.fetch_add(1, std::memory_order_relaxed);
-  }
+  EventQueue();
+  ~EventQueue() override;
 
-  bool take(Event& event) noexcept { return queue_.pop(event); }
+  void on_event(const Event& event) noexcept override;
+
+  /// The oldest that waits, if any.
+  bool take(Event& event) noexcept;
 
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  static constexpr std::size_t kCapacity = 256;
-  boost::lockfree::spsc_queue<Event> queue_{kCapacity};
+  struct Queue;
+
+  std::unique_ptr<Queue> queue_;
   std::atomic<std::uint64_t> dropped_{0};
 };
 

@@ -1,4 +1,4 @@
-#include "forcebound/client/app/idle_timer.hpp"
+#include "forcebound/client/runtime/idle_timer.hpp"
 
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/real_time.hpp"

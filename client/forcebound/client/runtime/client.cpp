@@ -1,0 +1,151 @@
+#include "forcebound/client/runtime/client.hpp"
+
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "forcebound/client/runtime/event_queue.hpp"
+#include "forcebound/client/runtime/idle_timer.hpp"
+#include "forcebound/client/runtime/priority.hpp"
+#include "forcebound/client/runtime/tick_loop.hpp"
+#include "forcebound/client/runtime/zero_force_first.hpp"
+#include "forcebound/client/session/session.hpp"
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/net/udp_link.hpp"
+#include "forcebound/record/recorder.hpp"
+#include "forcebound/time/steady_clock.hpp"
+
+namespace forcebound::client {
+namespace {
+
+constexpr Nanoseconds kHousekeeping = std::chrono::milliseconds{50};
+
+record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
+                         const control::PassivityLaw& law, const time::Clock& clock) {
+  const control::DeviceFacts& facts = device.facts();
+  record::RunInfo info;
+  info.program = settings.program;
+  info.law = settings.law.empty() ? std::string(law.name()) : settings.law;
+  info.law_parameters = settings.law_parameters;
+  info.device = facts.name;
+  info.facts = device.facts_in_words();
+  info.operator_name = settings.hand;
+  info.hand = device.hand_in_words();
+  info.scene = settings.scene;
+  info.network = "server " + settings.server;
+  info.seed = settings.seed;
+  info.period = time::from_seconds(facts.period_s);
+  info.hold = settings.policy.hold;
+  info.drop = settings.policy.drop;
+  info.audited = device.audit().has_value();
+  info.device_simulated = device.is_simulated();
+  info.guarantee = settings.guarantee;
+  info.force_N_max = facts.force_N_max;
+  info.epoch = time::wall_clock_now() - clock.now();
+  return info;
+}
+
+/// Lets no exception leave a loop behind that nobody ends.
+struct EndOfLoop {
+  TickLoop& loop;
+  ~EndOfLoop() { loop.end(); }
+};
+
+}  // namespace
+
+struct Client::Parts {
+  Parts(const Settings& chosen, device::HapticDevice& its_device, std::unique_ptr<control::PassivityLaw> law,
+        std::vector<record::TickSink*> others)
+      : settings(chosen),
+        device(its_device),
+        server(net::resolve(net::parse_endpoint(settings.server))),
+        link(net::UdpLink::towards(server)),
+        info(run_info(settings, device, *law, clock)),
+        summary(info),
+        sinks(std::move(others)) {
+    sinks.push_back(&summary);
+    if (!settings.recording.empty()) {
+      writer.emplace(settings.recording, info);
+      sinks.push_back(&recorder);
+    }
+    session.emplace(
+        Session::Options{.server = server, .scene = settings.scene, .policy = settings.policy, .seed = settings.seed},
+        device, std::move(law), link, clock, Session::Sinks{.ticks = sinks, .events = &events});
+  }
+
+  void finish(record::RunTotals totals) {
+    if (writer) {
+      recorder.drain(*writer);
+      writer->flush();
+      totals.recording_dropped = recorder.dropped();
+      totals.recording_unwritten = writer->unwritten();
+      if (!writer->problem().empty()) totals.notes.push_back(writer->problem());
+      writer->finish(totals);
+    }
+    summary.finish(totals);
+  }
+
+  Settings settings;
+  device::HapticDevice& device;
+  time::SteadyClock clock;
+  net::Address server;
+  net::UdpLink link;
+  record::RunInfo info;
+  record::Summary summary;
+  record::Recorder recorder;
+  std::optional<record::RecordingWriter> writer;
+  EventQueue events;
+  std::vector<record::TickSink*> sinks;
+  std::optional<Session> session;
+  TickLoop::Outcome outcome;
+};
+
+Client::Client(const Settings& settings, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
+               std::vector<record::TickSink*> sinks)
+    : parts_(std::make_unique<Parts>(settings, device, std::move(law), std::move(sinks))) {}
+
+Client::~Client() = default;
+
+void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping) {
+  Parts& p = *parts_;
+  p.device.start();
+  ZeroForceFirst zero_force_first(p.device, *p.session, p.clock, p.settings.seed);
+  const control::LastResortScope scope(zero_force_first);
+  IdleTimer idle(p.clock, p.info.period, kTickPriority);
+  TickLoop loop({.period = p.info.period, .duration_s = p.settings.duration_s, .once = p.settings.once}, *p.session,
+                p.clock, stop);
+  const Nanoseconds start = p.clock.now();
+  std::jthread tick([&loop] { loop.run(); });
+  const EndOfLoop end{loop};
+  while (!loop.done()) {
+    std::this_thread::sleep_for(kHousekeeping);
+    if (p.writer) p.recorder.drain(*p.writer);
+    const Nanoseconds now = p.clock.now();
+    if (housekeeping) housekeeping(now, now - start);
+  }
+  tick.join();
+  p.outcome = loop.outcome();
+
+  record::RunTotals totals = p.session->totals();
+  totals.idle_timer = idle.stop();
+  totals.tick_allocations = p.outcome.allocations;
+  totals.missed_ticks = p.outcome.missed_ticks;
+  totals.events_dropped = p.events.dropped();
+  totals.datagrams_overflowed = p.link.counters().overflowed;
+  totals.nobody_listening = p.link.counters().refused;
+  p.finish(std::move(totals));
+}
+
+EventQueue& Client::events() noexcept { return parts_->events; }
+const record::Summary& Client::summary() const noexcept { return parts_->summary; }
+const std::string& Client::real_time_grant() const noexcept { return parts_->outcome.grant; }
+
+std::string Client::why_no_session() const {
+  if (!parts_->outcome.gave_up) return {};
+  const std::string& server = parts_->settings.server;
+  if (parts_->session->refused()) return server + " refused";
+  const bool nobody = parts_->link.counters().refused > 0;
+  return "no answer from " + server + (nobody ? ": nobody listens there" : "");
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/control/law.hpp"
+#include "forcebound/device/haptic_device.hpp"
+#include "forcebound/record/summary.hpp"
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::client {
+
+class EventQueue;
+
+/// A whole client but for its command line and screen: a device and a law at work against a server, with the thread of
+/// the tick, the socket, the recording and the summary.
+///
+///     MyDevice device;
+///     client::Client client({.server = "127.0.0.1:47800", .duration_s = 10}, device,
+///                           control::force_bounding_laws().make("fba-exact", device.facts()));
+///     client.run(stop);
+///     std::puts(client.summary().to_text().c_str());
+///
+/// If an assertion of Forcebound fails meanwhile, the device is stopped before the program ends.
+class Client {
+ public:
+  struct Settings {
+    std::string server;   ///< HOST:PORT
+    std::string scene{};  ///< wanted, empty: the server's own
+    LateForcePolicy policy{};
+    std::uint64_t seed = 1;   ///< of the handshake's nonces: another one for each run
+    double duration_s = 0;    ///< 0: until stopped
+    bool once = false;        ///< give up if the server refuses, or is silent for 5 s
+    std::string recording{};  ///< MCAP file for every tick and force; empty: none
+    // What the record says of itself beside what device and settings tell.
+    std::string program{};
+    std::string law{};  ///< its name; empty: as the law calls itself
+    std::string law_parameters{};
+    std::string guarantee{};  ///< what the law's ledger guarantees, and under which facts
+    std::string hand{};       ///< as asked for
+  };
+
+  /// Some times a second while it runs.
+  using Housekeeping = std::function<void(time::Nanoseconds now, time::Nanoseconds elapsed)>;
+
+  /// Connects and opens what is asked for; the device is not started yet. `device` and `sinks` must outlive it.
+  /// @throws std::exception with one line for a person: server, recording, policy or what the controller refuses.
+  Client(const Settings& settings, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
+         std::vector<record::TickSink*> sinks = {});
+  ~Client();
+
+  /// Starts the device and runs until the time is up, the client gives up or `stop` is set; ends with zero force. To be
+  /// called once. @throws std::exception if the device does not start, or the recording cannot be ended.
+  void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {});
+
+  /// Events for people, to be taken by the thread that runs the client or does its housekeeping.
+  [[nodiscard]] EventQueue& events() noexcept;
+
+  /// After `run`.
+  [[nodiscard]] const record::Summary& summary() const noexcept;
+  [[nodiscard]] const std::string& real_time_grant() const noexcept;  ///< for people
+
+  /// Why it gave up, for people; empty: it did not.
+  [[nodiscard]] std::string why_no_session() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace forcebound::client

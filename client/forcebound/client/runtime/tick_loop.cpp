@@ -1,0 +1,44 @@
+#include "forcebound/client/runtime/tick_loop.hpp"
+
+#include "forcebound/client/runtime/priority.hpp"
+#include "forcebound/time/heap_operations.hpp"
+#include "forcebound/time/periodic_timer.hpp"
+#include "forcebound/time/real_time.hpp"
+
+namespace forcebound::client {
+namespace {
+
+constexpr Nanoseconds kOncePatience = std::chrono::seconds{5};
+constexpr Nanoseconds kClosing = std::chrono::seconds{3};
+constexpr int kSettlingTicks = 1000;  // the first second may still touch memory for the first time
+
+}  // namespace
+
+void TickLoop::run() {
+  const auto granted = time::ask_for_real_time(kTickPriority);
+  outcome_.grant = granted.text;
+  time::touch_stack();
+  const Nanoseconds start = clock_.now();
+  time::PeriodicTimer timer(clock_, settings_.period);
+  std::uint64_t ticks = 0;
+  std::uint64_t allocations_at_start = 0;
+  for (Nanoseconds now = timer.wait(); !stop_ && !ended_ && !over(now - start); now = timer.wait()) {
+    session_.tick(now);
+    if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
+  }
+  if (ticks > kSettlingTicks) outcome_.allocations = time::heap_operations_of_this_thread() - allocations_at_start;
+  outcome_.missed_ticks = timer.missed();
+  const Nanoseconds closing = clock_.now();
+  for (Nanoseconds now = timer.wait(); !session_.close(now) && now - closing < kClosing; now = timer.wait()) {
+  }
+  done_ = true;
+}
+
+bool TickLoop::over(Nanoseconds elapsed) noexcept {
+  const bool ended = settings_.duration_s > 0 && time::to_seconds(elapsed) >= settings_.duration_s;
+  const bool unanswered = session_.state() == SessionState::connecting && (ended || elapsed > kOncePatience);
+  outcome_.gave_up = settings_.once && (session_.refused() || unanswered);
+  return outcome_.gave_up || ended;
+}
+
+}  // namespace forcebound::client
