@@ -203,8 +203,7 @@ void add_accuracy(CLI::App& app) {
       ->add_option("--levels", options->levels,
                    "write what was found to this file as the [accuracy] of a scene, which then picks for itself")
       ->type_name("FILE");
-  command->add_option("--readme", options->readme, "put a table between the marks of this file")
-      ->type_name("README.md");
+  command->add_option("--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
   command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
   command->callback([options, frequency, depth] {
     options->has_harmonic = frequency->count() + depth->count() > 0;

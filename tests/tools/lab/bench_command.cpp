@@ -42,7 +42,7 @@ void add_bench(CLI::App& app) {
   command->add_option("--csv", options->csv, "write the results here")->type_name("FILE.csv");
   command->add_option("--figure", options->figure, "draw the ratios here")->type_name("FILE.png");
   command->add_option("--readme", options->readme, "put the results between the marks of this file")
-      ->type_name("README.md");
+      ->type_name("PAGE.md");
   command->callback([options] { run(*options); });
 }
 

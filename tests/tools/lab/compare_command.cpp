@@ -141,7 +141,7 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE");
   command->add_option("--json", options->json, "write the standings to this file")->type_name("FILE");
-  command->add_option("--readme", options->readme, "put tables between the marks of this file")->type_name("README.md");
+  command->add_option("--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
   command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
   command->callback([options] { compare(*options); });
 }

@@ -7,7 +7,8 @@
 
 #include "tests/tools/lab/marks.hpp"
 
-/// What deploy/bench found: one file of text, from which the table, the figure and the README's numbers are made.
+/// What deploy/bench found: one file of text, from which the table, the figure and the numbers in
+/// tests/benchmark/README.md are made.
 namespace forcebound::lab {
 
 struct BenchRow {
@@ -51,7 +52,7 @@ struct BenchResults {
 /// For a terminal.
 [[nodiscard]] std::string to_table(const BenchResults& results);
 
-/// For the README, as Markdown.
+/// For tests/benchmark/README.md, as Markdown.
 [[nodiscard]] std::string to_markdown(const BenchResults& results);
 
 inline constexpr Marks kBenchMarks{"<!-- bench: made by deploy/bench --readme -->\n", "<!-- /bench -->\n"};

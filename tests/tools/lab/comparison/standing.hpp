@@ -19,7 +19,7 @@ inline constexpr Marks kComparisonMarks{"<!-- comparison: made by deploy/compari
 /// parameters that were found. @param standings as `standings` made them
 [[nodiscard]] std::string to_text(const nlohmann::ordered_json& standings);
 
-/// The same for the README, shorter.
+/// The same for common/forcebound/baselines/README.md, shorter.
 [[nodiscard]] std::string comparison_markdown(const nlohmann::ordered_json& standings);
 
 /// A row for each contest.

@@ -98,14 +98,15 @@ TEST(Collect, NamesWhatIsMissing) {
 }
 
 // deploy/bench --readme puts them there.
-TEST(Readme, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
+TEST(Page, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
   const std::string root = FORCEBOUND_SOURCE_DIR;
   const BenchResults committed = parse_bench_csv(text::read_file(root + "/deploy/bench-results.csv"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/README.md"), kBenchMarks), to_markdown(committed))
-      << "the README's benchmarks are not those of deploy/bench-results.csv: run deploy/bench --readme";
+  EXPECT_EQ(between_marks(text::read_file(root + "/tests/benchmark/README.md"), kBenchMarks), to_markdown(committed))
+      << "the benchmarks in tests/benchmark/README.md are not those of deploy/bench-results.csv: run deploy/bench "
+         "--readme";
 }
 
-TEST(Readme, WouldBeCaughtQuotingAnotherNumber) {
+TEST(Page, WouldBeCaughtQuotingAnotherNumber) {
   BenchResults other = sample();
   other.rows[0].ours = "31";
   EXPECT_THAT(to_markdown(sample()), Not(testing::StrEq(to_markdown(other))));

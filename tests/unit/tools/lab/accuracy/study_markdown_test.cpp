@@ -51,11 +51,11 @@ TEST(StudyMarkdown, CallsNoSettingOfASessionTheBestThatGaveEnergyAway) {
   EXPECT_THAT(to_markdown(to_json(result)), HasSubstr("| 1 | 20 | 20 % | **40 %** | **50 %** |\n"));
 }
 
-TEST(Readme, QuotesTheCommittedStudyAndNoOther) {
+TEST(Page, QuotesTheCommittedStudyAndNoOther) {
   const std::string root = FORCEBOUND_SOURCE_DIR;
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/accuracy-results.json"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/README.md"), kAccuracyMarks), to_markdown(committed))
-      << "the README's study is not that of deploy/accuracy-results.json: run deploy/accuracy";
+  EXPECT_EQ(between_marks(text::read_file(root + "/tests/tools/lab/README.md"), kAccuracyMarks), to_markdown(committed))
+      << "the study in tests/tools/lab/README.md is not that of deploy/accuracy-results.json: run deploy/accuracy";
 }
 
 }  // namespace

@@ -103,11 +103,13 @@ TEST(Comparison, PassesOnWhatALawRefuses) {
   EXPECT_THROW((void)play_all(settings, time::SteadyClock(), [](std::size_t, std::size_t) {}), std::invalid_argument);
 }
 
-TEST(Readme, QuotesTheCommittedComparisonAndNoOther) {
+TEST(Page, QuotesTheCommittedComparisonAndNoOther) {
   const std::string root = FORCEBOUND_SOURCE_DIR;
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/comparison-results.json"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/README.md"), kComparisonMarks), comparison_markdown(committed))
-      << "the README's comparison is not that of deploy/comparison-results.json: run deploy/comparison";
+  EXPECT_EQ(between_marks(text::read_file(root + "/common/forcebound/baselines/README.md"), kComparisonMarks),
+            comparison_markdown(committed))
+      << "the comparison in common/forcebound/baselines/README.md is not that of deploy/comparison-results.json: run "
+         "deploy/comparison --keep";
 }
 
 }  // namespace
