@@ -102,8 +102,8 @@ class PressingPath {
 /// - **Depth** is the way against u, s_n = s_{n-1} - u_{n-1}'d_n, so that on a curved surface F times its change is the
 ///   energy. A new path begins where u turns by more than a right angle, and after the contact.
 /// - **Expected** is a step like the last that was one: at rest, and between two steps of an encoder, it goes on as
-///   before. Where the device turns, which nobody expects, the force of one step is a step's worth too large. Repaying
-///   that from the next release was tried, and made contacts ring.
+///   before. Where the device turns, which no extrapolation foresees, the force of one step is a step's worth too
+///   large. Repaying that from the next release was tried, and made contacts ring.
 /// - **Nothing pressed, nothing felt**: an object that comes to a device at rest is felt when the device moves into it.
 /// - **Time** does not occur but there. A path ends with an interval that no clock measured, a force that the device
 ///   let go of, and a lost reading.

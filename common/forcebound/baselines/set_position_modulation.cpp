@@ -103,7 +103,8 @@ class SetPositionModulation final : public control::PassivityLaw {
   }
   void incoming(const control::PortNumbers& numbers) noexcept override {
     energy_.add(from_server_.hear(number_at(numbers, 0)));
-    place_ = numbers.rows() > 1 && numbers.rows() <= 1 + control::kDofMax ? Vector(numbers.tail(numbers.rows() - 1)) : Vector();
+    place_ = numbers.rows() > 1 && numbers.rows() <= 1 + control::kDofMax ? Vector(numbers.tail(numbers.rows() - 1))
+                                                                          : Vector();
     came_ = true;
   }
   void begin_server_side() noexcept override { from_server_.begin_at_zero(); }
@@ -214,11 +215,11 @@ control::LawDescription set_position_modulation() {
                           .least = 1e-3,
                           .standard = [](const control::DeviceFacts& facts) { return hold_limit_N_per_m(facts) / 2; }},
                          {.name = "damping_share",
-                          .purpose = "Bp, in multiples of what the hold of the spring leaves: b - Kp T/2",
+                          .purpose = "Bp, in multiples of the damping that the held spring leaves: b - Kp T/2",
                           .most = 1,
                           .standard = [](const control::DeviceFacts&) { return 1.0; }},
                          {.name = "energy_J_max",
-                          .purpose = "kept for later; standard what the spring holds at the largest force",
+                          .purpose = "most energy kept for later; standard: the spring's at the largest force",
                           .standard =
                               [](const control::DeviceFacts& facts) {
                                 return facts.force_N_max * facts.force_N_max / hold_limit_N_per_m(facts);

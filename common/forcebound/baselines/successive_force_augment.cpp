@@ -155,7 +155,7 @@ control::LawDescription successive_force_augment() {
                           .most = 1,
                           .standard = [](const control::DeviceFacts&) { return 2e-7; }},
                          {.name = "rest_m_per_s",
-                          .purpose = "moving back no faster than this is no release",
+                          .purpose = "slower backward motion does not count as release",
                           .most = 10,
                           .standard = [](const control::DeviceFacts&) { return 0.003; }}},
           .make = [](const control::DeviceFacts& facts,

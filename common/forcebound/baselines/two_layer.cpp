@@ -168,7 +168,7 @@ class TwoLayerServerSideLaw final : public control::ServerSideLaw {
 
 control::LawDescription two_layer() {
   return {.name = std::string(TwoLayer::kName),
-          .summary = "two layers: what the environment wants, paid from a tank of energy at each end",
+          .summary = "two layers: the force asked for is paid for from an energy tank at each end",
           .reference = "Franken 2011",
           .certainty = control::LawCertainty::likely,
           .parameters = {{.name = "beta",

@@ -153,28 +153,29 @@ class TwoPortServerSideLaw final : public control::ServerSideLaw {
 }  // namespace
 
 control::LawDescription two_port_passivity() {
-  return {.name = std::string(TwoPortPassivity::kName),
-          .summary = "time-domain passivity with delay: observers at both ends, energies travel, the place drifts",
-          .reference = "Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010",
-          .certainty = control::LawCertainty::likely,
-          .parameters = {{.name = "alpha_max_per_b",
-                          .purpose = "most damping that may be added, in multiples of the device's own",
-                          .most = 100,
-                          .standard = [](const control::DeviceFacts&) { return 1.0; }},
-                         {.name = "velocity_floor_m_per_s",
-                          .purpose = "slower motion is not damped",
-                          .standard =
-                              [](const control::DeviceFacts& facts) {
-                                return std::max(1e-6, slowest_reading_m_per_s(facts));
-                              }}},
-          .make =
-              [](const control::DeviceFacts& facts, const control::LawOptions& options) {
-                const control::LawParameters& chosen = options.parameters;
-                return std::make_unique<TwoPortPassivity>(
-                    facts, TwoPortPassivity::Gains{.alpha_max = chosen.at("alpha_max_per_b"),
-                                                   .velocity_floor_m_per_s = chosen.at("velocity_floor_m_per_s")});
-              },
-          .make_server_side = [](int) { return std::make_unique<TwoPortServerSideLaw>(); }};
+  return {
+      .name = std::string(TwoPortPassivity::kName),
+      .summary = "time-domain passivity with delay: observers at both ends, energies are exchanged, positions drift",
+      .reference = "Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010",
+      .certainty = control::LawCertainty::likely,
+      .parameters = {{.name = "alpha_max_per_b",
+                      .purpose = "most damping that may be added, in multiples of the device's own",
+                      .most = 100,
+                      .standard = [](const control::DeviceFacts&) { return 1.0; }},
+                     {.name = "velocity_floor_m_per_s",
+                      .purpose = "slower motion is not damped",
+                      .standard =
+                          [](const control::DeviceFacts& facts) {
+                            return std::max(1e-6, slowest_reading_m_per_s(facts));
+                          }}},
+      .make =
+          [](const control::DeviceFacts& facts, const control::LawOptions& options) {
+            const control::LawParameters& chosen = options.parameters;
+            return std::make_unique<TwoPortPassivity>(
+                facts, TwoPortPassivity::Gains{.alpha_max = chosen.at("alpha_max_per_b"),
+                                               .velocity_floor_m_per_s = chosen.at("velocity_floor_m_per_s")});
+          },
+      .make_server_side = [](int) { return std::make_unique<TwoPortServerSideLaw>(); }};
 }
 
 }  // namespace forcebound::baselines

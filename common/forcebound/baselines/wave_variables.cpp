@@ -234,7 +234,7 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
 control::LawDescription wave_variables() {
   return {
       .name = std::string(WaveVariables::kName),
-      .summary = "wave variables: no constant delay can make energy; a tool with spring and damper at the server",
+      .summary = "wave variables: passive through any constant delay; a tool with spring and damper at the server",
       .reference = "Niemeyer & Slotine 1991, 1998, 2004",
       .certainty = control::LawCertainty::likely,
       .parameters =
@@ -252,7 +252,7 @@ control::LawDescription wave_variables() {
             .most = 1e6,
             .standard = [](const control::DeviceFacts& facts) { return least_damping(facts) / 2; }},
            {.name = "tool_kg",
-            .purpose = "mass of the tool; standard 2 b T, which bears a wall of 8 b/T",
+            .purpose = "mass of the tool; standard 2 b T, stable on walls up to 8 b/T",
             .least = 1e-9,
             .most = 1e3,
             .standard = [](const control::DeviceFacts& facts) { return 2 * least_damping(facts) * facts.period_s; }}},

@@ -28,7 +28,7 @@ std::string words_of(LawCertainty certainty) {
 std::string words_of(LawClaim claim) {
   switch (claim) {
     case LawClaim::nothing:
-      return "nothing, whatever the environment says";
+      return "nothing";
     case LawClaim::passive_if_ideal:
       return "passivity on straight axes with ideal encoders, punctual ticks and immediate forces";
     case LawClaim::passive:
@@ -117,7 +117,7 @@ std::unique_ptr<PassivityLaw> LawRegistry::make(std::string_view name, const Dev
 }
 
 std::string LawRegistry::refusal(std::string_view name, const DeviceFacts& facts, const LawOptions& options) const {
-  (void)find(name);  // a name that nobody knows is no refusal
+  (void)find(name);  // an unknown name is an error, not a refusal
   try {
     (void)make(name, facts, options);
   } catch (const std::invalid_argument& refused) {

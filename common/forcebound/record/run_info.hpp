@@ -76,7 +76,7 @@ struct RunTotals {
   std::uint64_t withdrawn_forces = 0;      ///< commanded so long after the reading that the law no longer allowed them
   std::uint64_t impossible_intervals = 0;  ///< ticks whose clock stood still or ran back: nothing credited
   std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go
-  std::uint64_t released_by_device = 0;    ///< ticks so late that the device let go of the force
+  std::uint64_t released_by_device = 0;    ///< ticks so late that the device had zeroed the force itself
   std::uint64_t reconnects = 0;
   Blackout longest_blackout;  ///< without any new force
   std::uint64_t send_failures = 0;

@@ -50,7 +50,7 @@ std::vector<server::SceneChange> changes_of(const std::vector<std::string>& fixe
     const Sweep change = parse_sweep(one);
     if (change.values.size() != 1) throw std::invalid_argument("--set takes one value, got '" + one + "'");
     if (is_session_key(change.key)) {
-      throw std::invalid_argument("--set is for keys of the scene; '" + change.key + "' has an option of its own");
+      throw std::invalid_argument("--set is for keys of the scene; for '" + change.key + "' use its own option");
     }
     changes.push_back({change.key, change.values.front()});
   }
@@ -84,7 +84,7 @@ Study study_of(const AccuracyOptions& options) {
   study.motion.kind = options.motion == "slide" ? HarmonicMotion::Kind::slide : HarmonicMotion::Kind::press;
   if (is_replay(options.motion)) study.hand = options.motion;
   if (is_replay(options.motion) && options.has_harmonic) {
-    throw std::invalid_argument("--frequency and --depth are of press and slide; a recorded hand has offset_z_m=.. " +
+    throw std::invalid_argument("--frequency and --depth are for press and slide; a recorded hand has offset_z_m=.. " +
                                 std::string("and scale=.. after its file"));
   }
   if (!options.reference.empty()) study.reference = server::load_scene(options.reference);
@@ -128,11 +128,12 @@ void add_session(CLI::App& command, AccuracyOptions& options) {
       ->type_name("LAW")
       ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
       ->capture_default_str();
-  command.add_option("--hold", options.hold_ms, "as the client's: age up to which a force is applied as it is")
+  command.add_option("--hold", options.hold_ms, "age up to which a force is applied as it is, as in the client")
       ->check(CLI::NonNegativeNumber)
       ->type_name("MS")
       ->capture_default_str();
-  command.add_option("--drop", options.drop_ms, "as the client's: age from which a force is zero; it fades until then")
+  command
+      .add_option("--drop", options.drop_ms, "age from which a force is zero, as in the client; it fades until then")
       ->check(CLI::NonNegativeNumber)
       ->type_name("MS")
       ->capture_default_str();
@@ -181,16 +182,17 @@ void add_accuracy(CLI::App& app) {
       ->type_name("MOTION")
       ->capture_default_str();
   const CLI::Option* const frequency =
-      command->add_option("--frequency", options->harmonic.frequency_Hz, "of press and slide")
+      command
+          ->add_option("--frequency", options->harmonic.frequency_Hz, "how often press and slide move there and back")
           ->check(above_zero())
           ->type_name("HZ")
           ->capture_default_str();
   const CLI::Option* const depth =
-      command->add_option("--depth", options->harmonic.depth_m, "of press and slide, as far as the hand wants")
+      command->add_option("--depth", options->harmonic.depth_m, "how deep the hand of press and slide wants to go")
           ->check(above_zero())
           ->type_name("M")
           ->capture_default_str();
-  command->add_option("--device", options->device, "as the client's")->capture_default_str();
+  command->add_option("--device", options->device, "device, as in the client")->capture_default_str();
   add_session(*command, *options);
   command->add_option("--duration", options->duration_s, "virtual seconds of each run")
       ->check(above_zero())
@@ -201,7 +203,7 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
   command
       ->add_option("--levels", options->levels,
-                   "write what was found to this file as the [accuracy] of a scene, which then picks for itself")
+                   "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
       ->type_name("FILE");
   command->add_option("--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
   command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");

@@ -36,7 +36,7 @@ void run(const BenchOptions& options) {
 void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Turn what deploy/bench measured into its table of ratios");
-  command->add_option("from", options->from, "the folder with what its tools wrote, or results as CSV")
+  command->add_option("from", options->from, "the folder that its tools wrote to, or results as CSV")
       ->required()
       ->type_name("DIR|FILE.csv");
   command->add_option("--csv", options->csv, "write the results here")->type_name("FILE.csv");

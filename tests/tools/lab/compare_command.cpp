@@ -54,7 +54,7 @@ ComparisonSettings settings_of(const CompareOptions& options) {
     StandardNetworks standard = standard_networks();
     settings.networks = std::move(standard.networks);
     for (const std::string& name : standard.absent) {
-      std::fprintf(stderr, "note: without the recorded network %s, which is not there (FORCEBOUND_DATA)\n",
+      std::fprintf(stderr, "note: the recorded network %s is left out: FORCEBOUND_DATA does not have it\n",
                    name.c_str());
     }
   }
@@ -109,7 +109,7 @@ void add_compare(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
       ->type_name("LAW,LAW,...");
-  command->add_option("--scenes", options->scenes, "the paper's")
+  command->add_option("--scenes", options->scenes, "scenes of the paper")
       ->delimiter(',')
       ->check(CLI::IsMember({"wall", "circle", "sphere"}))
       ->capture_default_str();
@@ -119,13 +119,13 @@ void add_compare(CLI::App& app) {
                    "default: none, 1 to 250 ms, jitter, loss, bursts, and the 5G networks of FORCEBOUND_DATA")
       ->type_name("WORDS")
       ->allow_extra_args(false);
-  command->add_option("--device", options->device, "in place of the one that goes with the scene")
-      ->type_name("NAME|FILE");
-  command->add_option("--stiffness", options->stiffnesses_N_per_m, "of the walls [N/m]")
+  command->add_option("--device", options->device, "device to use instead of the scene's own")->type_name("NAME|FILE");
+  command->add_option("--stiffness", options->stiffnesses_N_per_m, "stiffness of the walls [N/m]")
       ->delimiter(',')
       ->check(above_zero())
       ->type_name("K,K,...");
-  command->add_option("--delays", options->delays_ms, "each way, to look for the stiffest wall at [ms]")
+  command
+      ->add_option("--delays", options->delays_ms, "one-way delays at which to look for the stiffest wall at rest [ms]")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("MS,MS,...");
@@ -133,10 +133,11 @@ void add_compare(CLI::App& app) {
   command->add_option("--seeds", options->seeds, "runs of each trial")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the first, and of the search for parameters")->capture_default_str();
+  command->add_option("--seed", options->seed, "seed of the first run and of the search for parameters")
+      ->capture_default_str();
   command
       ->add_option("--effort", options->effort,
-                   "sets of parameters to try for each law that has any; 1: its standard ones")
+                   "sets of parameters to try for each law that has some; 1: its standard ones")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE");

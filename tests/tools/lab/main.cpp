@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     return forcebound::text::wrapped_help(formatter.make_help(of, std::move(name), mode));
   });
   app.footer(
-      "Each has its own --help: forcebound-lab replay --help\n\n"
+      "Each command has its own --help: forcebound-lab replay --help\n\n"
       "Examples:\n"
       "  forcebound-lab trials sphere --netem \"delay 50ms 10ms loss 5%\"\n"
       "      each law on the sphere through that network, figures that repeat\n"

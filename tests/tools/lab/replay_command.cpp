@@ -78,12 +78,12 @@ void report(const ReplayCounts& counts) {
   }
   if (counts.readings_not_finite > 0) {
     std::cerr << "note: " << counts.readings_not_finite << " of " << counts.rows
-              << " rows had a position that is not finite: zero force, and the worst case charged\n";
+              << " rows had a position that is not finite: zero force, and the ledger is charged the worst case\n";
   }
   if (counts.intervals_impossible > 0) {
-    std::cerr
-        << "note: " << counts.intervals_impossible << " of " << counts.rows
-        << " rows came no time after the row before, or more than 1e6 s: nothing credited, the worst case charged\n";
+    std::cerr << "note: " << counts.intervals_impossible << " of " << counts.rows
+              << " rows came 0 s or less after the row before, or more than 1e6 s: nothing is credited, the worst case "
+                 "charged\n";
   }
 }
 
@@ -128,11 +128,14 @@ void add_replay(CLI::App& program) {
   command->add_option("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
   command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..");
   command->add_option("--friction", arguments->friction, "Coulomb friction lower bound [N], one or c1,c2,..");
-  command->add_option("--hold", options.hold_s,
-                      "the device lets go of a force after this time [s]; default: the period, and never");
+  command->add_option(
+      "--hold", options.hold_s,
+      "the device zeroes a force after this time [s]; default: the law assumes the period, the device never does");
   command->add_option("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
   command->add_option("--force-max", options.force_N_max, "largest force asked of the law [N]")->capture_default_str();
-  command->add_option("--memory", arguments->memory, "energy kept: all, or what the largest force can need")
+  command
+      ->add_option("--memory", arguments->memory,
+                   "energy that may be saved: all, or as much as the largest force can need")
       ->check(CLI::IsMember({"full", "capped"}))
       ->capture_default_str();
   command->add_option("--input", arguments->input, "file, or - for standard input")->capture_default_str();

@@ -67,7 +67,7 @@ void run(const ReportOptions& options) {
   if (!report->any_tick()) {
     throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
   }
-  if (!complete) std::cerr << options.recording << ": ends before its end; what is there is shown\n";
+  if (!complete) std::cerr << options.recording << ": cut off before its end; shown is what it has\n";
   if (options.json != "-") std::cout << report->summary().to_text() << std::flush;
   if (!options.json.empty()) write_json(options.json, report->summary().to_json());
   if (options.figures.empty()) return;

@@ -91,7 +91,7 @@ std::vector<std::filesystem::path> RunFigures::draw_into(const std::filesystem::
   std::filesystem::create_directories(directory, error);
   if (!std::filesystem::is_directory(directory)) {
     throw std::runtime_error("cannot create the directory '" + directory.string() +
-                             "' for figures: " + (error ? error.message() : "something else has that name"));
+                             "' for figures: " + (error ? error.message() : "a file has that name"));
   }
   std::vector<std::filesystem::path> files;
   for (auto& [name, figure] : {std::pair{"motion.png", motion()}, std::pair{"force.png", force()},

@@ -168,9 +168,9 @@ void add_soak(CLI::App& app) {
   auto options = std::make_shared<SoakOptions>();
   CLI::App* command =
       app.add_subcommand("soak", "Hostile runs in virtual time, each drawn from its seed and checked on every tick");
-  command->add_option("--seeds", options->seeds, "how many")->check(above_zero())->capture_default_str();
+  command->add_option("--seeds", options->seeds, "how many cases")->check(above_zero())->capture_default_str();
   command->add_option("--from", options->from, "the first seed")->capture_default_str()->type_name("SEED");
-  command->add_option("--minutes", options->minutes, "as many seeds as this takes instead")
+  command->add_option("--minutes", options->minutes, "instead of --seeds: as many as fit into this time")
       ->check(above_zero())
       ->type_name("M");
   std::vector<std::string> laws = baselines::shipped_laws().names();

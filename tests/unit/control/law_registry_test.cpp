@@ -1,5 +1,5 @@
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/baselines/baselines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -130,7 +130,7 @@ TEST(LawRegistry, SaysWhatAParameterMayBe) {
 TEST(LawRegistry, TellsAllOfALaw) {
   EXPECT_EQ(with_parameters().help("tuned"),
             "tuned: has two numbers\n"
-            "  promises nothing, whatever the environment says\n"
+            "  promises nothing\n"
             "  gain  how much; 0.5 to 2\n"
             "  year  which of the two; 2002 or 2004\n");
 }

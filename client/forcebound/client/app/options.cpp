@@ -35,7 +35,7 @@ Example, with forcebound-server --scene sphere running on this machine:
 Exit code: 0 done, 1 failed, 2 wrong use.
 )";
 
-/// A number from 0 up to what still is one after any change of unit.
+/// A number from 0 to 1e9, so that no change of unit overflows.
 const CLI::Validator kNotNegative(
     [](const std::string& text) {
       constexpr double kMost = 1e9;
@@ -99,14 +99,14 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--law-help", options.law_help, "tell of this law, its parameters and their values for --device")
       ->check(CLI::IsMember(laws.names()).description(""))
       ->type_name("LAW");
-  app.add_option("--memory", memory, "energy that fba-exact keeps: what the largest force can ever need, or all")
+  app.add_option("--memory", memory, "energy that fba-exact may save: as much as the largest force can need, or all")
       ->check(CLI::IsMember({"capped", "full"}))
       ->capture_default_str();
   app.add_option("--duration", options.duration_s, "seconds; 0: until interrupted")
       ->check(kNotNegative)
       ->capture_default_str()
       ->type_name("SECONDS");
-  CLI::Option* seed = app.add_option("--seed", options.seed, "of the handshake's nonces; default: a new one")
+  CLI::Option* seed = app.add_option("--seed", options.seed, "seed of the handshake's nonces; default: random")
                           ->check(kWhole)
                           ->type_name("N");
   app.add_option("--record", options.record, "write every tick and force to this MCAP file")->type_name("FILE.mcap");
@@ -119,7 +119,7 @@ Options parse_options(int argc, char** argv) {
       ->check(kNotNegative)
       ->capture_default_str()
       ->type_name("MS");
-  app.add_flag("--once", options.once, "give up if the server refuses, or is silent for 5 s, instead of trying on");
+  app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of trying again");
   app.add_flag("--quiet", options.quiet, "no live line");
   try {
     app.parse(argc, argv);
@@ -127,7 +127,7 @@ Options parse_options(int argc, char** argv) {
     options.policy.validate();
     options.law_options.memory = memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
     check_server(options.server);
-    // Another nonce than the run before: a server that still knows that one would take us for it.
+    // Not the nonce of the run before: a server that still has that session would take this run for it.
     if (seed->count() == 0) options.seed = std::random_device{}();
   } catch (const CLI::Success& success) {
     std::exit(app.exit(success));

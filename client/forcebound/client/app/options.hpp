@@ -15,7 +15,7 @@ struct Options {
   device::DeviceRequest device;  ///< the hand is the operator's specification
   std::string law = "fba-exact";
   std::string law_parameters;  ///< the file of them; empty: standard values
-  std::string law_help;        ///< law to tell about instead of running
+  std::string law_help;        ///< law to explain instead of running
   control::LawOptions law_options;
   double duration_s = 0;  ///< 0: until interrupted
   unsigned long long seed = 1;
@@ -27,7 +27,7 @@ struct Options {
 };
 
 /// Parses and completes it: a device that goes with the operator, or the other way round. Without a server there can
-/// be a law to tell about. Ends the program for --help,
+/// be a law to explain. Ends the program for --help,
 /// --version (0) and for wrong use (2, one line on stderr).
 Options parse_options(int argc, char** argv);
 

@@ -15,7 +15,7 @@ const char* words(CloseReason reason) {
     case CloseReason::idle:
       return "fell silent";
     case CloseReason::server_stops:
-      return "is sent away, this server stops";
+      return "is disconnected: this server stops";
   }
   return "";
 }
@@ -30,9 +30,9 @@ void LogObserver::on_opened(const SessionInfo& info) {
 }
 
 void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) {
-  spdlog::info("{} {}: {} motions received, {} duplicated, {} reordered, {} forces sent",
-               net::to_string(info.address), words(reason), final_counts.motions_received,
-               final_counts.motions_duplicated, final_counts.motions_reordered, final_counts.forces_sent);
+  spdlog::info("{} {}: {} motions received, {} duplicated, {} reordered, {} forces sent", net::to_string(info.address),
+               words(reason), final_counts.motions_received, final_counts.motions_duplicated,
+               final_counts.motions_reordered, final_counts.forces_sent);
 }
 
 void LogObserver::on_scene_failed(std::string_view scene, std::string_view why) {
@@ -45,8 +45,8 @@ void LogObserver::on_unsound_response(const SessionInfo& info) noexcept {
 }
 
 void LogObserver::on_quarantined(const SessionInfo& info, std::string_view object) noexcept {
-  spdlog::error("{} feels '{}' of scene '{}' no more: it came to no finite numbers", net::to_string(info.address),
-                object, info.scene);
+  spdlog::error("{}: '{}' of scene '{}' is left out from now on: its force was not finite",
+                net::to_string(info.address), object, info.scene);
 }
 
 void LogObserver::on_refused(const net::Address& address, std::string_view text) {

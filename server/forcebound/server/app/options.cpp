@@ -46,7 +46,7 @@ std::string footer() {
          "                                             encryption nor a password, so use it within\n"
          "                                             a network that you trust\n"
          "\n"
-         "Ends on Ctrl-C or SIGTERM, and then says goodbye to its clients and prints its totals.\n"
+         "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals.\n"
          "Exit code: 0 done, 1 failed, 2 wrong use.";
 }
 
@@ -69,12 +69,12 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
       ->needs("--explain");
   app.add_option("--device-damping", options.device.damping_N_s_per_m,
-                 "with --explain: of the device that margins are for")
+                 "with --explain: damping of the device that margins are for")
       ->type_name("N_S_PER_M")
       ->check(within(1e-6, 1e6))
       ->capture_default_str()
       ->needs("--explain");
-  app.add_option("--round-trip", round_trip_ms, "with --explain: also say the margins behind such a network")
+  app.add_option("--round-trip", round_trip_ms, "with --explain: also print the margins behind this round trip")
       ->type_name("MS")
       ->check(within(0, 60000))
       ->needs("--explain");
@@ -82,12 +82,12 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_flag("--schema", options.schema, "print all that a scene file may have, as Markdown, and end");
   app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
       ->type_name("FILE.mcap");
-  app.add_option("--sessions-max", options.server.sessions_max, "clients at once, at most")
+  app.add_option("--sessions-max", options.server.sessions_max, "most clients at the same time")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--idle-timeout", idle_timeout_s,
-                 "forget a client that is silent for so long; mobile networks pause 15 s")
+                 "end the session of a client not heard of for so long; mobile networks pause 15 s")
       ->type_name("SECONDS")
       ->check(within(1, 86400))
       ->capture_default_str();

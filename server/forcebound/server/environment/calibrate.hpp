@@ -16,7 +16,8 @@ using time::Nanoseconds;
 struct MeasuredCost {
   double median_ns = 0;
   double p99_ns = 0;
-  bool left_out = false;  ///< something came to no finite numbers meanwhile: the figures are not those of the whole
+  bool left_out =
+      false;  ///< something gave a force that is not finite meanwhile: the figures are not those of the whole
 };
 
 struct Calibration {

@@ -30,7 +30,7 @@ std::string cost_text(double predicted_ns, const MeasuredCost* measured) {
   std::string text = time_text(predicted_ns) + " predicted";
   if (measured != nullptr) {
     text += ", " + time_text(measured->median_ns) + " measured (p99 " + time_text(measured->p99_ns) + ")" +
-            (measured->left_out ? ", but left out on the way: it came to no finite numbers" : "");
+            (measured->left_out ? ", but left out during it: its force was not finite" : "");
   }
   return text;
 }
@@ -150,7 +150,7 @@ std::string not_simulated_text(const scene::Scene& scene) {
   if (!scene.inputs().velocity) text += "; velocity (nothing needs it)";
   if (scene.dynamic_models().empty()) text += "; bodies and tissue (there are none)";
   if (!scene.facts().effects_not_requested.empty())
-    text += "; effects nobody asked for: " + text::join(scene.facts().effects_not_requested);
+    text += "; effects that the scene does not ask for: " + text::join(scene.facts().effects_not_requested);
   return text + "\n";
 }
 

@@ -39,11 +39,11 @@ std::string trouble_of(const scene::SceneFaults& faults, std::size_t steps) {
   const auto share = [&](std::uint64_t count) {
     return std::to_string(count) + " of " + std::to_string(steps) + " steps";
   };
-  if (faults.quarantined > 0) return "came to no finite numbers";
+  if (faults.quarantined > 0) return "gave a force that is not finite";
   if (faults.dynamic_models.not_converged > steps / 100)
     return "not converged on " + share(faults.dynamic_models.not_converged);
   if (faults.dynamic_models.contacts_left_out > 0)
-    return "no room for " + share(faults.dynamic_models.contacts_left_out) + "' contacts";
+    return "contacts left out on " + share(faults.dynamic_models.contacts_left_out);
   if (faults.dynamic_models.slipped_s > 0) return "too many steps for a motion: time left out";
   return {};
 }

@@ -75,7 +75,7 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
   const double further = beyond_the_finest(spacings, order);
   if (further * second > kFarthest * size) {
     reference.uncertainty = further * second / size;
-    reference.why = "the finest level, since the limit lies too far beyond it to be told (observed order " +
+    reference.why = "the finest level, since the limit lies too far beyond it to be extrapolated (observed order " +
                     text::rounded(order) + "): does the force of this contact have a limit?";
     return reference;
   }

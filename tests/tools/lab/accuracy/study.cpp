@@ -108,7 +108,7 @@ Cast cast_of(Study& study) {
     cast.why = "scene '" + study.reference->facts().name + "', taken as exact";
   } else if (is_session_key(key)) {
     cast.best = 0;
-    cast.why = "the scene itself: what is asked is what becomes of its forces";
+    cast.why = "the scene itself: compared are ways of applying its forces";
   } else if (is_level_of_detail(key)) {
     cast.scenes.push_back(compile(study, {{key, "1"}}));
     cast.why = "the mesh as its file has it, taken as exact";
@@ -256,7 +256,7 @@ void live_behind(StudiedSetting& setting, const Study& study, const SessionSetti
 }
 
 [[noreturn]] void refuse_numb(const Study& study, const scene::Scene& scene) {
-  const std::string what = "the hand never feels anything: let it ";
+  const std::string what = "the hand never touches the scene: let it ";
   if (study.hand.empty()) {
     throw std::runtime_error(what + "press deeper (--depth) or longer (--duration)");
   }

@@ -125,7 +125,7 @@ std::string free_text(const StudyResult& result) {
                      rounded(1e3 * setting.at_states.work_J), *setting.bodies, cross(setting));
   }
   if (!result.places_known) {
-    text += "  where bodies come to rest is not judged: the reference and what tells its uncertainty do not agree\n";
+    text += "  where bodies come to rest is not compared: the reference and its own check come to different places\n";
   }
   return text;
 }

@@ -66,7 +66,8 @@ Sweep usual_sweep(const std::string& scene_text) {
     if (body.contains("shape")) return {"bodies.timestep_s", {"0.004", "0.002", "0.001", "0.0005", "0.00025"}};
     return {"body." + body["name"].value_or(std::string()) + ".iterations", {"1", "2", "3", "5", "10", "100"}};
   }
-  throw std::invalid_argument("nothing in the scene has levels by itself: say what to try with --sweep KEY=V1,V2,...");
+  throw std::invalid_argument(
+      "the scene has no key with levels of its own: say what to try with --sweep KEY=V1,V2,...");
 }
 
 std::optional<TightSolvers> tight_solvers(const std::string& key) {
@@ -113,7 +114,8 @@ std::vector<double> sort_to_fine(Sweep& sweep) {
   for (const std::string& value : sweep.values) {
     const auto spacing = spacing_of(sweep.key, value);
     if (!spacing) {
-      throw std::invalid_argument(sweep.key + " has no order from coarse to fine (" + value + "): say what is exact");
+      throw std::invalid_argument(sweep.key + " has no order from coarse to fine (" + value +
+                                  "): name an exact scene with --reference");
     }
     spacings.push_back(*spacing);
   }

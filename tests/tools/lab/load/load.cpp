@@ -24,7 +24,7 @@ constexpr Nanoseconds kTooLate = 1ms;
 constexpr Nanoseconds kAfter = 100ms;
 // Before a measurement: who spins in real time without ever sleeping is stopped by the system instead.
 constexpr Nanoseconds kRest = 100ms;
-// So often the other machine may say that nobody listens.
+// How often the server's machine may report that nobody listens before the measurement gives up.
 constexpr std::uint64_t kRefusalsBorne = 10;
 // A server takes 50 in a second.
 constexpr Nanoseconds kHelloPause = 21ms;

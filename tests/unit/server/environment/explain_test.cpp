@@ -19,9 +19,12 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
   EXPECT_THAT(text, HasSubstr("object 'table': half_space, through_m [0, 0, 0], normal [0, 0, 1]\n"));
   EXPECT_THAT(text, HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
   EXPECT_THAT(text, HasSubstr("velocity from successive motions\n"));
-  EXPECT_THAT(text,
-              AllOf(HasSubstr("not simulated: torques; bodies and tissue (there are none); effects nobody asked for: "),
-                    Not(HasSubstr("velocity (no effect"))));
+  EXPECT_THAT(
+      text,
+      AllOf(
+          HasSubstr(
+              "not simulated: torques; bodies and tissue (there are none); effects that the scene does not ask for: "),
+          Not(HasSubstr("velocity (no effect"))));
 }
 
 TEST(Explain, SaysWhatIsNotSimulated) {
@@ -30,7 +33,7 @@ TEST(Explain, SaysWhatIsNotSimulated) {
   EXPECT_THAT(wall, HasSubstr("not simulated: torques; velocity (nothing needs it)"));
   const std::string free = explain(*load_scene("free"));
   EXPECT_THAT(free, HasSubstr("no objects: every force is zero\n"));
-  EXPECT_THAT(free, HasSubstr("effects nobody asked for: surface, "));
+  EXPECT_THAT(free, HasSubstr("effects that the scene does not ask for: surface, "));
 }
 
 TEST(Explain, SaysWhatEachPartCostsAndWhetherItCanRing) {

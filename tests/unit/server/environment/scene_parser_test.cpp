@@ -157,7 +157,7 @@ TEST(ParseScene, MakesOnlyWhatTheSceneAsksFor) {
                 .purpose = "",
                 .law = "",
                 .make = [](const scene::EffectValues&) -> std::unique_ptr<scene::Effect> {
-                  throw std::logic_error("made an effect that nobody asked for");
+                  throw std::logic_error("made an effect that the scene does not ask for");
                 }});
   const auto scene = parse_scene(kGood, "a.toml", registry);
   EXPECT_EQ(scene->plan().effects().size(), 1u);

@@ -61,7 +61,7 @@ TEST_F(AccuracyCommandTest, RefusesWhatCannotBeSet) {
   EXPECT_THAT(refusal_of({"--set", "bodies.iterations=1,2"}), HasSubstr("--set takes one value"));
   EXPECT_THAT(refusal_of({"--set", "bodis.iterations=1"}), HasSubstr("no 'bodis', did you mean 'bodies'?"));
   EXPECT_THAT(refusal_of({"--set", "bodies.iterations"}), HasSubstr("KEY=VALUE"));
-  EXPECT_THAT(refusal_of({"--set", "law=none"}), HasSubstr("'law' has an option of its own"));
+  EXPECT_THAT(refusal_of({"--set", "law=none"}), HasSubstr("for 'law' use its own option"));
 }
 
 TEST_F(AccuracyCommandTest, SaysFileAndLineOfWhatIsWrongInAScene) {

@@ -112,7 +112,7 @@ TEST_F(StudyOfARecordedHand, GoesWhereTheSurfaceIsByItsOffset) {
   const std::string above = recording("0.005");
   EXPECT_THAT([&] { static_cast<void>(carry_out(by(above), EvenClock())); },
               testing::ThrowsMessage<std::runtime_error>(
-                  AllOf(HasSubstr("never feels anything"), HasSubstr("offset_z_m"), HasSubstr("(0, 0, 0) m"))));
+                  AllOf(HasSubstr("never touches the scene"), HasSubstr("offset_z_m"), HasSubstr("(0, 0, 0) m"))));
   const StudyResult result = carry_out(by(above + ",offset_z_m=-0.01"), EvenClock());
   EXPECT_NEAR(result.settings[0].at_states.force, 0.5, 1e-9);
 }
