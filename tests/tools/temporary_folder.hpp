@@ -9,7 +9,7 @@
 
 namespace forcebound::test {
 
-/// A fresh folder for files that nobody needs later, gone with its owner.
+/// A fresh folder for temporary files, removed by its destructor.
 class TemporaryFolder {
  public:
   /// @throws std::system_error if it cannot be created.

@@ -36,8 +36,8 @@ struct Bounds {
 /// Passive where readings are exact, ticks punctual and forces immediate: then sum F_i^2 / 2 c_i is never more than
 /// what the device has dissipated and taken, c_i being the smaller of c1 and c2, and half of that would do. The law
 /// remembers its last force and nothing else. It cannot know that a wall softer than b/T has stored more than that, and
-/// lets go of it sooner than it came. An interval that nobody saw ends the force; what more than two periods of it took
-/// is not repaid.
+/// lets go of it sooner than it came. An interval without usable readings ends the force; what more than two periods of
+/// it took is not repaid.
 ///
 /// Real time: noexcept, no allocation; O(dof), and O(dof^3) where the damping couples axes.
 class EnergyBoundingLaw final : public control::PassivityLaw {

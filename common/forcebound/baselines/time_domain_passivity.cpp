@@ -54,10 +54,10 @@ struct Port {
 ///    no mass, so M is its damping b.
 ///
 /// What is ours: alpha_max is in multiples of the device's damping, `alpha_max / (u'b^-1 u)` along u and `alpha_max b`
-/// weighted, because a sampled damper of more than b is not passive itself. Without a mass nobody can say at which
+/// weighted, because a sampled damper of more than b is not passive itself. Without a mass it is unknown at which
 /// force the velocity turns round, so that is the only cap. Below the velocity floor nothing is damped, and what was
-/// given stays in W; at the default, half an encoder's step a period, a step that is seen counts. An interval that
-/// nobody saw charges every observer the worst that the force can have done beyond the device's damping.
+/// given stays in W; at the default, half an encoder's step a period, a step that is seen counts. An interval
+/// without usable readings charges every observer the worst that the force can have done beyond the device's damping.
 ///
 /// Promises nothing: it acts a tick late, with a damper that is limited, and not at all at a standstill. An adversary
 /// that pushes at a standstill takes from it what it takes without any law.

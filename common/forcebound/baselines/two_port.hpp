@@ -29,14 +29,14 @@ class RemoteSum {
   return at < numbers.rows() ? numbers[at] : 0.0;
 }
 
-/// The interval that ended with a reading. Where nobody saw where the device went, or no clock can have measured how
-/// long it took, displacement, velocity and force are zero.
+/// The interval that ended with a reading. Where no reading tells where the device went, or no clock can have measured
+/// how long it took, displacement, velocity and force are zero.
 struct EndedInterval {
   Vector displacement;    ///< d [m]
   Vector velocity;        ///< d over the measured interval [m/s]
   Vector force;           ///< held over it [N]
   double interval_s = 0;  ///< as measured
-  double unseen_J = 0;    ///< the most that the force can have returned where nobody saw
+  double unseen_J = 0;    ///< the most that the force can have returned between readings that cannot be used
 };
 
 /// Ends the interval of `held` at `motion` and begins the next there.

@@ -47,8 +47,8 @@ class HeldForce {
     return damping_ ? damping_->mobility(f) * period_s_ / 4 : 0.0;
   }
 
-  /// h f'b^-1 f / 4 [J]: the most that the force held can have returned in an interval of `interval_s` that nobody saw.
-  /// One that is shorter than the period or not measurable counts as a period.
+  /// h f'b^-1 f / 4 [J]: the most that the force held can have returned in an interval of `interval_s` without usable
+  /// readings. One that is shorter than the period or not measurable counts as a period.
   [[nodiscard]] double worst_case_J(double interval_s) const noexcept;
 
   /// The longest vector along `request_N`, but not longer than it, of which one period needs no more than `energy_J`:

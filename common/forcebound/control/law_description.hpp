@@ -23,14 +23,14 @@ enum class EnergyMemory : std::uint8_t {
 /// Numbers by name, as they are chosen.
 using LawParameters = std::map<std::string, double, std::less<>>;
 
-/// What one may choose about a law. A law takes what it knows of `memory`; a parameter that it does not have is
+/// What can be chosen about a law. A law takes what it knows of `memory`; a parameter that it does not have is
 /// refused.
 struct LawOptions {
   EnergyMemory memory = EnergyMemory::capped;
   LawParameters parameters{};
 };
 
-/// A number that one may choose about a law.
+/// A number that can be chosen about a law.
 struct LawParameter {
   std::string name;     ///< with its unit: "coupling_N_per_m"
   std::string purpose;  ///< for --help, a line

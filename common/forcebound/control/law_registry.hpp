@@ -9,7 +9,8 @@
 
 namespace forcebound::control {
 
-/// The laws one can ask for by name. A value: a program takes `force_bounding_laws()` or `baselines::shipped_laws()`, adds its own and hands it on.
+/// The laws one can ask for by name. A value: a program takes `force_bounding_laws()` or `baselines::shipped_laws()`,
+/// adds its own and hands it on.
 ///
 ///     auto laws = force_bounding_laws();
 ///     laws.add({.name = "mine",

@@ -10,7 +10,7 @@ void Ledger::credit(const Motion& motion) noexcept {
   FORCEBOUND_ASSERT(motion.damping != nullptr, "a motion that is credited says the damping at its end");
   FORCEBOUND_ASSERT(motion.position.rows() == held_.force().rows(), "a position has a row for each degree of freedom");
   // A clock that stands still, runs back or jumps out of range says nothing of how long the force was held. Where the
-  // device was when it let go, nobody saw.
+  // device was when it zeroed the force, no reading tells.
   if (!is_measurable(motion.interval_s)) {
     lose(motion.interval_s);
   } else if (motion.held_s < motion.interval_s) {

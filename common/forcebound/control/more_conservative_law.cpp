@@ -10,7 +10,7 @@ MoreConservativeLaw::MoreConservativeLaw(int degrees_of_freedom, double period_s
 
 void MoreConservativeLaw::credit(const Motion& motion) noexcept {
   // A clock that stands still, runs back or jumps out of range says nothing of how long the force was held. Where the
-  // device was when it let go, nobody saw.
+  // device was when it zeroed the force, no reading tells.
   if (!is_measurable(motion.interval_s)) {
     lose_for(motion.interval_s);
   } else if (motion.held_s < motion.interval_s) {

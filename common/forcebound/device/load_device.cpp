@@ -11,8 +11,8 @@
 namespace forcebound::device {
 namespace {
 
-constexpr double kHoldMax = 1.0;         // a force that nobody renews for longer is no held force any more
-constexpr double kPeriodLeast_s = 1e-4;  // a faster loop would leave no time to anybody else
+constexpr double kHoldMax = 1.0;         // a force in effect for longer without a new one is not "held"
+constexpr double kPeriodLeast_s = 1e-4;  // a faster loop would leave other threads no time
 constexpr double kPeriodMost_s = 0.1;
 constexpr double kLatencyMax = 0.01;  // ten ticks: a device slower than that is not for 1 kHz
 

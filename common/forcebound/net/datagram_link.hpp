@@ -38,7 +38,7 @@ class DatagramLink {
  public:
   virtual ~DatagramLink() = default;
 
-  /// False if the datagram could not even be handed to the network; the caller counts, nobody retries.
+  /// False if the datagram could not even be handed to the network; the caller counts it; there is no retry.
   virtual bool send(std::span<const std::byte> datagram, const Address& to) noexcept = 0;
 
   /// The oldest waiting datagram, or nothing. Oversize datagrams are cut to the buffer, `bytes` tells.

@@ -21,7 +21,7 @@ Endpoint parse_endpoint(std::string_view text) {
   const std::string_view port_text = text.substr(colon + 1);
   const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (bracketed) host = host.substr(1, host.size() - 2);
-  // Without brackets, nobody knows whether the last part of ::1 is a port.
+  // Without brackets, the last part of ::1 may be a port or not.
   if (host.empty() || (!bracketed && host.find_first_of(":[] \t") != std::string_view::npos)) refuse(text);
   Endpoint endpoint{std::string(host), 0};
   const char* const end = port_text.data() + port_text.size();

@@ -8,7 +8,7 @@
 
 namespace forcebound::net {
 
-/// Many datagrams for one call of the system: for who has many peers on one socket.
+/// Many datagrams for one call of the system: for a program with many peers on one socket.
 ///
 /// What is sent waits until `flush`; so a batch is received, answered, and its answers flushed. A failure then counts
 /// in the link's `send_failed`.

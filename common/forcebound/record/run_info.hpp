@@ -81,7 +81,7 @@ struct RunTotals {
   Blackout longest_blackout;  ///< without any new force
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
-  std::uint64_t device_gaps_cut = 0;         ///< pauses longer than a simulated device lives through
+  std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile
   std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which it could not follow its own friction
   std::uint64_t device_faulty_commands = 0;  ///< not finite, shown as zero
   std::uint64_t datagrams_overflowed = 0;    ///< arrived, but the socket was full

@@ -11,7 +11,7 @@ namespace forcebound::scene {
 
 using time::Nanoseconds;
 
-/// From one time to another; zero where that is not later. Wrapped around where a untrusted client's times lie further
+/// From one time to another; zero where that is not later. Wrapped around where an untrusted client's times lie further
 /// apart than 64 bits hold.
 double seconds_between(Nanoseconds from, Nanoseconds to) noexcept;
 

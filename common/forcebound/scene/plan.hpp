@@ -48,8 +48,8 @@ struct PlanStep {
   std::uint32_t end_state;
 };
 
-/// Exactly what objects and fields asked for, compiled to flat lists: an effect that was not asked for leaves no a
-/// trace in them, neither time nor bytes.
+/// Exactly what objects and fields asked for, compiled to flat lists: an effect that was not asked for takes
+/// neither time nor bytes in them.
 class Plan {
  public:
   Plan() = default;

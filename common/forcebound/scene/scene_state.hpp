@@ -44,7 +44,7 @@ class SceneState {
   /// The scene accepts so many degrees of freedom.
   SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom);
 
-  /// In the dynamic models of somebody else's state of this scene, or in new ones for several; time goes there by the
+  /// In the dynamic models of another client's state of this scene, or in new ones for several; time goes there by the
   /// server's clock.
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const DynamicModelsNow& shared);
 

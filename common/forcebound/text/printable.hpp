@@ -6,7 +6,7 @@
 
 namespace forcebound::text {
 
-/// Makes a untrusted client's UTF-8 text harmless on a terminal and in a log line: each byte of a control character,
+/// Makes an untrusted client's UTF-8 text harmless on a terminal and in a log line: each byte of a control character,
 /// line endings included, becomes '?'.
 ///
 /// Real time: no allocation.

@@ -138,7 +138,7 @@ std::unique_ptr<control::PassivityLaw> checked_law(const ReplayOptions& options,
   }
 }
 
-/// A whole line at once, so that whoever reads the other end of a pipe never sees half of one.
+/// A whole line at once, so that the reader of a pipe never sees half of one.
 void write_line(std::ostream& output, std::string line) {
   output << (line += '\n') << std::flush;
   if (!output) throw std::runtime_error("the answer cannot be written");

@@ -31,7 +31,7 @@ class Slots {
 };
 
 /// Lets packets leave at the delivery opportunities of a mahimahi trace: each carries 1500 bytes, of several small
-/// packets or of a part of a large one, and what nobody uses is gone.
+/// packets or of a part of a large one, and an unused one is lost.
 ///
 /// Allocates nothing after construction.
 class DeliveryOpportunities {

@@ -23,7 +23,7 @@ class LiveLine final : public record::TickSink {
   [[nodiscard]] std::string text(std::size_t columns) const;
 
  private:
-  // Each number stands for itself; a line that mixes two neighbouring ticks misleads nobody.
+  // Each number stands for itself; a line may mix two neighbouring ticks.
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<record::SessionState> state_{record::SessionState::connecting};
   std::atomic<bool> has_force_{false};

@@ -22,7 +22,7 @@ constexpr double kLevel = 0x1p-15;
 // left for rounding. Behind that wall it harms nothing if this one goes on.
 constexpr double kRisingEdgeSkins = 0x1p12;
 constexpr double kRisingBelowSkins = 0x1p-6;
-// Where it ends, or nobody knows.
+// Where it ends, if that is known.
 constexpr double kOpenBelowSkins = 0x1p-3;
 // Triangles so near to the god object are about it: more than it may be beyond an edge.
 constexpr double kAboutSkins = 0x1p13;

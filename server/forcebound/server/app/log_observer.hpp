@@ -5,7 +5,7 @@
 
 namespace forcebound::server {
 
-/// Logs who comes and goes. Nothing per datagram: refusals, which a untrusted client can cause at will, at most once a
+/// Logs who comes and goes. Nothing per datagram: refusals, which an untrusted client can cause at will, at most once a
 /// second.
 class LogObserver : public ServerObserver {
  public:

@@ -14,8 +14,8 @@
 
 namespace forcebound::server {
 
-/// A TOML table that is read key by key, so that every error names file, line and place, and every key that nobody
-/// asked for is one. All members @throw SceneError.
+/// A TOML table that is read key by key, so that every error names file, line and place, and a key that nothing
+/// reads is an error. All members @throw SceneError.
 class CheckedTable {
  public:
   /// @param place for errors: "object 'wall', effect 'surface'"

@@ -72,7 +72,7 @@ class BodyWatch {
 /// The world of a dynamic model's state; null: it is no rigid bodies.
 const server::BodyWorld* body_world(const scene::DynamicModelsNow& dynamic_models, std::size_t dynamic_model);
 
-/// Why a run of rigid bodies is not to be believed: energy from nowhere, bodies in each other, out of place or fallen
+/// Why a run of rigid bodies is unreliable: energy that nothing put in, bodies in each other, out of place or fallen
 /// over against the reference, or what MuJoCo warned of. Empty: nothing is wrong.
 ///
 /// Energy may grow by 5 % of what the device turned over and 1 % of what lifts all bodies by their radius, since

@@ -6,8 +6,8 @@
 
 namespace forcebound::lab {
 
-/// What a study found, as the [accuracy] table of a scene file. Settings that failed are no levels; nobody is more
-/// exact than the reference is known to be.
+/// What a study found, as the [accuracy] table of a scene file. Settings that failed are no levels; no
+/// level's error is given as smaller than the reference's uncertainty.
 /// @throws std::runtime_error if fewer than two settings worked, or the key is none of a scene
 std::string levels_text(const StudyResult& result);
 

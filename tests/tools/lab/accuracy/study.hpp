@@ -87,9 +87,9 @@ std::shared_ptr<const scene::Scene> compile(const Study& study, const std::vecto
 /// @throws what the scene's variants, hand, device and law refuse
 StudyResult carry_out(Study study, const time::Clock& clock, const std::function<void(double done)>& progress = {});
 
-/// The value with the least error at the device behind a round trip, of those within a budget; crosses do not count,
-/// and of a session's settings none that gave energy away: what makes a force wrong by keeping the peace is no fault.
-/// None: there is none.
+/// The value with the least error at the device behind a round trip, of those within a budget. Settings that failed do
+/// not count, nor settings of a session that gave energy away: a law that bounds less has less error, but is not
+/// passive. None: there is none.
 std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t round_trip, double budget_us);
 
 }  // namespace forcebound::lab

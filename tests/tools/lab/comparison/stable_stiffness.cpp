@@ -15,7 +15,7 @@
 namespace forcebound::lab {
 namespace {
 
-// Of the run: contact comes after half a second, and whoever is not at rest so late never will be.
+// Of the run: contact comes after half a second; what is not at rest 2.5 s later counts as never.
 constexpr double kRun_s = 3;
 constexpr double kRingingMost = 0.8;
 

@@ -26,7 +26,7 @@ struct SoakCase {
 /// faults and the server's clock, all from the seed; the law is the caller's, so that the same seeds try them all. A
 /// law that promises something for an ideal device only gets one with half of the seeds; one that refuses the device
 /// gets another.
-/// @throws std::invalid_argument for a law that nobody knows
+/// @throws std::invalid_argument for an unknown law
 [[nodiscard]] SoakCase draw_soak_case(std::uint64_t seed, const std::string& law);
 
 }  // namespace forcebound::lab

@@ -16,7 +16,7 @@ constexpr int kStepsMax = 50;
 constexpr double kReach_m = 0.2;
 constexpr double kSpeed_m_per_s_max = 5;
 constexpr double kVelocityHeld_s = 0.01;
-// A device that is farther away than that is a untrusted client's nonsense, which must not break what others feel.
+// A position farther away than that comes from a faulty or hostile client and must not break what others feel.
 constexpr double kFar_m = 100;
 // In which the coupling comes to the device, at least: longer than a hand takes to notice and to give way.
 constexpr double kArrival_s_min = 0.5;

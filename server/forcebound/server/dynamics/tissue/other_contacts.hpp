@@ -27,7 +27,7 @@ namespace forcebound::server {
 /// any pull (LinearTissueWorld ends it after four times). To leave one out takes a spring away, which lowers E: energy
 /// is only lost. Whether one that was left out would push again, when the next has followed it, is not asked: if so it
 /// is back with the next step, and adds to E what no hand has paid for, at most k/2 times the square of how deep its
-/// probe lies then. A contact there is no room for is counted and felt by nobody; while it stays out it holds no energy
+/// probe lies then. A contact there is no room for is counted and has no force; while it stays out it holds no energy
 /// either.
 ///
 /// Real time: all but the constructor is noexcept and allocates nothing. Scratch memory, for one thread at a time.

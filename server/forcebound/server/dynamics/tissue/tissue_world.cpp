@@ -6,7 +6,7 @@
 namespace forcebound::server {
 namespace {
 
-// A device that is farther away than that is a untrusted client's nonsense, which must not break what others feel.
+// A position farther away than that comes from a faulty or hostile client and must not break what others feel.
 constexpr double kFar_m = 100;
 
 // Times that a step is done again without the others' contacts that pull: once is nearly always enough.
