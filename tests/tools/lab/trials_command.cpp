@@ -30,7 +30,7 @@ struct Options {
   std::string figure;
 };
 
-Json read_summary(const std::string& file) {
+Json live_summary(const std::string& file) {
   Json summary = Json::parse(text::read_file(file), nullptr, false);
   if (!summary.is_object())
     throw std::runtime_error(file + ": not a summary; what a client's --summary wrote is needed");
@@ -39,7 +39,7 @@ Json read_summary(const std::string& file) {
 
 void run(const Options& options) {
   std::vector<Json> live;
-  for (const std::string& file : options.live) live.push_back(read_summary(file));
+  for (const std::string& file : options.live) live.push_back(live_summary(file));
   LawsFigure figure("The laws compared on " + options.settings.scene,
                     options.settings.device + ", " + options.settings.hand + ", virtual time, network \"" +
                         options.settings.network + "\"");
