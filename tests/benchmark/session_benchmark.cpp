@@ -77,8 +77,8 @@ void tick(benchmark::State& timing, bool recorded) {
   record::RecordingWriter writer("/dev/null", info);
   std::vector<record::TickSink*> sinks{&summary};
   if (recorded) sinks.push_back(&recorder);
-  Session session({.server = {}}, device, control::force_bounding_laws().make("fba-exact", device.facts(), {}), link, clock,
-                  {.ticks = sinks});
+  Session session({.server = {}}, device, control::force_bounding_laws().make("fba-exact", device.facts(), {}), link,
+                  clock, {.ticks = sinks});
   std::uint64_t ticks = 0;
   for (auto _ : timing) {
     session.tick(clock.time += 1ms);

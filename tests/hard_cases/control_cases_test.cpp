@@ -173,8 +173,8 @@ TEST_P(ControlHardCase, Case12ConfigurationsThatChangeOnEveryTickThroughSingular
   DeviceFacts facts = omni.facts;
   facts.encoder_step.setZero();
   facts.actuator_step.setZero();
-  PassivityController controller(facts,
-                                 control::force_bounding_laws().make(GetParam(), facts, {.memory = EnergyMemory::full}));
+  PassivityController controller(
+      facts, control::force_bounding_laws().make(GetParam(), facts, {.memory = EnergyMemory::full}));
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> number(-1, 1);
   Vector torque = Vector::Zero(3);

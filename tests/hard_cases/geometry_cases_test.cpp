@@ -13,8 +13,8 @@
 #include "forcebound/scene/geometry/mesh_shape.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/process.hpp"
-#include "tests/tools/recorded_data.hpp"
 #include "tests/support/shape_client.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

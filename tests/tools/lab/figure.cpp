@@ -12,8 +12,8 @@
 #include <stdexcept>
 
 #include "forcebound/text/numbers.hpp"
-#include "tests/tools/temporary_folder.hpp"
 #include "tests/tools/lab/label_placement.hpp"
+#include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -201,8 +201,9 @@ std::array<double, 2> x_range(const Figure& figure) {
 
 void write_title(std::ostream& out, const Figure& figure, int height) {
   out << "set label 10 " << gnuplot_string(figure.title) << " at screen 0.5,screen " << 1 - 30.0 / height
-      << " center font 'DejaVu Sans Bold,16' textcolor rgb '" << kInk << "'\nset label 11 " << gnuplot_string(figure.subtitle)
-      << " at screen 0.5,screen " << 1 - 58.0 / height << " center font ',11' textcolor rgb '#57606a'\n";
+      << " center font 'DejaVu Sans Bold,16' textcolor rgb '" << kInk << "'\nset label 11 "
+      << gnuplot_string(figure.subtitle) << " at screen 0.5,screen " << 1 - 58.0 / height
+      << " center font ',11' textcolor rgb '#57606a'\n";
 }
 
 /// The names of a panel's points, none upon another. The panel's y axis gets ends of its own, to know where its points
@@ -240,8 +241,8 @@ void write_names(std::ostream& out, Panel& panel, const std::array<double, 2>& x
   for (const PlacedName& placed : place_names(points, area)) {
     const double middle_x = (placed.box.left + placed.box.right) / 2;
     const double middle_y = (placed.box.top + placed.box.bottom) / 2;
-    out << "set label " << tag++ << ' ' << gnuplot_string(placed.name) << " at screen " << middle_x / kWidth << ", screen "
-        << 1 - middle_y / height << " center font ',10' textcolor rgb '" << kInk << "' front\n";
+    out << "set label " << tag++ << ' ' << gnuplot_string(placed.name) << " at screen " << middle_x / kWidth
+        << ", screen " << 1 - middle_y / height << " center font ',10' textcolor rgb '" << kInk << "' front\n";
     if (!placed.joined) continue;
     out << "set arrow from screen " << placed.x / kWidth << ", screen " << 1 - placed.y / height << " to screen "
         << std::clamp(placed.x, placed.box.left, placed.box.right) / kWidth << ", screen "

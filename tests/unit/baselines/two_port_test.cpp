@@ -1,5 +1,5 @@
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/two_port.hpp"
+#include "forcebound/baselines/baselines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,8 +11,8 @@
 #include "forcebound/scene/geometry/mesh_file.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/follower.hpp"
-#include "tests/tools/recorded_data.hpp"
 #include "tests/support/winding.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::scene {
 namespace {

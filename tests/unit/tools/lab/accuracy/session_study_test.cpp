@@ -5,6 +5,7 @@
 
 #include "tests/support/process.hpp"
 #include "tests/tools/lab/accuracy/levels_text.hpp"
+#include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/unit/tools/lab/accuracy/floor_study.hpp"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/study.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/unit/tools/lab/accuracy/body_scenes.hpp"
