@@ -14,7 +14,10 @@
 namespace forcebound::record {
 namespace {
 
+/// But for the median of an even count.
 double nearest_rank(const std::vector<std::int64_t>& sorted, double fraction) {
+  const std::size_t half = sorted.size() / 2;
+  if (fraction == 0.5 && sorted.size() % 2 == 0) return 0.5 * static_cast<double>(sorted[half - 1] + sorted[half]);
   const auto rank = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(sorted.size())));
   return static_cast<double>(sorted[std::max<std::size_t>(rank, 1) - 1]);
 }
