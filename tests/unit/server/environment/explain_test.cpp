@@ -58,7 +58,7 @@ TEST(Explain, ShowsWhatWasMeasuredBesideWhatWasPredicted) {
 
 TEST(Explain, SaysWhatCouldNotBeMeasuredToItsEnd) {
   const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500, true}}, .whole = {1.6e6, 2e6, true}}};
-  EXPECT_THAT(explain(*load_scene("wall"), facts), HasSubstr("(p99 2.5 us), but left out on the way"));
+  EXPECT_THAT(explain(*load_scene("wall"), facts), HasSubstr("(p99 2.5 us), but left out during it"));
 }
 
 TEST(Explain, MarginsAreForTheDeviceAndTheNetworkThatWereSaid) {

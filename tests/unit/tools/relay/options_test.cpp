@@ -63,7 +63,7 @@ TEST(RelayOptions, HelpTeachesAndEndsWell) {
   const CommandLineEnd help = end_of({"forcebound-relay", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_THAT(help.text, AllOf(HasSubstr("loss gemodel P"), HasSubstr("--trace"), HasSubstr("--blackhole"),
-                               HasSubstr("Differences from tc"), HasSubstr("Examples:")));
+                               HasSubstr("Differences from tc"), HasSubstr("Examples, each with")));
 }
 
 TEST(RelayOptions, VersionEndsWell) {

@@ -92,9 +92,9 @@ TEST(TetrahedralMesh, RefusesNumbersThatAreNone) {
   TetrahedralSoup soup = one_tetrahedron();
   soup.nodes[2][1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refusal(soup), "one.msh:14: tetrahedron 1 has a node that is not finite");
-  EXPECT_EQ(refusal(one_tetrahedron(), 0), "one.msh: the scale must be > 0, got 0");
+  EXPECT_EQ(refusal(one_tetrahedron(), 0), "one.msh: the scale must be > 0, rotation and offset finite, got 0");
   EXPECT_EQ(refusal(one_tetrahedron(), std::numeric_limits<double>::infinity()),
-            "one.msh: the scale must be > 0, got inf");
+            "one.msh: the scale must be > 0, rotation and offset finite, got inf");
   soup = one_tetrahedron();
   soup.tetrahedra[0].nodes[3] = 4;
   EXPECT_EQ(refusal(soup), "one.msh:14: tetrahedron 1 names node 4 of 4");
