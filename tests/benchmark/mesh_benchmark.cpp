@@ -1,21 +1,27 @@
 // What one motion on a triangle mesh costs: a step of the god object that slides over a ball of 70 thousand triangles,
 // with Embree's ray and nearest point and FCL's distance on the same mesh beside it. Embree computes in single
 // precision, and its nearest point asks our function for each triangle; FCL is asked for the distance of a ball of no
-// size. Build it optimised:
+// size. The courses go where it is hard: over saddles, bumps and into a concave corner, with how long the slowest steps
+// took, how far the force of a spring of 1000 N/m jumps and how often no triangle about the god object would let it
+// nearer, which is looked up with each triangle by itself. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target mesh_benchmark
 //     build/release/bin/mesh_benchmark --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include "forcebound/scene/geometry/distance_field.hpp"
+#include "forcebound/scene/geometry/mesh_file.hpp"
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/fcl_scene.hpp"
 #include "tests/support/follower.hpp"
+#include "tests/support/recorded_data.hpp"
 #include "tests/support/shape_client.hpp"
 
 namespace forcebound {
@@ -65,6 +71,126 @@ void god_object_moves_freely(benchmark::State& state) {
     benchmark::DoNotOptimize(follower.to(goals[next]));
     if (++next == goals.size()) next = 0;
   }
+}
+
+/// A hand that goes over a mesh at 1 kHz.
+struct Course {
+  std::shared_ptr<const scene::TriangleMesh> mesh;
+  Point start = Point::Zero();
+  std::vector<Point> goals;
+};
+
+constexpr int kMotions = 20000;
+
+std::shared_ptr<const scene::TriangleMesh> shared(scene::TriangleMesh mesh) {
+  return std::make_shared<const scene::TriangleMesh>(std::move(mesh));
+}
+
+/// Round an object, at a share of the half of its bounding box.
+std::vector<Point> round_m(const scene::TriangleMesh& mesh, double share) {
+  std::vector<Point> goals;
+  for (int i = 0; i < kMotions; ++i) {
+    const double turn = 4e-3 * i;
+    const double tilt = 0.9 * std::sin(0.37 * turn);
+    const Point out(std::cos(tilt) * std::cos(turn), std::cos(tilt) * std::sin(turn), std::sin(tilt));
+    goals.emplace_back(mesh.origin_m() + share * mesh.box_m().max().cwiseProduct(out));
+  }
+  return goals;
+}
+
+/// In eights over a plane, `middle_m` in the frame that `askew` turns, at 0.1 m/s.
+std::vector<Point> eights_m(double half_m, const Point& middle_m, double up_m) {
+  std::vector<Point> goals;
+  for (int i = 0; i < kMotions; ++i) {
+    const double turn = 0.1e-3 / half_m * i;
+    goals.emplace_back(test::askew() * (middle_m + Point(half_m * std::sin(turn), half_m * std::sin(0.618 * turn + 1),
+                                                         up_m * std::sin(0.31 * turn))));
+  }
+  return goals;
+}
+
+Course spot() {
+  const auto path = test::recorded_data("meshes/spot.obj");
+  if (!path) return {};
+  const auto mesh = shared(scene::load_mesh(path->string(), {.scale = kRadius_m}));
+  return {mesh, {1, 0, 0}, round_m(*mesh, 0.55)};
+}
+
+Course rough_ball() {
+  const auto mesh = shared(test::rough(test::ball(kRadius_m, 30), 1.5e-3, 1).moved(test::askew()).mesh());
+  return {mesh, {1, 0, 0}, round_m(*mesh, 0.85)};
+}
+
+Course saddles() {
+  test::Soup soup = test::square(kRadius_m, 40);
+  for (Point& v : soup.vertices) v.z() = 4e-3 * std::sin(240 * v.x()) * std::sin(240 * v.y());
+  return {shared(soup.moved(test::askew()).mesh()), test::askew() * Point(0, 0, 0.1),
+          eights_m(0.045, {0, 0, -6e-3}, 3e-3)};
+}
+
+/// Three sides of a box's inside that meet in a corner, welded before they are made rough.
+Course rough_corner() {
+  test::Soup corner;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    Eigen::Isometry3d side = Eigen::Isometry3d::Identity();
+    side.linear() << Point::Unit((axis + 2) % 3), Point::Unit((axis + 1) % 3), -Point::Unit(axis);
+    side.translation() = kRadius_m * Point::Unit(axis);
+    corner.add(test::square(kRadius_m, 12).moved(side));
+  }
+  const scene::TriangleMesh smooth = corner.mesh();
+  const test::Soup soup = test::rough({smooth.vertices_m(), smooth.triangles()}, 8e-4, 3);
+  return {shared(soup.moved(test::askew()).mesh()), Point::Zero(), eights_m(0.02, Point::Constant(kRadius_m), 0.01)};
+}
+
+/// How much nearer to the goal the triangles about the god object would let it.
+double nearer_m(const test::Follower& follower, const Point& goal) {
+  const scene::Bvh& bvh = follower.object().bvh();
+  const Point at = follower.at_m() - bvh.mesh().origin_m();
+  const Point to = goal - bvh.mesh().origin_m();
+  double best_m = 0;
+  bvh.for_each_within(at, 1e-9 * bvh.mesh().size_m(), [&](std::uint32_t place) {
+    best_m = std::max(best_m, (at - to).norm() - (bvh.nearest_on(bvh.order()[place], to).point_m - to).norm());
+  });
+  return best_m;
+}
+
+void god_object_on_a_course(benchmark::State& state, Course (*course)()) {
+  const auto [mesh, start, goals] = course();
+  if (!mesh) {
+    state.SkipWithError("no meshes/spot.obj in FORCEBOUND_DATA");
+    return;
+  }
+  test::Follower follower(*mesh);
+  (void)follower.to(start);
+  Point before = Point::Zero();
+  double jump_N = 0;
+  double contacts = 0;
+  double best = 0;
+  for (const Point& goal : goals) {
+    const scene::SurfacePoint found = follower.to(goal);
+    const Point force = 1000 * test::spring_force(found);
+    jump_N = std::max(jump_N, (force - before).norm());
+    before = force;
+    if (!(found.penetration_m > 0)) continue;
+    ++contacts;
+    best += nearer_m(follower, goal) < 1e-9 * mesh->size_m() ? 1 : 0;
+  }
+  std::vector<double> steps_ns;
+  for (std::size_t next = 0; auto _ : state) {
+    const auto begin = std::chrono::steady_clock::now();
+    benchmark::DoNotOptimize(follower.to(goals[next]));
+    steps_ns.push_back(std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count());
+    if (++next == goals.size()) next = 0;
+  }
+  std::ranges::sort(steps_ns);
+  const auto part = [&](double share) {
+    return steps_ns[static_cast<std::size_t>(share * static_cast<double>(steps_ns.size() - 1))];
+  };
+  state.counters["p50_ns"] = part(0.5);
+  state.counters["p99_ns"] = part(0.99);
+  state.counters["max_ns"] = part(1);
+  state.counters["jump_N"] = jump_N;
+  state.counters["at_best_percent"] = 100 * best / contacts;
 }
 
 /// The ball as a signed distance field, with 2 mm between its nodes.
@@ -128,6 +254,30 @@ void fcl_nearest_point(benchmark::State& state) {
   ask_along_the_way(state, [&](const Point& goal) { benchmark::DoNotOptimize(fcl.nearest_distance_m(goal)); });
 }
 
+void our_tree_is_built(benchmark::State& state) {
+  const auto mesh = shared(ball_of(state.range(0)));
+  for (auto _ : state) {
+    const scene::Bvh bvh(mesh);
+    benchmark::DoNotOptimize(bvh.order().data());
+  }
+}
+
+void embree_tree_is_built(benchmark::State& state) {
+  const auto mesh = ball_of(state.range(0));
+  for (auto _ : state) {
+    const test::EmbreeScene embree(mesh);
+    benchmark::DoNotOptimize(&embree);
+  }
+}
+
+void fcl_tree_is_built(benchmark::State& state) {
+  const auto mesh = ball_of(state.range(0));
+  for (auto _ : state) {
+    const test::FclScene fcl(mesh);
+    benchmark::DoNotOptimize(&fcl);
+  }
+}
+
 void sizes(benchmark::internal::Benchmark* nearest_point) {
   nearest_point->ArgName("triangles");
   for (const int rows : {17, 34, 67, 133}) nearest_point->Arg(4 * rows * (rows - 1));
@@ -135,12 +285,19 @@ void sizes(benchmark::internal::Benchmark* nearest_point) {
 
 BENCHMARK(god_object_slides)->ArgName("depth_um")->Arg(10)->Arg(1000)->Arg(10000);
 BENCHMARK(god_object_moves_freely);
+BENCHMARK_CAPTURE(god_object_on_a_course, spot, spot)->Iterations(kMotions);
+BENCHMARK_CAPTURE(god_object_on_a_course, rough_ball, rough_ball)->Iterations(kMotions);
+BENCHMARK_CAPTURE(god_object_on_a_course, saddles, saddles)->Iterations(kMotions);
+BENCHMARK_CAPTURE(god_object_on_a_course, rough_corner, rough_corner)->Iterations(kMotions);
 BENCHMARK(distance_field_slides);
 BENCHMARK(our_segment);
 BENCHMARK(embree_segment);
 BENCHMARK(our_nearest_point)->Apply(sizes);
 BENCHMARK(embree_nearest_point)->Apply(sizes);
 BENCHMARK(fcl_nearest_point)->Apply(sizes);
+BENCHMARK(our_tree_is_built)->Apply(sizes)->Unit(benchmark::kMillisecond);
+BENCHMARK(embree_tree_is_built)->Apply(sizes)->Unit(benchmark::kMillisecond);
+BENCHMARK(fcl_tree_is_built)->Apply(sizes)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace forcebound

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -103,6 +104,14 @@ inline Soup block(const Point& half) {
   soup.add_quad(2, 6, 7, 3);
   soup.add_quad(0, 4, 6, 2);
   soup.add_quad(1, 3, 7, 5);
+  return soup;
+}
+
+/// The same with its vertices moved by up to `most` in each direction, so that it has vertices of all kinds.
+inline Soup rough(Soup soup, double most, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> by(-most, most);
+  for (Point& vertex : soup.vertices) vertex += Point(by(random), by(random), by(random));
   return soup;
 }
 

@@ -1,12 +1,12 @@
 #include "forcebound/scene/geometry/bvh.hpp"
 
 #include <cmath>
-#include <numeric>
+#include <span>
 
 namespace forcebound::scene {
 namespace {
 
-constexpr int kBins = 16;
+constexpr std::size_t kBins = 16;
 // Deeper than this, halves by number, which end after at most 32 more: kDepthMost holds both.
 constexpr int kDepthOfHeuristic = 44;
 // Boxes are larger by this share of the mesh's size than their triangles, more than contact allows for rounding.
@@ -34,26 +34,39 @@ class Bvh::Builder {
  public:
   explicit Builder(Bvh& tree) : tree_(tree) {
     const TriangleMesh& mesh = tree.mesh();
-    boxes_.resize(mesh.triangles().size());
-    for (std::size_t i = 0; i < boxes_.size(); ++i) {
-      for (std::size_t corner = 0; corner < 3; ++corner) boxes_[i].extend(mesh.corner_m(i, corner));
+    items_.resize(mesh.triangles().size());
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+      for (std::size_t corner = 0; corner < 3; ++corner) items_[i].box.extend(mesh.corner_m(i, corner));
+      items_[i].center = items_[i].box.center();
+      items_[i].triangle = i;
     }
     margin_ = Point::Constant(kMargin * mesh.size_m());
-    tree_.order_.resize(boxes_.size());
-    std::iota(tree_.order_.begin(), tree_.order_.end(), 0U);
-    tree_.nodes_.reserve(boxes_.size());
+    tree_.nodes_.reserve(items_.size());
     tree_.nodes_.emplace_back();
-    build(0, 0, static_cast<std::uint32_t>(boxes_.size()), 0);
+    build(0, 0, static_cast<std::uint32_t>(items_.size()), 0);
     tree_.nodes_.shrink_to_fit();
+    tree_.order_.reserve(items_.size());
+    for (const Item& item : items_) tree_.order_.push_back(item.triangle);
   }
 
  private:
+  /// Side by side as the tree has them, so that each level goes through the memory once.
+  struct Item {
+    Bounds box;
+    Point center;
+    std::uint32_t triangle;
+  };
+
+  [[nodiscard]] std::span<Item> items(std::uint32_t begin, std::uint32_t end) {
+    return std::span(items_).subspan(begin, end - begin);
+  }
+
   void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end, int depth) {
     Bounds box;
     Bounds centers;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      box.extend(boxes_[tree_.order_[i]]);
-      centers.extend(boxes_[tree_.order_[i]].center());
+    for (const Item& item : items(begin, end)) {
+      box.extend(item.box);
+      centers.extend(item.center);
     }
     tree_.nodes_[node].low = box.min() - margin_;
     tree_.nodes_[node].high = box.max() + margin_;
@@ -73,57 +86,61 @@ class Bvh::Builder {
 
   /// Where the products of area and number of the two sides are the least, by axis and bin.
   std::uint32_t split(std::uint32_t begin, std::uint32_t end, const Bounds& centers) {
+    // More bins than triangles cost time and tell nothing.
+    const std::size_t bin_count = std::min<std::size_t>(kBins, end - begin);
+    const Point per_m = static_cast<double>(bin_count) * centers.sizes().cwiseInverse();
+    const auto bin_of = [&](const Item& item, Eigen::Index axis) {
+      const double bin = (item.center[axis] - centers.min()[axis]) * per_m[axis];
+      return std::min(static_cast<std::size_t>(bin), bin_count - 1);
+    };
+    std::array<Eigen::Index, 3> axes;
+    const auto axes_end = std::copy_if(kAxes.begin(), kAxes.end(), axes.begin(),
+                                       [&](Eigen::Index axis) { return std::isfinite(per_m[axis]); });
+    const std::span wide(axes.begin(), axes_end);
+    std::array<std::array<Bin, kBins>, 3> bins;
+    for (const Item& item : items(begin, end)) {
+      for (const Eigen::Index axis : wide) bins[static_cast<std::size_t>(axis)][bin_of(item, axis)].add({item.box, 1});
+    }
     double best_cost = std::numeric_limits<double>::infinity();
-    int best_bin = 0;
+    std::size_t best_bin = 0;
     Eigen::Index best_axis = 0;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (!(centers.sizes()[axis] > 0)) continue;
-      std::array<Bin, kBins> bins;
-      for (std::uint32_t i = begin; i < end; ++i) {
-        const Bounds& box = boxes_[tree_.order_[i]];
-        bins[static_cast<std::size_t>(bin_of(box, centers, axis))].add({box, 1});
-      }
+    for (const Eigen::Index axis : wide) {
+      const auto& along = bins[static_cast<std::size_t>(axis)];
       std::array<double, kBins> cost{};
       Bin left;
-      for (std::size_t i = 0; i + 1 < kBins; ++i) {
-        left.add(bins[i]);
+      for (std::size_t i = 0; i + 1 < bin_count; ++i) {
+        left.add(along[i]);
         cost[i] = left.cost();
       }
       Bin right;
-      for (std::size_t i = kBins - 1; i > 0; --i) {
-        right.add(bins[i]);
+      for (std::size_t i = bin_count - 1; i > 0; --i) {
+        right.add(along[i]);
         if (cost[i - 1] + right.cost() >= best_cost) continue;
         best_cost = cost[i - 1] + right.cost();
-        best_bin = static_cast<int>(i);
+        best_bin = i;
         best_axis = axis;
       }
     }
     if (!(best_cost < std::numeric_limits<double>::infinity())) return begin;
-    const auto first = tree_.order_.begin();
-    const auto middle = std::partition(first + begin, first + end, [&](std::uint32_t triangle) {
-      return bin_of(boxes_[triangle], centers, best_axis) < best_bin;
-    });
-    return static_cast<std::uint32_t>(middle - first);
+    const auto right =
+        std::ranges::partition(items(begin, end), [&](const Item& item) { return bin_of(item, best_axis) < best_bin; });
+    return end - static_cast<std::uint32_t>(right.size());
   }
 
   std::uint32_t halve(std::uint32_t begin, std::uint32_t end, const Bounds& centers) {
     Eigen::Index axis = 0;
     centers.sizes().maxCoeff(&axis);
     const std::uint32_t middle = begin + (end - begin) / 2;
-    const auto first = tree_.order_.begin();
-    std::nth_element(first + begin, first + middle, first + end, [&](std::uint32_t a, std::uint32_t b) {
-      return boxes_[a].center()[axis] < boxes_[b].center()[axis];
-    });
+    const auto first = items_.begin();
+    std::nth_element(first + begin, first + middle, first + end,
+                     [&](const Item& a, const Item& b) { return a.center[axis] < b.center[axis]; });
     return middle;
   }
 
-  static int bin_of(const Bounds& box, const Bounds& centers, Eigen::Index axis) {
-    const double share = (box.center()[axis] - centers.min()[axis]) / centers.sizes()[axis];
-    return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
-  }
+  static constexpr std::array<Eigen::Index, 3> kAxes{0, 1, 2};
 
   Bvh& tree_;
-  std::vector<Bounds> boxes_;
+  std::vector<Item> items_;
   Point margin_;
 };
 
@@ -190,6 +207,18 @@ std::optional<SegmentHit> Bvh::first_hit(const Segment& segment) const noexcept 
     return *share;
   });
   return found;
+}
+
+std::optional<std::size_t> Bvh::gather(const Bounds& box_m, std::span<std::uint32_t> places) const noexcept {
+  std::size_t count = 0;
+  bool fits = true;
+  descend([&](const Node& node) { return apart(node, box_m); },
+          [&] { return fits ? 0 : -std::numeric_limits<double>::infinity(); },
+          [&](const Node& leaf) {
+            fits = fits && count + leaf.count <= places.size();
+            for (std::uint32_t i = 0; fits && i < leaf.count; ++i) places[count++] = leaf.first + i;
+          });
+  return fits ? std::optional(count) : std::nullopt;
 }
 
 std::optional<NearestPoint> Bvh::nearest(const Point& point_m, double reach_m) const noexcept {

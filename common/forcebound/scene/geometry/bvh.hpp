@@ -62,6 +62,10 @@ class Bvh {
   template <class Visit>
   void for_each_about(const Bounds& box_m, Visit visit) const noexcept;
 
+  /// Puts the places of the triangles whose boxes may meet the box, and perhaps some more, into `places`; nullopt if it
+  /// is too small for them.
+  [[nodiscard]] std::optional<std::size_t> gather(const Bounds& box_m, std::span<std::uint32_t> places) const noexcept;
+
   /// Calls visit(place, until) for each triangle whose box the segment may meet before `until`, roughly from its start
   /// on. It returns the new `until`, the share of the segment behind which nothing counts any more.
   template <class Visit>
@@ -95,6 +99,11 @@ class Bvh {
   using Stack = std::array<Waiting, kDepthMost>;
 
   class Builder;
+
+  /// Along the axis on which they are the furthest apart; < 0 if they overlap.
+  [[nodiscard]] static double apart(const Node& node, const Bounds& box) noexcept {
+    return (node.low - box.max()).cwiseMax(box.min() - node.high).maxCoeff();
+  }
 
   [[nodiscard]] static double squared_distance(const Node& node, const Point& p) noexcept {
     return (node.low - p).cwiseMax(p - node.high).cwiseMax(0.0).squaredNorm();
@@ -146,14 +155,10 @@ void Bvh::for_each_within(const Point& point_m, double radius_m, Visit visit) co
 
 template <class Visit>
 void Bvh::for_each_about(const Bounds& box_m, Visit visit) const noexcept {
-  const auto apart = [&](const Node& node) {
-    return (node.low - box_m.max()).cwiseMax(box_m.min() - node.high).maxCoeff();
-  };
-  descend(
-      apart, [] { return 0.0; },
-      [&](const Node& leaf) {
-        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) visit(i);
-      });
+  descend([&](const Node& node) { return apart(node, box_m); }, [] { return 0.0; },
+          [&](const Node& leaf) {
+            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) visit(i);
+          });
 }
 
 template <class Visit>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 
 namespace forcebound::scene {
@@ -148,6 +149,72 @@ class GodObject::Constraints {
   std::array<Constraint, 3> held_;  // the third only while standing still
 };
 
+/// Looks for what is in the way. What it has once gathered about a way answers for all ways inside of it, so that the
+/// tree is asked once or twice in most motions.
+class GodObject::Search {
+ public:
+  explicit Search(const GodObject& object) noexcept : object_(object) {}
+
+  /// Whether one more turn, of a way and steps around, might be one too many.
+  [[nodiscard]] bool is_over() const noexcept { return searches_ > kQueriesMost - kMostPerTurn; }
+
+  void gather_about(const Segment& path) noexcept {
+    if (box_.contains(Point(path.from_m + path.way_m))) return;
+    const Point room = Point::Constant(kRoom * path.way_m.norm() + 2 * kAboutSkins * object_.skin_m_);
+    Bounds box(path.from_m);
+    box.extend(Point(path.from_m + path.way_m));
+    box_ = {box.min() - room, box.max() + room};
+    ++searches_;
+    const auto count = object_.bvh_.gather(box_, gathered_);
+    count_ = count.value_or(0);
+    if (!count) box_.setEmpty();
+  }
+
+  /// Calls visit(place) for each triangle whose box may meet the box, and perhaps some more.
+  template <class Visit>
+  void for_each_about(const Bounds& box, Visit visit) noexcept {
+    if (box_.contains(box)) {
+      std::ranges::for_each(gathered(), visit);
+    } else {
+      ++searches_;
+      object_.bvh_.for_each_about(box, visit);
+    }
+  }
+
+  /// The first obstacle that is none of those `without`.
+  [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found,
+                                    std::span<const std::uint32_t> without = {}) noexcept {
+    bool blocked = false;
+    double until = 1;
+    const auto visit = [&](std::uint32_t place, double share) {
+      if (!without.empty() && std::ranges::find(without, place) != without.end()) return share;
+      if (!object_.is_in_the_way(object_.facets_[place], path, share, found)) return share;
+      blocked = true;
+      return found.share;
+    };
+    ++searches_;
+    if (box_.contains(path.from_m)) {
+      for (const std::uint32_t place : gathered()) until = visit(place, until);
+      if (box_.contains(Point(path.from_m + until * path.way_m))) return blocked;
+    }
+    object_.bvh_.for_each_along(path, until, visit);
+    return blocked;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 64;
+  static constexpr double kRoom = 0.5;  // of the way
+  static constexpr int kMostPerTurn = 12;
+
+  [[nodiscard]] std::span<const std::uint32_t> gathered() const noexcept { return std::span(gathered_).first(count_); }
+
+  const GodObject& object_;
+  int searches_ = 0;
+  Bounds box_;  // empty: nothing is gathered
+  std::size_t count_ = 0;
+  std::array<std::uint32_t, kMost> gathered_;
+};
+
 /// The triangles about a point of the surface, and the steps over them that lead nearer to the goal, the fastest first.
 class GodObject::Fan {
  public:
@@ -157,9 +224,9 @@ class GodObject::Fan {
     std::uint32_t place = 0;
   };
 
-  Fan(const GodObject& object, const Point& proxy, const Point& goal) noexcept : object_(object) {
+  Fan(const GodObject& object, Search& search, const Point& proxy, const Point& goal) noexcept : object_(object) {
     const double reach_m = kAboutSkins * object.skin_m_;
-    object.bvh_.for_each_about({proxy.array() - reach_m, proxy.array() + reach_m}, [&](std::uint32_t place) {
+    search.for_each_about({proxy.array() - reach_m, proxy.array() + reach_m}, [&](std::uint32_t place) {
       const Facet& facet = object.facets_[place];
       const bool near = std::abs(facet.plane.normal.dot(proxy) - facet.plane.offset) <= reach_m;
       if (near && is_within(facet, proxy, reach_m) && count_ < kMost) about_[count_++] = place;
@@ -179,22 +246,100 @@ class GodObject::Fan {
 
   [[nodiscard]] std::span<const Step> steps() const noexcept { return std::span(steps_).first(step_count_); }
 
-  /// The triangles about the point that go on from that of the step, from edge to edge: none of them is in its way.
-  [[nodiscard]] std::span<const std::uint32_t> around(std::size_t step) noexcept {
-    const auto end = about_.begin() + static_cast<std::ptrdiff_t>(count_);
-    auto last = std::partition(about_.begin(), end, [&](std::uint32_t place) { return place == steps_[step].place; });
-    for (auto member = about_.begin(); member != last; ++member) {
-      const Triangle& beyond = object_.bvh_.mesh().neighbours()[object_.bvh_.order()[*member]];
-      last = std::partition(last, end, [&](std::uint32_t place) {
-        return std::ranges::find(beyond, object_.bvh_.order()[place]) != beyond.end();
-      });
+  /// The triangles about the point that go on from that of the step, from edge to edge, if they all meet in one vertex
+  /// and do not pass through each other: then none of them is in its way, whatever their planes do. Else nullopt.
+  [[nodiscard]] std::optional<std::span<const std::uint32_t>> around(std::size_t step) noexcept {
+    if (std::ranges::find(members(), steps_[step].place) == members().end()) {
+      gather_members(steps_[step].place);
+      is_simple_ = is_simple();
     }
-    return {about_.begin(), last};
+    return is_simple_ ? std::optional(members()) : std::nullopt;
   }
 
  private:
   static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kPairsOf = 16;  // triangles, of more it is not looked at each pair
   static constexpr std::size_t kStepsMost = 8;
+
+  /// A triangle as seen from the vertex: a part of a great circle.
+  struct Arc {
+    std::uint32_t from;
+    std::uint32_t to;
+  };
+
+  [[nodiscard]] const TriangleMesh& mesh() const noexcept { return object_.bvh_.mesh(); }
+  [[nodiscard]] std::uint32_t triangle(std::uint32_t place) const noexcept { return object_.bvh_.order()[place]; }
+
+  [[nodiscard]] Point arm(std::uint32_t vertex, std::uint32_t end) const noexcept {
+    return mesh().vertices_m()[end] - mesh().vertices_m()[vertex];
+  }
+  [[nodiscard]] std::span<const std::uint32_t> members() const noexcept { return std::span(about_).first(members_); }
+
+  void gather_members(std::uint32_t first) noexcept {
+    const auto end = about_.begin() + static_cast<std::ptrdiff_t>(count_);
+    auto last = std::partition(about_.begin(), end, [&](std::uint32_t place) { return place == first; });
+    for (auto member = about_.begin(); member != last; ++member) {
+      const Triangle& beyond = mesh().neighbours()[triangle(*member)];
+      last = std::partition(
+          last, end, [&](std::uint32_t place) { return std::ranges::find(beyond, triangle(place)) != beyond.end(); });
+    }
+    members_ = static_cast<std::size_t>(last - about_.begin());
+  }
+
+  [[nodiscard]] bool is_simple() const noexcept {
+    if (members_ <= 2) return true;
+    const Triangle& first = mesh().triangles()[triangle(about_[0])];
+    return std::ranges::any_of(first, [&](std::uint32_t vertex) { return is_simple_about(vertex); });
+  }
+
+  [[nodiscard]] bool is_simple_about(std::uint32_t vertex) const noexcept {
+    std::array<Arc, kMost> all;
+    for (std::size_t i = 0; i < members_; ++i) {
+      const Triangle& t = mesh().triangles()[triangle(about_[i])];
+      const auto corner = static_cast<std::size_t>(std::ranges::find(t, vertex) - t.begin());
+      if (corner == 3) return false;
+      all[i] = {t[(corner + 1) % 3], t[(corner + 2) % 3]};
+    }
+    const std::span<const Arc> arcs = std::span(all).first(members_);
+    if (winds_once(vertex, arcs)) return true;
+    if (members_ > kPairsOf) return false;
+    for (std::size_t i = 0; i < members_; ++i) {
+      if (std::ranges::any_of(arcs.first(i), [&](const Arc& other) { return cross(vertex, arcs[i], other); })) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  /// Whether all triangles can be seen at once from somewhere above, once around the vertex. Most vertices are so.
+  [[nodiscard]] bool winds_once(std::uint32_t vertex, std::span<const Arc> arcs) const noexcept {
+    const auto normal = [&](std::uint32_t place) -> const Point& { return mesh().normals()[triangle(place)]; };
+    Point up = Point::Zero();
+    for (const std::uint32_t place : members()) up += normal(place);
+    if (!std::ranges::all_of(members(), [&](std::uint32_t place) { return normal(place).dot(up) > 0; })) return false;
+    const bool closed = std::ranges::all_of(arcs, [&](const Arc& arc) {
+      return std::ranges::any_of(arcs, [&](const Arc& next) { return next.from == arc.to; });
+    });
+    const Point some = arm(vertex, arcs[0].from).normalized() + arm(vertex, arcs[0].to).normalized();
+    return closed && std::ranges::count_if(arcs, [&](const Arc& arc) {
+                       return up.dot(arm(vertex, arc.from).cross(some)) >= 0 &&
+                              up.dot(some.cross(arm(vertex, arc.to))) > 0;
+                     }) == 1;
+  }
+
+  [[nodiscard]] bool cross(std::uint32_t vertex, const Arc& one, const Arc& other) const noexcept {
+    if (one.from == other.to || one.to == other.from) return false;
+    const Point a = arm(vertex, one.from);
+    const Point b = arm(vertex, one.to);
+    const Point c = arm(vertex, other.from);
+    const Point d = arm(vertex, other.to);
+    const Point ab = a.cross(b);
+    const Point cd = c.cross(d);
+    const std::array<double, 4> off{cd.dot(a), cd.dot(b), ab.dot(c), ab.dot(d)};
+    if (off[0] * off[1] > 0 || off[2] * off[3] > 0) return false;
+    // Where each meets the other's plane: in the same direction, or opposite to it.
+    return (std::abs(off[1]) * a + std::abs(off[0]) * b).dot(std::abs(off[3]) * c + std::abs(off[2]) * d) >= 0;
+  }
 
   void insert(Step step) noexcept {
     for (Step& other : std::span(steps_).first(step_count_)) {
@@ -206,6 +351,8 @@ class GodObject::Fan {
   const GodObject& object_;
   std::size_t count_ = 0;
   std::array<std::uint32_t, kMost> about_;
+  std::size_t members_ = 0;  // the first of them, that go on from edge to edge
+  bool is_simple_ = false;
   std::size_t step_count_ = 0;
   std::array<Step, kStepsMost> steps_;
 };
@@ -296,14 +443,15 @@ bool GodObject::approach(Point& proxy, const Point& goal) const noexcept {
 
 Point GodObject::settle(Walk walk, const Point& goal, Point& last_normal) const noexcept {
   Constraints held(*this);
+  Search search(*this);
   Point way = goal - walk.at_m;
-  for (int searches = 0; searches < kQueriesMost;) {
+  while (!search.is_over()) {
     const double length_m = way.norm();
     bool rests = length_m <= kOnSkins * skin_m_;
     if (!rests) {
       Obstacle obstacle;
-      ++searches;
-      const bool blocked = first_obstacle({walk.at_m, way}, obstacle);
+      if (held.size() > 0) search.gather_about({walk.at_m, way});
+      const bool blocked = search.first_obstacle({walk.at_m, way}, obstacle);
       const bool stands = blocked && obstacle.share * length_m <= skin_m_;
       if (blocked) last_normal = obstacle.constraint.normal;
       if (!stands && !walk.go(way, blocked ? obstacle.share : 1)) return walk.at_m;
@@ -317,7 +465,7 @@ Point GodObject::settle(Walk walk, const Point& goal, Point& last_normal) const 
     }
     if (rests) {
       if (held.are_all_about(walk.at_m)) return walk.at_m;
-      if (!step_around(walk, goal, searches)) return walk.at_m;
+      if (!step_around(walk, goal, search)) return walk.at_m;
     }
     held.clear();
     way = goal - walk.at_m;
@@ -328,35 +476,22 @@ Point GodObject::settle(Walk walk, const Point& goal, Point& last_normal) const 
 /// Planes hold beyond their triangles. Where triangles meet that do not leave a convex space free, there may so be a
 /// way past them: straight on, or else over one of them, which it is for the one that leads to the goal the fastest.
 /// False if there is none, or it ends on the way.
-bool GodObject::step_around(Walk& walk, const Point& goal, int& searches) const noexcept {
+bool GodObject::step_around(Walk& walk, const Point& goal, Search& search) const noexcept {
   const auto is_open = [&](const Point& way, std::span<const std::uint32_t> without, double& share) {
     Obstacle obstacle;
-    ++searches;
-    const bool blocked = first_obstacle({walk.at_m, way}, obstacle, without);
+    const bool blocked = search.first_obstacle({walk.at_m, way}, obstacle, without);
     share = blocked ? obstacle.share : 1;
     return share * way.norm() > skin_m_;
   };
   double share = 0;
   const Point straight = goal - walk.at_m;
   if (is_open(straight, {}, share)) return walk.go(straight, share);
-  ++searches;
-  Fan about(*this, walk.at_m, goal);
+  Fan about(*this, search, walk.at_m, goal);
   for (std::size_t i = 0; i < about.steps().size(); ++i) {
-    if (is_open(about.steps()[i].way, about.around(i), share)) return walk.go(about.steps()[i].way, share);
+    const auto around = about.around(i);
+    if (around && is_open(about.steps()[i].way, *around, share)) return walk.go(about.steps()[i].way, share);
   }
   return false;
-}
-
-bool GodObject::first_obstacle(const Segment& path, Obstacle& found,
-                               std::span<const std::uint32_t> without) const noexcept {
-  bool blocked = false;
-  bvh_.for_each_along(path, 1, [&](std::uint32_t place, double until) {
-    if (!without.empty() && std::ranges::find(without, place) != without.end()) return until;
-    if (!is_in_the_way(facets_[place], path, until, found)) return until;
-    blocked = true;
-    return found.share;
-  });
-  return blocked;
 }
 
 bool GodObject::is_within(const Facet& facet, const Point& p, double beyond_m) noexcept {

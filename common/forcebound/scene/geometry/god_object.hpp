@@ -39,7 +39,16 @@ struct GodObjectOptions {
 ///
 /// through the next triangle in its way and so on, until nothing nearer is to be reached. Where the paper finds the
 /// planes by Lagrange multipliers once for each motion, ours are found anew wherever the god object comes to, because
-/// the plane of a triangle that it has left holds nothing; so it also follows a curved surface within one motion.
+/// the plane of a triangle that it has left holds nothing; so it also follows a curved surface within one motion. Where
+/// it comes to rest and what is free about it is not convex, as at the vertex of a saddle, it looks for one of the
+/// triangles there that leads nearer to the goal: so it rests only where no triangle about it does.
+///
+/// A place that held it may be no more, as it comes to the end of a ridge; the next may be far. To fall there at once
+/// would let the force jump, so one motion moves the god object no further than
+///
+///     4 |goal - goal before| + |goal - x| / 8 + (size of the mesh) / 1024,
+///
+/// and the next motions go on, even if the goal then stays where it is.
 ///
 /// Numbers: all is computed in the mesh's own frame. A point is on a plane if within a `skin` of 2^-40 (1e-12) of the
 /// mesh's size, and on a triangle if within four skins of its edges, so that rounding opens no gap and makes no step. A
@@ -112,13 +121,12 @@ class GodObject {
 
   class Constraints;
   class Fan;
+  class Search;
 
   [[nodiscard]] Facet facet_of(std::uint32_t triangle) const;
   [[nodiscard]] Edge edge_of(std::uint32_t triangle, std::size_t side) const;
   [[nodiscard]] bool approach(Point& proxy, const Point& goal) const noexcept;
   [[nodiscard]] Point settle(Walk walk, const Point& goal, Point& last_normal) const noexcept;
-  [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found,
-                                    std::span<const std::uint32_t> without = {}) const noexcept;
   [[nodiscard]] Constraint seen_from(const Point& p, const Constraint& plane) const noexcept;
   [[nodiscard]] std::uint32_t triangle_of(const Facet& facet) const noexcept {
     return bvh_.order()[static_cast<std::size_t>(&facet - facets_.data())];
@@ -126,7 +134,7 @@ class GodObject {
   [[nodiscard]] std::uint32_t neighbour(const Facet& facet, std::size_t side) const noexcept {
     return bvh_.mesh().neighbours()[triangle_of(facet)][side];
   }
-  [[nodiscard]] bool step_around(Walk& walk, const Point& goal, int& searches) const noexcept;
+  [[nodiscard]] bool step_around(Walk& walk, const Point& goal, Search& search) const noexcept;
   [[nodiscard]] static bool is_within(const Facet& facet, const Point& p, double beyond_m) noexcept;
   [[nodiscard]] bool is_in_the_way(const Facet& facet, const Segment& path, double until,
                                    Obstacle& found) const noexcept;

@@ -170,6 +170,152 @@ TEST(GodObject, FindsTheNearestPointInAWedgeOfAnyAngle) {
   }
 }
 
+/// Triangles around the origin; `ring` are their corners, anticlockwise from above.
+test::Soup fan(const std::vector<Point>& ring) {
+  test::Soup soup;
+  soup.vertices.emplace_back(0, 0, 0);
+  soup.vertices.insert(soup.vertices.end(), ring.begin(), ring.end());
+  const auto corners = static_cast<std::uint32_t>(ring.size());
+  for (std::uint32_t i = 0; i < corners; ++i) soup.triangles.push_back({0, 1 + i, 1 + (i + 1) % corners});
+  return soup;
+}
+
+Point on_ring(double turn, double height) { return {std::cos(turn), std::sin(turn), height}; }
+
+/// Moves to the goal until nothing changes any more, since a fall takes several motions.
+SurfacePoint settle(Follower& follower, const Point& goal) {
+  SurfacePoint found = follower.to(goal);
+  for (int i = 0; i < 2000; ++i) {
+    const Point before = follower.at_m();
+    found = follower.to(goal);
+    if ((follower.at_m() - before).norm() < 1e-13) return found;
+  }
+  ADD_FAILURE() << "never comes to rest";
+  return found;
+}
+
+/// How much nearer to the goal a triangle that the god object touches would let it.
+double nearer_about_m(const Follower& follower, const Point& goal) {
+  const TriangleMesh& mesh = follower.object().bvh().mesh();
+  const Point at = follower.at_m() - mesh.origin_m();
+  const Point to = goal - mesh.origin_m();
+  double best_m = 0;
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
+    const auto nearest = [&](const Point& p) {
+      return nearest_on_triangle(p, mesh.corner_m(i, 0), mesh.corner_m(i, 1), mesh.corner_m(i, 2)).point_m;
+    };
+    if ((nearest(at) - at).norm() > 1e-9 * mesh.size_m()) continue;
+    best_m = std::max(best_m, (at - to).norm() - (nearest(to) - to).norm());
+  }
+  return best_m;
+}
+
+TEST(GodObject, FindsTheValleysOfAVertexWhereConvexAndConcaveEdgesAlternate) {
+  // Six triangles, whose edges are ridges and valleys by turns. From the middle, a valley leads nearer to a goal below.
+  std::vector<Point> ring;
+  for (int i = 0; i < 6; ++i) ring.push_back(on_ring(i * std::numbers::pi / 3, i % 2 == 0 ? 0.5 : -0.5));
+  const auto motion = test::askew();
+  constexpr double kDepth = 0.3;
+  const double in_valley = kDepth / std::hypot(1, 0.5);
+  for (const Point& start : {Point(0, 0, 0.5), Point(1e-6, 0, 1e-6), Point(0, 1e-6, 1e-6), Point(-1e-6, 1e-6, 1e-6)}) {
+    Follower follower(fan(ring).moved(motion));
+    (void)follower.to(motion * start);
+    (void)follower.to(motion * Point(start.x(), start.y(), 0));
+    const SurfacePoint found = settle(follower, motion * Point(0, 0, -kDepth));
+    EXPECT_NEAR(found.penetration_m, in_valley, 1e-10) << "started at " << start.transpose();
+  }
+}
+
+TEST(GodObject, FindsTheValleysOfAVertexOfManyTriangles) {
+  std::vector<Point> ring;
+  for (int i = 0; i < 60; ++i)
+    ring.push_back(on_ring(i * std::numbers::pi / 30, 0.5 * std::cos(i * std::numbers::pi / 10)));
+  const auto motion = test::askew();
+  Follower follower(fan(ring).moved(motion));
+  (void)follower.to(motion * Point(0, 0, 0.5));
+  (void)follower.to(motion * Point(0, 0, 0));
+  EXPECT_NEAR(settle(follower, motion * Point(0, 0, -0.3)).penetration_m, 0.3 / std::hypot(1, 0.5), 1e-10);
+}
+
+TEST(GodObject, RestsOnAnyFanWhereNoTriangleLeadsNearer) {
+  constexpr unsigned kSeed = 12;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int at_vertex = 0;
+  for (int i = 0; i < 3000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", fan " + std::to_string(i));
+    std::vector<Point> ring;
+    const int corners = 4 + i % 7;
+    for (int k = 0; k < corners; ++k) {
+      ring.push_back(
+          on_ring((k + 0.3 * unit(random)) * 2 * std::numbers::pi / corners, 0.2 * (i % 2) + 0.5 * unit(random)));
+    }
+    const test::Soup soup = fan(ring).moved(test::askew());
+    const Point goal = test::askew() * Point(0.1 * unit(random), 0.1 * unit(random), -0.3 - 0.1 * unit(random));
+    Follower follower(soup);
+    (void)follower.to(test::askew() * Point(0, 0, 1));
+    const SurfacePoint found = settle(follower, goal);
+    ASSERT_GT(found.penetration_m, 0.05);
+    ASSERT_LT(nearer_about_m(follower, goal), 1e-9);
+    at_vertex += (follower.at_m() - test::askew() * Point(0, 0, 0)).norm() < 1e-9 ? 1 : 0;
+    Follower beside(soup);
+    (void)beside.to(follower.at_m() +
+                    1e-6 * (test::askew().linear() * Point(0.1 * unit(random), 0.1 * unit(random), 1)));
+    ASSERT_NEAR(settle(beside, goal).penetration_m, found.penetration_m, 1e-8);
+  }
+  EXPECT_GT(at_vertex, 100) << "hardly any fan held it at its vertex";
+}
+
+TEST(GodObject, RestsOnARoughBallWhereNoTriangleLeadsNearer) {
+  Follower follower(test::rough(test::ball(1, 16), 0.015, 7).moved(test::askew()));
+  (void)follower.to({0, 0, 2});
+  for (int i = 0; i < 1500; ++i) {
+    const double turn = 0.01 * i;
+    const Point out(std::cos(0.37 * turn) * std::cos(turn), std::cos(0.37 * turn) * std::sin(turn),
+                    std::sin(0.37 * turn));
+    const Point goal = (0.8 + 0.1 * std::sin(3.1 * turn)) * out;
+    (void)settle(follower, goal);
+    ASSERT_LT(nearer_about_m(follower, goal), 1e-9) << "goal " << i;
+    ASSERT_GT(follower.at_m().norm(), 0.8) << "went through at goal " << i;
+  }
+}
+
+TEST(GodObject, HoldsOnAMeshThatPassesThroughItself) {
+  // At the poles the vertices are nearer to each other than they are moved.
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Follower follower(test::rough(test::ball(1, 16), 0.05, seed).moved(test::askew()));
+    (void)follower.to({0, 0, 2});
+    for (int i = 0; i < 4000; ++i) {
+      const double turn = 0.005 * i;
+      const Point out(std::cos(0.37 * turn) * std::cos(turn), std::cos(0.37 * turn) * std::sin(turn),
+                      std::sin(0.37 * turn));
+      for (int again = 0; again < 10; ++again) (void)follower.to((0.8 + 0.1 * std::sin(3.1 * turn)) * out);
+      ASSERT_GT(follower.at_m().norm(), 0.83) << "went through at goal " << i << ", seed " << seed;
+    }
+  }
+}
+
+TEST(GodObject, FallsOverSeveralMotionsFromARidgeThatEnds) {
+  Follower follower(test::square(1, 4));
+  constexpr double kDepth_m = 0.5;
+  constexpr double kStep_m = 1e-3;
+  (void)follower.to({0.9, 0, 0.1});
+  (void)follower.to({0.9, 0, -kDepth_m});
+  Point before = follower.at_m();
+  SurfacePoint found = follower.to({1 - kStep_m, 0, -kDepth_m});
+  EXPECT_NEAR(found.penetration_m, kDepth_m, 1e-12) << "to the rim the plane holds";
+  for (int i = 0; i < 200 && found.penetration_m > 0; ++i) {
+    const double depth_m = found.penetration_m;
+    before = follower.at_m();
+    const double gone_m = i == 0 ? 2 * kStep_m : 0;
+    found = follower.to({1 + kStep_m, 0, -kDepth_m});
+    ASSERT_LT(found.penetration_m, depth_m) << "each motion goes on";
+    ASSERT_LE((follower.at_m() - before).norm(),
+              4 * gone_m + (depth_m + gone_m) / 8 + follower.object().bvh().mesh().size_m() / 1024 + 1e-12);
+  }
+  EXPECT_EQ(found.penetration_m, 0) << "it arrives";
+}
+
 TEST(GodObject, StaysPutWhileItsGoalDoes) {
   Follower follower(test::ball(1, 30).moved(test::askew()));
   (void)follower.to({0, 0, 2});
