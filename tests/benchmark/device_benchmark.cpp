@@ -12,8 +12,8 @@ void tick(benchmark::State& state, const char* name, double force_N) {
   const device::DeviceDescription description = device::load_device(name);
   const int dof = description.facts.degrees_of_freedom();
   device::SimulatedDevice device(description, device::make_operator("wave", dof));
-  Nanoseconds now{0};
-  Vector force = Vector::Constant(dof, force_N);
+  time::Nanoseconds now{0};
+  control::Vector force = control::Vector::Constant(dof, force_N);
   for (auto _ : state) {
     benchmark::DoNotOptimize(device.read(now));
     device.apply(now, force);
@@ -32,7 +32,7 @@ void pumped_tick(benchmark::State& state, const char* name) {
   const device::DeviceDescription description = device::load_device(name);
   const int dof = description.facts.degrees_of_freedom();
   device::SimulatedDevice device(description, device::make_operator("wave", dof));
-  Nanoseconds now{0};
+  time::Nanoseconds now{0};
   for (auto _ : state) {
     const device::Reading reading = device.read(now);
     device.apply(now, 3 * device.truth().joint_velocity);

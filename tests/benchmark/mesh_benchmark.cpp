@@ -21,8 +21,8 @@
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/fcl_scene.hpp"
 #include "tests/support/follower.hpp"
-#include "tests/support/recorded_data.hpp"
 #include "tests/support/shape_client.hpp"
+#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound {
 namespace {

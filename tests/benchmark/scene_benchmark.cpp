@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t kPlaces = 1024;
 
 /// A wandering within 30 mm of the origin.
-std::array<Vector, kPlaces> places() {
-  std::array<Vector, kPlaces> all;
+std::array<control::Vector, kPlaces> places() {
+  std::array<control::Vector, kPlaces> all;
   for (std::size_t i = 0; i < kPlaces; ++i) {
     const double t = 0.01 * static_cast<double>(i);
     all[i] = 0.03 * scene::Point(std::sin(t), std::sin(1.7 * t + 1), std::sin(2.3 * t + 2));
@@ -31,7 +31,7 @@ std::array<Vector, kPlaces> places() {
 void answers(benchmark::State& state, const std::shared_ptr<const scene::Scene>& scene) {
   const auto path = places();
   scene::SceneState client(scene, 3);
-  Nanoseconds now{0};
+  time::Nanoseconds now{0};
   std::size_t next = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(client.answer(path[next++ % kPlaces], now));

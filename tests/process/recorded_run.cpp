@@ -32,7 +32,7 @@ void expect_late_force_policy(const RecordedRun& run) {
     EXPECT_LE((tick.request - scale * force->second).norm(), kRounding) << "tick " << tick.tick;
     EXPECT_LE(tick.applied.norm(), std::min(tick.request.norm(), run.info.force_N_max) + kRounding)
         << "tick " << tick.tick;
-    EXPECT_EQ(tick.policy, policy.verdict(tick.force_age)) << "tick " << tick.tick;
+    EXPECT_EQ(static_cast<int>(tick.policy), static_cast<int>(policy.verdict(tick.force_age))) << "tick " << tick.tick;
     if (tick.policy == record::ForcePolicy::dropped) {
       EXPECT_TRUE(tick.applied.isZero(0)) << "tick " << tick.tick;
     }

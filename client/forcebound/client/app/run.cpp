@@ -77,12 +77,12 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   std::ofstream summary_file = open_summary(options.summary);
 
   settings.guarantee = laws.guarantee(options.law);
-  spdlog::info("device '{}'{}; law {}, server {}", device->facts().name,
-               device->is_simulated() ? " and its hand '" + options.device.hand + "' are simulated" : "", options.law,
-               options.server);
 
   LiveLine line;
   Client client(settings, *device, std::move(law), {&line});
+  spdlog::info("device '{}'{}; law {}, server {}", device->facts().name,
+               device->is_simulated() ? " and its hand '" + options.device.hand + "' are simulated" : "", options.law,
+               options.server);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
   client.run(stop, [&](Nanoseconds now, Nanoseconds elapsed) {
