@@ -181,7 +181,9 @@ double ExactLaw::largest_scale(const Vector& torque, double energy_J) const noex
       b += p->weight * ahead;
       room -= p->weight * ahead * ahead;
     }
-    const double scale = newest->begin + (room > 0 ? room / (b + std::sqrt(b * b + a * room)) : 0.0);
+    // Roots before the product: a * room underflows where little is left, and nothing would then bound the force.
+    const double root = std::hypot(b, std::sqrt(a) * std::sqrt(std::max(room, 0.0)));
+    const double scale = newest->begin + (room > 0 ? room / (b + root) : 0.0);
     if (newest + 1 == end || scale <= (newest + 1)->begin) return scale;
   }
   return std::numeric_limits<double>::infinity();
