@@ -40,13 +40,13 @@ void expect_told(const Way& way, std::chrono::seconds duration) {
   EXPECT_EQ(summary["blackouts"]["count"], 1);
   EXPECT_GE(summary["blackouts"]["longest_s"].get<double>(), static_cast<double>(duration.count()) - 0.1);
   EXPECT_GT(summary["late_force"]["dropped_ticks"], 0);
-  EXPECT_THAT(way.client->err(), HasSubstr("forces are fresh again"));
+  EXPECT_THAT(unwrapped(way.client->err()), HasSubstr("forces are fresh again"));
 
   const nlohmann::json longest = summary["blackouts"]["longest"];
   EXPECT_EQ(longest["died"], way.name) << longest;
   const bool up = way.name == "up";
-  EXPECT_THAT(way.client->out(), HasSubstr("nothing came back from " + way.relay->address() + " for "));
-  EXPECT_THAT(way.client->out(), HasSubstr(up ? "(up dead)" : "motions arrived there (up alive), 0 of "));
+  EXPECT_THAT(unwrapped(way.client->out()), HasSubstr("nothing came back from " + way.relay->address() + " for "));
+  EXPECT_THAT(unwrapped(way.client->out()), HasSubstr(up ? "(up dead)" : "motions arrived there (up alive), 0 of "));
 
   // What the relay swallowed is what is missing, but for the handshakes that were tried meanwhile, and for motions
   // after a server gave up, which no server counts.

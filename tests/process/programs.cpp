@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <regex>
+#include <sstream>
 #include <stdexcept>
 
 #include "forcebound/net/udp_link.hpp"
@@ -55,6 +56,13 @@ std::uint64_t counted(const std::string& text, std::string_view subject, std::st
   const std::regex count("(\\d+) " + std::string(what) + "(,|$)");
   if (!std::regex_search(counts, found, count)) return 0;
   return std::stoull(found[1]);
+}
+
+std::string unwrapped(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  std::string all;
+  for (std::string word; words >> word;) all += (all.empty() ? "" : " ") + word;
+  return all;
 }
 
 std::size_t lines(std::string_view text) {

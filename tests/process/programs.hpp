@@ -74,6 +74,9 @@ std::string free_address();
 /// mentioned.
 std::uint64_t counted(const std::string& text, std::string_view subject, std::string_view what);
 
+/// `text` with single spaces for all space: programs break their lines where the column ends.
+std::string unwrapped(std::string_view text);
+
 /// How many lines.
 std::size_t lines(std::string_view text);
 

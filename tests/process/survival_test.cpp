@@ -97,9 +97,10 @@ TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndTheNextServerWithinASec
     EXPECT_GE(summary["late_force"]["dropped_ticks"], 300);
     EXPECT_GT(summary["faults"]["nobody_listening"], 0);
     EXPECT_EQ(summary["blackouts"]["longest"]["died"], "unknown");
-    EXPECT_THAT(client.out(), HasSubstr("then in another session: the server had restarted or given this one up"));
-    EXPECT_THAT(client.err(), HasSubstr("zero force"));
-    EXPECT_THAT(client.err(), HasSubstr("forces are fresh again"));
+    EXPECT_THAT(unwrapped(client.out()),
+                HasSubstr("then in another session: the server had restarted or given this one up"));
+    EXPECT_THAT(unwrapped(client.err()), HasSubstr("zero force"));
+    EXPECT_THAT(unwrapped(client.err()), HasSubstr("forces are fresh again"));
   });
 }
 
