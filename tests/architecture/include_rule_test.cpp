@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/tools/data/recorded_data.hpp"
+
 namespace forcebound::architecture {
 namespace {
 
@@ -111,7 +113,7 @@ TEST(IncludeRule, RefusesAFolderThatNobodyGaveARule) {
 
 TEST(SourceTree, ObeysTheIncludeRule) {
   namespace fs = std::filesystem;
-  const fs::path root = FORCEBOUND_SOURCE_DIR;
+  const fs::path root = test::source_folder();
   int files = 0;
   for (const char* side : {"common", "client", "server", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / side)) {

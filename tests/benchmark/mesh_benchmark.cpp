@@ -22,7 +22,7 @@
 #include "tests/support/fcl_scene.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/shape_client.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound {
 namespace {

@@ -14,7 +14,7 @@
 #include "tests/support/follower.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/shape_client.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

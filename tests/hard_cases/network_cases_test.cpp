@@ -9,7 +9,7 @@
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/wire/sequence_window.hpp"
 #include "tests/hard_cases/network_loop.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::sim {
 namespace {

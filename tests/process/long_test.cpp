@@ -4,7 +4,7 @@
 
 #include "tests/process/blackhole_checks.hpp"
 #include "tests/process/loop_checks.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::test {
 namespace {

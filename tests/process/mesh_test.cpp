@@ -9,7 +9,7 @@
 
 #include "tests/process/passive.hpp"
 #include "tests/process/programs.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::test {
 namespace {

@@ -8,6 +8,12 @@
 #include "forcebound/net/udp_link.hpp"
 
 namespace forcebound::test {
+
+const char* const kServer = FORCEBOUND_SERVER;
+const char* const kClient = FORCEBOUND_CLIENT;
+const char* const kRelay = FORCEBOUND_RELAY;
+const char* const kLab = FORCEBOUND_LAB;
+
 namespace {
 
 Words with(Words first, const Words& more) {

@@ -14,10 +14,10 @@ namespace forcebound::test {
 
 using Words = std::vector<std::string>;
 
-inline constexpr const char* kServer = FORCEBOUND_SERVER;
-inline constexpr const char* kClient = FORCEBOUND_CLIENT;
-inline constexpr const char* kRelay = FORCEBOUND_RELAY;
-inline constexpr const char* kLab = FORCEBOUND_LAB;
+extern const char* const kServer;
+extern const char* const kClient;
+extern const char* const kRelay;
+extern const char* const kLab;
 
 /// A program that listens on a port of the system's choice, or on `at`; returns once it does.
 class Listener : public Process {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/process/loop_checks.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::test {
 namespace {

@@ -9,9 +9,9 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/auto_scene.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 #include "tests/tools/netem/netem_parameters.hpp"
 #include "tests/tools/netem/trace.hpp"
-#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::sim {
 namespace {

@@ -5,12 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/tools/data/recorded_data.hpp"
+
 namespace forcebound::test {
 
 /// The names of the scenes that ship, as their folder has them, in alphabetical order.
 inline std::vector<std::string> scene_files() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(FORCEBOUND_SOURCE_DIR "/server/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "server/scenes")) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());

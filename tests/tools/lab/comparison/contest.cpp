@@ -6,8 +6,8 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/text/names.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 #include "tests/tools/lab/experiment.hpp"
-#include "tests/tools/recorded_data.hpp"
 
 namespace forcebound::lab {
 namespace {

@@ -9,7 +9,7 @@
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/meshes.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::scene {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "forcebound/scene/geometry/mesh_file.hpp"
 #include "tests/support/meshes.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::scene {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/winding.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::scene {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tests/support/process.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::scene {
 namespace {

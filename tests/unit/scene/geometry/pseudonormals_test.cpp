@@ -7,7 +7,7 @@
 #include "forcebound/scene/geometry/mesh_file.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/winding.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::scene {
 namespace {

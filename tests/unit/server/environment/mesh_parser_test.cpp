@@ -8,7 +8,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/vector_of.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

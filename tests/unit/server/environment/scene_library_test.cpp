@@ -8,6 +8,7 @@
 #include "forcebound/server/environment/body_parser.hpp"
 #include "forcebound/text/names.hpp"
 #include "tests/support/scene_files.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -30,7 +31,7 @@ TEST(SceneLibrary, ShipsEveryFileOfItsFolderInAlphabeticalOrder) {
 TEST(SceneLibrary, EverySceneIsNamedLikeItsFileAndDescribed) {
   if (!has_bodies()) GTEST_SKIP() << "built without MuJoCo";
   for (const std::string& name : test::scene_files()) {
-    const auto scene = load_scene(FORCEBOUND_SOURCE_DIR "/server/scenes/" + name + ".toml");
+    const auto scene = load_scene((test::source_folder() / "server/scenes" / (name + ".toml")).string());
     EXPECT_EQ(scene->facts().name, name);
     EXPECT_TRUE(scene->facts().description.ends_with('.')) << name;
   }

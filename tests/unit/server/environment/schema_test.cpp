@@ -11,6 +11,7 @@
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/support/process.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -90,7 +91,7 @@ std::vector<std::string> keys_of(const SchemaTable& table, std::vector<std::stri
 }
 
 TEST(Schema, IsThePageBesideTheScenes) {
-  EXPECT_EQ(text::read_file(FORCEBOUND_SOURCE_DIR "/server/scenes/README.md"),
+  EXPECT_EQ(text::read_file((test::source_folder() / "server/scenes/README.md").string()),
             schema(scene::EffectRegistry::standard()))
       << "what scene files may have has changed; the page is written anew by\n"
          "    forcebound-server --schema > server/scenes/README.md";

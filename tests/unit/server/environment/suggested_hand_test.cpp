@@ -11,7 +11,7 @@
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/process.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

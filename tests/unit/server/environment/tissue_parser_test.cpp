@@ -8,7 +8,7 @@
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/process.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "forcebound/text/file.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 #include "tests/tools/lab/bench/collect.hpp"
 #include "tests/tools/lab/bench/ratios_figure.hpp"
 #include "tests/unit/record/sample_run.hpp"
@@ -99,7 +100,7 @@ TEST(Collect, NamesWhatIsMissing) {
 
 // deploy/bench --readme puts them there.
 TEST(Page, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
-  const std::string root = FORCEBOUND_SOURCE_DIR;
+  const std::string root = test::source_folder().string();
   const BenchResults committed = parse_bench_csv(text::read_file(root + "/deploy/bench-results.csv"));
   EXPECT_EQ(between_marks(text::read_file(root + "/tests/benchmark/README.md"), kBenchMarks), to_markdown(committed))
       << "the benchmarks in tests/benchmark/README.md are not those of deploy/bench-results.csv: run deploy/bench "

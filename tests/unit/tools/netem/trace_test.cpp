@@ -2,10 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
+
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::netem {
 namespace {
@@ -119,11 +120,6 @@ TEST(TraceFile, SaysWhichFileCannotBeRead) {
   EXPECT_THAT([] { load_trace("/"); }, ThrowsMessage<std::runtime_error>(HasSubstr("it is a directory")));
 }
 
-std::filesystem::path data_file(const char* name) {
-  const char* data = std::getenv("FORCEBOUND_DATA");
-  return std::filesystem::path(data != nullptr ? data : FORCEBOUND_SOURCE_DIR "/../shared/data") / "network" / name;
-}
-
 Nanoseconds longest_delay(const RttTrace& trace) {
   Nanoseconds longest{0};
   for (Nanoseconds t{0}; t < trace.duration(); t += 1ms)
@@ -132,17 +128,17 @@ Nanoseconds longest_delay(const RttTrace& trace) {
 }
 
 TEST(TraceFile, RuralTraceReachesTwelveSeconds) {
-  const auto file = data_file("5g-rural-n8.csv");
-  if (!exists(file)) GTEST_SKIP() << "no trace at " << file << "; set FORCEBOUND_DATA";
-  const auto trace = std::get<RttTrace>(load_trace(file));
+  const auto file = test::recorded_data("network/5g-rural-n8.csv");
+  if (!file) GTEST_SKIP() << "no trace 5g-rural-n8.csv; set FORCEBOUND_DATA";
+  const auto trace = std::get<RttTrace>(load_trace(*file));
   EXPECT_EQ(trace.one_way_delay(0ms), 26500us);
   EXPECT_EQ(longest_delay(trace), 6033ms);
 }
 
 TEST(TraceFile, UrbanTraceHasItsBlackouts) {
-  const auto file = data_file("5g-urban-n8.csv");
-  if (!exists(file)) GTEST_SKIP() << "no trace at " << file << "; set FORCEBOUND_DATA";
-  const auto trace = std::get<RttTrace>(load_trace(file));
+  const auto file = test::recorded_data("network/5g-urban-n8.csv");
+  if (!file) GTEST_SKIP() << "no trace 5g-urban-n8.csv; set FORCEBOUND_DATA";
+  const auto trace = std::get<RttTrace>(load_trace(*file));
   EXPECT_EQ(trace.one_way_delay(81651ms).has_value(), true);
   EXPECT_EQ(trace.one_way_delay(81652ms), std::nullopt);
   EXPECT_EQ(trace.one_way_delay(104095ms), std::nullopt);

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "tests/support/tissue_block.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

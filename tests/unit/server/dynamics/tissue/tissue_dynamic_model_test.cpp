@@ -11,7 +11,7 @@
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/tissue_block.hpp"
-#include "tests/tools/recorded_data.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {

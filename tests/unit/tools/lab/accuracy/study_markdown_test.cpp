@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/text/file.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 
 namespace forcebound::lab {
@@ -52,7 +53,7 @@ TEST(StudyMarkdown, CallsNoSettingOfASessionTheBestThatGaveEnergyAway) {
 }
 
 TEST(Page, QuotesTheCommittedStudyAndNoOther) {
-  const std::string root = FORCEBOUND_SOURCE_DIR;
+  const std::string root = test::source_folder().string();
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/accuracy-results.json"));
   EXPECT_EQ(between_marks(text::read_file(root + "/tests/tools/lab/README.md"), kAccuracyMarks), to_markdown(committed))
       << "the study in tests/tools/lab/README.md is not that of deploy/accuracy-results.json: run deploy/accuracy";

@@ -7,6 +7,7 @@
 
 #include "forcebound/text/file.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -104,7 +105,7 @@ TEST(Comparison, PassesOnWhatALawRefuses) {
 }
 
 TEST(Page, QuotesTheCommittedComparisonAndNoOther) {
-  const std::string root = FORCEBOUND_SOURCE_DIR;
+  const std::string root = test::source_folder().string();
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/comparison-results.json"));
   EXPECT_EQ(between_marks(text::read_file(root + "/common/forcebound/baselines/README.md"), kComparisonMarks),
             comparison_markdown(committed))
