@@ -44,7 +44,12 @@ struct UdpBatch::Storage {
 UdpBatch::UdpBatch(UdpLink& link) : link_(link), storage_(std::make_unique<Storage>()) {}
 UdpBatch::~UdpBatch() = default;
 
-std::span<const UdpBatch::Arrived> UdpBatch::receive_all() noexcept {
+std::span<const UdpBatch::Arrived> UdpBatch::receive_all() noexcept { return receive(MSG_DONTWAIT); }
+
+// Sleeps for the first alone.
+std::span<const UdpBatch::Arrived> UdpBatch::wait_for_some() noexcept { return receive(MSG_WAITFORONE); }
+
+std::span<const UdpBatch::Arrived> UdpBatch::receive(int flags) noexcept {
   Storage& all = *storage_;
   for (std::size_t i = 0; i < kDatagramsMax; ++i) {
     msghdr& message = all.in.messages[i].msg_hdr;
@@ -56,7 +61,7 @@ std::span<const UdpBatch::Arrived> UdpBatch::receive_all() noexcept {
   int count = -1;
   for (int attempt = 0; attempt < 2 && count < 0; ++attempt) {
     // MSG_TRUNC: each result is the datagram's whole size, also if it was cut.
-    count = recvmmsg(link_.descriptor(), all.in.messages.data(), kDatagramsMax, MSG_DONTWAIT | MSG_TRUNC, nullptr);
+    count = recvmmsg(link_.descriptor(), all.in.messages.data(), kDatagramsMax, flags | MSG_TRUNC, nullptr);
     if (count < 0 && errno != ECONNREFUSED) return {};
     if (count < 0) link_.note_refused();
   }

@@ -13,7 +13,8 @@ namespace forcebound::net {
 /// What is sent waits until `flush`; so a batch is received, answered, and its answers flushed. A failure then counts
 /// in the link's `send_failed`.
 ///
-/// Real time: nothing allocates after construction, and every call returns at once. Not thread-safe.
+/// Real time: nothing allocates after construction, and every call but `wait_for_some` returns at once. Not
+/// thread-safe.
 class UdpBatch final : public DatagramLink {
  public:
   static constexpr std::size_t kDatagramsMax = 32;
@@ -33,6 +34,10 @@ class UdpBatch final : public DatagramLink {
   /// The oldest that wait, in order, at most kDatagramsMax; none if none wait.
   [[nodiscard]] std::span<const Arrived> receive_all() noexcept;
 
+  /// The same, but sleeps until there is one, for no longer than the link's `wait_at_most` says; a signal wakes it too.
+  /// One call of the system where waiting and then receiving are two.
+  [[nodiscard]] std::span<const Arrived> wait_for_some() noexcept;
+
   /// Keeps a copy for `flush`; if there is no room for it, flushes first. False if it is larger than kDatagramBytesMax.
   bool send(std::span<const std::byte> datagram, const Address& to) noexcept override;
 
@@ -43,6 +48,8 @@ class UdpBatch final : public DatagramLink {
   std::optional<Received> receive(std::span<std::byte> buffer) noexcept override { return link_.receive(buffer); }
 
  private:
+  [[nodiscard]] std::span<const Arrived> receive(int flags) noexcept;
+
   struct Storage;
   UdpLink& link_;
   std::unique_ptr<Storage> storage_;

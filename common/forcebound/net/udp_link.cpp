@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/ip/v6_only.hpp>
@@ -46,8 +45,8 @@ struct UdpLink::Socket {
   udp::endpoint sender;
 
   void open(const udp& protocol, Stamps stamps) {
+    // Blocking, for those who wait for a datagram in the same call that receives it; all others say MSG_DONTWAIT.
     socket.open(protocol);
-    socket.non_blocking(true);
     // Larger buffers help, smaller ones work.
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
@@ -86,15 +85,17 @@ UdpLink UdpLink::towards(const Address& peer) try {
 
 bool UdpLink::send(std::span<const std::byte> datagram, const Address& to) noexcept {
   const udp::endpoint endpoint = to_asio(to);
-  asio::error_code error;
   for (int i = 0; i < kRefusalsSkippedMax; ++i) {
-    socket_->socket.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint, 0, error);
+    if (sendto(descriptor(), datagram.data(), datagram.size(), MSG_DONTWAIT, endpoint.data(),
+               static_cast<socklen_t>(endpoint.size())) >= 0) {
+      return true;
+    }
     // That is about an earlier datagram; this one was not sent yet.
-    if (error != asio::error::connection_refused) break;
+    if (errno != ECONNREFUSED) break;
     ++socket_->counters.refused;
   }
-  if (error) ++socket_->counters.send_failed;
-  return !error;
+  ++socket_->counters.send_failed;
+  return false;
 }
 
 std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
@@ -122,6 +123,12 @@ std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
     ++socket_->counters.refused;
   }
   return std::nullopt;
+}
+
+void UdpLink::wait_at_most(time::Nanoseconds duration) noexcept {
+  const auto us = std::max<std::int64_t>(1, duration.count() / 1000);  // zero would mean forever
+  const timeval limit{us / 1'000'000, us % 1'000'000};
+  setsockopt(descriptor(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
 }
 
 Address UdpLink::local_address() const noexcept {

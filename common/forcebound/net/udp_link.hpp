@@ -42,6 +42,9 @@ class UdpLink final : public DatagramLink {
   bool send(std::span<const std::byte> datagram, const Address& to) noexcept override;
   std::optional<Received> receive(std::span<std::byte> buffer) noexcept override;
 
+  /// How long UdpBatch::wait_for_some sleeps at most, to the system's timer resolution (1 to 10 ms). Not real time.
+  void wait_at_most(time::Nanoseconds duration) noexcept;
+
   [[nodiscard]] Address local_address() const noexcept;
   [[nodiscard]] const UdpCounters& counters() const noexcept;
 

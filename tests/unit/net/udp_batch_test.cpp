@@ -62,6 +62,20 @@ TEST_F(UdpBatchTest, ReceivesWhatWaitsInItsOrderAndKnowsEachSender) {
   EXPECT_THAT(batch_.receive_all(), IsEmpty());
 }
 
+TEST_F(UdpBatchTest, SleepsForTheFirstAloneAndNotForever) {
+  link_.wait_at_most(10ms);
+  EXPECT_THAT(batch_.wait_for_some(), IsEmpty());
+  std::jthread late([&] {
+    std::this_thread::sleep_for(20ms);
+    first_.send(batch_bytes("late"), address_);
+  });
+  link_.wait_at_most(5s);
+  const auto arrived = batch_.wait_for_some();
+  ASSERT_EQ(arrived.size(), 1U);
+  EXPECT_EQ(arrived.front().received.from, first_.local_address());
+  EXPECT_THAT(batch_.receive_all(), IsEmpty());
+}
+
 TEST_F(UdpBatchTest, LeavesWhatIsTooMuchForTheNextTime) {
   for (int i = 0; i < 40; ++i) first_.send(batch_bytes(std::to_string(i)), address_);
   EXPECT_EQ(texts().size(), UdpBatch::kDatagramsMax);

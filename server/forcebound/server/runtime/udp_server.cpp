@@ -1,6 +1,5 @@
 #include "forcebound/server/runtime/udp_server.hpp"
 
-#include <array>
 #include <random>
 #include <utility>
 
@@ -34,13 +33,15 @@ UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const Envi
                   if (observer != nullptr) observer->on_scene_failed(scene, why);
                 }),
       server_(options, environments, batch_, clock_, random_session_id, observer),
-      timer_(clock_.now() + kTimerPeriod) {}
+      timer_(clock_.now() + kTimerPeriod) {
+  link_.wait_at_most(kTimerPeriod);
+}
 
 void UdpServer::turn() {
-  const bool readable = net::wait_readable(std::array{link_.descriptor()}, timer_ - clock_.now());
+  const auto arrived = batch_.wait_for_some();
   compiler_.deliver();
-  if (readable) {
-    take_in_all();
+  if (!arrived.empty()) {
+    take_in(arrived);
     answer_all();
   }
   const Nanoseconds now = clock_.now();
@@ -60,10 +61,9 @@ void UdpServer::stop() {
   batch_.flush();
 }
 
-/// A batch at a time.
-void UdpServer::take_in_all() {
-  for (int i = 0; i < kBatchesPerTurn; ++i) {
-    const auto arrived = batch_.receive_all();
+/// These and all that wait behind them.
+void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
+  for (int i = 0; i < kBatchesPerTurn; ++i, arrived = batch_.receive_all()) {
     const Nanoseconds now = clock_.now();
     for (const auto& datagram : arrived) server_.take_in(datagram.bytes, datagram.received.from, now);
     // Asking whether there are more costs a call; the next wait asks the same.

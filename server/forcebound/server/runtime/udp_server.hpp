@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stop_token>
 
 #include "forcebound/net/endpoint.hpp"
@@ -52,7 +53,7 @@ class UdpServer {
   [[nodiscard]] std::uint64_t overflowed() const noexcept { return link_.counters().overflowed; }
 
  private:
-  void take_in_all();
+  void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void answer_all();
 
   time::SteadyClock clock_;

@@ -51,8 +51,10 @@ void draw_ratios(const BenchResults& results, const std::filesystem::path& png) 
       << "set rmargin 6\nset grid xtics linetype 1 linecolor rgb '#e3e6ea'\nunset key\nset xlabel 'ratio'\n"
       << "set yrange [" << -static_cast<double>(rows.size()) + 0.4 << ":0.6]\nset xrange [0.1:*]\nset ytics (";
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    out << (i > 0 ? ", " : "") << gnuplot_string(rows[i].what + " / " + rows[i].yardstick) << ' '
-        << -static_cast<double>(i);
+    out << (i > 0 ? ", " : "")
+        << gnuplot_string(rows[i].what + (rows[i].conditions.empty() ? "" : " (" + rows[i].conditions + ")") + " / " +
+                          rows[i].yardstick)
+        << ' ' << -static_cast<double>(i);
   }
   out << ")\n$data << EOD\n1 0\n";
   for (std::size_t i = 0; i < rows.size(); ++i) out << rows[i].ratio << ' ' << -static_cast<double>(i) << '\n';

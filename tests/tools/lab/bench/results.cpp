@@ -5,17 +5,20 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "tests/tools/lab/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {
 
-constexpr const char* kHeader = "kind,what,unit,ours,yardstick,theirs,ratio,wanted";
-constexpr std::size_t kColumns = 8;
+constexpr const char* kHeader = "kind,what,unit,conditions,ours,yardstick,theirs,ratio,spread,wanted";
+constexpr std::size_t kColumns = 10;
 
 std::string number(double value) {
   if (!std::isfinite(value)) throw std::runtime_error("a result is no number");
@@ -44,9 +47,14 @@ void for_each(const BenchResults& results, BenchRow::Kind kind, Show show) {
   }
 }
 
-void append_table_line(std::string& out, const std::array<std::string, 6>& cells) {
+/// What was measured, and under which conditions.
+std::string subject(const BenchRow& row) {
+  return row.what + " [" + row.unit + "]" + (row.conditions.empty() ? "" : "; " + row.conditions);
+}
+
+void append_table_line(std::string& out, const std::array<std::string, 7>& cells) {
   // What a row is about stands above its numbers: beside them it would not fit 80 columns.
-  constexpr std::array<std::size_t, 6> kWidths{3, 10, 28, 10, 8, 0};
+  constexpr std::array<std::size_t, 7> kWidths{3, 8, 26, 8, 6, 14, 0};
   if (!cells[0].empty()) out += cells[0] + '\n';
   std::string line(kWidths[0] + 1, ' ');
   for (std::size_t i = 1; i < cells.size(); ++i)
@@ -69,11 +77,30 @@ BenchRow ratio_row(std::string what, std::string unit, double ours, std::string 
   return {.kind = BenchRow::Kind::ratio,
           .what = std::move(what),
           .unit = std::move(unit),
+          .conditions = {},
           .ours = number(ours),
           .yardstick = std::move(yardstick),
           .theirs = number(theirs),
           .ratio = number(ours / theirs),
+          .spread = {},
           .wanted = std::move(wanted)};
+}
+
+BenchRow turns_row(std::string what, std::string unit, std::string conditions, const std::vector<double>& ours,
+                   std::string yardstick, const std::vector<double>& theirs, std::string wanted) {
+  if (ours.empty() || ours.size() != theirs.size()) {
+    throw std::runtime_error(what + ": " + std::to_string(ours.size()) + " runs of ours beside " +
+                             std::to_string(theirs.size()) + " of " + yardstick);
+  }
+  BenchRow row = ratio_row(std::move(what), std::move(unit), percentile(ours, 0.5), std::move(yardstick),
+                           percentile(theirs, 0.5), std::move(wanted));
+  row.conditions = std::move(conditions);
+  if (ours.size() == 1) return row;
+  std::vector<double> ratios;
+  std::transform(ours.begin(), ours.end(), theirs.begin(), std::back_inserter(ratios), std::divides<>());
+  const auto [least, largest] = std::minmax_element(ratios.begin(), ratios.end());
+  row.spread = number(*least) + " to " + number(*largest);
+  return row;
 }
 
 BenchRow growth_row(std::string what, std::string size, double ours, std::string yardstick, double theirs) {
@@ -86,10 +113,12 @@ BenchRow growth_row(std::string what, std::string size, double ours, std::string
   return {.kind = BenchRow::Kind::growth,
           .what = std::move(what),
           .unit = std::move(size),
+          .conditions = {},
           .ours = exponent(ours),
           .yardstick = std::move(yardstick),
           .theirs = alone ? std::string() : exponent(theirs),
           .ratio = {},
+          .spread = {},
           .wanted = {}};
 }
 
@@ -99,8 +128,8 @@ std::string to_csv(const BenchResults& results) {
   csv += std::string(kHeader) + '\n';
   for (const BenchRow& row : results.rows) {
     csv += row.kind == BenchRow::Kind::ratio ? "ratio" : "growth";
-    for (const std::string* cell :
-         {&row.what, &row.unit, &row.ours, &row.yardstick, &row.theirs, &row.ratio, &row.wanted}) {
+    for (const std::string* cell : {&row.what, &row.unit, &row.conditions, &row.ours, &row.yardstick, &row.theirs,
+                                    &row.ratio, &row.spread, &row.wanted}) {
       if (cell->find_first_of(",\n") != std::string::npos) {
         throw std::runtime_error("a cell must not have commas: '" + *cell + "'");
       }
@@ -134,11 +163,13 @@ BenchResults parse_bench_csv(std::string_view csv) {
     results.rows.push_back({.kind = cells[0] == "ratio" ? BenchRow::Kind::ratio : BenchRow::Kind::growth,
                             .what = std::string(cells[1]),
                             .unit = std::string(cells[2]),
-                            .ours = std::string(cells[3]),
-                            .yardstick = std::string(cells[4]),
-                            .theirs = std::string(cells[5]),
-                            .ratio = std::string(cells[6]),
-                            .wanted = std::string(cells[7])});
+                            .conditions = std::string(cells[3]),
+                            .ours = std::string(cells[4]),
+                            .yardstick = std::string(cells[5]),
+                            .theirs = std::string(cells[6]),
+                            .ratio = std::string(cells[7]),
+                            .spread = std::string(cells[8]),
+                            .wanted = std::string(cells[9])});
   }
   if (!headed) throw std::runtime_error("no results");
   return results;
@@ -146,26 +177,26 @@ BenchResults parse_bench_csv(std::string_view csv) {
 
 std::string to_table(const BenchResults& results) {
   std::string out = joined(results.machine) + "\n\n";
-  append_table_line(out, {"", "ours", "beside", "theirs", "ratio", "wanted"});
+  append_table_line(out, {"", "ours", "beside", "theirs", "ratio", "in single runs", "wanted"});
   for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
-    append_table_line(out, {row.what + " [" + row.unit + "]", row.ours, or_dash(row.yardstick), or_dash(row.theirs),
-                            or_dash(row.ratio), row.wanted + (row.fine() ? "" : "  MISSED")});
+    append_table_line(out, {subject(row), row.ours, or_dash(row.yardstick), or_dash(row.theirs), or_dash(row.ratio),
+                            row.spread, row.wanted + (row.fine() ? "" : " MISSED")});
   });
   out += '\n';
-  append_table_line(out, {"cost grows as n to the power of", "ours", "beside", "theirs", "", ""});
+  append_table_line(out, {"cost grows as n to the power of", "ours", "beside", "theirs", "", "", ""});
   for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
     append_table_line(
-        out, {row.what + " (n: " + row.unit + ")", row.ours, or_dash(row.yardstick), or_dash(row.theirs), "", ""});
+        out, {row.what + " (n: " + row.unit + ")", row.ours, or_dash(row.yardstick), or_dash(row.theirs), "", "", ""});
   });
   return out;
 }
 
 std::string to_markdown(const BenchResults& results) {
   std::string out = "Measured by `deploy/bench`: " + joined(results.machine) + ".\n\n";
-  out += "| what | ours | beside | theirs | ratio | wanted |\n|---|---|---|---|---|---|\n";
+  out += "| what | ours | beside | theirs | ratio | in single runs | wanted |\n|---|---|---|---|---|---|---|\n";
   for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
-    out += "| " + row.what + " [" + row.unit + "] | " + row.ours + " | " + or_dash(row.yardstick) + " | " +
-           or_dash(row.theirs) + " | " + (row.fine() ? or_dash(row.ratio) : "**" + row.ratio + "**") + " | " +
+    out += "| " + subject(row) + " | " + row.ours + " | " + or_dash(row.yardstick) + " | " + or_dash(row.theirs) +
+           " | " + (row.fine() ? or_dash(row.ratio) : "**" + row.ratio + "**") + " | " + row.spread + " | " +
            row.wanted + " |\n";
   });
   out +=

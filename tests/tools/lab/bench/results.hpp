@@ -19,11 +19,13 @@ struct BenchRow {
   Kind kind = Kind::ratio;
   std::string what;
   std::string unit;
-  std::string ours;       ///< a number
-  std::string yardstick;  ///< whose `theirs` is; may be empty
-  std::string theirs;     ///< a number, or empty
-  std::string ratio;      ///< ours / theirs, or empty
-  std::string wanted;     ///< such as "<= 1.25", or empty
+  std::string conditions;  ///< under which both sides ran, where there is a choice; may be empty
+  std::string ours;        ///< a number
+  std::string yardstick;   ///< whose `theirs` is; may be empty
+  std::string theirs;      ///< a number, or empty
+  std::string ratio;       ///< ours / theirs, or empty
+  std::string spread;      ///< the least and the largest ratio of single runs, "0.9 to 1.2", or empty
+  std::string wanted;      ///< such as "<= 1.25", or empty
 
   bool operator==(const BenchRow&) const = default;
 
@@ -40,6 +42,11 @@ struct BenchResults {
 
 [[nodiscard]] BenchRow ratio_row(std::string what, std::string unit, double ours, std::string yardstick, double theirs,
                                  std::string wanted = {});
+/// Of runs by turns: the medians of both sides, their ratio, and the ratios of the single turns.
+/// @throws std::runtime_error unless both sides ran as often, at least once
+[[nodiscard]] BenchRow turns_row(std::string what, std::string unit, std::string conditions,
+                                 const std::vector<double>& ours, std::string yardstick,
+                                 const std::vector<double>& theirs, std::string wanted = {});
 [[nodiscard]] BenchRow growth_row(std::string what, std::string size, double ours, std::string yardstick = {},
                                   double theirs = 0);
 

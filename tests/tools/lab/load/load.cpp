@@ -61,6 +61,7 @@ Load::Load(const LoadOptions& options)
   for (std::size_t i = 0; i < options.sockets; ++i) {
     lines_.emplace_back(server_);
     descriptors_.push_back(lines_.back().link.descriptor());
+    lines_.back().link.wait_at_most(kPeriod);
   }
 }
 
@@ -144,17 +145,20 @@ void Load::wait(Nanoseconds until) {
   using Waiting = LoadOptions::Waiting;
   const bool answer_missing = load_generator_.tally().answered < load_generator_.tally().sent;
   const bool asleep = options_.waiting == Waiting::asleep || (options_.waiting == Waiting::ping_pong && answer_missing);
+  // With an answer to wait for on one socket, one call sleeps and receives, as sockperf's does.
+  if (asleep && answer_missing && lines_.size() == 1) return take_in(lines_.front().batch.wait_for_some());
   if (asleep) net::wait_readable(descriptors_, until - now());
   receive();
 }
 
 void Load::receive() {
-  for (Line& line : lines_) {
-    const auto arrived = line.batch.receive_all();
-    const Nanoseconds time = now();
-    for (const auto& datagram : arrived) {
-      load_generator_.on_datagram(datagram.bytes, time - datagram.received.waited, time);
-    }
+  for (Line& line : lines_) take_in(line.batch.receive_all());
+}
+
+void Load::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
+  const Nanoseconds time = now();
+  for (const auto& datagram : arrived) {
+    load_generator_.on_datagram(datagram.bytes, time - datagram.received.waited, time);
   }
 }
 

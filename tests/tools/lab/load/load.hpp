@@ -58,6 +58,7 @@ class Load {
 
   void connect(std::size_t clients);
   void receive();
+  void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void rest(Nanoseconds until);  ///< asleep, but for reading
   void wait(Nanoseconds until);  ///< for anything to read, at most so long
   bool send(std::span<const std::byte> datagram, std::size_t client);

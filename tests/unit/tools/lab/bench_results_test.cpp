@@ -20,12 +20,13 @@ using testing::ThrowsMessage;
 BenchResults sample() {
   BenchResults results;
   results.machine = {{"date", "2026-11-21"}, {"processor", "some (2)"}};
-  results.rows = {ratio_row("round trip: median", "us", 30, "sockperf", 25, "<= 1.25"),
-                  ratio_row("round trip: p99", "us", 60, "sockperf", 40, "<= 1.3"),
-                  ratio_row("most clients", "clients", 400, "echo", 600, ">= 0.7"),
-                  ratio_row("law", "us", 0.123456, "no law", 0.1),
-                  growth_row("law", "degrees of freedom", 0.7),
-                  growth_row("nearest point", "triangles", 0.25, "Embree", 0.2)};
+  results.rows = {
+      ratio_row("round trip: median", "us", 30, "sockperf", 25, "<= 1.25"),
+      ratio_row("round trip: p99", "us", 60, "sockperf", 40, "<= 1.3"),
+      turns_row("most clients", "clients", "processors kept awake", {400, 500, 300}, "echo", {600, 500, 600}, ">= 0.7"),
+      ratio_row("law", "us", 0.123456, "no law", 0.1),
+      growth_row("law", "degrees of freedom", 0.7),
+      growth_row("nearest point", "triangles", 0.25, "Embree", 0.2)};
   return results;
 }
 
@@ -42,6 +43,15 @@ TEST(BenchRow, IsFineUpToItsBoundOnTheRightSide) {
 TEST(BenchRow, HasNoResultThatIsNoNumber) {
   EXPECT_THROW(static_cast<void>(ratio_row("x", "us", 1, "y", 0)), std::runtime_error);
   EXPECT_THROW(static_cast<void>(ratio_row("x", "us", NAN, "y", 1)), std::runtime_error);
+}
+
+TEST(BenchRow, OfTurnsNeedsBothSidesAsOften) {
+  EXPECT_THAT(
+      [] {
+        static_cast<void>(turns_row("x", "us", "", {1, 2}, "y", {1}));
+      },
+      ThrowsMessage<std::runtime_error>(HasSubstr("x: 2 runs of ours beside 1 of y")));
+  EXPECT_EQ(turns_row("x", "us", "", {1}, "y", {2}).spread, "");
 }
 
 TEST(BenchCsv, ReadsBackAsItWas) { EXPECT_EQ(parse_bench_csv(to_csv(sample())), sample()); }
@@ -62,9 +72,9 @@ TEST(BenchCsv, RefusesToWriteACellThatWouldBecomeTwo) {
 
 TEST(BenchTable, MarksWhatMissesItsBoundAndNothingElse) {
   const std::string table = to_table(sample());
-  EXPECT_THAT(table, HasSubstr("1.5      <= 1.3  MISSED"));
-  EXPECT_THAT(table, HasSubstr("0.667    >= 0.7  MISSED"));
-  EXPECT_THAT(table, HasSubstr("1.2      <= 1.25\n"));
+  EXPECT_THAT(table, HasSubstr("1.5                   <= 1.3 MISSED"));
+  EXPECT_THAT(table, HasSubstr("0.667  0.5 to 1       >= 0.7 MISSED"));
+  EXPECT_THAT(table, HasSubstr("1.2                   <= 1.25\n"));
 }
 
 TEST(Marks, TakeWhatIsBetweenThemAndLeaveTheRest) {
