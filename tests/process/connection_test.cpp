@@ -33,10 +33,10 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
 }
 
 TEST(AClientWithoutAServer, GivesUpWithinSecondsAndSaysWhyIfToldOnce) {
-  const std::string nobody = free_address();
-  Client client(nobody, {"--once"});
+  const std::string closed_port = free_address();
+  Client client(closed_port, {"--once"});
   EXPECT_EQ(client.wait(9s), 1);
-  EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + nobody + ": nobody listens there\n"));
+  EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + closed_port + ": port unreachable (ICMP)\n"));
   EXPECT_EQ(occurrences(client.err(), "error"), 1U);
 }
 
@@ -47,10 +47,10 @@ TEST(AClientWithoutAServer, CountsAsFailedOnceItsTimeIsOverIfToldOnce) {
 }
 
 TEST(AClientWithoutAServer, KeepsTryingAndEndsWithASummary) {
-  const std::string nobody = free_address();
-  Client client(nobody, {"--law", "fba-more", "--duration", "3"});
+  const std::string closed_port = free_address();
+  Client client(closed_port, {"--law", "fba-more", "--duration", "3"});
   EXPECT_EQ(client.wait(20s), 0);
-  EXPECT_THAT(client.err(), HasSubstr("no answer from " + nobody + " yet; asking on"));
+  EXPECT_THAT(client.err(), HasSubstr("no answer from " + closed_port + " yet; asking on"));
   EXPECT_THAT(client.out(),
               AllOf(HasSubstr("Summary: never connected, no verdict"), HasSubstr("forces        none arrived")));
   const nlohmann::json summary = client.summary();
@@ -132,13 +132,13 @@ TEST(AnAddressInUse, IsSaidPlainlyByServerAndRelay) {
 }
 
 TEST(ARelayWithoutAServer, SaysSoInItsTotals) {
-  const std::string nobody = free_address();
-  Relay relay(nobody, {});
+  const std::string closed_port = free_address();
+  Relay relay(closed_port, {});
   Client client(relay.address(), {"--once", "--duration", "1"});
   EXPECT_EQ(client.wait(10s), 1);
   EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + relay.address() + "\n"));
   EXPECT_EQ(relay.stop(), 0);
-  EXPECT_THAT(relay.out(), HasSubstr("times nobody listened at " + nobody));
+  EXPECT_THAT(relay.out(), HasSubstr("datagrams refused by " + closed_port + ": port unreachable (ICMP)"));
 }
 
 TEST(AServerThatEnds, TellsItsClients) {

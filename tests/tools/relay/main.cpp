@@ -120,7 +120,7 @@ int relay_until_stopped(const relay::Options& options) {
 
   fmt::print("{}", relay::summary(relay));
   if (upstream.refused() != 0)
-    fmt::print("{} times nobody listened at {}\n", upstream.refused(), to_string(upstream_address));
+    fmt::print("{} datagrams refused by {}: port unreachable (ICMP)\n", upstream.refused(), to_string(upstream_address));
   if (downstream.counters().overflowed != 0)
     fmt::print("{} datagrams of clients lost: the socket was full\n", downstream.counters().overflowed);
   if (log) {

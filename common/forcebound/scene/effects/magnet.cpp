@@ -36,7 +36,7 @@ EffectKind magnet_effect() {
                                .least_excluded = true,
                                .most = 1e6},
                NumberParameter{
-                   .key = "range_m", .meaning = "how far it reaches", .least = 0, .least_excluded = true, .most = 1e3}},
+                   .key = "range_m", .meaning = "distance above the surface at which it ends", .least = 0, .least_excluded = true, .most = 1e3}},
           .make = [](const EffectValues& values) { return std::make_unique<Magnet>(values); }};
 }
 

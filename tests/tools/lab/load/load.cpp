@@ -123,9 +123,9 @@ void Load::connect(std::size_t clients) {
     for (const Nanoseconds first = now(); !load_generator_.connected(client);) {
       if (!load_generator_.refusal().empty())
         throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
-      const bool nobody = line_of(client).link.counters().refused > kRefusalsBorne;
-      if (nobody || now() - first > kServerPatience) {
-        throw std::runtime_error("no answer from " + options_.server + (nobody ? ": nobody listens there" : ""));
+      const bool unreachable = line_of(client).link.counters().refused > kRefusalsBorne;
+      if (unreachable || now() - first > kServerPatience) {
+        throw std::runtime_error("no answer from " + options_.server + (unreachable ? ": port unreachable (ICMP)" : ""));
       }
       send(load_generator_.hello(client, now()), client);
       rest(now() + kHelloPause);
