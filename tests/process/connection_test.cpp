@@ -50,7 +50,7 @@ TEST(AClientWithoutAServer, KeepsTryingAndEndsWithASummary) {
   const std::string closed_port = free_address();
   Client client(closed_port, {"--law", "fba-more", "--duration", "3"});
   EXPECT_EQ(client.wait(20s), 0);
-  EXPECT_THAT(client.err(), HasSubstr("no answer from " + closed_port + " yet; asking on"));
+  EXPECT_THAT(client.err(), HasSubstr("no answer from " + closed_port + " yet; retrying"));
   EXPECT_THAT(client.out(),
               AllOf(HasSubstr("Summary: never connected, no verdict"), HasSubstr("forces        none arrived")));
   const nlohmann::json summary = client.summary();
@@ -157,8 +157,8 @@ TEST(TwoClientsOfOneServer, EachFeelTheirOwnScene) {
   EXPECT_EQ(wall.wait(20s), 0);
   EXPECT_EQ(sphere.wait(20s), 0);
   EXPECT_EQ(server.stop(), 0);
-  EXPECT_THAT(server.err(), AllOf(HasSubstr("feels 'wall' with device 'wall-1dof' (1 degrees of freedom)"),
-                                  HasSubstr("feels 'sphere' with device 'omni' (3 degrees of freedom)")));
+  EXPECT_THAT(server.err(), AllOf(HasSubstr("connected to scene 'wall' with device 'wall-1dof' (1 degrees of freedom)"),
+                                  HasSubstr("connected to scene 'sphere' with device 'omni' (3 degrees of freedom)")));
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 2U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 2U);
   std::uint64_t received = 0;

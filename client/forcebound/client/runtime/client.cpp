@@ -45,7 +45,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   return info;
 }
 
-/// Lets no exception leave a loop behind that nobody ends.
+/// Ends the loop's thread if an exception is thrown.
 struct EndOfLoop {
   TickLoop& loop;
   ~EndOfLoop() { loop.end(); }

@@ -55,7 +55,7 @@ void ElasticMaterial::check() const {
   }
   if (!(poisson > -1 && poisson < 0.5)) {
     throw std::invalid_argument(
-        "poisson must be > -1 and < 0.5 (0.5 keeps all volume: no displacement would do), got " +
+        "poisson must be > -1 and < 0.5 (0.5 is incompressible, which is singular), got " +
         text::to_text(poisson));
   }
 }

@@ -177,7 +177,7 @@ TEST(BodyDynamicModel, AnUnstableCouplingIsRefusedWithTheNumbers) {
   EXPECT_EQ(error_of(stiff),
             "scene.toml: bodies: the probe's coupling of 5000 N/m and 0 N s/m is unstable with an apparent mass of "
             "0.001 kg in "
-            "steps of 0.001 s (1.25 of what is stable): take a softer one, a heavier probe or shorter steps");
+            "steps of 0.001 s (1.25 of what is stable): use a softer one, a heavier probe or shorter steps");
 }
 
 TEST(BodyDynamicModel, MjcfIsDraggedByItsProbe) {
@@ -231,8 +231,8 @@ TEST(BodyDynamicModel, RefusesMjcfThatIsUnstableByItselfAndSaysWhatHelps) {
     return peg_on("name='rail' type='slide' stiffness='" + std::to_string(stiffness_N_per_m) + "'");
   };
   EXPECT_THAT(refusal_of_mjcf("", spring(4.8)),
-              AllOf(StartsWith("peg.xml: joint 'rail' is at "), HasSubstr(" steps of 0.002 s, left alone but for a"),
-                    HasSubstr("take a shorter timestep, softer springs and actuators, or for strong damping the "
+              AllOf(StartsWith("peg.xml: joint 'rail' is at "), HasSubstr(" steps of 0.002 s after a small disturbance"),
+                    HasSubstr("use a shorter timestep, softer springs and actuators, or for strong damping the "
                               "integrator implicit")));
   // With the coupling's spring of 0.05 and its damper of twice 0.16 it is stable up to 3.63.
   EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", spring(3.7)), StartsWith("peg.xml: joint 'rail' is at "));

@@ -91,7 +91,7 @@ TEST(LinearTissue, RefusesWhatNothingHolds) {
   };
   constexpr const char* kRefusal =
       "block: the held nodes leave the tissue free to move or to turn: hold at least three nodes, not in a line, of "
-      "each part that hangs together";
+      "each connected part";
   EXPECT_EQ(held_by({}), kRefusal);
   EXPECT_EQ(held_by({5}), kRefusal);
   EXPECT_EQ(held_by({0, 1, 2}), kRefusal) << "in a line";
