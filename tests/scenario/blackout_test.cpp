@@ -103,7 +103,7 @@ TEST_F(ASilentNetwork, ThatIsSilentUntilTheEndIsExplainedByTheAnswerToTheBye) {
 TEST_F(ASilentNetwork, ThatIsSilentUntilTheEndLeavesOpenWhichWayDied) {
   loop.network().set_blackhole(Direction::down, true);
   loop.run(2s);
-  expect_longest_at_the_end("unknown", "which way died, and so which way lost what is missing, is not known");
+  expect_longest_at_the_end("unknown", "it is not known which direction lost the datagrams");
 }
 
 }  // namespace

@@ -51,11 +51,11 @@ TEST(ABlackout, InWhichLittleWasLostIsNeitherWay) {
 TEST(ABlackout, OfWhichNothingWasCountedIsNotGuessedAt) {
   EXPECT_EQ(what_died({.duration = 2s}), "unknown");
   EXPECT_EQ(words_of({.duration = 2s}, kServer),
-            "nothing came back from 127.0.0.1:47800 for 2.00 s until the end: which way died, and so which way lost "
-            "what is missing, is not known");
+            "nothing came back from 127.0.0.1:47800 for 2.00 s until the end: it is not known which direction "
+            "lost the datagrams");
   EXPECT_EQ(words_of({.duration = 2s, .over = true}, kServer),
             "nothing came back from 127.0.0.1:47800 for 2.00 s: then in another session: the server had restarted or "
-            "given this one up");
+            "closed this one");
 }
 
 TEST(ABlackout, AfterTheServersByeIsTheServers) {

@@ -91,10 +91,10 @@ std::vector<EffectParameter> parameters() {
                           .least_excluded = true,
                           .most = 1e6},
           NumberParameter{
-              .key = "phase_rad", .meaning = "at t0", .preset = 0, .least = -1e6, .most = 1e6},
+              .key = "phase_rad", .meaning = "phase at t0", .preset = 0, .least = -1e6, .most = 1e6},
           NumberParameter{.key = "start_s", .meaning = "t0, after the first motion", .preset = 0, .least = 0},
           NumberParameter{.key = "duration_s",
-                          .meaning = "D",
+                          .meaning = "D, duration",
                           .preset = kForever,
                           .least = 0,
                           .least_excluded = true},

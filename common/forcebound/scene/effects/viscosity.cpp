@@ -27,7 +27,7 @@ EffectKind viscosity_effect() {
           .law = "f = -B v",
           .place = EffectPlace::space,
           .parameters = {NumberParameter{
-              .key = "damping_N_s_per_m", .meaning = "B", .least = 0, .most = 1e6}},
+              .key = "damping_N_s_per_m", .meaning = "B, damping", .least = 0, .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Viscosity>(values); }};
 }
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr double kPeriod_us = 1000;
 
-/// One benchmark beside another.
+/// A pair of benchmarks to compare.
 struct Beside {
   const char* what;
   const char* ours;
@@ -64,7 +64,7 @@ constexpr Growing kGrowing[]{
 
 std::string text_of(const fs::path& file) { return text::read_file(file.string()); }
 
-/// Reads something out of a file; what goes wrong names the file.
+/// Reads a file; errors name it.
 template <class Read>
 auto read_from(const fs::path& file, Read read) {
   const std::string content = text_of(file);
@@ -102,10 +102,10 @@ void add_round_trips(const fs::path& folder, std::vector<BenchRow>& rows) {
   };
   const double p50_us = sockperfs(&Sockperf::p50_us);
   const double p99_us = sockperfs(&Sockperf::p99_us);
-  rows.push_back(ratio_row("motion to force and back: median", "us", ours("/read_us/p50"), "sockperf ping-pong", p50_us,
+  rows.push_back(ratio_row("round trip of motion and force: median", "us", ours("/read_us/p50"), "sockperf ping-pong", p50_us,
                            "<= 1.25"));
   rows.push_back(
-      ratio_row("motion to force and back: p99", "us", ours("/read_us/p99"), "sockperf ping-pong", p99_us, "<= 1.3"));
+      ratio_row("round trip of motion and force: p99", "us", ours("/read_us/p99"), "sockperf ping-pong", p99_us, "<= 1.3"));
   rows.push_back(ratio_row("client's round trip from reading to arrival: median", "us", clients("/rtt_us/p50"),
                            "sockperf ping-pong", p50_us));
   rows.push_back(ratio_row("client's round trip from reading to arrival: p99", "us", clients("/rtt_us/p99"),
@@ -116,8 +116,8 @@ void add_round_trips(const fs::path& folder, std::vector<BenchRow>& rows) {
     return percentile(periods_us(kPeriod_us, read_cyclictest_us(text)), 0.999) - kPeriod_us;
   });
   rows.push_back(ratio_row("tick's period: p99.9 beyond 1 ms", "us", late_us, "cyclictest", cyclictest_us, "<= 1.2"));
-  // A thread beside the tick that only sleeps: where it is late too, the machine is.
-  rows.push_back(ratio_row("a sleeper beside the tick: p99.9 beyond 1 ms", "us",
+  // A thread beside the tick that only sleeps: if it is late too, the machine is the cause.
+  rows.push_back(ratio_row("a sleeping thread beside the tick: p99.9 beyond 1 ms", "us",
                            clients("/idle_timer/period_us/p999") - kPeriod_us, "cyclictest", cyclictest_us));
 }
 

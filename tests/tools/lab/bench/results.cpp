@@ -18,7 +18,7 @@ constexpr const char* kHeader = "kind,what,unit,ours,yardstick,theirs,ratio,want
 constexpr std::size_t kColumns = 8;
 
 std::string number(double value) {
-  if (!std::isfinite(value)) throw std::runtime_error("a result is no number");
+  if (!std::isfinite(value)) throw std::runtime_error("a result is not finite");
   return text::rounded(value);
 }
 
@@ -45,7 +45,7 @@ void for_each(const BenchResults& results, BenchRow::Kind kind, Show show) {
 }
 
 void append_table_line(std::string& out, const std::array<std::string, 6>& cells) {
-  // What a row is about stands above its numbers: beside them it would not fit 80 columns.
+  // The row's name is above its numbers: beside them it would not fit 80 columns.
   constexpr std::array<std::size_t, 6> kWidths{3, 10, 28, 10, 8, 0};
   if (!cells[0].empty()) out += cells[0] + '\n';
   std::string line(kWidths[0] + 1, ' ');

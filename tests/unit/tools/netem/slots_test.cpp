@@ -30,7 +30,7 @@ TEST_F(SlotsTest, PacketsLeaveOnlyAtSlotTimes) {
   EXPECT_EQ(pass(slots, 26ms), 45ms);
 }
 
-TEST_F(SlotsTest, BlackoutDoesNotShiftRegularSlots) {
+TEST_F(SlotsTest, ATimeWithoutPacketsDoesNotShiftRegularSlots) {
   Slots slots({.shortest = 20ms, .longest = 20ms}, 0ns);
   EXPECT_EQ(pass(slots, 24h + 1ns), 24h + 20ms);
 }
@@ -75,7 +75,7 @@ TEST_F(SlotsTest, IrregularSlotsLieBetweenTheirBounds) {
   EXPECT_GT(distinct.size(), 9'000U);
 }
 
-TEST_F(SlotsTest, IrregularSlotsOpenWithinTheLongestOneAfterBlackout) {
+TEST_F(SlotsTest, IrregularSlotsOpenWithinTheLongestOneAfterATimeWithoutPackets) {
   Slots slots({.shortest = 0ms, .longest = 1us}, 0ns);
   const Nanoseconds opens = pass(slots, 24h);
   EXPECT_GE(opens, 24h);

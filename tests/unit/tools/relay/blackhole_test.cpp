@@ -30,7 +30,7 @@ TEST(BlackholeOption, RefusesWhatIsNoneSayingWhatWouldBe) {
                            "up:nan-inf", "up:1-1e9", "up:1-99999999", "up 1-2", "-:1"}) {
     EXPECT_THAT([&] { parse_blackhole(text); },
                 ThrowsMessage<std::invalid_argument>(
-                    AllOf(HasSubstr("'" + std::string(text) + "' is no blackhole"), HasSubstr("as in up:5-65"))))
+                    AllOf(HasSubstr("'" + std::string(text) + "' is not a blackhole"), HasSubstr("as in up:5-65"))))
         << text;
   }
 }

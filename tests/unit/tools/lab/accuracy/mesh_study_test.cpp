@@ -53,7 +53,7 @@ TEST_F(StudyOfAMesh, TakesTheFilesOwnTrianglesAsExactAndIsWrongerForEachThatIsGo
 
 TEST_F(StudyOfAMesh, SaysThatDetailDoesNotMatterBesideTheAgeOfALongWay) {
   EXPECT_THAT(what_does_not_matter(study(0.05, "0.2,1")),
-              HasSubstr("object.ball.shape.detail does not matter beside the network's age behind every round trip"));
+              HasSubstr("object.ball.shape.detail is negligible beside the network's age behind every round trip"));
 }
 
 }  // namespace

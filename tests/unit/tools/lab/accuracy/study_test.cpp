@@ -63,7 +63,7 @@ TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreLostInTheAge) {
     set(1, network, 0.01);
   }
   EXPECT_EQ(what_does_not_matter(result),
-            "detail does not matter beside the network's age behind every round trip: the model's part of every "
+            "detail is negligible beside the network's age behind every round trip: the model's part of every "
             "setting is at most 8 % of the age's (the line is 10 %)\n");
   set(0, 0, 0.06);
   EXPECT_THAT(what_does_not_matter(result), HasSubstr("behind 50 ms: "));
