@@ -119,7 +119,7 @@ TEST(AServer, RefusesAnotherProtocolVersionNamingBoth) {
   EXPECT_EQ(refusal.text, "this server speaks protocol version 1, the client 99");
 }
 
-TEST(AnAddressInUse, IsSaidPlainlyByServerAndRelay) {
+TEST(AnAddressInUse, IsNamedByServerAndRelay) {
   Server server;
   const Ran second = run(kServer, {"--listen", server.address()});
   EXPECT_EQ(second.exit_code, 1);

@@ -57,13 +57,13 @@ TEST_F(InvariantsTest, FindAForceBeyondTheDeviceOrTheRequest) {
   EXPECT_EQ(broken_by([](auto& tick) { tick.applied[0] = 0.4; }), "");
 }
 
-TEST_F(InvariantsTest, FindReturnedEnergyWhereNoneWasPromised) {
+TEST_F(InvariantsTest, FindReturnedEnergyOfALawThatGuaranteesPassivity) {
   const auto leak = [](auto& tick) { tick.audit_minimum_J = -1e-3; };
   EXPECT_THAT(broken_by(leak), HasSubstr("P fell to -0.001"));
   EXPECT_EQ(broken_by(leak, false), "") << "a law without guarantees";
 }
 
-TEST_F(InvariantsTest, FindALedgerThatBelievesInMoreThanThereIs) {
+TEST_F(InvariantsTest, FindALedgerAboveTheAudit) {
   const auto invented = [](auto& tick) { tick.energy_J = 1e-3; };
   EXPECT_THAT(broken_by(invented), HasSubstr("the ledger has"));
   EXPECT_THAT(broken_by(invented, false), HasSubstr("its recomputation 0 J"));

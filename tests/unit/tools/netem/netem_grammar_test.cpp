@@ -165,7 +165,7 @@ TEST(NetemWarnings, NameGemodelAndTheRealLossWhenLossIsCorrelated) {
                                 HasSubstr("'loss gemodel'"))));
 }
 
-TEST(NetemWarnings, SayNothingOfWhatIsMeantAsItIs) {
+TEST(NetemWarnings, AreEmptyForUsualSettings) {
   EXPECT_THAT(netem_warnings(parse_netem("delay 50ms 10ms 25% loss 5% duplicate 1% 5%")), IsEmpty());
   EXPECT_THAT(netem_warnings(parse_netem("loss gemodel 1% 10%")), IsEmpty());
   EXPECT_THAT(netem_warnings({}), IsEmpty());

@@ -101,7 +101,7 @@ TEST(DeliveryOpportunities, SmallPacketsShareOneAndLargeOnesSpanSeveral) {
   EXPECT_EQ(link.pass(0ms, 1000), 15ms);  // its first 500 bytes left at 10 ms
 }
 
-TEST(DeliveryOpportunities, WhatNobodyUsesIsGone) {
+TEST(DeliveryOpportunities, UnusedOpportunitiesAreLost) {
   auto link = opportunities({5ms, 10ms, 15ms});
   EXPECT_EQ(link.pass(6ms, 1500), 10ms);
   EXPECT_EQ(link.pass(15ms, 1500), 15ms);

@@ -25,7 +25,7 @@ TEST(BlackholeOption, NamesWaysAndSeconds) {
   EXPECT_EQ(both.when.from, 1500ms);
 }
 
-TEST(BlackholeOption, RefusesWhatIsNoneSayingWhatWouldBe) {
+TEST(BlackholeOption, RefusesAnInvalidTextAndNamesTheAcceptedForm) {
   for (const char* text : {"", "up", "up:", "up:5", "up:5-", "up:-5-6", "up:6-5", "up:5-5", "left:1-2", "up:a-b",
                            "up:nan-inf", "up:1-1e9", "up:1-99999999", "up 1-2", "-:1"}) {
     EXPECT_THAT([&] { parse_blackhole(text); },

@@ -194,7 +194,7 @@ TEST_F(RelayTest, ForgetsAnIdleClientAndMakesRoom) {
   EXPECT_THAT(upstream_.links[0]->sent, ElementsAre(Pair(kServerPort, "b")));
 }
 
-TEST_F(RelayTest, TheServersDatagramsKeepAClientInMindToo) {
+TEST_F(RelayTest, TheServersDatagramsKeepAClientFromExpiringToo) {
   build();
   client_sends(1, "a");
   turn(0ns);

@@ -29,7 +29,7 @@ std::string error_of(const BodiesDescription& description) {
   return "no error";
 }
 
-TEST(BodyDynamicModel, ProbeAtRestInFreeSpaceFeelsNothing) {
+TEST(BodyDynamicModel, AProbeAtRestInFreeSpaceHasNoForce) {
   const BodyDynamicModel dynamic_model({.bodies = {floor_plate()}}, "test");
   const auto state = dynamic_model.make_state(1);
   EXPECT_LT(Hand(*state).rest_at({0, 0, 0.1}, 200).force_N.norm(), 1e-9);
@@ -48,7 +48,7 @@ TEST(BodyDynamicModel, ProbePressedIntoTheFloorFeelsTheCouplingsSpring) {
   EXPECT_NEAR(touch.penetration_m, 0.004, 1e-4);
 }
 
-TEST(BodyDynamicModel, LiftedCubeWeighsWhatItWeighs) {
+TEST(BodyDynamicModel, ALiftedCubeHasItsWeight) {
   // Held from below, without a floor: the hand feels the weight.
   const BodyDynamicModel dynamic_model({.bodies = {cube(0.1, {0, 0, 0.0245})}, .probe = {.radius_m = 0.004}}, "test");
   const auto state = dynamic_model.make_state(1);
@@ -334,7 +334,7 @@ TEST(BodyDynamicModel, PredictsAsManyStepsAsAMotionTakes) {
   EXPECT_EQ(cost_ns(5e-3), cost_ns(1e-3)) << "the motion that takes the step takes all of it";
 }
 
-TEST(BodyDynamicModel, StateThatIsNoNumberAnyMoreIsSaidAndWritesNoLogFile) {
+TEST(BodyDynamicModel, AStateThatIsNotFiniteIsReportedAndWritesNoLogFile) {
   const bool before = std::filesystem::exists("MUJOCO_LOG.TXT");
   const BodyDynamicModel dynamic_model({.bodies = {floor_plate()}}, "test");
   const auto state = dynamic_model.make_state(1);

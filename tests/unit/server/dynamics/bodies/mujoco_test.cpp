@@ -83,7 +83,7 @@ TEST(MakeData, GivesMuJoCosReason) {
   EXPECT_EQ(error_of([&] { return make_data(*narrow); }), "MuJoCo cannot compute the bodies' positions: Stack overflow");
 }
 
-TEST(Step, ThatMuJoCoGivesUpIsFalse) {
+TEST(Step, ThatFailsInMuJoCoReturnsFalse) {
   const ModelPointer model = compile_mjcf(kBall, "ball.xml");
   const DataPointer data = make_data(*model);
   EXPECT_TRUE(step(*model, *data));

@@ -79,7 +79,7 @@ TEST(LinearTissue, CompressesAPointOfASliverAsItsClosedFormSays) {
   }
 }
 
-TEST(LinearTissue, RefusesWhatNothingHolds) {
+TEST(LinearTissue, RefusesTissueThatNothingHolds) {
   const auto held_by = [](const std::vector<int>& nodes) -> std::string {
     try {
       const LinearTissue tissue(TetrahedralMesh(tetrahedra_of({.cubes = {2, 2, 2}})), {.young_Pa = 1, .poisson = 0.3},
@@ -101,7 +101,7 @@ TEST(LinearTissue, RefusesWhatNothingHolds) {
   EXPECT_EQ(held_by(all), "block: all nodes are held: expected some that can move");
 }
 
-TEST(LinearTissue, RefusesAPartThatHangsOnNothing) {
+TEST(LinearTissue, RefusesAPartThatIsNotHeld) {
   TetrahedralSoup soup = tetrahedra_of({});
   for (const TetrahedralSoup& other : {tetrahedra_of({.from_m = {0.05, 0, 0}})}) {
     for (auto tetrahedron : other.tetrahedra) {

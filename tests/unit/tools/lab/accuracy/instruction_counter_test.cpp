@@ -5,7 +5,7 @@
 namespace forcebound::lab {
 namespace {
 
-TEST(InstructionCounter, CountsWhatWasDoneWhereTheKernelLetsUs) {
+TEST(InstructionCounter, CountsInstructionsWhereTheKernelPermitsIt) {
   const InstructionCounter counter;
   const auto before = counter.count();
   if (!before) GTEST_SKIP() << "the kernel does not permit counting instructions here";

@@ -56,7 +56,7 @@ TEST(Standings, AreWorstPAndMediansOfTheRest) {
   EXPECT_DOUBLE_EQ(law.at("behind").at(0).at("error"), 0.25);
 }
 
-TEST(Standings, TellWhoRefusesTheDevice) {
+TEST(Standings, NameTheLawsThatRefuseTheDevice) {
   EXPECT_THAT(to_text(standings(two_laws())), HasSubstr("fba-more     refuses: law 'fba-more': no\n"));
   EXPECT_THAT(to_csv(two_laws()), HasSubstr(",\"law 'fba-more': no\"\n"));
 }

@@ -58,7 +58,7 @@ TEST(Trial, ShowsASoftWallAsItIs) {
   EXPECT_NEAR(trial.restlessness, 0, 1e-6);
 }
 
-TEST(Trial, SeesWhatHappensWithoutALawBehindADelay) {
+TEST(Trial, FindsTheLoopActiveWithoutALawBehindADelay) {
   TrialSetup setup = wall(Conditions::ideal);
   setup.network = network_of("delay 50ms");
   const Trial trial = run_trial(setup);
@@ -70,7 +70,7 @@ TEST(Trial, SeesWhatHappensWithoutALawBehindADelay) {
   EXPECT_GE(run_trial(setup).passivity_minimum_J, -1e-9);
 }
 
-TEST(Trial, SeesAToolBesideTheDeviceEvenWithoutDelay) {
+TEST(Trial, MeasuresTheDriftOfACouplingWithoutDelay) {
   TrialSetup setup = wall(Conditions::ideal);
   setup.law = "vc";
   const Trial trial = run_trial(setup);

@@ -8,7 +8,7 @@
 namespace forcebound::lab {
 namespace {
 
-TEST(Score, IsTheErrorAtTheDeviceAndMoreForWhatMustNotBe) {
+TEST(Score, IsTheErrorAtTheDevicePlusPenalties) {
   Trial trial;
   trial.error = 0.3;
   trial.calm = true;
