@@ -107,7 +107,7 @@ TEST(IncludeRule, IgnoresComments) {
   EXPECT_THAT(violations("common/forcebound/control/law.hpp", "// not std::thread, not steady_clock\n"), IsEmpty());
 }
 
-TEST(IncludeRule, RefusesAFolderThatNobodyGaveARule) {
+TEST(IncludeRule, RefusesAFolderWithoutARule) {
   EXPECT_THAT(only_violation("common/forcebound/audio/horn.cpp", ""), HasSubstr("no rule"));
 }
 

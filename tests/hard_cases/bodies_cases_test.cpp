@@ -135,7 +135,7 @@ TEST(HardCase35, NoAndTinyRotationsStayWhatTheyAre) {
   }
 }
 
-TEST(HardCase39, BodiesThatAreNoNumbersAnyMoreSaySo) {
+TEST(HardCase39, BodiesThatAreNotFiniteAreReported) {
   const auto state = world_of({floor_plate(), cube("cube", 0.1, {0, 0, 0.02})});
   auto& bodies = dynamic_cast<BodyWorld&>(*state);
   bodies.data().qpos[1] = std::nan("");

@@ -35,7 +35,7 @@ class HostileServer : public NetworkHardCase {
   std::uint64_t lies = 0;
 };
 
-TEST_F(HostileServer, Case16ThatAnswersWithRandomBytesIsCountedAndOutlived) {
+TEST_F(HostileServer, Case16ThatAnswersWithRandomBytesIsCountedAndSurvived) {
   Draw draw(16);
   answer_with([&](const auto&) {
     Bytes bytes(draw.index(1500));
@@ -47,7 +47,7 @@ TEST_F(HostileServer, Case16ThatAnswersWithRandomBytesIsCountedAndOutlived) {
   expect_unbroken_and_back();
 }
 
-TEST_F(HostileServer, Case16ThatAsksForNoNumberIsCountedAndOutlived) {
+TEST_F(HostileServer, Case16ThatRequestsNaNIsCountedAndSurvived) {
   for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     answer_with([&](wire::EnvironmentForce force) {
       force.force.setConstant(value);
@@ -68,7 +68,7 @@ TEST_F(HostileServer, Case16ThatAsksForAnythingAtAllGetsNoMoreThanTheLawAllows) 
   expect_unbroken_and_back();
 }
 
-TEST_F(HostileServer, Case16ThatAnswersAnotherSessionIsCountedAndOutlived) {
+TEST_F(HostileServer, Case16ThatAnswersAnotherSessionIsCountedAndSurvived) {
   answer_with([&](wire::EnvironmentForce force) {
     ++force.session;
     return bytes_of(codec.encode(force));
@@ -78,7 +78,7 @@ TEST_F(HostileServer, Case16ThatAnswersAnotherSessionIsCountedAndOutlived) {
   expect_unbroken_and_back();
 }
 
-TEST_F(HostileServer, Case16ThatAnswersMotionThatNeverWasIsCountedAndOutlived) {
+TEST_F(HostileServer, Case16ThatAnswersMotionsNeverSentIsCountedAndSurvived) {
   answer_with([&](wire::EnvironmentForce force) {
     force.motion_sequence += 1'000'000;
     return bytes_of(codec.encode(force));

@@ -250,7 +250,7 @@ class LyingServer : public testing::Test {
   std::array<std::byte, 2048> buffer_{};
 };
 
-TEST_F(LyingServer, HardCase16CountsOfWhatNeverWasDoNotSpoilOurs) {
+TEST_F(LyingServer, HardCase16FalseCountsAreIgnored) {
   tick();
   const auto hello = heard<wire::Hello>();
   ASSERT_TRUE(hello.has_value());
@@ -278,7 +278,7 @@ TEST_F(LyingServer, HardCase16CountsOfWhatNeverWasDoNotSpoilOurs) {
   EXPECT_EQ(totals.lost_up, totals.sent);
 }
 
-TEST_F(LyingServer, HardCase16AWelcomeOrRefusalOfNobodyIsCounted) {
+TEST_F(LyingServer, HardCase16AWelcomeOrRefusalForAnotherNonceIsCounted) {
   tick();
   const auto hello = heard<wire::Hello>();
   ASSERT_TRUE(hello.has_value());

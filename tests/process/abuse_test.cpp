@@ -69,7 +69,7 @@ class Stranger {
   wire::Codec codec_;
 };
 
-TEST(AServer, CountsAbuseByReasonWhileAClientFeelsNothingOfIt) {
+TEST(AServer, CountsAbuseByReasonWithoutAnEffectOnItsClient) {
   Server server({"--scene", "sphere"});
   Client client(server.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "3", "--once"});
   ASSERT_TRUE(client.wait_for("connected"));

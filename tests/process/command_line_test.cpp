@@ -20,7 +20,7 @@ const std::vector<Program> kPrograms{{kServer, "forcebound-server"},
                                      {kClient, "forcebound-client"},
                                      {kLab, "forcebound-lab"}};
 
-TEST(EveryProgram, TeachesItsUse) {
+TEST(EveryProgram, PrintsItsHelp) {
   for (const Program& program : kPrograms) {
     SCOPED_TRACE(program.name);
     for (const char* option : {"--help", "-h"}) {

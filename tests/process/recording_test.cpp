@@ -71,7 +71,7 @@ TEST(ARecording, OfAKilledClientLacksAtMostItsLastSecond) {
   client.stop(SIGKILL);
   const Ran report = run(kLab, {"report", recording, "--json", folder.file("report.json")});
   EXPECT_EQ(report.exit_code, 0);
-  EXPECT_EQ(report.err, recording + ": cut off before its end; shown is what it has\n");
+  EXPECT_EQ(report.err, recording + ": incomplete; shown is what it has\n");
   const nlohmann::json summary = nlohmann::json::parse(content(folder.file("report.json")));
   EXPECT_EQ(summary["complete"], false);
   // A tick may be skipped, and records wait 50 ms for the disk.

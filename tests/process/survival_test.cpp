@@ -95,10 +95,10 @@ TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndTheNextServerWithinASec
     EXPECT_EQ(summary["faults"]["reconnects"], 1);
     EXPECT_GE(summary["late_force"]["fading_ticks"], 500);
     EXPECT_GE(summary["late_force"]["dropped_ticks"], 300);
-    EXPECT_GT(summary["faults"]["nobody_listening"], 0);
+    EXPECT_GT(summary["faults"]["port_unreachable"], 0);
     EXPECT_EQ(summary["blackouts"]["longest"]["died"], "unknown");
     EXPECT_THAT(unwrapped(client.out()),
-                HasSubstr("then in another session: the server had restarted or given this one up"));
+                HasSubstr("then in another session: the server had restarted or closed this one"));
     EXPECT_THAT(unwrapped(client.err()), HasSubstr("zero force"));
     EXPECT_THAT(unwrapped(client.err()), HasSubstr("forces are fresh again"));
   });

@@ -17,9 +17,9 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 //   omni, trace-sphere -- session ==( 5 ms each way, sometimes dead )== server, sphere
-class ASilentNetwork : public ::testing::Test {
+class ABlackoutOfTheNetwork : public ::testing::Test {
  protected:
-  ASilentNetwork() { loop.run(1s); }
+  ABlackoutOfTheNetwork() { loop.run(1s); }
 
   void kill(std::initializer_list<Direction> directions, Nanoseconds duration) {
     for (const Direction direction : directions) loop.network().set_blackhole(direction, true);
@@ -52,7 +52,7 @@ class ASilentNetwork : public ::testing::Test {
   json longest;
 };
 
-TEST_F(ASilentNetwork, OfWhichOnlyTheWayDownDiedForAMinuteIsSaidToBeThat) {
+TEST_F(ABlackoutOfTheNetwork, NamesTheDirectionDownIfItDiedForAMinute) {
   kill({Direction::down}, 60s);
   expect_longest("down", "motions arrived there (up alive), ");
   // Exact: 60 s, and the round trip of 10 ms that was on its way, of which 5 ms had come through.
@@ -62,7 +62,7 @@ TEST_F(ASilentNetwork, OfWhichOnlyTheWayDownDiedForAMinuteIsSaidToBeThat) {
   EXPECT_EQ(longest["lost_down"], 60'000);
 }
 
-TEST_F(ASilentNetwork, OfWhichOnlyTheWayUpDiedIsSaidToBeThat) {
+TEST_F(ABlackoutOfTheNetwork, NamesTheDirectionUpIfItDied) {
   kill({Direction::up}, 5s);
   expect_longest("up", "motions arrived there (up dead), ");
   EXPECT_EQ(longest["lost_up"], 5000);
@@ -70,18 +70,18 @@ TEST_F(ASilentNetwork, OfWhichOnlyTheWayUpDiedIsSaidToBeThat) {
 }
 
 //   longer than the server waits: it gives the session up, and says so on the way that is alive
-TEST_F(ASilentNetwork, OfWhichTheWayUpDiedUntilTheServerGaveUpIsSaidToBeThat) {
+TEST_F(ABlackoutOfTheNetwork, NamesTheDirectionUpIfItDiedUntilTheServerClosedTheSession) {
   kill({Direction::up}, 65s);
   expect_longest("up", "(up dead), so no answer was due, and the server ended the session");
   EXPECT_NEAR(longest["lost_up"].get<double>(), 60'000, 300);
 }
 
-TEST_F(ASilentNetwork, OfWhichBothWaysDiedIsSaidToBeThat) {
+TEST_F(ABlackoutOfTheNetwork, NamesBothDirectionsIfBothDied) {
   kill({Direction::up, Direction::down}, 2s);
   expect_longest("both", "motions arrived there (up dead), 0 of ");
 }
 
-TEST_F(ASilentNetwork, OfAServerThatRestartedIsNotBlamedOnAWay) {
+TEST_F(ABlackoutOfTheNetwork, OfARestartedServerNamesNoDirection) {
   loop.kill_server();
   loop.run(2s);
   loop.start_server();
@@ -89,21 +89,21 @@ TEST_F(ASilentNetwork, OfAServerThatRestartedIsNotBlamedOnAWay) {
   EXPECT_TRUE(longest["lost_up"].is_null());
 }
 
-TEST_F(ASilentNetwork, IsNotBlamedOnAWayWhileTheClientStoodStill) {
+TEST_F(ABlackoutOfTheNetwork, NamesNoDirectionWhileTheClientStoodStill) {
   loop.stall(2s);
   expect_longest("neither", "for 2.0");
 }
 
-TEST_F(ASilentNetwork, ThatIsSilentUntilTheEndIsExplainedByTheAnswerToTheBye) {
+TEST_F(ABlackoutOfTheNetwork, AtTheEndIsExplainedByTheAnswerToTheBye) {
   kill({Direction::up}, 2s);
   expect_longest_at_the_end("up", "until the end: 0 of 2000 motions arrived there (up dead), so no answer was due");
   EXPECT_EQ(longest["lost_up"], 2000);
 }
 
-TEST_F(ASilentNetwork, ThatIsSilentUntilTheEndLeavesOpenWhichWayDied) {
+TEST_F(ABlackoutOfTheNetwork, AtTheEndWithoutThatAnswerHasAnUnknownDirection) {
   loop.network().set_blackhole(Direction::down, true);
   loop.run(2s);
-  expect_longest_at_the_end("unknown", "which way died, and so which way lost what is missing, is not known");
+  expect_longest_at_the_end("unknown", "it is not known which direction lost the datagrams");
 }
 
 }  // namespace

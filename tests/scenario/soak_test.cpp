@@ -18,7 +18,7 @@ namespace {
 
 class Soak : public testing::TestWithParam<int> {};
 
-TEST_P(Soak, FindsNothingBrokenWithTheExactLaw) {
+TEST_P(Soak, FindsNoViolationOfTheExactLaw) {
   constexpr int kSeeds = FORCEBOUND_SOAK_SEEDS / 6;
   for (int i = 1; i <= kSeeds; ++i) {
     const auto seed = static_cast<std::uint64_t>(GetParam() * kSeeds + i);
@@ -48,7 +48,7 @@ TEST(Soak, DrawsEveryLaw) {
 
 class SoakOfLaw : public testing::TestWithParam<std::string> {};
 
-TEST_P(SoakOfLaw, FindsThatItKeepsWhatItPromises) {
+TEST_P(SoakOfLaw, FindsItsGuaranteesKept) {
   const std::string& law = GetParam();
   int promised = 0;
   for (std::uint64_t seed = 1; seed <= std::max(6, FORCEBOUND_SOAK_SEEDS / 30); ++seed) {
@@ -77,7 +77,7 @@ TEST(Soak, MeetsLateTicksAndLedgersThatCanBeRecomputed) {
 }
 
 // A Hello every two seconds needs twenty of them to outlast a burst of ten datagrams each way.
-TEST(Soak, TakesAHandshakeThatDrownsInABurstOfDatagramsForNoFault) { EXPECT_EQ(soak(558, "fba-less").broken, ""); }
+TEST(Soak, DoesNotReportAHandshakeLostInABurst) { EXPECT_EQ(soak(558, "fba-less").broken, ""); }
 
 // The law or the hand throws the device hundreds of metres behind the wall, and the server says so.
 TEST(Soak, KeepsTheSessionOfADeviceThatIsThrownFarBehindTheWall) {

@@ -8,12 +8,12 @@
 namespace forcebound::test {
 namespace {
 
-/// Plays hand and environment against a law: asks for any force and moves so as to take the most energy out of it.
+/// Hand and environment against a law: requests any force and moves so as to extract the most energy.
 class Adversary {
  public:
   Adversary(std::uint64_t seed, int degrees_of_freedom) : random_(seed), size_(degrees_of_freedom) {}
 
-  /// From nothing to 1e6 N, in any direction.
+  /// From 0 to 1e6 N, in any direction.
   control::Vector request() {
     switch (choice(6)) {
       case 0:

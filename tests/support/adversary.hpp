@@ -7,15 +7,15 @@
 
 namespace forcebound::test {
 
-/// What an adversary took from a device, summed from what was applied and how the device moved, in long double.
+/// The energy that an adversary took from a device, summed from applied forces and motion, in long double.
 struct Extraction {
   long double balance_J = 0;   ///< sum of d'B d - f'd
   long double least_J = 0;     ///< its minimum so far
-  long double turnover_J = 0;  ///< sum of |d'B d| + |f'd|: what rounding is relative to
+  long double turnover_J = 0;  ///< sum of |d'B d| + |f'd|: the scale of rounding errors
 };
 
 /// `dampings(tick)` holds from that tick on; `law` is called with position, request and damping and returns the force
-/// that the device was given.
+/// applied to the device.
 struct AdversaryRun {
   std::uint64_t seed = 1;
   int degrees_of_freedom = 1;
@@ -27,7 +27,7 @@ struct AdversaryRun {
       law;
 };
 
-/// Plays hand and environment against a law: asks for any force and moves so as to take the most energy out of it.
+/// Hand and environment against a law: requests any force and moves so as to extract the most energy.
 Extraction play(const AdversaryRun& run);
 
 }  // namespace forcebound::test

@@ -23,9 +23,9 @@ class AllocationGuard {
 
 }  // namespace forcebound::test
 
-// A macro, since only the test's own body can skip it.
-#define FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT()                                 \
-  if (!::forcebound::time::kCountsHeapOperations) {                                \
-    GTEST_SKIP() << "a sanitizer owns malloc, so heap operations are not counted"; \
-  }                                                                                \
+// A macro, since only the test's own body can skip the test.
+#define FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT()                                       \
+  if (!::forcebound::time::kCountsHeapOperations) {                                      \
+    GTEST_SKIP() << "the sanitizer replaces malloc, so heap operations are not counted"; \
+  }                                                                                      \
   static_assert(true, "")

@@ -8,7 +8,7 @@
 
 namespace forcebound::test {
 
-/// The stiff one takes 2 ms, the soft one no time.
+/// Two levels: the stiff one takes 2 ms, the soft one no time.
 inline std::shared_ptr<const scene::Scene> auto_wall() {
   return server::parse_scene(kAutoWall, "auto_wall.toml", scene::EffectRegistry::standard(),
                              [](const std::shared_ptr<const scene::Scene>& scene) {

@@ -2,8 +2,7 @@
 
 namespace forcebound::test {
 
-/// A wall for any device that may be soft and quick, or stiff and slow: the softer, the rougher the model is said to
-/// be.
+/// A wall with levels of accuracy: soft and quick, or stiff and slow; the softer, the larger its stated model error.
 inline constexpr const char* kAutoWall = R"([scene]
 name = "auto_wall"
 description = "A wall of two kinds."

@@ -11,7 +11,7 @@
 
 namespace forcebound::test {
 
-/// A mesh in Embree, in single precision: somebody else's answers to the questions that Bvh answers.
+/// A mesh in Embree, in single precision: an independent reference for the queries of Bvh.
 class EmbreeScene {
  public:
   explicit EmbreeScene(const scene::TriangleMesh& mesh) : mesh_(mesh) {
@@ -55,7 +55,7 @@ class EmbreeScene {
     return scene::SegmentHit{ray.hit.primID, ray.ray.tfar};
   }
 
-  /// Embree finds the boxes; the triangle itself is asked of ours, since Embree 3 has no function for it.
+  /// Embree finds the boxes; the nearest point of a triangle is computed by our function, since Embree 3 has none.
   [[nodiscard]] double nearest_distance_m(const scene::Point& point_m) const {
     Query query{mesh_, point_m, std::numeric_limits<double>::infinity()};
     RTCPointQueryContext context;

@@ -4,7 +4,7 @@
 
 namespace forcebound::test {
 
-/// A clock that stands where the test puts it.
+/// A clock that the test sets.
 class FakeClock final : public time::Clock {
  public:
   [[nodiscard]] time::Nanoseconds now() const noexcept override { return time; }

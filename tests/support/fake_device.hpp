@@ -8,7 +8,7 @@
 
 namespace forcebound::test {
 
-/// A Cartesian device that stands where the test puts it and remembers what it was told.
+/// A Cartesian device whose position the test sets, and that records its commands.
 class FakeDevice final : public device::HapticDevice {
  public:
   explicit FakeDevice(int degrees_of_freedom, double damping_N_s_per_m = 30)
@@ -45,7 +45,7 @@ class FakeDevice final : public device::HapticDevice {
   control::Vector applied;
   time::Nanoseconds applied_at{0};
   std::optional<time::Nanoseconds> released;
-  time::Nanoseconds latched_before{0};  ///< so long before it is read
+  time::Nanoseconds latched_before{0};  ///< how long before its reading
   device::Reading::Status status = device::Reading::Status::ok;
 
  private:

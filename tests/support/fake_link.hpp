@@ -9,7 +9,7 @@
 
 namespace forcebound::test {
 
-/// A link whose other end is the test: what was sent can be read, what shall arrive can be put in.
+/// A link whose other end is the test: it reads what was sent and puts in what shall arrive.
 class FakeLink final : public net::DatagramLink {
  public:
   struct Datagram {
@@ -35,7 +35,7 @@ class FakeLink final : public net::DatagramLink {
     arrived_.push_back({{datagram.begin(), datagram.end()}, from});
   }
 
-  /// Room for so many arrivals without touching the heap, each copied into a datagram that is there already.
+  /// Reserves room for that many arrivals, so that no later one touches the heap.
   void reserve(std::size_t datagrams) {
     prepared_.assign(datagrams, {std::vector<std::byte>(net::kDatagramBytesMax), {}});
     arrived_.reserve(arrived_.size() + datagrams);
@@ -49,7 +49,7 @@ class FakeLink final : public net::DatagramLink {
   }
 
   std::vector<Datagram> sent;
-  time::Nanoseconds waited{0};  ///< of what is received from now on
+  time::Nanoseconds waited{0};  ///< of datagrams received from now on
   bool works = true;
   bool keep = true;  ///< false: a link that does not allocate
 

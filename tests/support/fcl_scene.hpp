@@ -9,7 +9,7 @@
 
 namespace forcebound::test {
 
-/// A mesh in the Flexible Collision Library: somebody else's distances.
+/// A mesh in the Flexible Collision Library: an independent reference for distances.
 class FclScene {
  public:
   explicit FclScene(const scene::TriangleMesh& mesh) {
@@ -21,7 +21,7 @@ class FclScene {
     tree_->computeLocalAABB();
   }
 
-  /// To the surface, from outside or inside. FCL has no points, so it is asked about a ball of no size.
+  /// To the surface, from outside or inside. FCL has no points, so a ball of radius zero is used.
   [[nodiscard]] double nearest_distance_m(const scene::Point& point_m) const {
     fcl::Transform3d there = fcl::Transform3d::Identity();
     there.translation() = point_m;

@@ -10,7 +10,7 @@ struct FeltTissue {
 
   server::TissueResult step(const scene::Point& probe_m) { return tissue.step(state, body, probe_m); }
 
-  /// The result of the last of so many steps, and one before them where they begin.
+  /// The result of the last of `steps` steps, after one at their start.
   server::TissueResult go(const scene::Point& from_m, const scene::Point& to_m, int steps) {
     server::TissueResult result;
     for (int n = 0; n <= steps; ++n) result = step(from_m + (to_m - from_m) * n / steps);

@@ -8,7 +8,7 @@
 
 namespace forcebound::test {
 
-/// What a field's force does around a closed loop, and how much of it goes to and fro.
+/// Work of a field's force around a closed loop, and the sum of its magnitudes.
 struct LoopWork {
   double sum_J = 0;
   double moved_J = 0;  ///< the sum of its magnitudes
@@ -29,7 +29,7 @@ inline LoopWork work_around(const scene::Effect& effect, const std::function<sce
   return work;
 }
 
-/// A loop of some 0.1 m that is symmetric to nothing, around a point.
+/// An asymmetric loop of some 0.1 m around a point.
 inline std::function<scene::Point(double)> crooked_loop(const scene::Point& around_m) {
   return [around_m](double angle) -> scene::Point {
     return around_m + scene::Point(0.05 * std::cos(angle) + 0.02, 0.04 * std::sin(angle) + 0.01 * std::cos(2 * angle),

@@ -7,7 +7,7 @@
 
 namespace forcebound::test {
 
-/// A god object on a mesh, and the one client that moves it.
+/// A god object on a mesh, for one client.
 class Follower {
  public:
   explicit Follower(scene::TriangleMesh mesh, const scene::GodObjectOptions& options = {})
@@ -29,7 +29,7 @@ class Follower {
   scene::Proxy state_{};
 };
 
-/// What a spring of 1 N/m would push with.
+/// Force of a spring of 1 N/m.
 inline Point spring_force(const scene::SurfacePoint& found) { return found.penetration_m * found.normal; }
 
 }  // namespace forcebound::test

@@ -8,7 +8,7 @@
 
 namespace forcebound::test {
 
-/// Pushes along z with 1 N, and is sound for three moments.
+/// Pushes along z with 1 N, and is sound for three steps only.
 class FrailModel final : public scene::DynamicModel {
  public:
   [[nodiscard]] std::unique_ptr<scene::DynamicModelState> make_state(int) const override {

@@ -18,7 +18,7 @@ struct LawLoopSetting {
   control::LawParameters parameters{};
 };
 
-/// A law at work on a Cartesian device whose motion and whose environment a test plays.
+/// A law on a Cartesian device; the test gives motion and request.
 class LawLoop {
  public:
   LawLoop(std::string_view law, const control::Matrix& damping, const LawLoopSetting& setting = {})
@@ -41,13 +41,13 @@ class LawLoop {
     return tick(control::Vector::Constant(1, position_m), control::Vector::Constant(1, request_N))[0];
   }
 
-  /// What the clock says of the time between readings, from the coming tick on.
+  /// The measured time between readings, from the coming tick on.
   void set_interval(double interval_s) noexcept { interval_s_ = interval_s; }
 
   /// From the coming tick on.
   void set_damping(const control::Matrix& damping) { damping_ = control::Damping::from_matrix(damping); }
 
-  /// Where the environment is to be asked next, if the device is at `position`.
+  /// The position at which the environment is asked next, if the device is at `position`.
   [[nodiscard]] control::Vector proxy_position(const control::Vector& position) const noexcept {
     return controller_.law().proxy_position(position);
   }

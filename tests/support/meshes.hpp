@@ -15,7 +15,7 @@ namespace forcebound::test {
 using scene::Point;
 using scene::Triangle;
 
-/// Triangles as a file has them.
+/// Triangles as in a file.
 struct Soup {
   std::vector<Point> vertices;
   std::vector<Triangle> triangles;
@@ -107,7 +107,8 @@ inline Soup block(const Point& half) {
   return soup;
 }
 
-/// The same with its vertices moved by up to `most` in each direction, so that it has vertices of all kinds.
+/// The same with its vertices moved by up to `most` in each direction, so that it has convex, concave and saddle
+/// vertices.
 inline Soup rough(Soup soup, double most, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> by(-most, most);
@@ -115,7 +116,7 @@ inline Soup rough(Soup soup, double most, unsigned seed) {
   return soup;
 }
 
-/// A turn about an axis that no coordinate axis is parallel to, so that nothing comes out exact by chance.
+/// A rotation about an oblique axis, so that no result is exact by chance.
 inline Eigen::Isometry3d askew(const Point& to = Point::Zero()) {
   return Eigen::Translation3d(to) * Eigen::AngleAxisd(0.7, Point(1, 2, 3).normalized());
 }

@@ -6,10 +6,10 @@
 #include "forcebound/scene/effects/registry.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 
-/// Effects that no scene needs but tests of the plan do.
+/// Effects for tests of the plan.
 namespace forcebound::test {
 
-/// Counts its motions in its state, and pushes along x with that many newtons; asks for the time.
+/// Counts its motions in its state, and pushes along x with that many newtons; uses the time.
 class ClockEffect final : public scene::Effect {
  public:
   void act(const scene::Probe& probe, std::byte* state, scene::Reaction& reaction) const noexcept override {
@@ -24,7 +24,7 @@ class ClockEffect final : public scene::Effect {
   }
 };
 
-/// Pushes along x with the pressure it sees, and counts in its state how often it was asked.
+/// Pushes along x with the pressure, and counts its calls in its state.
 class PressedEffect final : public scene::Effect {
  public:
   void act(const scene::Probe& probe, std::byte* state, scene::Reaction& reaction) const noexcept override {
@@ -53,7 +53,7 @@ scene::EffectKind own_effect(std::string_view name, scene::EffectPlace place) {
       }};
 }
 
-/// A scene of three axes with these parts, in which `clock`, `pressed` and `near` are known beside what ships.
+/// A scene of three axes with these parts; `clock`, `pressed` and `near` are registered beside the shipped effects.
 inline std::shared_ptr<const scene::Scene> scene_with_own_effects(const std::string& parts) {
   scene::EffectRegistry registry = scene::EffectRegistry::standard();
   registry.add(own_effect<ClockEffect>("clock", scene::EffectPlace::space));

@@ -10,16 +10,16 @@
 
 namespace forcebound::test {
 
-/// What the two halves of a PortLaw heard of each other.
+/// What the two halves of a PortLaw received from each other.
 struct PortLog {
-  std::vector<double> ticks_heard;             ///< at the server: how many ticks the device had made
+  std::vector<double> ticks_heard;             ///< at the server: number of ticks of the device
   std::vector<double> intervals_s;             ///< at the server
-  std::vector<double> answers_heard;           ///< at the device: how many answers the server had given this session
-  std::vector<double> ticks_heard_of;          ///< at the device: what the server had last heard of its ticks
-  std::vector<std::size_t> server_side_began;  ///< how much the device had heard each time
+  std::vector<double> answers_heard;           ///< at the device: number of the server's answers in this session
+  std::vector<double> ticks_heard_of;          ///< at the device: the tick count last received by the server
+  std::vector<std::size_t> server_side_began;  ///< the device's count at each start
 };
 
-/// A law without a bound whose halves count aloud, and whose server's half asks the scene `kShift_m` beyond the device
+/// A law without a bound whose halves exchange counts; its server's half asks the scene `kShift_m` beyond the device
 /// and doubles the force.
 class PortLaw final : public control::PassivityLaw {
  public:
@@ -76,7 +76,7 @@ class PortServerSideLaw final : public control::ServerSideLaw {
   double answers_ = 0;
 };
 
-/// The shipped laws and "port". The log must outlive what is made, and holds some hundreds of thousands of ticks
+/// The shipped laws and "port". The log must outlive the laws made, and holds some hundreds of thousands of ticks
 /// before it allocates.
 inline control::LawRegistry laws_with_port(PortLog& log) {
   constexpr std::size_t kTicks = 100'000;
@@ -85,7 +85,7 @@ inline control::LawRegistry laws_with_port(PortLog& log) {
   log.server_side_began.reserve(100);
   control::LawRegistry laws = baselines::shipped_laws();
   laws.add({.name = "port",
-            .summary = "counts aloud",
+            .summary = "exchanges counts",
             .make = [&log](const control::DeviceFacts& facts,
                            const control::LawOptions&) { return std::make_unique<PortLaw>(facts, log); },
             .make_server_side = [&log](int) { return std::make_unique<PortServerSideLaw>(log); }});

@@ -27,7 +27,7 @@ constexpr std::chrono::seconds kPatienceAtTheEnd{20};
   throw std::system_error(number, std::generic_category(), what);
 }
 
-/// True as soon as `condition` is; looks at it again and again.
+/// Polls `condition` until it is true or the time is up.
 template <class Condition>
 bool becomes_true(Condition condition, std::chrono::nanoseconds limit) {
   const auto end = std::chrono::steady_clock::now() + limit;
@@ -38,7 +38,7 @@ bool becomes_true(Condition condition, std::chrono::nanoseconds limit) {
   return true;
 }
 
-/// What posix_spawn is to do with the files; freed with its owner.
+/// The file actions of posix_spawn; freed with their owner.
 struct FileActions {
   FileActions() { posix_spawn_file_actions_init(&actions); }
   ~FileActions() { posix_spawn_file_actions_destroy(&actions); }
@@ -65,7 +65,7 @@ void write_file(const std::filesystem::path& file, std::string_view text) {
 
 Process::Process(const std::filesystem::path& program, const std::vector<std::string>& arguments, Input input)
     : command_(program.string()) {
-  // A program that ended early shall fail a promise, not end the test.
+  // A program that ended early must fail an expectation, not end the test by SIGPIPE.
   std::signal(SIGPIPE, SIG_IGN);
   std::array<int, 2> pipe{-1, -1};
   FileActions files;
@@ -94,7 +94,7 @@ Process::Process(const std::filesystem::path& program, const std::vector<std::st
 Process::~Process() {
   close_input();
   if (!reap()) {
-    // Also one that a test has stopped.
+    // Also a program that a test has stopped (SIGSTOP).
     signal(SIGKILL);
     static_cast<void>(wait(kPatienceAtTheEnd));
   }

@@ -19,8 +19,8 @@ std::string content(const std::filesystem::path& file);
 
 void write_file(const std::filesystem::path& file, std::string_view text);
 
-/// One running program, its standard output and error kept in files. Whatever happens to the test, the program does not
-/// outlive this object; if the test has failed by then, what the program said is printed.
+/// One running program, its standard output and error kept in files. The program never outlives this object; if the
+/// test has failed by then, its output is printed.
 class Process {
  public:
   enum class Input { none, pipe };
@@ -34,20 +34,20 @@ class Process {
 
   [[nodiscard]] pid_t pid() const { return pid_; }
 
-  /// What the program has written so far.
+  /// The program's output so far.
   [[nodiscard]] std::string out() const { return content(folder_.file("stdout")); }
   [[nodiscard]] std::string err() const { return content(folder_.file("stderr")); }
 
-  /// Waits for the end: the exit code, 128 + number for a program ended by a signal, nothing if it runs on.
+  /// Waits for the end: the exit code, 128 + number for a program ended by a signal, nothing if it still runs.
   std::optional<int> wait(std::chrono::nanoseconds limit);
 
-  /// Waits until standard output and error, one after the other, have `text`; false if they do not in time, or the
+  /// Waits until standard output followed by error contains `text`; false if that does not happen in time, or the
   /// program ends without it.
   bool wait_for(std::string_view text, std::chrono::nanoseconds limit = std::chrono::seconds{20});
 
   void signal(int number) const;
 
-  /// Asks it to end as a person or a system would, and waits.
+  /// Sends SIGINT or SIGTERM and waits for the end.
   std::optional<int> stop(int number = SIGTERM);
 
   void write(std::string_view text) const;

@@ -9,7 +9,7 @@
 namespace forcebound::test {
 namespace {
 
-/// Relative where there is something to be relative to.
+/// Relative error; absolute near zero.
 void expect_relative(double actual, double expected, double tolerance, const char* what) {
   ASSERT_LE(std::abs(actual - expected), tolerance * std::abs(expected)) << what << ": " << actual << ", " << expected;
 }

@@ -7,7 +7,7 @@
 
 namespace forcebound::test {
 
-/// What a random run of a law looks like.
+/// Settings of a random run of a law.
 struct RandomRun {
   std::uint64_t seed = 1;
   int degrees_of_freedom = 3;
@@ -18,7 +18,7 @@ struct RandomRun {
 };
 
 /// Motions and requests with a full damping matrix (eigenvalues about 1 to 30 N s/m): free space, walls soft and hard,
-/// random forces, and moments at which the device stands still. One seed gives one run.
+/// random forces, and times at which the device stands still. One seed gives one run.
 std::vector<ReferenceTick> random_ticks(const RandomRun& run);
 
 }  // namespace forcebound::test

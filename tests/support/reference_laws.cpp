@@ -79,11 +79,11 @@ RealVector saturated(const std::vector<double>& request_N, double force_N_max) {
   return request;
 }
 
-/// What both laws carry from one tick to the next.
+/// The state of both laws.
 struct Held {
   RealVector position;
   RealVector force;
-  RealMatrix factor;  // C of the interval that runs
+  RealMatrix factor;  // C of the present interval
 
   static Held none(std::size_t degrees_of_freedom) { return {{}, RealVector(degrees_of_freedom, Real(0)), {}}; }
   [[nodiscard]] bool begun() const { return !position.empty(); }

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-/// The published force bounding laws once more, in a hundred decimal digits and the paper's own variables: what the
-/// laws of common/control are held against. Shares no code with them, not even a matrix type.
+/// The published force bounding laws in a hundred decimal digits and the paper's own variables: the reference for the
+/// laws of common/control. Shares no code with them, not even a matrix type.
 namespace forcebound::test {
 
 struct ReferenceTick {
@@ -27,8 +27,8 @@ struct ReferenceSetting {
 std::vector<ReferenceAnswer> less_conservative_reference(const std::vector<ReferenceTick>& ticks,
                                                          const ReferenceSetting& setting);
 
-/// fba-more [Kim 2015, Prop. 3, eq. 24-34], by Phi and xi, which it divides by: a hundred digits come with an exponent
-/// that does not underflow.
+/// fba-more [Kim 2015, Prop. 3, eq. 24-34], by Phi and xi, which it divides by: with a hundred digits, the exponent
+/// does not underflow.
 std::vector<ReferenceAnswer> more_conservative_reference(const std::vector<ReferenceTick>& ticks,
                                                          const ReferenceSetting& setting);
 

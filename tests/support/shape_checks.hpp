@@ -8,7 +8,7 @@
 
 namespace forcebound::test {
 
-/// What a client's session keeps of a shape: nothing yet, or a direction.
+/// A session's state of a shape: none yet, or a direction.
 class KeptNormal {
  public:
   KeptNormal() = default;
@@ -38,8 +38,8 @@ inline void expect_surface(const scene::SurfacePoint& found, const scene::Point&
   EXPECT_FALSE(found.normal_is_old);
 }
 
-/// That the penetration is minus a signed distance, as `step_m` shows it: it falls by the step along the normal, and
-/// changes by no more than the step in any other direction. Not true nearer than the step to a shape's skeleton.
+/// Checks that the penetration is minus a signed distance: it falls by the step along the normal, and changes by no
+/// more than the step in any other direction. Not true nearer than the step to a shape's skeleton.
 inline void expect_distance_at(const scene::Shape& shape, const scene::Point& position_m, double step_m) {
   const scene::SurfacePoint here = nearest(shape, position_m);
   ASSERT_NEAR(here.normal.norm(), 1, 1e-12) << position_m.transpose();

@@ -20,7 +20,7 @@ struct TwoPortSetting {
   control::LawParameters parameters{};
 };
 
-/// Both halves of a law, whose motion and environment a test plays:
+/// Both halves of a law; the test gives motion and environment:
 ///
 ///     test -- device's half ==( delay )== server's half -- environment
 class TwoPortLoop {
@@ -116,7 +116,7 @@ inline TwoPortLoop::Environment nothing_there() {
   return [](const control::Vector& place) { return control::Vector(control::Vector::Zero(place.rows())); };
 }
 
-/// What a law's other half might say that has so much to give: the energy first, whatever follows.
+/// Numbers of another half that offers this much energy: the energy first, then any.
 inline control::PortNumbers saying(double energy_J, const control::Vector& rest) {
   control::PortNumbers numbers(1 + rest.rows());
   numbers << energy_J, rest;

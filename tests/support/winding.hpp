@@ -7,8 +7,8 @@
 
 namespace forcebound::test {
 
-/// The solid angle that a mesh takes, seen from p in its own frame, in full spheres [Van Oosterom and Strackee 1983]: 1
-/// inside of a closed mesh, 0 outside. Asks each triangle, and no normal.
+/// The solid angle of a mesh, seen from p in its own frame, in full spheres [Van Oosterom and Strackee 1983]: 1 inside
+/// of a closed mesh, 0 outside. Sums over all triangles and uses no normals.
 inline double winding(const scene::TriangleMesh& mesh, const scene::Point& p) {
   double sum = 0;
   for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {

@@ -14,16 +14,16 @@ std::vector<control::Ledger> make_axes(int degrees_of_freedom, double period_s) 
   return {static_cast<std::size_t>(degrees_of_freedom), control::Ledger(1, period_s)};
 }
 
-/// The adjusting output limiter: each axis spends the energy that it saved, and knows nothing of the others.
+/// The adjusting output limiter: each axis spends only the energy credited to that axis.
 ///
 /// Vectors have `dof` rows in the device frame: position [m], force on the device [N]; B_i = b_i/T.
 ///
 ///     E_i,n = E_i,n-1 + B_i d_i^2 - f_i,n-1 d_i        E_i,0 = 0
 ///     |f_i| <= 2 sqrt(B_i max(E_i, 0))                 [Lee & Lee 2009, for one degree of freedom]
 ///
-/// Published for one degree of freedom, where it is LessConservativeLaw. In several, each axis is one of its own, so
-/// that a force of which one axis is short of energy changes its direction. What an axis may credit where the damping
-/// couples them is ours: `diagonal_below(b)`, so that all of them together credit no more than the device dissipates.
+/// Published for one degree of freedom, where it equals LessConservativeLaw. In several, the axes are independent, so a
+/// force changes its direction when one of its axes is short of energy. What an axis may credit where the damping
+/// couples the axes is ours: `diagonal_below(b)`, so that together they credit no more than the device dissipates.
 ///
 /// Passive where readings are exact, ticks punctual and forces immediate.
 /// Real time: noexcept, no allocation; O(dof), and O(dof^3) where the damping couples axes.
@@ -70,7 +70,7 @@ class AdjustingOutputLimiter final : public control::PassivityLaw {
     for (Eigen::Index i = 0; i < force_N.rows(); ++i) axis(i).hold(force_N.segment(i, 1));
   }
 
-  /// The sum of E_i [J]; an axis spends its own alone.
+  /// The sum of E_i [J]; each axis spends only its own.
   [[nodiscard]] double energy_J() const noexcept override {
     control::EnergySum sum;
     for (const control::Ledger& axis : axes_) sum.add(axis.energy_J());
@@ -89,13 +89,14 @@ class AdjustingOutputLimiter final : public control::PassivityLaw {
 }  // namespace
 
 control::LawDescription adjusting_output_limiter() {
-  return {.name = "aol",
-          .summary = "adjusting output limiter: each axis spends what it saved, so a force may change its direction",
-          .reference = "Lee & Lee 2009, for one degree of freedom",
-          .claim = control::LawClaim::passive_if_ideal,
-          .make = [](const control::DeviceFacts& facts, const control::LawOptions& /*options*/) {
-            return std::make_unique<AdjustingOutputLimiter>(facts.degrees_of_freedom(), facts.period_s);
-          }};
+  return {
+      .name = "aol",
+      .summary = "adjusting output limiter: each axis spends only its own energy, so a force may change its direction",
+      .reference = "Lee & Lee 2009, for one degree of freedom",
+      .claim = control::LawClaim::passive_if_ideal,
+      .make = [](const control::DeviceFacts& facts, const control::LawOptions& /*options*/) {
+        return std::make_unique<AdjustingOutputLimiter>(facts.degrees_of_freedom(), facts.period_s);
+      }};
 }
 
 }  // namespace forcebound::baselines

@@ -2,14 +2,14 @@
 
 #include "forcebound/control/law_registry.hpp"
 
-/// The other approaches that the paper argues against [Kim 2015, section I], to be compared with on the same device,
-/// hand, scene and network. Each is one file beside this one, and one line of `add_baselines`.
+/// The approaches that the paper discusses [Kim 2015, section I], for comparison on the same device, hand, scene and
+/// network. Each is one file beside this one, and one line of `add_baselines`.
 namespace forcebound::baselines {
 
 using control::Matrix;
 using control::Vector;
 
-/// `aol`: each axis bounded by its own energy.
+/// `aol`: each axis is bounded by its own energy.
 [[nodiscard]] control::LawDescription adjusting_output_limiter();
 
 /// `eba`: the force follows the request with a stiffness between two bounds.
@@ -24,7 +24,7 @@ using control::Vector;
 /// `sfa`: a soft spring and an offset that grows while the hand presses.
 [[nodiscard]] control::LawDescription successive_force_augment();
 
-/// `tdpa`: an observer of the energy given away, and damping when there is too much of it.
+/// `tdpa`: an observer of the energy returned, and damping when it exceeds the energy taken in.
 [[nodiscard]] control::LawDescription time_domain_passivity();
 
 /// `tdpa-2port`: an observer and a controller of passivity at each end of the network.
@@ -41,7 +41,7 @@ using control::Vector;
 
 void add_baselines(control::LawRegistry& laws);
 
-/// The force bounding laws and the baselines: all that a program can be asked for.
+/// The force bounding laws and the baselines: all that ship.
 [[nodiscard]] control::LawRegistry shipped_laws();
 
 }  // namespace forcebound::baselines

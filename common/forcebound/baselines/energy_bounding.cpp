@@ -23,21 +23,22 @@ struct Bounds {
 ///     beta <= c1 <= b/T                                                 [Kim & Ryu 2010]
 ///     beta in c2 - F_{n-1}/d -+ sqrt(c2^2 + (F_{n-1}/d)^2)              that is F_n d >= (F_n^2 - F_{n-1}^2) / 2 c2
 ///
-/// and then projected on the direction of the request [Kim 2010]. Known from descriptions, so these are ours:
-///  - Where both bounds cannot hold, c1 does: what the damping does not dissipate cannot be afforded.
-///  - c2 is 4 b/T unless chosen. From about 2 b/T on, c1 rules but for the last step out of a wall, so that the force
-///    falls along the line on which it rose, and a stiff static wall shows c1 and nothing else but what the step that
-///    entered it had travelled in free space. Below c1, it is c2 that shows.
+/// and then projected on the direction of the request [Kim 2010]. Built from published descriptions; these details are
+/// ours:
+///  - Where both bounds cannot hold, c1 does: energy that the damping does not dissipate may not be returned.
+///  - c2 is 4 b/T unless chosen. From about 2 b/T on, c1 limits everything but the last step out of a wall: the force
+///    falls along the line on which it rose, and a stiff static wall shows the stiffness c1, but for the distance that
+///    the step into the wall travelled in free space. Below c1, c2 is the stiffness shown.
 ///  - With several axes, c1 and c2 are shares of an axis' own b/T, b being `diagonal_below` the device's damping. The
 ///    projection is the one that lowers sum F_i^2/b_i: the orthogonal one where axes are alike. A request of zero has
-///    no direction and projects nothing; it does not end a force either where the device stands still, as published.
+///    no direction and projects nothing; as published, it does not end a force while the device stands still.
 ///  - Where the damping has become less since the last reading, the force is shortened to the same sum F_i^2/b_i.
 ///
-/// Passive where readings are exact, ticks punctual and forces immediate: then sum F_i^2 / 2 c_i is never more than
-/// what the device has dissipated and taken, c_i being the smaller of c1 and c2, and half of that would do. The law
-/// remembers its last force and nothing else. It cannot know that a wall softer than b/T has stored more than that, and
-/// lets go of it sooner than it came. An interval without usable readings ends the force; what more than two periods of
-/// it took is not repaid.
+/// Passive where readings are exact, ticks punctual and forces immediate: then sum F_i^2 / 2 c_i never exceeds what the
+/// device has dissipated and taken, c_i being the smaller of c1 and c2, and half of that sum would suffice. The law's
+/// only memory is its last force. It cannot know that a wall softer than b/T has stored more than that, and releases
+/// such a wall along a lower force than it pressed with. An interval without usable readings ends the force; energy
+/// that more than two periods of it returned is not repaid.
 ///
 /// Real time: noexcept, no allocation; O(dof), and O(dof^3) where the damping couples axes.
 class EnergyBoundingLaw final : public control::PassivityLaw {
@@ -84,7 +85,7 @@ class EnergyBoundingLaw final : public control::PassivityLaw {
 
   void commit(const Vector& force_N) noexcept override { ledger_.hold(force_N); }
 
-  /// The balance of LessConservativeLaw; this law does not look at it.
+  /// The balance of LessConservativeLaw; this law does not use it.
   [[nodiscard]] double energy_J() const noexcept override { return ledger_.energy_J(); }
 
  private:
@@ -96,12 +97,12 @@ class EnergyBoundingLaw final : public control::PassivityLaw {
     const double step_N = bounds_.c2 * damping_N_per_m * std::abs(d);
     const double long_side_N = step_N + std::hypot(step_N, before);
     const double most = std::min(sign * before + bounds_.c1 * damping_N_per_m * std::abs(d), long_side_N);
-    // step_N - hypot(step_N, before), without the difference of two numbers next to each other
+    // step_N - hypot(step_N, before), without the difference of two nearly equal numbers
     const double least = std::min(long_side_N > 0 ? -before * (before / long_side_N) : 0.0, most);
     return sign * std::clamp(sign * wanted, least, most);
   }
 
-  /// The root of sum f_i^2/b_i, the square of which is never more than what the device has dissipated and taken allows.
+  /// The root of sum f_i^2/b_i; its square never exceeds what the device's dissipated and absorbed energy allows.
   [[nodiscard]] static double weighted(const Vector& force_N, const Vector& damping) noexcept {
     return force_N.cwiseQuotient(damping.cwiseSqrt()).stableNorm();
   }
@@ -114,7 +115,7 @@ class EnergyBoundingLaw final : public control::PassivityLaw {
     return direction * (weighted_direction.dot(force_N) / weighted_direction.dot(direction));
   }
 
-  /// To what the damping now can afford, and to what the device may be asked for.
+  /// To what the present damping allows, and to the device's largest force.
   [[nodiscard]] Vector shortened(const Vector& force_N) const noexcept {
     const double needed = weighted(force_N, damping_);
     const double length = force_N.stableNorm();
@@ -131,31 +132,32 @@ class EnergyBoundingLaw final : public control::PassivityLaw {
   Vector step_;            // d; zero: none seen
   Vector damping_;         // of each axis [N s/m], for the interval that begins
   Vector damping_before_;  // for the one that ended
-  double reserve_ = 0;     // the most that `weighted` may be of the force now
+  double reserve_ = 0;     // largest `weighted` of the present force
 };
 
 }  // namespace
 
 control::LawDescription energy_bounding() {
-  return {.name = "eba",
-          .summary = "energy bounding algorithm: follows the request with a stiffness of b/T at most",
-          .reference = "Kim & Ryu 2004, 2010",
-          .certainty = control::LawCertainty::likely,
-          .claim = control::LawClaim::passive_if_ideal,
-          .parameters = {{.name = "c1_T_per_b",
-                          .purpose = "stiffness with which a force may rise, as a share of b/T",
-                          .least = 1e-3,
-                          .most = 1,
-                          .standard = [](const control::DeviceFacts&) { return 1.0; }},
-                         {.name = "c2_T_per_b",
-                          .purpose = "stiffness of the spring that stores what it gives back, as a share of b/T",
-                          .least = 1e-3,
-                          .most = 1e3,
-                          .standard = [](const control::DeviceFacts&) { return 4.0; }}},
-          .make = [](const control::DeviceFacts& facts, const control::LawOptions& options) {
-            return std::make_unique<EnergyBoundingLaw>(
-                facts, Bounds{.c1 = options.parameters.at("c1_T_per_b"), .c2 = options.parameters.at("c2_T_per_b")});
-          }};
+  return {
+      .name = "eba",
+      .summary = "energy bounding algorithm: follows the request with a stiffness of b/T at most",
+      .reference = "Kim & Ryu 2004, 2010",
+      .certainty = control::LawCertainty::likely,
+      .claim = control::LawClaim::passive_if_ideal,
+      .parameters = {{.name = "c1_T_per_b",
+                      .purpose = "stiffness with which a force may rise, as a share of b/T",
+                      .least = 1e-3,
+                      .most = 1,
+                      .standard = [](const control::DeviceFacts&) { return 1.0; }},
+                     {.name = "c2_T_per_b",
+                      .purpose = "stiffness c2 of the spring whose stored energy bounds the release, as a share of b/T",
+                      .least = 1e-3,
+                      .most = 1e3,
+                      .standard = [](const control::DeviceFacts&) { return 4.0; }}},
+      .make = [](const control::DeviceFacts& facts, const control::LawOptions& options) {
+        return std::make_unique<EnergyBoundingLaw>(
+            facts, Bounds{.c1 = options.parameters.at("c1_T_per_b"), .c2 = options.parameters.at("c2_T_per_b")});
+      }};
 }
 
 }  // namespace forcebound::baselines

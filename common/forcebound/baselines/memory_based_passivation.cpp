@@ -95,22 +95,22 @@ class PressingPath {
 ///
 ///     F = min(|f_e|, the least force remembered between s_n and the depth expected next, s_n + (s_n - s_{n-1}))
 ///
-/// and nothing beyond where the path began. What was released over is forgotten. The device's damping is not counted
-/// on, and not used up.
+/// and zero beyond the start of the path. The part of the path that was released over is dropped. The device's damping
+/// is neither relied on nor used up.
 ///
-/// A reconstruction from the published idea; what we decided:
+/// A reconstruction from the published idea; our decisions:
 /// - **Depth** is the way against u, s_n = s_{n-1} - u_{n-1}'d_n, so that on a curved surface F times its change is the
 ///   energy. A new path begins where u turns by more than a right angle, and after the contact.
-/// - **Expected** is a step like the last that was one: at rest, and between two steps of an encoder, it goes on as
-///   before. Where the device turns, which no extrapolation foresees, the force of one step is a step's worth too
+/// - **Expected** is a step like the last nonzero one: at rest, and between two steps of an encoder, the last step
+///   continues. When the device reverses, which no extrapolation foresees, the force of one step is a step's worth too
 ///   large. Repaying that from the next release was tried, and made contacts ring.
-/// - **Nothing pressed, nothing felt**: an object that comes to a device at rest is felt when the device moves into it.
-/// - **Time** does not occur but there. A path ends with an interval that no clock measured, a force that the device
-///   let go of, and a lost reading.
+/// - **No force without pressing**: an object that moves into a device at rest is felt once the device moves into it.
+/// - **Time** matters only here: an interval that no clock measured, a force that the device dropped, and a lost
+///   reading each end the path.
 ///
-/// Pressing is not bounded. So a device that comes to a wall within one tick, and is pushed back within the next,
-/// returns what it never stored, and only its damping is left to take it: passivity is not promised, and stiff walls
-/// make a light hand bounce.
+/// Pressing is not bounded. A device that reaches a wall within one tick and is pushed back within the next returns
+/// energy that it never stored, and only its damping can dissipate it: passivity is not guaranteed, and a light hand
+/// bounces on stiff walls.
 ///
 /// Real time: noexcept, no allocation, O(dof^2 + 256).
 class MemoryBasedPassivation final : public control::PassivityLaw {
@@ -150,7 +150,7 @@ class MemoryBasedPassivation final : public control::PassivityLaw {
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
 
-  /// What pressing stored and was not released over [J].
+  /// Energy that pressing stored and that was not released yet [J].
   [[nodiscard]] double energy_J() const noexcept override { return path_.energy_J(); }
 
  private:
@@ -160,7 +160,7 @@ class MemoryBasedPassivation final : public control::PassivityLaw {
     expected_m_ = 0;
   }
 
-  /// Remembers what was pressed, or forgets what was released, in the interval that ended.
+  /// Adds what was pressed to the path, or removes what was released, in the interval that ended.
   void note_step() noexcept {
     if (normal_.rows() == 0) return;
     const double pressed_m = -normal_.dot(displacement_);
@@ -178,7 +178,7 @@ class MemoryBasedPassivation final : public control::PassivityLaw {
   PressingPath path_;
   Vector displacement_;
   Vector normal_;          // no rows: no contact
-  double expected_m_ = 0;  // into depth, of the next step
+  double expected_m_ = 0;  // change of depth of the next step
 };
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace forcebound::baselines {
 namespace {
 
-/// Where the device was since the set position in use came [m].
+/// The range of the device's positions since the set position in use arrived [m].
 class Range {
  public:
   void begin(const Vector& position) noexcept { least_ = most_ = position; }
@@ -35,23 +35,23 @@ class Range {
 /// Task space; x device [m], x_s where the environment was asked and f_e what it answered there [N], f the force on the
 /// device; ybar the set position in use, E the energy at hand [J], b the least damping [N s/m], T the period.
 ///
-///     y = x_s + f_e/Kp                                        the spring that would pull just so, there
+///     y = x_s + f_e/Kp                                        the spring's other end, for a pull of f_e at x_s
 ///     at each y that comes:
 ///     D = Bp |range of x|^2 / dt                              dissipated since the last one, at least
 ///     1/2 Kp r^2 = E + dE_y + D + 1/2 Kp |x - ybar|^2         dE_y came from the other half
-///     ybar' = x + (y - x) min(1, r/|y - x|)                   the one closest to y that can be paid
+///     ybar' = x + (y - x) min(1, r/|y - x|)                   the one closest to y that the energy allows
 ///     E' = 1/2 Kp (r^2 - |x - ybar'|^2) >= 0;  E' > E_max: the excess is sent to the other half
 ///     f = Kp (ybar - x)
 ///
-/// dt is measured and the range is that of the readings. The device's own damping is all the damping there is: the hold
-/// takes Kp T/2 of it, so Bp <= b - Kp T/2 and Kp <= 2b/T, or the law refuses to be made. Where the device is told less
-/// than the spring wants (its largest force, its steps, a reading lost), ybar is moved to where the spring agrees and
-/// what it held is lost. f_e is the request, which fades when answers are late: y goes to x_s then, and the spring
-/// stays there. The energy travels as a sum since the beginning, of which the largest heard counts. These details are
-/// ours.
+/// dt is measured and the range is that of the readings. The device's own damping is the only damping: the hold takes
+/// Kp T/2 of it, so Bp <= b - Kp T/2 and Kp <= 2b/T; otherwise the constructor throws. Where the force applied is less
+/// than the spring's (the largest force, actuator steps, a lost reading), ybar is moved to where the spring agrees and
+/// the difference in stored energy is dropped. f_e is the request, which fades when answers are late: then y goes to
+/// x_s, and the spring stays there. The energy travels as a sum since the beginning, of which the largest received
+/// counts. These details are ours.
 ///
 /// Passive, where readings are exact, ticks punctual and forces immediate, whatever environment and network do: the
-/// server's half gives back only what it was sent.
+/// server's half returns only what it was sent.
 /// Real time: noexcept, no allocation, O(dof).
 class SetPositionModulation final : public control::PassivityLaw {
  public:
@@ -72,7 +72,7 @@ class SetPositionModulation final : public control::PassivityLaw {
   void credit(const control::Motion& motion) noexcept override {
     const EndedInterval ended = next_interval(held_, motion);
     if (!(ended.interval_s > 0)) forget_spring(ended.unseen_J);
-    // Before the other half has spoken there is nothing to be pulled to.
+    // Before the first message of the other half there is no set position.
     if (!position_known_ || place_.rows() == 0) set_position_ = motion.position;
     position_known_ = true;
     position_ = motion.position;
@@ -117,7 +117,7 @@ class SetPositionModulation final : public control::PassivityLaw {
     request_N_ = request_N;
     const Vector wanted = place_ + request_N / gains_.stiffness_N_per_m - position_;
     const double half_stiffness = gains_.stiffness_N_per_m / 2;
-    // What the spring holds is at hand too, and the same number comes out of it again if nothing changes.
+    // The spring's energy counts as available; if nothing changes, the same number remains stored.
     energy_.add(half_stiffness * (position_ - set_position_).squaredNorm());
     if (since_last_s_ > 0) energy_.add(gains_.damping_N_s_per_m * range_.square_m2() / since_last_s_);
     range_.begin(position_);
@@ -134,8 +134,8 @@ class SetPositionModulation final : public control::PassivityLaw {
     sent_.add(excess_J);
   }
 
-  /// Nobody knows where the device is, so the spring is let go of. What it held pays first for what its force can have
-  /// done.
+  /// The device's position is unknown, so the spring is released. Its stored energy first covers the most that its
+  /// force can have returned.
   void forget_spring(double unseen_J) noexcept {
     const double held_J =
         position_known_ ? gains_.stiffness_N_per_m / 2 * (position_ - set_position_).squaredNorm() : 0;
@@ -160,26 +160,25 @@ class SetPositionModulation final : public control::PassivityLaw {
   RemoteSum from_server_;
 };
 
-/// The server's half: says where the environment was asked. An environment has no spring of its own to spend energy
-/// on, so the half is a store that is always full, and gives back what it is sent.
-class SetPositionServerSideLaw final : public control::ServerSideLaw {
- public:
-  [[nodiscard]] Vector place(const Heard& heard) noexcept override {
-    sent_.add(from_device_.hear(number_at(heard.numbers, 0)));
-    place_ = heard.position;
-    return place_;
-  }
+/// The server's half: reports where the environment was asked. An environment has no spring of its own to spend energy
+/// on, so this half is a store that is always full and returns what it is sent.
+public:
+[[nodiscard]] Vector place(const Heard& heard) noexcept override {
+  sent_.add(from_device_.hear(number_at(heard.numbers, 0)));
+  place_ = heard.position;
+  return place_;
+}
 
-  [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
-    control::PortNumbers numbers(1 + place_.rows());
-    numbers << sent_.value_J(), place_;
-    return {.force = force_N, .numbers = numbers};
-  }
+[[nodiscard]] Said answer(const Vector& force_N) noexcept override {
+  control::PortNumbers numbers(1 + place_.rows());
+  numbers << sent_.value_J(), place_;
+  return {.force = force_N, .numbers = numbers};
+}
 
- private:
-  Vector place_;
-  control::EnergySum sent_;
-  RemoteSum from_device_;
+private:
+Vector place_;
+control::EnergySum sent_;
+RemoteSum from_device_;
 };
 
 double hold_limit_N_per_m(const control::DeviceFacts& facts) { return 2 * least_damping(facts) / facts.period_s; }
@@ -215,11 +214,11 @@ control::LawDescription set_position_modulation() {
                           .least = 1e-3,
                           .standard = [](const control::DeviceFacts& facts) { return hold_limit_N_per_m(facts) / 2; }},
                          {.name = "damping_share",
-                          .purpose = "Bp, in multiples of the damping that the held spring leaves: b - Kp T/2",
+                          .purpose = "Bp, as a multiple of the damping that the held spring leaves: b - Kp T/2",
                           .most = 1,
                           .standard = [](const control::DeviceFacts&) { return 1.0; }},
                          {.name = "energy_J_max",
-                          .purpose = "most energy kept for later; standard: the spring's at the largest force",
+                          .purpose = "most energy stored; standard: the spring's at the largest force",
                           .standard =
                               [](const control::DeviceFacts& facts) {
                                 return facts.force_N_max * facts.force_N_max / hold_limit_N_per_m(facts);

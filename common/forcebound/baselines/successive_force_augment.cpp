@@ -26,20 +26,20 @@ struct Augmentation {
 ///     releasing  the same line, offset as it is
 ///     contact over (f_e = 0)  offset = 0
 ///
-/// The loop around k is stable whatever the offset does, as that does not follow the motion. But it is nothing to bound
-/// energy with: releasing runs along a line above the one of pressing and returns up to (K - k) p^2 more than pressing
-/// stored. The law promises nothing.
+/// The loop around k is stable whatever the offset does, as the offset does not follow the motion. But energy is not
+/// bounded: releasing runs along a line above that of pressing and returns up to (K - k) p^2 more than pressing stored.
+/// Passivity is not guaranteed.
 ///
-/// Built from a description of the approach; what we decided:
+/// Built from a description of the approach; our decisions:
 /// - **p and K** are not known to a law. F/p = K says the same as F = |f_e|, as |f_e| = K p; and of p only its changes
-///   count, -u'd, as the offset takes in what is constant. So the offset grows until F = |f_e|. At the first tick of a
+///   count, -u'd, as the offset takes in what is constant. So the offset grows until F = |f_e|. In the first tick of a
 ///   contact p is the last step against u, the most it can be, and F no more than asked for.
 /// - **What is softer than k** is shown as it is: the spring is k, but no more than the stiffness that the environment
 ///   has shown in this contact, the largest |change of f_e| over the largest step of the last ticks. To cut F at |f_e|
 ///   instead would lose a step of an encoder with each late answer. Pressed above |f_e|, the offset falls again.
 /// - **The largest force** of the device cuts F, and the line goes on from there.
-/// - **A device at rest counts as pressed** while F is below |f_e|, and at rest is what gives way to the offset, no
-///   faster than `rest_m_per_s`. Else a hand that holds still would never come to feel the wall.
+/// - **A device at rest counts as pressed** while F is below |f_e|, and "at rest" means yielding to the offset no
+///   faster than `rest_m_per_s`. Else a hand that holds still would never feel the wall.
 /// - **Another contact** begins where u turns by more than a right angle.
 ///
 /// A lost reading ends the contact. No clock is asked for, so one that stands still does no harm.
@@ -59,7 +59,7 @@ class SuccessiveForceAugment final : public control::PassivityLaw {
     held_.begin(motion);
     steps_[next_step_] = displacement_.norm();
     next_step_ = (next_step_ + 1) % kTicks;
-    // A step as long as a double can hold is a fault of the device.
+    // A step that overflows is a fault of the device.
     if (!displacement_.allFinite()) leave();
   }
 
@@ -84,18 +84,18 @@ class SuccessiveForceAugment final : public control::PassivityLaw {
       force_N_ = std::min(spring_N_per_m_ * std::max(0.0, pressed_m), wanted_N);
     }
     normal_ = normal;
-    // What was asked for to the last bit where all of it is given.
+    // Exactly the request, to the last bit, where all of it is applied.
     return force_N_ == wanted_N ? request_N : Vector(force_N_ * normal);
   }
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
 
-  /// None: the law keeps no account of energy.
+  /// None: the law keeps no ledger.
   [[nodiscard]] double energy_J() const noexcept override { return 0; }
 
  private:
-  static constexpr std::size_t kTicks = 4;      // within which a request may answer for a step
-  static constexpr double kStepLeast_m = 1e-9;  // less says nothing of a stiffness
+  static constexpr std::size_t kTicks = 4;      // within which a request may be due to a step
+  static constexpr double kStepLeast_m = 1e-9;  // shorter steps give no estimate of stiffness
 
   void leave() noexcept {
     spring_N_per_m_ = 0;
@@ -133,7 +133,7 @@ class SuccessiveForceAugment final : public control::PassivityLaw {
   std::array<double, kTicks> steps_{};  // of the device [m]
   std::size_t next_step_ = 0;
   double spring_N_per_m_ = 0;  // k; 0: no contact
-  double shown_N_per_m_ = 0;   // by the environment in this contact, at least
+  double shown_N_per_m_ = 0;   // largest shown by the environment in this contact
   double wanted_N_ = 0;
   double force_N_ = 0;  // F
 };
@@ -151,7 +151,7 @@ control::LawDescription successive_force_augment() {
                           .most = 1e3,
                           .standard = [](const control::DeviceFacts&) { return 1.0; }},
                          {.name = "increment_m",
-                          .purpose = "growth of the offset each tick, as a length of the spring",
+                          .purpose = "growth of the offset per tick, as a compression of the spring",
                           .most = 1,
                           .standard = [](const control::DeviceFacts&) { return 2e-7; }},
                          {.name = "rest_m_per_s",

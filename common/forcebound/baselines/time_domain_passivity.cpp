@@ -12,8 +12,8 @@ namespace forcebound::baselines {
 namespace {
 
 enum class Observer : std::uint8_t {
-  predicted,  ///< 2002: the energy of the force now over the step before it
-  exact,      ///< 2004: the energy that the force held did take
+  predicted,  ///< 2002: energy of the present force over the step before it
+  exact,      ///< 2004: energy that the held force took
 };
 
 enum class Weighting : std::uint8_t {
@@ -28,7 +28,7 @@ struct PassivityChoice {
   double velocity_floor_m_per_s = 0;
 };
 
-/// Rows that are observed together, and W of them.
+/// Rows with one common observer, and its W.
 struct Port {
   int first = 0;
   int rows = 0;
@@ -37,8 +37,8 @@ struct Port {
   [[nodiscard]] auto of(const Vector& v) const noexcept { return v.segment(first, rows); }
 };
 
-/// The time-domain passivity approach, one port: an observer of what the environment took in, and a damper that acts
-/// when it would have given more.
+/// The time-domain passivity approach, one port: an observer of the energy that the environment took in, and a damper
+/// that acts when it would return more.
 ///
 /// Vectors have `dof` rows in the device frame: position [m], force on the device f [N]; F = -f as published, d the
 /// displacement of the last interval [m], v = d/T.
@@ -49,18 +49,18 @@ struct Port {
 ///
 /// In several degrees of freedom
 ///  - along the force [Preusche 2003]: F = F_e + alpha u(u'v), u = F_e/|F_e|, alpha = -(...)/(T (u'v)^2), translation
-///    and rotation (what is beyond the third row) each with an observer of its own. Without a request u is along v.
-///  - weighted [Hertkorn 2010]: F = F_e + alpha M v, alpha = -(...)/(T v'M v), one observer. A device's facts know of
+///    and rotation (rows beyond the third) each with an observer of its own. Without a request u is along v.
+///  - weighted [Hertkorn 2010]: F = F_e + alpha M v, alpha = -(...)/(T v'M v), one observer. A device's facts contain
 ///    no mass, so M is its damping b.
 ///
 /// What is ours: alpha_max is in multiples of the device's damping, `alpha_max / (u'b^-1 u)` along u and `alpha_max b`
-/// weighted, because a sampled damper of more than b is not passive itself. Without a mass it is unknown at which
-/// force the velocity turns round, so that is the only cap. Below the velocity floor nothing is damped, and what was
-/// given stays in W; at the default, half an encoder's step a period, a step that is seen counts. An interval
-/// without usable readings charges every observer the worst that the force can have done beyond the device's damping.
+/// weighted, because a sampled damper of more than b is not passive itself. Without a mass it is unknown at which force
+/// the velocity reverses, so that is the only cap. Below the velocity floor nothing is damped, and the energy returned
+/// stays in W; with the default, half an encoder's step per period, every visible step counts. An interval without
+/// usable readings charges every observer the most energy that the force can have returned beyond the device's damping.
 ///
-/// Promises nothing: it acts a tick late, with a damper that is limited, and not at all at a standstill. An adversary
-/// that pushes at a standstill takes from it what it takes without any law.
+/// Passivity is not guaranteed: the damper acts a tick late, is limited, and does not act at standstill. An adversary
+/// that pushes at standstill extracts as much as without any law.
 ///
 /// Real time: noexcept, no allocation, O(dof^2).
 class TimeDomainPassivity final : public control::PassivityLaw {
@@ -104,7 +104,7 @@ class TimeDomainPassivity final : public control::PassivityLaw {
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
 
-  /// W_n [J]: what the environment took in and did not give back.
+  /// W_n [J]: energy that the environment took in and did not return.
   [[nodiscard]] double energy_J() const noexcept override {
     control::EnergySum sum;
     for (const Port& port : ports_) sum.add(port.energy.value_J());
@@ -127,7 +127,7 @@ class TimeDomainPassivity final : public control::PassivityLaw {
     }
   }
 
-  /// alpha times what it weighs [N], so that it takes `excess_J` in a step like the last one, or as much as it may.
+  /// alpha times its weight [N], to dissipate `excess_J` in a step like the last one, or as much as allowed.
   [[nodiscard]] Vector damping_force(const Port& port, const Vector& request_N, double excess_J) const noexcept {
     Vector step = Vector::Zero(step_.rows());
     step.segment(port.first, port.rows) = port.of(step_);
@@ -160,7 +160,7 @@ class TimeDomainPassivity final : public control::PassivityLaw {
 control::LawDescription time_domain_passivity() {
   return {
       .name = "tdpa",
-      .summary = "time-domain passivity approach: damps when the environment gave more than it took",
+      .summary = "time-domain passivity approach: damps when the environment returned more than it took in",
       .reference = "Hannaford & Ryu 2002; Ryu, Kim, Hannaford 2004; in several axes Preusche 2003, Hertkorn 2010",
       .certainty = control::LawCertainty::published,
       .parameters = {{.name = "variant",

@@ -6,11 +6,11 @@
 #include "forcebound/baselines/two_port.hpp"
 #include "forcebound/control/energy_sum.hpp"
 
-/// Waves between the halves of a law, and what is told of them: the energy so far and, in as many numbers as there are
-/// axes, their integral.
+/// Waves between the halves of a law. A message carries the energy so far and the wave's integral, with one number per
+/// axis.
 namespace forcebound::baselines {
 
-/// A wave that goes out: its integral [m sqrt(N s/m)] and the energy in it [J].
+/// An outgoing wave: its integral [m sqrt(N s/m)] and the energy in it [J].
 class SentWave {
  public:
   void add(const Vector& wave, double interval_s) noexcept {
@@ -34,12 +34,12 @@ class SentWave {
   control::EnergySum energy_;
 };
 
-/// A wave that comes in. Integral and energy travel as sums, so that what was lost comes with the next and nothing
-/// comes twice. What is taken out never has more energy than what came in: two samples of which one was late make no
-/// higher wave than their energy allows.
+/// An incoming wave. Integral and energy travel as sums, so that what was lost arrives with the next message and
+/// nothing counts twice. The wave taken out never has more energy than what came in: of two samples, one late, the sum
+/// makes no higher wave than their energy allows.
 class ReceivedWave {
  public:
-  /// Of the first sums heard nothing is news.
+  /// The first sums received give no wave.
   void begin(Eigen::Index dof) noexcept { rest_ = Vector::Zero(dof); }
 
   void begin_at_zero(Eigen::Index dof) noexcept {
@@ -59,7 +59,7 @@ class ReceivedWave {
     heard_ = integral;
   }
 
-  /// The wave over the coming interval, of what would last for `spread_s` if no more came.
+  /// The wave over the coming interval, such that the rest would last for `spread_s` if no more came.
   [[nodiscard]] Vector take(double interval_s, double spread_s) noexcept {
     const double wanted = rest_.stableNorm() / spread_s;
     const double most = std::sqrt(2 * std::max(0.0, budget_.value_J()) / interval_s);
@@ -78,7 +78,7 @@ class ReceivedWave {
   RemoteSum energy_;
   control::EnergySum budget_;
   Vector heard_;  // integral
-  Vector rest_;   // of it, not taken yet
+  Vector rest_;   // of the integral, not taken yet
 };
 
 /// Impedance b_w of the wave [N s/m]. F is the paper's force, v goes with it: b_w v + F = sqrt(2 b_w) u.

@@ -10,7 +10,7 @@
 namespace forcebound::baselines {
 namespace {
 
-/// Energy that a half of the law may spend, and what the halves send each other of it.
+/// A half's energy tank, and the energy the halves send each other.
 class Tank {
  public:
   void add(double energy_J) noexcept {
@@ -18,7 +18,7 @@ class Tank {
   }
   [[nodiscard]] double level_J() const noexcept { return level_.value_J(); }
 
-  /// Simple energy transfer: that share of what is in it.
+  /// Simple energy transfer: that share of the level.
   void send(double share) noexcept {
     const double energy_J = share * std::max(0.0, level_J());
     level_.add(-energy_J);
@@ -31,22 +31,23 @@ class Tank {
   control::EnergySum sent_;
 };
 
-/// The two-layer approach, the device's half [Franken, Stramigioli, Misra, Secchi & Macchelli 2011]: a layer that may
-/// want anything (the environment's force), and one that pays for it from a tank of energy at each end of the network.
+/// The two-layer approach, the device's half [Franken, Stramigioli, Misra, Secchi & Macchelli 2011]: the upper layer
+/// may request any force (here the environment's); the lower one pays for it from an energy tank at each end.
 ///
-/// Task space; f_e what the upper layer wants [N], f what is applied, d the displacement over the interval that ended
+/// Task space; f_e the upper layer's request [N], f the force applied, d the displacement over the interval that ended
 /// [m], v = d/h, T the nominal period, H the level of the tank [J]. Our f is the paper's -F.
 ///
 ///     H += -f'd + received,  then beta H is sent to the other tank           a tick
 ///     f_p = 0 if H <= 0;  |f_p| <= H/(|v_f| T) where it gives energy         v_f: velocity along f_p
 ///     f = f_p - alpha (H_d - H) v while H < H_d                              the tank is filled by damping
 ///
-/// What is sent travels as a sum since the beginning, of which the largest heard counts. What is ours: the damping that
-/// fills the tank is at most the device's own b, which an empty tank asks for (alpha = b/H_d); H_d is what the largest
-/// force can give beyond the device's damping in a period, f_max^2 T/(4 b); and the numbers: beta 0.01 as published.
+/// The energy sent travels as a sum since the beginning, of which the largest received counts. Ours: the damping that
+/// fills the tank is at most the device's own b, which an empty tank asks for (alpha = b/H_d); H_d is the most energy
+/// that the largest force can return beyond the device's damping in a period, f_max^2 T/(4 b); beta is 0.01, as
+/// published.
 ///
-/// Promises nothing: the motion of the coming period may be faster than the one before, and an environment that makes
-/// energy of nothing fills the other tank.
+/// Passivity is not guaranteed: the motion of the coming period may be faster than the one before, and an active
+/// environment fills the other tank.
 /// Real time: noexcept, no allocation, O(dof).
 class TwoLayer final : public control::PassivityLaw {
  public:
@@ -112,26 +113,26 @@ class TwoLayer final : public control::PassivityLaw {
   [[nodiscard]] double filling_N_s_per_m() const noexcept {
     const double missing_J = gains_.desired_J - tank_.level_J();
     if (!(missing_J > 0)) return 0;
-    // A device without a largest force can never have enough.
+    // For a device without a largest force no level is enough.
     const double missing = std::isfinite(missing_J) ? std::min(1.0, missing_J / gains_.desired_J) : 1.0;
     return missing * gains_.damping_N_s_per_m;
   }
 
   control::HeldForce held_;
   Gains gains_;
-  Vector velocity_;  // zero: not known
+  Vector velocity_;  // zero: unknown
   Tank tank_;
   RemoteSum from_server_;
 };
 
-/// The server's half: the place follows the device as far as its tank pays.
+/// The server's half: its position follows the device as far as its tank pays.
 ///
-/// d from the place to the device, f what the environment answered at the place and is taken to hold.
+/// d from the position to the device, f the environment's answer at the position, taken to be held.
 ///
 ///     -f'd > max(H, 0):  d is shortened along f, so that just H flows into the environment;  H -= -f'd
 ///     then beta H is sent to the device's tank, an answer
 ///
-/// Where the tank is empty the place goes no deeper; it catches up as soon as it can, so nothing drifts for good.
+/// Where the tank is empty the position goes no deeper; it catches up later, so that no drift remains.
 class TwoLayerServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] Vector place(const Heard& heard) noexcept override {
@@ -157,7 +158,7 @@ class TwoLayerServerSideLaw final : public control::ServerSideLaw {
   }
 
  private:
-  Vector place_;  // no rows: nothing heard yet
+  Vector place_;  // no rows: nothing received yet
   Vector force_;
   double share_ = 0;
   Tank tank_;
@@ -168,7 +169,7 @@ class TwoLayerServerSideLaw final : public control::ServerSideLaw {
 
 control::LawDescription two_layer() {
   return {.name = std::string(TwoLayer::kName),
-          .summary = "two layers: the force asked for is paid for from an energy tank at each end",
+          .summary = "two layers: the request is paid for from an energy tank at each end",
           .reference = "Franken 2011",
           .certainty = control::LawCertainty::likely,
           .parameters = {{.name = "beta",

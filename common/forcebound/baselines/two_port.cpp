@@ -11,7 +11,7 @@ double RemoteSum::hear(double sum) noexcept {
     return 0;
   }
   if (!(sum > *largest_)) return 0;
-  // From the least to the largest number is further than a number can be.
+  // The difference of two finite numbers may overflow.
   const double news = std::min(sum - *largest_, std::numeric_limits<double>::max());
   largest_ = sum;
   return news;

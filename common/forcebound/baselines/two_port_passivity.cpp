@@ -10,24 +10,24 @@
 namespace forcebound::baselines {
 namespace {
 
-/// Time-domain passivity with delay, the device's half: an observer and a controller at each end of the network
-/// [Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010]. No end may give more than the other end took in.
+/// Time-domain passivity with delay, the device's half: an observer and a controller at each end of the network [Ryu &
+/// Preusche 2007; Ryu, Artigas & Preusche 2010]. No end may return more energy than the other end took in.
 ///
-/// Task space, device frame; f_e what came through the network [N], f what is applied, d the displacement over the
-/// interval that ended [m], v = d/h, T the nominal period. Our f is the paper's -F.
+/// Task space, device frame; f_e the force received [N], f the force applied, d the displacement over the interval that
+/// ended [m], v = d/h, T the nominal period. Our f is the paper's -F.
 ///
 ///     P = -f_e'd > 0:  E_in += P,  else  E_out -= P          exact for a force that is held
-///     E_pc += (f_e - f)'d                                    what the controller dissipated, exact too
-///     W = E_out + max(0, f_e'v T) - E_in(server) - E_pc      > 0: too much, if the motion goes on as it was
+///     E_pc += (f_e - f)'d                                    the controller's dissipation, exact too
+///     W = E_out + max(0, f_e'v T) - E_in(server) - E_pc      > 0: too much, if the velocity stays as it is
 ///     f = f_e - alpha b v,  alpha = min(W / (T v'b v), alpha_max)
 ///
-/// E_in travels as the sum since the beginning, of which the largest heard counts. What is ours: the controller damps
-/// along b v with the device's damping b as the metric, so that axes and units do not mix and one number, alpha_max,
-/// serves every device (alpha_max = 1 adds as much as the device has, more than which a sampled damper cannot
-/// dissipate). Below the velocity floor it cannot act; what it could not dissipate stays in W.
+/// E_in travels as the sum since the beginning, of which the largest received counts. What is ours: the controller
+/// damps along b v with the device's damping b as the metric, so that axes and units do not mix and one number,
+/// alpha_max, serves every device (alpha_max = 1 adds as much as the device has, more than which a sampled damper
+/// cannot dissipate). Below the velocity floor it cannot act; the energy not dissipated stays in W.
 ///
-/// Promises nothing: alpha_max, the floor and the hold all leak, and an environment that makes energy of nothing is
-/// believed.
+/// Passivity is not guaranteed: alpha_max, the floor and the hold all leak, and an active environment's energy is
+/// counted as taken in.
 /// Real time: noexcept, no allocation, O(dof^2).
 class TwoPortPassivity final : public control::PassivityLaw {
  public:
@@ -51,7 +51,7 @@ class TwoPortPassivity final : public control::PassivityLaw {
     const EndedInterval ended = next_interval(held_, motion);
     velocity_ = ended.velocity;
     allowance_.add(-ended.unseen_J);
-    // What the network asked for and what the device got part at the controller.
+    // The force received and the force applied differ by the controller's.
     const double given_J = ended.interval_s > 0 ? asked_.dot(ended.displacement) : 0.0;
     const double applied_J = ended.force.dot(ended.displacement);
     if (!std::isfinite(given_J) || !std::isfinite(applied_J)) return;
@@ -95,22 +95,22 @@ class TwoPortPassivity final : public control::PassivityLaw {
  private:
   control::HeldForce held_;
   Gains gains_;
-  Vector asked_;     // f_e of the interval that runs
-  Vector velocity_;  // zero: not known
+  Vector asked_;     // f_e of the present interval
+  Vector velocity_;  // zero: unknown
   control::EnergySum in_;
   control::EnergySum allowance_;
   RemoteSum from_server_;
 };
 
-/// The server's half: velocity comes in, so the controller is one of velocity.
+/// The server's half: velocity is its input, so its controller adjusts velocity.
 ///
-/// d the step of the device since the motion before, f what the environment answered there and is taken to hold.
+/// d the step of the device since the motion before, f the environment's answer there, taken to be held.
 ///
 ///     P = -f'd > 0 flows into the environment:  E_out += P,  else  E_in -= P
-///     P > E_in(device) - E_out:  d += beta f, so that just what is there flows
+///     P > E_in(device) - E_out:  d += beta f, so that just the available energy flows
 ///
-/// So E_out never exceeds E_in(device). The steps that were shortened are never made up: the place drifts from the
-/// device, which is what this law costs.
+/// So E_out never exceeds E_in(device). Shortened steps are never made up: the position drifts away from the device,
+/// which is the cost of this law.
 class TwoPortServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] Vector place(const Heard& heard) noexcept override {
@@ -123,7 +123,7 @@ class TwoPortServerSideLaw final : public control::ServerSideLaw {
     device_ = heard.position;
     const double into_J = -force_.dot(d);
     if (!std::isfinite(into_J)) {
-      place_ = device_;  // as far as a number can be is a fault, not a way
+      place_ = device_;  // an overflow is a fault, not a motion
     } else if (into_J > 0) {
       const double kept_back_J = std::clamp(into_J - available_.value_J(), 0.0, into_J);
       available_.add(kept_back_J - into_J);
@@ -142,7 +142,7 @@ class TwoPortServerSideLaw final : public control::ServerSideLaw {
   }
 
  private:
-  Vector place_;   // no rows: nothing heard yet
+  Vector place_;   // no rows: nothing received yet
   Vector device_;  // at the motion before
   Vector force_;
   control::EnergySum in_;
@@ -153,29 +153,28 @@ class TwoPortServerSideLaw final : public control::ServerSideLaw {
 }  // namespace
 
 control::LawDescription two_port_passivity() {
-  return {
-      .name = std::string(TwoPortPassivity::kName),
-      .summary = "time-domain passivity with delay: observers at both ends, energies are exchanged, positions drift",
-      .reference = "Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010",
-      .certainty = control::LawCertainty::likely,
-      .parameters = {{.name = "alpha_max_per_b",
-                      .purpose = "most damping that may be added, in multiples of the device's own",
-                      .most = 100,
-                      .standard = [](const control::DeviceFacts&) { return 1.0; }},
-                     {.name = "velocity_floor_m_per_s",
-                      .purpose = "slower motion is not damped",
-                      .standard =
-                          [](const control::DeviceFacts& facts) {
-                            return std::max(1e-6, slowest_reading_m_per_s(facts));
-                          }}},
-      .make =
-          [](const control::DeviceFacts& facts, const control::LawOptions& options) {
-            const control::LawParameters& chosen = options.parameters;
-            return std::make_unique<TwoPortPassivity>(
-                facts, TwoPortPassivity::Gains{.alpha_max = chosen.at("alpha_max_per_b"),
-                                               .velocity_floor_m_per_s = chosen.at("velocity_floor_m_per_s")});
-          },
-      .make_server_side = [](int) { return std::make_unique<TwoPortServerSideLaw>(); }};
+  return {.name = std::string(TwoPortPassivity::kName),
+          .summary = "time-domain passivity with delay: observers at both ends exchange energies; positions drift",
+          .reference = "Ryu & Preusche 2007; Ryu, Artigas & Preusche 2010",
+          .certainty = control::LawCertainty::likely,
+          .parameters = {{.name = "alpha_max_per_b",
+                          .purpose = "most damping that may be added, in multiples of the device's own",
+                          .most = 100,
+                          .standard = [](const control::DeviceFacts&) { return 1.0; }},
+                         {.name = "velocity_floor_m_per_s",
+                          .purpose = "slower motion is not damped",
+                          .standard =
+                              [](const control::DeviceFacts& facts) {
+                                return std::max(1e-6, slowest_reading_m_per_s(facts));
+                              }}},
+          .make =
+              [](const control::DeviceFacts& facts, const control::LawOptions& options) {
+                const control::LawParameters& chosen = options.parameters;
+                return std::make_unique<TwoPortPassivity>(
+                    facts, TwoPortPassivity::Gains{.alpha_max = chosen.at("alpha_max_per_b"),
+                                                   .velocity_floor_m_per_s = chosen.at("velocity_floor_m_per_s")});
+              },
+          .make_server_side = [](int) { return std::make_unique<TwoPortServerSideLaw>(); }};
 }
 
 }  // namespace forcebound::baselines

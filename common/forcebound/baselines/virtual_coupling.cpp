@@ -22,31 +22,31 @@ struct Coupling {
 };
 
 /// A virtual tool between device and environment [Colgate, Stanley, Brown 1995]: the environment is asked at the tool,
-/// and the device feels nothing but a spring and a damper to it.
+/// and a spring and a damper connect the device to it.
 ///
 /// Task space, device frame, all axes in metres; x device, x_v tool [m], e = x - x_v, f_e what the environment asks for
 /// [N], our f is their -F. Every tick one implicit Euler step of a nominal period T:
 ///
 ///     m (v_v' - v_v)/T = f_e + F - D v_v',    x_v' = x_v + T v_v',    F = Kc e' + Bc (e' - e)/T,    f = -F
 ///
-/// Where the environment is passive, so is what the device shows if b > Kc T/2 + |Bc|; without that the law refuses to
-/// be made. An environment that is active, or late, can drive the tool, and then the law promises nothing.
+/// Where the environment is passive, so is the device if b > Kc T/2 + |Bc|; otherwise the constructor throws. An active
+/// or late environment can drive the tool; then passivity is not guaranteed.
 ///
-/// What the publication leaves open, and what we decided:
-/// - **A late answer.** There tool and environment are computed together. Here f_e answers for where the tool was a
+/// Open in the publication, and our decisions:
+/// - **A late answer.** There tool and environment are computed together. Here f_e belongs to where the tool was a
 ///   tick or more ago, and a wall of stiffness K answered one tick late drives any tool for which K > Kc + (Bc + D)/T,
 ///   whatever its mass. So the tool is damped along the contact, D = n T k u u', u = f_e/|f_e|, with k the stiffness
 ///   that the environment shows: the largest |change of f_e| over the largest step of the tool in the last ticks,
-///   forgotten over half a second. A soft environment is hardly damped by it, a wall of 150 N/mm settles with answers
+///   forgotten over half a second. A soft environment is hardly damped by it; a wall of 150 N/mm settles with answers
 ///   up to two ticks late at n = 3 (`contact_periods`).
-/// - **Free space** is free: when the environment has asked for nothing for some ticks, the tool rides with the device,
-///   its spring is let go of and its motion stopped, which only takes energy out.
-/// - **The largest force.** A coupling that would give more than the device may be asked for slips: the tool stops
-///   where the coupling gives just that. This only takes energy out as well.
-/// - **Time** is counted in nominal periods. The tool's energy balance is one of displacements, so a late tick does not
+/// - **Free space** is free: when the environment has requested zero force for some ticks, the tool moves with the
+///   device, its spring is released and its motion stopped, which only dissipates energy.
+/// - **The largest force.** A coupling that would exceed the device's largest force slips: the tool stops where the
+///   coupling gives just that force. This only dissipates energy as well.
+/// - **Time** is counted in nominal periods. The tool's energy balance counts displacements, so a late tick does not
 ///   upset it.
 ///
-/// After a lost reading the tool is where the device comes back, at rest.
+/// After a lost reading the tool starts at the device's next position, at rest.
 /// Real time: noexcept, no allocation, O(dof).
 class VirtualCoupling final : public control::PassivityLaw {
  public:
@@ -93,7 +93,7 @@ class VirtualCoupling final : public control::PassivityLaw {
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
 
-  /// What the tool holds: spring and motion [J].
+  /// The tool's energy: spring and motion [J].
   [[nodiscard]] double energy_J() const noexcept override {
     const double energy_J =
         (coupling_.stiffness_N_per_m * stretch_.squaredNorm() + coupling_.tool_mass_kg * velocity_.squaredNorm()) / 2;
@@ -105,10 +105,10 @@ class VirtualCoupling final : public control::PassivityLaw {
   }
 
  private:
-  static constexpr std::size_t kTicks = 4;               // that a contact is remembered for
+  static constexpr std::size_t kTicks = 4;               // for which a contact is remembered
   static constexpr double kForgetting = 1 - 2e-3;        // of the environment's stiffness, per tick
-  static constexpr double kStepLeast_m = 1e-9;           // less says nothing of a stiffness
-  static constexpr double kStiffnessMost_N_per_m = 1e9;  // keeps what 1e300 N ask for out of the arithmetic
+  static constexpr double kStepLeast_m = 1e-9;           // shorter steps give no estimate of stiffness
+  static constexpr double kStiffnessMost_N_per_m = 1e9;  // keeps a request of 1e300 N from overflowing
 
   void ride() noexcept {
     tool_ = device_;
@@ -198,29 +198,30 @@ std::unique_ptr<control::PassivityLaw> make(const control::DeviceFacts& facts, c
 }  // namespace
 
 control::LawDescription virtual_coupling() {
-  return {.name = "vc",
-          .summary = "virtual coupling: a passive tool touches the environment, a spring and a damper hold the device",
-          .reference = "Colgate, Stanley, Brown 1995",
-          .certainty = control::LawCertainty::likely,
-          .parameters = {{.name = "coupling_N_per_m",
-                          .purpose = "stiffness of the coupling, Kc",
-                          .least = 1e-3,
-                          .most = 1e9,
-                          .standard =
-                              [](const control::DeviceFacts& f) { return 0.9 * 2 * least_damping(f) / f.period_s; }},
-                         {.name = "coupling_damping_N_s_per_m",
-                          .purpose = "damping of the coupling, Bc",
-                          .most = 1e6,
-                          .standard = [](const control::DeviceFacts& f) { return 0.05 * least_damping(f); }},
-                         {.name = "tool_mass_kg",
-                          .purpose = "mass of the tool",
-                          .most = 1e3,
-                          .standard = [](const control::DeviceFacts& f) { return least_damping(f) * f.period_s; }},
-                         {.name = "contact_periods",
-                          .purpose = "damping of the tool's contact: so many periods of the stiffness it meets",
-                          .most = 1e3,
-                          .standard = [](const control::DeviceFacts&) { return 3.0; }}},
-          .make = make};
+  return {
+      .name = "vc",
+      .summary = "virtual coupling: a passive tool touches the environment, a spring and a damper hold the device",
+      .reference = "Colgate, Stanley, Brown 1995",
+      .certainty = control::LawCertainty::likely,
+      .parameters = {{.name = "coupling_N_per_m",
+                      .purpose = "stiffness of the coupling, Kc",
+                      .least = 1e-3,
+                      .most = 1e9,
+                      .standard =
+                          [](const control::DeviceFacts& f) { return 0.9 * 2 * least_damping(f) / f.period_s; }},
+                     {.name = "coupling_damping_N_s_per_m",
+                      .purpose = "damping of the coupling, Bc",
+                      .most = 1e6,
+                      .standard = [](const control::DeviceFacts& f) { return 0.05 * least_damping(f); }},
+                     {.name = "tool_mass_kg",
+                      .purpose = "mass of the tool",
+                      .most = 1e3,
+                      .standard = [](const control::DeviceFacts& f) { return least_damping(f) * f.period_s; }},
+                     {.name = "contact_periods",
+                      .purpose = "damping of the tool's contact, as a number of periods times the stiffness it meets",
+                      .most = 1e3,
+                      .standard = [](const control::DeviceFacts&) { return 3.0; }}},
+      .make = make};
 }
 
 }  // namespace forcebound::baselines

@@ -10,14 +10,14 @@
 namespace forcebound::baselines {
 namespace {
 
-// Where the numbers are: what the server's half needs to know, then the energy of the wave and its integral.
+// Order of the numbers: the server half's parameters, then the energy of the wave and its integral.
 constexpr Eigen::Index kImpedance = 0;
 constexpr Eigen::Index kSpring = 1;
 constexpr Eigen::Index kDamper = 2;
 constexpr Eigen::Index kTool = 3;
 constexpr Eigen::Index kWave = 4;
 
-/// Wave variables, the device's half [Niemeyer & Slotine 1991, 2004]: what travels are waves, whose energy no constant
+/// Wave variables, the device's half [Niemeyer & Slotine 1991, 2004]: it exchanges waves, whose energy no constant
 /// delay can change.
 ///
 /// Task space, F = -f (f is the force on the device [N]), v = d/h of the interval that ended [m/s], T the period.
@@ -25,20 +25,20 @@ constexpr Eigen::Index kWave = 4;
 ///     u = (b_w v + F)/sqrt(2 b_w)  goes out,   w = (b_w v - F)/sqrt(2 b_w)  comes back:   F v = u^2/2 - w^2/2
 ///     F = b_w v - sqrt(2 b_w) w
 ///
-/// The force is made of the wave alone; what the environment answered in newtons is not looked at, and so the
-/// late-force policy has nothing to fade: where no wave comes it is zero, and the device feels a damper b_w.
+/// The force is computed from the wave alone; the environment's answer in newtons is not used, and so the late-force
+/// policy has nothing to fade: without a wave the device feels a damper b_w.
 ///
-/// The way itself gives way: with a delay t_d one way the device feels a spring b_w/t_d before all others.
+/// The delay acts as a spring: with a one-way delay t_d the device feels b_w/t_d in series with all others.
 ///
-/// Waves travel as integrals and with the sum of their energy. A sample is taken once; where none came the wave is zero
-/// and what was late comes with the next, but never with more energy than it was sent with [after Niemeyer & Slotine
-/// 1998]. So no loss, jitter or copy makes energy. A wave that comes in bursts is drawn out over twice the longest
-/// pause of late; what ripple is left still costs, so that behind much jitter a force that is held fades and the tool
-/// drifts. The force is held over a period, in which the velocity is not the one it was made for: the wave that truly
-/// went back over it is known afterwards, and what it had more than w is charged, less what the device's damping b took
-/// meanwhile. These details are ours.
+/// Waves travel as integrals, with the sum of their energy. A sample is taken once; where none came the wave is zero,
+/// and a late one is added to the next, but never with more energy than it was sent with [after Niemeyer & Slotine
+/// 1998]. So no loss, jitter or copy creates energy. A wave that comes in bursts is spread over twice the longest
+/// recent pause; the remaining ripple still costs energy, so that under strong jitter a held force fades and the tool
+/// drifts. The force is held over a period in which the velocity differs from the one it was computed for: the wave
+/// actually returned over it is known afterwards, and its excess over w is charged, less what the device's damping b
+/// dissipated meanwhile. These details are ours.
 ///
-/// Promises nothing: the other end may be an environment that makes energy.
+/// Passivity is not guaranteed: the environment at the other end may be active.
 /// Real time: noexcept, no allocation, O(dof).
 class WaveVariables final : public control::PassivityLaw {
  public:
@@ -91,7 +91,7 @@ class WaveVariables final : public control::PassivityLaw {
 
   void commit(const Vector& force_N) noexcept override { held_.hold(force_N); }
 
-  /// Energy of the waves that came and were not taken [J].
+  /// Energy of the waves received and not yet taken [J].
   [[nodiscard]] double energy_J() const noexcept override { return received_.budget_J(); }
 
   [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
@@ -119,7 +119,7 @@ class WaveVariables final : public control::PassivityLaw {
  private:
   static constexpr double kForgetting_s = 1;
 
-  /// A wave that comes in bursts is drawn out over two of the pauses between them; one that comes each tick is not.
+  /// A wave that comes in bursts is spread over two of the pauses between them; one that comes each tick is not.
   [[nodiscard]] double spread_s() const noexcept {
     const double period_s = held_.period_s();
     constexpr double kPunctual = 1.5;
@@ -130,27 +130,28 @@ class WaveVariables final : public control::PassivityLaw {
   Gains gains_;
   WaveCoding coding_;
   double damping_N_s_per_m_;
-  Vector velocity_;  // zero: not known
-  Vector wave_;      // w of the interval that runs
+  Vector velocity_;  // zero: unknown
+  Vector wave_;      // w of the present interval
   bool server_side_speaks_ = false;
   double blackout_s_ = 0;
-  double pause_s_ = 0;  // the longest between two arrivals, forgotten over kForgetting_s
+  double pause_s_ = 0;  // longest between two arrivals, decaying over kForgetting_s
   SentWave sent_;
   ReceivedWave received_;
 };
 
-/// The server's half: a tool of mass m in the environment, pulled by a spring and a damper to where the wave says.
+/// The server's half: a tool of mass m in the environment, pulled by a spring and a damper to the position x_d that the
+/// wave commands.
 ///
 ///     b_w v_d + F = sqrt(2 b_w) u,   F = Kd (x_d - x) + Bd (v_d - v)
 ///     v_d = (sqrt(2 b_w) u + Bd v + Kd (x - x_d))/(b_w + Bd)
 ///     m dv/dt = F + f,   f what the environment answered at x
 ///     w = (b_w v_d - F)/sqrt(2 b_w) goes back
 ///
-/// Each answer is one step h of the device's time, implicit in spring and damper, with f of the step before. That f is
-/// a step late, which is as much as a damper of -k h/2 in an environment of stiffness k, and nothing else in this loop
-/// would take that energy. So the tool is damped with k h along f, k the largest change of f over a step of the tool,
-/// forgotten over a tenth of a second; this is ours. After a gap h is at most `kStep_s_max`, and the wave of the rest
-/// is taken up in the steps that follow.
+/// Each answer is one step h of the device's time, implicit in spring and damper, with f of the step before. The delay
+/// of one step acts like a damper of -k h/2 in an environment of stiffness k, and nothing else in this loop would
+/// dissipate that energy. So the tool is damped with k h along f, k the largest change of f over a step of the tool,
+/// decaying over a tenth of a second; this is ours. After a gap h is at most `kStep_s_max`, and the wave of the rest is
+/// taken up in the steps that follow.
 class WaveServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] Vector place(const Heard& heard) noexcept override {
@@ -193,7 +194,7 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
     const double b = coding.impedance_N_s_per_m;
     const double kd = said[kSpring];
     const double m = said[kTool];
-    const double g = said[kDamper] + h * kd;  // what an implicit step makes of spring and damper
+    const double g = said[kDamper] + h * kd;  // effective damping of spring and damper in an implicit step
     const Vector u = received_.take(h, h);
     received_.spend(u.squaredNorm() / 2 * h);
     const Vector pushed = coding.root() * u;
@@ -208,7 +209,7 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
     sent_.add(coding.returning(wanted_velocity, coupling_N), h);
   }
 
-  /// As if a damper of k h along the contact had been in the step, whose own resistance [N s/m] is `resistance`.
+  /// Adds a damper of k h along the contact to the step, whose own resistance [N s/m] is `resistance`.
   void damp(double resistance, double h) noexcept {
     stiffness_ *= std::exp(-h / kForgetting_s);
     const double length = force_.stableNorm();
@@ -218,7 +219,7 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
     velocity_ -= along * (along.dot(velocity_) * (damper / (resistance + damper)));
   }
 
-  Vector place_;   // x; no rows: nothing heard yet
+  Vector place_;   // x; no rows: nothing received yet
   Vector wanted_;  // x_d
   Vector velocity_;
   Vector force_;

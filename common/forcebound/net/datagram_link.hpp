@@ -31,14 +31,14 @@ struct Received {
   time::Nanoseconds waited{0};  ///< from its arrival at this machine until now
 };
 
-/// Unreliable datagrams: what the core knows of a network.
+/// Unreliable datagrams: the core's interface to a network.
 ///
 /// Real time: both calls return at once and allocate nothing.
 class DatagramLink {
  public:
   virtual ~DatagramLink() = default;
 
-  /// False if the datagram could not even be handed to the network; the caller counts it; there is no retry.
+  /// False if the system did not take the datagram; the caller counts it; there is no retry.
   virtual bool send(std::span<const std::byte> datagram, const Address& to) noexcept = 0;
 
   /// The oldest waiting datagram, or nothing. Oversize datagrams are cut to the buffer, `bytes` tells.

@@ -7,9 +7,10 @@ namespace forcebound::net {
 namespace {
 
 [[noreturn]] void refuse(std::string_view text) {
-  throw std::invalid_argument("'" + std::string(text) +
-                              "' is no HOST:PORT: expected such as 127.0.0.1:47800, localhost:47800 or [::1]:47800, "
-                              "with a port from 0 to 65535");
+  throw std::invalid_argument(
+      "'" + std::string(text) +
+      "' is not HOST:PORT: expected for example 127.0.0.1:47800, localhost:47800 or [::1]:47800, "
+      "with a port from 0 to 65535");
 }
 
 }  // namespace
@@ -33,7 +34,7 @@ Endpoint parse_endpoint(std::string_view text) {
 Endpoint parse_peer(std::string_view text) {
   Endpoint endpoint = parse_endpoint(text);
   if (endpoint.port == 0) {
-    throw std::invalid_argument("'" + std::string(text) + "' is nowhere to send to: expected a port from 1 to 65535");
+    throw std::invalid_argument("'" + std::string(text) + "' cannot be sent to: expected a port from 1 to 65535");
   }
   return endpoint;
 }

@@ -8,7 +8,7 @@
 
 namespace forcebound::net {
 
-/// Where something is, as people write it.
+/// A host and a port, as written by a user.
 struct Endpoint {
   std::string host;  ///< a name, 127.0.0.1 or ::1
   std::uint16_t port = 0;
@@ -20,12 +20,13 @@ struct Endpoint {
 /// @throws std::invalid_argument naming the text and what would be accepted.
 Endpoint parse_endpoint(std::string_view text);
 
-/// The same for somewhere to send to, so not port 0.
+/// The same for an address to send to: port 0 is refused.
 ///
 /// @throws std::invalid_argument naming the text and what would be accepted.
 Endpoint parse_peer(std::string_view text);
 
-/// Looks a host up; if it has addresses of both kinds, IPv4. Blocks, for seconds if a name server is silent.
+/// Looks a host up; if it has addresses of both kinds, takes IPv4. Blocks, for seconds if a name server does not
+/// answer.
 ///
 /// @throws std::runtime_error naming the host and why it has no address.
 Address resolve(const Endpoint& endpoint);

@@ -14,7 +14,7 @@ namespace forcebound::net {
 using UdpEndpoint = asio::ip::udp::endpoint;
 
 struct UdpBatch::Storage {
-  /// One way's messages, each with room for a datagram.
+  /// Messages in one direction, each with room for a datagram.
   struct Way {
     std::array<std::array<std::byte, kDatagramBytesMax>, kDatagramsMax> bytes;
     std::array<UdpEndpoint, kDatagramsMax> peers;
@@ -57,7 +57,7 @@ std::span<const UdpBatch::Arrived> UdpBatch::receive(int flags) noexcept {
     message.msg_control = all.control[i].bytes.data();
     message.msg_controllen = kControlBytes;
   }
-  // An absent peer's refusal comes instead of data, once.
+  // A port unreachable (ICMP) is reported instead of data, once.
   int count = -1;
   for (int attempt = 0; attempt < 2 && count < 0; ++attempt) {
     // MSG_TRUNC: each result is the datagram's whole size, also if it was cut.
@@ -96,7 +96,7 @@ void UdpBatch::flush() noexcept {
   for (std::size_t done = 0; done < all.waiting;) {
     const int sent = sendmmsg(link_.descriptor(), all.out.messages.data() + done,
                               static_cast<unsigned>(all.waiting - done), MSG_DONTWAIT);
-    // It stops at the first that fails; the others may go elsewhere.
+    // sendmmsg stops at the first that fails; the others may have another destination.
     if (sent <= 0) link_.note_send_failed();
     done += sent <= 0 ? 1 : static_cast<std::size_t>(sent);
   }

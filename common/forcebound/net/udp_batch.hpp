@@ -8,10 +8,10 @@
 
 namespace forcebound::net {
 
-/// Many datagrams for one call of the system: for a program with many peers on one socket.
+/// Many datagrams in one system call: for a program with many peers on one socket.
 ///
-/// What is sent waits until `flush`; so a batch is received, answered, and its answers flushed. A failure then counts
-/// in the link's `send_failed`.
+/// Datagrams to send wait until `flush`; so a batch is received, answered, and its answers flushed. Failures count in
+/// the link's `send_failed`.
 ///
 /// Real time: nothing allocates after construction, and every call but `wait_for_some` returns at once. Not
 /// thread-safe.
@@ -19,7 +19,7 @@ class UdpBatch final : public DatagramLink {
  public:
   static constexpr std::size_t kDatagramsMax = 32;
 
-  /// One that came; its bytes are valid until the next `receive_all`.
+  /// A received datagram; its bytes are valid until the next `receive_all`.
   struct Arrived {
     std::span<const std::byte> bytes;  ///< cut to kDatagramBytesMax
     Received received;
@@ -31,7 +31,7 @@ class UdpBatch final : public DatagramLink {
   UdpBatch(const UdpBatch&) = delete;
   UdpBatch& operator=(const UdpBatch&) = delete;
 
-  /// The oldest that wait, in order, at most kDatagramsMax; none if none wait.
+  /// The oldest waiting datagrams, in order, at most kDatagramsMax.
   [[nodiscard]] std::span<const Arrived> receive_all() noexcept;
 
   /// The same, but sleeps until there is one, for no longer than the link's `wait_at_most` says; a signal wakes it too.
@@ -41,10 +41,10 @@ class UdpBatch final : public DatagramLink {
   /// Keeps a copy for `flush`; if there is no room for it, flushes first. False if it is larger than kDatagramBytesMax.
   bool send(std::span<const std::byte> datagram, const Address& to) noexcept override;
 
-  /// Hands what waits to the network.
+  /// Sends what waits.
   void flush() noexcept;
 
-  /// One alone, past the batch.
+  /// Sends one datagram directly, without the batch.
   std::optional<Received> receive(std::span<std::byte> buffer) noexcept override { return link_.receive(buffer); }
 
  private:

@@ -21,10 +21,10 @@ namespace {
 
 using asio::ip::udp;
 
-// One tick's worth of delay at 1 kHz must never overflow the socket, not even for many clients.
+// A delay of one tick must never overflow the socket, even with many clients at 1 kHz.
 constexpr int kSocketBufferBytes = 1 << 20;
 
-// An absent peer's refusals, each reported once instead of data, must not keep a call busy.
+// Limits the port unreachable (ICMP) reports handled in one call: each is reported instead of data.
 constexpr int kRefusalsSkippedMax = 16;
 
 std::string reason(const asio::error_code& error) {
@@ -32,7 +32,7 @@ std::string reason(const asio::error_code& error) {
     return "the address is already in use, by another program or a copy of this one";
   if (error == asio::error::access_denied) return "not permitted; ports below 1024 are for the administrator";
   if (error.value() == EADDRNOTAVAIL) return "no interface of this machine has that address";
-  if (error == asio::error::address_family_not_supported) return "this machine does not speak that kind of address";
+  if (error == asio::error::address_family_not_supported) return "this machine does not support that kind of address";
   return error.message();
 }
 
@@ -47,7 +47,7 @@ struct UdpLink::Socket {
   void open(const udp& protocol, Stamps stamps) {
     // Blocking, for those who wait for a datagram in the same call that receives it; all others say MSG_DONTWAIT.
     socket.open(protocol);
-    // Larger buffers help, smaller ones work.
+    // Larger buffers help, but smaller ones work too.
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
@@ -90,7 +90,7 @@ bool UdpLink::send(std::span<const std::byte> datagram, const Address& to) noexc
                static_cast<socklen_t>(endpoint.size())) >= 0) {
       return true;
     }
-    // That is about an earlier datagram; this one was not sent yet.
+    // The error is of an earlier datagram; this one was not sent yet.
     if (errno != ECONNREFUSED) break;
     ++socket_->counters.refused;
   }

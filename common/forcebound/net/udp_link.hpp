@@ -9,10 +9,10 @@
 
 namespace forcebound::net {
 
-/// What a UDP socket reported besides datagrams.
+/// Errors that a UDP socket reported.
 struct UdpCounters {
-  std::uint64_t refused = 0;     ///< the other end's machine said that nobody listens there
-  std::uint64_t overflowed = 0;  ///< datagrams dropped before the last one received: nobody had read the buffer in time
+  std::uint64_t refused = 0;      ///< port unreachable (ICMP) received from the peer's machine
+  std::uint64_t overflowed = 0;   ///< datagrams dropped before the last one received: the buffer was full
   std::uint64_t send_failed = 0;  ///< the system did not take a datagram: no route, no memory, too large
 };
 
@@ -21,18 +21,19 @@ struct UdpCounters {
 /// Real time: send and receive return at once and allocate nothing. Not thread-safe.
 class UdpLink final : public DatagramLink {
  public:
-  /// Whether the system stamps each datagram that comes, for Received::waited; otherwise that is zero, and receiving
+  /// Whether the system stamps each datagram on arrival, for Received::waited; otherwise that is zero, and receiving
   /// costs less.
   enum class Stamps { taken, left_out };
 
   /// A server's end: bound to `local`; port 0 takes any free one. "::" also takes IPv4.
   ///
-  /// @throws std::runtime_error saying plainly why not: in use, not an address of this machine, not permitted.
+  /// @throws std::runtime_error with the reason: in use, not an address of this machine, not permitted.
   static UdpLink listen(const Address& local, Stamps stamps = Stamps::taken);
 
-  /// A client's end: any free port, connected, so that only `peer` is heard and its absence is noticed (`refused`).
+  /// A client's end: any free port, connected, so that only `peer`'s datagrams are received and its errors seen
+  /// (`refused`).
   ///
-  /// @throws std::runtime_error saying plainly why not, such as no route.
+  /// @throws std::runtime_error with the reason, such as no route.
   static UdpLink towards(const Address& peer);
 
   UdpLink(UdpLink&&) noexcept;
@@ -62,8 +63,8 @@ class UdpLink final : public DatagramLink {
   std::unique_ptr<Socket> socket_;
 };
 
-/// Sleeps until one of the descriptors can be read or `timeout` has passed, to the nanosecond where the system can;
-/// a signal wakes it too. True if something can be read. At most kWaitableMax descriptors.
+/// Sleeps until one of the descriptors can be read or `timeout` has passed, to the nanosecond where the system can do
+/// so; a signal wakes it too. True if something can be read. At most kWaitableMax descriptors.
 bool wait_readable(std::span<const int> descriptors, time::Nanoseconds timeout) noexcept;
 inline constexpr std::size_t kWaitableMax = 1024;
 

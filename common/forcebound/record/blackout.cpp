@@ -43,8 +43,8 @@ std::string words_of(const Blackout& blackout, const std::string& server) {
   text += blackout.over ? ": " : " until the end: ";
   if (blackout.counted) return text + counts_in_words(blackout);
   if (blackout.server_left) return text + "the server had ended the session";
-  if (blackout.over) return text + "then in another session: the server had restarted or given this one up";
-  return text + "which way died, and so which way lost what is missing, is not known";
+  if (blackout.over) return text + "then in another session: the server had restarted or closed this one";
+  return text + "it is not known which direction lost the datagrams";
 }
 
 }  // namespace forcebound::record

@@ -19,7 +19,7 @@ std::optional<double> DisplayedStiffness::on_tick(const TickRecord& tick) noexce
   }
   const std::int64_t number = tick.time.count() / kSlot_ns;
   note(number, depth_m);
-  // A device whose ticks are further apart than the window has the previous one to compare with.
+  // If ticks are further apart than the window, compare with the previous one.
   double moved_m = change_m(number, depth_m);
   if (tick.interval > kWindow) moved_m = std::max(moved_m, std::abs(depth_m - previous_m_));
   previous_m_ = depth_m;

@@ -9,14 +9,14 @@
 
 namespace forcebound::record {
 
-/// The stiffness that a contact shows, tick by tick:
+/// The displayed stiffness of a contact, tick by tick:
 ///
 ///     K = (component of the applied force out of the surface) / (depth below it)
 ///
-/// only where that ratio means a stiffness: deeper than `depth_m_min`, where an encoder's step does not dominate, and
-/// at rest or quasi-static: in contact, with a depth that is known, for the last 20 ms, and over these the depth
-/// changed at no more than `kSpeed_m_per_s`. While a contact rings or lands, the force of one moment stands over the
-/// depth of another, and their ratio says nothing of the surface.
+/// only where that ratio is a stiffness: deeper than `depth_m_min`, where an encoder's step does not dominate, and at
+/// rest or quasi-static: in contact with a known depth for the last 20 ms, over which the depth changed at no more than
+/// `kSpeed_m_per_s`. While a contact rings or lands, force and depth belong to different moments, and their ratio is no
+/// property of the surface.
 ///
 /// Real time: `on_tick` is noexcept and allocates nothing.
 class DisplayedStiffness {
@@ -26,7 +26,7 @@ class DisplayedStiffness {
 
   explicit DisplayedStiffness(double depth_m_min) : depth_m_min_(depth_m_min) {}
 
-  /// K [N/m], nothing where none can be told.
+  /// K [N/m], nothing where it is not defined.
   std::optional<double> on_tick(const TickRecord& tick) noexcept;
 
   /// Whether the last tick was at rest or quasi-static in contact, however deep.

@@ -16,7 +16,7 @@ namespace forcebound::record {
 ///
 /// Buckets are log-linear: 1024 to each power of two, so a percentile is off by less than 0.05 % of itself; values
 /// below 1024 are exact. Counts of values from 2^46 up (19.5 h in nanoseconds) share the last bucket, negative values
-/// the first; `max` is exact always.
+/// the first; `max` is always exact.
 ///
 /// Real time: `add` and `merge` are noexcept and allocate nothing; the constructor allocates 0.3 MB.
 class Histogram {

@@ -65,7 +65,7 @@ inline void put(std::string& out, const std::map<std::string, std::string>& map)
   put(out, std::string_view(entries));
 }
 
-/// The whole record around a content.
+/// The whole record with that content.
 inline void put_record(std::string& out, Opcode opcode, std::string_view content) {
   out += static_cast<char>(opcode);
   put(out, static_cast<std::uint64_t>(content.size()));

@@ -10,7 +10,7 @@
 namespace forcebound::record::mcap {
 namespace {
 
-/// Where in the file something is wrong.
+/// Errors that name file and byte.
 struct Place {
   const std::string& file;
   [[noreturn]] void refuse(std::uint64_t byte, const std::string& what) const {
@@ -99,7 +99,8 @@ void Reader::measure() {
   in_.clear();
   in_.seekg(0);
   in_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-  if (!in_ || magic != kMagic) place_.refuse(0, "not an MCAP file of version 0: it does not begin with that mark");
+  if (!in_ || magic != kMagic)
+    place_.refuse(0, "not an MCAP file of version 0: the magic bytes at its start are missing");
 }
 
 bool Reader::run() {
@@ -115,7 +116,7 @@ bool Reader::run() {
     const auto length = header.number<std::uint64_t>();
     offset += kRecordHeaderBytes;
     if (length > size_ - offset) {
-      // A length is believed only as far as the file goes: memory is never taken for what cannot be there.
+      // A length may not exceed the rest of the file, so that a wrong one allocates no memory.
       if (!ended_) return false;
       place_.refuse(offset, "a record of " + std::to_string(length) + " bytes, where the file has " +
                                 std::to_string(size_ - offset) + " left");
@@ -147,7 +148,7 @@ void Reader::record(Opcode opcode, std::uint64_t offset, std::string_view conten
       return;
     }
     default:
-      return;  // indexes, attachments, and what later versions add
+      return;  // indexes, attachments, and additions of later versions
   }
 }
 

@@ -24,14 +24,13 @@ struct Visitor {
   std::function<void(const std::string& name, const std::map<std::string, std::string>& values)> metadata;
 };
 
-/// Reads an MCAP file from its beginning, without its index, so that the file of a killed process is as good as any.
+/// Reads an MCAP file from its beginning, without its index, so that the file of a killed process can be read too.
 ///
 /// @param name of the file, for error messages.
-/// @returns whether the file is complete; false when it ends before its end: in the middle of a record, or without one.
-///   What lies before was visited.
+/// @returns whether the file is complete; false when it ends in the middle of a record, or without its end record. What
+/// lies before was visited.
 /// @throws std::runtime_error naming file, byte, what is wrong and what would be accepted: not an MCAP file, a checksum
-/// that
-///   disagrees, lengths that contradict each other, a compressed chunk. Whatever the visitor throws passes through.
+/// that disagrees, lengths that contradict each other, a compressed chunk. Whatever the visitor throws passes through.
 bool read(std::istream& in, const std::string& name, const Visitor& visitor);
 
 }  // namespace forcebound::record::mcap

@@ -12,7 +12,7 @@ using Item = std::variant<TickRecord, ForceRecord, MotionRecord, SentForceRecord
 
 struct Recorder::Queue {
   explicit Queue(std::size_t capacity) : items(capacity) {
-    // Touched here, not by the tick: a page's first use costs a fault.
+    // Touched here, not in the tick: the first use of a page costs a fault.
     while (items.push(Item())) {
     }
     items.consume_all([](const Item&) {});
@@ -38,7 +38,7 @@ std::size_t Recorder::drain(RecordingWriter& writer) {
     std::visit([&writer](const auto& record) { writer.write(record); }, item);
   };
   std::size_t written = 0;
-  while (queue_->items.consume_one(write)) ++written;  // one by one: each makes room at once
+  while (queue_->items.consume_one(write)) ++written;  // one by one, so that each makes room at once
   return written;
 }
 

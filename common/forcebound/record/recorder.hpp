@@ -12,13 +12,13 @@ namespace forcebound::record {
 
 /// Carries records from a thread that must never wait to one that writes them to disk.
 ///
-/// A bounded lock-free queue in between: full, a record is counted and gone. One thread calls the `on_` functions, one
-/// other thread `drain`, say every 100 ms.
+/// Between them is a bounded lock-free queue; when it is full, a record is dropped and counted. One thread calls the
+/// `on_` functions, one other thread `drain`, for example every 100 ms.
 ///
 /// Real time: the `on_` functions are noexcept, allocate nothing and never wait.
 class Recorder final : public TickSink {
  public:
-  /// About 8 s of a client's ticks and forces, in 6 MB: so long a disk may hesitate.
+  /// About 8 s of a client's ticks and forces, in 6 MB: the longest pause of a disk without loss.
   static constexpr std::size_t kCapacity = 16384;
 
   explicit Recorder(std::size_t capacity = kCapacity);
@@ -27,11 +27,11 @@ class Recorder final : public TickSink {
   void on_tick(const TickRecord& tick) noexcept override;
   void on_force(const ForceRecord& force) noexcept override;
 
-  /// The server's side of the same: motion as it arrived, force as it was sent.
+  /// The same at the server: motion as it arrived, force as it was sent.
   void on_motion(const MotionRecord& motion) noexcept;
   void on_sent(const SentForceRecord& force) noexcept;
 
-  /// Writes all that waits, in the order in which it came; returns how many.
+  /// Writes all waiting records, in order; returns their number.
   std::size_t drain(RecordingWriter& writer);
 
   /// Records that found the queue full. Any thread.

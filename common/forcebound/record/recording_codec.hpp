@@ -27,8 +27,7 @@ std::string encode(const wire::MotionSample& motion);
 std::string encode(const wire::EnvironmentForce& force);
 
 /// @throws std::invalid_argument saying what is wrong: not that message, a vector of more than six rows, a time beyond
-/// 73
-///   years, an unknown state.
+/// 73 years, an unknown state.
 void decode(std::string_view bytes, TickRecord& tick);
 void decode(std::string_view bytes, ForceRecord& force);
 void decode(std::string_view bytes, wire::MotionSample& motion);

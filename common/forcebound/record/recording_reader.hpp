@@ -18,9 +18,9 @@ class RecordingSink : public TickSink {
   virtual void on_sent(const SentForceRecord&) {}
 };
 
-/// Reads what RecordingWriter wrote; topics of others are passed over.
+/// Reads what RecordingWriter wrote; unknown topics are skipped.
 ///
-/// @returns whether the file is complete; one that a killed process left ends early.
+/// @returns whether the file is complete; that of a killed process is not.
 /// @throws std::runtime_error naming the file, the byte in it and what is wrong there.
 bool read_recording(const std::filesystem::path& file, RecordingSink& sink);
 

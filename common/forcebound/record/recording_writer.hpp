@@ -24,10 +24,11 @@ struct SentForceRecord {
 /// Writes a recording: an MCAP file with Protocol Buffers messages, which Foxglove, PlotJuggler and the official
 /// readers open. A client's has the topics /tick and /force, a server's /motion and /force.
 ///
-/// What is written reaches the operating system every second of log time, so a killed process loses at most that. Log
-/// times are the record's own, moved by `RunInfo::epoch` to wall-clock time.
+/// Records reach the operating system every second of log time, so a killed process loses at most that. Log times are
+/// the record's own, moved by `RunInfo::epoch` to wall-clock time.
 ///
-/// A failing disk ends the recording, not the run: what cannot be written is counted, and `problem` says why.
+/// A failing disk ends the recording, not the run: records that cannot be written are counted; `problem` has the
+/// reason.
 ///
 /// Allocates and blocks: not for the tick's thread. Not thread-safe.
 class RecordingWriter {
@@ -53,7 +54,7 @@ class RecordingWriter {
   /// Records that are known not to be in the file, all of them after `flush`; for RunTotals::recording_unwritten.
   [[nodiscard]] std::uint64_t unwritten() const noexcept;
 
-  /// What went wrong and since when, for RunTotals::notes; empty if all is well.
+  /// The fault and its time, for RunTotals::notes; empty if there was none.
   [[nodiscard]] std::string problem() const;
 
  private:

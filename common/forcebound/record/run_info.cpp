@@ -75,7 +75,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("device_frozen_joints", totals.device_frozen_joints);
   visit("device_faulty_commands", totals.device_faulty_commands);
   visit("datagrams_overflowed", totals.datagrams_overflowed);
-  visit("nobody_listening", totals.nobody_listening);
+  visit("port_unreachable", totals.port_unreachable);
   visit("events_dropped", totals.events_dropped);
   visit("tick_allocations", totals.tick_allocations);
   visit("recording_dropped", totals.recording_dropped);
@@ -160,8 +160,9 @@ RunInfo run_info_from(const KeyValues& values) {
 
 RunTotals run_totals_from(const KeyValues& values) {
   RunTotals totals;
+  InfoReader{values}("nobody_listening", totals.port_unreachable);  // its name in older recordings
   each_total(totals, InfoReader{values});
-  // A program that did not count it yet counted the rest alike.
+  // An older program did not count it; it is the difference.
   const std::uint64_t elsewhere = totals.received + totals.lost_up + totals.lost_down;
   if (!values.contains("overtaken") && totals.sent > elsewhere) totals.overtaken = totals.sent - elsewhere;
   for (const auto& [name, text] : values) {
@@ -187,7 +188,8 @@ std::string words_of(const MotionFates& fates) {
 
 std::vector<Fault> faults_of(const RunTotals& t) {
   return {
-      {"malformed_oversize", t.malformed[0], "datagram longer than ours may be", "datagrams longer than ours may be"},
+      {"malformed_oversize", t.malformed[0], "datagram longer than the protocol allows",
+       "datagrams longer than the protocol allows"},
       {"malformed_truncated", t.malformed[1], "datagram shorter than a frame header",
        "datagrams shorter than a frame header"},
       {"malformed_foreign", t.malformed[2], "datagram that is not ours, or of another version",
@@ -211,21 +213,21 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "ticks beyond the hold time of a device that cannot let go: not passive"},
       {"released_by_device", t.released_by_device, "tick so late that the device let go of the force",
        "ticks so late that the device let go of the force"},
-      {"reconnects", t.reconnects, "time the session was lost and asked for again",
-       "times the session was lost and asked for again"},
+      {"reconnects", t.reconnects, "time the session was lost and requested again",
+       "times the session was lost and requested again"},
       {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},
       {"missed_ticks", t.missed_ticks, "tick left out: the loop woke too late for it",
        "ticks left out: the loop woke too late for them"},
       {"device_gaps_cut", t.device_gaps_cut, "pause so long that the simulated device stood still in it",
        "pauses so long that the simulated device stood still in them"},
-      {"device_frozen_joints", t.device_frozen_joints, "time the simulation of a joint's friction gave up for a ms",
-       "times the simulation of a joint's friction gave up for a ms"},
+      {"device_frozen_joints", t.device_frozen_joints, "time the simulation of a joint's friction failed for 1 ms",
+       "times the simulation of a joint's friction failed for 1 ms"},
       {"device_faulty_commands", t.device_faulty_commands, "command not finite at the device, shown as zero",
        "commands not finite at the device, shown as zero"},
       {"datagrams_overflowed", t.datagrams_overflowed, "datagram lost here: the socket was full",
        "datagrams lost here: the socket was full"},
-      {"nobody_listening", t.nobody_listening, "time the server's machine said that nobody listens there",
-       "times the server's machine said that nobody listens there"},
+      {"port_unreachable", t.port_unreachable, "datagram refused by the server's machine: port unreachable (ICMP)",
+       "datagrams refused by the server's machine: port unreachable (ICMP)"},
       {"events_dropped", t.events_dropped, "log line missing: the queue was full",
        "log lines missing: their queue was full"},
       {"tick_allocations", t.tick_allocations, "heap allocation inside the tick", "heap allocations inside the tick"},

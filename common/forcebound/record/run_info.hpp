@@ -11,7 +11,7 @@
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/codec.hpp"
 
-/// What a run was, and what it came to, beside its ticks: with them a summary is complete.
+/// Settings and totals of a run: with its ticks and forces, all that a summary needs.
 namespace forcebound::record {
 
 using time::Nanoseconds;
@@ -30,26 +30,26 @@ struct RunInfo {
   std::string hand;            ///< mass, stiffness and damping of that hand, for people
   std::string scene;           ///< as asked for; empty: the server's own
   std::string simulated;       ///< what is simulated, for people
-  std::string network;         ///< what was done to the network, as far as this side knows
+  std::string network;         ///< emulated network conditions, as far as this side knows
   std::uint64_t seed = 0;
   Nanoseconds period{1'000'000};        ///< nominal length of a tick
   Nanoseconds hold{250'000'000};        ///< late-force policy: forces older than this fade
   Nanoseconds drop{1'000'000'000};      ///< ... and older than this are zero
   Nanoseconds epoch{0};                 ///< wall-clock time [since 1970, UTC] when the steady clock read zero
   bool audited = false;                 ///< the device knows P(t)
-  bool device_simulated = false;        ///< it is a model within this program, and so is the hand that holds it
-  bool surface_true = false;            ///< penetration is that of the device's true place in the scene itself
-  std::string guarantee;                ///< what the law promises of P without an audit, for people; empty: nothing
+  bool device_simulated = false;        ///< device and hand are models within this program
+  bool surface_true = false;            ///< penetration is that of the device's true position in the scene
+  std::string guarantee;                ///< what the law guarantees of P without an audit; empty: nothing
   double settle_s = 0;                  ///< contact statistics leave out this long after the first contact
   double stiffness_depth_m_min = 1e-5;  ///< displayed stiffness is taken deeper than this only
-  double force_N_max = kNoLimit;        ///< the device's largest force: a request beyond it is cut without any law
+  double force_N_max = kNoLimit;        ///< the device's largest force; larger requests are clipped whatever the law
   double rounding_N = 0;                ///< a force that differs less from the request was rounded, not bounded
 };
 
-/// An interval that is so much longer than the period is late.
+/// An interval longer than the period by more than this is late.
 inline constexpr Nanoseconds kLateBy = std::chrono::microseconds{500};
 
-/// What the machine does to a thread that only sleeps at the tick's period: the yardstick for the tick's own period.
+/// Wake-up intervals of a thread that only sleeps at the tick's period: the reference for the tick's own period.
 struct IdleTimer {
   std::uint64_t wake_ups = 0;  ///< 0: not measured
   std::uint64_t late = 0;      ///< intervals more than 0.5 ms above the period
@@ -67,7 +67,7 @@ struct RunTotals {
   std::uint64_t lost_down = 0;                                     ///< forces sent that did not arrive
   std::uint64_t in_flight = 0;                                     ///< of `lost_up`: may still be on their way
   std::uint64_t overtaken = 0;                                     ///< motions that the server saw, not answered
-  std::uint64_t duplicated = 0;                                    ///< further copies of motions or forces
+  std::uint64_t duplicated = 0;                                    ///< additional copies of motions or forces
   std::uint64_t reordered = 0;                                     ///< motions or forces overtaken by newer ones
   std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
   std::uint64_t foreign_session = 0;                               ///< well-formed, but of another session or sender
@@ -82,30 +82,31 @@ struct RunTotals {
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
   std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile
-  std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which it could not follow its own friction
+  std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which the simulation of its friction failed
   std::uint64_t device_faulty_commands = 0;  ///< not finite, shown as zero
   std::uint64_t datagrams_overflowed = 0;    ///< arrived, but the socket was full
-  std::uint64_t nobody_listening = 0;        ///< the server's machine said that nobody listens there
+  std::uint64_t port_unreachable = 0;        ///< port unreachable (ICMP) received from the server's machine
   std::uint64_t events_dropped = 0;          ///< log lines for which the queue had no room
   std::uint64_t tick_allocations = 0;        ///< in the tick, after start
   std::uint64_t recording_dropped = 0;       ///< records that found the recorder's queue full
-  std::uint64_t recording_unwritten = 0;     ///< records that could not be written, say on a full disk
-  std::vector<std::string> notes;            ///< one line per fault that needs words
+  std::uint64_t recording_unwritten = 0;     ///< records that could not be written, for example on a full disk
+  std::vector<std::string> notes;            ///< one line for each fault that needs an explanation
   std::string scene;                         ///< as the server named it; empty: there was no session
   std::string simulated;                     ///< what the server said it simulates, for people
   IdleTimer idle_timer;
 };
 
-/// What became of the motions, each counted once, from both ends' counters:
+/// Outcome of the motions, each counted once, from both ends' counters:
 ///
 ///     sent = answered + overtaken + lost_up + lost_down + in_flight
 struct MotionFates {
   std::uint64_t sent = 0;
-  std::uint64_t answered = 0;   ///< their forces arrived
-  std::uint64_t overtaken = 0;  ///< the server received but did not answer them: a newer one was there, or the end
+  std::uint64_t answered = 0;  ///< their forces arrived
+  std::uint64_t overtaken =
+      0;  ///< received but not answered by the server: a newer one had arrived, or the session ended
   std::uint64_t lost_up = 0;    ///< the server did not receive them
   std::uint64_t lost_down = 0;  ///< their forces did not arrive
-  std::uint64_t in_flight = 0;  ///< too young for either end to tell
+  std::uint64_t in_flight = 0;  ///< too recent for either end to know
 };
 [[nodiscard]] MotionFates fates_of(const RunTotals& totals) noexcept;
 
@@ -121,7 +122,7 @@ KeyValues to_key_values(const RunTotals& totals);
 RunInfo run_info_from(const KeyValues& values);
 RunTotals run_totals_from(const KeyValues& values);
 
-/// Each count of something that should not happen, by its name in the summary and with what it means, in one place.
+/// The fault counts, each with its name in the summary and its meaning.
 struct Fault {
   const char* name;
   std::uint64_t count;

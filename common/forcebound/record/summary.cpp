@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kRelativeRounding = 1e-12;
 
-/// Whether the law took something away from what the device could have shown.
+/// Whether the law reduced the force that the device could have applied.
 bool was_bounded(const TickRecord& tick, const RunInfo& info) noexcept {
   if (tick.applied.size() != tick.request.size()) return tick.applied.size() != 0;
   const double asked_N = tick.request.stableNorm();
@@ -84,7 +84,7 @@ void Summary::note_contact(const TickRecord& tick) noexcept {
 }
 
 void Summary::note_energy(const TickRecord& tick) noexcept {
-  // Written so that a minimum that is not a number stays one: it must not be mistaken for passivity.
+  // Written so that NaN stays the minimum: it must not be taken for passivity.
   if (!(tick.audit_minimum_J >= passivity_minimum_J_) && !std::isnan(passivity_minimum_J_)) {
     passivity_minimum_J_ = tick.audit_minimum_J;
   }
@@ -101,7 +101,7 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   server_ns_.add((at_server - force.compute_time).count());
   ++forces_;
   connected_ = true;
-  if (force.motion_sequence <= arrived_motion_) return;  // overtaken: no tick will use it
+  if (force.motion_sequence <= arrived_motion_) return;  // overtaken: no tick uses it
   arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;
   arrived_round_trip_ = record.round_trip;

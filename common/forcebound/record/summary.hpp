@@ -12,18 +12,18 @@
 
 namespace forcebound::record {
 
-/// What a run came to: a fold over what its ticks wrote down. The live client and a report from its recording use this
-/// same fold, so they say the same.
+/// The results of a run, accumulated from its ticks and forces. The live client and a report from its recording use
+/// this same class, so they agree.
 ///
 /// The numbers, by their JSON key:
 ///
 /// - `duration_s`: from the first tick's reading to the last one's. `ticks`: how many.
 /// - `period_us`: time between readings. `late_ticks`: those more than 0.5 ms above the nominal period.
-/// - `idle_timer`: the same of a thread that does nothing but sleep, in the same minutes on the same machine.
+/// - `idle_timer`: the same for a thread that only sleeps, at the same time on the same machine.
 /// - `sent received lost duplicated reordered`: datagrams of motion and force, both directions together, as the session
 ///   counted them; `lost_up` and `lost_down` apart. When a killed process left no totals (`complete` is false), `sent`
 ///   and `received` are counted from the records, and the rest is unknown.
-/// - `motions`: what became of each of them, by the counts of both ends: `sent` = `answered` + `overtaken` (the server
+/// - `motions`: the outcome of each, by the counts of both ends: `sent` = `answered` + `overtaken` (the server
 ///   received them and answered a newer one) + `lost_up` + `lost_down` (their answers) + `in_flight` (still on their
 ///   way at the end, which the other `lost_up` counts as lost).
 /// - `stale_ticks`: ticks on which the late-force policy faded or dropped the force; `late_force` says which, and how
@@ -39,27 +39,26 @@ namespace forcebound::record {
 ///   force.
 /// - `tick_latency_us`: from the reading to the command.
 /// - `contact_ticks`: those on which the device touched the surface, or, where that is not known, the newest answer had
-///   touched it. `surface_unknown_ticks`: those on which nobody knew where the surface was.
+///   touched it. `surface_unknown_ticks`: those on which the surface was not known.
 /// - `force_N`: of the applied force's magnitude: `mean` and (population) `variance` over the ticks in contact, and
-/// `max`
-///   over all ticks. `penetration_m` likewise, over those of them on which it is known: in a simulation it is that of
-///   the device's true place in the scene (`run.surface` is "true"); otherwise that below the plane which the newest
-///   answer tells, within 1 mm of where that answer was computed and nowhere else ("plane").
+///   `max` over all ticks. `penetration_m` likewise, over those of them on which it is known: in a simulation it is
+///   that of the device's true position in the scene (`run.surface` is "true"); otherwise that below the plane of the
+///   newest answer, within 1 mm of where that answer was computed and nowhere else ("plane").
 /// - `displayed_stiffness_N_per_m`: see DisplayedStiffness, on ticks at rest or quasi-static only: component of the
 ///   applied force out of the surface over the penetration. `median` takes negative values as zero and is exact to
 ///   0.05 %.
-/// - `at_rest`: what those ticks are: `fraction` of the ticks in contact, `force_N` and `penetration_m` their medians,
-///   `speed_m_per_s_max` the fastest change of depth that is still called rest.
+/// - `at_rest`: on those ticks: `fraction` of the ticks in contact, `force_N` and `penetration_m` their medians,
+///   `speed_m_per_s_max` the limit on the change of depth at rest.
 /// - All of these leave out the first `settle_s` after the first contact (but `max` does not).
-/// - `bounded_fraction`: share of the ticks on which the law took something away: the applied force differs from the
+/// - `bounded_fraction`: share of the ticks on which the law reduced the force: the applied force differs from the
 ///   request, cut at the device's largest force, by more than 1e-12 of it and by more than the actuator's rounding.
 /// - `verdict`: "passive", "not passive", or why there is none: "not audited", "no contact" (the device touched nothing
 ///   and no force was ever applied), "never connected".
 /// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; both null for a
 /// device
 ///   without audit. `ok`: false if the minimum is below -1e-9 J or not a number, true if not; null where there is no
-///   verdict. `guarantee`: what the law promises without an audit, and under which facts; null: nothing.
-///   `ledger.final_J`: what the law may still spend.
+///   verdict. `guarantee`: what the law guarantees without an audit, and under which facts; null: nothing.
+///   `ledger.final_J`: energy that the law may still spend.
 /// - `faults`: counts of what should not happen, and `notes` in words.
 ///
 /// A number that is unknown or not finite is null.
@@ -72,13 +71,13 @@ class Summary final : public TickSink {
   void on_tick(const TickRecord& tick) noexcept override;
   void on_force(const ForceRecord& force) noexcept override;
 
-  /// The end of the run; without it the counts that only the session knows are missing.
+  /// The end of the run; without it the session's counts are missing.
   void finish(RunTotals totals) { totals_ = std::move(totals); }
 
   /// One JSON object with the keys above, numbers in full.
   [[nodiscard]] std::string to_json() const;
 
-  /// One screen for a person, of 80 columns; the first line has the verdict.
+  /// One screen of text, 80 columns wide; the first line has the verdict.
   [[nodiscard]] std::string to_text(text::Colour colour = text::Colour::none) const;
 
   [[nodiscard]] const RunInfo& info() const noexcept { return info_; }

@@ -52,7 +52,7 @@ Json ok_json(SummaryView::Verdict verdict) {
 }  // namespace
 
 SummaryView::Verdict SummaryView::verdict() const {
-  // What was measured comes first: energy that came from nowhere is told, contact or not.
+  // The measurement comes first: generated energy is reported, contact or not.
   if (s.info_.audited && !(minimum_J() >= kPassiveLeast_J)) return Verdict::not_passive;
   if (!s.connected_) return Verdict::never_connected;
   if (!touched()) return Verdict::no_contact;
@@ -167,8 +167,7 @@ std::string Summary::to_json() const {
   view.add_times(json);
   view.add_contact(json);
   view.add_faults(json);
-  // Text comes from command lines and peers: bytes that are not UTF-8 are replaced, never an exception at the end of a
-  // run.
+  // Text comes from command lines and peers: bytes that are not UTF-8 are replaced, so that no exception ends the run.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

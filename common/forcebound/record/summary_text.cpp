@@ -16,7 +16,7 @@ std::string rounded(double value) { return text::rounded(value, kDigits); }
 
 std::string percent(double share) { return text::rounded(100 * share) + " %"; }
 
-/// A line "  name          words", going on below the words where it is too long; nothing without words.
+/// A line "  name          words", continued below the words where it is too long; nothing without words.
 void print_field(std::string& out, const char* name, const std::string& words) {
   if (words.empty()) return;
   std::string line = "  " + std::string(name);
@@ -126,7 +126,7 @@ void SummaryView::print_contact(std::string& out) const {
                   " mm/s); medians there: " + rounded(rest_force_N()) + " N, " + rounded(rest_depth_m() * 1e3) +
                   " mm deep, " +
                   (s.stiffness_.count() == 0
-                       ? "too shallow to tell a stiffness"
+                       ? "too shallow for a stiffness"
                        : rounded(stiffness_median()) + " N/m displayed against " +
                              (s.info_.surface_true ? "the true surface" : "the plane of the newest answer")));
 }
@@ -134,7 +134,7 @@ void SummaryView::print_contact(std::string& out) const {
 void SummaryView::print_energy(std::string& out, text::Colour colour) const {
   if (s.info_.audited) {
     const std::string minimum = rounded(minimum_J()) + " J";
-    // The colour takes no columns, so it goes in after the line is broken.
+    // Colour codes take no columns, so they are inserted after the line is broken.
     std::string line;
     print_field(line, "passivity", "P minimum " + minimum + ", final " + rounded(final_J()) + " J");
     const std::size_t at = line.find(minimum);
@@ -143,16 +143,17 @@ void SummaryView::print_energy(std::string& out, text::Colour colour) const {
     }
     out += line;
   } else {
-    print_field(out, "passivity",
-                "not audited: this device does not measure P. Law " + s.info_.law +
-                    (s.info_.guarantee.empty() ? " promises nothing of it." : " promises " + s.info_.guarantee + "."));
+    print_field(
+        out, "passivity",
+        "not audited: this device does not measure P. Law " + s.info_.law +
+            (s.info_.guarantee.empty() ? " guarantees nothing about it." : " guarantees " + s.info_.guarantee + "."));
   }
   print_field(out, "ledger", rounded(s.ledger_final_J_) + " J left to spend");
 }
 
 void SummaryView::print_faults(std::string& out) const {
   if (!s.totals_) {
-    print_field(out, "faults", "unknown: the run was cut off before it counted them");
+    print_field(out, "faults", "unknown: the recording ends before the totals");
     return;
   }
   bool any = false;

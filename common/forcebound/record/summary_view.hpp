@@ -10,10 +10,10 @@
 
 namespace forcebound::record {
 
-/// Reads a summary's fold for printing; not for use outside of it.
+/// Gives the printers access to a summary's fields; private to this folder.
 struct SummaryView {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  static constexpr double kPassiveLeast_J = -1e-9;  // what rounding may take from a sum of energies
+  static constexpr double kPassiveLeast_J = -1e-9;  // rounding error allowed in a sum of energies
 
   const Summary& s;
 
@@ -39,7 +39,7 @@ struct SummaryView {
   [[nodiscard]] double rest_depth_m() const { return s.rest_nm_.percentile(0.5) * 1e-9; }
   [[nodiscard]] double stiffness_median() const { return s.stiffness_mN_per_m_.percentile(0.5) * 1e-3; }
 
-  /// A count of the session's, if the run got as far as telling it.
+  /// A count of the session, if the run ended properly.
   [[nodiscard]] std::optional<std::uint64_t> total(std::uint64_t RunTotals::*count) const {
     return s.totals_ ? std::optional((*s.totals_).*count) : std::nullopt;
   }
@@ -49,7 +49,7 @@ struct SummaryView {
     return s.totals_ ? std::optional(s.totals_->lost_up + s.totals_->lost_down) : std::nullopt;
   }
 
-  /// The scene as the server named it, else as it was asked for.
+  /// The scene as the server named it, else as requested.
   [[nodiscard]] const std::string& scene() const {
     return s.totals_ && !s.totals_->scene.empty() ? s.totals_->scene : s.info_.scene;
   }

@@ -6,15 +6,14 @@
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
 
-/// What a client writes down about each tick and each force: enough to print its summary again from the recording
-/// alone.
+/// A client's record of each tick and each force: enough to print its summary again from the recording alone.
 namespace forcebound::record {
 
 using time::Nanoseconds;
 
 enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting };
 
-/// What the late-force policy made of the newest force.
+/// What the late-force policy did with the newest force.
 enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
 struct TickRecord {
@@ -34,7 +33,7 @@ struct TickRecord {
   bool contact = false;               ///< the newest answer, or the true surface where it is known, says so
   double penetration_m = 0;           ///< below that surface; <= 0: no contact; not a number: not known here
   double displayed_N = 0;             ///< component of `applied` out of that surface
-  double energy_J = 0;                ///< what the law may spend
+  double energy_J = 0;                ///< energy that the law may spend
   double xi = 1;
   double audit_J = 0;  ///< P at the command (simulated devices)
   double audit_minimum_J = 0;
@@ -47,7 +46,7 @@ struct ForceRecord {
   wire::EnvironmentForce force;
 };
 
-/// Receives what the tick writes down. Called by the tick: noexcept, no allocation, never waits.
+/// Receives the tick's records. Called by the tick: noexcept, no allocation, never waits.
 class TickSink {
  public:
   virtual ~TickSink() = default;

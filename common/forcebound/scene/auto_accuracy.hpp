@@ -10,37 +10,37 @@ namespace forcebound::scene {
 
 class Scene;
 
-/// How long a motion takes in a scene [s].
+/// Time to answer one motion in a scene [s].
 using MeasureCost = std::function<double(const std::shared_ptr<const Scene>&)>;
 
 /// One of the scenes that a scene with `accuracy = "auto"` may be.
 struct AccuracyLevel {
   std::string value;                     ///< of the key, as the file has it
-  double model_error = 0;                ///< RMS of the force's error at the same states over RMS of the force
-  double step_s = 0;                     ///< what a motion takes here
+  double model_error = 0;                ///< RMS of the force's error at the same states, over the RMS of the force
+  double step_s = 0;                     ///< time to answer a motion
   std::shared_ptr<const Scene> scene{};  ///< with that value
 };
 
-/// What a scene can give up in accuracy to be in time. A force is wrong because its model is rough, and because it is
-/// late; the more exact model is the later one. With the two independent, the error at the device is about
+/// The levels of accuracy of a scene, and their errors at the device. A force is wrong because its model is rough, and
+/// because it is late; the more exact model is the later one. With the two independent, the error at the device is
 ///
 ///     E = sqrt(model^2 + (change * age)^2),   age = round trip + step + T/2 + max(step, T)/2
 ///
-/// where `change` is the RMS of the force's rate of change over its RMS, for the motion that the scene is made for, T
-/// the device's tick; the last two terms are half a tick until the device looks, and half the time until the next
-/// force.
+/// approximately, where `change` is the RMS of the force's rate of change over its RMS, for the motion that the scene
+/// is made for, and T the device's tick. The last two terms are the mean wait until the device's next tick, and half
+/// the time until the next force.
 struct AutoAccuracy {
   std::string key;          ///< of the scene file, "tissue.pad.shape.cells"
   double change_per_s = 0;  ///< see above
   std::vector<AccuracyLevel> levels{};
 
-  /// E of a level behind a round trip.
+  /// E of a level at a round trip.
   [[nodiscard]] double expected_error(const AccuracyLevel& level, double round_trip_s) const;
 
-  /// The level with the least of it; there is one at least.
+  /// The level with the least E. There must be at least one level.
   [[nodiscard]] const AccuracyLevel& best(double round_trip_s) const;
 
-  /// What is picked and why, for a person.
+  /// The level picked and the reason, as one line of text.
   [[nodiscard]] std::string text(const AccuracyLevel& picked, double round_trip_s) const;
 };
 

@@ -13,72 +13,72 @@
 
 namespace forcebound::scene {
 
-/// What one probe feels of a dynamic model.
+/// The force of a dynamic model on one probe.
 struct ModelTouch {
   Point force_N = Point::Zero();
   Point normal = Point::UnitX();  ///< unit, out of what is touched
   double penetration_m = 0;       ///< > 0: in contact
 };
 
-/// What went wrong in a dynamic model since it began.
+/// Faults of a dynamic model since it began.
 struct DynamicModelFaults {
-  std::uint64_t contacts_left_out = 0;  ///< more than there was room for: what was felt was too soft
-  std::uint64_t not_converged = 0;      ///< iterations that their budget ended: their last iterate was felt
-  double slipped_s = 0;                 ///< simulated time left out, because there was too much to make up for
+  std::uint64_t contacts_left_out = 0;  ///< beyond the fixed capacity: the force was too soft
+  std::uint64_t not_converged = 0;      ///< steps that ran out of iterations: the last iterate was used
+  double slipped_s = 0;                 ///< simulated time skipped because the model was too far behind
 };
 
-/// What a dynamic model is at a moment: for one client, or for all of a shared scene.
+/// The state of a dynamic model: of one client, or of all clients of a shared scene.
 ///
 /// Real time: `move`, `advance` and `touch` are noexcept, allocate nothing and take bounded time. Not thread-safe.
 class DynamicModelState {
  public:
   virtual ~DynamicModelState() = default;
 
-  /// A seat for one more probe; none (-1) if there are as many as `DynamicModel::make_state` was told.
+  /// A seat for one more probe; -1 if all seats given to `DynamicModel::make_state` are taken.
   [[nodiscard]] virtual int join() = 0;
   virtual void leave(int seat) = 0;
 
-  /// The probe's device is now there, and came with that velocity (both finite): on the straight way that the velocity
-  /// gives, over the time that passes next.
+  /// Sets the position and velocity (both finite) of the probe's device. Over the time that passes next, the device is
+  /// taken to have come to this position on a straight line at this velocity.
   virtual void move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept = 0;
 
-  /// Time passes for all probes, >= 0.
+  /// Advances time for all probes; `elapsed_s` >= 0.
   virtual void advance(double elapsed_s) noexcept = 0;
 
   [[nodiscard]] virtual ModelTouch touch(int seat) noexcept = 0;
 
-  /// Whether the state is still one of numbers. If not it stays so, and is not to be asked any more.
+  /// Whether the state is finite. A state that is not stays so, and must not be used any more.
   [[nodiscard]] virtual bool sound() const noexcept { return true; }
 
   [[nodiscard]] virtual DynamicModelFaults faults() const noexcept { return {}; }
 
-  /// Goes on from where another state is: its places, velocities and probes, and what it remembers. Two of one dynamic
-  /// model then do the same, to the bit; one of a dynamic model that is set up otherwise does what that makes of it.
-  /// False, with nothing changed, if the other is of another shape, or if that cannot be done here.
+  /// Copies another state: positions, velocities, probes and history. Two states of one dynamic model then evolve
+  /// identically, to the bit; a dynamic model with other parameters continues from the copied state by its own law.
+  /// Returns false, with nothing changed, if the other state has another layout, or if copying is not implemented.
   [[nodiscard]] virtual bool copy_from(const DynamicModelState& other) noexcept {
     (void)other;
     return false;
   }
 };
 
-/// For people and the plan.
+/// For the plan and for `--explain`.
 struct DynamicModelFacts {
   std::size_t memory_bytes = 0;  ///< shared by all
   std::size_t state_bytes = 0;   ///< of one state, roughly
-  double stiffness_N_per_m = 0;  ///< the most that is felt
-  double damping_N_s_per_m = 0;  ///< of what ties the device to it
-  double age_s = 0;              ///< of its newest force, at most: it steps at a rate of its own
-  double cost_ns = 0;            ///< for one motion of a device at 1 kHz, roughly
-  /// Where a device meets it as it begins: some point of a surface that a probe can reach; where devices drag a body,
-  /// the point at which the first one does.
+  double stiffness_N_per_m = 0;  ///< largest stiffness at the device
+  double damping_N_s_per_m = 0;  ///< of the coupling to the device
+  double age_s = 0;              ///< greatest age of its newest force: it steps at its own rate
+  double cost_ns = 0;            ///< estimate, for one motion of a device at 1 kHz
+  /// Where a device first meets it: some point of a surface that a probe can reach; where devices drag a body, the
+  /// point of the first one.
   Point on_surface_m = Point::Zero();
-  Eigen::AlignedBox3d bounds_m{};  ///< of tissue as it begins; empty: not known
+  Eigen::AlignedBox3d bounds_m{};  ///< of tissue at the start; empty: not known
   int seats_max = std::numeric_limits<int>::max();
   Inputs inputs{};                   ///< beside the position: velocity of `move`, time of `advance`
-  std::vector<std::string> lines{};  ///< what it consists of, what it assumes, how near to instability it is
+  std::vector<std::string> lines{};  ///< its parts, its assumptions, its margin of stability
 };
 
-/// What moves or deforms by a law of its own: tissue, bodies. Immutable; its states differ.
+/// A model with dynamics of its own: tissue, bodies. Immutable; what changes is in its states.
 class DynamicModel {
  public:
   virtual ~DynamicModel() = default;

@@ -11,18 +11,18 @@ namespace forcebound::scene {
 
 using time::Nanoseconds;
 
-/// From one time to another; zero where that is not later. Wrapped around where an untrusted client's times lie further
+/// Time from one to the other; zero where that is negative. Wraps around where an untrusted client's times lie further
 /// apart than 64 bits hold.
 double seconds_between(Nanoseconds from, Nanoseconds to) noexcept;
 
-/// A dynamic model of a scene as it is now, with the moment that is: of one client, or of all in a shared scene.
+/// A dynamic model of a scene with its current state and time: of one client, or of all clients of a shared scene.
 class DynamicModelNow {
  public:
   /// @param dynamic model must outlive this
   DynamicModelNow(const SceneDynamicModel& dynamic_model, int seats)
       : dynamic_model_(dynamic_model), state_(dynamic_model.dynamic_model->make_state(seats)) {}
 
-  /// Real time. The first moment begins; one that is not later than the last changes nothing.
+  /// Real time. The first call sets the start; a time that is not later than the last one changes nothing.
   void advance_to(Nanoseconds moment) noexcept;
 
   [[nodiscard]] DynamicModelState& state() noexcept { return *state_; }
@@ -38,10 +38,10 @@ class DynamicModelNow {
 /// All dynamic models of a scene, in its order.
 using DynamicModelsNow = std::vector<std::shared_ptr<DynamicModelNow>>;
 
-/// For so many clients. @param scene must outlive them
+/// For that number of clients. @param scene must outlive them
 DynamicModelsNow begin_dynamic_models(const Scene& scene, int clients);
 
-/// One client's probe in a dynamic model, as long as this lives.
+/// One client's probe in a dynamic model, for the lifetime of this object.
 class DynamicModelSeat {
  public:
   /// @throws std::logic_error if all seats are taken
@@ -52,8 +52,8 @@ class DynamicModelSeat {
   DynamicModelSeat(const DynamicModelSeat&) = delete;
   DynamicModelSeat& operator=(const DynamicModelSeat&) = delete;
 
-  /// Moves the probe, lets time pass up to a moment, and asks what is felt then. Real time: no allocation.
-  /// @param faults what went wrong meanwhile is added
+  /// Moves the probe, advances time to `moment`, and returns the force then. Real time: no allocation.
+  /// @param faults faults since the last call are added
   [[nodiscard]] ModelTouch feel(const Probe& probe, Nanoseconds moment, DynamicModelFaults& faults) noexcept;
 
   [[nodiscard]] bool sound() const noexcept { return now_->state().sound(); }

@@ -10,7 +10,7 @@
 
 namespace forcebound::scene {
 
-/// One effect that an object or field asked for, and the words for it.
+/// One effect that an object or field asks for, and its description.
 struct RequestedEffect {
   std::string name;
   std::string law;
@@ -32,24 +32,24 @@ struct PlannedEffect {
   std::uint32_t state;  ///< where its state begins in a session's bytes
 };
 
-/// One object or field. Its effects follow each other in the flat list: up to `near_end` those that act above the
-/// surface too, up to `touching_end` those that act within, up to `end` those that want to know the pressure of the
-/// others. Their states follow each other in the same order.
+/// One object or field. Its effects follow each other in the flat list: up to `near_end` those that also act above the
+/// surface, up to `touching_end` those that act within, up to `end` those that need the pressure of the others. Their
+/// states follow each other in the same order.
 struct PlanStep {
   const Shape* shape;  ///< null: a field, whose effects all lie between `begin` and `near_end`
-  double reach_m;      ///< how far above the surface something acts
+  double reach_m;      ///< largest reach of its effects above the surface
   std::uint32_t begin;
   std::uint32_t near_end;
   std::uint32_t touching_end;
   std::uint32_t end;
   std::uint32_t shape_state;
-  std::uint32_t near_state;      ///< forgotten out of reach, up to `touching_state`
-  std::uint32_t touching_state;  ///< forgotten without contact, up to `end_state`
+  std::uint32_t near_state;      ///< reset out of reach, up to `touching_state`
+  std::uint32_t touching_state;  ///< reset without contact, up to `end_state`
   std::uint32_t end_state;
 };
 
-/// Exactly what objects and fields asked for, compiled to flat lists: an effect that was not asked for takes
-/// neither time nor bytes in them.
+/// What objects and fields ask for, compiled to flat lists: an effect that no object asks for takes neither time nor
+/// bytes.
 class Plan {
  public:
   Plan() = default;
@@ -60,10 +60,10 @@ class Plan {
   [[nodiscard]] std::span<const PlanStep> steps() const noexcept { return steps_; }
   [[nodiscard]] std::span<const PlannedEffect> effects() const noexcept { return effects_; }
 
-  /// All that some effect looks at.
+  /// The inputs that any effect uses.
   [[nodiscard]] const Inputs& inputs() const noexcept { return inputs_; }
 
-  /// Kept for each session.
+  /// Bytes of state for each session.
   [[nodiscard]] std::size_t state_bytes() const noexcept { return state_bytes_; }
 
  private:

@@ -12,36 +12,37 @@
 
 namespace forcebound::scene {
 
-/// What a scene's author wrote about the whole.
+/// The [scene] table of a scene file.
 struct SceneFacts {
   std::string name;
   std::string description;
   int degrees_of_freedom = 3;      ///< 1 to 3, or kAnyDegreesOfFreedom
   bool shared = false;             ///< all clients feel the same bodies and tissue
-  bool accuracy_auto = false;      ///< it may be others as well, see Scene::accuracy
+  bool accuracy_auto = false;      ///< has levels of accuracy, see Scene::accuracy
   int clients_max = 1;             ///< of a shared scene, at once; else any number
-  std::uint64_t hash = 0;          ///< FNV-1a of the file's text: the same hash, the same scene
+  std::uint64_t hash = 0;          ///< FNV-1a of the file's text: equal hash, equal scene
   std::string suggested_device{};  ///< as the author wrote them; empty: see suggested_hand.hpp
   std::string suggested_hand{};
   std::vector<std::string> effects_not_requested{};
 
-  /// Whether a device of so many degrees of freedom can feel it: the same number, or 6 where the scene has 3.
+  /// Whether the scene accepts a device with that number of degrees of freedom: the same number, or 6 where the scene
+  /// has 3.
   [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;
 
-  /// What `accepts` accepts, for people: "3 or 6".
+  /// What `accepts` accepts, as text: "3 or 6".
   [[nodiscard]] std::string accepted_degrees_of_freedom() const;
 };
 
 inline constexpr int kAnyDegreesOfFreedom = 0;
 
-/// What moves or deforms by itself: a [[tissue]], all [[body]]s with shapes together, or a [[body]] of an MJCF file.
+/// A dynamic model of a scene: a [[tissue]], all [[body]]s with shapes together, or a [[body]] of an MJCF file.
 struct SceneDynamicModel {
   std::string name;
   std::string text;  ///< "tissue, file liver.msh, young_Pa 5000, ..."
   std::unique_ptr<DynamicModel> dynamic_model;
 };
 
-/// What a scene is made of.
+/// The parts of a scene.
 struct SceneParts {
   std::vector<SceneObject> objects{};
   std::vector<SceneObject> fields{};
@@ -51,7 +52,7 @@ struct SceneParts {
 /// A scene and its plan. Immutable, shared by all clients.
 class Scene {
  public:
-  /// @param accuracy of a scene that may be others as well; without levels: it may not
+  /// @param accuracy levels of accuracy; empty: only one
   Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy = {});
 
   [[nodiscard]] const SceneFacts& facts() const noexcept { return facts_; }
@@ -60,21 +61,21 @@ class Scene {
   [[nodiscard]] const std::vector<SceneDynamicModel>& dynamic_models() const noexcept { return parts_.dynamic_models; }
   [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
 
-  /// Which others it may be, by how far away a client is; null: it is what it is.
+  /// The levels of accuracy that round trips choose between; null: only one.
   [[nodiscard]] const AutoAccuracy* accuracy() const noexcept {
     return accuracy_.levels.empty() ? nullptr : &accuracy_;
   }
 
-  /// All that some effect or dynamic model looks at.
+  /// The inputs that any effect or dynamic model uses.
   [[nodiscard]] const Inputs& inputs() const noexcept { return inputs_; }
 
-  /// Of the object or field of a step of the plan.
+  /// Name of the object or field of a step of the plan.
   [[nodiscard]] const std::string& name_of_step(std::size_t step) const noexcept;
 
-  /// How many parts it has: the steps of the plan, then the dynamic models.
+  /// The number of parts: the steps of the plan, then the dynamic models.
   [[nodiscard]] std::size_t parts() const noexcept { return plan_.steps().size() + parts_.dynamic_models.size(); }
 
-  /// Where a device meets a part as the scene begins; the origin for a field.
+  /// Where a device first meets a part; the origin for a field.
   [[nodiscard]] Point on_surface_m(std::size_t part) const;
 
   [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept {

@@ -142,7 +142,7 @@ void SceneState::look_at_time(Probe& probe, Nanoseconds device_time) noexcept {
     probe.time_s = seconds_between(first_time_, device_time);
     if (probe.interval_s > 0) {
       const Point velocity_m_per_s = (probe.position_m - last_position_m_) / probe.interval_s;
-      // From one end of the numbers to the other is farther than any number.
+      // The difference of two finite positions may overflow.
       if (velocity_m_per_s.allFinite()) probe.velocity_m_per_s = velocity_m_per_s;
     }
   } else {

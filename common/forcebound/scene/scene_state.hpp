@@ -13,22 +13,22 @@ namespace forcebound::scene {
 
 using control::Vector;
 
-/// What the scene answers to one motion; the vectors have the device's rows, rotations are zero.
+/// The scene's answer to one motion; the vectors have the device's rows, rotations are zero.
 struct SceneAnswer {
   Vector force;              ///< on the device [N], then torque [N m]; always finite
   Vector contact_normal{};   ///< unit, out of the surface touched (deepest one); no rows: no contact
   double penetration_m = 0;  ///< depth below that surface, 0: no contact
   Texture texture{};         ///< of that surface
-  /// Names of what is left out from now on, nothing new on most motions. Valid until the next one.
+  /// Names of the parts left out from now on; empty on most motions. Valid until the next one.
   std::span<const std::string* const> quarantined{};
 };
 
-/// What went wrong within a scene and was kept from the client.
+/// Faults within a scene that were kept from the client.
 struct SceneFaults {
-  std::uint64_t old_normals = 0;  ///< contacts whose direction had to be the last valid one
+  std::uint64_t old_normals = 0;  ///< contacts that reused the last valid direction
   std::uint64_t quarantined =
       0;  ///< objects, fields and dynamic models whose force was not finite: left out from then on
-  DynamicModelFaults dynamic_models{};  ///< while this client's motions were answered
+  DynamicModelFaults dynamic_models{};  ///< while answering this client's motions
 };
 
 /// One client's state of a scene.
@@ -36,24 +36,24 @@ struct SceneFaults {
 /// An object, field or dynamic model whose force is not finite is left out from then on, for this client; the others
 /// keep their states.
 ///
-/// Real time: `answer` is noexcept, allocates nothing and is O(effects), and what the dynamic models take. Not
+/// Real time: `answer` is noexcept, allocates nothing and is O(effects) plus the time of the dynamic models. Not
 /// thread-safe, nor are states that share dynamic models.
 class SceneState {
  public:
-  /// With dynamic models of its own, in which time goes by the device's clock.
-  /// The scene accepts so many degrees of freedom.
+  /// With dynamic models of its own, which follow the device's clock. The scene must accept the degrees of freedom.
   SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom);
 
-  /// In the dynamic models of another client's state of this scene, or in new ones for several; time goes there by the
-  /// server's clock.
+  /// With the dynamic models of another client's state of this scene, or of new ones for several clients; these follow
+  /// the server's clock.
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const DynamicModelsNow& shared);
 
-  /// One part of it alone: the object or field of a step of the plan, or, counted on from there, a dynamic model.
+  /// One part of the scene alone: the object or field of a step of the plan, or, counted on from there, a dynamic
+  /// model.
   static SceneState of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part);
 
   /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
-  /// clock. The velocity is the mean since the previous call; a time that does not advance gives none.
-  /// @param server_time when that is answered; only shared dynamic models look at it
+  /// clock. The velocity is the mean since the previous call; it is zero where time has not advanced.
+  /// @param server_time time of the answer; used only by shared dynamic models
   [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time,
                                    Nanoseconds server_time = Nanoseconds{0}) noexcept;
 
@@ -69,7 +69,7 @@ class SceneState {
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
              const DynamicModelsNow& dynamic_models, bool shares_dynamic_models);
 
-  /// Adds what one part does to the answer and the force so far; false if that is not finite.
+  /// Adds one part's force to the answer; false if it is not finite.
   [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
                          SceneAnswer& answer) noexcept;
   void quarantine(const std::string& name) noexcept;
@@ -81,7 +81,7 @@ class SceneState {
 
   std::shared_ptr<const Scene> scene_;
   Eigen::Index rows_;                            ///< of the device
-  Eigen::Index translations_;                    ///< of them
+  Eigen::Index translations_;                    ///< rows that are translations
   std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes
   std::vector<std::uint32_t> steps_;             ///< of the plan, less those quarantined
   std::vector<DynamicModelSeat> seats_;          ///< in all dynamic models

@@ -9,7 +9,7 @@ namespace forcebound::text {
 /// @throws std::runtime_error `PATH: cannot be read: REASON`.
 [[nodiscard]] std::string read_file(const std::string& path);
 
-/// In place of what was there, byte by byte.
+/// Replaces the file's content, byte for byte.
 /// @throws std::runtime_error `PATH: cannot be written: REASON`.
 void write_file(const std::string& path, std::string_view content);
 

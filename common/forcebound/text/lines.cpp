@@ -25,7 +25,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 bool LineReader::next() {
   if (!std::getline(text_, line_)) {
-    if (text_.bad()) refuse("cannot be read on from here");
+    if (text_.bad()) refuse("cannot be read beyond this line");
     return false;
   }
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";

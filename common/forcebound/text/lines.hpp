@@ -11,11 +11,11 @@ namespace forcebound::text {
 /// Without the blanks, tabs and carriage returns around it.
 [[nodiscard]] std::string_view trimmed(std::string_view text) noexcept;
 
-/// The fields of a line, each without the blanks around it. They are parts of `text`, which must outlive them.
+/// The fields of a line, each without the blanks around it. They point into `text`, which must outlive them.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 
-/// Reads a text line by line as it comes, from Unix and Windows alike, with or without a byte order mark; errors say
-/// which line they are about.
+/// Reads a text line by line, with Unix or Windows line ends, with or without a byte order mark; errors say which line
+/// they are about.
 class LineReader {
  public:
   /// @param name of the file, for messages.

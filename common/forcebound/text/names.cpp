@@ -37,10 +37,10 @@ std::string join(std::span<const std::string> names) {
 
 std::string nearest_name(std::string_view wrong, std::span<const std::string> known) {
   const std::string* nearest = nullptr;
-  // More than half of the letters wrong is another word, not a slip.
+  // With more than half of the letters wrong it is another word, not a misspelling.
   std::size_t fewest = wrong.size() / 2 + 1;
   for (const std::string& name : known) {
-    // A unit left out is the commonest slip: "damping" for "damping_N_s_per_m".
+    // The most common mistake is a missing unit: "damping" for "damping_N_s_per_m".
     const std::size_t count = is_beginning_of(wrong, name) ? 0 : edits(wrong, name);
     if (count >= fewest) continue;
     fewest = count;

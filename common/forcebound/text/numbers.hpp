@@ -9,12 +9,12 @@ namespace forcebound::text {
 /// The shortest text that reads back as the same number.
 [[nodiscard]] std::string to_text(double value);
 
-/// Three significant digits, or as many as said, with an exponent only where nobody would write it out. Infinite:
+/// Three significant digits, or `digits`, with an exponent only for very large and very small numbers. Infinite:
 /// "inf".
 [[nodiscard]] std::string rounded(double value, int digits = 3);
 
-/// The whole text as a finite number, in any notation but with a point: no locale is asked. Nothing if it is anything
-/// else.
+/// The whole text as a finite number, in any notation with a decimal point, whatever the locale. Nothing if it is
+/// anything else.
 [[nodiscard]] std::optional<double> finite_number(std::string_view text) noexcept;
 
 }  // namespace forcebound::text

@@ -12,7 +12,7 @@ namespace forcebound::text {
 /// Real time: no allocation.
 void make_printable(std::span<char> text) noexcept;
 
-/// A copy that is.
+/// A printable copy.
 [[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace forcebound::text

@@ -6,7 +6,7 @@
 
 namespace forcebound::text {
 
-/// The parts between separators, of which those within quotes, brackets and braces are none.
+/// The parts between separators; separators within quotes, brackets and braces do not count.
 [[nodiscard]] std::vector<std::string> split_outside_brackets(std::string_view text, char separator);
 
 }  // namespace forcebound::text

@@ -7,8 +7,8 @@
 namespace forcebound::text {
 namespace {
 
-/// How much of a line fits: up to the blank before the word that does not, or after the last comma of a word that alone
-/// does not. All of it if nothing can be done.
+/// How much of a line fits: up to the last blank that fits, or else after the last comma of a word that is too long
+/// alone. All of it if it cannot be broken.
 std::size_t part_that_fits(std::string_view line, std::size_t from, std::size_t columns) {
   std::size_t blank = std::string_view::npos;
   std::size_t comma = std::string_view::npos;
@@ -40,7 +40,7 @@ void append_wrapped(std::string& out, std::string_view line, std::size_t indent,
   out += '\n';
 }
 
-/// Where a line of --help goes on: at its description, which comes after a name and two blanks or more.
+/// The column where a line of --help continues: that of its description, after a name and two blanks or more.
 std::size_t hanging_indent(std::string_view line) {
   constexpr std::size_t kLatest = 40;
   const std::size_t name = line.find_first_not_of(' ');

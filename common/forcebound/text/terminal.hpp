@@ -7,7 +7,7 @@
 
 namespace forcebound::text {
 
-/// What programs print fits this many columns.
+/// Programs' output fits this many columns.
 inline constexpr std::size_t kColumns = 80;
 
 enum class Colour : std::uint8_t { none, ansi };
@@ -15,19 +15,19 @@ enum class Colour : std::uint8_t { none, ansi };
 /// ansi for a terminal, unless NO_COLOR is set to anything or TERM is "dumb" (https://no-color.org).
 [[nodiscard]] Colour colour_for(int descriptor) noexcept;
 
-/// In red, where colours are wanted.
+/// The text in red, if `colour` allows it.
 [[nodiscard]] std::string red(std::string_view text, Colour colour);
 
-/// How many columns a terminal gives UTF-8 text, as long as each character takes one.
+/// The columns of UTF-8 text on a terminal, if each character takes one.
 [[nodiscard]] std::size_t columns_of(std::string_view text) noexcept;
 
-/// Breaks lines that are longer than `columns` at blanks, or after commas where a single word is that long; what goes
-/// on in a further line is indented by `indent`. A word that cannot be broken stays whole. Shorter lines stay as they
+/// Breaks lines that are longer than `columns` at blanks, or after commas where a single word is that long;
+/// continuation lines are indented by `indent`. A word that cannot be broken stays whole. Shorter lines stay as they
 /// are.
 [[nodiscard]] std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = kColumns);
 
-/// The same for a program's --help: a line goes on below its own description, which two blanks part from the option's
-/// name, or else where it began.
+/// The same for a program's --help: a line continues below its description, which two blanks separate from the option's
+/// name, or else below its start.
 [[nodiscard]] std::string wrapped_help(std::string_view help, std::size_t columns = kColumns);
 
 /// "1 tick", "2 ticks". @param many the plural; empty: the singular with an s

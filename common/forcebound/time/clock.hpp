@@ -6,7 +6,7 @@ namespace forcebound::time {
 
 using Nanoseconds = std::chrono::nanoseconds;
 
-/// A steady clock whose origin means nothing. The core never asks the operating system: it is handed one of these.
+/// A steady clock with an arbitrary origin. The core never asks the operating system for time: it is given a Clock.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -15,7 +15,7 @@ class Clock {
 
 constexpr double to_seconds(Nanoseconds t) noexcept { return static_cast<double>(t.count()) * 1e-9; }
 
-/// Rounds to the nearest nanosecond; saturates beyond what 64 bits hold, so that no input is undefined.
+/// Rounds to the nearest nanosecond; saturates at 64 bits, so that no input is undefined behaviour.
 constexpr Nanoseconds from_seconds(double seconds) noexcept {
   const double ns = seconds * 1e9;
   if (!(ns > -9.2e18)) return Nanoseconds::min();

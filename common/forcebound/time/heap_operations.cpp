@@ -19,7 +19,7 @@ std::uint64_t heap_operations_of_this_thread() noexcept { return operations; }
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 extern "C" {
 
-// glibc's own entrances, there for just this purpose.
+// glibc's own entry points for replacements of malloc.
 // NOLINTBEGIN(readability-identifier-naming)
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -49,7 +49,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
 }
 
 void free(void* memory) {
-  if (memory != nullptr) ++operations;  // Freeing nothing is nothing: qsort does so.
+  if (memory != nullptr) ++operations;  // Freeing a null pointer does not count: qsort does so.
   __libc_free(memory);
 }
 

@@ -8,14 +8,14 @@
 
 namespace forcebound::time {
 
-/// Which of `count` sorted values are a percentile, counted from 1: its value is the mean of the two.
+/// Ranks, from 1, of the two sorted values whose mean is a percentile.
 struct PercentileRanks {
   std::uint64_t low = 1;
-  std::uint64_t high = 1;  ///< the same as `low`, but for the median of an even count
+  std::uint64_t high = 1;  ///< equals `low`, except for the median of an even count
 };
 
 /// The nearest rank: the smallest value that at least `fraction` of all values do not exceed. The median of an even
-/// count is the mean of the two in the middle, so that it does not depend on which of them is called the middle one.
+/// count is the mean of the two in the middle, so that it does not depend on which of them is taken.
 /// @param fraction 0 to 1
 /// @param count > 0
 [[nodiscard]] inline PercentileRanks percentile_ranks(double fraction, std::uint64_t count) noexcept {
@@ -24,7 +24,7 @@ struct PercentileRanks {
   return {low, fraction == 0.5 && count % 2 == 0 ? low + 1 : low};
 }
 
-/// The percentile of values, such as durations, whose order is changed on the way.
+/// The percentile of values, such as durations. Reorders them.
 /// @param values not empty
 [[nodiscard]] inline double percentile_of(std::vector<double>& values, double fraction) noexcept {
   const auto [low, high] = percentile_ranks(fraction, values.size());

@@ -8,8 +8,8 @@ namespace forcebound::time {
 
 /// Wakes its thread at absolute times start + n period, so that a late wake-up does not shift those after it.
 ///
-/// Ticks that are missed altogether are left out and counted, never made up for in a burst: a burst would hand a law
-/// intervals that no device has lived through.
+/// Missed ticks are left out and counted, never made up for in a burst: a burst would give a law intervals that did not
+/// happen.
 ///
 /// Real time: no allocation; one system call a tick.
 class PeriodicTimer {
@@ -17,7 +17,7 @@ class PeriodicTimer {
   /// @throws std::invalid_argument unless period > 0.
   PeriodicTimer(const Clock& clock, Nanoseconds period);
 
-  /// Sleeps until the next tick is due and gives the time of the wake-up. Signals do not shorten the sleep.
+  /// Sleeps until the next tick is due and returns the time of the wake-up. Signals do not shorten the sleep.
   Nanoseconds wait() noexcept;
 
   [[nodiscard]] Nanoseconds due() const noexcept { return due_; }

@@ -21,8 +21,8 @@ int ask_for_first_in_first_out(int priority) noexcept {
 
 namespace {
 
-/// A processor that sleeps while it waits takes its time to wake up, and a virtual one may be taken away meanwhile. The
-/// kernel keeps all awake while this file is held open with a zero written to it: as long as the process lives.
+/// A sleeping processor takes time to wake up, and a virtual one may be taken away meanwhile. The kernel keeps all
+/// processors awake while this file is held open with a zero written to it: as long as the process lives.
 /// @returns 0, or the error number of the refusal.
 int keep_processors_awake() noexcept {
   static const int kRefused = [] {

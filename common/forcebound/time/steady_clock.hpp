@@ -4,7 +4,7 @@
 
 namespace forcebound::time {
 
-/// The operating system's monotonic clock. For the programs; the core is handed it as a Clock.
+/// The operating system's monotonic clock. For programs; the core is given it as a Clock.
 class SteadyClock final : public Clock {
  public:
   [[nodiscard]] Nanoseconds now() const noexcept override;

@@ -15,7 +15,7 @@ class TokenBucket {
       : interval_(interval), most_(interval * burst), credit_(most_), last_(now) {}
 
   [[nodiscard]] bool take(Nanoseconds now) noexcept {
-    // A clock that stands still or runs backwards earns nothing.
+    // A clock that stands still or runs backwards adds no tokens.
     const Nanoseconds elapsed = std::clamp(now - last_, Nanoseconds{0}, most_);
     credit_ = std::min(most_, credit_ + elapsed);
     last_ = now;

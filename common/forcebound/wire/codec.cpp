@@ -21,19 +21,19 @@ constexpr std::byte kFrameVersion{1};
 constexpr std::array kMark{std::byte{'F'}, std::byte{'B'}};
 constexpr std::size_t kKindAt = 3;
 constexpr std::size_t kChecksumAt = 4;
-// Tag and two bytes of length: a Hello has always more than 127 bytes to pad.
+// Tag and two bytes of length: the padding of a Hello is always longer than 127 bytes.
 constexpr std::size_t kPaddingOverhead = 3;
 
 std::uint32_t checksum(std::span<const std::byte> datagram) noexcept {
   const auto* bytes = reinterpret_cast<const Bytef*>(datagram.data());
-  // The kind is covered too, or a flipped bit could make a Bye of a Hello.
+  // The checksum covers the kind too: else a flipped bit could turn a Hello into a Bye.
   const uLong kind = crc32(crc32(0, nullptr, 0), bytes + kKindAt, 1);
   return static_cast<std::uint32_t>(
       crc32(kind, bytes + kHeaderBytes, static_cast<uInt>(datagram.size() - kHeaderBytes)));
 }
 
-/// Protocol Buffers writes to stderr about text that is not UTF-8; whom it comes from or goes to counts it. Only the
-/// kinds with text need it, and it locks.
+/// Silences Protocol Buffers, which writes to stderr about text that is not UTF-8; the caller counts it. Only the kinds
+/// with text need this, and it locks.
 class QuietProtobuf {
  public:
   explicit QuietProtobuf(std::size_t kind) {
@@ -85,7 +85,7 @@ struct Codec::Storage {
   std::array<std::byte, kFrameBytesMax> datagram{kMark[0], kMark[1], kFrameVersion};
 };
 
-// Grows every string and list to the most that a datagram can hold; clearing keeps what they have.
+// Grows every string and list to the most that a datagram can hold; clearing keeps their memory.
 Codec::Storage::Storage() {
   const std::string longest(kFrameBytesMax, 'x');
   for (std::string* text :
@@ -195,7 +195,7 @@ Decoded taken(const Proto& from) noexcept {
 }
 
 Decoded to_value(const v1::MotionSample& from, std::size_t) noexcept {
-  // Without a position it would be smaller than the Refusal that may answer it.
+  // Without a position it would be smaller than the Refusal that may answer it: amplification.
   return from.position_m().empty() ? Decoded{Malformed::unreadable} : taken<MotionSample>(from);
 }
 

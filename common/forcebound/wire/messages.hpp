@@ -9,7 +9,7 @@
 #include "forcebound/control/vector.hpp"
 #include "forcebound/time/clock.hpp"
 
-/// What travels between client and server, as plain values. Text is a view: into the caller's string when encoding,
+/// The messages between client and server, as plain values. Text is a view: into the caller's string when encoding,
 /// into the decoder's storage, until its next use, when decoding.
 namespace forcebound::wire {
 
@@ -17,22 +17,22 @@ using time::Nanoseconds;
 
 inline constexpr std::uint32_t kProtocolVersion = 1;
 
-/// No time on the wire is further from zero (73 years), so that differences and sums never overflow.
+/// Bound on times on the wire (73 years from zero), so that differences and sums never overflow.
 inline constexpr Nanoseconds kTimeMost{std::int64_t{1} << 61};
 
-/// Client to server: let me in. Sent again until answered; the same nonce always means the same session. Padded on the
-/// wire so that no answer is larger than its question.
+/// Client to server: requests a session. Sent again until answered; the same nonce always means the same session.
+/// Padded on the wire so that no answer is larger than its request.
 struct Hello {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint64_t client_nonce = 0;
   std::uint32_t degrees_of_freedom = 0;
   std::string_view device{};  ///< the device's name, for the server's log
-  double period_s = 0;        ///< how often motion will come
-  double force_N_max = 0;     ///< more than this the device cannot show
-  std::string_view scene{};   ///< wanted scene, empty: whatever the server runs
+  double period_s = 0;        ///< period of the motions
+  double force_N_max = 0;     ///< the device's largest force
+  std::string_view scene{};   ///< requested scene; empty: the server's default
   Nanoseconds client_time{0};
-  Nanoseconds round_trip{0};  ///< as a refusal `round_trip_wanted` let the client measure; 0: not measured
-  std::string_view port{};    ///< the law whose half the server shall be, empty: none
+  Nanoseconds round_trip{0};  ///< measured by the client from a refusal `round_trip_wanted`; 0: not measured
+  std::string_view port{};    ///< the law whose server-side half is requested; empty: none
 };
 
 struct Welcome {
@@ -49,16 +49,16 @@ enum class RefusalReason : std::uint8_t {
   unknown_scene,
   wrong_degrees_of_freedom,
   server_full,
-  unknown_session,    ///< the answer to motion of a session this server does not know: it restarted, or forgot
-  round_trip_wanted,  ///< what is simulated depends on it: say Hello again with what the echoed time tells
-  unknown_port,       ///< the server has no half of the law
+  unknown_session,    ///< the answer to a motion of an unknown session: the server restarted, or closed it
+  round_trip_wanted,  ///< the scene's accuracy depends on it: send Hello again with the round trip from the echoed time
+  unknown_port,       ///< the server has no half of that law
 };
 
 struct Refusal {
   std::uint64_t client_nonce = 0;  ///< of the Hello refused, or
   std::uint64_t session = 0;       ///< the session refused
   RefusalReason reason = RefusalReason::unspecified;
-  std::string_view text{};     ///< what, and what would be accepted, for people
+  std::string_view text{};     ///< what is refused, and what would be accepted
   Nanoseconds client_time{0};  ///< of the Hello, echoed
 };
 
@@ -103,7 +103,7 @@ struct Bye {
   std::uint64_t motions_duplicated = 0;
   std::uint64_t motions_reordered = 0;
   std::uint64_t forces_sent = 0;
-  std::uint64_t motions_behind = 0;  ///< how many numbers the latest of the reordered was behind the newest
+  std::uint64_t motions_behind = 0;  ///< largest distance of a reordered number behind the newest
 };
 
 using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye>;

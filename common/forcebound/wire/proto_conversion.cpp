@@ -12,7 +12,7 @@ void add_rows(const Rows& from, RepeatedNumbers* to) noexcept {
   for (Eigen::Index i = 0; i < from.rows(); ++i) to->Add(from[i]);
 }
 
-/// Takes fields over one by one and remembers what cannot be.
+/// Converts fields one by one and notes invalid ones.
 class FieldTaker {
  public:
   void time(std::int64_t ns, const char* field, Nanoseconds& to) noexcept {

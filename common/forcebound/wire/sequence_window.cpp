@@ -3,7 +3,7 @@
 namespace forcebound::wire {
 namespace {
 
-// So many words hold all 64-bit numbers; a multiple of the words kept, so that wrapping around keeps every place.
+// Words needed for all 64-bit numbers: a multiple of the words kept, so that positions stay the same when numbers wrap.
 constexpr std::uint64_t kWordsOfCircle = std::uint64_t{1} << 58;
 
 constexpr std::uint64_t bit(std::uint64_t sequence) noexcept { return std::uint64_t{1} << sequence % 64; }

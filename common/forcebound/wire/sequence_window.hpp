@@ -5,11 +5,11 @@
 
 namespace forcebound::wire {
 
-/// Which sequence numbers have arrived, so that a copy is known from a latecomer.
+/// The sequence numbers that have arrived: tells duplicates from late datagrams.
 ///
-/// Numbers are compared as a circle is (RFC 1982), so that wrapping around is nothing special. What lies further back
-/// than `kNumbers` (give or take a word of 64) cannot be told apart any more and counts as a duplicate: at 1 kHz that
-/// is 16 s, more than the longest round trip we know of.
+/// Numbers are compared modulo 2^64 (RFC 1982), so that wrapping around needs no special case. Numbers further back
+/// than `kNumbers` (give or take a word of 64) count as duplicates: at 1 kHz that is 16 s, more than the longest round
+/// trip we know of.
 ///
 /// Real time: noexcept, no allocation, at most kNumbers/64 steps.
 class SequenceWindow {
@@ -20,7 +20,7 @@ class SequenceWindow {
 
   [[nodiscard]] Arrival note(std::uint64_t sequence) noexcept;
 
-  /// Of those noted.
+  /// The newest number noted.
   [[nodiscard]] std::uint64_t newest() const noexcept { return newest_; }
 
  private:

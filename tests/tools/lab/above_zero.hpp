@@ -7,7 +7,7 @@
 
 namespace forcebound::lab {
 
-/// For options that take a number > 0, up to 1e9; the library's own says so in three hundred digits.
+/// For options that take a number > 0, up to 1e9; the library's own check prints its bound with three hundred digits.
 inline CLI::Validator above_zero() {
   return {[](const std::string& value) {
             constexpr double kMost = 1e9;

@@ -64,7 +64,7 @@ std::string check_motion(const std::string& motion) {
   return "--motion must be press, slide or replay:FILE.csv, got '" + motion + "'";
 }
 
-/// @throws server::SceneError where the server would, naming file and line
+/// @throws server::SceneError as the server, naming file and line
 Study study_of(const AccuracyOptions& options) {
   const server::SceneSource source = server::scene_source(options.scene);
   Study study{.scene_text = source.text,
@@ -94,7 +94,7 @@ Study study_of(const AccuracyOptions& options) {
 void accuracy(const AccuracyOptions& options) {
   Progress progress;
   const StudyResult result = carry_out(study_of(options), time::SteadyClock(),
-                                       [&](double done) { progress.tell(done, "playing the settings"); });
+                                       [&](double done) { progress.tell(done, "running the settings"); });
   progress.clear();
   std::printf("%s\n%s", to_text(result).c_str(),
               (recommendation(result, options.budget_us) + what_does_not_matter(result)).c_str());
@@ -107,7 +107,7 @@ void accuracy(const AccuracyOptions& options) {
   if (options.figures.empty()) return;
   std::filesystem::create_directories(options.figures);
   const auto png = std::filesystem::path(options.figures) / "accuracy.png";
-  draw(result, "What accuracy costs in time", png);
+  draw(result, "Error at the device over the time of a step", png);
   std::printf("\nFigure: %s\n", png.c_str());
 }
 
@@ -128,16 +128,17 @@ void add_session(CLI::App& command, AccuracyOptions& options) {
       ->type_name("LAW")
       ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
       ->capture_default_str();
-  command.add_option("--hold", options.hold_ms, "age up to which a force is applied as it is, as in the client")
+  command.add_option("--hold", options.hold_ms, "age up to which a force is applied unchanged, as in the client")
       ->check(CLI::NonNegativeNumber)
       ->type_name("MS")
       ->capture_default_str();
   command
-      .add_option("--drop", options.drop_ms, "age from which a force is zero, as in the client; it fades until then")
+      .add_option("--drop", options.drop_ms,
+                  "age from which a force is replaced by zero, as in the client; it fades until then")
       ->check(CLI::NonNegativeNumber)
       ->type_name("MS")
       ->capture_default_str();
-  command.add_option("--rate", options.session.server_rate_Hz, "how often the server answers, at most")
+  command.add_option("--rate", options.session.server_rate_Hz, "most answers of the server per second")
       ->check(above_zero())
       ->type_name("HZ")
       ->capture_default_str();
@@ -148,15 +149,15 @@ void add_session(CLI::App& command, AccuracyOptions& options) {
 void add_accuracy(CLI::App& app) {
   auto options = std::make_shared<AccuracyOptions>();
   CLI::App* command = app.add_subcommand(
-      "accuracy", "How wrong a scene's force is at the device, over what its settings cost in time, behind networks");
+      "accuracy", "Error of a scene's force at the device over the time that its settings cost, behind networks");
   command->footer(recommendation_help());
   command->add_option("SCENE", options->scene, "name or FILE.toml")->required();
   command
       ->add_option("--sweep", options->sweep,
-                   "a key of the scene and what to try, from coarse to fine or back: "
+                   "a key of the scene and its values, from coarse to fine or back: "
                    "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1; "
-                   "or of the session, with the scene as it is: law=none,fba-less,fba-more,fba-exact; "
-                   "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000. Default: what the scene has")
+                   "or of the session, with the scene unchanged: law=none,fba-less,fba-more,fba-exact; "
+                   "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000. Default: the scene's own levels")
       ->type_name("KEY=V1,V2,...");
   command
       ->add_option("--set", options->fixed,
@@ -166,8 +167,8 @@ void add_accuracy(CLI::App& app) {
       ->allow_extra_args(false);
   command
       ->add_option("--reference", options->reference,
-                   "a scene whose force is exact; default: what the finest levels tend to; for a solver of "
-                   "bodies Newton's method as far as it goes")
+                   "a scene whose force is exact; default: the limit of the finest levels; for a solver of "
+                   "bodies a tight Newton's method")
       ->type_name("NAME|FILE");
   command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
       ->delimiter(',')
@@ -175,20 +176,19 @@ void add_accuracy(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--motion", options->motion,
-                   "of the hand: press or slide on the scene's surface, or a recorded hand, where it was: "
+                   "of the hand: press or slide on the scene's surface, or a recorded hand at its recorded positions: "
                    "replay:FILE.csv with columns time_s,x_m,y_m,z_m. To bring it where the scene's surface is: "
                    "replay:FILE.csv,offset_x_m=0,offset_y_m=0,offset_z_m=-0.004,scale=0.5")
       ->check(check_motion)
       ->type_name("MOTION")
       ->capture_default_str();
   const CLI::Option* const frequency =
-      command
-          ->add_option("--frequency", options->harmonic.frequency_Hz, "how often press and slide move there and back")
+      command->add_option("--frequency", options->harmonic.frequency_Hz, "frequency of press and slide")
           ->check(above_zero())
           ->type_name("HZ")
           ->capture_default_str();
   const CLI::Option* const depth =
-      command->add_option("--depth", options->harmonic.depth_m, "how deep the hand of press and slide wants to go")
+      command->add_option("--depth", options->harmonic.depth_m, "target depth of press and slide")
           ->check(above_zero())
           ->type_name("M")
           ->capture_default_str();
@@ -197,7 +197,7 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--duration", options->duration_s, "virtual seconds of each run")
       ->check(above_zero())
       ->capture_default_str();
-  command->add_option("--budget", options->budget_us, "recommend nothing that takes longer")
+  command->add_option("--budget", options->budget_us, "longest step to recommend")
       ->check(above_zero())
       ->type_name("US");
   command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");

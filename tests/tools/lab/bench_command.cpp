@@ -35,7 +35,7 @@ void run(const BenchOptions& options) {
 
 void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Turn what deploy/bench measured into its table of ratios");
+  CLI::App* command = app.add_subcommand("bench", "Make the table of ratios from deploy/bench's measurements");
   command->add_option("from", options->from, "the folder that its tools wrote to, or results as CSV")
       ->required()
       ->type_name("DIR|FILE.csv");

@@ -54,8 +54,7 @@ ComparisonSettings settings_of(const CompareOptions& options) {
     StandardNetworks standard = standard_networks();
     settings.networks = std::move(standard.networks);
     for (const std::string& name : standard.absent) {
-      std::fprintf(stderr, "note: the recorded network %s is left out: FORCEBOUND_DATA does not have it\n",
-                   name.c_str());
+      std::fprintf(stderr, "note: the recorded network %s is left out: it is not in FORCEBOUND_DATA\n", name.c_str());
     }
   }
   if (!options.no_limits) {
@@ -65,13 +64,13 @@ ComparisonSettings settings_of(const CompareOptions& options) {
 }
 
 void compare(const CompareOptions& options) {
-  // Minutes of work shall not end at a file that cannot be written.
+  // Check that files can be written before minutes of work.
   for (const std::string& file : {options.csv, options.json}) {
     if (!file.empty()) text::write_file(file, "");
   }
   Progress progress;
   const ComparisonResult result =
-      play_all(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
+      run_comparison(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
         progress.tell(static_cast<double>(done) / static_cast<double>(all),
                       std::to_string(done) + " of " + std::to_string(all) + " steps");
       });
@@ -101,7 +100,7 @@ void compare(const CompareOptions& options) {
 void add_compare(CLI::App& app) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = app.add_subcommand(
-      "compare", "The laws side by side: the same device, hand, scene and network for each, with its best parameters");
+      "compare", "Compare the laws: the same device, hand, scene and network for each, with its best parameters");
   command->footer("Laws:\n" + baselines::shipped_laws().help() +
                   "\nExample:\n  forcebound-lab compare --laws fba-less,tdpa --scenes wall --network none \\\n"
                   "    --network \"delay 20ms loss 5%\"\n");
@@ -115,7 +114,7 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--network", options->networks,
-                   "what is done to both ways: none, the words of netem, or trace:FILE; may be repeated; "
+                   "the network in both directions: none, netem's words, or trace:FILE; may be repeated; "
                    "default: none, 1 to 250 ms, jitter, loss, bursts, and the 5G networks of FORCEBOUND_DATA")
       ->type_name("WORDS")
       ->allow_extra_args(false);
@@ -137,7 +136,7 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--effort", options->effort,
-                   "sets of parameters to try for each law that has some; 1: its standard ones")
+                   "sets of parameters to try for each law that has any; 1: its standard ones")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE");

@@ -7,7 +7,7 @@
 namespace forcebound::lab {
 namespace {
 
-/// For a message: what cannot be shown is not.
+/// Text for a message, without control characters.
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   std::string shown = "'";

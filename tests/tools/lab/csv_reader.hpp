@@ -9,7 +9,7 @@
 
 namespace forcebound::lab {
 
-/// Reads a table of numbers under a line of names, one row as it comes.
+/// Reads a table of numbers under a line of names, row by row.
 ///
 /// Unix and Windows line ends, blanks around a field, a byte order mark and blank lines at the end are accepted; `nan`
 /// and `inf` are numbers.
@@ -31,7 +31,7 @@ class CsvReader {
   text::LineReader lines_;
 };
 
-/// A whole field as a number, in any notation but with a point; no locale is asked.
+/// A whole field as a number, in any notation with a decimal point, whatever the locale.
 /// @throws std::invalid_argument "'...' is not a number" or "... is beyond a double".
 [[nodiscard]] double parse_number(std::string_view text);
 

@@ -26,7 +26,7 @@ void Envelope::add(double x, double y) noexcept {
 
 void Envelope::halve() noexcept {
   merge_pairs(Gaps::kept);
-  // A curve of hardly anything but gaps would otherwise find no room.
+  // A curve of mostly gaps would otherwise find no room.
   if (columns_.size() > columns_.capacity() * 3 / 4) merge_pairs(Gaps::closed);
   per_column_ *= 2;
 }

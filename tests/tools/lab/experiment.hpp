@@ -9,16 +9,16 @@
 
 namespace forcebound::lab {
 
-/// What the paper says of one law in one experiment [Kim 2015, section VI], for the table.
+/// The paper's figures of one law in one experiment [Kim 2015, section VI], for the table.
 struct PaperFigure {
   std::string law;
   std::string text;
 };
 
-/// One experiment of the paper: everything but the law.
+/// One experiment of the paper, without the law.
 ///
 /// The paper gives neither masses nor hands, so each experiment has one plausible device mass and hand, the same for
-/// all laws; the trace cannot match the paper's, what a law shows can.
+/// all laws; the curves cannot match the paper's, the laws' figures can.
 struct Experiment {
   std::string name;
   std::string device;

@@ -9,7 +9,7 @@
 
 namespace forcebound::lab {
 
-/// What one law did in one experiment.
+/// Results of one law in one experiment.
 struct ExperimentRun {
   std::string law;
   nlohmann::json summary;

@@ -68,7 +68,7 @@ struct LogAxis {
     }
   }
   void widen() {
-    // At least so long that some numbers lie on it.
+    // At least so long that it has some numbers.
     constexpr double kLeastLength = 3;
     const double length = most / least;
     const double room = std::max(std::pow(length, 0.04), std::sqrt(kLeastLength / length));
@@ -266,7 +266,7 @@ void write_panel(std::ostream& out, const Figure& figure, std::size_t index, int
   write_y_axis(out, panel);
   out << (last ? "set xlabel " + gnuplot_string(figure.x_label) : std::string("unset xlabel")) << '\n';
   if (!has_points(panel)) {
-    out << "unset key\nset label 2 'nothing to show' at graph 0.5,0.5 center textcolor rgb '#8a929a'\n"
+    out << "unset key\nset label 2 'no data' at graph 0.5,0.5 center textcolor rgb '#8a929a'\n"
         << "set yrange [0:1]\nplot nothing notitle\n";
     return;
   }

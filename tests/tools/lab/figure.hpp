@@ -7,21 +7,21 @@
 #include <string>
 #include <vector>
 
-/// Figures for people, drawn by gnuplot.
+/// Figures drawn by gnuplot.
 namespace forcebound::lab {
 
-/// One colour language for all figures, readable with the common colour blindnesses.
+/// The same colours in all figures, distinguishable with the common colour blindnesses.
 namespace colour {
-inline constexpr const char* kRequest = "#b0b0b0";    // what the environment asks for
-inline constexpr const char* kApplied = "#0b5fa5";    // what the device does
-inline constexpr const char* kLedger = "#7b4fa3";     // what a law believes
-inline constexpr const char* kAudit = "#1a8754";      // what really was
-inline constexpr const char* kNetwork = "#d9730d";    // what the network does
+inline constexpr const char* kRequest = "#b0b0b0";    // the environment's request
+inline constexpr const char* kApplied = "#0b5fa5";    // applied at the device
+inline constexpr const char* kLedger = "#7b4fa3";     // a law's ledger
+inline constexpr const char* kAudit = "#1a8754";      // ground truth
+inline constexpr const char* kNetwork = "#d9730d";    // the network's delay
 inline constexpr const char* kRoundTrip = "#8c6d46";  //
-inline constexpr const char* kDanger = "#c1272d";     // limits and what must not be
+inline constexpr const char* kDanger = "#c1272d";     // limits and violations
 inline constexpr const char* kAxes[6] = {"#0b5fa5", "#d9730d", "#1a8754", "#7b4fa3", "#8c6d46", "#5f6b76"};
 
-/// The laws side by side: "none" is the danger, the others are told apart.
+/// The laws' colours: "none" has that of danger, the others differ.
 const char* of_law(const std::string& law);
 }  // namespace colour
 
@@ -66,15 +66,15 @@ struct Figure {
   std::vector<std::string> x_names{};  ///< of the places 1, 2, ... along x, if that is what they are: then no numbers
 };
 
-/// Shows a panel only to half above its usual most, where the most of all is more than that: a moment of force at
-/// hardly any depth is a spike of stiffness that would hide all the rest. The title then says so.
+/// Cuts a panel's axis at 1.5 times its usual maximum if there are larger values: force at hardly any depth is a spike
+/// of stiffness that would hide all the rest. The title says if it is cut.
 void cut_spikes(Panel& panel, double usual_most, double most);
 
 /// Draws a PNG of 1400 pixels width.
 /// @throws std::runtime_error if the file cannot be written, or naming the package when gnuplot is missing.
 void draw(const Figure& figure, const std::filesystem::path& png);
 
-/// The same for a script of one's own that writes `png`.
+/// The same for a gnuplot script that writes `png`.
 void draw_script(const std::string& script, const std::filesystem::path& png);
 
 /// A string as gnuplot reads it, whatever is in it.

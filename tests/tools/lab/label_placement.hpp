@@ -24,10 +24,10 @@ struct Box {
 struct NamedPoint {
   double x = 0;
   double y = 0;
-  std::string name{};  ///< empty: a point to keep clear of
+  std::string name{};  ///< empty: only a point not to cover
 };
 
-/// Where a name stands: its box, and whether that is so far from its point that a line must join them.
+/// A name's box, and whether it is so far from its point that a line must connect them.
 struct PlacedName {
   std::string name;
   Box box;

@@ -40,10 +40,10 @@ void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
 record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
 
 void LawsFigure::draw_to(const std::filesystem::path& png) const {
-  Panel penetration{.title = "How deep the hand gets in", .y_label = "penetration [mm]", .y_min = 0};
+  Panel penetration{.title = "Penetration", .y_label = "penetration [mm]", .y_min = 0};
   Panel force{.title = "Force on the device", .y_label = "magnitude [N]", .y_min = 0};
-  // A law that is not passive gives away a thousand times what the others ever hold: on one straight scale these would
-  // be a line at zero.
+  // A law that is not passive returns a thousand times the energy of the others: on a linear scale these would be a
+  // line at zero.
   Panel passivity{.title = "Passivity: energy taken less returned; logarithmic beyond 1 mJ",
                   .y_label = "P [mJ]",
                   .references = {{0, "passive above"}},

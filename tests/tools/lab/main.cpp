@@ -27,13 +27,13 @@ int main(int argc, char** argv) {
       "  forcebound-lab reproduce sphere --figures out\n"
       "      the paper's sphere, in a few seconds\n"
       "  forcebound-lab report run.mcap --figures out\n"
-      "      what a client recorded with --record run.mcap\n"
+      "      summary and figures of a client's recording\n"
       "  forcebound-lab passivity --figure leaks.png\n"
-      "      what each law leaks on a real device, and what the guarantee costs\n"
+      "      energy that each law leaks on a real device, and the cost of the guarantee\n"
       "  forcebound-lab soak --seeds 1000\n"
       "      hostile runs, each from its seed, checked on every tick\n"
       "  forcebound-lab accuracy palpation --rtt 1,20\n"
-      "      what a finer tissue costs, and what is left of it at the device\n"
+      "      cost of a finer tissue, and its error at the device\n"
       "  forcebound-lab compare --scenes wall --network \"delay 10ms\"\n"
       "      all laws side by side\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& asked) {
     return app.exit(asked);
   } catch (const CLI::Error& wrong_use) {
-    // A mistyped option explains why another is missing, so it comes first.
+    // A mistyped option explains why another is missing, so it is reported first.
     const auto unknown = app.remaining(true);
     const std::string what = unknown.empty() ? wrong_use.what() : CLI::ExtrasError(unknown).what();
     std::cerr << "forcebound-lab: " << what << " (see forcebound-lab --help)\n";

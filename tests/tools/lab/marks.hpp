@@ -5,13 +5,13 @@
 
 namespace forcebound::lab {
 
-/// The lines around what a program writes into a document.
+/// The lines around text that a program writes into a document.
 struct Marks {
   std::string_view begin;
   std::string_view end;
 };
 
-/// What a document has between the two marks. @throws std::runtime_error if it has not both, once each
+/// The text between the two marks of a document. @throws std::runtime_error unless it has each once
 [[nodiscard]] std::string_view between_marks(std::string_view document, const Marks& marks);
 
 /// The document with that part replaced.

@@ -11,7 +11,7 @@ namespace forcebound::lab {
 /// 20 ms stays below 20 % of its steady mean (that of the last quarter of the contact); the rest of the run if never.
 class RingingMeter final : public record::TickSink {
  public:
-  /// @param unfelt_N a peak-to-peak that is never called ringing
+  /// @param unfelt_N a peak-to-peak that never counts as ringing
   explicit RingingMeter(double unfelt_N = 0) : unfelt_N_(unfelt_N) {}
 
   void on_tick(const record::TickRecord& tick) noexcept override;
@@ -29,7 +29,7 @@ class RingingMeter final : public record::TickSink {
   std::vector<double> time_s_;
 };
 
-/// The largest angle between what was asked for and what was applied, where both are more than nothing.
+/// The largest angle between request and applied force, where both are nonzero.
 class DirectionMeter final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override;

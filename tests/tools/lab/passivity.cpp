@@ -132,8 +132,8 @@ void write_passivity_csv(std::ostream& out, const std::vector<PassivityResult>& 
 }
 
 void draw_passivity(const std::filesystem::path& png, const std::vector<PassivityResult>& results) {
-  Figure figure{.title = "What the laws leak on a real device",
-                .subtitle = "most energy that an adversary got back; thin: exact ticks, thick: 20 % of them late",
+  Figure figure{.title = "Energy that the laws leak on a real device",
+                .subtitle = "most energy that an adversary extracted; thin: exact ticks, thick: 20 % of them late",
                 .x_label = "latency from reading to actuator [us]"};
   for (const double encoder_m : kEncoders_m) {
     char title[64];

@@ -9,7 +9,7 @@
 
 namespace forcebound::lab {
 
-/// What a device does worse than the laws' proofs assume, and who takes advantage of it.
+/// A device's imperfections that the laws' proofs do not assume.
 struct PassivityCondition {
   std::string law;
   double encoder_m = 0;
@@ -18,11 +18,11 @@ struct PassivityCondition {
   std::string adversary;
 };
 
-/// The worst that its adversary did under a condition.
+/// The worst P of an adversary under a condition.
 struct PassivityResult {
   PassivityCondition condition;
   double worst_P_J = 0;
-  std::uint64_t seed = 0;  ///< that did it; 0: none got below zero
+  std::uint64_t seed = 0;  ///< of the worst run; 0: none was below zero
 };
 
 struct PassivitySettings {
@@ -35,7 +35,7 @@ struct PassivitySettings {
 /// laws.
 [[nodiscard]] std::vector<PassivityCondition> passivity_conditions();
 
-/// Plays the paper's device (30 N s/m) with a restless hand, server beside it.
+/// Runs the paper's device (30 N s/m) with a restless hand, server without network.
 [[nodiscard]] PassivityResult worst_passivity(const PassivityCondition& condition, const PassivitySettings& settings);
 
 /// The worst over all adversaries, a block for each law.

@@ -22,10 +22,10 @@ struct PassivityOptions {
   std::string figure;
 };
 
-/// What the guarantee costs: the paper's walls with each law.
+/// The cost of the guarantee: the paper's walls with each law.
 void print_costs() {
   std::printf(
-      "\nWhat it costs: displayed stiffness at rest and ringing on the paper's walls\n(30 N s/m, encoder 15 um).\n\n  "
+      "\nIts cost: displayed stiffness at rest and ringing on the paper's walls\n(30 N s/m, encoder 15 um).\n\n  "
       "%-10s",
       "law");
   const auto walls = experiments("wall");
@@ -44,7 +44,7 @@ void print_costs() {
   }
 }
 
-std::vector<PassivityResult> play_all(const PassivitySettings& settings) {
+std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
   const auto conditions = passivity_conditions();
   Progress progress;
   std::vector<PassivityResult> results;
@@ -62,7 +62,7 @@ void run(const PassivityOptions& options) {
     csv.open(options.csv);
     if (!csv) throw std::runtime_error("cannot write '" + options.csv + "': " + std::generic_category().message(errno));
   }
-  const auto results = play_all(options.settings);
+  const auto results = run_all(options.settings);
   print_passivity(std::cout, results);
   std::cout.flush();
   print_costs();
@@ -78,7 +78,8 @@ void run(const PassivityOptions& options) {
 void add_passivity(CLI::App& app) {
   auto options = std::make_shared<PassivityOptions>();
   CLI::App* command = app.add_subcommand(
-      "passivity", "What each law leaks with real encoders, late ticks and latency, and what the guarantee costs");
+      "passivity",
+      "Energy that each law leaks with real encoders, late ticks and latency, and the cost of the guarantee");
   command->add_option("--seeds", options->settings.seeds, "runs for each condition")
       ->check(above_zero())
       ->capture_default_str();

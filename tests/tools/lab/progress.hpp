@@ -5,8 +5,8 @@
 
 namespace forcebound::lab {
 
-/// How far a long work is and how long it still takes, in a line on stderr that writes over itself and is gone at the
-/// end. Only on a terminal, and only once the work has taken half a second.
+/// Progress and remaining time of long work, in a line on stderr that overwrites itself and is erased at the end. Only
+/// on a terminal, and only once the work has taken half a second.
 class Progress {
  public:
   Progress() : Progress(on_terminal()) {}
@@ -16,10 +16,10 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// @param share done, 0 to 1
-  /// @param words what is done: "12 of 48 runs"
+  /// @param words the state: "12 of 48 runs"
   void tell(double share, const std::string& words);
 
-  /// Takes the line away, so that something else can be printed; the next `tell` writes it again.
+  /// Erases the line, so that something else can be printed; the next `tell` writes it again.
   void clear();
 
   /// "12 of 48 runs, 25 %, about 40 s left", cut to the columns of a terminal.

@@ -51,7 +51,7 @@ std::string counted(Eigen::Index count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-/// One number per axis from one per axis, one for all, or none.
+/// One number per axis, from one per axis, one for all, or none.
 Vector per_axis(const char* option, const std::vector<double>& values, Eigen::Index axes) {
   if (values.empty()) return Vector::Zero(axes);
   if (values.size() == 1) return Vector::Constant(axes, values.front());
@@ -107,7 +107,7 @@ DeviceFacts facts_of(const ReplayOptions& options, Eigen::Index axes) {
   facts.actuator_step = Vector::Zero(axes);
   facts.force_N_max = options.force_N_max;
   facts.hold_s_max = options.hold_s.value_or(options.period_s);
-  // Only who says how long a force is held says that it is let go then.
+  // The device releases the force only if a hold time is given.
   facts.releases = options.hold_s.has_value();
   facts.latency_s = options.latency_s;
   return facts;
@@ -138,7 +138,7 @@ std::unique_ptr<control::PassivityLaw> checked_law(const ReplayOptions& options,
   }
 }
 
-/// A whole line at once, so that the reader of a pipe never sees half of one.
+/// A whole line at once, so that the reader of a pipe never gets half of one.
 void write_line(std::ostream& output, std::string line) {
   output << (line += '\n') << std::flush;
   if (!output) throw std::runtime_error("the answer cannot be written");

@@ -17,7 +17,7 @@ struct ReplayOptions {
   control::LawRegistry laws = baselines::shipped_laws();
   std::string law;
   std::vector<double> damping_N_s_per_m;                           ///< one per axis, or one for all
-  std::optional<std::vector<std::vector<double>>> damping_matrix;  ///< in its place, if given
+  std::optional<std::vector<std::vector<double>>> damping_matrix;  ///< replaces it, if given
   double period_s = 1e-3;
   std::vector<double> encoder_step_m;  ///< one per axis, one for all, or none: ideal
   std::vector<double> friction_N;      ///< likewise, none: no friction
@@ -27,7 +27,7 @@ struct ReplayOptions {
   control::LawOptions law_options{};
 };
 
-/// What a person should know of a replay.
+/// Counts to report after a replay.
 struct ReplayCounts {
   std::uint64_t rows = 0;
   std::uint64_t requests_not_finite = 0;   ///< answered with zero force
@@ -42,11 +42,11 @@ struct ReplayInput {
 };
 
 /// Reads `time_s,x0_m[,x1_m..],fe0_N[,fe1_N..]` and writes `time_s,f0_N[,f1_N..],energy_J,xi`: the force on the device
-/// that the law allows, the energy it had to spend after the row's motion, and the share it will credit (1 for a law
+/// that the law allows, the energy available after the row's motion, and the share that it will credit (1 for a law
 /// that has none). The first row has no motion before it, hence no energy and no force.
 ///
-/// Positions are readings: an encoder step is a fact about them, nothing is quantised here. A law that has no use for
-/// an option ignores it. Each answer is flushed before the next row is asked for.
+/// Positions are readings: an encoder step is a fact about them, nothing is quantised here. A law that does not use an
+/// option ignores it. Each answer is flushed before the next row is asked for.
 ///
 /// @throws std::invalid_argument naming the option that is wrong, by itself or for a file with so many axes.
 /// @throws std::runtime_error `file:line: what` for a malformed row, or if the answer cannot be written.

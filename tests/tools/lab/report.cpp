@@ -21,7 +21,7 @@ struct ReportOptions {
   std::string json;
 };
 
-/// Folds a recording into its summary and its figures in one pass.
+/// Reads a recording into its summary and its figures in one pass.
 class Report final : public record::RecordingSink {
  public:
   void on_start(const record::RunInfo& info) override {
@@ -67,7 +67,7 @@ void run(const ReportOptions& options) {
   if (!report->any_tick()) {
     throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
   }
-  if (!complete) std::cerr << options.recording << ": cut off before its end; shown is what it has\n";
+  if (!complete) std::cerr << options.recording << ": incomplete; shown is what it has\n";
   if (options.json != "-") std::cout << report->summary().to_text() << std::flush;
   if (!options.json.empty()) write_json(options.json, report->summary().to_json());
   if (options.figures.empty()) return;
@@ -81,7 +81,7 @@ void run(const ReportOptions& options) {
 void add_report(CLI::App& app) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw its figures");
-  report->add_option("recording", options->recording, "what a client's --record wrote")
+  report->add_option("recording", options->recording, "a client's recording (--record)")
       ->required()
       ->type_name("FILE.mcap");
   report->add_option("--figures", options->figures, "draw motion, force, energy and timing as PNG here")

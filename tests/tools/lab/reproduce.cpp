@@ -65,13 +65,13 @@ void print_heading(const Experiment& experiment, const device::DeviceDescription
   std::printf("  %-9s %9s %7s %6s %8s %7s %6s\n", "", "", "[N/mm]", "[N]", "[N^2]", "[deg]", "[s]");
 }
 
-/// Three significant digits, right in so many columns; "-" for what is not a number.
+/// Three significant digits, right-aligned; "-" for NaN.
 std::string cell(double value, std::size_t columns) {
   const std::string words = std::isfinite(value) ? text::rounded(value) : "-";
   return std::string(columns - std::min(columns, words.size()), ' ') + words;
 }
 
-/// What rounding makes of a direction is none.
+/// A direction error within rounding counts as 0.
 double degrees(double angle_rad) {
   constexpr double kRounding_deg = 1e-6;
   const double angle_deg = angle_rad * 180 / std::numbers::pi;
@@ -135,7 +135,7 @@ void reproduce(const ReproduceOptions& options) {
 void add_reproduce(CLI::App& app) {
   auto options = std::make_shared<ReproduceOptions>();
   CLI::App* command = app.add_subcommand(
-      "reproduce", "Run the paper's experiments with each law, and print what they show beside the paper's figures");
+      "reproduce", "Run the paper's experiments with each law, and print their figures beside the paper's");
   command->add_option("EXPERIMENT", options->experiment, "which")
       ->check(CLI::IsMember({"wall", "delay", "circle", "sphere", "all"}))
       ->capture_default_str();

@@ -13,7 +13,7 @@
 
 namespace forcebound::lab {
 
-/// Collects what a run's figures show, in memory that does not grow, and draws them.
+/// Collects the data of a run's figures, in bounded memory, and draws them.
 class RunFigures final : public record::TickSink {
  public:
   explicit RunFigures(const record::RunInfo& info) : info_(info), displayed_(info.stiffness_depth_m_min) {}

@@ -15,7 +15,7 @@ std::string number(const Json& summary, const char* path, double scale, int deci
   if (!summary.contains(pointer) || !summary.at(pointer).is_number()) return "-";
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, summary.at(pointer).get<double>() * scale);
-  // A zero that was rounded from below is no sign of anything.
+  // Avoids "-0".
   const bool zero = std::strpbrk(text, "123456789") == nullptr;
   return zero && text[0] == '-' ? text + 1 : text;
 }

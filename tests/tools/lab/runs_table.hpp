@@ -6,8 +6,8 @@
 
 namespace forcebound::lab {
 
-/// Runs side by side, a line each: law, passivity minimum, force variance, displayed stiffness and age of
-/// the force. Where the passivity minimum is below zero, the device gave energy to the hand.
+/// A table of runs, a line each: law, passivity minimum, force variance, displayed stiffness and age of the force. A
+/// passivity minimum below zero: not passive.
 ///
 /// @param summaries as `--summary` wrote them; a number that is null or absent is shown as "-".
 std::string comparison_table(const std::vector<nlohmann::ordered_json>& summaries);

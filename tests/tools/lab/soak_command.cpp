@@ -38,7 +38,7 @@ struct SoakOptions {
   std::string law{kDrawn};
 };
 
-/// What all seeds so far came to.
+/// Results of all seeds so far.
 class Tally {
  public:
   void add(std::uint64_t seed, const std::string& law, const SoakResult& result) {
@@ -65,7 +65,7 @@ class Tally {
 
   [[nodiscard]] double elapsed_s() const { return std::chrono::duration<double>(SteadyTime::now() - begin_).count(); }
 
-  /// That leaves room for how much longer it takes.
+  /// Short, to leave room for the remaining time.
   [[nodiscard]] std::string short_line() const {
     char text[80];
     std::snprintf(text, sizeof text, "%llu seeds, worst P %.3g J", static_cast<unsigned long long>(seeds_),
@@ -93,7 +93,7 @@ class Tally {
     count("ticks checked", sum_.ticks);
     count("ledgers recomputed", sum_.recomputed);
     count("late ticks", sum_.late_ticks);
-    count("forces let go of by the device", sum_.released);
+    count("forces released by the device", sum_.released);
     count("forces withdrawn, commanded too late", sum_.withdrawn);
     count("datagrams lost", sum_.lost);
     count("sessions lost and regained", sum_.reconnects);
@@ -104,7 +104,7 @@ class Tally {
  private:
   struct Share {
     std::uint64_t seeds = 0;
-    std::uint64_t promised = 0;  ///< of them with a law that promises P >= 0 there
+    std::uint64_t promised = 0;  ///< of them with a law that guarantees P >= 0 there
     double worst_P_J = 0;
   };
   using Shares = std::map<std::string, Share>;
@@ -183,11 +183,11 @@ void add_soak(CLI::App& app) {
       "From each seed: law, device, encoder, actuator, friction, latency, hold time, late\n"
       "ticks, the law's memory, hostile environment, restless hand, both ways of the\n"
       "network, blackouts, stalls, server kills, the server's clock.\n"
-      "On each tick: everything finite, |f| <= f_max, and what the law promises: direction\n"
+      "On each tick: everything finite, |f| <= f_max, and the law's guarantees: direction\n"
       "kept, P >= -1e-9 J and the ledger never above P (fba-exact always, others with the\n"
       "ideal device that half of their seeds have), the ledger equal to its recomputation\n"
       "in long double; in the end, counters add up and the session is back. The first\n"
-      "failure ends it (exit code 1), with all that was drawn and the command that runs it\n"
+      "failure ends it (exit code 1), with all drawn settings and the command that runs it\n"
       "again.");
   command->callback([options] { run(*options); });
 }

@@ -22,7 +22,7 @@ struct TableOptions {
   std::string figure;
 };
 
-/// Hands a recording on to its summary and to the figure.
+/// Passes a recording to its summary and to the figure.
 class RunReader final : public record::RecordingSink {
  public:
   explicit RunReader(LawsFigure& figure) : figure_(figure) {}
@@ -56,7 +56,7 @@ Json read_summary(const std::string& file) {
   if (!in) throw std::runtime_error("cannot read '" + file + "'");
   Json summary = Json::parse(in, nullptr, false);
   if (!summary.is_object())
-    throw std::runtime_error(file + ": not a summary; what a client's --summary wrote is needed");
+    throw std::runtime_error(file + ": not a summary; expected the output of a client's --summary");
   return summary;
 }
 

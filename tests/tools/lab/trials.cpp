@@ -9,7 +9,7 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
-#include "tests/tools/lab/comparison/contest.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/measures.hpp"
 
 namespace forcebound::lab {
@@ -57,7 +57,7 @@ std::string fixed(const Json& json, const char* path, double scale, int decimals
   if (!json.contains(pointer) || !json.at(pointer).is_number()) return "-";
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, json.at(pointer).get<double>() * scale);
-  // A zero that was rounded from below is no sign of anything.
+  // Avoids "-0".
   const bool zero = std::strpbrk(text, "123456789") == nullptr;
   return zero && text[0] == '-' ? text + 1 : text;
 }
@@ -144,8 +144,8 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Trial
     table += line;
   }
   return table +
-         "\n  least P     energy the device dissipated less energy its motors returned, at\n"
-         "              worst; below zero the device has given away energy it never got\n"
+         "\n  least P     least of the energy the device dissipated less the energy its\n"
+         "              motors returned; below zero: not passive\n"
          "  at rest     share of the contact in which the depth changes by < 5 mm/s; force\n"
          "              and displayed stiffness (force over true depth) are medians there\n"
          "  worst push  largest force along the device's own motion: pushing, not resisting\n"

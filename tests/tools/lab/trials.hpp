@@ -24,26 +24,26 @@ struct TrialsSettings {
   std::uint64_t seed = 1;
 };
 
-/// What one law showed.
+/// Results of one law.
 struct Trial {
   std::string law;
   std::string refused{};  ///< why the law cannot work with this device; otherwise empty, and the rest is known
   nlohmann::ordered_json summary{};   ///< as the client's --summary writes it
   std::optional<double> ringing_s{};  ///< after the first contact; nothing without one
-  double push_N = 0;  ///< the largest force that drives the device on the way it is going, instead of resisting
+  double push_N = 0;                  ///< the largest force along the device's own motion: pushing, not resisting
 };
 
 /// @param figure may be null; otherwise it gets the laws' curves
-/// @param progress is told what is done, 0 to 1
+/// @param progress called with the share done, 0 to 1
 /// @throws what device, hand, law, scene and network refuse
 [[nodiscard]] std::vector<Trial> play_trials(const TrialsSettings& settings, LawsFigure* figure,
                                              const std::function<void(double)>& progress);
 
-/// What a reader can use of each law, in SI with fixed digits and 80 columns; P below zero in red.
+/// The table of results, in SI with fixed digits and 80 columns; P below zero in red.
 [[nodiscard]] std::string trials_table(const TrialsSettings& settings, const std::vector<Trial>& trials,
                                        text::Colour colour);
 
-/// What of live runs is the machine's and the network's alone: period, late ticks, round trip.
+/// The timing of live runs, which depends on machine and network: period, late ticks, round trip.
 /// @param summaries as the client's --summary writes them
 [[nodiscard]] std::string timing_table(const std::vector<nlohmann::ordered_json>& summaries);
 

@@ -33,7 +33,7 @@ struct Options {
 Json live_summary(const std::string& file) {
   Json summary = Json::parse(text::read_file(file), nullptr, false);
   if (!summary.is_object())
-    throw std::runtime_error(file + ": not a summary; what a client's --summary wrote is needed");
+    throw std::runtime_error(file + ": not a summary; expected the output of a client's --summary");
   return summary;
 }
 
@@ -47,7 +47,7 @@ void run(const Options& options) {
   {
     Progress progress;
     trials = play_trials(options.settings, options.figure.empty() ? nullptr : &figure,
-                         [&](double share) { progress.tell(share, "playing the laws"); });
+                         [&](double share) { progress.tell(share, "running the laws"); });
   }
   std::fputs(trials_table(options.settings, trials, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
   if (!live.empty()) std::printf("\n%s", timing_table(live).c_str());
@@ -76,7 +76,7 @@ void add_trials(CLI::App& app) {
   command->add_option("--operator", settings.hand, "as the client's")->type_name("SPEC")->capture_default_str();
   command
       ->add_option("--netem", settings.network,
-                   "what the network does to both directions, as the relay's; or none, or trace:FILE")
+                   "the network in both directions, as in the relay; or none, or trace:FILE")
       ->type_name("WORDS")
       ->capture_default_str();
   command->add_option("--laws", settings.laws, "which")
@@ -91,7 +91,7 @@ void add_trials(CLI::App& app) {
   command->add_option("--seed", settings.seed, "of the network and of the ticks' lateness")
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--live", options->live, "summaries of live runs, whose timing is printed beside")
+  command->add_option("--live", options->live, "summaries of live runs, whose timing is printed too")
       ->type_name("FILE.json");
   command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
   command->add_option("--figure", options->figure, "draw the laws over each other into this file")

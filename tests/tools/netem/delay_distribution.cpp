@@ -9,7 +9,7 @@
 namespace forcebound::netem {
 namespace {
 
-constexpr double kTableLimit_sigma = 4;  // what 16 bits hold
+constexpr double kTableLimit_sigma = 4;  // range of 16 bits
 
 /// Inverse of the normal distribution function by Newton's method. From 0 it runs monotonically down to a root left of
 /// it, because the function is convex there.
@@ -70,8 +70,8 @@ Nanoseconds DelayDistribution::next(Random& random) noexcept {
 std::int64_t DelayDistribution::uniform(std::uint32_t draw) const noexcept {
   const auto jitter = static_cast<std::uint64_t>(delay_.jitter.count());
   const std::uint64_t width = 2 * jitter;
-  // The remainder, as netem takes it; it also means that correlation hardly shows in jitter, there as here. A width
-  // beyond one draw (4.3 s) netem cuts, we stretch.
+  // The remainder, as in netem; therefore correlation has hardly any effect on jitter, there as here. A width beyond
+  // one draw (4.3 s) is cut by netem and scaled here.
   constexpr std::uint64_t kDraws = std::uint64_t{1} << 32U;
   const std::uint64_t offset = width <= kDraws ? draw % width : (draw * (width >> 16U)) >> 16U;
   return static_cast<std::int64_t>(offset) - static_cast<std::int64_t>(jitter);

@@ -21,7 +21,7 @@ inline constexpr std::int32_t kDelayTableSigma = 8192;
 /// @throws std::invalid_argument for the uniform shape, which needs none.
 DelayTable make_delay_table(DelayShape shape);
 
-/// Draws the delay of one packet after the other. May be negative: the packet goes at once.
+/// Draws the delay of each packet. May be negative: the packet leaves at once.
 ///
 /// Allocates nothing after construction.
 class DelayDistribution {

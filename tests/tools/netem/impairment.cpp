@@ -15,7 +15,7 @@ std::optional<T> trace_of(const std::optional<NetworkTrace>& trace) {
 }  // namespace
 
 std::uint64_t direction_seed(std::uint64_t seed, Direction direction) noexcept {
-  // SplitMix64's step, so that neighbouring seeds share nothing.
+  // SplitMix64's step, so that neighbouring seeds are independent.
   std::uint64_t x = seed + (direction == Direction::up ? 1U : 2U) * 0x9e3779b97f4a7c15U;
   x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
   x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
@@ -116,7 +116,7 @@ void Impairment::send_at_once(WaitingPacket& packet) {
   delayed_since_reordered_ = 0;
   ++counters_.reordered;
   packet.verdict.reordered = true;
-  packet.departure = Nanoseconds::min();  // before any other that is due
+  packet.departure = Nanoseconds::min();  // before all other due packets
   leaving_.push(packet, --first_turn_);
 }
 
@@ -124,11 +124,11 @@ void Impairment::delay(WaitingPacket& packet, const Arrival& arrival) {
   ++delayed_since_reordered_;
   Nanoseconds ready = arrival.now + delay_distribution_.next(random_) + arrival.trace_delay;
   if (netem_.rate.bits_per_second != 0) {
-    // Behind the last packet that still waits; once it has left, the line is free.
+    // After the last packet that still waits; once it has left, the line is free.
     if (last_ready_ > arrival.now) ready = std::max(ready, last_ready_);
     ready += transmission_time(packet.bytes);
   }
-  // Nobody waits longer, and sums stay within what 64 bits hold.
+  // Bounds the wait, so that sums stay within 64 bits.
   constexpr Nanoseconds kDelayMost = std::chrono::hours{24 * 365};
   packet.departure = std::clamp(ready, arrival.now, arrival.now + kDelayMost);
   packet.verdict.delay = packet.departure - arrival.now;

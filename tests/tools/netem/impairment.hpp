@@ -16,7 +16,7 @@
 
 namespace forcebound::netem {
 
-/// What surrounds a payload on an IPv4 Ethernet link; `rate` and `slot` count it, to agree with a real link.
+/// Headers of a payload on an IPv4 Ethernet link; `rate` and `slot` count them, to agree with a real link.
 inline constexpr std::size_t kEthernetHeaderBytes = 14;
 inline constexpr std::size_t kIpUdpHeaderBytes = 28;
 
@@ -34,12 +34,12 @@ struct ImpairmentSettings {
   Nanoseconds origin{0};  ///< when the trace and the slots begin, and blackholes count from
 };
 
-/// The seed of one direction, from the seed a person gives for both.
+/// The seed of one direction, from one seed for both.
 std::uint64_t direction_seed(std::uint64_t seed, Direction direction) noexcept;
 
 /// A packet that leaves. `bytes` is valid until the next `pop`.
 struct Departure {
-  Verdict verdict;  ///< with the delay that it really had
+  Verdict verdict;  ///< with its actual delay
   std::uint64_t tag;
   std::span<const std::byte> bytes;
   [[nodiscard]] Nanoseconds time() const noexcept { return verdict.arrival + verdict.delay; }
@@ -47,11 +47,11 @@ struct Departure {
 
 /// One direction of a bad network: netem's algorithm, with all its randomness from one seed.
 ///
-/// A packet sent into a blackhole, or into a hole of the trace, is gone without any draw. For each other packet, in
-/// this order: the draw for a duplicate; the draw for loss, which of a duplicated packet only
-/// cancels the copy; the copy is taken; one bit of one byte flips if the draw for corruption says so; a full queue
-/// drops the packet (and its copy); the copy goes through the same again, except for duplication; then the packet is
-/// reordered, which means that it leaves at once and first, or delayed. Packets leave in the order of their times.
+/// A packet sent into a blackhole, or into a hole of the trace, is lost without any draw. For each other packet, in
+/// this order: the draw for a duplicate; the draw for loss, which of a duplicated packet only cancels the copy; the
+/// copy is taken; one bit of one byte flips if the draw for corruption says so; a full queue drops the packet (and its
+/// copy); the copy goes through the same again, except for duplication; then the packet is reordered, which means that
+/// it leaves at once and first, or delayed. Packets leave in the order of their times.
 ///
 /// Same parameters, seed, times and bytes: same trace, byte for byte, on every machine.
 ///
@@ -61,7 +61,7 @@ class Impairment {
  public:
   explicit Impairment(const ImpairmentSettings& settings);
 
-  /// A packet arrives. `tag` comes back with its departures.
+  /// A packet arrives. `tag` is returned with its departures.
   Verdicts push(Nanoseconds now, std::span<const std::byte> bytes, std::uint64_t tag = 0);
 
   /// The next packet that is due, or nothing.
@@ -110,7 +110,7 @@ class Impairment {
   PacketQueue delayed_;  // by the time at which they are ready
   PacketQueue leaving_;  // ready ones, by turn: their departures are final
   std::int64_t next_turn_ = 0;
-  std::int64_t first_turn_ = 0;  // of those that go ahead, counted down
+  std::int64_t first_turn_ = 0;  // of packets that go ahead, counting down
   std::uint32_t delayed_since_reordered_ = 0;
   Nanoseconds last_ready_ = Nanoseconds::min();
   std::optional<std::size_t> popped_buffer_;

@@ -8,7 +8,7 @@
 
 namespace forcebound::netem {
 
-/// Decides for one packet after the other which is lost. Allocates nothing.
+/// Decides for each packet whether it is lost. Allocates nothing.
 class LossModel {
  public:
   LossModel(const Loss& loss, Random& random) noexcept;

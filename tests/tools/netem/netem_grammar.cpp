@@ -19,7 +19,7 @@ using netem::parse_time;
 constexpr std::int64_t kSlotNumberMax = 0x7fffffff;
 constexpr std::int64_t kRateBytesMax = 10'000;  // more than any link layer adds; keeps sums of bits within 64 bits
 
-/// The words one after the other.
+/// Takes the words one by one.
 class Words {
  public:
   explicit Words(std::string_view line) {
@@ -77,10 +77,10 @@ class Grammar {
         std::find_if(kKeywords.begin(), kKeywords.end(), [&](const Keyword& k) { return k.word == word; });
     if (keyword == kKeywords.end())
       throw std::invalid_argument("'" + std::string(word) +
-                                  "' is no netem word: expected delay, distribution, loss, duplicate, corrupt, "
+                                  "' is not a netem word: expected delay, distribution, loss, duplicate, corrupt, "
                                   "reorder, gap, rate, limit or slot");
     if (!said_.insert(word).second)
-      throw std::invalid_argument("'" + std::string(word) + "' is said twice: expected once");
+      throw std::invalid_argument("'" + std::string(word) + "' is given twice: expected once");
     (this->*keyword->read)();
   }
 
@@ -112,7 +112,7 @@ class Grammar {
       result_.delay.shape = DelayShape::paretonormal;
     } else {
       throw std::invalid_argument("'" + std::string(name) +
-                                  "' is no distribution: expected normal, pareto or paretonormal (for a uniform one "
+                                  "' is not a distribution: expected normal, pareto or paretonormal (for a uniform one "
                                   "leave the word out)");
     }
   }
@@ -123,7 +123,7 @@ class Grammar {
     if (words_.next_is("random")) words_.take("random");
     if (!words_.empty() && !words_.next_is_number())
       throw std::invalid_argument("'" + std::string(words_.take("")) +
-                                  "' is no loss: expected a percentage, random, gemodel or state");
+                                  "' is not a loss model: expected a percentage, random, gemodel or state");
     result_.loss = RandomLoss{chance("loss")};
   }
 
@@ -201,12 +201,12 @@ class Grammar {
     const Delay& delay = result_.delay;
     if (said_.contains("distribution") && (delay.mean.count() == 0 || delay.jitter.count() == 0))
       throw std::invalid_argument(
-          "'distribution' needs a delay and a jitter to shape: expected such as 'delay 50ms 10ms distribution normal'");
+          "'distribution' needs a delay and a jitter: expected for example 'delay 50ms 10ms distribution normal'");
     const bool reorders = result_.reorder.chance.probability != 0;
     if (reorders && delay.mean.count() == 0)
-      throw std::invalid_argument("'reorder' needs a delay to escape: expected such as 'delay 10ms reorder 25% gap 5'");
+      throw std::invalid_argument("'reorder' needs a delay: expected for example 'delay 10ms reorder 25% gap 5'");
     if (said_.contains("gap") && !reorders)
-      throw std::invalid_argument("'gap' needs reorder: expected such as 'delay 10ms reorder 25% gap 5'");
+      throw std::invalid_argument("'gap' needs reorder: expected for example 'delay 10ms reorder 25% gap 5'");
     if (reorders && result_.reorder.gap == 0) result_.reorder.gap = 1;
   }
 

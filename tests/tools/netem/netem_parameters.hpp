@@ -25,7 +25,7 @@ struct Delay {
   bool operator==(const Delay&) const = default;
 };
 
-/// `loss PCT [CORR]`: each packet for itself.
+/// `loss PCT [CORR]`: each packet independently.
 struct RandomLoss {
   Chance chance{};
   bool operator==(const RandomLoss&) const = default;
@@ -73,12 +73,12 @@ struct Rate {
 struct Slot {
   Nanoseconds shortest{0};
   Nanoseconds longest{0};     ///< 0: no slots
-  std::uint64_t packets = 0;  ///< at most so many in each, 0: any number
-  std::uint64_t bytes = 0;    ///< a slot closes once so many have left in it, 0: any number
+  std::uint64_t packets = 0;  ///< most packets in each, 0: any number
+  std::uint64_t bytes = 0;    ///< a slot closes after this many, 0: any number
   bool operator==(const Slot&) const = default;
 };
 
-/// How many packets wait at most if `limit` is not said.
+/// Most waiting packets without `limit`.
 inline constexpr std::uint32_t kLimitPackets = 1000;
 /// The same under a trace of round trips. Its long delays were measured on packets that did arrive, and at 1 kHz a
 /// delay of one second alone would fill netem's default.
@@ -92,7 +92,7 @@ struct NetemParameters {
   Chance corrupt{};
   Reorder reorder{};
   Rate rate{};
-  std::optional<std::uint32_t> limit_packets{};  ///< none said: kLimitPackets, or kTracedLimitPackets under a trace
+  std::optional<std::uint32_t> limit_packets{};  ///< not given: kLimitPackets, or kTracedLimitPackets under a trace
   Slot slot{};
   bool operator==(const NetemParameters&) const = default;
 };
@@ -100,12 +100,12 @@ struct NetemParameters {
 /// Reads the words that would follow `netem` on a command line of tc: "delay 50ms 10ms loss 5%".
 ///
 /// As there: a time without unit is microseconds; `distribution` needs delay and jitter; `reorder` needs delay; `gap`
-/// needs reorder. Unlike there, nothing may be said twice, and words are not abbreviated.
+/// needs reorder. Unlike there, nothing may be given twice, and words are not abbreviated.
 ///
 /// @throws std::invalid_argument naming the offending word and what would be accepted.
 NetemParameters parse_netem(std::string_view words);
 
-/// What is legal but rarely meant, for people: each an own line. Empty if there is nothing to say.
+/// Warnings about legal but unlikely settings, one line each. Empty if there are none.
 std::vector<std::string> netem_warnings(const NetemParameters& parameters);
 
 /// The grammar in a form fit for `--help`.

@@ -54,7 +54,7 @@ constexpr double kLongestTime_ns = 86400e9;
 constexpr double kHighestRate = 1e15;
 
 [[noreturn]] void refuse(std::string_view text, std::string_view meaning, std::string_view accepted) {
-  throw std::invalid_argument("'" + std::string(text) + "' is no " + std::string(meaning) + ": expected " +
+  throw std::invalid_argument("'" + std::string(text) + "' is not a valid " + std::string(meaning) + ": expected " +
                               std::string(accepted));
 }
 
@@ -64,7 +64,7 @@ struct Number {
   bool read;
 };
 
-// Not strtod: that one reads "1,5" or "1.5" by the user's locale, and takes "inf" and hexadecimal.
+// Not strtod: it depends on the locale, and accepts "inf" and hexadecimal.
 Number leading_number(std::string_view text) {
   Number number{0, text, false};
   const auto [end, error] =

@@ -7,8 +7,8 @@
 #include "forcebound/time/clock.hpp"
 #include "tests/tools/netem/random.hpp"
 
-/// The values in netem's words: what tc takes as a time, a percentage, a rate. Each names the word it was read for in
-/// its error, as @throws std::invalid_argument.
+/// The values in netem's words: times, percentages and rates in tc's syntax. Each names the word it was read for in its
+/// error, as @throws std::invalid_argument.
 namespace forcebound::netem {
 
 /// "50ms", "1.5s", "200us", "10ns"; "50" is 50 microseconds. At most a day.

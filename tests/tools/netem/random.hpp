@@ -9,7 +9,7 @@ namespace forcebound::netem {
 using Share = std::uint32_t;
 inline constexpr Share kCertain = 0xffffffffU;
 
-/// How likely something is, and how much each draw leans on the one before.
+/// A probability, and the correlation of each draw with the one before.
 struct Chance {
   Share probability = 0;
   Share correlation = 0;
@@ -29,10 +29,10 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Draws that lean on the one before: next = draw (1 - c) + last c.
+/// Correlated draws: next = draw (1 - c) + last c.
 ///
 /// This is netem's exponential average. It pulls the values to the middle, so an event of 10 % that is decided by them
-/// at c = 25 % really happens in 1.7 % of all cases.
+/// at c = 25 % happens in 1.7 % of all cases.
 class CorrelatedDraw {
  public:
   CorrelatedDraw(Share correlation, Random& random) noexcept : correlation_(correlation), last_(random.draw()) {}

@@ -6,7 +6,7 @@ namespace forcebound::netem {
 
 Nanoseconds Slots::pass(Nanoseconds ready, std::size_t bytes, Random& random) noexcept {
   if (slot_.longest.count() == 0) return ready;
-  // After a long blackout whole longest slots pass at once, so that the work stays bounded.
+  // After a long time without packets, whole longest slots pass at once, so that the work stays bounded.
   const auto silent_slots = (ready - opens_) / slot_.longest;
   if (silent_slots > 1) {
     opens_ += (silent_slots - 1) * slot_.longest;
@@ -26,7 +26,7 @@ void Slots::open_next(Random& random) noexcept {
     const std::uint64_t draw = random.draw();
     extra = (spread >> 16U) * draw / 0x10000U + ((spread & 0xffffU) * draw >> 32U);
   }
-  // Of no length at all it would never get anywhere.
+  // Slots of length zero would never advance.
   opens_ += std::max(Nanoseconds{1}, slot_.shortest + Nanoseconds{static_cast<std::int64_t>(extra)});
   packets_used_ = bytes_used_ = 0;
 }
@@ -51,7 +51,7 @@ Nanoseconds DeliveryOpportunities::pass(Nanoseconds ready, std::size_t bytes) no
 
 void DeliveryOpportunities::skip_to(Nanoseconds ready) noexcept {
   const auto& times = trace_.opportunities();
-  // The last opportunity of a cycle is at the very time at which the next cycle begins, and comes first.
+  // The last opportunity of a cycle is at the time at which the next cycle begins, and comes first.
   cycle_begin_ += (ready - cycle_begin_ - Nanoseconds{1}) / trace_.period() * trace_.period();
   const auto next = std::lower_bound(times.begin(), times.end(), ready - cycle_begin_);
   index_ = static_cast<std::size_t>(next - times.begin());

@@ -58,7 +58,7 @@ DeliveryTrace read_mahimahi(text::LineReader& lines) {
     opportunities.push_back(*time);
   } while (lines.next());
   if (opportunities.empty() || opportunities.back().count() == 0)
-    lines.refuse("the trace ends at 0 ms: expected a last line above 0, since that is when it starts over");
+    lines.refuse("the trace ends at 0 ms: expected a last line above 0, since the trace repeats from there");
   return DeliveryTrace(std::move(opportunities));
 }
 

@@ -38,8 +38,8 @@ class RttTrace {
   std::vector<Sample> samples_;
 };
 
-/// When a link could deliver, as mahimahi records it: each entry is the moment of one opportunity of
-/// kOpportunityBytes. What is not used is gone; after its last entry the schedule starts over.
+/// When a link could deliver, as mahimahi records it: each entry is the moment of one opportunity of kOpportunityBytes.
+/// Unused opportunities are lost; after its last entry the schedule starts over.
 class DeliveryTrace {
  public:
   static constexpr std::size_t kOpportunityBytes = 1500;
@@ -57,7 +57,7 @@ class DeliveryTrace {
 using NetworkTrace = std::variant<RttTrace, DeliveryTrace>;
 
 /// Reads a trace: CSV if it begins with the header `send_time_ms,rtt_ms`, else mahimahi (one whole millisecond per
-/// line). `name` is what errors call it.
+/// line). `name` is used in errors.
 ///
 /// @throws std::runtime_error `name:line: what, what would be accepted`.
 NetworkTrace read_trace(std::istream& text, const std::string& name);

@@ -21,18 +21,18 @@ constexpr std::string_view to_string(Direction direction) noexcept {
 
 enum class Fate : std::uint8_t {
   forwarded,
-  lost,        ///< the loss model took it
+  lost,        ///< dropped by the loss model
   over_limit,  ///< the queue was full
   blackout,    ///< sent into a hole of the trace, or a blackhole
 };
 
-/// What becomes of one packet, or of the copy that `duplicate` made of it.
+/// The fate of one packet, or of the copy that `duplicate` made of it.
 struct Verdict {
   std::uint64_t number = 0;  ///< of the packet in its direction: 1, 2, 3, ...
   Fate fate = Fate::forwarded;
   bool copy = false;
   bool corrupted = false;
-  bool reordered = false;  ///< went at once, ahead of delayed ones
+  bool reordered = false;  ///< sent at once, ahead of delayed ones
   Nanoseconds arrival{0};
   Nanoseconds delay{0};  ///< if forwarded, until it leaves; slots and delivery opportunities add to it only then
   bool operator==(const Verdict&) const = default;

@@ -2,7 +2,8 @@
 
 #include <vector>
 
-/// What fba-exact's recursion must give, by other means: long double, no knots, no conjugates, minima searched for.
+/// Reference results for fba-exact's recursion by other methods: long double, no knots, no conjugates, minima by
+/// search.
 namespace forcebound::test {
 
 /// A force held for a while.
@@ -11,14 +12,14 @@ struct ForcePiece {
   double duration_s = 0;
 };
 
-/// The device's own, of one joint.
+/// Damping and friction of one joint.
 struct JointFacts {
   double damping_N_s_per_m = 0;
   double friction_N = 0;
 };
 
-/// The least energy that the joint dissipates beyond what the forces put in, over all motions that cover
-/// `displacement_m` in all while they are held one after the other [J].
+/// The least energy that the joint dissipates beyond the forces' work, over all motions that cover `displacement_m` in
+/// total while they are held one after the other [J].
 long double least_cost_J(const JointFacts& joint, const std::vector<ForcePiece>& pieces, long double displacement_m);
 
 /// One reading, and the forces in effect since the one before it.

@@ -33,7 +33,7 @@ BlackholeOption parse_blackhole(const std::string& text) {
     if ((up || down) && from && to && *from < *to) return {up, down, {*from, *to}};
   }
   throw std::invalid_argument("'" + text +
-                              "' is no blackhole: expected up, down or both, and seconds since the start, as in "
+                              "' is not a blackhole: expected up, down or both, and seconds since the start, as in "
                               "up:5-65");
 }
 

@@ -6,7 +6,7 @@
 
 namespace forcebound::relay {
 
-/// "up:5-65": which way is dead, from when until when, in seconds since the relay's start. "both" is up and down.
+/// "up:5-65": a direction that is dead, from and until, in seconds since the relay's start. "both" is up and down.
 struct BlackholeOption {
   bool up = false;
   bool down = false;

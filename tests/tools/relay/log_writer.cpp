@@ -15,7 +15,7 @@ LogWriter::LogWriter(const std::string& file, Nanoseconds start)
     : file_(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)), rows_(start) {
   if (file_ < 0) throw std::runtime_error(file + ": cannot write the log: " + std::strerror(errno));
   text_ = PacketRows::kHeader;
-  // A file that grows beyond the allowed size is a full disk to us, no reason to die.
+  // Exceeding the allowed file size counts as a full disk; it must not end the program.
   std::signal(SIGXFSZ, SIG_IGN);
   thread_ = std::thread([this] { run(); });
 }
@@ -29,7 +29,7 @@ void LogWriter::on_verdict(Direction direction, const netem::Verdict& verdict) n
 }
 
 void LogWriter::on_departure(Direction direction, const netem::Verdict& verdict) noexcept {
-  // If there is no room, the row stays "waiting": it is there, but its delay is not.
+  // If there is no room, the row stays "waiting": it is written, but without its delay.
   static_cast<void>(events_.push({verdict, direction, true}));
 }
 

@@ -11,14 +11,14 @@
 
 namespace forcebound::relay {
 
-/// What of a log reached its file.
+/// Rows of a log that reached its file, and missing ones.
 struct LogResult {
   std::uint64_t written = 0;
-  std::uint64_t missing = 0;  ///< rows that should be there and are not
-  std::string problem;        ///< why, for people; empty if nothing is missing
+  std::uint64_t missing = 0;  ///< rows that could not be written
+  std::string problem;        ///< the reason; empty if nothing is missing
 };
 
-/// Writes a relay's log from a thread of its own, so that no disk ever delays a packet.
+/// Writes a relay's log in a thread of its own, so that no disk delays a packet.
 ///
 /// The relay hands rows over through a bounded lock-free queue; if that is full they are counted as missing. So are
 /// all rows after the disk refuses one.
@@ -33,7 +33,7 @@ class LogWriter final : public PacketObserver {
   void on_verdict(Direction direction, const netem::Verdict& verdict) noexcept override;
   void on_departure(Direction direction, const netem::Verdict& verdict) noexcept override;
 
-  /// Writes what is left and closes the file. Once, after the last packet.
+  /// Writes the remaining rows and closes the file. Once, after the last packet.
   LogResult finish();
 
  private:

@@ -23,7 +23,7 @@ using relay::Nanoseconds;
 
 constexpr int kFailed = 1;
 
-// Also bounds how long a signal that comes just before the wait goes unnoticed.
+// Also bounds the delay of a signal that comes just before the wait.
 constexpr Nanoseconds kLongestWait = std::chrono::milliseconds(50);
 
 volatile std::sig_atomic_t stop_asked = 0;
@@ -33,7 +33,7 @@ void ask_to_stop(int) { stop_asked = 1; }
 Nanoseconds now() { return time::SteadyClock().now(); }
 
 std::uint64_t new_seed() {
-  std::random_device device;  // 32 bits of it are enough to tell runs apart, and short enough to type
+  std::random_device device;  // 32 bits are enough to distinguish runs, and short enough to type
   return device();
 }
 
@@ -44,8 +44,8 @@ void stop_on_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-/// The relay's own jitter adds to every delay. What the system does not allow is no error: the summary tells how late
-/// packets really left.
+/// The relay's own jitter adds to every delay. Missing permissions are not an error: the summary shows how late packets
+/// left.
 void wake_up_precisely() {
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   if (time::ask_for_first_in_first_out(20) != 0)
@@ -120,7 +120,8 @@ int relay_until_stopped(const relay::Options& options) {
 
   fmt::print("{}", relay::summary(relay));
   if (upstream.refused() != 0)
-    fmt::print("{} times nobody listened at {}\n", upstream.refused(), to_string(upstream_address));
+    fmt::print("{} datagrams refused by {}: port unreachable (ICMP)\n", upstream.refused(),
+               to_string(upstream_address));
   if (downstream.counters().overflowed != 0)
     fmt::print("{} datagrams of clients lost: the socket was full\n", downstream.counters().overflowed);
   if (log) {

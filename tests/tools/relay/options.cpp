@@ -16,7 +16,7 @@ constexpr std::string_view kName = "forcebound-relay";
 constexpr int kWrongUse = 2;
 
 constexpr std::string_view kAbout =
-    "Stands between forcebound-client and forcebound-server and makes the network bad:\n"
+    "Emulates a network between forcebound-client and forcebound-server:\n"
     "delay, jitter, loss, bursts, duplicates, corruption, reordering, a slow line, or a\n"
     "recorded network.\n"
     "\n"
@@ -72,11 +72,11 @@ std::uint64_t parse_seed(const std::string& text) {
   const char* const end = text.data() + text.size();
   const auto [stopped, error] = std::from_chars(text.data(), end, seed);
   if (error != std::errc{} || stopped != end)
-    throw std::invalid_argument("'" + text + "' is no seed: expected a whole number from 0 to 18446744073709551615");
+    throw std::invalid_argument("'" + text + "' is not a seed: expected a whole number from 0 to 18446744073709551615");
   return seed;
 }
 
-/// Runs a parser; its refusal becomes the end of the command line, naming the option.
+/// Runs a parser; its error ends the command line, naming the option.
 template <class Parser>
 auto read_value(std::string_view option, Parser parse) {
   try {
@@ -95,16 +95,17 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
       ->required()
       ->type_name("HOST:PORT");
   app.add_option("--upstream", texts.upstream, "Where the server is")->required()->type_name("HOST:PORT");
-  app.add_option("--netem", texts.netem, "What is wrong with both directions, in the words of 'tc ... netem'")
+  app.add_option("--netem", texts.netem, "Impairments of both directions, in the words of 'tc ... netem'")
       ->type_name("\"WORDS\"");
   app.add_option("--netem-up", texts.netem_up, "Instead of --netem, from client to server")->type_name("\"WORDS\"");
   app.add_option("--netem-down", texts.netem_down, "Instead of --netem, from server to client")->type_name("\"WORDS\"");
-  app.add_option("--blackhole", texts.blackholes,
-                 "A way (up, down or both) that is dead from FROM to TO, in seconds since the start; may be repeated")
+  app.add_option(
+         "--blackhole", texts.blackholes,
+         "A direction (up, down or both) that is dead from FROM to TO, in seconds since the start; may be repeated")
       ->type_name("WAY:FROM-TO");
   app.add_option("--trace", options.trace, "A recorded network to play")->type_name("FILE");
   app.add_option("--seed", texts.seed, "Decides every random choice; default: a new one, printed")->type_name("N");
-  app.add_option("--log", options.log, "What became of each packet, as CSV")->type_name("FILE.csv");
+  app.add_option("--log", options.log, "Log of each packet's fate, as CSV")->type_name("FILE.csv");
   app.footer("WORDS:\n" + std::string(netem::netem_help()) + "\n" + std::string(kMore));
 }
 
@@ -122,7 +123,7 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
     std::ostringstream out;
     std::ostringstream problem;
     if (app.exit(error, out, problem) == 0) throw CommandLineEnd{0, out.str()};
-    // A mistyped option explains why another is missing, so it comes first.
+    // A mistyped option explains why another is missing, so it is reported first.
     const auto unknown = app.remaining();
     const std::string what = unknown.empty() ? error.what() : CLI::ExtrasError(unknown).what();
     throw CommandLineEnd{kWrongUse, std::string(kName) + ": " + what + "; see --help\n"};

@@ -12,7 +12,7 @@
 
 namespace forcebound::relay {
 
-/// What the command line asks for. Files are not opened yet.
+/// The command line's options. Files are not opened yet.
 struct Options {
   net::Endpoint listen;
   net::Endpoint upstream;
@@ -27,7 +27,7 @@ struct Options {
   std::uint64_t seed = 0;
 };
 
-/// The command line is done with: help or version was asked for, or it is wrong.
+/// The program ends after the command line: help, version or wrong use.
 struct CommandLineEnd {
   int exit_code;
   std::string text;  ///< for stdout if the exit code is 0, else for stderr

@@ -27,7 +27,7 @@ void PacketRows::on_departure(Direction direction, const netem::Verdict& verdict
   const auto found = std::find_if(first, rows.end(), [&](const Row& row) {
     return row.verdict.number != verdict.number || row.verdict.copy == verdict.copy;
   });
-  // Absent if its verdict was among those the log had no room for.
+  // Absent if the log had no room for its verdict.
   if (found == rows.end() || found->verdict.number != verdict.number) return;
   *found = {verdict, true};
 }

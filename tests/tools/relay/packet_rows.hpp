@@ -13,14 +13,15 @@ namespace forcebound::relay {
 using netem::Direction;
 using time::Nanoseconds;
 
-/// Turns what a relay observes into CSV rows, one per packet and copy, each direction in the order of arrival: so one
+/// Turns a relay's observations into CSV rows, one per packet and copy, each direction in the order of arrival: so one
 /// seed gives the same rows of a direction whatever the machine's timing, except for `time_ms`.
 ///
 ///     direction,number,time_ms,verdict,delay_ms
 ///     up,1,12.500000,forwarded,53.120417
 ///     up,2,13.500000,lost,
 ///
-/// `time_ms` counts from the relay's start. A row is ready once its delay is final; what has not left by the end is
+/// `time_ms` counts from the relay's start. A row is ready once its delay is final; packets that have not left by the
+/// end are
 /// "waiting".
 class PacketRows {
  public:
@@ -31,7 +32,7 @@ class PacketRows {
   void on_verdict(Direction direction, const netem::Verdict& verdict);
   void on_departure(Direction direction, const netem::Verdict& verdict);
 
-  /// Moves the rows that are ready to the end of `text` and says how many they are.
+  /// Appends the rows that are ready to `text`; returns their number.
   std::size_t take_ready(std::string& text);
 
   /// The same for all rows, at the end.

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kUdpPayloadMax = 65'535;
 
-// From each link and call, so that a flood on one never delays what is due.
+// From each link and call, so that a flood on one never delays due packets.
 constexpr int kReceivedAtOnceMax = 64;
 
 }  // namespace

@@ -19,12 +19,12 @@ class UpstreamLinks {
  public:
   virtual ~UpstreamLinks() = default;
 
-  /// A new link, valid until it is closed, or null if there is none to be had.
+  /// A new link, valid until it is closed, or null if none is available.
   virtual net::DatagramLink* open() = 0;
   virtual void close(net::DatagramLink& link) = 0;
 };
 
-/// Is told what becomes of every packet. Called by the relay: must not wait.
+/// Receives the fate of every packet. Called by the relay: must not wait.
 class PacketObserver {
  public:
   virtual ~PacketObserver() = default;
@@ -41,10 +41,10 @@ struct RelaySettings {
   netem::ImpairmentSettings down{};
   Address upstream{};
   std::size_t flows_max = 256;
-  Nanoseconds flow_idle = std::chrono::seconds(60);  ///< a client silent for so long is forgotten
+  Nanoseconds flow_idle = std::chrono::seconds(60);  ///< a client without datagrams for this time is forgotten
 };
 
-/// What the relay itself did, besides its impairments.
+/// The relay's own counts, besides its impairments.
 struct RelayCounters {
   std::uint64_t flows_opened = 0;
   std::uint64_t flows_expired = 0;
@@ -53,7 +53,7 @@ struct RelayCounters {
   std::uint64_t send_failed = 0;   ///< left, but the system did not take them
 };
 
-/// How late packets left, compared with what the impairment decided: delay that the relay adds.
+/// Lateness of packets against the impairment's times: delay that the relay adds.
 struct Lateness {
   std::uint64_t packets = 0;
   std::uint64_t late = 0;  ///< by more than kLate
@@ -73,10 +73,10 @@ class Relay {
   /// All references must outlive the relay; `observer` may be null.
   Relay(const RelaySettings& settings, net::DatagramLink& downstream, UpstreamLinks& links, PacketObserver* observer);
 
-  /// Takes in what waits on the links, a bounded number of datagrams from each.
+  /// Receives waiting datagrams, a bounded number from each link.
   void receive(Nanoseconds now);
 
-  /// Sends on what is due. To be called before and after `receive`.
+  /// Sends due packets. To be called before and after `receive`.
   void forward(Nanoseconds now);
 
   /// When `forward` has work again, unless something is received before.

@@ -6,7 +6,7 @@
 
 namespace forcebound::relay {
 
-/// What happened, for people: totals per direction, how late packets left, and what went wrong, if anything.
+/// The summary as text: totals per direction, lateness of packets, and errors, if any.
 std::string summary(const Relay& relay);
 
 }  // namespace forcebound::relay

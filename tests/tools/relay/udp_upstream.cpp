@@ -12,7 +12,7 @@ net::DatagramLink* UdpUpstream::open() try {
   descriptors_.push_back(link->descriptor());
   return links_.emplace_back(std::move(link)).get();
 } catch (const std::runtime_error& error) {
-  // Once: a client that finds no socket asks again with every datagram.
+  // Once: a client without a socket causes this error with every datagram.
   if (!std::exchange(failure_reported_, true)) spdlog::error("no socket for another client: {}", error.what());
   return nullptr;
 }

@@ -19,7 +19,7 @@ class UdpUpstream final : public UpstreamLinks {
   /// Of all open sockets, for waiting.
   [[nodiscard]] const std::vector<int>& descriptors() const noexcept { return descriptors_; }
 
-  /// How often the server's machine said that nobody listens there.
+  /// Datagrams refused by the server's machine with port unreachable (ICMP).
   [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:

@@ -14,8 +14,8 @@ namespace forcebound::sim {
 using net::Address;
 using time::Nanoseconds;
 
-/// What waits for a server that takes its time: as the program does, it takes in all that has come, computes once, and
-/// answers; what comes meanwhile waits for the next turn.
+/// The queue of a server with computing time: as the program, it takes in all that has come, computes once, and
+/// answers; datagrams that come meanwhile wait for the next turn.
 class BusyServer {
  public:
   explicit BusyServer(Nanoseconds turn) : turn_(turn) {}
@@ -23,13 +23,13 @@ class BusyServer {
   /// A datagram comes, at a time that never runs backwards.
   void arrive(std::span<const std::byte> datagram, const Address& from, Nanoseconds now);
 
-  /// When the turn ends that is under way.
+  /// The end of the present turn.
   [[nodiscard]] std::optional<Nanoseconds> next_event() const noexcept;
 
-  /// At that time: gives all that this turn is about, in the order it came, and begins the next turn.
+  /// To be called then: returns all datagrams of this turn, in order, and begins the next turn.
   void end_turn(const std::function<void(std::span<const std::byte>, const Address&, Nanoseconds arrival)>& take_in);
 
-  /// It dies, and all that waits with it.
+  /// The server is killed: drops all that waits.
   void forget() noexcept;
 
  private:

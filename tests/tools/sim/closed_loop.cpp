@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Nanoseconds kServerTimer = 250ms;
-constexpr Nanoseconds kClosing = 30s;  // virtual, so patience costs nothing
+constexpr Nanoseconds kClosing = 30s;  // virtual time
 
 ClosedLoop::Settings with_laws(ClosedLoop::Settings settings) {
   if (!settings.laws) settings.laws = std::make_shared<const control::LawRegistry>(baselines::shipped_laws());
@@ -102,7 +102,7 @@ void ClosedLoop::kill_server() {
 }
 
 void ClosedLoop::live_until(Nanoseconds time) {
-  // The server reads the clock too: let it show when each datagram comes.
+  // The server reads the clock too: set it to the arrival of each datagram.
   while (true) {
     const auto arrival = network_.next_event();
     const auto turn = busy_.next_event();

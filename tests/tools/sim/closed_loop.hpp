@@ -29,10 +29,10 @@ namespace forcebound::sim {
 ///         ticks late or not     |                             another clock  (may lie)
 ///                            ledger
 ///
-/// The server takes no time but what it is told to. Everything follows from the settings: same settings, same run.
+/// The server takes only the time in the settings. Everything follows from the settings: same settings, same run.
 class ClosedLoop {
  public:
-  /// Something that goes wrong for a while, noticed with the first tick from its beginning on.
+  /// A temporary fault, effective from the first tick after its beginning.
   struct Fault {
     enum class Kind : std::uint8_t {
       stall,          ///< the client does nothing
@@ -49,7 +49,7 @@ class ClosedLoop {
   struct Settings {
     device::DeviceDescription device;
     std::string hand;                                                      ///< the operator's specification
-    std::function<std::unique_ptr<const device::Operator>()> make_hand{};  ///< in its place, if set
+    std::function<std::unique_ptr<const device::Operator>()> make_hand{};  ///< replaces it, if set
     std::string law;
     std::shared_ptr<const scene::Scene> scene;
     SimulatedNetworkSettings network{};
@@ -58,10 +58,10 @@ class ClosedLoop {
     double settle_s = 0;  ///< contact statistics begin this long after the first contact
     TickTiming timing{};
     ClockSkew server_clock{};
-    std::optional<EnvironmentSetting> environment{};  ///< none: what the scene says
+    std::optional<EnvironmentSetting> environment{};  ///< none: the scene
     std::vector<Fault> faults{};
-    Nanoseconds server_turn{0};  ///< how long it computes before it answers; meanwhile what comes waits
-    std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: those that are shipped
+    Nanoseconds server_turn{0};                          ///< computing time before it answers; datagrams wait meanwhile
+    std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: the shipped ones
     control::LawOptions law_options{};
   };
 
@@ -74,16 +74,16 @@ class ClosedLoop {
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
-  /// Ticks for so long.
+  /// Runs for that time.
   void run(Nanoseconds duration);
 
-  /// The client does nothing for so long: its next tick is late by it.
+  /// The client pauses for that time: its next tick is late by it.
   void stall(Nanoseconds duration) noexcept { next_tick_ += duration; }
 
-  /// When the tick began that ran last.
+  /// The beginning of the last tick.
   [[nodiscard]] Nanoseconds time() const noexcept { return clock_.now(); }
 
-  /// Ends the session as the program does and gives the summary of all.
+  /// Ends the session as the program does and returns the summary.
   const record::Summary& close();
 
   /// Of the ticks so far, without the totals of a session that has ended.
@@ -121,7 +121,7 @@ class ClosedLoop {
   std::unique_ptr<server::Server> server_;
   std::uint64_t server_starts_ = 0;
   Nanoseconds next_tick_{0};
-  Nanoseconds free_{0};  // when the client has done with its tick
+  Nanoseconds free_{0};  // the end of the client's tick
   Nanoseconds end_{0};
   Nanoseconds next_timer_{0};
 };

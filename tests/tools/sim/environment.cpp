@@ -20,16 +20,16 @@ Vector along(const Vector& direction, double length) {
   return norm > 0 ? Vector(direction * (length / norm)) : Vector::Zero(direction.rows());
 }
 
-/// What it decides by.
+/// Inputs of an adversary.
 struct View {
   Nanoseconds time;         ///< true
   const Vector& position;   ///< of the motion it answers [m]
   const Vector& velocity;   ///< of the tip, true, now [m/s]
-  const Vector& own_force;  ///< what the scene says [N]
-  double ledger_J = 0;      ///< what the client's law has to spend
+  const Vector& own_force;  ///< the scene's force [N]
+  double ledger_J = 0;      ///< energy that the client's law may spend
 };
 
-/// Answers what the scene says, but with a force of its own.
+/// Answers as the scene does, but with a force of its own.
 class Adversary : public server::Environment {
  public:
   void take_over(std::unique_ptr<server::Environment> honest, std::function<Truth()> truth) {
@@ -90,7 +90,7 @@ class NegativeStiffness final : public Adversary {
   std::optional<Vector> centre_;
 };
 
-/// Pushes along with the motion, as far as two readings tell of one.
+/// Pushes along the motion between the last two readings.
 class NegativeDamping final : public Adversary {
  public:
   explicit NegativeDamping(const EnvironmentSetting& setting)
@@ -111,7 +111,7 @@ class NegativeDamping final : public Adversary {
   Nanoseconds time_{0};
 };
 
-/// All it has, along with the true motion.
+/// The largest force, along the true motion.
 class BangBang final : public Adversary {
  public:
   explicit BangBang(const EnvironmentSetting& setting) : force_N_max_(setting.force_N_max) {}
@@ -121,7 +121,7 @@ class BangBang final : public Adversary {
   double force_N_max_;
 };
 
-/// A stiff spring to where it first saw the device, that feels where the device was some time ago.
+/// A stiff spring to where it first saw the device, with the device's position some time ago.
 class DelayedWall final : public Adversary {
  public:
   explicit DelayedWall(const EnvironmentSetting& setting) {
@@ -143,7 +143,7 @@ class DelayedWall final : public Adversary {
   std::deque<std::pair<Nanoseconds, Vector>> past_;
 };
 
-/// One way and the other, by turns.
+/// Alternating directions.
 class Switching final : public Adversary {
  public:
   explicit Switching(const EnvironmentSetting& setting) : draw_(setting.seed), force_N_max_(setting.force_N_max) {}
@@ -158,9 +158,8 @@ class Switching final : public Adversary {
   Vector direction_;
 };
 
-/// Reads the law's ledger: lets the hand fill it, asks for nothing meanwhile, and then spends all of it along with the
-/// true motion. Between its raids it shakes the device by less than friction and law would ever refuse, so that an
-/// encoder flickers.
+/// Reads the law's ledger: lets the hand fill it with zero requests, and then spends all of it along the true motion.
+/// In between it shakes the device by less than friction and law would bound, so that an encoder flickers.
 class Greedy final : public Adversary {
  public:
   explicit Greedy(const EnvironmentSetting& setting)
@@ -183,7 +182,7 @@ class Greedy final : public Adversary {
   bool raiding_ = false;
 };
 
-/// What another run's client was told, from the beginning again when it is over.
+/// The forces of another run, repeated.
 class Replayed final : public Adversary {
  public:
   explicit Replayed(const EnvironmentSetting& setting) : forces_(setting.other_run) {}
@@ -214,14 +213,14 @@ std::unique_ptr<Adversary> make(const EnvironmentSetting& setting) {
 }
 
 constexpr std::array kKinds{
-    Kind{"honest", "what the scene says", make<Honest>},
-    Kind{"random", "any force, another one on each motion", make<Random>},
+    Kind{"honest", "the scene's force", make<Honest>},
+    Kind{"random", "a random force on each motion", make<Random>},
     Kind{"negative-stiffness", "pushes away from where the motion began", make<NegativeStiffness>},
-    Kind{"negative-damping", "pushes along with the motion as it was read", make<NegativeDamping>},
-    Kind{"bang-bang", "the largest force, along with the true motion", make<BangBang>},
-    Kind{"delayed-wall", "a stiff spring that feels the past", make<DelayedWall>},
-    Kind{"switching", "the largest force, the other way on each motion", make<Switching>},
-    Kind{"greedy", "reads the ledger, lets it fill and spends it along with the true motion", make<Greedy>},
+    Kind{"negative-damping", "pushes along the motion between readings", make<NegativeDamping>},
+    Kind{"bang-bang", "the largest force, along the true motion", make<BangBang>},
+    Kind{"delayed-wall", "a stiff spring to a delayed position", make<DelayedWall>},
+    Kind{"switching", "the largest force, reversed on each motion", make<Switching>},
+    Kind{"greedy", "reads the ledger, lets it fill and spends it along the true motion", make<Greedy>},
     Kind{"replayed", "the forces of another run", make<Replayed>}};
 
 const Kind& kind_of(const EnvironmentSetting& setting) {

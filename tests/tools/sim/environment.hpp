@@ -16,14 +16,14 @@ namespace forcebound::sim {
 using control::Vector;
 using time::Nanoseconds;
 
-/// What a hostile environment may know beside the motion it answers: more than any real one could.
+/// Inputs of a hostile environment beside the motion: more than any real one could have.
 struct Truth {
   Nanoseconds time{0};  ///< true
   Vector velocity{};    ///< of the tip, now [m/s]
-  double ledger_J = 0;  ///< what the client's law has to spend
+  double ledger_J = 0;  ///< energy that the client's law may spend
 };
 
-/// What an environment is made for.
+/// Settings of an environment.
 struct EnvironmentSetting {
   std::string name;  ///< one of `environment_names`
   std::uint64_t seed = 1;
@@ -31,10 +31,10 @@ struct EnvironmentSetting {
   std::vector<Vector> other_run{};  ///< forces of another run, for "replayed"
 };
 
-/// "honest", which answers what the scene says, and the hostile ones.
+/// "honest", which answers as the scene, and the hostile ones.
 [[nodiscard]] std::vector<std::string> environment_names();
 
-/// "NAME  what it does", a line each.
+/// "NAME  description", a line each.
 [[nodiscard]] std::string environments_help();
 
 /// An environment that tries to make the device return energy: it asks `honest`, and answers that with a force of its
@@ -44,7 +44,7 @@ struct EnvironmentSetting {
                                                                     std::unique_ptr<server::Environment> honest,
                                                                     std::function<Truth()> truth);
 
-/// The same kind, of which every session meets such an environment in place of its own.
+/// A kind that gives every session such an environment instead of its own.
 /// @throws std::invalid_argument naming the known ones.
 [[nodiscard]] server::EnvironmentKind taken_over(server::EnvironmentKind kind, const EnvironmentSetting& setting,
                                                  std::function<Truth()> truth);

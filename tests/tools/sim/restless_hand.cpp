@@ -33,7 +33,7 @@ RestlessHand::RestlessHand(const Settings& settings) : settings_(settings) {
         act.shake = draw.vector(dof, draw.one_of({1e-5, 1e-4, 5e-3}));
         act.shakes = std::ceil(act.length_s * draw.number(3, 25));
         break;
-      default:  // lets go
+      default:  // releases
         act.grip = 0;
     }
     acts_.push_back(act);

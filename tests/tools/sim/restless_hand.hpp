@@ -7,7 +7,7 @@
 
 namespace forcebound::sim {
 
-/// A hand that pulls, holds, shakes and lets go by turns, all drawn from a seed.
+/// A hand that pulls, holds, shakes and releases by turns, all drawn from a seed.
 class RestlessHand final : public device::Operator {
  public:
   struct Settings {
@@ -27,7 +27,7 @@ class RestlessHand final : public device::Operator {
   [[nodiscard]] std::string description() const override;
 
  private:
-  /// From one place to another in the first half, a whole number of shakes all the time.
+  /// From one position to another in the first half, with a whole number of shakes throughout.
   struct Act {
     double begin_s = 0;
     double length_s = 0;

@@ -5,7 +5,7 @@
 namespace forcebound::sim {
 namespace {
 
-// What a socket would hold of datagrams nobody reads.
+// A socket's room for unread datagrams.
 constexpr std::size_t kInboxMax = 4096;
 
 constexpr std::uint16_t kServerPort = 47800;
@@ -100,7 +100,7 @@ void SimulatedNetwork::set_blackhole(Direction direction, bool on) noexcept {
 }
 
 bool SimulatedNetwork::send(Direction direction, std::span<const std::byte> datagram, std::uint64_t client) {
-  // An impairment's queue holds what is due until it is popped.
+  // An impairment's queue holds due packets until they are popped.
   if (!event_time_) deliver_due(clock_.now());
   if (blackhole_[static_cast<std::size_t>(direction)]) {
     ++counters_.blackholed;
@@ -117,7 +117,7 @@ void SimulatedNetwork::deliver_due(Nanoseconds until) {
   if (event_time_) return;  // called from within the handler: the loop below goes on with it
   for (std::optional<Nanoseconds> next = next_event(); next && *next <= until; next = next_event()) {
     event_time_ = next;
-    // At the same time, what goes up is first: its answer may be due at once as well.
+    // At equal times, up is first: its answer may be due at once as well.
     for (const Direction direction : {Direction::up, Direction::down}) {
       if (const auto departure = way(direction).pop(*next)) {
         deliver(direction, *departure);

@@ -19,7 +19,7 @@ using net::Address;
 using netem::Direction;
 using time::Nanoseconds;
 
-/// What is wrong with each way. The seeds and origins in here are replaced by the network's.
+/// The impairments of each direction. The seeds and origins in here are replaced by the network's.
 struct SimulatedNetworkSettings {
   netem::NetemParameters up{};
   netem::NetemParameters down{};
@@ -27,11 +27,11 @@ struct SimulatedNetworkSettings {
   std::uint64_t seed = 1;
 };
 
-/// Datagrams that vanished for other reasons than an impairment.
+/// Datagrams lost for other reasons than an impairment.
 struct SimulatedNetworkCounters {
   std::uint64_t blackholed = 0;       ///< sent while their direction was blackholed
   std::uint64_t server_detached = 0;  ///< delivered while there was no server
-  std::uint64_t inbox_full = 0;       ///< delivered to somebody who did not read
+  std::uint64_t inbox_full = 0;       ///< delivered to an end that did not read
 };
 
 /// A server and any number of clients, joined by one impaired link per direction, in one process and virtual time:
@@ -64,14 +64,14 @@ class SimulatedNetwork {
   net::DatagramLink& server_link() noexcept;
   [[nodiscard]] Address server_address() const noexcept;
 
-  /// From now on datagrams go to the handler, and no longer to the server link's receive().
+  /// From now on datagrams go to the handler instead of the server link's receive().
   void set_server_handler(ServerHandler handler);
 
-  /// Kills the server: what reaches it is gone, and so is what it has not yet read. Its last answers still travel.
+  /// Kills the server: datagrams for it are lost, and unread ones too. Its last answers still travel.
   void detach_server() noexcept;
   void attach_server() noexcept { server_attached_ = true; }
 
-  /// Swallows whatever is sent in a direction; what travels already still arrives.
+  /// Drops all that is sent in a direction; datagrams in flight still arrive.
   void set_blackhole(Direction direction, bool on) noexcept;
 
   /// Delivers all that is due up to `now`, in the order of time, answers of the handler included.
@@ -83,7 +83,7 @@ class SimulatedNetwork {
   [[nodiscard]] const netem::ImpairmentCounters& counters(Direction direction) const noexcept;
   [[nodiscard]] const SimulatedNetworkCounters& counters() const noexcept { return counters_; }
 
-  /// Stands at the server's door: whatever the server sends is what this makes of it.
+  /// Changes whatever the server sends.
   using Tamper = std::function<std::span<const std::byte>(std::span<const std::byte> datagram, Nanoseconds now)>;
   void set_tamper(Tamper tamper) { tamper_ = std::move(tamper); }
 

@@ -9,7 +9,7 @@ namespace forcebound::sim {
 
 using time::Nanoseconds;
 
-/// How another machine's clock differs from the true one.
+/// Difference of another machine's clock from the true one.
 struct ClockSkew {
   struct Jump {
     Nanoseconds at;
@@ -20,14 +20,14 @@ struct ClockSkew {
   std::vector<Jump> jumps{};
 };
 
-/// Another machine's clock: another origin, another rate, and now and then a jump.
+/// Another machine's clock: with an offset, a rate error and jumps.
 class SkewedClock final : public time::Clock {
  public:
   SkewedClock(const time::Clock& truth, ClockSkew skew) : truth_(truth), skew_(std::move(skew)) {}
 
   [[nodiscard]] Nanoseconds now() const noexcept override { return shown_at(truth_.now()); }
 
-  /// What it shows at a true time.
+  /// Its reading at a true time.
   [[nodiscard]] Nanoseconds shown_at(Nanoseconds time) const noexcept {
     Nanoseconds shown = time + skew_.offset + time::from_seconds(skew_.rate_error * time::to_seconds(time));
     for (const ClockSkew::Jump& jump : skew_.jumps) {

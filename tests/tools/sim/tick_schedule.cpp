@@ -6,8 +6,8 @@
 namespace forcebound::sim {
 namespace {
 
-/// A minute of clock_nanosleep at 1 kHz under SCHED_FIFO, on a virtual machine with two shared cores that was
-/// compiling: so late were so many of the wake-ups at the most.
+/// Measured over a minute of clock_nanosleep at 1 kHz under SCHED_FIFO, on a virtual machine with two shared cores that
+/// was compiling: for each lateness, the share of wake-ups up to it.
 struct Quantile {
   double share;
   double late_us;

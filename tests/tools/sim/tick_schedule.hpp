@@ -7,12 +7,12 @@ namespace forcebound::sim {
 
 using time::Nanoseconds;
 
-/// How punctual the client's ticks are.
+/// Timing of the client's ticks.
 struct TickTiming {
-  double late_share = 0;                           ///< of all ticks
-  Nanoseconds late_max = Nanoseconds::zero();      ///< these wake up late by anything up to this
-  bool measured = false;                           ///< besides, all are late as measured on a shared virtual machine
-  Nanoseconds choosing_max = Nanoseconds::zero();  ///< from the reading to the command, anything up to this
+  double late_share = 0;                       ///< of all ticks
+  Nanoseconds late_max = Nanoseconds::zero();  ///< largest lateness of these
+  bool measured = false;                       ///< in addition, all are late as measured on a shared virtual machine
+  Nanoseconds choosing_max = Nanoseconds::zero();  ///< largest time from the reading to the command
 };
 
 /// When the client's ticks begin, and how long they take to their command: drawn from a seed.
@@ -30,7 +30,7 @@ class TickSchedule {
   /// From a tick's reading to its command.
   [[nodiscard]] Nanoseconds next_choosing();
 
-  /// When in that time the force was chosen: mostly just before, now and then long before.
+  /// When in that time the force was chosen: mostly just before the end, sometimes long before.
   [[nodiscard]] Nanoseconds next_chosen(Nanoseconds commanded);
 
  private:

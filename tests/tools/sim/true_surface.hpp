@@ -10,12 +10,11 @@
 
 namespace forcebound::sim {
 
-/// Stands between the session and what looks at its ticks, and tells these how deep the device truly is: in the scene
-/// itself, at the device's true position, now. What the session knows is the plane of an answer that crossed the
-/// network.
+/// Passes ticks from the session to its sinks with the true depth of the device: in the scene itself, at the device's
+/// true position, now. The session knows only the plane of an answer that crossed the network.
 ///
-/// A scene with tissue or bodies has its surface where its past has put it, which nobody but the server knows: there
-/// the ticks stay as the session wrote them down.
+/// In a scene with tissue or bodies the surface depends on the past, which only the server knows: there ticks are
+/// passed on unchanged.
 class TrueSurface final : public record::TickSink {
  public:
   /// @param device must outlive this

@@ -6,7 +6,7 @@ namespace forcebound::sim {
 
 using time::Nanoseconds;
 
-/// A clock that stands until somebody sets it.
+/// A clock that stands until it is set.
 class VirtualClock final : public time::Clock {
  public:
   explicit VirtualClock(Nanoseconds start = Nanoseconds{0}) noexcept : now_(start) {}
@@ -30,7 +30,7 @@ class TickClock final : public time::Clock {
     return truth_.now() + (asked_++ == 0 ? chosen_ : commanded_);
   }
 
-  /// For the tick that begins now: how far in it has chosen and commanded.
+  /// For the tick that begins now: the times until it has chosen and commanded.
   void begin_tick(Nanoseconds chosen, Nanoseconds commanded) noexcept {
     chosen_ = chosen;
     commanded_ = commanded;

@@ -83,7 +83,7 @@ TEST(AdjustingOutputLimiter, IsPassiveAgainstAnyAdversary) {
 
 TEST(AdjustingOutputLimiter, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
 
-TEST(AdjustingOutputLimiter, ChargesWhatNobodySaw) {
+TEST(AdjustingOutputLimiter, ChargesTheWorstCaseForUnusableReadings) {
   LawLoop aol(kLaw, to_matrix({{30}}));
   LawLoop less("fba-less", to_matrix({{30}}));
   for (int i = 0; i < 400; ++i) {

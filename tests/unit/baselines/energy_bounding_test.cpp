@@ -49,7 +49,7 @@ TEST(EnergyBoundingLaw, ShowsTheStiffnessThatC1Allows) {
   }
 }
 
-TEST(EnergyBoundingLaw, PressesASoftWallAsItIsAndLetsGoOfItSooner) {
+TEST(EnergyBoundingLaw, ShowsASoftWallExactlyAndReleasesItAtLowerForces) {
   constexpr double kSoft_N_per_m = 1e4;
   LawLoop loop = one_axis();
   loop.tick(0.0, 0.0);
@@ -133,7 +133,7 @@ TEST(EnergyBoundingLaw, IsPassiveAgainstAnyAdversary) {
 
 TEST(EnergyBoundingLaw, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
 
-TEST(EnergyBoundingLaw, EndsTheForceOfAnIntervalThatNobodySaw) {
+TEST(EnergyBoundingLaw, EndsTheForceAfterAnIntervalWithoutReadings) {
   for (const double interval_s : {0.0, -1e-3, 1e308, std::nan("")}) {
     SCOPED_TRACE(interval_s);
     LawLoop loop = one_axis();
@@ -154,7 +154,7 @@ std::string refusal_of(const control::LawParameters& parameters) {
   return shipped_laws().refusal(kLaw, test::ideal_device(1), {.parameters = parameters});
 }
 
-TEST(EnergyBoundingLaw, RefusesBoundsThatAreNone) {
+TEST(EnergyBoundingLaw, RefusesInvalidBounds) {
   EXPECT_EQ(refusal_of({{"c1_T_per_b", 1.1}}), "law 'eba': c1_T_per_b must be 0.001 to 1, got 1.1");
   EXPECT_EQ(refusal_of({{"c2_T_per_b", 0}}), "law 'eba': c2_T_per_b must be 0.001 to 1000, got 0");
   EXPECT_EQ(refusal_of({{"c3", 1}}), "law 'eba' has no parameter 'c3'; known are c1_T_per_b, c2_T_per_b");

@@ -85,7 +85,7 @@ TEST(LawFile, IsReadFromTheDisk) {
   EXPECT_THROW((void)load_law_parameters(file, "tuned", laws()), std::runtime_error);
 }
 
-TEST(LawFile, IsDescribedForPeople) {
+TEST(LawFile, IsDescribedAsText) {
   EXPECT_EQ(describe({{"mass_kg", 0.03}, {"gain", 40000}}), "gain 40000, mass_kg 0.03");
   EXPECT_EQ(describe(LawParameters{}), "");
 }

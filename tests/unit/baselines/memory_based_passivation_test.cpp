@@ -80,7 +80,7 @@ TEST(MemoryBasedPassivation, GoesOnAtRestAsBefore) {
   }
 }
 
-TEST(MemoryBasedPassivation, GivesNothingThatNoPressingStored) {
+TEST(MemoryBasedPassivation, ReturnsNoEnergyThatPressingDidNotStore) {
   LawLoop loop = one_axis();
   loop.tick(0.0, 0.0);
   for (int i = 1; i <= 100; ++i) EXPECT_EQ(loop.tick(i * 1e-5, 5.0), 0.0) << "pushed along, from the beginning";

@@ -29,7 +29,7 @@ LawLoop one_axis(const control::LawParameters& parameters = {}) {
 const control::LawParameters kAnyDamping{{"alpha_max_per_b", 1e3}};
 const control::LawParameters k2002{{"variant", 2002}, {"alpha_max_per_b", 1e3}};
 
-TEST(TimeDomainPassivity, LeavesAnEnvironmentAloneThatTakesMoreThanItGives) {
+TEST(TimeDomainPassivity, DoesNotDampAnEnvironmentThatTakesInMoreThanItReturns) {
   for (const double year : {2002.0, 2004.0}) {
     LawLoop loop = one_axis({{"variant", year}});
     for (int i = 0; i <= 1000; ++i) {
@@ -65,7 +65,7 @@ TEST(TimeDomainPassivity, GivesNothingToAMotionThatGoesOn) {
   }
 }
 
-TEST(TimeDomainPassivity, DampsAwayWhatItIsShortOf) {
+TEST(TimeDomainPassivity, DampsTheMissingEnergy) {
   LawLoop loop = one_axis(kAnyDamping);
   loop.tick(0.0, 0.0);
   loop.tick(0.0, 5.0);  // stands still: nothing to damp with

@@ -18,7 +18,7 @@ namespace {
 
 using test::TwoPortLoop;
 
-TEST(RemoteSum, CountsTheLargestHeardOnceInWhateverOrder) {
+TEST(RemoteSum, CountsTheLargestReceivedOnceInAnyOrder) {
   RemoteSum sum;
   sum.begin_at_zero();
   double total = 0;
@@ -26,7 +26,7 @@ TEST(RemoteSum, CountsTheLargestHeardOnceInWhateverOrder) {
   EXPECT_EQ(total, 3.5);
 }
 
-TEST(RemoteSum, TakesTheFirstHeardAsWhereItBegins) {
+TEST(RemoteSum, TakesTheFirstReceivedAsItsStart) {
   RemoteSum sum;
   EXPECT_EQ(sum.hear(100), 0);
   EXPECT_EQ(sum.hear(101), 1);

@@ -154,7 +154,7 @@ TEST_F(UdpBatchTest, CountsWhatASlowReaderMakesTheSystemDrop) {
   EXPECT_GT(link_.counters().overflowed, 0U);
 }
 
-TEST_F(UdpBatchTest, HearsPastTheRefusalsOfAnAbsentPeer) {
+TEST_F(UdpBatchTest, ReceivesInSpiteOfPortUnreachableErrors) {
   auto peer = std::make_optional(UdpLink::listen(resolve({"127.0.0.1", 0})));
   const Address there = peer->local_address();
   UdpLink link = UdpLink::towards(there);

@@ -70,7 +70,7 @@ TEST_P(UdpLinkBothKinds, CarriesQuestionAndAnswer) {
   EXPECT_EQ(answer->from, server.local_address());
 }
 
-TEST_P(UdpLinkBothKinds, SurvivesAnAbsentServerAndHearsItWhenItIsBack) {
+TEST_P(UdpLinkBothKinds, SurvivesAnAbsentServerAndReceivesWhenItIsBack) {
   auto server = std::make_optional(UdpLink::listen(any_port()));
   const Address address = server->local_address();
   UdpLink client = UdpLink::towards(address);
@@ -138,14 +138,14 @@ TEST(UdpLink, CountsWhatASlowReaderMakesTheSystemDrop) {
   EXPECT_GT(server.counters().overflowed, 0U);
 }
 
-TEST(UdpLink, SaysPlainlyThatAnAddressIsInUse) {
+TEST(UdpLink, NamesAnAddressInUse) {
   UdpLink first = UdpLink::listen(resolve({"127.0.0.1", 0}));
   EXPECT_THAT([&] { UdpLink::listen(first.local_address()); },
               ThrowsMessage<std::runtime_error>(
                   AllOf(HasSubstr("cannot listen on " + to_string(first.local_address())), HasSubstr("in use"))));
 }
 
-TEST(UdpLink, SaysPlainlyThatAnAddressIsNotOfThisMachine) {
+TEST(UdpLink, NamesAnAddressThatIsNotOfThisMachine) {
   EXPECT_THAT(
       [] {
         UdpLink::listen(resolve({"192.0.2.1", 0}));

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr const char* kServer = "127.0.0.1:47800";
 
-TEST(ABlackout, InWhichAnswersWereLostIsTheWayDown) {
+TEST(ABlackout, WithLostAnswersDiedDown) {
   const Blackout blackout{
       .duration = 60s, .over = true, .counted = true, .motions = 60012, .answers = 60011, .lost_down = 60011};
   EXPECT_EQ(what_died(blackout), "down");
@@ -18,7 +18,7 @@ TEST(ABlackout, InWhichAnswersWereLostIsTheWayDown) {
             "60011 answers came back (down dead)");
 }
 
-TEST(ABlackout, InWhichMotionsWereLostIsTheWayUp) {
+TEST(ABlackout, WithLostMotionsDiedUp) {
   const Blackout blackout{
       .duration = 3s, .over = true, .counted = true, .motions = 3000, .lost_up = 2990, .answers = 10};
   EXPECT_EQ(what_died(blackout), "up");
@@ -27,7 +27,7 @@ TEST(ABlackout, InWhichMotionsWereLostIsTheWayUp) {
             "answers came back (down alive)");
 }
 
-TEST(ABlackout, ThatTheServerEndedWithoutHearingAnythingIsTheWayUp) {
+TEST(ABlackout, EndedByAServerThatReceivedNoMotionDiedUp) {
   const Blackout blackout{
       .duration = 61s, .over = true, .counted = true, .server_left = true, .motions = 60000, .lost_up = 60000};
   EXPECT_EQ(what_died(blackout), "up");
@@ -36,11 +36,11 @@ TEST(ABlackout, ThatTheServerEndedWithoutHearingAnythingIsTheWayUp) {
             "answer was due, and the server ended the session");
 }
 
-TEST(ABlackout, InWhichBothLostIsBothWays) {
+TEST(ABlackout, WithBothLostDiedInBothDirections) {
   EXPECT_EQ(what_died({.counted = true, .motions = 9, .lost_up = 8, .answers = 5, .lost_down = 4}), "both");
 }
 
-TEST(ABlackout, InWhichLittleWasLostIsNeitherWay) {
+TEST(ABlackout, WithFewLossesDiedInNeitherDirection) {
   EXPECT_EQ(what_died({.counted = true, .motions = 8, .lost_up = 4, .answers = 8, .lost_down = 4}), "neither");
   const Blackout stopped{.duration = 2s, .over = true, .counted = true};
   EXPECT_EQ(what_died(stopped), "neither");
@@ -48,17 +48,17 @@ TEST(ABlackout, InWhichLittleWasLostIsNeitherWay) {
             "nothing came back from 127.0.0.1:47800 for 2.00 s: no motion was sent in it, so no answer was due");
 }
 
-TEST(ABlackout, OfWhichNothingWasCountedIsNotGuessedAt) {
+TEST(ABlackout, WithoutCountsHasAnUnknownDirection) {
   EXPECT_EQ(what_died({.duration = 2s}), "unknown");
   EXPECT_EQ(words_of({.duration = 2s}, kServer),
-            "nothing came back from 127.0.0.1:47800 for 2.00 s until the end: which way died, and so which way lost "
-            "what is missing, is not known");
+            "nothing came back from 127.0.0.1:47800 for 2.00 s until the end: it is not known which direction "
+            "lost the datagrams");
   EXPECT_EQ(words_of({.duration = 2s, .over = true}, kServer),
             "nothing came back from 127.0.0.1:47800 for 2.00 s: then in another session: the server had restarted or "
-            "given this one up");
+            "closed this one");
 }
 
-TEST(ABlackout, AfterTheServersByeIsTheServers) {
+TEST(ABlackout, AfterTheServersByeDiedAtTheServer) {
   const Blackout blackout{.duration = 2s, .over = true, .server_left = true};
   EXPECT_EQ(what_died(blackout), "server");
   EXPECT_EQ(words_of(blackout, kServer),

@@ -20,7 +20,7 @@ std::string refusal_of(const std::string& bytes) {
   return {};
 }
 
-TEST(RecordingCodec, GivesAMotionBackAsItIsThoughItsNumbersAreNot) {
+TEST(RecordingCodec, KeepsMotionsWithNumbersThatAreNotFinite) {
   wire::MotionSample motion{.session = 1, .sequence = 2, .device_time = Nanoseconds{3}};
   motion.position = control::Vector::Constant(6, std::numeric_limits<double>::infinity());
   motion.port = control::PortNumbers::Constant(16, 0.5);
@@ -33,7 +33,7 @@ TEST(RecordingCodec, GivesAMotionBackAsItIsThoughItsNumbersAreNot) {
   EXPECT_EQ(back.port, motion.port);
 }
 
-TEST(RecordingCodec, NamesTheTimeThatNoClockShows) {
+TEST(RecordingCodec, NamesATimeOutOfRange) {
   const wire::MotionSample motion{.device_time = wire::kTimeMost + Nanoseconds{1}};
   EXPECT_EQ(refusal_of<wire::MotionSample>(encode(motion)),
             "device_time_ns must be within 2^61, got 2305843009213693953");

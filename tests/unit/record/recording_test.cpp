@@ -258,7 +258,7 @@ TEST(RunInfo, ComesBackFromItsKeyValues) {
   EXPECT_EQ(to_key_values(run_totals_from(totals)), totals);
 }
 
-TEST(RunInfo, RefusesANumberThatIsNone) {
+TEST(RunInfo, RefusesAnInvalidNumber) {
   try {
     (void)run_info_from({{"seed", "12x"}});
     FAIL();

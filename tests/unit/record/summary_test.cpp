@@ -144,7 +144,7 @@ TEST(Summary, ShowsNoStiffnessOfAContactThatNeverRests) {
   EXPECT_THAT(summary.to_text(), HasSubstr("at rest       never"));
 }
 
-TEST(Summary, SaysNothingOfADepthThatNobodyKnows) {
+TEST(Summary, HasNoDepthWhereTheSurfaceIsUnknown) {
   Summary summary(RunInfo{});
   for (std::uint64_t n = 1; n <= 1000; ++n) {
     // The newest answer touched the surface, but far from where the device is now.
@@ -354,7 +354,7 @@ TEST(Summary, HasNoVerdictOfARunThatTouchedNothing) {
   EXPECT_THAT(summary.to_text(), StartsWith("Summary: no contact, no verdict; "));
 }
 
-TEST(Summary, HasAVerdictOfForcesWithoutASurface) {
+TEST(Summary, HasAVerdictForForcesWithoutASurface) {
   Summary summary(audited());
   TickRecord tick = connected(tick_at(1));
   tick.request = tick.applied = vector_of({1});
@@ -403,7 +403,7 @@ TEST(Summary, ShowsANegativePInRedWhereColoursAreWanted) {
   EXPECT_THAT(summary.to_text(), Not(HasSubstr("\033")));
 }
 
-TEST(Summary, SaysWhatACutOffRunDoesNotKnow) {
+TEST(Summary, NamesTheUnknownCountsOfAnIncompleteRun) {
   Summary summary(test::sample_info());
   test::play_sample_run(summary, 100);
   const json object = json_of(summary);
@@ -414,7 +414,7 @@ TEST(Summary, SaysWhatACutOffRunDoesNotKnow) {
   EXPECT_THAT(summary.to_text(), HasSubstr("cut off"));
 }
 
-TEST(Summary, IsReadableAfterARunOfNothing) {
+TEST(Summary, IsReadableAfterAnEmptyRun) {
   Summary summary(RunInfo{});
   const json object = json_of(summary);
   EXPECT_EQ(object["ticks"], 0);

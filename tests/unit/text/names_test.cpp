@@ -10,15 +10,15 @@ namespace {
 const std::vector<std::string> kScenes{"box", "circle", "sphere"};
 const std::vector<std::string> kKeys{"damping_N_s_per_m", "mass_kg", "friction_N"};
 
-TEST(NearestName, ForgivesASlipOfTheFinger) {
+TEST(NearestName, FindsANameWithAMisspelling) {
   EXPECT_EQ(nearest_name("mas_kg", kKeys), "mass_kg");
   EXPECT_EQ(nearest_name("spere", kScenes), "sphere");
   EXPECT_EQ(nearest_name("circel", kScenes), "circle");
 }
 
-TEST(NearestName, ForgivesAUnitLeftOut) { EXPECT_EQ(nearest_name("damping", kKeys), "damping_N_s_per_m"); }
+TEST(NearestName, FindsANameWithoutItsUnit) { EXPECT_EQ(nearest_name("damping", kKeys), "damping_N_s_per_m"); }
 
-TEST(NearestName, OffersNothingForAnotherWord) {
+TEST(NearestName, FindsNothingForAnotherWord) {
   EXPECT_EQ(nearest_name("colour", kKeys), "");
   EXPECT_EQ(nearest_name("temperature", kScenes), "");
   EXPECT_EQ(nearest_name("", kScenes), "");

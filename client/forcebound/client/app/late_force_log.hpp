@@ -8,18 +8,18 @@
 
 namespace forcebound::client {
 
-/// Chooses which changes of the late-force policy get a log line, so that forces whose age swings about the hold time
-/// do not flood the log: three at once, and one a second on average. What was left out is counted in the next line, and
-/// the last change is always told, if late.
+/// Limits the log lines on changes of the late-force policy, so that forces whose age varies about the hold time do not
+/// flood the log: three at once, and one a second on average. The next line gives the number left out; the last change
+/// always gets its line, perhaps late.
 class LateForceLog {
  public:
   struct Line {
     Event::Kind kind;
-    time::Nanoseconds duration;  ///< the event's
+    time::Nanoseconds duration;  ///< of the event
     std::uint64_t left_out;      ///< changes before it that had no line
   };
 
-  /// Whether the event is a change of the policy, and so to be noted.
+  /// Whether the event is a change of the policy.
   [[nodiscard]] static bool concerns(Event::Kind kind) noexcept {
     return kind == Event::Kind::force_fading || kind == Event::Kind::force_dropped || kind == Event::Kind::force_fresh;
   }
@@ -29,7 +29,7 @@ class LateForceLog {
   /// The line that is due now, if any.
   std::optional<Line> take(time::Nanoseconds now) noexcept;
 
-  /// What has waited, at the end.
+  /// The line that still waits at the end.
   std::optional<Line> take_rest() noexcept;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace forcebound::client {
 
-/// How a run goes, in one line for a terminal. The tick writes a few numbers down, another thread prints them.
+/// The run's state in one line on a terminal. The tick stores a few numbers, another thread prints them.
 ///
 /// Real time: `on_tick` and `on_force` are noexcept, allocate nothing and never wait.
 class LiveLine final : public record::TickSink {
@@ -19,11 +19,11 @@ class LiveLine final : public record::TickSink {
 
   [[nodiscard]] record::SessionState state() const noexcept { return state_; }
 
-  /// The line as of now, without line ending; what does not fit into so many columns is left out.
+  /// The present line, without line ending; fields that do not fit into `columns` are left out.
   [[nodiscard]] std::string text(std::size_t columns) const;
 
  private:
-  // Each number stands for itself; a line may mix two neighbouring ticks.
+  // Each number is atomic by itself; a line may mix two neighbouring ticks.
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<record::SessionState> state_{record::SessionState::connecting};
   std::atomic<bool> has_force_{false};

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   const auto options = forcebound::client::parse_options(argc, argv);
   std::signal(SIGINT, end_cleanly);
   std::signal(SIGTERM, end_cleanly);
-  // A full disk or a closed pipe is an error of writing, not the end of the loop.
+  // A full disk or a closed pipe gives a write error, not a signal that ends the loop.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   try {

@@ -64,7 +64,7 @@ void check_server(const std::string& server) {
 }
 
 [[noreturn]] void end_as_wrong_use(const std::string& problem) {
-  std::fprintf(stderr, "forcebound-client: %s; --help tells what is accepted\n", problem.c_str());
+  std::fprintf(stderr, "forcebound-client: %s; see --help\n", problem.c_str());
   std::exit(2);
 }
 
@@ -87,7 +87,7 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--server", options.server, "the server, or a relay in front of it")
       ->required()
       ->type_name("HOST:PORT");
-  app.add_option("--scene", options.scene, "scene to ask for; default: the one the server runs")->type_name("NAME");
+  app.add_option("--scene", options.scene, "scene to request; default: the server's")->type_name("NAME");
   app.add_option("--device", options.device.device, "see below")->type_name("NAME|FILE");
   app.add_option("--operator", options.device.hand, "see below")->type_name("SPEC");
   app.add_option("--law", options.law, "see below")
@@ -96,10 +96,11 @@ Options parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
       ->type_name("FILE.toml");
-  app.add_option("--law-help", options.law_help, "tell of this law, its parameters and their values for --device")
+  app.add_option("--law-help", options.law_help,
+                 "explain this law, its parameters and their values for --device, and end")
       ->check(CLI::IsMember(laws.names()).description(""))
       ->type_name("LAW");
-  app.add_option("--memory", memory, "energy that fba-exact may save: as much as the largest force can need, or all")
+  app.add_option("--memory", memory, "energy that fba-exact may store: as much as the largest force can need, or all")
       ->check(CLI::IsMember({"capped", "full"}))
       ->capture_default_str();
   app.add_option("--duration", options.duration_s, "seconds; 0: until interrupted")
@@ -111,15 +112,15 @@ Options parse_options(int argc, char** argv) {
                           ->type_name("N");
   app.add_option("--record", options.record, "write every tick and force to this MCAP file")->type_name("FILE.mcap");
   app.add_option("--summary", options.summary, "write the summary to this file as well")->type_name("FILE.json");
-  app.add_option("--hold", hold_ms, "age up to which a force is applied as it is")
+  app.add_option("--hold", hold_ms, "age up to which a force is applied unchanged")
       ->check(kNotNegative)
       ->capture_default_str()
       ->type_name("MS");
-  app.add_option("--drop", drop_ms, "age from which a force is zero")
+  app.add_option("--drop", drop_ms, "age from which a force is replaced by zero")
       ->check(kNotNegative)
       ->capture_default_str()
       ->type_name("MS");
-  app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of trying again");
+  app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
   try {
     app.parse(argc, argv);
@@ -127,12 +128,12 @@ Options parse_options(int argc, char** argv) {
     options.policy.validate();
     options.law_options.memory = memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
     check_server(options.server);
-    // Not the nonce of the run before: a server that still has that session would take this run for it.
+    // Not the nonce of the previous run: a server that still has that session would take this run for it.
     if (seed->count() == 0) options.seed = std::random_device{}();
   } catch (const CLI::Success& success) {
     std::exit(app.exit(success));
   } catch (const CLI::RequiredError& missing) {
-    // A mistyped option explains why another is missing, so it comes first.
+    // A mistyped option explains why another is missing, so it is reported first.
     const auto unknown = app.remaining();
     if (!unknown.empty() || options.law_help.empty())
       end_as_wrong_use(unknown.empty() ? missing.what() : CLI::ExtrasError(unknown).what());

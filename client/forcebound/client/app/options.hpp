@@ -14,7 +14,7 @@ struct Options {
   std::string scene;
   device::DeviceRequest device;  ///< the hand is the operator's specification
   std::string law = "fba-exact";
-  std::string law_parameters;  ///< the file of them; empty: standard values
+  std::string law_parameters;  ///< file with the law's parameters; empty: standard values
   std::string law_help;        ///< law to explain instead of running
   control::LawOptions law_options;
   double duration_s = 0;  ///< 0: until interrupted
@@ -26,9 +26,8 @@ struct Options {
   bool quiet = false;
 };
 
-/// Parses and completes it: a device that goes with the operator, or the other way round. Without a server there can
-/// be a law to explain. Ends the program for --help,
-/// --version (0) and for wrong use (2, one line on stderr).
+/// Parses and completes the options: a device that suits the operator, or the reverse. --law-help needs no server. Ends
+/// the program for --help, --version (0) and for wrong use (2, one line on stderr).
 Options parse_options(int argc, char** argv);
 
 }  // namespace forcebound::client

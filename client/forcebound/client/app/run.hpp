@@ -6,8 +6,8 @@
 
 namespace forcebound::client {
 
-/// Runs the client until its time is up or `stop` is set, prints the summary on stdout and writes what was asked for.
-/// @returns the exit code. @throws std::exception with one line for a person if it cannot even begin.
+/// Runs the client until its time is up or `stop` is set, prints the summary on stdout and writes the requested files.
+/// @returns the exit code. @throws std::exception with a message of one line if it cannot start.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace forcebound::client

@@ -16,12 +16,12 @@ namespace {
 
 constexpr Nanoseconds kBlackoutTold = std::chrono::seconds{2};
 
-// What a line of the log has left after its time and level.
+// Columns of a log line after its time and level.
 constexpr std::size_t kLogColumns = text::kColumns - 21;
 
 const char* const kClearLine = "\r\033[K";
 
-/// Of the terminal, which people resize: a longer line would wrap, and could not be taken back.
+/// The terminal's columns, which may change: a longer line would wrap, and could not be overwritten.
 std::size_t columns() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
@@ -57,7 +57,7 @@ void Screen::clear() const {
 void Screen::tell_blackout() {
   if (line_.state() != record::SessionState::connecting || std::exchange(blackout_told_, true)) return;
   clear();
-  spdlog::warn("no answer from {} yet; asking on", options_.server);
+  spdlog::warn("no answer from {} yet; retrying", options_.server);
 }
 
 void Screen::log_events(Nanoseconds now) {
@@ -83,9 +83,9 @@ void Screen::log_connection() const {
     case Event::Kind::refused:
       return spdlog::error("refused by the server: {}", event_.words());
     case Event::Kind::session_unknown:
-      return spdlog::warn("the server does not know this session (any more); asking for another");
+      return spdlog::warn("the server does not know this session (any more); requesting another");
     case Event::Kind::server_left:
-      return spdlog::warn("the server ended the session; asking for another");
+      return spdlog::warn("the server ended the session; requesting another");
     case Event::Kind::force_fading:
     case Event::Kind::force_dropped:
     case Event::Kind::force_fresh:

@@ -9,16 +9,16 @@
 
 namespace forcebound::client {
 
-/// What people see while it runs: log lines for events, and on a terminal a line that moves.
+/// The output of a run: log lines for events, and on a terminal a live line.
 class Screen {
  public:
   /// All must outlive it.
   Screen(const Options& options, const LiveLine& line, EventQueue& events);
 
-  /// To be called some times a second.
+  /// To be called several times a second.
   void refresh(time::Nanoseconds now, time::Nanoseconds elapsed);
 
-  /// Takes the moving line away and logs what is left.
+  /// Erases the live line and logs the remaining events.
   void end(time::Nanoseconds now);
 
  private:

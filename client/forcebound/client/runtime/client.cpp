@@ -45,7 +45,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   return info;
 }
 
-/// Lets no exception leave a loop behind that nobody ends.
+/// Ends the loop's thread if an exception is thrown.
 struct EndOfLoop {
   TickLoop& loop;
   ~EndOfLoop() { loop.end(); }
@@ -132,7 +132,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   totals.missed_ticks = p.outcome.missed_ticks;
   totals.events_dropped = p.events.dropped();
   totals.datagrams_overflowed = p.link.counters().overflowed;
-  totals.nobody_listening = p.link.counters().refused;
+  totals.port_unreachable = p.link.counters().refused;
   p.finish(std::move(totals));
 }
 
@@ -144,8 +144,8 @@ std::string Client::why_no_session() const {
   if (!parts_->outcome.gave_up) return {};
   const std::string& server = parts_->settings.server;
   if (parts_->session->refused()) return server + " refused";
-  const bool nobody = parts_->link.counters().refused > 0;
-  return "no answer from " + server + (nobody ? ": nobody listens there" : "");
+  const bool unreachable = parts_->link.counters().refused > 0;
+  return "no answer from " + server + (unreachable ? ": port unreachable (ICMP)" : "");
 }
 
 }  // namespace forcebound::client

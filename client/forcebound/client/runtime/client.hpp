@@ -16,7 +16,7 @@ namespace forcebound::client {
 
 class EventQueue;
 
-/// A whole client but for its command line and screen: a device and a law at work against a server, with the thread of
+/// A complete client without command line and screen: a device and a law at work against a server, with the thread of
 /// the tick, the socket, the recording and the summary.
 ///
 ///     MyDevice device;
@@ -30,25 +30,25 @@ class Client {
  public:
   struct Settings {
     std::string server;   ///< HOST:PORT
-    std::string scene{};  ///< wanted, empty: the server's own
+    std::string scene{};  ///< requested; empty: the server's default
     LateForcePolicy policy{};
-    std::uint64_t seed = 1;   ///< of the handshake's nonces: another one for each run
+    std::uint64_t seed = 1;   ///< of the handshake's nonces: must differ between runs
     double duration_s = 0;    ///< 0: until stopped
-    bool once = false;        ///< give up if the server refuses, or is silent for 5 s
+    bool once = false;        ///< give up if the server refuses, or does not answer for 5 s
     std::string recording{};  ///< MCAP file for every tick and force; empty: none
-    // What the record says of itself beside what device and settings tell.
+    // Further entries of the recording's metadata.
     std::string program{};
-    std::string law{};  ///< its name; empty: as the law calls itself
+    std::string law{};  ///< its name; empty: the law's own
     std::string law_parameters{};
     std::string guarantee{};  ///< what the law's ledger guarantees, and under which facts
-    std::string hand{};       ///< as asked for
+    std::string hand{};       ///< as requested
   };
 
-  /// Some times a second while it runs.
+  /// Called several times a second while it runs.
   using Housekeeping = std::function<void(time::Nanoseconds now, time::Nanoseconds elapsed)>;
 
-  /// Connects and opens what is asked for; the device is not started yet. `device` and `sinks` must outlive it.
-  /// @throws std::exception with one line for a person: server, recording, policy or what the controller refuses.
+  /// Connects and opens the recording; does not start the device yet. `device` and `sinks` must outlive it.
+  /// @throws std::exception with a message of one line: server, recording, policy or what the controller refuses.
   Client(const Settings& settings, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
          std::vector<record::TickSink*> sinks = {});
   ~Client();
@@ -57,14 +57,14 @@ class Client {
   /// called once. @throws std::exception if the device does not start, or the recording cannot be ended.
   void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {});
 
-  /// Events for people, to be taken by the thread that runs the client or does its housekeeping.
+  /// Events for the user; to be taken by the thread that runs the client or its housekeeping.
   [[nodiscard]] EventQueue& events() noexcept;
 
   /// After `run`.
   [[nodiscard]] const record::Summary& summary() const noexcept;
   [[nodiscard]] const std::string& real_time_grant() const noexcept;  ///< for people
 
-  /// Why it gave up, for people; empty: it did not.
+  /// Why it gave up; empty: it did not.
   [[nodiscard]] std::string why_no_session() const;
 
  private:

@@ -18,7 +18,7 @@ class EventQueue final : public EventSink {
 
   void on_event(const Event& event) noexcept override;
 
-  /// The oldest that waits, if any.
+  /// The oldest waiting event, if any.
   bool take(Event& event) noexcept;
 
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }

@@ -10,14 +10,14 @@
 
 namespace forcebound::client {
 
-/// What this machine does to a thread that only sleeps: the yardstick for our own ticks.
+/// Measures the wake-up jitter of a thread that only sleeps: the reference for the tick's own.
 ///
-/// Runs beside the tick, at the same period and priority, and does nothing but note when it woke.
+/// Runs beside the tick, at the same period and priority, and only notes its wake-ups.
 class IdleTimer {
  public:
   IdleTimer(const time::Clock& clock, time::Nanoseconds period, int priority);
 
-  /// Ends the thread and tells what it saw.
+  /// Ends the thread and returns its measurement.
   [[nodiscard]] record::IdleTimer stop();
 
  private:
@@ -26,7 +26,7 @@ class IdleTimer {
   time::Nanoseconds period_;
   record::Histogram intervals_ns_;
   std::uint64_t late_ = 0;
-  std::jthread thread_;  // last, so that it ends before what it writes to
+  std::jthread thread_;  // last, so that it ends before the members that it writes to
 };
 
 }  // namespace forcebound::client

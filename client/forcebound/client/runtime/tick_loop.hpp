@@ -11,20 +11,20 @@ namespace forcebound::client {
 
 /// Ticks a session at the device's period on the thread that calls `run`, which it makes a real-time thread.
 ///
-/// A tick that is missed altogether is left out and counted. When the time is up or `stop` is set, the force is zero
-/// and the session is closed, which takes at most 3 s.
+/// Missed ticks are left out and counted. When the time is up or `stop` is set, the force is zero and the session is
+/// closed, which takes at most 3 s.
 class TickLoop {
  public:
   struct Settings {
     Nanoseconds period;
     double duration_s = 0;  ///< 0: until stopped
-    bool once = false;      ///< give up if the server refuses, or is silent for 5 s
+    bool once = false;      ///< give up if the server refuses, or does not answer for 5 s
   };
 
-  /// What can be told when it has ended.
+  /// The results of a run.
   struct Outcome {
-    std::string grant;              ///< what the system granted of real time, for people
-    std::uint64_t allocations = 0;  ///< of the tick, its first second aside
+    std::string grant;              ///< real-time settings that the system granted
+    std::uint64_t allocations = 0;  ///< in the tick, without its first second
     std::uint64_t missed_ticks = 0;
     bool gave_up = false;
   };
@@ -36,13 +36,13 @@ class TickLoop {
   /// To be called once.
   void run();
 
-  /// Any thread: the time is up.
+  /// Ends the loop. Any thread.
   void end() noexcept { ended_ = true; }
 
   /// Any thread.
   [[nodiscard]] bool done() const noexcept { return done_; }
 
-  /// When it is done.
+  /// After the end.
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
 
  private:

@@ -7,7 +7,7 @@
 
 namespace forcebound::client {
 
-/// What a client does about a bug of its own: the device's force is zero before anybody is told.
+/// A client's reaction to a failed assertion: zero force first, then the message.
 class ZeroForceFirst final : public control::LastResort {
  public:
   /// All must outlive it.

@@ -18,7 +18,7 @@ struct Event {
     welcomed,         ///< text: scene, and what is simulated
     refused,          ///< text: the server's reason
     session_unknown,  ///< the server restarted or forgot us
-    server_left,      ///< the server said goodbye
+    server_left,      ///< the server ended the session
     force_fading,     ///< forces are older than the hold time; `duration` is the age
     force_dropped,    ///< ... than the drop time
     force_fresh,      ///< forces are fresh again; `duration` is how long they were not

@@ -6,7 +6,7 @@
 
 struct msghdr;
 
-/// What the sockets' own files share: addresses as the system has them, and what it tells along with a datagram.
+/// Shared by the sockets' files: the system's form of addresses, and its control data of a datagram.
 namespace forcebound::net {
 
 [[nodiscard]] asio::ip::udp::endpoint to_asio(const Address& address) noexcept;
@@ -14,13 +14,13 @@ namespace forcebound::net {
 
 inline constexpr std::size_t kControlBytes = 128;
 
-/// What the kernel tells along with a datagram.
+/// The kernel's control data of a datagram.
 struct Told {
   time::Nanoseconds waited{0};                ///< in the system's buffer
-  std::optional<std::uint32_t> overflowed{};  ///< since the socket was opened
+  std::optional<std::uint32_t> overflowed{};  ///< datagrams dropped since the socket was opened
 };
 
-/// @param wall_clock_now now, by the clock of the kernel's stamps
+/// @param wall_clock_now now, on the clock of the kernel's stamps
 [[nodiscard]] Told told(msghdr& message, time::Nanoseconds wall_clock_now) noexcept;
 
 }  // namespace forcebound::net

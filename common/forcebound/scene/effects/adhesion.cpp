@@ -53,21 +53,22 @@ EffectKind adhesion_effect() {
       .name = "adhesion",
       .purpose = "sticks to the point: it must be torn off, and holds sideways",
       .law = "f = -n K h - f_t above the surface that was touched, until K h > tear_N",
-      .parameters = {NumberParameter{.key = "stiffness_N_per_m",
-                                     .meaning = "K, along the normal",
-                                     .least = 0,
-                                     .least_excluded = true,
-                                     .most = 1e9},
-                     NumberParameter{
-                         .key = "tear_N", .meaning = "where it tears", .least = 0, .least_excluded = true, .most = 1e6},
-                     NumberParameter{.key = "shear_stiffness_N_per_m",
-                                     .meaning = "sideways; if left out, K",
-                                     .preset = 0,
-                                     .least = 0,
-                                     .least_excluded = true,
-                                     .most = 1e9},
-                     NumberParameter{
-                         .key = "shear_N", .meaning = "where it slips", .preset = 0, .least = 0, .most = 1e6}},
+      .parameters =
+          {NumberParameter{.key = "stiffness_N_per_m",
+                           .meaning = "K, along the normal",
+                           .least = 0,
+                           .least_excluded = true,
+                           .most = 1e9},
+           NumberParameter{
+               .key = "tear_N", .meaning = "force at which it tears", .least = 0, .least_excluded = true, .most = 1e6},
+           NumberParameter{.key = "shear_stiffness_N_per_m",
+                           .meaning = "sideways; default K",
+                           .preset = 0,
+                           .least = 0,
+                           .least_excluded = true,
+                           .most = 1e9},
+           NumberParameter{
+               .key = "shear_N", .meaning = "sideways force at which it slips", .preset = 0, .least = 0, .most = 1e6}},
       .make = [](const EffectValues& values) { return std::make_unique<Adhesion>(values); }};
 }
 

@@ -9,7 +9,7 @@ namespace forcebound::scene {
 ///
 ///     f = -n K h - f_t,    h > 0 the distance above the surface, until K h > tear_N
 ///
-/// A hand that leaves pays tear_N^2/(2 K), which is gone; one that comes back before gets back what it paid.
+/// Tearing dissipates the hand's work tear_N^2/(2 K); a hand that returns before tearing gets its work back.
 ///
 /// Parameters: `stiffness_N_per_m` K > 0, `tear_N` > 0, `shear_stiffness_N_per_m` (default K), `shear_N` >= 0 (default
 /// 0).

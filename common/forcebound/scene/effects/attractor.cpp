@@ -6,7 +6,7 @@
 namespace forcebound::scene {
 namespace {
 
-// 3 sqrt(3)/2: one over the most that s/(1 + s^2)^(3/2) becomes, at s = 1/sqrt(2).
+// 3 sqrt(3)/2: one over the maximum of s/(1 + s^2)^(3/2), which lies at s = 1/sqrt(2).
 constexpr double kPlummer = 2.5980762113533159403;
 
 class Linear final : public Effect {

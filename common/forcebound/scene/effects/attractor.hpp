@@ -9,9 +9,8 @@ namespace forcebound::scene {
 ///     linear:          f = -e F min(r/R, 1)
 ///     inverse_square:  f = -e F (3 sqrt(3)/2) (r/R) / (1 + (r/R)^2)^(3/2)
 ///
-/// The second is Plummer's softened law: far away it falls with 1/r^2, at r = R/sqrt(2) it is F, and at the very point
-/// it is zero. Both depend on r alone and are therefore conservative. At the very point there is no direction and no
-/// force.
+/// The second is Plummer's softened law: far away it falls with 1/r^2, at r = R/sqrt(2) it is F. Both depend on r alone
+/// and are therefore conservative. At r = 0 there is no direction and no force.
 ///
 /// Parameters: `center_m`, `force_N_max` F >= 0, `radius_m` R > 0 within which it softens, `falloff` (linear or
 /// inverse_square).

@@ -19,7 +19,7 @@ class ConstantForce final : public Effect {
 
 EffectKind constant_force_effect() {
   return {.name = "constant_force",
-          .purpose = "pushes everywhere and always the same",
+          .purpose = "the same force everywhere and always",
           .law = "f = force_N",
           .place = EffectPlace::space,
           .parameters = {PointParameter{.key = "force_N", .meaning = "on the device"}},

@@ -17,8 +17,8 @@ namespace forcebound::scene {
 ///     pulse     1 while p < duty, then 0
 ///     chirp     sin(2 pi p) with c = f0 (t - t0) + (f1 - f0)(t - t0)^2/(2 D) + phase/(2 pi)
 ///
-/// It is computed once for each motion that arrives: what is faster than half of their rate is not felt as such; that
-/// is what textures are for.
+/// It is computed once for each motion that arrives, so frequencies above half the motions' rate alias; faster ripples
+/// are what `texture` is for.
 ///
 /// Parameters: `waveform`, `direction` e (any length but zero), `amplitude_N` A >= 0, `frequency_Hz` f0 > 0,
 /// `phase_rad` (default 0), `start_s` t0 >= 0 (default 0), `duration_s` D > 0 (default: for ever); of square and pulse

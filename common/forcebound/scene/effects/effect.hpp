@@ -13,11 +13,11 @@
 
 namespace forcebound::scene {
 
-/// What an effect looks at beside place and contact. The plan computes an input only if some effect of the scene asks.
+/// Inputs of an effect beside position and contact. The plan computes an input only if an effect of the scene asks.
 struct Inputs {
   bool velocity = false;
   bool time = false;      ///< since the session's first motion, and since the previous one
-  bool pressure = false;  ///< how hard the object's other effects push; such an effect comes after them
+  bool pressure = false;  ///< normal force of the object's other effects; such an effect runs after them
 
   [[nodiscard]] Inputs with(const Inputs& other) const noexcept {
     return {velocity || other.velocity, time || other.time, pressure || other.pressure};
@@ -35,7 +35,7 @@ struct Probe {
   double pressure_N = 0;                   ///< Inputs::pressure: along the normal, >= 0
 };
 
-/// Ripples that the device itself renders, because a force that crossed the network is too late and too slow for them:
+/// Ripples that the client renders at the device, because a force from the server would be too late and too slow:
 ///
 ///     f = n A mean_i sin(k_i . x),    x the device's own position at its own rate
 struct Texture {
@@ -44,29 +44,28 @@ struct Texture {
   std::array<Point, 2> waves_rad_per_m{};  ///< k_i, in the tangent plane; 2 pi over the wavelength
 };
 
-/// What an object or field does to the device.
+/// The force and texture of an object or field on the device.
 struct Reaction {
   Point force_N = Point::Zero();  ///< on the device, scene frame
   Texture texture{};
 };
 
-/// What the plan and people need to know of an effect as a scene parametrised it.
+/// Facts of an effect with the scene's parameters, for the plan and for `--explain`.
 struct EffectFacts {
   Inputs inputs{};
   std::size_t state_bytes = 0;     ///< kept for each session; zeros at first, and again after contact is lost
-  double reach_m = 0;              ///< > 0: acts so far above the surface too; else only within
-  double stiffness_N_per_m = 0;    ///< K, the steepest that the force rises with the way into it
-  double stiffening_N_per_m2 = 0;  ///< how much steeper for each metre of depth
-  double damping_N_s_per_m = 0;    ///< B, the steepest that the force rises with the velocity
+  double reach_m = 0;              ///< > 0: acts up to this far above the surface; else only within
+  double stiffness_N_per_m = 0;    ///< K, largest slope of the force over depth
+  double stiffening_N_per_m2 = 0;  ///< increase of K per metre of depth
+  double damping_N_s_per_m = 0;    ///< B, largest slope of the force over velocity
   bool drives = false;             ///< puts in energy of its own: no damping makes that passive
-  double cost_ns = 5;              ///< for one motion, roughly, on a machine of today
+  double cost_ns = 5;              ///< estimate for one motion
 };
 
-/// What one object or field does to the device's point: motion in, force out. One file per effect.
+/// The law of one effect of an object or field: motion in, force out. One file per effect.
 ///
 /// Real time: `act` is noexcept, allocates nothing and takes bounded time. Immutable, so that every client's scene
-/// state shares it; what it remembers of a client lies in `state`, EffectFacts::state_bytes of it, aligned for a
-/// double.
+/// state shares it; its memory of a client lies in `state`, EffectFacts::state_bytes long, aligned for a double.
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -77,25 +76,25 @@ class Effect {
   [[nodiscard]] virtual EffectFacts facts() const { return {}; }
 };
 
-/// The state of an effect or shape, in the bytes kept for it. Bytes of zero must be its beginning.
+/// The state of an effect or shape, in the bytes kept for it. All bytes zero must be its initial state.
 template <class State>
 State& state_as(std::byte* bytes) noexcept {
   static_assert(std::is_trivially_copyable_v<State> && alignof(State) <= alignof(double));
   return *std::launder(reinterpret_cast<State*>(bytes));
 }
 
-/// Where an effect can be asked for: on the surface of an [[object]]; or in space, that is in a [[field]] everywhere
-/// and in an object within it.
+/// Where an effect may be used: on the surface of an [[object]]; or in space, that is in a [[field]] everywhere and in
+/// an object within it.
 enum class EffectPlace : std::uint8_t { surface, space };
 
-/// An effect as a scene file knows it.
+/// An effect as scene files name it.
 struct EffectKind {
   std::string_view name;     ///< in `effects = [...]`, and of its own table
   std::string_view purpose;  ///< what a hand feels, in one line
-  std::string_view law;      ///< its equation in one line, for people
+  std::string_view law;      ///< its equation in one line
   EffectPlace place = EffectPlace::surface;
   std::vector<EffectParameter> parameters{};  ///< every key its table may have
-  /// @throws std::invalid_argument where values that are in range do not fit each other
+  /// @throws std::invalid_argument where values, each in range, contradict each other
   std::function<std::unique_ptr<Effect>(const EffectValues& values)> make;
 };
 

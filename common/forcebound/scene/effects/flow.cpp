@@ -20,7 +20,7 @@ class Flow final : public Effect {
   EffectFacts facts() const override {
     return {
         .inputs = {.velocity = true},
-        // The drag's own grows with the speed: as of a fast hand against the stream.
+        // The drag's slope grows with the speed: that of a fast hand against the stream.
         .damping_N_s_per_m = damping_N_s_per_m_ + 2 * drag_N_s2_per_m2_ * (velocity_m_per_s_.norm() + kHand_m_per_s),
         .drives = !velocity_m_per_s_.isZero(0),
         .cost_ns = 8};
@@ -39,14 +39,11 @@ EffectKind flow_effect() {
           .purpose = "a stream that drags the device along",
           .law = "f = B u + C |u| u, u = w - v",
           .place = EffectPlace::space,
-          .parameters = {PointParameter{.key = "velocity_m_per_s", .meaning = "w, of the medium"},
-                         NumberParameter{
-                             .key = "damping_N_s_per_m", .meaning = "B, what slow streams do", .least = 0, .most = 1e6},
-                         NumberParameter{.key = "drag_N_s2_per_m2",
-                                         .meaning = "C, what fast streams do besides",
-                                         .preset = 0,
-                                         .least = 0,
-                                         .most = 1e6}},
+          .parameters =
+              {PointParameter{.key = "velocity_m_per_s", .meaning = "w, of the fluid"},
+               NumberParameter{.key = "damping_N_s_per_m", .meaning = "B, linear drag", .least = 0, .most = 1e6},
+               NumberParameter{
+                   .key = "drag_N_s2_per_m2", .meaning = "C, quadratic drag", .preset = 0, .least = 0, .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Flow>(values); }};
 }
 

@@ -48,14 +48,14 @@ EffectKind friction_effect() {
           .law = "|f_t| <= mu_s N while sticking, = mu_d N while slipping; an elastoplastic bristle between",
           .parameters =
               {NumberParameter{.key = "static_coefficient", .meaning = "mu_s, while it holds", .least = 0, .most = 100},
-               // Below zero stands for the scene's blackout, which cannot say "the same".
+               // A negative value means that the scene leaves it out: "the same" is no number.
                NumberParameter{.key = "dynamic_coefficient",
-                               .meaning = "mu_d <= mu_s, while it slips; if left out, mu_s",
+                               .meaning = "mu_d <= mu_s, while it slips; default mu_s",
                                .preset = -1,
                                .least = 0,
                                .most = 100},
                NumberParameter{.key = "stiffness_N_per_m",
-                               .meaning = "of the bristle: how far it gives before it slips",
+                               .meaning = "of the bristle, before it slips",
                                .preset = 1000,
                                .least = 0,
                                .least_excluded = true,

@@ -25,9 +25,9 @@ EffectKind gravity_effect() {
           .place = EffectPlace::space,
           .parameters =
               {NumberParameter{.key = "mass_kg", .meaning = "m, of what is held", .least = 0, .most = 1e6},
-               PointParameter{.key = "direction", .meaning = "e, where it falls to", .is_direction = true},
+               PointParameter{.key = "direction", .meaning = "e, direction of gravity", .is_direction = true},
                NumberParameter{
-                   .key = "gravity_m_per_s2", .meaning = "g, of the planet", .preset = 9.81, .least = 0, .most = 1e6}},
+                   .key = "gravity_m_per_s2", .meaning = "g, acceleration", .preset = 9.81, .least = 0, .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Gravity>(values); }};
 }
 

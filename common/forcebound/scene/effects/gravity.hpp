@@ -8,8 +8,8 @@ namespace forcebound::scene {
 ///
 ///     f = m g e
 ///
-/// Parameters: `mass_kg` m >= 0, `direction` e where it falls to (any length but zero), `gravity_m_per_s2` g >= 0
-/// (default 9.81). The weight alone: inertia would need the hand's acceleration, which no network brings in time.
+/// Parameters: `mass_kg` m >= 0, `direction` e of gravity (any length but zero), `gravity_m_per_s2` g >= 0 (default
+/// 9.81). Weight only: inertia would need the hand's acceleration without the network's delay.
 EffectKind gravity_effect();
 
 }  // namespace forcebound::scene

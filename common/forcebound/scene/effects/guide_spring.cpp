@@ -41,7 +41,7 @@ std::vector<EffectParameter> GuideSpring::parameters(std::vector<EffectParameter
                                          .most = 1e6},
                          NumberParameter{.key = "radius_m", .meaning = "R, of the dead zone", .preset = 0, .least = 0},
                          NumberParameter{.key = "force_N_max",
-                                         .meaning = "F, limits the spring and the damper, each on its own",
+                                         .meaning = "F, limits the spring and the damper separately",
                                          .preset = std::numeric_limits<double>::infinity(),
                                          .least = 0,
                                          .least_excluded = true}});

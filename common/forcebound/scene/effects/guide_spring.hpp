@@ -11,11 +11,11 @@ namespace forcebound::scene {
 ///
 ///     f = -(o/e) min(K s, F) - min(B, F/|w|) w,    s = e - R > 0;    within the dead zone, s <= 0, nothing
 ///
-/// The most force F limits the spring and the damper each on its own, hard: so the spring stays conservative and the
-/// damper takes energy only. On the guide itself there is no direction and no force.
+/// F limits the spring and the damper separately, by clipping, so the spring stays conservative and the damper only
+/// dissipates. On the guide itself there is no direction and no force.
 ///
 /// Parameters: `stiffness_N_per_m` K > 0, `damping_N_s_per_m` B >= 0 (default 0), `radius_m` R >= 0 (default 0),
-/// `force_N_max` F > 0 (default: none).
+/// `force_N_max` F > 0 (default: no limit).
 class GuideSpring {
  public:
   explicit GuideSpring(const EffectValues& values);

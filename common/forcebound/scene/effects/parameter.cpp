@@ -26,7 +26,8 @@ bool has_preset(const EffectParameter& parameter) noexcept {
 
 const EffectValues::Value& EffectValues::at(std::string_view key) const {
   const auto found = values_.find(key);
-  if (found == values_.end()) throw std::out_of_range("an effect asks for '" + std::string(key) + "', not its own");
+  if (found == values_.end())
+    throw std::out_of_range("an effect reads '" + std::string(key) + "', which it has not declared");
   return found->second;
 }
 

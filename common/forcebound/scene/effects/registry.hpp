@@ -8,7 +8,7 @@
 
 namespace forcebound::scene {
 
-/// The effects that scene files may ask for, by name. A value: a program that has effects of its own adds them to its
+/// The effects that scene files may use, by name. A value type: a program with effects of its own adds them to its
 /// copy.
 class EffectRegistry {
  public:

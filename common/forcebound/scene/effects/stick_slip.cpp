@@ -40,16 +40,18 @@ class StickSlip final : public Effect {
 
 EffectKind stick_slip_effect() {
   return {.name = "stick_slip",
-          .purpose = "lets go in jerks, like a bow on a string",
+          .purpose = "sticks and slips in jerks",
           .law = "f = -K (x - a) in the tangent plane; the anchor a jumps to x when |f| would exceed slip_N",
-          .parameters =
-              {NumberParameter{.key = "stiffness_N_per_m",
-                               .meaning = "K, until it lets go",
-                               .least = 0,
-                               .least_excluded = true,
-                               .most = 1e9},
-               NumberParameter{
-                   .key = "slip_N", .meaning = "where it lets go", .least = 0, .least_excluded = true, .most = 1e6}},
+          .parameters = {NumberParameter{.key = "stiffness_N_per_m",
+                                         .meaning = "K, while it sticks",
+                                         .least = 0,
+                                         .least_excluded = true,
+                                         .most = 1e9},
+                         NumberParameter{.key = "slip_N",
+                                         .meaning = "force at which it slips",
+                                         .least = 0,
+                                         .least_excluded = true,
+                                         .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<StickSlip>(values); }};
 }
 

@@ -49,7 +49,7 @@ EffectKind surface_effect() {
                NumberParameter{
                    .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6},
                NumberParameter{.key = "stiffening_N_per_m2",
-                               .meaning = "G, stiffer the deeper",
+                               .meaning = "G, stiffening with depth",
                                .preset = 0,
                                .least = 0,
                                .most = 1e12}},

@@ -28,7 +28,7 @@ class TextureEffect final : public Effect {
   }
 
  private:
-  // Nearer to the normal than this a direction on the surface is made of rounding errors.
+  // Nearer to the normal than this, the direction on the surface would be rounding error.
   static constexpr double kAlongNormal = 1e-9;
 
   double amplitude_N_;
@@ -45,7 +45,7 @@ EffectKind texture_effect() {
           .law = "f = n A mean_i sin(k_i . x) at the device's own position x, |k_i| = 2 pi / wavelength",
           .parameters =
               {NumberParameter{.key = "amplitude_N",
-                               .meaning = "A, from the middle to the top",
+                               .meaning = "A, from mean to peak",
                                .least = 0,
                                .least_excluded = true,
                                .most = 1e6},

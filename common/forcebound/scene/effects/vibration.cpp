@@ -36,15 +36,15 @@ class Vibration final : public Effect {
 EffectKind vibration_effect() {
   return {
       .name = "vibration",
-      .purpose = "hums while it is touched",
+      .purpose = "vibrates while it is touched",
       .law = "f = A w(frequency t + phase) u",
       .parameters =
-          {NumberParameter{.key = "amplitude_N", .meaning = "A, from the middle to the top", .least = 0, .most = 1e6},
+          {NumberParameter{.key = "amplitude_N", .meaning = "A, from mean to peak", .least = 0, .most = 1e6},
            NumberParameter{.key = "frequency_Hz",
-                           .meaning = "how often; motions at 1 kHz carry no more",
+                           .meaning = "at most half of the motions' rate of 1 kHz",
                            .least = 0,
                            .most = kFrequency_Hz_most},
-           NumberParameter{.key = "phase_turns", .meaning = "where it begins", .preset = 0},
+           NumberParameter{.key = "phase_turns", .meaning = "phase at the start, in periods", .preset = 0},
            ChoiceParameter{
                .key = "along", .meaning = "what u is: out of the surface, or the axis", .choices = {"normal", "axis"}},
            PointParameter{

@@ -23,11 +23,10 @@ class Viscosity final : public Effect {
 
 EffectKind viscosity_effect() {
   return {.name = "viscosity",
-          .purpose = "resists every motion, like honey",
+          .purpose = "resists every motion",
           .law = "f = -B v",
           .place = EffectPlace::space,
-          .parameters = {NumberParameter{
-              .key = "damping_N_s_per_m", .meaning = "B, how thick it is", .least = 0, .most = 1e6}},
+          .parameters = {NumberParameter{.key = "damping_N_s_per_m", .meaning = "B, damping", .least = 0, .most = 1e6}},
           .make = [](const EffectValues& values) { return std::make_unique<Viscosity>(values); }};
 }
 

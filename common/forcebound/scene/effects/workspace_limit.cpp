@@ -18,7 +18,7 @@ class WorkspaceLimit final : public Effect {
         damping_N_s_per_m_(values.number("damping_N_s_per_m")) {
     if (half_m_.minCoeff() < 0) throw std::invalid_argument("size_m must be >= 0 on every axis");
     if (half_m_.minCoeff() == kUnlimited && radius_m_ == kUnlimited) {
-      throw std::invalid_argument("'radius_m' or 'size_m' is missing: what is the limit?");
+      throw std::invalid_argument("'radius_m' or 'size_m' is missing: one of them at least is needed");
     }
   }
 
@@ -59,11 +59,11 @@ class WorkspaceLimit final : public Effect {
 EffectKind workspace_limit_effect() {
   return {
       .name = "workspace_limit",
-      .purpose = "a room that one cannot leave",
+      .purpose = "holds the device within a region",
       .law = "f = -n max(0, K d + B v.n) while the distance outside d > 0",
       .place = EffectPlace::space,
       .parameters =
-          {PointParameter{.key = "center_m", .meaning = "of the room"},
+          {PointParameter{.key = "center_m", .meaning = "of the region"},
            NumberParameter{
                .key = "radius_m", .meaning = "of a ball", .preset = kUnlimited, .least = 0, .least_excluded = true},
            PointParameter{.key = "size_m",

@@ -4,12 +4,12 @@
 
 namespace forcebound::scene {
 
-/// A room that one cannot leave: a ball, a block along the axes, or what both have in common. Of each of the two, with
-/// d > 0 the distance outside of it and n the direction from its nearest point:
+/// A region that holds the device: a ball, a block along the axes, or the intersection of both. Of each of the two,
+/// with d > 0 the distance outside of it and n the direction from its nearest point:
 ///
 ///     f = -n max(0, K d + B v.n)
 ///
-/// A hand that comes back faster than the spring would feels nothing rather than being held outside.
+/// The force never pushes outwards: a hand that returns so fast that damping would exceed the spring feels none.
 ///
 /// Parameters: `center_m`, `radius_m` > 0 and `size_m` >= 0 on every axis, at least one of them; `stiffness_N_per_m`
 /// K > 0, `damping_N_s_per_m` B >= 0 (default 0).

@@ -7,7 +7,7 @@ namespace forcebound::scene {
 namespace {
 
 constexpr std::size_t kBins = 16;
-// Deeper than this, halves by number, which end after at most 32 more: kDepthMost holds both.
+// Deeper than this, nodes are halved by number, which takes at most 32 more levels: kDepthMost allows for both.
 constexpr int kDepthOfHeuristic = 44;
 // Boxes are larger by this share of the mesh's size than their triangles, more than contact allows for rounding.
 constexpr double kMargin = 0x1p-34;
@@ -50,7 +50,7 @@ class Bvh::Builder {
   }
 
  private:
-  /// Side by side as the tree has them, so that each level goes through the memory once.
+  /// Contiguous in the order of the tree, so that each level passes through the memory once.
   struct Item {
     Bounds box;
     Point center;
@@ -84,9 +84,9 @@ class Bvh::Builder {
     build(child + 1, middle, end, depth + 1);
   }
 
-  /// Where the products of area and number of the two sides are the least, by axis and bin.
+  /// The split, by axis and bin, with the least sum of area times number of triangles on both sides.
   std::uint32_t split(std::uint32_t begin, std::uint32_t end, const Bounds& centers) {
-    // More bins than triangles cost time and tell nothing.
+    // More bins than triangles cost time and gain nothing.
     const std::size_t bin_count = std::min<std::size_t>(kBins, end - begin);
     const Point per_m = static_cast<double>(bin_count) * centers.sizes().cwiseInverse();
     const auto bin_of = [&](const Item& item, Eigen::Index axis) {

@@ -42,8 +42,8 @@ class Bvh {
 
   [[nodiscard]] const TriangleMesh& mesh() const noexcept { return *mesh_; }
 
-  /// The triangles in the order of the tree: those near to each other are near to each other in it. `visit` below gets
-  /// places in it.
+  /// The triangles in the order of the tree, in which neighbours are close together in space. `visit` below gets
+  /// indices into it.
   [[nodiscard]] std::span<const std::uint32_t> order() const noexcept { return order_; }
 
   /// Where the segment first meets a triangle, from either side, ends included. A segment that passes between two
@@ -58,16 +58,16 @@ class Bvh {
   template <class Visit>
   void for_each_within(const Point& point_m, double radius_m, Visit visit) const noexcept;
 
-  /// Calls visit(place) for each triangle whose box may meet the box, and perhaps some more.
+  /// Calls visit(place) for each triangle whose box meets the box, and perhaps for some more.
   template <class Visit>
   void for_each_about(const Bounds& box_m, Visit visit) const noexcept;
 
-  /// Puts the places of the triangles whose boxes may meet the box, and perhaps some more, into `places`; nullopt if it
-  /// is too small for them.
+  /// Puts the places of the triangles whose boxes meet the box, and perhaps some more, into `places`; nullopt if it is
+  /// too small for them.
   [[nodiscard]] std::optional<std::size_t> gather(const Bounds& box_m, std::span<std::uint32_t> places) const noexcept;
 
-  /// Calls visit(place, until) for each triangle whose box the segment may meet before `until`, roughly from its start
-  /// on. It returns the new `until`, the share of the segment behind which nothing counts any more.
+  /// Calls visit(place, until) for each triangle whose box the segment may meet before `until`, roughly in order from
+  /// its start. It returns the new `until`, the share of the segment beyond which triangles need not be visited.
   template <class Visit>
   void for_each_along(const Segment& segment, double until, Visit visit) const noexcept;
 
@@ -109,8 +109,8 @@ class Bvh {
     return (node.low - p).cwiseMax(p - node.high).cwiseMax(0.0).squaredNorm();
   }
 
-  /// Visits leaves from near to far: `enter(node)` is the key of a node, and those with a key beyond `limit()` are left
-  /// out; `visit(leaf)`.
+  /// Visits leaves from near to far: `enter(node)` is the sorting key of a node; nodes with a key beyond `limit()` are
+  /// skipped; `visit(leaf)` is called for the others.
   template <class Enter, class Limit, class Visit>
   void descend(Enter enter, Limit limit, Visit visit) const noexcept;
 

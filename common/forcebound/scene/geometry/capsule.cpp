@@ -15,7 +15,7 @@ class Capsule final : public Shape {
     const double along_m = std::clamp(from_middle.dot(segment_.axis()), -segment_.half_m(), segment_.half_m());
     const Point out = from_middle - along_m * segment_.axis();
     const double distance_m = out.stableNorm();
-    // How far along the axis one is, is rounded to so much.
+    // Rounding error of the position along the axis.
     const double least_m = kRounding * (radius_m_ + segment_.half_m());
     LastNormal& last = LastNormal::in(state);
     if (!(distance_m > least_m)) return {last.get_across(segment_.axis()), radius_m_ - distance_m, true};

@@ -17,9 +17,9 @@ namespace {
 using Number = std::uint32_t;
 using Numbers = std::vector<Number>;
 
-// k of the cost: by so much less does a way along the surface count than one out of it.
+// k of the cost: weight of a displacement along the surface relative to one out of it.
 constexpr double kAlong = 1e-4;
-// A triangle may turn so far at once, as the cosine.
+// Cosine of the largest angle by which a triangle may turn in one collapse.
 constexpr double kTurnedMost = 0.3;
 // The least height of a triangle over its longest side.
 constexpr double kSlimmest = 0.02;
@@ -47,7 +47,7 @@ struct Quadric {
   [[nodiscard]] Quadric operator+(const Quadric& other) const {
     return {.a = a + other.a, .b = b + other.b, .c = c + other.c};
   }
-  /// Positive definite: every vertex is of a triangle with an area.
+  /// Positive definite: every vertex belongs to a triangle with an area.
   [[nodiscard]] Point minimum() const { return a.llt().solve(b); }
   [[nodiscard]] double at(const Point& x) const { return std::max(0.0, x.dot(a * x) - 2 * b.dot(x) + c); }
 };
@@ -64,12 +64,12 @@ double slimness(const Corners& p) {
   return doubled_area(p).norm() / longest_m2;
 }
 
-/// An edge whose ends may become one.
+/// An edge that may collapse.
 struct Candidate {
   double cost;
   Number low;
   Number high;
-  std::uint64_t age;  ///< of both ends together as it was found: it has passed if that is another one
+  std::uint64_t age;  ///< sum of both ends' ages when it was found; if that has changed, the entry is stale
 
   [[nodiscard]] bool operator>(const Candidate& other) const noexcept {
     return std::tie(cost, low, high) > std::tie(other.cost, other.low, other.high);
@@ -97,7 +97,7 @@ class Decimation {
   }
 
   void run(std::size_t triangles) {
-    // What may not collapse now may later, when its neighbours have.
+    // An edge that may not collapse now may do so later, after its neighbours have.
     for (bool any = true; any && left_ > triangles;) {
       any = false;
       find_candidates();
@@ -145,7 +145,7 @@ class Decimation {
         {.cost = both.at(both.minimum()), .low = std::min(a, b), .high = std::max(a, b), .age = ages_[a] + ages_[b]});
   }
 
-  /// The edge's ends see the same two vertices and no more, and those keep at least three neighbours.
+  /// The edge's ends have exactly two common neighbours, and those keep at least three neighbours.
   [[nodiscard]] bool keeps_the_surface(const Candidate& edge) const {
     const Numbers low = neighbours_of(edge.low);
     const Numbers high = neighbours_of(edge.high);
@@ -166,7 +166,7 @@ class Decimation {
       const double slim_before = slimness(corners_m);
       corners_m.at(t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2) = to_m;
       const Point after = doubled_area(corners_m);
-      // Where there are needles already, they may stay as they are.
+      // Triangles that are needles already may stay so.
       return slimness(corners_m) >= std::min(kSlimmest, slim_before) &&
              after.dot(before) > kTurnedMost * after.norm() * before.norm();
     });

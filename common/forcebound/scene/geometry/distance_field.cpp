@@ -15,9 +15,9 @@ namespace forcebound::scene {
 namespace {
 
 constexpr double kNodesMost = 1 << 22;
-// A cubic has one node more on each side of its cell; another step keeps the surface away from the rim.
+// Cubic interpolation needs one node more on each side of the cell; another step keeps the surface off the rim.
 constexpr double kRimSteps = 2;
-// A distance has a gradient of length 1. Where much less is left of it, opposite surfaces cancel.
+// A distance has a gradient of length 1. Where it is much shorter, opposite surfaces cancel.
 constexpr double kGradientLeast = 1e-3;
 
 /// Weights of four nodes at a share t of the way from the second to the third, and their derivatives by t.

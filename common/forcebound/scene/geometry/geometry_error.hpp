@@ -4,7 +4,7 @@
 
 namespace forcebound::scene {
 
-/// A shape that cannot be made of what was given. One line: the file, where in it, what is wrong.
+/// A shape that cannot be made from its input. One line: the file, the place in it, what is wrong.
 class GeometryError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -13,25 +13,26 @@ namespace {
 constexpr double kSkin = 0x1p-40;
 constexpr double kOnSkins = 0x1p-6;
 constexpr double kEdgeSkins = 4;
-// Below the skin by rounding is not yet behind the triangle.
+// A point this far below a triangle, by rounding, is not yet behind it.
 constexpr double kBehindSkins = 2;
 // Planes at a smaller angle have no crease: over the whole mesh they differ by less than the skin.
 constexpr double kSameDirection = 0x1p-46;
-// No computed normal is further off than this, that of the thinnest triangle.
+// Largest error of a computed normal: that of the thinnest triangle.
 constexpr double kLevel = 0x1p-15;
-// Where a surface rises beyond an edge, along it to the bottom of a wedge, however narrow, the other wall must not be
-// left for rounding. Behind that wall it harms nothing if this one goes on.
+// Where a surface rises beyond an edge, rounding must not let the god object slip past the rising wall while it follows
+// the edge down to the bottom of a wedge, however narrow. Reaching further beyond the edge is harmless: that is behind
+// the rising wall.
 constexpr double kRisingEdgeSkins = 0x1p12;
 constexpr double kRisingBelowSkins = 0x1p-6;
-// Where it ends, if that is known.
+// Where the surface ends at the edge.
 constexpr double kOpenBelowSkins = 0x1p-3;
-// Triangles so near to the god object are about it: more than it may be beyond an edge.
+// Triangles this near to the god object are its surroundings: more than it may be beyond an edge.
 constexpr double kAboutSkins = 0x1p13;
 constexpr double kFarSizes = 1e12;
-// A contact no deeper than this has no direction but the triangle's.
+// A contact no deeper than this takes its direction from the triangle.
 constexpr double kShallowSkins = 64;
-// How far one motion may move the god object: so many times as far as the goal went, and shares of how far it is from
-// it and of the mesh's size.
+// Limits of one motion of the god object: a multiple of the goal's way, a share of its distance from the goal, and a
+// share of the mesh's size.
 constexpr double kStretch = 4;
 constexpr double kShareOfDepth = 0x1p-3;
 constexpr double kShareOfSize = 0x1p-10;
@@ -42,9 +43,9 @@ Proxy proxy_at(const Point& at_m, const Point& goal_m) noexcept {
   return {at_m.x(), at_m.y(), at_m.z(), 1, goal_m.x(), goal_m.y(), goal_m.z()};
 }
 
-/// The planes that hold the god object where it is, at most three, and the way that they leave it: the point of their
-/// common outside that is nearest to the goal. When a plane comes that this way runs into, it is one of those that
-/// matter for the next: there are at most the plane itself, its creases with each of the others, and standing still.
+/// The planes, at most three, that hold the god object where it is, and its way to the point nearest to the goal in
+/// their common outside. When the way meets another plane, the next optimum lies on that plane: its candidates are the
+/// plane itself, its creases with each of the others, and standing still.
 class GodObject::Constraints {
  public:
   explicit Constraints(const GodObject& object) noexcept : object_(object), skin_m_(object.skin_m_) {}
@@ -55,10 +56,10 @@ class GodObject::Constraints {
   }
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
 
-  /// The way from where the god object is, with one more plane. `wanted` leads to the goal.
+  /// The way from the god object's position, with one more plane. `wanted` leads to the goal.
   [[nodiscard]] Point add(const Constraint& plane, const Point& wanted) noexcept {
     const Point single = wanted - plane.normal * (plane.normal.dot(wanted) + plane.height_m);
-    // The best that is left is always farther from the goal than before, so that no choice comes back.
+    // Each choice ends farther from the goal than the one before, so that no choice repeats.
     if ((single - wanted).squaredNorm() > least_ && fits(single, count_)) {
       return keep(single, wanted, plane, nullptr);
     }
@@ -76,7 +77,7 @@ class GodObject::Constraints {
     return Point::Zero();
   }
 
-  /// Whether the god object, having moved to `p`, is still on the triangles of all planes.
+  /// Whether the god object, having moved to `p`, still touches the triangles of all planes.
   [[nodiscard]] bool follow(const Point& p) noexcept {
     bool on_all = true;
     for (Constraint& plane : std::span(held_).first(count_)) {
@@ -86,8 +87,8 @@ class GodObject::Constraints {
     return on_all;
   }
 
-  /// Whether the planes are all that there is about `p`: none of their triangles ends there, but at another of them
-  /// that rises from it. Then what they leave free is convex, and their nearest point is the nearest.
+  /// Whether the planes describe the whole surface about `p`: none of their triangles ends there, except at another one
+  /// that rises from it. Then the free space is convex, and the nearest point on the planes is the nearest of all.
   [[nodiscard]] bool are_all_about(const Point& p) const noexcept {
     return std::ranges::all_of(held(), [&](const Constraint& plane) {
       for (std::size_t side = 0; side < 3; ++side) {
@@ -128,7 +129,7 @@ class GodObject::Constraints {
     const double sine = crease.norm();
     if (!(sine > kSameDirection)) return false;
     crease /= sine;
-    // What rounding of a small angle turned out of the first plane goes back into it.
+    // At a small angle, rounding turns the way out of the first plane; project it back.
     crease = (crease - one.normal * one.normal.dot(crease)).normalized();
     way = crease * crease.dot(wanted) - one.normal * one.height_m;
     way -= other.normal * std::min(0.0, other.normal.dot(way) + other.height_m);
@@ -144,18 +145,18 @@ class GodObject::Constraints {
 
   const GodObject& object_;
   double skin_m_;
-  double least_ = 0;  // how far, squared, the way ends from the goal
+  double least_ = 0;  // squared distance from the end of the way to the goal
   std::size_t count_ = 0;
   std::array<Constraint, 3> held_;  // the third only while standing still
 };
 
-/// Looks for what is in the way. What it has once gathered about a way answers for all ways inside of it, so that the
-/// tree is asked once or twice in most motions.
+/// Finds obstacles. The triangles gathered about one way serve all ways inside the same box, so that most motions
+/// search the tree once or twice.
 class GodObject::Search {
  public:
   explicit Search(const GodObject& object) noexcept : object_(object) {}
 
-  /// Whether one more turn, of a way and steps around, might be one too many.
+  /// Whether one more turn, of a way and steps around, might exceed the limit of searches.
   [[nodiscard]] bool is_over() const noexcept { return searches_ > kQueriesMost - kMostPerTurn; }
 
   void gather_about(const Segment& path) noexcept {
@@ -170,7 +171,7 @@ class GodObject::Search {
     if (!count) box_.setEmpty();
   }
 
-  /// Calls visit(place) for each triangle whose box may meet the box, and perhaps some more.
+  /// Calls visit(place) for each triangle whose box meets the box, and perhaps for some more.
   template <class Visit>
   void for_each_about(const Bounds& box, Visit visit) noexcept {
     if (box_.contains(box)) {
@@ -181,7 +182,7 @@ class GodObject::Search {
     }
   }
 
-  /// The first obstacle that is none of those `without`.
+  /// The first obstacle that is not among `without`.
   [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found,
                                     std::span<const std::uint32_t> without = {}) noexcept {
     bool blocked = false;
@@ -220,7 +221,7 @@ class GodObject::Fan {
  public:
   struct Step {
     Point way;
-    double rate = 0;  // how much nearer to the goal per way
+    double rate = 0;  // decrease of the distance to the goal per length of way
     std::uint32_t place = 0;
   };
 
@@ -234,7 +235,7 @@ class GodObject::Fan {
     for (const std::uint32_t place : std::span(about_).first(count_)) {
       const NearestOnTriangle best = object.bvh_.nearest_on(object.bvh_.order()[place], goal);
       Step step{best.point_m - proxy, 0, place};
-      // At the height at which it is.
+      // Keep the height above the triangle.
       const Point& normal = object.facets_[place].plane.normal;
       step.way -= normal * normal.dot(step.way);
       const double length_m = step.way.norm();
@@ -246,8 +247,9 @@ class GodObject::Fan {
 
   [[nodiscard]] std::span<const Step> steps() const noexcept { return std::span(steps_).first(step_count_); }
 
-  /// The triangles about the point that go on from that of the step, from edge to edge, if they all meet in one vertex
-  /// and do not pass through each other: then none of them is in its way, whatever their planes do. Else nullopt.
+  /// The triangles about the point that connect to the step's triangle from edge to edge, if all of them share one
+  /// vertex and do not pass through each other: then none of them blocks the step, whatever their planes do. Else
+  /// nullopt.
   [[nodiscard]] std::optional<std::span<const std::uint32_t>> around(std::size_t step) noexcept {
     if (std::ranges::find(members(), steps_[step].place) == members().end()) {
       gather_members(steps_[step].place);
@@ -258,10 +260,10 @@ class GodObject::Fan {
 
  private:
   static constexpr std::size_t kMost = 64;
-  static constexpr std::size_t kPairsOf = 16;  // triangles, of more it is not looked at each pair
+  static constexpr std::size_t kPairsOf = 16;  // for more triangles, pairs are not tested
   static constexpr std::size_t kStepsMost = 8;
 
-  /// A triangle as seen from the vertex: a part of a great circle.
+  /// A triangle seen from the vertex: an arc of a great circle.
   struct Arc {
     std::uint32_t from;
     std::uint32_t to;
@@ -311,7 +313,7 @@ class GodObject::Fan {
     return true;
   }
 
-  /// Whether all triangles can be seen at once from somewhere above, once around the vertex. Most vertices are so.
+  /// Whether the triangles go around the vertex once and all face one direction. Most vertices are so.
   [[nodiscard]] bool winds_once(std::uint32_t vertex, std::span<const Arc> arcs) const noexcept {
     const auto normal = [&](std::uint32_t place) -> const Point& { return mesh().normals()[triangle(place)]; };
     Point up = Point::Zero();
@@ -337,7 +339,7 @@ class GodObject::Fan {
     const Point cd = c.cross(d);
     const std::array<double, 4> off{cd.dot(a), cd.dot(b), ab.dot(c), ab.dot(d)};
     if (off[0] * off[1] > 0 || off[2] * off[3] > 0) return false;
-    // Where each meets the other's plane: in the same direction, or opposite to it.
+    // Whether the points where each meets the other's plane lie in the same direction.
     return (std::abs(off[1]) * a + std::abs(off[0]) * b).dot(std::abs(off[3]) * c + std::abs(off[2]) * d) >= 0;
   }
 
@@ -351,7 +353,7 @@ class GodObject::Fan {
   const GodObject& object_;
   std::size_t count_ = 0;
   std::array<std::uint32_t, kMost> about_;
-  std::size_t members_ = 0;  // the first of them, that go on from edge to edge
+  std::size_t members_ = 0;  // the first of `about_`, which connect from edge to edge
   bool is_simple_ = false;
   std::size_t step_count_ = 0;
   std::array<Step, kStepsMost> steps_;
@@ -391,7 +393,7 @@ GodObject::Edge GodObject::edge_of(std::uint32_t triangle, std::size_t side) con
     rise_m = normal.dot(arm);
     reach_m = arm.cross(to - from).norm() / (to - from).norm();
   }
-  // From behind, what falls off rises.
+  // Seen from behind, a falling surface rises.
   const bool rises = (two_sided_ ? std::abs(rise_m) : rise_m) > kLevel * reach_m;
   if (rises) return {plane, kRisingEdgeSkins * skin_m_, kRisingBelowSkins * skin_m_};
   return {plane, kEdgeSkins * skin_m_, skin_m_};
@@ -418,8 +420,8 @@ SurfacePoint GodObject::follow(const Point& goal_m, Proxy& state) const noexcept
   return {.normal = normal, .penetration_m = penetration_m};
 }
 
-/// Brings a god object that is far from the mesh near to it, so that shares of its way are exact to less than the skin.
-/// False if its way does not come near.
+/// Moves a god object that is far from the mesh along its way to near the mesh, so that shares of the rest of its way
+/// are exact to less than the skin. False if its way does not come near.
 bool GodObject::approach(Point& proxy, const Point& goal) const noexcept {
   const Point near = bvh_.mesh().box_m().max().array() + bvh_.mesh().size_m();
   if ((proxy.cwiseAbs() - near).maxCoeff() <= 0) return true;
@@ -473,9 +475,9 @@ Point GodObject::settle(Walk walk, const Point& goal, Point& last_normal) const 
   return walk.at_m;
 }
 
-/// Planes hold beyond their triangles. Where triangles meet that do not leave a convex space free, there may so be a
-/// way past them: straight on, or else over one of them, which it is for the one that leads to the goal the fastest.
-/// False if there is none, or it ends on the way.
+/// Planes extend beyond their triangles. Where the triangles about the god object do not leave a convex space free, the
+/// planes may block a way that is open: straight to the goal, or else over the triangle that leads to the goal fastest.
+/// Takes it. False if there is none, or if the motion's limit is reached on it.
 bool GodObject::step_around(Walk& walk, const Point& goal, Search& search) const noexcept {
   const auto is_open = [&](const Point& way, std::span<const std::uint32_t> without, double& share) {
     Obstacle obstacle;
@@ -532,7 +534,7 @@ bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double un
   }
   if (enter > leave || height_m + enter * rate_m < -kBehindSkins * skin_m_) return false;
   if (height_m + leave * rate_m >= -below_m) return false;
-  // So little above, rounding decides where a flat path meets the plane: here.
+  // This close to the plane, rounding decides where a flat path meets it; take the start.
   const double meets = height_m > kOnSkins * skin_m_ ? height_m / -rate_m : 0;
   found = {{side * facet.plane.normal, height_m, &facet}, std::max(enter, meets)};
   return true;

@@ -11,13 +11,13 @@
 
 namespace forcebound::scene {
 
-/// Where the god object of one client is: flat bytes, all zeros at first, which means fresh, with no contact.
+/// The god object's position for one client: flat bytes; all zeros is a new session without contact.
 struct Proxy {
   double x_m;  // in the mesh's own frame
   double y_m;
   double z_m;
-  std::uint64_t placed;  // 0: nowhere yet
-  double goal_x_m;       // where it was to go last
+  std::uint64_t placed;  // 0: not placed yet
+  double goal_x_m;       // the last goal
   double goal_y_m;
   double goal_z_m;
 };
@@ -30,30 +30,30 @@ struct GodObjectOptions {
 };
 
 /// The god object (proxy) of a point that touches a mesh [Zilles and Salisbury, "A Constraint-based God-object Method
-/// for Haptic Display", IROS 1995]: it follows the point, its goal, but stays outside, as near to it as the triangles
-/// let it. It knows from where the point came in, so that thin walls hold.
+/// for Haptic Display", IROS 1995]: it follows the point, its goal, but stays outside of the mesh, as near to the goal
+/// as the triangles allow. It remembers from which side the point came in, so that thin walls hold.
 ///
-/// From where it is, the god object goes straight to its goal until a triangle is in its way. Then it goes on to
+/// The god object goes straight to its goal until a triangle is in its way. Then it goes on to
 ///
 ///     argmin |x - goal|^2   subject to   n_i . (x - a_i) >= 0   for at most three planes i [eq. 1 to 4 there],
 ///
-/// through the next triangle in its way and so on, until nothing nearer is to be reached. Where the paper finds the
-/// planes by Lagrange multipliers once for each motion, ours are found anew wherever the god object comes to, because
-/// the plane of a triangle that it has left holds nothing; so it also follows a curved surface within one motion. Where
-/// it comes to rest and what is free about it is not convex, as at the vertex of a saddle, it looks for one of the
-/// triangles there that leads nearer to the goal: so it rests only where no triangle about it does.
+/// through the next triangle in its way and so on, until no nearer point can be reached. Where the paper finds the
+/// planes by Lagrange multipliers once for each motion, ours are found anew at every position of the god object,
+/// because the plane of a triangle that it has left no longer holds it; so it also follows a curved surface within one
+/// motion. Where it comes to rest and the free space about it is not convex, as at the vertex of a saddle, it looks for
+/// a triangle there that leads nearer to the goal: so it rests only where no triangle about it does.
 ///
-/// A place that held it may be no more, as it comes to the end of a ridge; the next may be far. To fall there at once
-/// would let the force jump, so one motion moves the god object no further than
+/// At the end of a ridge the god object loses its hold, and the next resting place may be far away. Going there at once
+/// would make the force jump, so one motion moves the god object no further than
 ///
 ///     4 |goal - goal before| + |goal - x| / 8 + (size of the mesh) / 1024,
 ///
-/// and the next motions go on, even if the goal then stays where it is.
+/// and the next motions continue, even if the goal stays where it is.
 ///
-/// Numbers: all is computed in the mesh's own frame. A point is on a plane if within a `skin` of 2^-40 (1e-12) of the
+/// Numerics: all is computed in the mesh's own frame. A point is on a plane if within a `skin` of 2^-40 (1e-12) of the
 /// mesh's size, and on a triangle if within four skins of its edges, so that rounding opens no gap and makes no step. A
-/// path that leaves a triangle over an edge no deeper than the skin has not met it, if the surface goes on there level
-/// or downwards: triangles of one plane, whose computed normals differ by rounding, are one plane.
+/// path that leaves a triangle over an edge no deeper than the skin has not met it, if the surface continues there
+/// level or downwards: coplanar triangles, whose computed normals differ by rounding, act as one plane.
 ///
 /// Real time: `follow` is noexcept, allocates nothing, and makes at most kQueriesMost searches in the tree.
 class GodObject {
@@ -63,9 +63,9 @@ class GodObject {
   explicit GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOptions& options = {});
 
   /// The surface that holds the god object back from `goal_m` (in the scene's frame): `normal` from the goal to the god
-  /// object, `penetration_m` their distance; 0 without contact. The first time, the god object is put to the goal, even
-  /// inside. A goal that is not finite leaves everything as it was and has no contact; one further away than 1e12 sizes
-  /// of the mesh makes the god object fresh again.
+  /// object, `penetration_m` their distance; 0 without contact. The first call puts the god object at the goal, even
+  /// inside. A goal that is not finite changes nothing and has no contact; one further away than 1e12 sizes of the mesh
+  /// resets the god object.
   SurfacePoint follow(const Point& goal_m, Proxy& state) const noexcept;
 
   [[nodiscard]] const Bvh& bvh() const noexcept { return bvh_; }
@@ -82,8 +82,8 @@ class GodObject {
   /// The plane upright on a triangle through one of its edges, normal outwards.
   struct Edge {
     Plane plane;
-    double beyond_m = 0;  // so far past the edge the triangle still holds
-    double below_m = 0;   // a path that leaves over the edge may be that deep below the triangle and has not met it
+    double beyond_m = 0;  // how far past the edge the triangle still holds
+    double below_m = 0;   // a path that leaves over the edge no deeper than this has not met the triangle
   };
 
   struct Facet {
@@ -91,7 +91,7 @@ class GodObject {
     std::array<Edge, 3> edges;
   };
 
-  /// The plane of a facet in the way: how high the god object is above it.
+  /// The plane of a facet in the way, and the god object's height above it.
   struct Constraint {
     Point normal;
     double height_m;
@@ -103,12 +103,12 @@ class GodObject {
     double share = 0;  // of the way to it
   };
 
-  /// Where the god object is, and how far it may still go.
+  /// The god object's position, and how far it may still go.
   struct Walk {
     Point at_m;
     double left_m;
 
-    /// Whether it gets that far.
+    /// Whether it may go that far.
     [[nodiscard]] bool go(const Point& way_m, double share) noexcept {
       const double length_m = way_m.norm();
       const bool arrives = share * length_m <= left_m;
@@ -142,7 +142,7 @@ class GodObject {
   Bvh bvh_;
   std::vector<Facet> facets_;  // in the order of the tree
   double skin_m_;
-  double clearance_m_;  // kept from both sides, so that it is known on which one the god object is
+  double clearance_m_;  // kept from the surface, so that the god object's side is known
   bool two_sided_;
 };
 

@@ -6,7 +6,7 @@
 namespace forcebound::scene {
 namespace {
 
-/// Height and slopes, at a point of the grid or between.
+/// Height and slopes at a point.
 using Relief = Eigen::Vector3d;
 
 class HeightField final : public Shape {
@@ -51,7 +51,7 @@ class HeightField final : public Shape {
     return {(beyond_m * outwards - depth_m * normal).normalized(), -std::hypot(beyond_m, depth_m)};
   }
 
-  /// Of the four, from within.
+  /// The nearest of the four cliffs, seen from inside.
   [[nodiscard]] SurfacePoint nearest_cliff(const Eigen::Vector2d& above) const noexcept {
     SurfacePoint cliff{Point::UnitX(), size_m_.x() - above.x()};
     const auto nearer = [&cliff](const Point& normal, double depth_m) {
@@ -63,7 +63,7 @@ class HeightField final : public Shape {
     return cliff;
   }
 
-  /// Within the rim.
+  /// A point within the rim.
   [[nodiscard]] Relief relief_at(const Eigen::Vector2d& above) const noexcept {
     const double u = above.x() / spacing_m_;
     const double v = above.y() / spacing_m_;

@@ -4,11 +4,11 @@
 
 namespace forcebound::scene {
 
-/// Nearer to a shape's skeleton than this share of its size, a direction is made of rounding errors.
+/// Nearer to a shape's skeleton than this share of its size, a direction is rounding error.
 inline constexpr double kRounding = 1e-12;
 
-/// The last direction that was valid, for the places where a shape has none: the centre of a sphere, the axis of a
-/// cylinder. All zeros at first, which stands for x.
+/// The last valid direction, for the places where a shape has none: the centre of a sphere, the axis of a cylinder. All
+/// zeros at first, which stands for x.
 struct LastNormal {
   double x;
   double y;
@@ -18,8 +18,8 @@ struct LastNormal {
     return *std::launder(reinterpret_cast<LastNormal*>(state));
   }
 
-  /// `out` from the nearest point of the surface's skeleton, which is `distance_m` away; `penetration_m` as it is.
-  /// Nearer than `least_m` a direction is made of rounding errors.
+  /// `out` from the nearest point of the surface's skeleton, which is `distance_m` away; `penetration_m` is passed on.
+  /// Nearer than `least_m` a direction is rounding error.
   SurfacePoint along(const Point& out, double distance_m, double least_m, double penetration_m) noexcept {
     if (!(distance_m > least_m)) return {get(), penetration_m, true};
     return {keep(out / distance_m), penetration_m};
@@ -32,8 +32,8 @@ struct LastNormal {
     return normal;
   }
 
-  /// The last direction, turned square to the unit vector `axis`: any such is nearest where an axis is the skeleton.
-  /// Lies in the plane of the first two axes if `axis` does.
+  /// The last direction, turned perpendicular to the unit vector `axis`: any such is nearest where an axis is the
+  /// skeleton. Lies in the plane of the first two axes if `axis` does.
   [[nodiscard]] Point get_across(const Point& axis) const noexcept {
     const Point last = get();
     const Point across = last - last.dot(axis) * axis;

@@ -64,7 +64,7 @@ TriangleMesh make_lathe(std::string name, const std::vector<LathePoint>& profile
         triangles.push_back({rings.vertex(here, i + 1), rings.vertex(next, i + 1), rings.vertex(next, i)});
     }
   }
-  // An edge along the axis has given neither: a triangle has at most one corner there.
+  // Skips edges along the axis: a triangle has at most one corner there.
   std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   return {std::move(name), rings.vertices(), triangles};
 }

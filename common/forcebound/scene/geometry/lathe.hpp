@@ -15,8 +15,8 @@ struct LathePoint {
 
 /// The solid of revolution of a closed profile, as a closed mesh of `segments` around: pots, bowls, rings.
 ///
-/// The profile goes anticlockwise about its inside, seen with the radius to the right and the height up. Where it lies
-/// on the axis the triangles meet in a point; edges along the axis have none.
+/// The profile goes anticlockwise around its inside, with the radius to the right and the height up. Where it lies on
+/// the axis the triangles meet in a point; edges along the axis have none.
 ///
 /// @throws GeometryError unless the profile has at least 3 points with radius >= 0, and 3 to 4096 segments.
 [[nodiscard]] TriangleMesh make_lathe(std::string name, const std::vector<LathePoint>& profile, int segments,

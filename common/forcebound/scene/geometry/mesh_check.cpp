@@ -48,12 +48,12 @@ std::optional<std::int64_t> whole_number(std::string_view word) {
   return value;
 }
 
-/// A text in which each refusal says the line.
+/// The lines of a text; errors name the line.
 class Lines {
  public:
   Lines(const std::string& path, const std::string& content) : stream_(content), reader_(stream_, path) {}
 
-  /// The words of the next line that has any, without what follows a '#'; none at the end.
+  /// The words of the next line that has any, without comments ('#'); none at the end.
   const Words& next() {
     words_.clear();
     while (words_.empty() && reader_.next()) {

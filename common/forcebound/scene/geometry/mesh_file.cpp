@@ -53,7 +53,7 @@ void add(const aiMesh& mesh, Soup& soup) {
 
 Soup import(const std::string& path, const std::string& content, const Format& format) {
   Assimp::Importer importer;
-  // From memory: what was checked is what is read, and materials named in it are not looked for.
+  // From memory: reads exactly what was checked, and opens no material files named in it.
   const std::string hint(format.ending.substr(1));
   const aiScene* scene =
       importer.ReadFileFromMemory(content.data(), content.size(), aiProcess_Triangulate, hint.c_str());

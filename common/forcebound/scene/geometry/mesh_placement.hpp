@@ -4,7 +4,7 @@
 
 namespace forcebound::scene {
 
-/// Where the vertices of a file lie in the scene: v at rotation * (scale * v) + offset_m.
+/// The placement of a file's mesh in the scene: vertex v lies at rotation * (scale * v) + offset_m.
 struct MeshPlacement {
   double scale = 1;
   Point offset_m = Point::Zero();
@@ -12,12 +12,12 @@ struct MeshPlacement {
 
   [[nodiscard]] bool turns() const noexcept { return rotation != Eigen::Matrix3d::Identity(); }
 
-  /// Whether that places anything: all numbers are finite, and the scale is > 0.
+  /// Whether all numbers are finite and the scale is > 0.
   [[nodiscard]] bool valid() const noexcept;
 };
 
-/// Turned about the scene's fixed x, then y, then z axis, each by the right hand: Rz(yaw) Ry(pitch) Rx(roll). Quarter
-/// turns are exact, so that what stands along an axis still does.
+/// Turned about the scene's fixed x, then y, then z axis, right-handed: Rz(yaw) Ry(pitch) Rx(roll). Quarter turns are
+/// exact, so that edges along an axis stay so.
 [[nodiscard]] Eigen::Matrix3d rotation_from_degrees(const Point& roll_pitch_yaw_deg);
 
 }  // namespace forcebound::scene

@@ -31,7 +31,7 @@ class MeshShape final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    // Searches, whose length grows with the depth of the tree.
+    // The cost of searches grows with the depth of the tree.
     constexpr double kPerLevel_ns = 45;
     const double levels = std::log2(static_cast<double>(mesh().triangles().size()) + 1);
     return {.state_bytes = sizeof(Proxy),
@@ -44,7 +44,7 @@ class MeshShape final : public Shape {
  private:
   [[nodiscard]] const TriangleMesh& mesh() const noexcept { return object_.bvh().mesh(); }
 
-  /// The middle of the highest triangle, where what comes from above meets it.
+  /// The centre of the highest triangle: a device that comes from above meets the mesh there.
   [[nodiscard]] Point top_m() const {
     Point top = Point::Constant(-std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < mesh().triangles().size(); ++i) {

@@ -9,18 +9,18 @@ namespace forcebound::scene {
 
 struct MeshShapeOptions {
   bool two_sided = false;  ///< contact from behind as well; else only from where the triangles' normals point
-  double reach_m = 0;  ///< without contact, the distance to the surface is found up to this; else it is not looked for
+  double reach_m = 0;      ///< without contact, distances to the surface are computed up to this
 };
 
-/// A triangle mesh, felt through a god object: contact is with the surface that the client's point went through, not
-/// with the nearest one.
+/// A triangle mesh with a god object: contact is with the surface that the client's point went through, not with the
+/// nearest one.
 ///
-/// Without contact, `penetration_m` is minus the distance to the nearest point of the surface, `normal` points from
-/// there to the client; beyond `reach_m`, it is -reach_m. A client that a session finds inside of a closed mesh is put
-/// to the nearest point of its surface, once; inside of an open one, which has no inside, it is free.
+/// Without contact, `penetration_m` is minus the distance to the nearest point of the surface, and `normal` points from
+/// there to the client; beyond `reach_m` it is -reach_m. A god object that begins inside a closed mesh is moved to the
+/// nearest point of its surface, once; in an open mesh, which has no inside, there is no contact.
 ///
-/// Real time: as GodObject. `reach_m` costs a search for the nearest point on each motion without contact; one that
-/// begins a session deep inside a closed mesh may take milliseconds.
+/// Real time: as GodObject. `reach_m` costs a search for the nearest point on each motion without contact; a first
+/// motion deep inside a closed mesh may take milliseconds.
 ///
 /// @throws GeometryError unless reach_m is >= 0 and finite.
 std::unique_ptr<Shape> make_mesh(std::shared_ptr<const TriangleMesh> mesh, const MeshShapeOptions& options = {});

@@ -8,7 +8,7 @@ namespace forcebound::scene {
 /// A point, direction or force in the scene's frame. Scenes of one or two dimensions lie on the first axes.
 using Point = Eigen::Vector3d;
 
-/// As it is kept where bytes are all there may be: in a state that is trivially copied.
+/// A point in a trivially copyable state.
 inline std::array<double, 3> to_array(const Point& point) noexcept { return {point.x(), point.y(), point.z()}; }
 inline Point to_point(const std::array<double, 3>& values) noexcept { return Eigen::Map<const Point>(values.data()); }
 

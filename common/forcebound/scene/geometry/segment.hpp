@@ -6,10 +6,10 @@
 
 namespace forcebound::scene {
 
-/// The straight between two points.
+/// The segment between two points.
 class LineSegment {
  public:
-  /// Of one point twice, the axis is x.
+  /// If both points are equal, the axis is x.
   LineSegment(const Point& from_m, const Point& to_m)
       : middle_m_(0.5 * (from_m + to_m)), half_m_(0.5 * (to_m - from_m).stableNorm()) {
     if (half_m_ > 0) axis_ = (to_m - from_m).stableNormalized();

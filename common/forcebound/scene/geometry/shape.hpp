@@ -8,31 +8,31 @@
 
 namespace forcebound::scene {
 
-/// How a point lies to a surface.
+/// Depth and normal of a point relative to a surface.
 struct SurfacePoint {
   Point normal = Point::UnitX();  ///< unit, out of the surface where it is nearest
-  double penetration_m = 0;       ///< > 0: that deep inside what is filled; < 0: no contact, that far outside
-  bool normal_is_old = false;     ///< no direction is nearest (the centre of a sphere): the last one that was valid
+  double penetration_m = 0;       ///< > 0: depth inside the solid; < 0: no contact, minus the distance outside
+  bool normal_is_old = false;     ///< no nearest direction (the centre of a sphere): the last valid one
 };
 
-/// What the plan and people need to know of a shape.
+/// Facts of a shape, for the plan and for `--explain`.
 struct ShapeFacts {
   std::size_t state_bytes = 0;         ///< kept for each session, zeros at first
   std::size_t memory_bytes = 0;        ///< of the shape itself, shared by all sessions
-  double cost_ns = 5;                  ///< for one motion, roughly, on a machine of today
-  Point on_surface_m = Point::Zero();  ///< some point of the surface, to try it at
-  Eigen::AlignedBox3d bounds_m{};      ///< what of the surface is not infinite lies in it; empty: all of it may be
+  double cost_ns = 5;                  ///< estimate for one motion
+  Point on_surface_m = Point::Zero();  ///< a point of the surface, for calibration
+  Eigen::AlignedBox3d bounds_m{};      ///< of the finite parts of the surface; empty: there may be none
 };
 
-/// The box of so much to each side of a point.
+/// The box around a point, `half_m` to each side.
 [[nodiscard]] inline Eigen::AlignedBox3d bounds_about(const Point& middle_m, const Point& half_m) {
   return {Point(middle_m - half_m), Point(middle_m + half_m)};
 }
 
-/// What an object fills.
+/// The solid of an object.
 ///
-/// Real time: `nearest` is noexcept, allocates nothing and takes bounded time. Immutable; what it remembers of a client
-/// lies in `state`, ShapeFacts::state_bytes of it, aligned for a double.
+/// Real time: `nearest` is noexcept, allocates nothing and takes bounded time. Immutable; its memory of a client lies
+/// in `state`, ShapeFacts::state_bytes long, aligned for a double.
 class Shape {
  public:
   virtual ~Shape() = default;
@@ -42,7 +42,7 @@ class Shape {
   [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
 };
 
-/// Everything below the plane through a point; `normal` (any length but zero) points out of what is filled.
+/// Everything below the plane through a point; `normal` (any length but zero) points out of the solid.
 std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal);
 
 /// A filled ball; on two axes a disc.

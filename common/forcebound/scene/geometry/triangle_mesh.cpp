@@ -10,9 +10,9 @@
 namespace forcebound::scene {
 namespace {
 
-/// One side of a triangle; the two triangles of an edge have two of these, with the same ends.
+/// One side of a triangle; an edge of two triangles has two sides with the same ends.
 struct Side {
-  std::uint32_t low;  // the ends by their number, not by the way round
+  std::uint32_t low;  // the ends in order of their numbers, not of the triangle
   std::uint32_t high;
   std::uint32_t triangle;
   std::uint32_t side;

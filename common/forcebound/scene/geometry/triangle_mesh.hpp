@@ -14,26 +14,26 @@
 
 namespace forcebound::scene {
 
-/// The corners of a triangle by their place among the vertices, anticlockwise seen from outside.
+/// The indices of a triangle's vertices, anticlockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
 
 using Bounds = Eigen::AlignedBox3d;
 
-/// What a mesh turned out to be, and what was mended. Edges are counted before slivers are dropped: a triangle without
-/// an area opens no surface.
+/// Facts of a mesh, and repairs made to it. Edges are counted before slivers are dropped: a triangle without an area
+/// opens no surface.
 struct MeshReport {
   std::size_t triangles = 0;
   std::size_t vertices = 0;
-  std::size_t welded_vertices = 0;        ///< equal to another one, and made one with it
+  std::size_t welded_vertices = 0;        ///< equal to another one, and merged with it
   std::size_t unreferenced_vertices = 0;  ///< of no triangle that was kept, dropped
   std::size_t slivers = 0;                ///< triangles thinner than kSliver of the mesh, dropped
   std::size_t duplicate_triangles = 0;    ///< the same corners the same way round as another one, dropped
   std::size_t open_edges = 0;             ///< of one triangle only
   std::size_t non_manifold_edges = 0;     ///< of three triangles or more
   std::size_t inconsistent_edges = 0;     ///< of two triangles that disagree about which side is outside
-  double volume_m3 = 0;                   ///< if closed: < 0 where the outside is inside, as of a cavity
+  double volume_m3 = 0;                   ///< if closed; < 0: inside out, as a cavity
 
-  /// Whether there is an inside and an outside.
+  /// Whether the surface encloses a volume.
   [[nodiscard]] bool closed() const noexcept {
     return open_edges == 0 && non_manifold_edges == 0 && inconsistent_edges == 0;
   }
@@ -45,17 +45,17 @@ struct MeshReport {
 /// A surface of triangles. Immutable.
 ///
 /// Vertices are kept in the mesh's own frame, whose axes are the scene's and whose origin is the middle of the mesh's
-/// bounding box: what is computed there loses no digits, wherever in the scene the mesh lies and whatever its size.
+/// bounding box: computations there lose no digits, whatever the mesh's position and size.
 class TriangleMesh {
  public:
-  /// The least height of a triangle, as a share of the mesh's size. The normal of a thinner one is made of rounding
-  /// errors; what contact allows for rounding bridges the gap that it leaves.
+  /// The least height of a triangle, as a share of the mesh's size. The normal of a thinner one would be rounding
+  /// error; the tolerances of contact bridge the gap that it leaves.
   static constexpr double kSliver = 0x1p-38;
 
   /// Where a triangle has no neighbour.
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// @param name what errors call it: the file.
+  /// @param name for errors: the file.
   /// @throws GeometryError if a coordinate is not finite, a corner is not among the vertices, the placement is not
   /// finite with scale > 0, or no triangle is left.
   TriangleMesh(std::string name, const std::vector<Point>& vertices, const std::vector<Triangle>& triangles,
@@ -75,7 +75,7 @@ class TriangleMesh {
   [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
   /// One of length 1 for each triangle, to the outside.
   [[nodiscard]] const std::vector<Point>& normals() const noexcept { return normals_; }
-  /// The triangles beyond the edges from corner 0 to 1, 1 to 2 and 2 to 0; kNone where the edge is not one of two
+  /// The triangles beyond the edges from corner 0 to 1, 1 to 2 and 2 to 0; kNone where the edge does not have two
   /// triangles that agree.
   [[nodiscard]] const std::vector<Triangle>& neighbours() const noexcept { return neighbours_; }
 

@@ -9,16 +9,16 @@
 /// the schema, in the struct and in each direction here. Private to wire and record.
 namespace forcebound::wire {
 
-/// What the numbers of a message cannot be; the first field of each kind. Everything else was taken over.
+/// Invalid values in a message: the first field of each kind. All other fields were converted.
 struct Flaws {
   struct Flaw {
-    const char* field = nullptr;  ///< null: no such flaw
+    const char* field = nullptr;  ///< null: none
     std::int64_t got = 0;
     std::int64_t most = 0;
   };
 
   Flaw time;                ///< further from zero than kTimeMost; the field stays zero
-  Flaw rows;                ///< more of them than there can be; the field stays empty
+  Flaw rows;                ///< more rows than allowed; the field stays empty
   bool not_finite = false;  ///< some number
 };
 

@@ -11,11 +11,11 @@ namespace {
 const char* words(CloseReason reason) {
   switch (reason) {
     case CloseReason::client_said_bye:
-      return "said goodbye";
+      return "ended its session";
     case CloseReason::idle:
-      return "fell silent";
+      return "was idle too long";
     case CloseReason::server_stops:
-      return "is disconnected: this server stops";
+      return "is disconnected: the server stops";
   }
   return "";
 }
@@ -24,8 +24,8 @@ const char* words(CloseReason reason) {
 
 // The session's number is its key, so it is in no log line.
 void LogObserver::on_opened(const SessionInfo& info) {
-  spdlog::info("{} feels '{}' with device '{}' ({} degrees of freedom)", net::to_string(info.address), info.scene,
-               info.device, info.degrees_of_freedom);
+  spdlog::info("{} connected to scene '{}' with device '{}' ({} degrees of freedom)", net::to_string(info.address),
+               info.scene, info.device, info.degrees_of_freedom);
   if (!info.choice.empty()) spdlog::info("{} {}", net::to_string(info.address), info.choice);
 }
 
@@ -36,7 +36,7 @@ void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const w
 }
 
 void LogObserver::on_scene_failed(std::string_view scene, std::string_view why) {
-  spdlog::error("scene '{}' cannot be had: {}", scene, why);
+  spdlog::error("scene '{}' is not available: {}", scene, why);
 }
 
 void LogObserver::on_unsound_response(const SessionInfo& info) noexcept {
@@ -59,7 +59,7 @@ void LogObserver::on_refused(const net::Address& address, std::string_view text)
   refusal_logged_ = now;
   spdlog::warn("{} refused: {}", net::to_string(address), text);
   if (const auto others = std::exchange(refusals_not_logged_, 0); others > 0) {
-    spdlog::warn("{} more were refused in between", others);
+    spdlog::warn("{} more were refused since the last such line", others);
   }
 }
 

@@ -5,8 +5,8 @@
 
 namespace forcebound::server {
 
-/// Logs who comes and goes. Nothing per datagram: refusals, which an untrusted client can cause at will, at most once a
-/// second.
+/// Logs clients that connect and leave. Nothing per datagram: refusals, which an untrusted client can cause at will, at
+/// most once a second.
 class LogObserver : public ServerObserver {
  public:
   explicit LogObserver(const time::Clock& clock) : clock_(clock) {}

@@ -17,7 +17,7 @@
 
 namespace {
 
-// Logs go to stderr; stdout is for what was asked for: explanations and totals.
+// Logs go to stderr; stdout is for results: explanations and totals.
 void log_to_stderr() {
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("server", std::make_shared<spdlog::sinks::stderr_sink_st>()));

@@ -15,12 +15,12 @@ constexpr const char* kProgram = "forcebound-server";
 constexpr const char* kDescription =
     "Computes the forces of a virtual environment for haptic clients.\n"
     "\n"
-    "Each client (forcebound-client) sends where its device is, by UDP, and gets back the\n"
+    "Each client (forcebound-client) sends its device's position by UDP and receives the\n"
     "force that the scene exerts there. However late that force arrives, the client keeps\n"
-    "it passive; the server may be far away. Every client feels a scene of its\n"
+    "it passive; the server may be far away. Every client has a scene of its\n"
     "own, unless the scene says that it is shared.\n";
 
-/// CLI::Range takes "nan" for a number in any range.
+/// CLI::Range accepts "nan" in any range.
 CLI::Validator within(double least, double most) {
   const std::string range = text::to_text(least) + " to " + text::to_text(most);
   return {[=](const std::string& value) -> std::string {
@@ -62,24 +62,24 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_option("--listen", listen, "address to serve; port 0 takes a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_option("--scene", options.scene, "scene for clients that ask for none")
+  app.add_option("--scene", options.scene, "scene for clients that request none")
       ->type_name("NAME|FILE")
       ->capture_default_str();
   app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
       ->needs("--explain");
   app.add_option("--device-damping", options.device.damping_N_s_per_m,
-                 "with --explain: damping of the device that margins are for")
+                 "with --explain: damping of the device for the stability margins")
       ->type_name("N_S_PER_M")
       ->check(within(1e-6, 1e6))
       ->capture_default_str()
       ->needs("--explain");
-  app.add_option("--round-trip", round_trip_ms, "with --explain: also print the margins behind this round trip")
+  app.add_option("--round-trip", round_trip_ms, "with --explain: also print the margins at this round trip")
       ->type_name("MS")
       ->check(within(0, 60000))
       ->needs("--explain");
-  app.add_flag("--suggest", options.suggest, "print a client's --device and --operator that feel the scene, and end");
-  app.add_flag("--schema", options.schema, "print all that a scene file may have, as Markdown, and end");
+  app.add_flag("--suggest", options.suggest, "print suggested --device and --operator for a client, and end");
+  app.add_flag("--schema", options.schema, "print every key of a scene file, as Markdown, and end");
   app.add_option("--record", options.record, "write every motion answered and every force sent to this MCAP file")
       ->type_name("FILE.mcap");
   app.add_option("--sessions-max", options.server.sessions_max, "most clients at the same time")
@@ -87,7 +87,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--idle-timeout", idle_timeout_s,
-                 "end the session of a client not heard of for so long; mobile networks pause 15 s")
+                 "end a client's session after this time without datagrams; mobile networks pause 15 s")
       ->type_name("SECONDS")
       ->check(within(1, 86400))
       ->capture_default_str();

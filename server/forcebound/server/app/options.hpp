@@ -9,22 +9,22 @@
 
 namespace forcebound::server {
 
-/// What the command line asked for.
+/// The command line's options.
 struct ProgramOptions {
   net::Endpoint listen{"127.0.0.1", 47800};
   std::string scene = "wall";  ///< name or file
   bool explain = false;        ///< print what would be simulated, and end
-  bool suggest = false;        ///< print with which device and hand to feel it, and end
-  bool schema = false;         ///< print what a scene file may have, and end
-  bool calibrate = false;      ///< measure it too
-  RingingDevice device{};      ///< for the margins that are explained
+  bool suggest = false;        ///< print a suitable device and hand, and end
+  bool schema = false;         ///< print every key of a scene file, and end
+  bool calibrate = false;      ///< measure its cost too
+  RingingDevice device{};      ///< for the stability margins
   std::string record;          ///< file; empty: no recording
   bool verbose = false;
   bool realtime = false;
   ServerOptions server;  ///< `scene` in it is not set yet
 };
 
-/// Reads the command line. Where that ends the program already (help, version, wrong use) it has printed why, and the
+/// Reads the command line. If it ends the program (help, version, wrong use), the reason has been printed and the
 /// result is the exit code.
 struct ParsedCommandLine {
   ProgramOptions options;

@@ -9,16 +9,16 @@
 
 namespace forcebound::server {
 
-/// Logs who comes and goes, and writes every motion answered and every force sent to a recording.
+/// Logs clients that connect and leave, and writes every motion answered and every force sent to a recording.
 ///
-/// The server's thread only hands records to a queue; a thread of its own writes them. A disk that fails ends the
-/// recording, not the server.
+/// The server's thread only puts records into a queue; another thread writes them. A failing disk ends the recording,
+/// not the server.
 class RecordingObserver final : public LogObserver {
  public:
   /// @throws std::runtime_error if the file cannot be created.
   RecordingObserver(const time::Clock& clock, const std::string& file, const record::RunInfo& info);
 
-  /// Writes what is left and says in the log what is missing.
+  /// Writes the remaining records and logs how many are missing.
   ~RecordingObserver() override;
 
   void on_motion(const wire::MotionSample& motion) noexcept override;
@@ -27,7 +27,7 @@ class RecordingObserver final : public LogObserver {
  private:
   const time::Clock& clock_;
   std::string file_;
-  record::RecordingWriter writer_;  // the thread's, until it has ended
+  record::RecordingWriter writer_;  // used by the thread until it ends
   record::Recorder recorder_;
   std::jthread thread_;
 };

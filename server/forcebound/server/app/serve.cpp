@@ -19,7 +19,7 @@ namespace forcebound::server {
 namespace {
 
 constexpr Nanoseconds kReportPeriod = std::chrono::seconds{10};
-// Below a client's on the same machine, whose deadline is the hard one.
+// Below the priority of a client on the same machine, whose deadline is hard.
 constexpr int kPriority = 40;
 
 volatile std::sig_atomic_t stop_wanted = 0;
@@ -29,7 +29,7 @@ void stop_on_signals() {
   action.sa_handler = [](int) { stop_wanted = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // A full disk or a closed pipe is an error of writing, not the end.
+  // A full disk or a closed pipe gives a write error, not a signal that ends the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
 }
@@ -57,7 +57,7 @@ std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, con
   info.program = "forcebound-server " FORCEBOUND_VERSION;
   info.scene = scene.facts().name;
   info.simulated =
-      (scene.accuracy() == nullptr ? "" : "accuracy auto, a level for each client; as it stands: ") + summary(scene);
+      (scene.accuracy() == nullptr ? "" : "accuracy auto, a level for each client; the file's: ") + summary(scene);
   info.epoch = time::wall_clock_now() - clock.now();
   return std::make_unique<RecordingObserver>(clock, options.record, info);
 }

@@ -4,9 +4,9 @@
 
 namespace forcebound::server {
 
-/// Serves until SIGINT or SIGTERM, then says goodbye to all clients and prints the totals.
+/// Serves until SIGINT or SIGTERM, then ends all sessions and prints the totals.
 ///
-/// @throws std::runtime_error if the scene or the address cannot be had
+/// @throws std::runtime_error if the scene or the address is not available
 void serve(ProgramOptions options);
 
 }  // namespace forcebound::server

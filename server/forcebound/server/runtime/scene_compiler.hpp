@@ -14,17 +14,17 @@
 
 namespace forcebound::server {
 
-/// Compiles what clients ask a library for, on a thread of its own, one scene after the other. Without it the library
-/// compiles while its asker waits.
+/// Compiles the scenes that clients request from a library, on a thread of its own, one after the other. Without it the
+/// library compiles in the calling thread.
 class SceneCompiler {
  public:
-  /// @param failed is told the scene and the reason, by the library's own thread
+  /// @param failed called with the scene and the reason, in the library's own thread
   SceneCompiler(SceneLibrary library, std::function<void(std::string_view scene, std::string_view why)> failed);
   ~SceneCompiler();
   SceneCompiler(const SceneCompiler&) = delete;
   SceneCompiler& operator=(const SceneCompiler&) = delete;
 
-  /// Tells the library what came of it meanwhile; to be called by the library's own thread.
+  /// Gives the results to the library; to be called in the library's own thread.
   void deliver();
 
  private:
@@ -37,7 +37,7 @@ class SceneCompiler {
   std::deque<SceneLibrary::Compilation> wanted_;
   struct Outcome {
     std::string name;
-    std::shared_ptr<const scene::Scene> scene{};  // null: not had
+    std::shared_ptr<const scene::Scene> scene{};  // null: failed
     std::string why_not{};
   };
   std::vector<Outcome> outcomes_;

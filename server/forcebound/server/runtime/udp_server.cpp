@@ -6,14 +6,14 @@
 namespace forcebound::server {
 namespace {
 
-// Also how late the end may be noticed: a signal between two waits wakes nobody.
+// Also the longest delay of the end: a signal between two waits does not end the next one.
 constexpr Nanoseconds kTimerPeriod = std::chrono::milliseconds{100};
-// A flood must not keep the loop from its timer and its end.
+// A flood must not delay the loop's timer and its end.
 constexpr int kBatchesPerTurn = 64;
-// As long as answers may wait for others to go with them.
+// Longest time that answers wait to be sent together.
 constexpr Nanoseconds kAnswersTogether = std::chrono::microseconds{100};
 
-/// The system's randomness, so that nobody guesses a session.
+/// Random numbers from the system, so that session numbers cannot be guessed.
 std::uint64_t random_session_id() {
   static std::random_device device;
   return std::uint64_t{device()} << 32U | device();
@@ -66,14 +66,14 @@ void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
   for (int i = 0; i < kBatchesPerTurn; ++i, arrived = batch_.receive_all()) {
     const Nanoseconds now = clock_.now();
     for (const auto& datagram : arrived) server_.take_in(datagram.bytes, datagram.received.from, now);
-    // Asking whether there are more costs a call; the next wait asks the same.
+    // Another check for datagrams would cost a system call; the next wait checks anyway.
     if (arrived.size() < net::UdpBatch::kDatagramsMax) return;
   }
 }
 
 /// The newest motion of each client.
 void UdpServer::answer_all() {
-  // Who was answered shall not wait for a scene of somebody else's that takes long.
+  // A finished answer must not wait for another client's slow scene.
   Nanoseconds flushed = clock_.now();
   while (server_.answer_next()) {
     if (clock_.now() - flushed < kAnswersTogether) continue;

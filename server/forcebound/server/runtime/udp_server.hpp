@@ -14,7 +14,7 @@
 namespace forcebound::server {
 
 /// A socket for a server; port 0 takes any free one.
-/// @throws std::runtime_error saying plainly why the address cannot be had
+/// @throws std::runtime_error with the reason why the address is not available
 net::UdpLink listen(const net::Endpoint& endpoint);
 
 /// Serves environments by UDP, as forcebound-server does:
@@ -24,10 +24,10 @@ net::UdpLink listen(const net::Endpoint& endpoint);
 ///     UdpServer server(listen({"127.0.0.1", 47800}), {.scene = "spring"}, environments);
 ///     std::jthread thread([&](const std::stop_token& stop) { server.run(stop); });
 ///
-/// All of it is one thread's: whoever calls `turn` or `run`, and the environments and the observer on it. A second
-/// thread of its own compiles scenes that are asked for first while it serves.
+/// Single-threaded: environments and the observer are called in the thread that calls `turn` or `run`. A second thread
+/// of its own compiles newly requested scenes meanwhile.
 ///
-/// Real time: a turn with motions alone allocates nothing; it waits for datagrams and for nothing else.
+/// Real time: a turn with motions alone allocates nothing and waits only for datagrams.
 class UdpServer {
  public:
   /// @param observer may be null; must outlive the server
@@ -40,16 +40,16 @@ class UdpServer {
   /// Waits until something comes, for 0.1 s at most, and answers it; a signal ends the wait too.
   void turn();
 
-  /// Turns until it is asked to stop, and then stops.
+  /// Calls `turn` until a stop is requested, then `stop`.
   void run(const std::stop_token& wanted);
 
-  /// Says goodbye to all clients.
+  /// Ends all sessions.
   void stop();
 
   [[nodiscard]] net::Address address() const noexcept { return link_.local_address(); }
   [[nodiscard]] const Server& server() const noexcept { return server_; }
 
-  /// Datagrams that the system dropped, because nobody read them in time.
+  /// Datagrams that the system dropped because the socket's buffer was full.
   [[nodiscard]] std::uint64_t overflowed() const noexcept { return link_.counters().overflowed; }
 
  private:

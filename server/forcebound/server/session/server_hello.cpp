@@ -49,7 +49,7 @@ std::string refusal_of_port(const control::LawRegistry& laws, std::string_view p
 }
 
 std::string refusal_for_now(const std::string& scene, std::string_view why) {
-  return "scene '" + scene + "' cannot be had at the moment: " + std::string(why);
+  return "scene '" + scene + "' is not available at the moment: " + std::string(why);
 }
 
 std::string refusal_of_dof(const EnvironmentKind& kind, const wire::Hello& hello) {
@@ -104,7 +104,7 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     ++counters_.hellos_to_measure;
     send(wire::Refusal{.client_nonce = hello.client_nonce,
                        .reason = RefusalReason::round_trip_wanted,
-                       .text = "say Hello again, with the round trip that this answer tells",
+                       .text = "send Hello again, with the round trip measured by this answer",
                        .client_time = hello.client_time},
          from);
     return;

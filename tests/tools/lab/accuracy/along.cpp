@@ -17,7 +17,7 @@ double since_ns(time::Nanoseconds begin, const time::Clock& clock) {
   return static_cast<double>((clock.now() - begin).count());
 }
 
-/// Of steps of one kind.
+/// Share of the steps.
 struct Steps {
   std::vector<double> durations_ns{};
   std::vector<double> instructions{};
@@ -44,7 +44,7 @@ std::string trouble_of(const scene::SceneFaults& faults, std::size_t steps) {
     return "not converged on " + share(faults.dynamic_models.not_converged);
   if (faults.dynamic_models.contacts_left_out > 0)
     return "contacts left out on " + share(faults.dynamic_models.contacts_left_out);
-  if (faults.dynamic_models.slipped_s > 0) return "too many steps for a motion: time left out";
+  if (faults.dynamic_models.slipped_s > 0) return "too many steps for a motion: simulated time skipped";
   return {};
 }
 

@@ -12,7 +12,7 @@
 
 namespace forcebound::lab {
 
-/// What a step takes, over many [us].
+/// Time of a step, over many [us].
 struct StepCost {
   double median_us = 0;
   double p99_us = 0;
@@ -23,13 +23,13 @@ struct StepCost {
 /// @param durations_ns not empty
 StepCost cost_of(const std::vector<double>& durations_ns);
 
-/// What a step does, beside the time it takes.
+/// Work of a step, beside its time.
 struct StepWork {
-  std::optional<double> heap_operations{};  ///< on the mean; none: a sanitizer owns malloc
-  std::optional<double> instructions{};     ///< the median; none: the kernel does not let us count
+  std::optional<double> heap_operations{};  ///< mean; none: a sanitizer replaces malloc
+  std::optional<double> instructions{};     ///< median; none: the kernel does not permit counting
 };
 
-/// A scene's answers along a way, one a tick.
+/// A scene's answers along a path, one per tick.
 struct Along {
   Forces forces{};
   std::vector<double> penetrations_m{};
@@ -40,19 +40,19 @@ struct Along {
   std::string trouble{};               ///< empty: none; else why the run counts as failed or unconverged
 };
 
-/// Why a state's answers are not to be believed, by its own account. Empty: nothing is wrong.
+/// Why a state's answers are unreliable, by its own counters. Empty: no fault.
 std::string trouble_of(const scene::SceneFaults& faults, std::size_t steps);
 
-/// The scene runs freely along the positions, with a state of its own. Bodies that step more rarely than the device
+/// Runs the scene freely along the positions, with a state of its own. Bodies that step more rarely than the device
 /// moves have the cost of the ticks on which they do.
 /// @param positions_m one a millisecond
 Along run_along(const std::shared_ptr<const scene::Scene>& scene, const std::vector<Vector>& positions_m,
                 const time::Clock& clock);
 
-/// What the clock sees of a loop that always does the same for about so long: the machine's own noise.
+/// Times of a loop of constant work of about that length: the machine's timing noise.
 StepCost idle_noise(double about_us, int times, const time::Clock& clock);
 
-/// How far forces at the same states are from the reference.
+/// Errors of forces at the same states against the reference.
 struct StateError {
   double force = 0;                 ///< RMS of the difference over RMS of the reference
   double direction_median_deg = 0;  ///< over the states where both are more than a hundredth of the reference's RMS

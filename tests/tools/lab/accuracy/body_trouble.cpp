@@ -51,7 +51,7 @@ std::string body_trouble(const BodyRecord& run, const BodyRecord& reference, boo
            millimetres(reference.deepest_m);
   }
   if (!run.is_driven && run.gained_J > allowed_J) {
-    return "gained " + rounded(1e3 * run.gained_J) + " mJ that nothing put in";
+    return "gained " + rounded(1e3 * run.gained_J) + " mJ of energy from nowhere";
   }
   return places ? place_trouble(run, reference) : std::string();
 }

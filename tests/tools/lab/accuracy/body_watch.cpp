@@ -16,7 +16,7 @@ using server::BodyWorld;
 
 Point at(const mjtNum* vectors, int index) { return Eigen::Map<const Point>(vectors + 3 * index); }
 
-/// What lies along the world's axis in a body's frame, and the other way.
+/// A direction of the world in a body's frame, and the reverse.
 Point to_body(const mjData& data, int body, const Point& direction) {
   Point local;
   mju_rotVecMatT(local.data(), direction.data(), data.xmat + 9 * body);
@@ -74,7 +74,7 @@ bool is_round(const mjModel& model, int body) {
   return true;
 }
 
-/// Whether a joint moves it, or what it hangs on.
+/// Whether a joint moves it, or its parent.
 bool moves(const mjModel& model, int body) { return model.body_weldid[body] != 0; }
 
 }  // namespace
@@ -89,7 +89,7 @@ struct BodyWatch::Watched {
   scene::DynamicModelsNow dynamic_models;  ///< keeps the world alive
   const BodyWorld& world;
   server::ModelPointer model;  ///< its own, which counts energy
-  server::DataPointer look;    ///< at the same places as the world, with all that follows from them
+  server::DataPointer look;    ///< at the same positions as the world, with all derived quantities
   double time_s;
   double begin_J = 0;
   double put_in_J = 0;

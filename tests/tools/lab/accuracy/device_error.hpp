@@ -11,29 +11,29 @@ namespace forcebound::lab {
 using control::Vector;
 using time::Nanoseconds;
 
-/// What a device got on one tick, and what it should have got.
+/// Actual and correct force of a device on one tick.
 struct DeviceTick {
   Nanoseconds time{0};  ///< of the reading
   bool answered = false;
   Nanoseconds motion_time{0};  ///< of the motion that the force in use answers, if `answered`
   Vector reference{};          ///< at the device's true position, now [N]
-  Vector arrived{};            ///< what the server said of that motion [N]
+  Vector arrived{};            ///< the server's answer to that motion [N]
   Vector request{};            ///< after the late-force policy [N]
-  Vector applied{};            ///< what the law let through [N]
+  Vector applied{};            ///< after the law [N]
 };
 
-/// The error at the device, E = RMS |applied - reference| / RMS |reference| over all ticks, and what it comes from:
+/// The error at the device, E = RMS |applied - reference| / RMS |reference| over all ticks, and its parts:
 ///
 ///     applied - reference(t) = model + age + hold + bounding
 ///     model     = arrived - reference(motion)           the server's model against the reference, at the same state
 ///     age       = reference(t - least) - reference(t)   the least age of any force in the run: network and computation
 ///     hold      = reference(motion) - reference(t - least) + request - arrived
 ///                                                       forces that were late, lost, rare, held or faded besides
-///     bounding  = applied - request                     what the law took away for passivity
+///     bounding  = applied - request                     the law's reduction for passivity
 ///
 /// The errors e_i of the parts add up as vectors, on each tick, so that they partly cancel. The share of a part is its
-/// component along the whole, E_i = <e_i, e> / (|e| |reference|): these add up to E exactly. One below zero makes up
-/// for others. `alone` is what the part would come to without the others, |e_i| / |reference|.
+/// component along the whole, E_i = <e_i, e> / (|e| |reference|): these add up to E exactly. A negative one compensates
+/// others. `alone` is the part's error without the others, |e_i| / |reference|.
 struct DeviceError {
   struct Part {
     double share = 0;
@@ -47,7 +47,7 @@ struct DeviceError {
   Nanoseconds least_age{0};
 };
 
-/// @param ticks in the order of time; on those before the first answer all that is missing counts as held back.
+/// @param ticks in the order of time; before the first answer all the missing force counts as hold.
 DeviceError device_error(std::span<const DeviceTick> ticks);
 
 }  // namespace forcebound::lab

@@ -7,7 +7,7 @@
 namespace forcebound::lab {
 namespace {
 
-/// Keeps of each tick what `device_error` wants to know.
+/// Keeps what `device_error` needs of each tick.
 class Recorder final : public record::TickSink {
  public:
   void on_force(const record::ForceRecord& record) noexcept override {

@@ -8,16 +8,16 @@
 
 namespace forcebound::lab {
 
-/// A run of the closed loop as the device lived it.
+/// A run of the closed loop, recorded at the device.
 struct DeviceRun {
   std::vector<DeviceTick> ticks{};       ///< `reference` not yet filled in
   std::vector<Vector> true_positions{};  ///< of the tip, at each tick's reading [m]
   double passivity_minimum_J = 0;        ///< P of the audit
-  double turns_missed = 0;               ///< share of the motions that the server did not come to
+  double turns_missed = 0;               ///< share of the motions that the server skipped
   nlohmann::json summary{};              ///< as the client writes it, of ticks and forces
 };
 
-/// @param settings whose server takes its time, behind their network
+/// @param settings with the server's computing time and the network
 /// @param sinks see every tick as well
 DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s, std::vector<record::TickSink*> sinks = {});
 

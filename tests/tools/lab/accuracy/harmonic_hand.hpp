@@ -11,7 +11,7 @@ namespace forcebound::lab {
 struct HarmonicMotion {
   enum class Kind : std::uint8_t {
     press,  ///< up and down between clearance above the surface and depth below it
-    slide,  ///< to and fro along x by `length`, at `depth` below it
+    slide,  ///< back and forth along x by `length`, at `depth` below it
   };
   Kind kind = Kind::press;
   double frequency_Hz = 3;
@@ -21,7 +21,7 @@ struct HarmonicMotion {
   Eigen::Vector3d on_surface_m = Eigen::Vector3d::Zero();
 };
 
-/// Firm enough to follow the motion against soft things: 0.1 kg, 1000 N/m, 5 N s/m.
+/// Stiff enough to follow the motion against soft objects: 0.1 kg, 1000 N/m, 5 N s/m.
 std::unique_ptr<const device::Operator> make_harmonic_hand(const HarmonicMotion& motion, int degrees_of_freedom);
 
 }  // namespace forcebound::lab

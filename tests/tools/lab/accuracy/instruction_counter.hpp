@@ -5,8 +5,8 @@
 
 namespace forcebound::lab {
 
-/// Counts the instructions that this thread has the processor do, outside of the kernel, where the kernel lets us: in
-/// containers and virtual machines it often does not.
+/// Counts this thread's instructions outside of the kernel, if the kernel permits it: in containers and virtual
+/// machines it often does not.
 class InstructionCounter {
  public:
   InstructionCounter() noexcept;

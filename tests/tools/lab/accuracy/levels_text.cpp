@@ -8,7 +8,8 @@
 namespace forcebound::lab {
 
 std::string levels_text(const StudyResult& result) {
-  if (result.same_scene) throw std::runtime_error("levels are of a scene's keys, and '" + result.key + "' is none");
+  if (result.same_scene)
+    throw std::runtime_error("levels need a key of a scene; '" + result.key + "' is a key of the session");
   std::string text = "# With accuracy = \"auto\" in [scene]. Measured by forcebound-lab accuracy: " + result.hand +
                      ".\n[accuracy]\nkey = \"" + result.key +
                      "\"\nchange_per_s = " + text::rounded(result.change_per_s) + "\nlevels = [\n";

@@ -1,4 +1,4 @@
-// Stands in for body_watch.cpp and synchronised.cpp where MuJoCo is missing: no scene has rigid bodies then.
+// Replaces body_watch.cpp and synchronised.cpp without MuJoCo: no scene has rigid bodies then.
 #include "tests/tools/lab/accuracy/body_watch.hpp"
 #include "tests/tools/lab/accuracy/synchronised.hpp"
 

@@ -7,7 +7,7 @@
 
 namespace forcebound::lab {
 
-/// A share for people: "46 %". What sums round to is 0.
+/// A share as text: "46 %". Rounding errors of sums are shown as 0.
 [[nodiscard]] inline std::string percent(double share) {
   constexpr double kLeastShare = 1e-12;
   return text::rounded(std::abs(share) < kLeastShare ? 0 : 100 * share) + " %";

@@ -11,11 +11,11 @@ namespace {
 
 using text::rounded;
 
-// Settings whose errors differ by less than this share of the least do not matter to the hand.
+// Settings whose errors differ by less than this share of the least count as equal for the hand.
 constexpr double kAlike = 0.05;
 
-/// The one with the least error at the same states of those that worked within the budget, the last of equals. There is
-/// one if there is a best.
+/// Of the settings that worked within the budget, the one with the least error at the same states; the last of equals.
+/// Call only if there is a best.
 std::size_t most_exact(const StudyResult& result, double budget_us) {
   std::size_t exact = result.settings.size();
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
@@ -26,20 +26,20 @@ std::size_t most_exact(const StudyResult& result, double budget_us) {
   return exact;
 }
 
-/// Where no setting is much better than another at the device, what else the error is.
+/// If no setting is much better than another at the device: the other causes of the error.
 std::string hardly_matters(const StudyResult& result, std::size_t which, std::size_t best) {
   const auto error = [&](std::size_t i) { return result.settings[i].behind[which].error; };
   const DeviceError least = error(best);
   double worst = 0;
-  double smallest = least.total;  // less than the best's where what is less wrong takes longer, or is not passive
+  double smallest = least.total;  // less than the best's where the more exact setting takes too long, or is not passive
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     if (!result.settings[i].trouble.empty()) continue;
     worst = std::max(worst, error(i).total);
     smallest = std::min(smallest, error(i).total);
   }
   if (worst > (1 + kAlike) * smallest) return {};
-  return "; but " + result.key + " hardly matters here: the worst setting has " + percent(worst) + ", of which " +
-         percent(least.age.share + least.hold.share) + " are the age of forces";
+  return "; but " + result.key + " makes little difference here: the worst setting has " + percent(worst) +
+         ", of which " + percent(least.age.share + least.hold.share) + " are the age of forces";
 }
 
 std::string direction_warning(const StateError& error) {
@@ -90,7 +90,7 @@ TimeSaved time_saved(const StudyResult& result, std::size_t setting, std::size_t
 std::string recommendation(const StudyResult& result, double budget_us) {
   std::string text;
   if (!result.reference_trouble.empty()) {
-    text = "not to be relied on: the reference itself failed (" + result.reference_trouble + ")\n";
+    text = "unreliable: the reference itself failed (" + result.reference_trouble + ")\n";
   }
   for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which) {
     text += "behind " + rounded(1e3 * result.settings.front().behind[which].round_trip_s) +

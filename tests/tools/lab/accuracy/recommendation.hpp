@@ -7,17 +7,17 @@
 
 namespace forcebound::lab {
 
-/// A step shorter by less than this share of the server's own step [1 / session rate] changes nothing that a hand could
-/// feel: the force's age would be less by that.
+/// A step shorter by less than this share of the server's own step [1 / session rate] makes no difference that a hand
+/// could feel: it reduces the force's age by that.
 inline constexpr double kTimeShareThatCounts = 0.01;
 
 /// A recommended setting whose force points further aside than this at the 95th percentile is warned of [deg].
 inline constexpr double kDirectionWarning_deg = 10;
 
-/// How much less a step takes.
+/// Time saved per step.
 struct TimeSaved {
   double us = 0;          ///< of the medians; < 0: it takes longer
-  double counted_us = 0;  ///< from there on it counts
+  double counted_us = 0;  ///< savings below this do not count
   [[nodiscard]] bool counts() const noexcept { return us >= counted_us; }
 };
 

@@ -24,7 +24,7 @@ ReferenceModel::ReferenceModel(std::span<const std::shared_ptr<const scene::Scen
   const Forces& middle = runs[last - 1].forces;
   const double size_N = rms(fine);
   uncertainty_ = size_N > 0 ? rms_difference(middle, fine) / size_N : 0;
-  why_ = "the finest level, for lack of three levels";
+  why_ = "the finest level: there are fewer than three";
   if (levels.size() < 3) return;
   const Spacings three{spacings[last - 2], spacings[last - 1], spacings[last]};
   const Extrapolation found = richardson(runs[last - 2].forces, middle, fine, three);

@@ -12,17 +12,16 @@
 
 namespace forcebound::lab {
 
-/// What counts as the true force of a scene at any states: another scene's, or what a series of finer and finer ones
-/// tends to.
+/// The reference force of a scene at any states: another scene's, or the limit of a series of ever finer ones.
 class ReferenceModel {
  public:
-  /// A scene that is right by itself, such as a closed form, or up to an uncertainty that is known.
+  /// An exact scene, such as a closed form, or one with a known uncertainty.
   ReferenceModel(std::shared_ptr<const scene::Scene> scene, double uncertainty, std::string why);
 
-  /// What levels of a refinement are good for.
+  /// How the levels of a refinement may be used.
   enum class Levels : std::uint8_t {
-    extrapolated,    ///< each answers by itself, and so does what they tend to
-    only_the_finest  ///< each has a past of its own: there is none of what they tend to
+    extrapolated,    ///< each is a function of the state, and so is their limit
+    only_the_finest  ///< each depends on its own history: there is no limit at a state
   };
 
   /// From the last three levels, coarse to fine, by Richardson's extrapolation along saved states, if they allow it;

@@ -8,11 +8,11 @@
 namespace forcebound::lab {
 namespace {
 
-/// p <= this is no convergence that one could extrapolate.
+/// With p <= this, convergence is too slow to extrapolate.
 constexpr double kOrderLeast = 0.3;
 constexpr double kOrderMost = 20;
 constexpr int kHalvings = 60;
-// Farther from the finest level than that share of it nothing is extrapolated.
+// Largest distance of the limit from the finest level, as a share of it.
 constexpr double kFarthest = 0.5;
 
 double steps_along(const Forces& coarse, const Forces& middle, const Forces& fine) {
@@ -81,7 +81,7 @@ Extrapolation richardson(const Forces& coarse, const Forces& middle, const Force
   }
   for (std::size_t i = 0; i < fine.size(); ++i) reference.forces[i] += further * (fine[i] - middle[i]);
   reference.order = order;
-  // Where the limit seems near because levels are not yet what they tend to, the last step is the better judge.
+  // Before the asymptotic range the limit may seem near; then the last step is the better estimate.
   reference.uncertainty = std::max(further, 1.0) * second / rms(reference.forces);
   reference.why = "Richardson's extrapolation of three levels, observed order " + text::rounded(order);
   return reference;

@@ -17,12 +17,12 @@ using Forces = std::vector<Vector>;
 double rms(const Forces& forces);
 double rms_difference(const Forces& a, const Forces& b);
 
-/// What a refinement tends to, as far as three levels can tell.
+/// The limit of a refinement, estimated from three levels.
 struct Extrapolation {
   Forces forces{};
   double uncertainty = 0;  ///< of it, as a share of its RMS
   double order = 0;        ///< observed, > 0; 0: none
-  std::string why{};       ///< how it was had, for people
+  std::string why{};       ///< how it was obtained, as text
 };
 
 /// Of three levels, coarse to fine.

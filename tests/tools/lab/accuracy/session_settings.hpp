@@ -8,22 +8,22 @@
 
 namespace forcebound::lab {
 
-/// What becomes of a scene's forces on their way to the device, besides the network.
+/// Settings between a scene's forces and the device, besides the network.
 struct SessionSettings {
   std::string law = "fba-exact";
   client::LateForcePolicy policy{};
-  double server_rate_Hz = kEveryMotion_Hz;  ///< so often it answers at most; a real step may take longer
+  double server_rate_Hz = kEveryMotion_Hz;  ///< most answers per second; a step may take longer
 
-  /// As often as there are motions.
+  /// One for each motion.
   static constexpr double kEveryMotion_Hz = 1000;
 
-  /// What a turn of the server takes at least [s]: nothing where it may answer every motion.
+  /// Least time of the server's turn [s]: 0 where it may answer every motion.
   [[nodiscard]] double server_turn_least_s() const noexcept {
     return server_rate_Hz < kEveryMotion_Hz ? 1 / server_rate_Hz : 0;
   }
 };
 
-/// "law", "hold_ms", "drop_ms" and "rate_Hz": what a sweep may change of a session. Keys of scenes have a dot.
+/// "law", "hold_ms", "drop_ms" and "rate_Hz": the keys of a session that a sweep may change. Keys of scenes have a dot.
 [[nodiscard]] const std::vector<std::string>& session_keys();
 
 [[nodiscard]] bool is_session_key(std::string_view key);

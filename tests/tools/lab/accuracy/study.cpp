@@ -51,7 +51,7 @@ std::string motion_text(const Study& study) {
          "\n  " + point_text(motion.on_surface_m) + ", " + text::rounded(motion.frequency_Hz) + " times a second";
 }
 
-/// For people: what is known of this hand alone.
+/// The assumptions about the hand, as text.
 std::string assumptions_of(const Study& study, const device::Operator& mover) {
   const device::Hand& hand = mover.hand();
   return "  The figures hold for a hand of " + text::rounded(hand.mass_kg) + " kg, " +
@@ -70,7 +70,7 @@ sim::ClosedLoop::Settings settings_of(const Study& study, const SessionSettings&
                                       const Network& network) {
   sim::ClosedLoop::Settings settings{
       .device = device::load_device(study.device), .hand = {}, .law = session.law, .scene = scene};
-  // What the server's model and the network do is asked here, not what an encoder does.
+  // The study is about the server's model and the network, not about encoders.
   settings.device.facts.encoder_step.setZero();
   const int dof = settings.device.facts.degrees_of_freedom();
   settings.make_hand = [&study, dof] { return make_hand(study, dof); };
@@ -81,17 +81,18 @@ sim::ClosedLoop::Settings settings_of(const Study& study, const SessionSettings&
   return settings;
 }
 
-/// All that is run: the settings, then what they are compared with where that is not among them.
+/// All scenes that are run: the settings, then the reference if it is not among them.
 struct Cast {
   std::vector<ScenePointer> scenes{};
   std::size_t settings = 0;
   std::size_t best = 0;
-  std::optional<std::size_t> other{};  ///< as good in another way, which tells how uncertain the best is
-  std::vector<double> spacings{};      ///< of the settings, if the best is what they tend to
+  std::optional<std::size_t>
+      other{};                     ///< an equally exact one by another method, which gives the reference's uncertainty
+  std::vector<double> spacings{};  ///< of the settings, if the reference is their limit
   std::string why{};
 };
 
-/// @param study whose sweep is put in order from coarse to fine where that is what the reference follows from
+/// @param study whose sweep is sorted from coarse to fine if the reference is its limit
 Cast cast_of(Study& study) {
   const std::string& key = study.sweep.key;
   Cast cast;
@@ -108,7 +109,7 @@ Cast cast_of(Study& study) {
     cast.why = "scene '" + study.reference->facts().name + "', taken as exact";
   } else if (is_session_key(key)) {
     cast.best = 0;
-    cast.why = "the scene itself: compared are ways of applying its forces";
+    cast.why = "the scene itself: the settings differ only in the session";
   } else if (is_level_of_detail(key)) {
     cast.scenes.push_back(compile(study, {{key, "1"}}));
     cast.why = "the mesh as its file has it, taken as exact";
@@ -168,7 +169,7 @@ std::string trouble_of_run(std::size_t which, const Cast& cast, const Runs& runs
   return body_trouble(*free.bodies, *reference, places_known);
 }
 
-/// What only runs at saved states tell.
+/// Results that need runs at saved states.
 void add_synchronised(StudyResult& result, const Cast& cast, const Runs& runs, const Synchronised& synchronised) {
   result.ticks_between_states = synchronised.ticks;
   const auto& bodies = runs.free[cast.best].bodies;
@@ -222,7 +223,7 @@ double change_per_s(const Forces& forces) {
   return size_N > 0 ? rms_difference(after, before) / size_N * 1e3 : 0;
 }
 
-/// What each scene of the cast is like before any network, one setting for each.
+/// Results without a network, one setting for each scene.
 std::vector<StudiedSetting> settings_alone(const Cast& cast, const Runs& runs, const StudyResult& result,
                                            const Right& right, const time::Clock& clock) {
   std::vector<StudiedSetting> settings;
@@ -289,7 +290,7 @@ StudyResult carry_out(Study study, const time::Clock& clock, const std::function
   const auto step = [&] {
     if (progress) progress(static_cast<double>(++done) / static_cast<double>(steps));
   };
-  // What a session refuses shall be known before long runs.
+  // Check the session's settings before long runs.
   std::vector<SessionSettings> sessions(study.sweep.values.size(), study.session);
   const bool same_scene = is_session_key(study.sweep.key);
   for (std::size_t i = 0; i < sessions.size() && same_scene; ++i) {

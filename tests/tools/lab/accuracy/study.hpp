@@ -14,31 +14,31 @@
 
 namespace forcebound::lab {
 
-/// What accuracy costs in time: one key of a scene or a session, its values, and networks from near to far.
+/// A study of accuracy against time: one key of a scene or a session, its values, and networks from near to far.
 struct Study {
   std::string scene_text;
   std::string scene_file;  ///< files in the scene lie beside it
   Sweep sweep;             ///< of a scene's key from coarse to fine or back, unless something else is exact
-  std::vector<server::SceneChange> fixed{};  ///< what of the scene is changed before
+  std::vector<server::SceneChange> fixed{};  ///< changes of the scene for all runs
   std::vector<double> round_trips_s{};
   HarmonicMotion motion{};
   std::string hand{};  ///< the specification of an operator, such as "replay:FILE.csv", in place of `motion`
   std::string device = "cartesian-3dof";
   SessionSettings session{};
   double duration_s = 2;
-  std::shared_ptr<const scene::Scene> reference{};  ///< null: what the levels tend to, or a tight solver of bodies
+  std::shared_ptr<const scene::Scene> reference{};  ///< null: the levels' limit, or a tight solver of bodies
 };
 
 /// One value of the key.
 struct StudiedSetting {
   std::string value;
   StepCost cost{};
-  StepCost idle{};  ///< of a loop that takes as long, in the same minute
+  StepCost idle{};  ///< of a loop of equal length, measured at the same time
   StepWork per_step{};
   StateError at_states{};
-  double velocity_at_states = 0;       ///< error of what contacts change of velocities, where there are bodies
-  double free_force = 0;               ///< error of the force where it runs freely along the same way
-  std::optional<BodyRecord> bodies{};  ///< then
+  double velocity_at_states = 0;       ///< error of the velocity changes by contacts, where there are bodies
+  double free_force = 0;               ///< error of the force running freely along the same path
+  std::optional<BodyRecord> bodies{};  ///< of that run
   std::string trouble{};               ///< not empty: failed or not converged, a cross in the figure
   struct Behind {
     double round_trip_s = 0;
@@ -48,7 +48,7 @@ struct StudiedSetting {
   };
   std::vector<Behind> behind{};  ///< one for each round trip
 
-  /// Whether the device never had more energy back than its own damping took, but for rounding.
+  /// Whether the device never returned more energy than its damping dissipated, but for rounding.
   [[nodiscard]] bool stays_passive(std::size_t round_trip) const {
     return behind[round_trip].passivity_minimum_J >= -kRounding_J;
   }
@@ -61,8 +61,8 @@ struct StudyResult {
   std::string assumptions{};  ///< which hand, device and place the figures hold for: lines
   std::string fixed{};
   std::string session{};             ///< before the sweep changed it
-  double server_step_us = 1000;      ///< what the server has for a motion at the session's rate
-  bool same_scene = false;           ///< the key is one of the session: what is said of a scene is the same for all
+  double server_step_us = 1000;      ///< the server's time for a motion at the session's rate
+  bool same_scene = false;           ///< the key is of the session: the scene's results are the same for all
   double change_per_s = 0;           ///< RMS of the reference's rate of change over its own, along the hand's way
   double reference_uncertainty = 0;  ///< at the same states
   double velocity_uncertainty = 0;   ///< at the same states, of what contacts change of velocities
@@ -81,14 +81,14 @@ struct StudyResult {
 /// @throws server::SceneError
 std::shared_ptr<const scene::Scene> compile(const Study& study, const std::vector<server::SceneChange>& further = {});
 
-/// A key of a scene has a dot; another one is of the session (`session_keys`). Then there is one scene, which is its
-/// own reference unless there is another, and all settings hold the same forces against it.
-/// @param progress is told what share is done; may be empty
+/// A key of a scene has a dot; another one is of the session (`session_keys`). With a key of the session there is one
+/// scene, which is its own reference unless there is another, and all settings are compared with it.
+/// @param progress called with the share done; may be empty
 /// @throws what the scene's variants, hand, device and law refuse
 StudyResult carry_out(Study study, const time::Clock& clock, const std::function<void(double done)>& progress = {});
 
-/// The value with the least error at the device behind a round trip, of those within a budget. Settings that failed do
-/// not count, nor settings of a session that gave energy away: a law that bounds less has less error, but is not
+/// The value with the least error at the device behind a round trip, of those within a budget. Not counted are settings
+/// that failed, and settings of a session that were not passive: a law that bounds less has less error, but is not
 /// passive. None: there is none.
 std::optional<std::size_t> best_setting(const StudyResult& result, std::size_t round_trip, double budget_us);
 

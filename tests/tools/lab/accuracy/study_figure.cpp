@@ -9,18 +9,18 @@
 namespace forcebound::lab {
 namespace {
 
-// A share below that is drawn as that: an error of nothing has no place on a logarithmic axis.
+// Smallest share drawn: zero has no place on a logarithmic axis.
 constexpr double kLeastShareDrawn = 1e-6;
 
 std::string figure_ms(double seconds) { return text::rounded(seconds * 1e3) + " ms"; }
 
-/// Over what a scene's settings cost; those of a session side by side.
+/// X axis: the cost of a scene's settings; settings of a session side by side.
 double place_of(const StudyResult& result, std::size_t which) {
   return result.same_scene ? static_cast<double>(which + 1) : result.settings[which].cost.median_us;
 }
 
-/// What each setting has of something: a curve of those that worked, and crosses of the others. Settings of a session
-/// have nothing in between, so no curve either.
+/// One figure for each setting: a curve of those that worked, and crosses of the others. Settings of a session have
+/// nothing in between, so no curve either.
 template <class Share>
 void add_percents(Panel& panel, const StudyResult& result, const std::string& label, const char* colour, Share share) {
   Series worked{.label = label, .colour = colour, .mark = Series::Mark::dot};
@@ -92,7 +92,7 @@ Panel states_panel(const StudyResult& result) {
 }
 
 Panel parts_panel(const StudyResult& result, std::size_t which) {
-  Panel panel{.title = "What it comes from behind " + figure_ms(result.settings.front().behind[which].round_trip_s) +
+  Panel panel{.title = "Parts of the error behind " + figure_ms(result.settings.front().behind[which].round_trip_s) +
                        ": shares that add up to E_dev",
               .y_label = "share [%]"};
   const auto add = [&](const char* label, const char* colour, DeviceError::Part DeviceError::*part) {

@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 std::string percent(const Json& share) { return text::rounded(100 * share.get<double>()) + " %"; }
 
-/// No error below three times what the reference is uncertain by is called one.
+/// Errors below three times the reference's uncertainty are shown as that bound.
 std::string percent_above(const Json& share, double uncertainty) {
   if (share.get<double>() >= 3 * uncertainty) return percent(share);
   return "<= " + text::rounded(300 * uncertainty) + " %";
@@ -23,8 +23,8 @@ bool is_passive(const Json& behind) {
   return behind.at("passivity_minimum_J").get<double>() >= -StudiedSetting::kRounding_J;
 }
 
-/// Of those that worked, and of a session's settings stayed passive, the least wrong; as many as there are settings if
-/// none did.
+/// Of those that worked, and of a session's settings stayed passive, the one with the least error; the number of
+/// settings if none did.
 std::size_t best_behind(const Json& study, std::size_t network) {
   const Json& settings = study.at("settings");
   const bool of_session = study.value("same_scene", false);

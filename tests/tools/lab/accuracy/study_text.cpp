@@ -15,10 +15,10 @@ namespace {
 
 using text::rounded;
 
-// A model's part below this share of what the age comes to is lost in it: their squares add up, to half a percent more.
+// A model's part below this share of the age's is negligible: their squares add up, to half a percent more.
 constexpr double kLostInAge = 0.1;
 
-// Less is what sums round to.
+// Smaller values are rounding.
 constexpr double kLeastShare = 1e-12;
 
 std::string percent_above(double share, double uncertainty) {
@@ -34,7 +34,7 @@ std::string line(const char* format, const Values&... values) {
   return std::string(text) + "\n";
 }
 
-/// What there is to say about scenes: one line for all settings where they are of one scene.
+/// Results of the scenes: one line if all settings have the same scene.
 struct Line {
   std::string name;
   const StudiedSetting* setting;
@@ -50,9 +50,8 @@ std::vector<Line> lines_of_scenes(const StudyResult& result) {
 std::string cross(const StudiedSetting& setting) { return setting.trouble.empty() ? "" : "X " + setting.trouble; }
 
 std::string cost_text(const StudyResult& result) {
-  std::string text =
-      "What a step costs\n" + line("  %-18s %10s %10s %10s %10s %10s %10s %12s", result.key.c_str(), "median", "p99",
-                                   "max", "idle p99", "idle max", "heap", "instructions");
+  std::string text = "Cost of a step\n" + line("  %-18s %10s %10s %10s %10s %10s %10s %12s", result.key.c_str(),
+                                               "median", "p99", "max", "idle p99", "idle max", "heap", "instructions");
   for (const auto& [name, studied] : lines_of_scenes(result)) {
     const StudiedSetting& setting = *studied;
     const auto& [heap, instructions] = setting.per_step;
@@ -63,7 +62,7 @@ std::string cost_text(const StudyResult& result) {
                  instructions ? rounded(*instructions).c_str() : "-");
   }
   if (!result.settings.front().per_step.instructions) {
-    text += "  instructions: not available here (the kernel does not let us count them)\n";
+    text += "  instructions: not available here (the kernel does not permit counting)\n";
   }
   return text + "  an answer has " + std::to_string(result.answer_bytes) +
          " bytes: " + rounded(static_cast<double>(result.answer_bytes)) + " kB/s to each client at 1 kHz\n";
@@ -71,7 +70,7 @@ std::string cost_text(const StudyResult& result) {
 
 std::string how_states_were_saved(const StudyResult& result) {
   if (result.ticks_between_states == 0 && result.reference_bodies) return "Along the same positions\n";
-  if (result.ticks_between_states == 0) return "At the same states (a step forgets the past: the same positions)\n";
+  if (result.ticks_between_states == 0) return "At the same states (a step has no memory: the same positions)\n";
   const int ticks = result.ticks_between_states;
   return "At the same states (the reference's, " +
          (ticks == 1 ? std::string("before each tick") : "before every " + std::to_string(ticks) + " ticks") +
@@ -106,14 +105,14 @@ std::string free_row(const std::string& name, const std::string& force, const st
 
 std::string free_text(const StudyResult& result) {
   if (!result.reference_bodies) {
-    std::string text = "\nFreely along the same way: work on the device above the reference's\n";
+    std::string text = "\nFreely along the same path: work on the device above the reference's\n";
     for (const auto& [name, setting] : lines_of_scenes(result)) {
       text += line("  %-18s %9s mJ", name.c_str(), rounded(setting->at_states.work_J * 1e3).c_str());
     }
     return text;
   }
-  std::string text = "\nFreely along the same way (uncertain to " + percent(result.free_uncertainty) +
-                     "). Drift: what the bodies hold in the end above what they began with and what was put in\n" +
+  std::string text = "\nFreely along the same path (uncertain to " + percent(result.free_uncertainty) +
+                     "). Drift: the bodies' final energy less their initial energy and the work put in\n" +
                      line("  %-18s %12s %12s %12s %12s %12s %10s", result.key.c_str(), "force", "work", "drift",
                           "most gained", "deepest", "exhausted");
   text += free_row("the reference", "", "", *result.reference_bodies,
@@ -125,7 +124,7 @@ std::string free_text(const StudyResult& result) {
                      rounded(1e3 * setting.at_states.work_J), *setting.bodies, cross(setting));
   }
   if (!result.places_known) {
-    text += "  where bodies come to rest is not compared: the reference and its own check come to different places\n";
+    text += "  final positions of bodies are not compared: the reference and its check differ in them\n";
   }
   return text;
 }
@@ -153,8 +152,8 @@ std::string behind_text(const StudyResult& result, std::size_t which) {
   return text;
 }
 
-/// What the models' errors come to at most, of what the age alone does, over the settings that worked; infinite where
-/// there is no age or nothing to compare.
+/// Largest model's error as a share of the age's alone, over the settings that worked; infinite where there is no age
+/// or nothing to compare.
 double most_model_of_age(const StudyResult& result, std::size_t which) {
   double most = 0;
   int worked = 0;
@@ -208,7 +207,7 @@ std::string what_does_not_matter(const StudyResult& result) {
   }
   if (lost.empty()) return {};
   const std::string where = lost.size() == networks ? "behind every round trip" : "behind " + text::join(lost);
-  return result.key + " does not matter beside the network's age " + where + ": the model's part of every setting is " +
+  return result.key + " is negligible beside the network's age " + where + ": the model's part of every setting is " +
          (most > kLeastShare ? "at most " + percent(most) : "nothing") + " of the age's (the line is " +
          percent(kLostInAge) + ")\n";
 }

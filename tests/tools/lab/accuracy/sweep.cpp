@@ -14,7 +14,7 @@
 namespace forcebound::lab {
 namespace {
 
-// Of what is as near to the exact forces of contacts as numbers go.
+// Settings of the tightest solver.
 constexpr int kTightIterations = 1000;
 constexpr const char* kTightTolerance = "1e-14";
 
@@ -66,8 +66,7 @@ Sweep usual_sweep(const std::string& scene_text) {
     if (body.contains("shape")) return {"bodies.timestep_s", {"0.004", "0.002", "0.001", "0.0005", "0.00025"}};
     return {"body." + body["name"].value_or(std::string()) + ".iterations", {"1", "2", "3", "5", "10", "100"}};
   }
-  throw std::invalid_argument(
-      "the scene has no key with levels of its own: say what to try with --sweep KEY=V1,V2,...");
+  throw std::invalid_argument("the scene has no key with levels of its own: give one with --sweep KEY=V1,V2,...");
 }
 
 std::optional<TightSolvers> tight_solvers(const std::string& key) {

@@ -78,7 +78,7 @@ std::vector<double> steps_of(const std::vector<ScenePointer>& scenes) {
   return steps_s;
 }
 
-/// All settings, on the way that the reference leads.
+/// All settings, on the path of the reference.
 class Company {
  public:
   Company(const std::vector<ScenePointer>& settings, std::size_t reference, std::uint32_t degrees_of_freedom)
@@ -91,7 +91,7 @@ class Company {
     }
   }
 
-  /// Puts all where the reference is; false if that cannot be done.
+  /// Copies the reference's state to all; false if that is not possible.
   [[nodiscard]] bool gather() {
     unhindered_ = velocities_of(reference());
     return std::ranges::all_of(states_, [&](const auto& state) {
@@ -131,7 +131,7 @@ class Company {
   std::size_t reference_;
   std::vector<std::unique_ptr<scene::SceneState>> states_;
   std::vector<scene::SceneAnswer> answers_;
-  Velocities unhindered_{};  ///< what they would be without contacts since all were put in one place
+  Velocities unhindered_{};  ///< velocities without contacts since the last copy
   double changed_J_ = 0;
   Synchronised found_{};
 };
@@ -157,7 +157,7 @@ std::optional<Synchronised> run_synchronised(const std::vector<ScenePointer>& se
   if (!company.gather()) return std::nullopt;
   const int ticks = ticks_in_common(steps_of(settings));
   for (std::size_t tick = 0; tick < positions_m.size(); ++tick) {
-    // On the first tick nothing steps: it says where the device is.
+    // On the first tick nothing steps: it only sets the device's position.
     const auto done = static_cast<int>(tick % static_cast<std::size_t>(ticks));
     if (tick > 0 && (done == 1 || ticks == 1) && !company.gather()) return std::nullopt;
     company.go(positions_m[tick], std::chrono::milliseconds(tick));

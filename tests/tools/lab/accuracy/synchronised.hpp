@@ -7,18 +7,18 @@
 
 namespace forcebound::lab {
 
-/// What every setting of rigid bodies makes of the very same states.
+/// Results of every setting of rigid bodies from the same states.
 ///
-/// A reference runs along a way. Time and again all others are put where it is (positions, velocities, what solvers
-/// remember, couplings); then all do the same few ticks, and what comes of it is compared. It is as few ticks as have
-/// whole steps of all settings and two of each: the force on the device is of where a probe was as a step began, so
-/// that it takes a second step to feel what the first one found.
+/// A reference runs along a path. Repeatedly its state is copied to all others (positions, velocities, solver's warm
+/// start, couplings); then all make the same few ticks, and the results are compared. The number of ticks is the least
+/// with whole steps of all settings and two of each: the force on the device is that of the probe's position as a step
+/// began, so that the second step shows the result of the first.
 struct Synchronised {
   int ticks = 1;            ///< from one saved state to the next
   std::vector<Along> runs;  ///< of each setting: forces and depths at the end of each
-  /// Of each setting: how far all velocities are from the reference's then, RMS over RMS of what contacts changed
-  /// there, weighted by mass:  |v|^2 = v' M v.  What contacts change is what is more than without them, with M^-1 f of
-  /// the last step of a tick for all of it.
+  /// Of each setting: distance of all velocities from the reference's, RMS over the RMS of the velocity changes by
+  /// contacts in the reference, weighted by mass: |v|^2 = v' M v. The changes by contacts are those beyond a run
+  /// without them, with M^-1 f of the last step of a tick for all of it.
   std::vector<double> velocity_errors;
 };
 
@@ -29,8 +29,8 @@ struct Synchronised {
 std::optional<Synchronised> run_synchronised(const std::vector<std::shared_ptr<const scene::Scene>>& settings,
                                              std::size_t reference, const std::vector<Vector>& positions_m);
 
-/// The least number of ticks of a millisecond in which there are whole steps of all these lengths [s], and two of each;
-/// where there is none up to 20, that.
+/// The least number of ticks of a millisecond with whole steps of all these lengths [s], and two of each; 20 if there
+/// is none below.
 int ticks_in_common(const std::vector<double>& steps_s);
 
 }  // namespace forcebound::lab

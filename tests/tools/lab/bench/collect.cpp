@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr double kPeriod_us = 1000;
 
-/// One benchmark beside another.
+/// A pair of benchmarks to compare.
 struct Beside {
   const char* what;
   const char* ours;
@@ -65,7 +65,7 @@ constexpr Growing kGrowing[]{
 
 std::string text_of(const fs::path& file) { return text::read_file(file.string()); }
 
-/// Reads something out of a file; what goes wrong names the file.
+/// Reads a file; errors name it.
 template <class Read>
 auto read_from(const fs::path& file, Read read) {
   const std::string content = text_of(file);
@@ -112,9 +112,9 @@ void add_round_trips(const fs::path& folder, const std::string& state, const cha
   const auto p50_us = sockperfs(&Sockperf::p50_us);
   const auto p99_us = sockperfs(&Sockperf::p99_us);
   const auto ours = [&](const char* path) { return of_runs(folder, state + "-ours.json", path); };
-  rows.push_back(turns_row("motion to force and back: median", "us", conditions, ours("/read_us/p50"),
+  rows.push_back(turns_row("round trip of motion and force: median", "us", conditions, ours("/read_us/p50"),
                            "sockperf ping-pong", p50_us, wanted[0]));
-  rows.push_back(turns_row("motion to force and back: p99", "us", conditions, ours("/read_us/p99"),
+  rows.push_back(turns_row("round trip of motion and force: p99", "us", conditions, ours("/read_us/p99"),
                            "sockperf ping-pong", p99_us, wanted[1]));
   if (state != "awake") return;
   // The client keeps the processors awake by itself.

@@ -6,14 +6,14 @@
 
 namespace forcebound::lab {
 
-/// The results that follow from what deploy/bench left in a folder:
+/// The results from the files that deploy/bench wrote to a folder:
 ///
 ///     machine.txt                            "key: value" lines
 ///     N-sockperf.txt  N-ours.json  N-client.json  N-cyclictest.txt   alternating runs, N = 1, 2, ...
 ///     capacity-echo.json  capacity-ours.json
 ///     *_benchmark.json                       Google Benchmark's
 ///
-/// Of alternating runs the median of each figure counts.
+/// Figures are medians over the alternating runs.
 ///
 /// @throws std::runtime_error naming the file or the benchmark that is missing or cannot be read
 [[nodiscard]] BenchResults collect(const std::filesystem::path& folder);

@@ -44,7 +44,7 @@ void draw_ratios(const BenchResults& results, const std::filesystem::path& png) 
   out << "set encoding utf8\nset terminal pngcairo noenhanced rounded size " << kRatiosWidth << ','
       << kRatiosHeadHeight + kBarHeight * static_cast<int>(rows.size())
       << " font 'DejaVu Sans,12' background rgb '#ffffff'\nset output " << gnuplot_string(png.string()) << '\n'
-      << "set label 'Ours over theirs: 1 is the yardstick, dashed is what is wanted' at screen 0.5,screen 0.95 center "
+      << "set label 'Ratio of ours to the reference; dashed: required bound' at screen 0.5,screen 0.95 center "
          "font 'DejaVu Sans Bold,16'\nset tmargin 4\n"
       << "set logscale x\nset border 1 linecolor rgb '#8a929a'\nset tics nomirror out scale 0.6 textcolor rgb "
          "'#24292f'\nset lmargin 62\n"

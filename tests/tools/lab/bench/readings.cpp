@@ -28,11 +28,11 @@ double number_behind(std::string_view text, std::string_view key) {
   const std::size_t at = text.find(key);
   const std::size_t sign = at == std::string_view::npos ? at : text.find('=', at);
   const auto value = sign == std::string_view::npos ? std::nullopt : number(text.substr(sign + 1));
-  if (!value) throw std::runtime_error("no '" + std::string(key) + "' in what sockperf said");
+  if (!value) throw std::runtime_error("no '" + std::string(key) + "' in sockperf's output");
   return *value;
 }
 
-/// Google Benchmark writes what is no number, such as the variation of nothing, as a bare word that JSON has not.
+/// Google Benchmark writes NaN as a bare word, which is not JSON.
 std::string without_bare_words(std::string_view json) {
   constexpr std::array<std::string_view, 2> kWords{"NaN", "Infinity"};
   std::string out;
@@ -80,7 +80,7 @@ std::vector<double> read_cyclictest_us(std::string_view text) {
     const auto latency_ns = number(std::string_view(line).substr(second + 1));
     if (latency_ns) all.push_back(1e-3 * *latency_ns);
   }
-  if (all.size() < 2) throw std::runtime_error("no latencies in what cyclictest said");
+  if (all.size() < 2) throw std::runtime_error("no latencies in cyclictest's output");
   return all;
 }
 
@@ -94,13 +94,13 @@ std::vector<double> periods_us(double period_us, const std::vector<double>& late
 
 Benchmarks read_benchmarks(std::string_view text) {
   const nlohmann::json json = nlohmann::json::parse(without_bare_words(text), nullptr, false);
-  if (!json.is_object() || !json.contains("benchmarks")) throw std::runtime_error("not what a benchmark wrote");
+  if (!json.is_object() || !json.contains("benchmarks")) throw std::runtime_error("not the output of Google Benchmark");
   Benchmarks all;
   for (const auto& run : json["benchmarks"]) {
     const bool aggregate = run.value("run_type", "") == "aggregate";
     if (aggregate && run.value("aggregate_name", "") != "median") continue;
     std::string name = run.value("run_name", run.at("name").get<std::string>());
-    // Fixed iterations are no part of what is measured.
+    // A suffix for fixed iterations is not part of the name.
     name = name.substr(0, name.find("/iterations:"));
     name = name.substr(0, name.find("/repeats:"));
     if (aggregate || !all.contains(name)) all[name] = in_ns(run);

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-/// What the tools of deploy/bench wrote, as numbers. Each refuses what it cannot read by a std::runtime_error.
+/// Reads the output of deploy/bench's tools. Each throws std::runtime_error for what it cannot read.
 namespace forcebound::lab {
 
 /// Of sockperf's ping-pong with --full-rtt.
@@ -18,7 +18,7 @@ struct Sockperf {
 /// The latencies of `cyclictest --verbose --nsecs` of one thread, in their order [us].
 [[nodiscard]] std::vector<double> read_cyclictest_us(std::string_view text);
 
-/// The periods between wake-ups that are late by so much: period + latency_n - latency_{n-1}.
+/// The periods between wake-ups with these latencies: period + latency_n - latency_{n-1}.
 [[nodiscard]] std::vector<double> periods_us(double period_us, const std::vector<double>& latencies_us);
 
 /// Processor time per iteration [ns] by benchmark: the median where a benchmark was repeated. From Google Benchmark's
@@ -26,7 +26,7 @@ struct Sockperf {
 using Benchmarks = std::map<std::string, double>;
 [[nodiscard]] Benchmarks read_benchmarks(std::string_view json);
 
-/// Those called "PREFIX/SIZE" or "PREFIX/name:SIZE", by their size.
+/// Those named "PREFIX/SIZE" or "PREFIX/name:SIZE", by size.
 [[nodiscard]] std::map<double, double> by_size(const Benchmarks& benchmarks, const std::string& prefix);
 
 /// The exponent e of cost = c size^e that fits best (least squares of the logarithms).

@@ -21,7 +21,7 @@ constexpr const char* kHeader = "kind,what,unit,conditions,ours,yardstick,theirs
 constexpr std::size_t kColumns = 10;
 
 std::string number(double value) {
-  if (!std::isfinite(value)) throw std::runtime_error("a result is no number");
+  if (!std::isfinite(value)) throw std::runtime_error("a result is not finite");
   return text::rounded(value);
 }
 
@@ -53,7 +53,7 @@ std::string subject(const BenchRow& row) {
 }
 
 void append_table_line(std::string& out, const std::array<std::string, 7>& cells) {
-  // What a row is about stands above its numbers: beside them it would not fit 80 columns.
+  // The row's name is above its numbers: beside them it would not fit 80 columns.
   constexpr std::array<std::size_t, 7> kWidths{3, 8, 26, 8, 6, 14, 0};
   if (!cells[0].empty()) out += cells[0] + '\n';
   std::string line(kWidths[0] + 1, ' ');

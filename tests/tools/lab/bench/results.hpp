@@ -7,13 +7,13 @@
 
 #include "tests/tools/lab/marks.hpp"
 
-/// What deploy/bench found: one file of text, from which the table, the figure and the numbers in
+/// The results of deploy/bench: one text file, from which the table, the figure and the numbers in
 /// tests/benchmark/README.md are made.
 namespace forcebound::lab {
 
 struct BenchRow {
   enum class Kind {
-    ratio,   ///< ours beside theirs, in `unit`
+    ratio,   ///< ours and the reference's, in `unit`
     growth,  ///< exponents: cost grows as `unit` to the power of it
   };
   Kind kind = Kind::ratio;
@@ -29,7 +29,7 @@ struct BenchRow {
 
   bool operator==(const BenchRow&) const = default;
 
-  /// False if the ratio misses what is wanted.
+  /// False if the ratio misses its bound.
   [[nodiscard]] bool fine() const;
 };
 
@@ -53,7 +53,7 @@ struct BenchResults {
 /// "# key: value" for the machine, then comma-separated rows under a header.
 [[nodiscard]] std::string to_csv(const BenchResults& results);
 
-/// @throws std::runtime_error with the line that is none of to_csv's
+/// @throws std::runtime_error with the line that is not in to_csv's format
 [[nodiscard]] BenchResults parse_bench_csv(std::string_view csv);
 
 /// For a terminal.

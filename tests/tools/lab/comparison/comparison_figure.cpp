@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A force that never moves has no place on a logarithmic axis.
+// A constant force has restlessness zero, which has no place on a logarithmic axis.
 constexpr double kRippleLeast = 1e-4;
 double number(const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); }
 
@@ -35,7 +35,7 @@ std::vector<std::size_t> shown_networks(const Json& all) {
 
 Panel trade_panel(const Json& all, std::size_t network) {
   Panel panel{.title = "Network: " + all.at("networks").at(network).get<std::string>(),
-              .y_label = "displayed over wanted stiffness"};
+              .y_label = "displayed over requested stiffness"};
   std::vector<Trade> trades;
   for (const Json& law : all.at("laws")) {
     const Json& behind = law.at("behind").at(network);
@@ -50,7 +50,7 @@ Panel trade_panel(const Json& all, std::size_t network) {
                             .colour = colour::of_law(name),
                             .mark = sound ? Series::Mark::dot : Series::Mark::cross,
                             .names = {name}});
-    // A wall that is shown stiffer than it is, is no better shown.
+    // A wall shown stiffer than it is counts as 1.
     trades.push_back({.less = sound ? ripple : std::nan(""), .more = std::min(shown, 1.0)});
   }
   Series front{.label = "", .colour = colour::kAudit, .mark = Series::Mark::ring};
@@ -77,7 +77,7 @@ void draw_comparison(const Json& all, const std::filesystem::path& png) {
 
 namespace {
 
-// Not even the softest wall that was tried: a mark on the lower edge, since a logarithmic axis has no zero.
+// Not even the softest wall tried is stable: a mark on the lower edge, since a logarithmic axis has no zero.
 constexpr double kNone_N_per_mm = 0.05;
 constexpr double kLowest_N_per_mm = 0.035;
 constexpr double kHighest_N_per_mm = 1800;
@@ -140,7 +140,7 @@ Panel limits_panel(const Json& all, std::size_t hand) {
 }  // namespace
 
 void draw_limits(const Json& all, const std::filesystem::path& png) {
-  // No subtitle: so many laws need its room to be named.
+  // No subtitle: the key needs its room.
   Figure figure{.title = "The stiffest wall that comes to rest [N/mm]: top, all up to 1000; bottom, not even 0.1",
                 .x_label = "delay each way; laws from left to right as in the key; ideal device of 30 N s/m"};
   for (const Json& limit : all.at("limits")) {

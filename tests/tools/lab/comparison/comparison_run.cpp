@@ -13,7 +13,7 @@ namespace {
 
 using Work = std::vector<std::function<void()>>;
 
-/// Does all of it, on every processor; throws what the first that failed threw.
+/// Runs all tasks on every processor; rethrows the first exception.
 class Workers {
  public:
   explicit Workers(const std::function<void(std::size_t, std::size_t)>& progress) : progress_(progress) {}
@@ -51,46 +51,46 @@ class Workers {
   std::size_t all_ = 0;
 };
 
-Contest tuning_contest(const ComparisonSettings& settings, const Task& task, std::size_t network) {
+TrialSetup tuning_setup(const ComparisonSettings& settings, const Task& task, std::size_t network) {
   return {.task = task,
           .stiffness_N_per_m = settings.stiffnesses_N_per_m[settings.stiffnesses_N_per_m.size() / 2],
           .network = settings.networks[network],
           .seed = settings.seed};
 }
 
-/// Every contest of a law, without its parameters.
-std::vector<PlayedTrial> contests_of(const ComparisonSettings& settings, const std::string& law) {
-  std::vector<PlayedTrial> contests;
+/// Every trial of a law, without its parameters.
+std::vector<TrialRun> trials_of(const ComparisonSettings& settings, const std::string& law) {
+  std::vector<TrialRun> setups;
   for (const Task& task : settings.tasks) {
     for (std::size_t network = 0; network < settings.networks.size(); ++network) {
       for (const double stiffness : settings.stiffnesses_N_per_m) {
         for (const Conditions conditions : {Conditions::ideal, Conditions::real}) {
           for (std::uint64_t seed = settings.seed; seed < settings.seed + settings.seeds; ++seed) {
-            contests.push_back({.contest = {.task = task,
-                                            .stiffness_N_per_m = stiffness,
-                                            .network = settings.networks[network],
-                                            .conditions = conditions,
-                                            .law = law,
-                                            .seed = seed},
-                                .network = network,
-                                .trial = {}});
+            setups.push_back({.setup = {.task = task,
+                                        .stiffness_N_per_m = stiffness,
+                                        .network = settings.networks[network],
+                                        .conditions = conditions,
+                                        .law = law,
+                                        .seed = seed},
+                              .network = network,
+                              .trial = {}});
           }
         }
       }
     }
   }
-  return contests;
+  return setups;
 }
 
-const Tuning& tuning_for(const LawInComparison& law, const PlayedTrial& played) {
+const Tuning& tuning_for(const LawInComparison& law, const TrialRun& trial_run) {
   const auto found = std::ranges::find_if(law.tuned, [&](const TunedOn& tuned) {
-    return tuned.scene == played.contest.task.scene && tuned.network == played.network;
+    return tuned.scene == trial_run.setup.task.scene && tuned.network == trial_run.network;
   });
   return found->tuning;
 }
 
-/// What was found on the wall through a network that does nothing but delay by so much, if that was played with the
-/// same device; otherwise the law's standard parameters.
+/// The parameters found on the wall through a network with that delay alone and the same device, if the comparison has
+/// one; otherwise the law's standard parameters.
 control::LawParameters parameters_for(const LawInComparison& law, const ComparisonSettings& settings,
                                       const std::string& device, double delay_s) {
   netem::NetemParameters delayed;
@@ -114,13 +114,13 @@ StableStiffness limit_of(const LawInComparison& law, const ComparisonSettings& s
 
 }  // namespace
 
-ComparisonResult play_all(const ComparisonSettings& settings, const time::Clock& clock,
-                          const std::function<void(std::size_t, std::size_t)>& progress) {
+ComparisonResult run_comparison(const ComparisonSettings& settings, const time::Clock& clock,
+                                const std::function<void(std::size_t, std::size_t)>& progress) {
   ComparisonResult result{.settings = settings};
   Work tuning;
   Work trials;
   for (const std::string& law : settings.laws) {
-    result.laws.push_back({.law = law, .trials = contests_of(settings, law)});
+    result.laws.push_back({.law = law, .trials = trials_of(settings, law)});
     for (const Task& task : settings.tasks) {
       for (std::size_t network = 0; network < settings.networks.size(); ++network) {
         result.laws.back().tuned.push_back({.scene = task.scene, .network = network});
@@ -132,14 +132,14 @@ ComparisonResult play_all(const ComparisonSettings& settings, const time::Clock&
     for (std::size_t i = 0; i < law.tuned.size(); ++i) {
       tuning.emplace_back([&, i] {
         const Task& task = settings.tasks[i / settings.networks.size()];
-        const Contest contest = tuning_contest(settings, task, law.tuned[i].network);
-        law.tuned[i].tuning = tune(law.law, {&contest, 1}, settings.effort, settings.seed);
+        const TrialSetup setup = tuning_setup(settings, task, law.tuned[i].network);
+        law.tuned[i].tuning = tune(law.law, {&setup, 1}, settings.effort, settings.seed);
       });
     }
-    for (PlayedTrial& played : law.trials) {
+    for (TrialRun& trial_run : law.trials) {
       trials.emplace_back([&] {
-        played.contest.parameters = tuning_for(law, played).best;
-        played.trial = play(played.contest);
+        trial_run.setup.parameters = tuning_for(law, trial_run).best;
+        trial_run.trial = run_trial(trial_run.setup);
       });
     }
     for (std::size_t i = 0; i < settings.delays_s.size(); ++i) {
@@ -155,9 +155,9 @@ ComparisonResult play_all(const ComparisonSettings& settings, const time::Clock&
   workers.work_off(tuning);
   workers.work_off(trials);
   for (const double delay_s : settings.delays_s) result.theory.push_back(theory_limits("wall-1dof", delay_s));
-  // Alone on the machine, or the laws' work would be the other's as well.
+  // Measured alone on the machine, so that other work does not count.
   for (LawInComparison& law : result.laws) {
-    const Contest& first = law.trials.front().contest;
+    const TrialSetup& first = law.trials.front().setup;
     law.work_ns = law.trials.front().trial.refused.empty() ? work_ns(first, clock) : std::nan("");
   }
   return result;

@@ -24,10 +24,10 @@ struct ComparisonSettings {
   std::uint64_t seed = 1;
 };
 
-/// A contest and what came of it.
-struct PlayedTrial {
-  Contest contest;
-  std::size_t network = 0;  ///< its place among the settings'
+/// A trial's settings and result.
+struct TrialRun {
+  TrialSetup setup;
+  std::size_t network = 0;  ///< index among the settings'
   Trial trial;
 };
 
@@ -41,7 +41,7 @@ struct TunedOn {
 struct LawInComparison {
   std::string law;
   std::vector<TunedOn> tuned{};
-  std::vector<PlayedTrial> trials{};
+  std::vector<TrialRun> trials{};
   double work_ns = 0;                                  ///< a tick of its own, on the first task
   std::vector<std::vector<StableStiffness>> stable{};  ///< for each delay, for each of the pressing hands
 };
@@ -52,13 +52,13 @@ struct ComparisonResult {
   std::vector<LawInComparison> laws{};
 };
 
-/// Plays all of it on the machine's processors; what comes of it does not depend on how many.
+/// Runs the comparison on the machine's processors; the result does not depend on their number.
 ///
 /// Each law's parameters are searched for on each task through each network, against the middle stiffness, with the
 /// real device.
 /// @param clock the machine's, for the laws' work
-/// @param progress is told what is done and what there is, from any thread, one at a time
-[[nodiscard]] ComparisonResult play_all(const ComparisonSettings& settings, const time::Clock& clock,
-                                        const std::function<void(std::size_t done, std::size_t all)>& progress);
+/// @param progress called with the numbers of trials done and of all, from any thread, one at a time
+[[nodiscard]] ComparisonResult run_comparison(const ComparisonSettings& settings, const time::Clock& clock,
+                                              const std::function<void(std::size_t done, std::size_t all)>& progress);
 
 }  // namespace forcebound::lab

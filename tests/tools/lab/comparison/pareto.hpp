@@ -6,13 +6,13 @@
 
 namespace forcebound::lab {
 
-/// A law in the plane of what one wants less of and what one wants more of.
+/// A law in the plane of a quantity to minimise and one to maximise.
 struct Trade {
   double less;
   double more;
 };
 
-/// Those that no other beats in one and equals in the other, in the order given. What is not a number is beaten.
+/// Those not dominated by another, in the order given. NaN is dominated.
 [[nodiscard]] std::vector<std::size_t> pareto_front(std::span<const Trade> trades);
 
 }  // namespace forcebound::lab

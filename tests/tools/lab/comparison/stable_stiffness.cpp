@@ -8,21 +8,21 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
-#include "tests/tools/lab/comparison/contest.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/measures.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {
 namespace {
 
-// Of the run: contact comes after half a second; what is not at rest 2.5 s later counts as never.
+// Length of the run: contact begins after half a second; a contact not at rest 2.5 s later counts as never at rest.
 constexpr double kRun_s = 3;
 constexpr double kRingingMost = 0.8;
 
-// The pull of a thread.
+// Stiffness of the hand that holds the device.
 constexpr double kUnfelt_N = 0.1;
 
-/// Holds the device beside a place and lets go of it.
+/// Holds the device beside a position, then releases it.
 class LettingGo final : public device::Operator {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "letting-go"; }
@@ -35,13 +35,13 @@ class LettingGo final : public device::Operator {
             .velocity = control::Vector::Zero(1),
             .grip = time_s < kHeld_s ? 1.0 : 0.0};
   }
-  [[nodiscard]] std::string description() const override { return "holds, and lets go"; }
+  [[nodiscard]] std::string description() const override { return "holds, then releases"; }
 
  private:
   device::Hand hand_{.mass_kg = 0, .stiffness_N_per_m = 2000, .damping_N_s_per_m = 20};
 };
 
-/// The largest distance from the middle in each of two times.
+/// The largest distance from the middle in each of two intervals.
 class Swing final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override {
@@ -64,7 +64,7 @@ struct MassAndDamping {
 MassAndDamping one_axis(const std::string& device) {
   const device::DeviceDescription description = device::load_device(device);
   if (description.facts.degrees_of_freedom() != 1 || !description.facts.cartesian) {
-    throw std::invalid_argument("device '" + device + "' must have one straight axis to compare it with theory");
+    throw std::invalid_argument("device '" + device + "' must have one straight axis for the comparison with theory");
   }
   return {description.inertia(0, 0), description.facts.damping(0, 0), description.facts.period_s};
 }
@@ -96,25 +96,25 @@ const std::vector<PressingHand>& pressing_hands() {
 }
 
 bool is_stable(const PressedWall& wall, double stiffness_N_per_m) {
-  Contest contest{.task = task_of("wall", wall.device),
-                  .stiffness_N_per_m = stiffness_N_per_m,
-                  .network = network_of("none"),
-                  .conditions = Conditions::ideal,
-                  .law = wall.law,
-                  .parameters = wall.parameters};
-  contest.task.hand = wall.hand;
-  contest.network.settings.up.delay.mean = contest.network.settings.down.delay.mean = time::from_seconds(wall.delay_s);
+  TrialSetup setup{.task = task_of("wall", wall.device),
+                   .stiffness_N_per_m = stiffness_N_per_m,
+                   .network = network_of("none"),
+                   .conditions = Conditions::ideal,
+                   .law = wall.law,
+                   .parameters = wall.parameters};
+  setup.task.hand = wall.hand;
+  setup.network.settings.up.delay.mean = setup.network.settings.down.delay.mean = time::from_seconds(wall.delay_s);
   RingingMeter ringing(kUnfelt_N);
-  sim::ClosedLoop loop(settings_of(contest), {&ringing});
+  sim::ClosedLoop loop(settings_of(setup), {&ringing});
   loop.run(time::from_seconds(kRun_s));
   const auto rings_s = ringing.ringing_s();
   return rings_s && *rings_s < kRingingMost * ringing.contact_s();
 }
 
 bool free_device_is_stable(const std::string& device, double stiffness_N_per_m) {
-  Contest contest{
+  TrialSetup setup{
       .task = task_of("wall", device), .network = network_of("none"), .conditions = Conditions::ideal, .law = "none"};
-  sim::ClosedLoop::Settings settings = settings_of(contest);
+  sim::ClosedLoop::Settings settings = settings_of(setup);
   settings.make_hand = [] { return std::make_unique<LettingGo>(); };
   std::ostringstream toml;
   toml << "scene = { name = 'spring', description = 'a spring to both sides', degrees_of_freedom = 1 }\n"

@@ -10,12 +10,11 @@ namespace forcebound::lab {
 
 /// The largest stiffness below which everything is stable, as far as it was tried.
 struct StableStiffness {
-  double N_per_m = 0;     ///< 0: not even the least
-  bool no_limit = false;  ///< all that were tried were: it is the most tried
+  double N_per_m = 0;     ///< 0: even the least is unstable
+  bool no_limit = false;  ///< all values tried are stable: this is the largest tried
 };
 
-/// Up from `least` by doubling to the first that is not stable, then halfway again and again until known to
-/// `resolution`, relative.
+/// Doubles from `least` to the first unstable value, then bisects to `resolution`, relative.
 struct StiffnessSearch {
   double least_N_per_m = 100;
   double most_N_per_m = 1e6;
@@ -24,7 +23,7 @@ struct StiffnessSearch {
 [[nodiscard]] StableStiffness largest_stable(const StiffnessSearch& search,
                                              const std::function<bool(double N_per_m)>& stable);
 
-/// Hands that press into a wall: what one makes ring is at rest under another.
+/// Hands that press into a wall: whether a wall rings depends on the hand.
 struct PressingHand {
   std::string name;
   std::string specification;  ///< of the operator
@@ -43,10 +42,10 @@ struct PressedWall {
 /// Whether the contact comes to rest; ideal encoder, clock and latency.
 [[nodiscard]] bool is_stable(const PressedWall& wall, double stiffness_N_per_m);
 
-/// Whether the device alone, let go of on a spring to both sides, comes to rest without any law; ideal as well.
+/// Whether the device alone, released on a two-sided spring, comes to rest without any law; ideal as well.
 [[nodiscard]] bool free_device_is_stable(const std::string& device, double stiffness_N_per_m);
 
-/// What theory says of a device of mass m and damping b, sampled every T, behind a delay t_d each way.
+/// Theoretical limits for a device of mass m and damping b, sampled every T, behind a delay t_d each way.
 struct TheoryLimits {
   double passive_N_per_m;  ///< 2b/T: no hand makes it ring [Colgate 1994]
   double delayed_N_per_m;  ///< b/(T/2 + 2 t_d): the force is late by both ways

@@ -14,55 +14,55 @@ namespace forcebound::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Number = double (*)(const PlayedTrial&);
+using Number = double (*)(const TrialRun&);
 
-/// The half below and above; null of nothing. What is not a number does not count.
-Json median(const std::vector<const PlayedTrial*>& trials, Number number) {
+/// The median; null without values. NaN is ignored.
+Json median(const std::vector<const TrialRun*>& trials, Number number) {
   std::vector<double> values;
-  for (const PlayedTrial* const played : trials) {
-    const double value = number(*played);
+  for (const TrialRun* const trial_run : trials) {
+    const double value = number(*trial_run);
     if (std::isfinite(value)) values.push_back(value);
   }
   return values.empty() ? Json(nullptr) : Json(percentile(std::move(values), 0.5));
 }
 
-double most(const std::vector<const PlayedTrial*>& trials, Number number) {
+double most(const std::vector<const TrialRun*>& trials, Number number) {
   double value = 0;
-  for (const PlayedTrial* const played : trials) value = std::max(value, number(*played));
+  for (const TrialRun* const trial_run : trials) value = std::max(value, number(*trial_run));
   return value;
 }
 
-double worst_J(const std::vector<const PlayedTrial*>& trials) {
+double worst_J(const std::vector<const TrialRun*>& trials) {
   double value = 0;
-  for (const PlayedTrial* const played : trials) value = std::min(value, played->trial.passivity_minimum_J);
+  for (const TrialRun* const trial_run : trials) value = std::min(value, trial_run->trial.passivity_minimum_J);
   return value;
 }
 
-double calm_share(const std::vector<const PlayedTrial*>& trials) {
-  const auto calm = std::ranges::count_if(trials, [](const PlayedTrial* played) { return played->trial.calm; });
+double calm_share(const std::vector<const TrialRun*>& trials) {
+  const auto calm = std::ranges::count_if(trials, [](const TrialRun* trial_run) { return trial_run->trial.calm; });
   return trials.empty() ? 0 : static_cast<double>(calm) / static_cast<double>(trials.size());
 }
 
-double shown(const PlayedTrial& played) { return played.trial.shown_N_per_m / played.contest.stiffness_N_per_m; }
-double ripple(const PlayedTrial& played) { return played.trial.restlessness; }
-double variance(const PlayedTrial& played) { return played.trial.force_N2_variance; }
-double error(const PlayedTrial& played) { return played.trial.error; }
-double ringing_s(const PlayedTrial& played) { return played.trial.ringing_s.value_or(std::nan("")); }
-double direction_deg(const PlayedTrial& played) { return played.trial.direction_error_rad * 180 / std::numbers::pi; }
-double drift_mm(const PlayedTrial& played) { return 1e3 * played.trial.drift_m; }
+double shown(const TrialRun& trial_run) { return trial_run.trial.shown_N_per_m / trial_run.setup.stiffness_N_per_m; }
+double ripple(const TrialRun& trial_run) { return trial_run.trial.restlessness; }
+double variance(const TrialRun& trial_run) { return trial_run.trial.force_N2_variance; }
+double error(const TrialRun& trial_run) { return trial_run.trial.error; }
+double ringing_s(const TrialRun& trial_run) { return trial_run.trial.ringing_s.value_or(std::nan("")); }
+double direction_deg(const TrialRun& trial_run) { return trial_run.trial.direction_error_rad * 180 / std::numbers::pi; }
+double drift_mm(const TrialRun& trial_run) { return 1e3 * trial_run.trial.drift_m; }
 
 template <typename Take>
-std::vector<const PlayedTrial*> trials_where(const LawInComparison& law, Take take) {
-  std::vector<const PlayedTrial*> taken;
-  for (const PlayedTrial& played : law.trials) {
-    if (played.trial.refused.empty() && take(played)) taken.push_back(&played);
+std::vector<const TrialRun*> trials_where(const LawInComparison& law, Take take) {
+  std::vector<const TrialRun*> taken;
+  for (const TrialRun& trial_run : law.trials) {
+    if (trial_run.trial.refused.empty() && take(trial_run)) taken.push_back(&trial_run);
   }
   return taken;
 }
 
 Json behind(const LawInComparison& law, std::size_t network) {
-  const auto trials = trials_where(law, [&](const PlayedTrial& played) {
-    return played.network == network && played.contest.conditions == Conditions::real;
+  const auto trials = trials_where(law, [&](const TrialRun& trial_run) {
+    return trial_run.network == network && trial_run.setup.conditions == Conditions::real;
   });
   return {{"shown", median(trials, shown)},
           {"ripple", median(trials, ripple)},
@@ -89,16 +89,16 @@ Json tuned(const LawInComparison& law) {
 
 Json refusals(const LawInComparison& law) {
   Json all = Json::object();
-  for (const PlayedTrial& played : law.trials) {
-    if (!played.trial.refused.empty()) all[played.contest.task.scene] = played.trial.refused;
+  for (const TrialRun& trial_run : law.trials) {
+    if (!trial_run.trial.refused.empty()) all[trial_run.setup.task.scene] = trial_run.trial.refused;
   }
   return all;
 }
 
 Json standing(const ComparisonResult& result, const LawInComparison& law) {
-  const auto ideal = trials_where(law, [](const PlayedTrial& p) { return p.contest.conditions == Conditions::ideal; });
-  const auto real = trials_where(law, [](const PlayedTrial& p) { return p.contest.conditions == Conditions::real; });
-  const auto passive = [](const PlayedTrial* played) { return played->trial.passivity_minimum_J >= kPassive_J; };
+  const auto ideal = trials_where(law, [](const TrialRun& p) { return p.setup.conditions == Conditions::ideal; });
+  const auto real = trials_where(law, [](const TrialRun& p) { return p.setup.conditions == Conditions::real; });
+  const auto passive = [](const TrialRun* trial_run) { return trial_run->trial.passivity_minimum_J >= kPassive_J; };
   Json networks = Json::array();
   for (std::size_t i = 0; i < result.settings.networks.size(); ++i) networks.push_back(behind(law, i));
   Json stable = Json::array();
@@ -167,10 +167,10 @@ std::string to_csv(const ComparisonResult& result) {
           "displayed_stiffness_N_per_m,force_mean_N,force_variance_N2,restlessness,device_error,direction_error_rad,"
           "drift_m,refused\n";
   for (const LawInComparison& law : result.laws) {
-    for (const auto& [contest, network, trial] : law.trials) {
-      rows << law.law << ',' << contest.task.scene << ',' << contest.task.device << ",\"" << contest.network.name
-           << "\"," << (contest.conditions == Conditions::ideal ? "ideal" : "real") << ',' << contest.stiffness_N_per_m
-           << ',' << contest.seed;
+    for (const auto& [setup, network, trial] : law.trials) {
+      rows << law.law << ',' << setup.task.scene << ',' << setup.task.device << ",\"" << setup.network.name << "\","
+           << (setup.conditions == Conditions::ideal ? "ideal" : "real") << ',' << setup.stiffness_N_per_m << ','
+           << setup.seed;
       if (!trial.refused.empty()) {
         rows << ",,,,,,,,,,,\"" << trial.refused << "\"\n";
         continue;

@@ -8,21 +8,21 @@
 
 namespace forcebound::lab {
 
-/// What is between these marks of a document, `to_markdown` wrote.
+/// The marks in a document between which `to_markdown`'s text stands.
 inline constexpr Marks kComparisonMarks{"<!-- comparison: made by deploy/comparison -->\n", "<!-- /comparison -->\n"};
 
-/// All laws, each in a few numbers. Over scenes and stiffnesses: the worst P, the most of direction error and drift,
-/// the median of everything else; with the real device but for P, which is told of both.
+/// A few numbers for each law. Over scenes and stiffnesses: the worst P, the most of direction error and drift, the
+/// median of everything else; with the real device; P with both.
 [[nodiscard]] nlohmann::ordered_json standings(const ComparisonResult& result);
 
-/// For a terminal: who stays passive, what each shows through each network, how stiff a wall each bears, and the
-/// parameters that were found. @param standings as `standings` made them
+/// For a terminal: passivity, displayed stiffness through each network, stiffest stable wall, and the parameters found,
+/// of each law. @param standings as `standings` made them
 [[nodiscard]] std::string to_text(const nlohmann::ordered_json& standings);
 
 /// The same for common/forcebound/baselines/README.md, shorter.
 [[nodiscard]] std::string comparison_markdown(const nlohmann::ordered_json& standings);
 
-/// A row for each contest.
+/// A row for each trial.
 [[nodiscard]] std::string to_csv(const ComparisonResult& result);
 
 }  // namespace forcebound::lab

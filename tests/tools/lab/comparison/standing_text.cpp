@@ -23,7 +23,7 @@ std::string law_cell(const Json& law) {
   return cell;
 }
 
-/// A whole number as it is: a year is not rounded.
+/// Whole numbers are not rounded: a year is a parameter.
 std::string number(const Json& value) {
   if (!value.is_number()) return "-";
   const double of = value;
@@ -50,15 +50,15 @@ std::string stiffness(const Json& of_hands) {
   return text;
 }
 
-/// Whether there is anything to tell: a law that refuses everything has shown nothing.
+/// Whether the law ran any trial: it may have refused all devices.
 bool played(const Json& law) { return law.at("trials").get<int>() > 0; }
 
 std::string refused(const Json& law) {
   for (const auto& [scene, words] : law.at("refused").items()) return "refuses: " + words.get<std::string>();
-  return "played nothing";
+  return "no trials";
 }
 
-/// What rounding makes of a direction is none.
+/// A direction error within rounding counts as 0.
 std::string degrees(const Json& angle) {
   constexpr double kRounding_deg = 1e-6;
   return (angle.get<double>() < kRounding_deg ? std::string("0") : number(angle)) + " deg";
@@ -66,7 +66,7 @@ std::string degrees(const Json& angle) {
 
 std::string passivity_table(const Json& all) {
   std::string table =
-      "Who stays passive and comes to rest: least P over all trials [mJ], 0: passive;\n"
+      "Passivity and rest: least P over all trials [mJ], 0: passive;\n"
       "passive and at rest: shares of all trials\n"
       "                    ideal device          real device\n"
       "  law             least P   passive   least P   passive   at rest  rings [s]\n";
@@ -87,9 +87,9 @@ std::string passivity_table(const Json& all) {
 
 std::string force_table(const Json& all) {
   std::string table =
-      "The force: variance in contact (median), most that its direction was bent by, most\n"
-      "that the place it was asked for was away from the device, work of a tick\n"
-      "  law          variance [N^2]       bent by    drift [mm]    work\n";
+      "The force: variance in contact (median), largest change of its direction, largest\n"
+      "distance of its requested position from the device, time of a tick\n"
+      "  law          variance [N^2]       bent by    drift [mm]    time\n";
   for (const Json& law : all.at("laws")) {
     if (!played(law)) continue;
     table += law_cell(law) + padded(number(law.at("variance_N2")), 16) + padded(degrees(law.at("direction_deg")), 14) +
@@ -107,7 +107,7 @@ std::string percent(const Json& value) {
   return cell;
 }
 
-/// So many columns side by side fit; more go on below.
+/// This many columns fit side by side; more continue below.
 constexpr std::size_t kNetworksInARow = 9;
 constexpr std::size_t kLimitsInARow = 4;
 
@@ -174,7 +174,7 @@ std::string in_words(const Json& parameters) {
 std::string tuning_table(const Json& all) {
   std::string table = text::wrapped("Parameters: " + text::counted(all.at("effort").get<std::uint64_t>(), "set") +
                                         " tried for each law that has any, on each scene and network; score: error at "
-                                        "the device, 1 more for no rest, 1 more for energy given\n",
+                                        "the device, plus 1 without rest, plus 1 if not passive\n",
                                     2);
   bool any = false;
   for (const Json& law : all.at("laws")) {
@@ -218,7 +218,7 @@ std::string row_of(const std::vector<std::string>& cells) {
   return row + "\n";
 }
 
-/// What of the standings is told through which networks: too many columns tell nothing.
+/// The networks shown in the Markdown tables: a few, so that the columns fit.
 std::vector<std::size_t> told_networks(const Json& all) {
   std::vector<std::size_t> told;
   const std::size_t count = all.at("networks").size();
@@ -237,7 +237,7 @@ std::string comparison_markdown(const Json& all) {
   std::vector<std::string> head{"law", "least P ideal [mJ]", "least P real [mJ]", "at rest"};
   for (const std::size_t i : networks) head.push_back("shown, " + all.at("networks").at(i).get<std::string>());
   for (const std::size_t i : networks) head.push_back("E_dev, " + all.at("networks").at(i).get<std::string>());
-  head.emplace_back("work [ns]");
+  head.emplace_back("time [ns]");
   std::string table = row_of(head) + row_of(std::vector<std::string>(head.size(), "---"));
   for (const Json& law : all.at("laws")) {
     if (!played(law)) continue;

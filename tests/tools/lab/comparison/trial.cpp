@@ -18,12 +18,12 @@
 namespace forcebound::lab {
 namespace {
 
-// A contact that has not come to rest in this share of its time never does, and one that shows less than this share of
-// the wall is none: blackout is no rest.
+// A contact that has not come to rest in this share of its time never does; one that shows less than this share of the
+// wall's stiffness is no contact: zero force does not count as rest.
 constexpr double kTrialRingingMost = 0.75;
 constexpr double kShownLeast = 0.01;
 
-/// How far from the device the environment is asked.
+/// Distance between the device and the position at which the environment is asked.
 class DriftMeter final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override {
@@ -41,13 +41,13 @@ class DriftMeter final : public record::TickSink {
     if (before.rows() == place.rows()) most_m = std::max(most_m, (place - before).norm());
   }
 
-  // Of each motion the device's or where the environment was asked, whichever was told first: an answer without delay
-  // comes before its own tick is over.
+  // For each motion, the device's position and the requested one, whichever came first: an answer without delay comes
+  // before its own tick ends.
   std::unordered_map<std::uint64_t, control::Vector> places_;
 };
 
-/// How much the force on the device changes from some time after the first contact on, in contact or not: who is thrown
-/// off the wall again and again is not at rest.
+/// Variation of the force on the device from some time after the first contact on, in contact or not: a device that
+/// bounces off the wall again and again is not at rest.
 class RestMeter final : public record::TickSink {
  public:
   explicit RestMeter(double settle_s) : settle_(time::from_seconds(settle_s)) {}
@@ -65,7 +65,7 @@ class RestMeter final : public record::TickSink {
   record::RunningStatistics force_N_;
 };
 
-/// Keeps what a law was asked, to ask it again.
+/// Records a law's inputs, to replay them.
 class Questions final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override { ticks.push_back(tick); }
@@ -80,26 +80,26 @@ double number(const nlohmann::json& summary, const char* path) {
 
 }  // namespace
 
-Trial play(const Contest& contest) {
+Trial run_trial(const TrialSetup& setup) {
   Trial trial;
-  sim::ClosedLoop::Settings settings = settings_of(contest);
-  trial.refused = baselines::shipped_laws().refusal(contest.law, settings.device.facts, settings.law_options);
+  sim::ClosedLoop::Settings settings = settings_of(setup);
+  trial.refused = baselines::shipped_laws().refusal(setup.law, settings.device.facts, settings.law_options);
   if (!trial.refused.empty()) return trial;
   RingingMeter ringing;
   DirectionMeter direction;
   DriftMeter drift;
   RestMeter rest(settings.settle_s);
   const ReferenceModel reference(settings.scene, 0, "closed form");
-  DeviceRun run = run_device(std::move(settings), contest.task.duration_s, {&ringing, &direction, &drift, &rest});
+  DeviceRun run = run_device(std::move(settings), setup.task.duration_s, {&ringing, &direction, &drift, &rest});
   reference.fill_in(run);
 
   trial.passivity_minimum_J = run.passivity_minimum_J;
   trial.ringing_s = ringing.ringing_s();
-  // Who is nowhere in the wall is shown nothing of it; who is never at rest there, nothing that could be told.
+  // Without contact the displayed stiffness is 0; without rest it is undefined.
   const bool touched = number(run.summary, "/contact_ticks") > 0;
   trial.shown_N_per_m = touched ? number(run.summary, "/displayed_stiffness_N_per_m/median") : 0;
   trial.calm = trial.ringing_s && *trial.ringing_s < kTrialRingingMost * ringing.contact_s() &&
-               trial.shown_N_per_m >= kShownLeast * contest.stiffness_N_per_m;
+               trial.shown_N_per_m >= kShownLeast * setup.stiffness_N_per_m;
   trial.force_N_mean = number(run.summary, "/force_N/mean");
   trial.force_N2_variance = number(run.summary, "/force_N/variance");
   trial.restlessness = rest.restlessness();
@@ -109,22 +109,22 @@ Trial play(const Contest& contest) {
   return trial;
 }
 
-double work_ns(const Contest& contest, const time::Clock& clock) {
-  sim::ClosedLoop::Settings settings = settings_of(contest);
+double work_ns(const TrialSetup& setup, const time::Clock& clock) {
+  sim::ClosedLoop::Settings settings = settings_of(setup);
   const control::DeviceFacts facts = settings.device.facts;
   const control::LawRegistry laws = baselines::shipped_laws();
-  if (!facts.cartesian || laws.find(contest.law).make_server_side) return std::nan("");
-  auto law = laws.make(contest.law, facts, settings.law_options);
+  if (!facts.cartesian || laws.find(setup.law).make_server_side) return std::nan("");
+  auto law = laws.make(setup.law, facts, settings.law_options);
   const auto damping = control::Damping::from_matrix(facts.damping);
   Questions questions;
   sim::ClosedLoop loop(std::move(settings), {&questions});
-  loop.run(time::from_seconds(contest.task.duration_s));
+  loop.run(time::from_seconds(setup.task.duration_s));
 
   control::Motion motion;
   motion.latency_s_max = facts.latency_s;
   motion.jacobian = control::Matrix::Identity(facts.damping.rows(), facts.damping.rows());
   motion.damping = &damping;
-  // Many ticks at once, so that reading the clock is no part of it.
+  // Many ticks at once, so that reading the clock does not count.
   constexpr std::size_t kBatch = 200;
   std::vector<double> each_ns;
   for (std::size_t begin = 0; begin + kBatch <= questions.ticks.size(); begin += kBatch) {

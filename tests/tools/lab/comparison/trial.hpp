@@ -4,14 +4,14 @@
 #include <optional>
 #include <string>
 
-#include "tests/tools/lab/comparison/contest.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 
 namespace forcebound::lab {
 
 /// A device that returned no more than this is passive, to rounding.
 inline constexpr double kPassive_J = -1e-9;
 
-/// What a law showed in one contest.
+/// Results of a law in one trial.
 struct Trial {
   std::string refused;             ///< why the law cannot work with this device; otherwise empty, and the rest is known
   double passivity_minimum_J = 0;  ///< P of the audit
@@ -22,16 +22,16 @@ struct Trial {
   double force_N2_variance = std::nan("");  ///< in contact
   double restlessness = std::nan("");  ///< deviation of the force's magnitude over its mean, once contact has settled
   double error = std::nan("");         ///< E_dev against the scene at the device's true position, at this moment
-  double direction_error_rad = 0;      ///< of the applied force against the one asked for, most
-  double drift_m = 0;                  ///< between the device and where the environment was asked, most
+  double direction_error_rad = 0;      ///< largest angle between the applied and the requested force
+  double drift_m = 0;  ///< largest distance between the device and the position at which the environment was asked
 };
 
-/// Plays it, in virtual time.
-[[nodiscard]] Trial play(const Contest& contest);
+/// Runs a trial in virtual time.
+[[nodiscard]] Trial run_trial(const TrialSetup& setup);
 
-/// What the law itself takes a tick [ns], over the motion and the requests of a contest. Not a number for a device that
-/// is not Cartesian, and for a law that is half at the server: what its server-side law says is not kept.
-/// @param clock the machine's
-[[nodiscard]] double work_ns(const Contest& contest, const time::Clock& clock);
+/// Time of the law itself per tick [ns], over the motion and the requests of a trial. Not a number for a device that is
+/// not Cartesian, and for a law with a half at the server, whose messages are not recorded.
+/// @param clock the system's clock
+[[nodiscard]] double work_ns(const TrialSetup& setup, const time::Clock& clock);
 
 }  // namespace forcebound::lab

@@ -13,20 +13,21 @@ namespace forcebound::lab {
 namespace {
 
 constexpr double kErrorMost = 2;
-constexpr double kForgiven_J = -1e-6;  // what a real encoder's rounding may cost is no reason to choose otherwise
+constexpr double kForgiven_J = -1e-6;  // energy from a real encoder's rounding does not affect the choice
 constexpr double kFactorMost = 8;
 
-double mean_score(const std::string& law, std::span<const Contest> contests, const control::LawParameters& parameters) {
+double mean_score(const std::string& law, std::span<const TrialSetup> setups,
+                  const control::LawParameters& parameters) {
   double sum = 0;
-  for (Contest contest : contests) {
-    contest.law = law;
-    contest.parameters = parameters;
-    sum += score(play(contest));
+  for (TrialSetup setup : setups) {
+    setup.law = law;
+    setup.parameters = parameters;
+    sum += score(run_trial(setup));
   }
-  return sum / static_cast<double>(contests.size());
+  return sum / static_cast<double>(setups.size());
 }
 
-// Sets of parameters are drawn so many times for each that a law accepts.
+// Most draws for each set that a law accepts.
 constexpr int kDrawsMost = 50;
 
 control::LawParameters drawn(const control::LawDescription& law, const control::LawParameters& standard,
@@ -53,15 +54,15 @@ double score(const Trial& trial) {
   return error + (trial.calm ? 0 : 1) + (trial.passivity_minimum_J < kForgiven_J ? 1 : 0);
 }
 
-Tuning tune(const std::string& law, std::span<const Contest> contests, int effort, std::uint64_t seed) {
+Tuning tune(const std::string& law, std::span<const TrialSetup> setups, int effort, std::uint64_t seed) {
   const control::LawRegistry laws = baselines::shipped_laws();
   const control::LawDescription& description = laws.find(law);
-  const control::DeviceFacts facts = settings_of(contests.front()).device.facts;
+  const control::DeviceFacts facts = settings_of(setups.front()).device.facts;
   Tuning tuning{.standard = laws.parameters(law, facts)};
   tuning.best = tuning.standard;
   if (description.parameters.empty()) return tuning;
   sim::Draw draw(seed);
-  tuning.standard_score = tuning.best_score = mean_score(law, contests, tuning.standard);
+  tuning.standard_score = tuning.best_score = mean_score(law, setups, tuning.standard);
   tuning.tried = 1;
   while (tuning.tried < effort && tuning.refused < kDrawsMost * effort) {
     const control::LawParameters parameters = drawn(description, tuning.standard, draw);
@@ -70,7 +71,7 @@ Tuning tune(const std::string& law, std::span<const Contest> contests, int effor
       continue;
     }
     ++tuning.tried;
-    const double tried = mean_score(law, contests, parameters);
+    const double tried = mean_score(law, setups, parameters);
     if (!(tried < tuning.best_score)) continue;
     tuning.best_score = tried;
     tuning.best = parameters;

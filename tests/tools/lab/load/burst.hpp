@@ -8,13 +8,13 @@
 
 namespace forcebound::lab {
 
-/// Datagrams of the same size to the same address, cut apart by the system from one piece (UDP_SEGMENT): so that one
-/// core loads a server more than another can bear.
+/// Datagrams of the same size to the same address, split by the system (UDP_SEGMENT): so that one core can overload a
+/// server on another.
 class Burst {
  public:
   static constexpr std::size_t kDatagramsMax = 32;
 
-  /// False if it does not go with those that are there: full, or of another size.
+  /// False if the burst is full, or the size differs.
   [[nodiscard]] bool take(std::span<const std::byte> datagram) noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }

@@ -26,10 +26,10 @@ std::size_t most_that_hold(const CapacitySearch& search, const std::function<boo
   for (int doubts = 0;;) {
     while (!close_enough()) {
       (holds_once(next) ? most : too_many) = next;
-      // Nothing has failed yet: on by doubling. Otherwise halfway.
+      // Doubles until a number fails, then bisects.
       next = too_many > search.limit ? std::min(2 * most, search.limit) : most + (too_many - most) / 2;
     }
-    // Bad luck on a low number would have kept all higher ones from being tried.
+    // A chance failure at a low number would have excluded all higher ones.
     if (too_many > search.limit || ++doubts > kDoubtsMax || !holds_once(too_many)) return most;
     most = too_many;
     too_many = search.limit + 1;

@@ -22,11 +22,11 @@ constexpr Nanoseconds kPeriod = 1ms;
 constexpr Nanoseconds kTooLate = 1ms;
 // For answers to the last motions.
 constexpr Nanoseconds kAfter = 100ms;
-// Before a measurement: who spins in real time without ever sleeping is stopped by the system instead.
+// Pause before a measurement: the system would stop a real-time thread that never sleeps.
 constexpr Nanoseconds kRest = 100ms;
-// How often the server's machine may report that nobody listens before the measurement gives up.
+// Number of port unreachable (ICMP) reports after which the measurement gives up.
 constexpr std::uint64_t kRefusalsBorne = 10;
-// A server takes 50 in a second.
+// A server accepts 50 Hellos a second.
 constexpr Nanoseconds kHelloPause = 21ms;
 constexpr Nanoseconds kServerPatience = 5s;
 
@@ -37,7 +37,8 @@ void stay_on(int processor) {
   CPU_ZERO(&set);
   CPU_SET(static_cast<unsigned>(processor), &set);
   if (sched_setaffinity(0, sizeof set, &set) != 0) {
-    throw std::runtime_error("cannot stay on processor " + std::to_string(processor) + ": " + std::strerror(errno));
+    throw std::runtime_error("cannot be pinned to processor " + std::to_string(processor) + ": " +
+                             std::strerror(errno));
   }
 }
 
@@ -56,7 +57,7 @@ Load::Load(const LoadOptions& options)
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   if (options.processor) stay_on(*options.processor);
   if (options.priority && !time::ask_for_real_time(*options.priority).first_in_first_out) {
-    throw std::runtime_error("no right to real-time scheduling");
+    throw std::runtime_error("real-time scheduling is not permitted");
   }
   for (std::size_t i = 0; i < options.sockets; ++i) {
     lines_.emplace_back(server_);
@@ -84,7 +85,7 @@ LoadResult Load::run(std::size_t clients) {
     for (Nanoseconds time = now(); time < due(i); time = now()) wait(due(i));
     const auto first = static_cast<std::size_t>(i) % clients;
     const Nanoseconds time = now();
-    // Who is late sends all that is due at once, up to the end of those who share a socket.
+    // If late, sends all motions due at once, up to the last client of a socket.
     do {
       const auto client = static_cast<std::size_t>(i) % clients;
       if (client < first || &line_of(client) != &line_of(first)) break;
@@ -100,7 +101,7 @@ LoadResult Load::run(std::size_t clients) {
       ++i;
     } while (i < motions && due(i) <= time);
     result.unsent += send_burst(first);
-    // Answers are read in between also by whom the sending keeps busy, or the sockets would overflow.
+    // Answers are read between sends even under full load, or the sockets would overflow.
     receive();
   }
   for (const Nanoseconds end = now() + kAfter;
@@ -124,9 +125,10 @@ void Load::connect(std::size_t clients) {
     for (const Nanoseconds first = now(); !load_generator_.connected(client);) {
       if (!load_generator_.refusal().empty())
         throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
-      const bool nobody = line_of(client).link.counters().refused > kRefusalsBorne;
-      if (nobody || now() - first > kServerPatience) {
-        throw std::runtime_error("no answer from " + options_.server + (nobody ? ": nobody listens there" : ""));
+      const bool unreachable = line_of(client).link.counters().refused > kRefusalsBorne;
+      if (unreachable || now() - first > kServerPatience) {
+        throw std::runtime_error("no answer from " + options_.server +
+                                 (unreachable ? ": port unreachable (ICMP)" : ""));
       }
       send(load_generator_.hello(client, now()), client);
       rest(now() + kHelloPause);

@@ -15,14 +15,14 @@ struct LoadOptions {
   std::string server;  ///< HOST:PORT
   LoadGenerator::Settings load_generator{};
   Nanoseconds duration{};   ///< of one measurement
-  std::size_t sockets = 4;  ///< that the clients share
+  std::size_t sockets = 4;  ///< shared by the clients
   enum class Waiting {
     asleep,     ///< for the next motion's time and for answers
-    ping_pong,  ///< asleep for answers that are missing, otherwise spinning: as sockperf's ping-pong waits
+    ping_pong,  ///< asleep while answers are missing, otherwise spinning: as in sockperf's ping-pong
     spinning,
   };
   Waiting waiting = Waiting::asleep;
-  std::optional<int> processor;  ///< to stay on
+  std::optional<int> processor;  ///< to be pinned to
   std::optional<int> priority;   ///< SCHED_FIFO
 };
 
@@ -35,21 +35,21 @@ struct LoadResult {
   [[nodiscard]] std::uint64_t lost() const noexcept { return tally.sent - tally.answered; }
 };
 
-/// The clients of a Load generator on real sockets, each at 1 kHz, evenly spread over the millisecond. One thread.
+/// The clients of a LoadGenerator on real sockets, each at 1 kHz, evenly spread over the millisecond. One thread.
 class Load {
  public:
-  /// @throws std::runtime_error if there is no way to the server
+  /// @throws std::runtime_error if the server's address cannot be reached
   explicit Load(const LoadOptions& options);
   ~Load();
   Load(const Load&) = delete;
   Load& operator=(const Load&) = delete;
 
-  /// Measures once with so many clients; those missing connect before it begins, and stay connected.
-  /// @throws std::runtime_error if the server refuses or stays silent, with its words
+  /// Measures once with that number of clients; missing ones connect first and stay connected.
+  /// @throws std::runtime_error if the server refuses, with its reason, or does not answer
   LoadResult run(std::size_t clients);
 
  private:
-  /// What the clients share: a socket, and room to receive a batch.
+  /// Shared by several clients: a socket, and room to receive a batch.
   struct Line {
     explicit Line(const net::Address& server) : link(net::UdpLink::towards(server)), batch(link) {}
     net::UdpLink link;
@@ -60,7 +60,7 @@ class Load {
   void receive();
   void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void rest(Nanoseconds until);  ///< asleep, but for reading
-  void wait(Nanoseconds until);  ///< for anything to read, at most so long
+  void wait(Nanoseconds until);  ///< for anything to read, at most until then
   bool send(std::span<const std::byte> datagram, std::size_t client);
   std::uint64_t send_burst(std::size_t client);  ///< how many the system did not take
   [[nodiscard]] Line& line_of(std::size_t client) noexcept;

@@ -27,13 +27,13 @@ struct LoadCommandOptions {
   std::string json;
 };
 
-// Of all motions sent, this share is to be answered within that time. One that was never answered never was: where the
-// machine steals milliseconds, a server answers only the newest motion of each session, by design.
+// Share of all motions sent that must be answered within that time. Unanswered motions count as late: where the machine
+// loses milliseconds, a server answers only the newest motion of each session, by design.
 constexpr double kServedShare = 0.99;
 constexpr double kServiceMost_us = 1000;
 constexpr const char* kHolds = "99 % of all motions sent answered within 1 ms, and 98 % of those due sent in time";
 
-// Of all motions: the machine may have held this program up, which is no fault of who is loaded.
+// Share of all motions sent in time: otherwise this program was late, not the server.
 constexpr double kUnsentMost = 0.02;
 
 double in_us(double ns) { return 1e-3 * ns; }
@@ -81,7 +81,7 @@ LoadResult most(const LoadCommandOptions& options, Load& load) {
     if (held) best = result;
     return held;
   });
-  if (!best) throw std::runtime_error("not even one client is answered in time");
+  if (!best) throw std::runtime_error("not even one client gets its answers in time");
   std::cout << text::wrapped("most: " + text::counted(clients, "client") + " with " + kHolds, 2) << '\n';
   return *best;
 }
@@ -101,11 +101,11 @@ void add_load(CLI::App& app) {
   auto options = std::make_shared<LoadCommandOptions>();
   CLI::App* command =
       app.add_subcommand("load", "Many clients at 1 kHz each against a running server, over real sockets");
-  command->add_option("--sockets", options->load.sockets, "that they share")
+  command->add_option("--sockets", options->load.sockets, "number of sockets that the clients share")
       ->type_name("N")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--server", options->load.server, "what to load")->required()->type_name("HOST:PORT");
+  command->add_option("--server", options->load.server, "server to load")->required()->type_name("HOST:PORT");
   command->add_option("--clients", options->clients, "how many")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))
@@ -125,21 +125,20 @@ void add_load(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(1, 6))
       ->capture_default_str();
-  command
-      ->add_option("--scene", options->load.load_generator.scene, "scene to ask for; default: the one the server runs")
+  command->add_option("--scene", options->load.load_generator.scene, "scene to request; default: the server's")
       ->type_name("NAME");
   command->add_flag("--echo", options->load.load_generator.echo,
-                    "the other end is no server of ours: it only sends back what it gets");
+                    "the other end is a plain echo server: it only sends datagrams back");
   static const std::map<std::string, LoadOptions::Waiting> kWaiting{{"sleep", LoadOptions::Waiting::asleep},
                                                                     {"ping-pong", LoadOptions::Waiting::ping_pong},
                                                                     {"spin", LoadOptions::Waiting::spinning}};
   command
       ->add_option("--wait", options->load.waiting,
-                   "sleep; or spin, so that nothing is late because this program had to wake up; or ping-pong: spin "
+                   "sleep; or spin, so that no motion is late because this program had to wake up; or ping-pong: spin "
                    "until the next motion, sleep for its answer")
       ->transform(CLI::CheckedTransformer(kWaiting).description("sleep|ping-pong|spin"))
       ->default_str("sleep");
-  command->add_option("--cpu", options->load.processor, "processor to stay on")
+  command->add_option("--cpu", options->load.processor, "pin to this processor")
       ->type_name("N")
       ->check(CLI::Range(0, 1023));
   command->add_option("--priority", options->load.priority, "real-time scheduling, SCHED_FIFO")

@@ -95,7 +95,7 @@ void LoadGenerator::on_refusal(const wire::Refusal& refusal, Nanoseconds now) {
                                                                       : text::printable(refusal.text);
     return;
   }
-  // No refusal of anything: the next Hello says what this one tells. Zero would say that it is not known.
+  // Not a refusal: the next Hello carries the round trip measured here. Zero would mean unknown.
   VirtualClient* const virtual_client = virtual_client_of(refusal.client_nonce);
   const Nanoseconds round_trip = now - refusal.client_time;
   if (virtual_client != nullptr && round_trip >= Nanoseconds{0})

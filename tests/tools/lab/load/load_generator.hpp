@@ -13,25 +13,25 @@ namespace forcebound::lab {
 
 using time::Nanoseconds;
 
-/// Many clients that want forces at the same time: what each says, and what all of them together were answered. Their
-/// hands go round in circles; they bound and apply nothing.
+/// Many clients at the same time: the datagrams of each, and the answers to all of them. Their hands move in circles;
+/// they bound and apply no forces.
 ///
 /// Time and bytes are arguments; not thread-safe. After the handshakes nothing allocates.
 class LoadGenerator {
  public:
   struct Settings {
     std::uint32_t degrees_of_freedom = 3;
-    std::string scene{};          ///< wanted; empty: what the server runs
+    std::string scene{};          ///< requested; empty: the server's default
     double radius_m = 0.02;       ///< of the circles
     std::uint64_t first_nonce{};  ///< of the first client, the others count on
-    bool echo = false;            ///< the other end only sends back what it gets: no handshake, motions come back
+    bool echo = false;            ///< the other end only sends datagrams back: no handshake, motions come back
   };
 
-  /// What came of one measurement; service is from the motion's sending to the answer's arrival.
+  /// Results of one measurement; service time is from the motion's sending to the answer's arrival.
   struct Tally {
     std::uint64_t sent = 0;
     std::uint64_t answered = 0;
-    std::uint64_t foreign = 0;       ///< datagrams that answer no motion of this measurement
+    std::uint64_t foreign = 0;       ///< datagrams that do not answer a motion of this measurement
     record::Histogram arrived_ns{};  ///< until the answer reached this machine's socket
     record::Histogram read_ns{};     ///< until the program had it
 
@@ -42,7 +42,7 @@ class LoadGenerator {
 
   explicit LoadGenerator(Settings settings) : settings_(std::move(settings)) {}
 
-  /// The load generator has so many members from now on; it never gets smaller.
+  /// Sets the number of virtual clients; it never shrinks.
   void grow(std::size_t clients);
   [[nodiscard]] std::size_t size() const noexcept { return virtual_clients_.size(); }
 
@@ -53,7 +53,7 @@ class LoadGenerator {
   [[nodiscard]] std::span<const std::byte> motion(std::size_t client, Nanoseconds now) noexcept;
   [[nodiscard]] std::span<const std::byte> bye(std::size_t client) noexcept;
 
-  /// Forgets what was counted; answers to motions before `now` count as foreign.
+  /// Resets the counts; answers to motions before `now` count as foreign.
   void begin(Nanoseconds now);
 
   /// @param arrival when the datagram reached this machine's socket, `now` when it was read
@@ -61,7 +61,7 @@ class LoadGenerator {
 
   [[nodiscard]] const Tally& tally() const noexcept { return tally_; }
 
-  /// Why the server let somebody not in, in its words; empty if it did not.
+  /// The server's reason for refusing a client; empty if it refused none.
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
 
  private:
@@ -72,7 +72,7 @@ class LoadGenerator {
     Nanoseconds round_trip{0};  ///< 0: not measured
   };
 
-  /// Null: none of ours.
+  /// Null: not one of our sessions.
   VirtualClient* virtual_client_of(std::uint64_t nonce) noexcept;
   void on_refusal(const wire::Refusal& refusal, Nanoseconds now);
 

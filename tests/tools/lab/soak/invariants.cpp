@@ -9,12 +9,12 @@
 namespace forcebound::lab {
 namespace {
 
-// What rounding may do over a run.
+// Rounding error of energies over a run.
 constexpr double kEnergyTolerance_J = 1e-9;
 constexpr double kForceRounding = 1e-12;
 constexpr double kDirectionRounding = 1e-9;
 
-/// Bursts are counted in datagrams: the few of a handshake may drown in one for long.
+/// Bursts are counted in datagrams: the few of a handshake may all be lost in one for long.
 bool loses_in_bursts(const sim::SimulatedNetworkSettings& network) {
   const auto in_bursts = [](const netem::Loss& loss) {
     return std::holds_alternative<netem::GilbertElliottLoss>(loss);
@@ -54,7 +54,7 @@ void Invariants::check_force(const record::TickRecord& tick) {
   const control::DeviceFacts& facts = case_.settings.device.facts;
   const double size = tick.applied.norm();
   if (size > facts.force_N_max * (1 + kForceRounding)) {
-    fail(tick, "force of ", size, " N, the device may be asked for ", facts.force_N_max, " N");
+    fail(tick, "force of ", size, " N, above the device's largest of ", facts.force_N_max, " N");
   }
   if (!case_.shortens || size == 0 || !tick.request.allFinite() || !facts.actuator_step.isZero(0)) return;
   const double asked = tick.request.norm();
@@ -62,7 +62,7 @@ void Invariants::check_force(const record::TickRecord& tick) {
   if (size > asked * (1 + kForceRounding) || tick.applied.dot(tick.request) < 0 ||
       aside.norm() > kDirectionRounding * size) {
     fail(tick, "force [", tick.applied.transpose(), "] N is not the request [", tick.request.transpose(),
-         "] N made shorter");
+         "] N shortened");
   }
 }
 
@@ -72,7 +72,7 @@ void Invariants::check_energy(const record::TickRecord& tick) {
     fail(tick, "P fell to ", tick.audit_minimum_J, " J");
   }
   if (case_.passive && tick.energy_J > tick.audit_J + kEnergyTolerance_J) {
-    fail(tick, "the ledger believes in ", tick.energy_J, " J, the device dissipated ", tick.audit_J, " J");
+    fail(tick, "the ledger has ", tick.energy_J, " J, the device dissipated ", tick.audit_J, " J");
   }
   if (!ledger_) return;
   const auto expected_J = static_cast<double>(ledger_->energy_J(tick));
@@ -95,7 +95,7 @@ void Invariants::finish(const record::RunTotals& totals, bool active, const serv
   if (fates.sent != fates.answered + fates.overtaken + fates.lost_up + fates.lost_down + fates.in_flight) {
     fail(end, "the motions do not add up: ", record::words_of(fates));
   }
-  if (totals.reconnects > 0 || !active) return;  // what was under way to a dead server, nobody can tell
+  if (totals.reconnects > 0 || !active) return;  // datagrams in flight to a dead server are not counted
   if (totals.sent != server.motions_received + totals.lost_up) {
     fail(end, totals.sent, " motions sent, but ", server.motions_received, " received by the server and ",
          totals.lost_up, " counted as lost");

@@ -11,13 +11,13 @@ namespace forcebound::lab {
 
 class LedgerInLongDouble;
 
-/// Watches every tick of a run for what must never happen, and keeps the first thing that did.
+/// Checks the invariants on every tick of a run, and keeps the first violation.
 ///
 ///     everything finite;  |f| <= f_max
-///     f along the request and not longer, for a law that promises it, where motors do not round
-///     P(t) >= -1e-9 J, for a law that promises it for this device and this clock
-///     what such a law may spend is never more than P(t): the ledger believes in nothing that physics did not do
-///     the ledger equals its recomputation in long double, where the record tells all that it needs
+///     f along the request and not longer, for a law that guarantees it, where motors do not round
+///     P(t) >= -1e-9 J, for a law that guarantees it for this device and this clock
+///     the energy that such a law may spend never exceeds P(t)
+///     the ledger equals its recomputation in long double, where the record has all that it needs
 class Invariants final : public record::TickSink {
  public:
   explicit Invariants(const SoakCase& drawn);
@@ -28,11 +28,11 @@ class Invariants final : public record::TickSink {
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord&) noexcept override { ++forces_; }
 
-  /// At the end: the client's counts add up with what was seen tick by tick and with the server's, and the session came
-  /// back after the last fault.
+  /// At the end: the client's counts agree with the ticks and with the server's, and the session came back after the
+  /// last fault.
   void finish(const record::RunTotals& totals, bool active, const server::ServerCounters& server);
 
-  /// Empty while all is well.
+  /// Empty: no violation.
   [[nodiscard]] const std::string& broken() const noexcept { return broken_; }
 
   [[nodiscard]] double worst_P_J() const noexcept { return worst_P_J_; }

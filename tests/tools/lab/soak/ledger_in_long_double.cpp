@@ -13,7 +13,7 @@ using test::ForcePiece;
 using time::Nanoseconds;
 using Real = long double;
 
-/// By when the session says that a force it is about to choose will have been commanded.
+/// The time by which the session expects a force being chosen to be commanded.
 constexpr Nanoseconds kChoosing = std::chrono::microseconds(20);
 constexpr Real kShortestPeriods = 0.1L;
 
@@ -58,7 +58,7 @@ Matrix LedgerInLongDouble::jacobian(const Vector& joint) const {
   return arm_ ? arm_->jacobian(joint) : Matrix::Identity(joint.rows(), joint.rows());
 }
 
-/// What was or will be in effect from one time to another, zero where the device has let go.
+/// The forces in effect from one time to another, zero where the device has released them.
 LedgerInLongDouble::Pieces LedgerInLongDouble::pieces(Nanoseconds begin, Nanoseconds end) const {
   Pieces result(static_cast<std::size_t>(device_.facts.damping.rows()));
   const auto add = [&](const Command* command, Nanoseconds from, Nanoseconds to) {
@@ -101,7 +101,7 @@ void LedgerInLongDouble::credit_exactly(const record::TickRecord& tick) {
   while (commands_.size() > 1 && commands_[1].effect <= tick.time) commands_.pop_front();
 }
 
-/// The joints are the task's axes here: an arm's damping changes, and the record does not tell how.
+/// The joints are the task's axes here: an arm's damping changes, and the record does not contain it.
 void LedgerInLongDouble::credit_as_published(const record::TickRecord& tick) {
   const Vector& force = before_->applied;
   const Matrix& damping = device_.facts.damping;

@@ -12,11 +12,11 @@
 
 namespace forcebound::lab {
 
-/// What a law may spend, once more, in long double and from what a run wrote down alone. Shares no code with the laws.
+/// Recomputes the energy that a law may spend, in long double, from a run's record alone. Shares no code with the laws.
 class LedgerInLongDouble {
  public:
-  /// None where the record does not tell enough: fba-more; encoder steps, a coupled damping matrix or an unknown time
-  /// of choosing for fba-exact; an arm for the others.
+  /// None where the record does not suffice: fba-more; encoder steps, a coupled damping matrix or an unknown time of
+  /// choosing for fba-exact; an arm for the others.
   [[nodiscard]] static std::unique_ptr<LedgerInLongDouble> make(const sim::ClosedLoop::Settings& settings);
 
   /// After this tick's motion [J]. To be called for each tick in turn.

@@ -13,7 +13,7 @@
 namespace forcebound::lab {
 namespace {
 
-/// Counts late ticks, and makes a number of all that happened (FNV-1a).
+/// Counts late ticks, and hashes all ticks (FNV-1a).
 class Witness final : public record::TickSink {
  public:
   explicit Witness(time::Nanoseconds period) : limit_(period + record::kLateBy) {}
@@ -45,7 +45,7 @@ class Witness final : public record::TickSink {
 
 std::string law_of(std::uint64_t seed) {
   const std::vector<std::string> laws = baselines::shipped_laws().names();
-  // Another stream than the case's own, so that all of that is drawn for each law.
+  // Another stream than the case's own, so that the case does not depend on the law.
   return laws[sim::Draw(~seed).index(laws.size())];
 }
 

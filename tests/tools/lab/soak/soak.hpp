@@ -5,11 +5,11 @@
 
 namespace forcebound::lab {
 
-/// What one seed came to.
+/// Result of one seed.
 struct SoakResult {
   std::string broken;  ///< empty: every invariant held on every tick
   std::string environment;
-  bool passive = false;  ///< the law promised P >= 0
+  bool passive = false;  ///< the law guaranteed P >= 0
   double worst_P_J = 0;
   std::uint64_t digest = 0;  ///< of every force and position: equal runs have equal ones
   double virtual_s = 0;
@@ -22,11 +22,11 @@ struct SoakResult {
   std::uint64_t lost = 0;  ///< datagrams, either way
 };
 
-/// One of all laws.
+/// A law drawn from all.
 [[nodiscard]] std::string law_of(std::uint64_t seed);
 
-/// Draws a run from the seed, runs it with this law, and checks on every tick what must hold for all, and what this law
-/// promises.
+/// Draws a run from the seed, runs it with this law, and checks on every tick what must hold for all laws and what this
+/// law guarantees.
 [[nodiscard]] SoakResult soak(std::uint64_t seed, const std::string& law);
 
 }  // namespace forcebound::lab

@@ -18,7 +18,7 @@ using sim::Draw;
 using time::Nanoseconds;
 
 constexpr Nanoseconds kDuration = 5s;
-/// Without faults at the end, so that a session has the time to come back.
+/// Time without faults at the end, so that a session can come back.
 constexpr Nanoseconds kQuiet = 2500ms;
 
 device::DeviceDescription draw_device(Draw& draw) {
@@ -103,7 +103,7 @@ std::shared_ptr<const scene::Scene> draw_scene(Draw& draw) {
   return server::parse_scene(toml.str(), "soak");
 }
 
-/// What a client on such a device was told by an environment that pumps it.
+/// The forces received by a client on such a device from an active environment.
 std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings, std::uint64_t seed) {
   class Forces final : public record::TickSink {
    public:
@@ -120,7 +120,7 @@ std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings
   return sink.forces;
 }
 
-/// What the proofs of the published laws ask for: readings as they are, punctual ticks, forces at once.
+/// The assumptions of the published laws' proofs: exact readings, punctual ticks, immediate forces.
 void make_ideal(ClosedLoop::Settings& settings) {
   settings.device.facts.encoder_step.setZero();
   settings.device.facts.latency_s = 0;
@@ -128,10 +128,10 @@ void make_ideal(ClosedLoop::Settings& settings) {
   std::erase_if(settings.faults, [](const auto& fault) { return fault.kind == ClosedLoop::Fault::Kind::stall; });
 }
 
-/// What the law promises of this case, which may be made one for which it promises something.
+/// Notes the law's guarantees for this case; may first make the device ideal, so that there are some.
 void note_promises(SoakCase& drawn, const control::LawDescription& law, Draw draw) {
   using control::LawClaim;
-  // An arm holds torques while the tip moves on, which is no force held in the task's space.
+  // An arm holds torques while its tip moves, so that the task-space force is not held.
   const bool straight = !drawn.settings.device.arm.has_value();
   const bool ideal = law.claim == LawClaim::passive_if_ideal && straight && draw.chance(0.5);
   if (ideal) make_ideal(drawn.settings);
@@ -144,11 +144,11 @@ std::string name_of(ClosedLoop::Fault::Kind kind) {
     case ClosedLoop::Fault::Kind::stall:
       return "client stalls";
     case ClosedLoop::Fault::Kind::blackout_up:
-      return "nothing goes up";
+      return "blackout up";
     case ClosedLoop::Fault::Kind::blackout_down:
-      return "nothing comes down";
+      return "blackout down";
     case ClosedLoop::Fault::Kind::blackout:
-      return "nothing goes either way";
+      return "blackout both ways";
     case ClosedLoop::Fault::Kind::server_killed:
       return "server killed";
   }

@@ -18,7 +18,7 @@ class LateForceLogTest : public ::testing::Test {
   LateForceLog log;
 };
 
-TEST_F(LateForceLogTest, TellsAWholeBlackoutAtOnce) {
+TEST_F(LateForceLogTest, LogsTheChangesOfOneBlackoutAtOnce) {
   EXPECT_TRUE(change(Kind::force_fading, 10s));
   EXPECT_TRUE(change(Kind::force_dropped, 10750ms));
   const auto line = change(Kind::force_fresh, 10800ms);

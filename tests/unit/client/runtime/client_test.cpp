@@ -19,7 +19,7 @@ Client client_of(const Client::Settings& settings, device::HapticDevice& device)
   return Client(settings, device, control::force_bounding_laws().make("fba-exact", device.facts()));
 }
 
-TEST(Client, EndsWithZeroForceThoughNobodyServes) {
+TEST(Client, EndsWithZeroForceWithoutAServer) {
   test::FakeDevice device(1);
   device.applied = control::Vector::Constant(1, 5);
   Client client = client_of(nobody(), device);

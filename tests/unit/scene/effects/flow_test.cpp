@@ -16,21 +16,21 @@ std::unique_ptr<Effect> flow(double damping_N_s_per_m, double drag_N_s2_per_m2) 
                              {"drag_N_s2_per_m2", drag_N_s2_per_m2}});
 }
 
-TEST(Flow, DragsWhatIsAtRest) {
+TEST(Flow, DragsADeviceAtRest) {
   EXPECT_LT((test::force_N(*flow(2, 0), {}) - Point(0.6, 0, -0.8)).norm(), 1e-15);
   EXPECT_LT((test::force_N(*flow(0, 4), {}) - Point(0.6, 0, -0.8)).norm(), 1e-15);
   EXPECT_LT((test::force_N(*flow(2, 4), {}) - Point(1.2, 0, -1.6)).norm(), 1e-15);
 }
 
-TEST(Flow, LetsThatSwimWhichMovesWithIt) {
+TEST(Flow, ExertsNoForceOnADeviceThatMovesWithIt) {
   EXPECT_EQ(test::force_N(*flow(2, 4), {.velocity_m_per_s = kStream}), Point(0, 0, 0));
 }
 
-TEST(Flow, SlowsDownWhatIsFasterThanTheStream) {
+TEST(Flow, SlowsDownADeviceFasterThanTheFlow) {
   EXPECT_LT((test::force_N(*flow(2, 4), {.velocity_m_per_s = 2 * kStream}) - Point(-1.2, 0, 1.6)).norm(), 1e-15);
 }
 
-TEST(Flow, TakesEnergyOnlyAsSeenFromTheStream) {
+TEST(Flow, DissipatesInTheFrameOfTheFluid) {
   const auto effect = flow(2, 4);
   ASSERT_TRUE(rc::check([&] {
     const Point velocity = test::draw_point(10);

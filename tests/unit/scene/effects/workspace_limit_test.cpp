@@ -31,7 +31,7 @@ const Room kBall{.radius_m = 0.04};
 const Room kBlock{.size_m = {0.06, 0.04, 0.02}};
 const Room kBoth{.radius_m = 0.03, .size_m = {0.1, 0.04, kInfinity}};
 
-TEST(WorkspaceLimit, LeavesItsRoomAlone) {
+TEST(WorkspaceLimit, HasNoForceInsideTheRegion) {
   for (const Room& room : {kBall, kBlock, kBoth}) {
     EXPECT_EQ(test::force_N(*limit(room), {.position_m = {0.1, 0, 0}}), Point(0, 0, 0));
     EXPECT_EQ(test::force_N(*limit(room), {.position_m = {0.12, 0.01, -0.005}}), Point(0, 0, 0));
@@ -49,13 +49,13 @@ TEST(WorkspaceLimit, PushesBackIntoABlockFromItsFacesEdgesAndCorners) {
   EXPECT_LT((test::force_N(*effect, {.position_m = {0.06, -0.03, 0.02}}) - Point(5, 5, -5)).norm(), 1e-12);
 }
 
-TEST(WorkspaceLimit, OfTwoIsWhatTheyHaveInCommon) {
+TEST(WorkspaceLimit, OfTwoShapesIsTheirIntersection) {
   const auto effect = limit(kBoth);
   EXPECT_LT((test::force_N(*effect, {.position_m = {0.14, 0, 0}}) - Point(-5, 0, 0)).norm(), 1e-12) << "the ball";
   EXPECT_LT((test::force_N(*effect, {.position_m = {0.1, 0.025, 0}}) - Point(0, -2.5, 0)).norm(), 1e-12) << "the block";
 }
 
-TEST(WorkspaceLimit, ResistsLeavingAndNeverHoldsBackWhoReturns) {
+TEST(WorkspaceLimit, ResistsLeavingAndNeverResistsReturning) {
   const auto effect = limit({.radius_m = 0.04, .damping_N_s_per_m = 10});
   const Point outside(0.15, 0, 0);
   EXPECT_LT((test::force_N(*effect, {.position_m = outside, .velocity_m_per_s = {0.2, 1, 0}}) - Point(-7, 0, 0)).norm(),
@@ -82,7 +82,7 @@ TEST(WorkspaceLimit, PushesInwardsFromEverywhere) {
   }));
 }
 
-TEST(WorkspaceLimit, RefusesARoomWithoutWallsOrOfNegativeSize) {
+TEST(WorkspaceLimit, RefusesARegionWithoutLimitsOrOfNegativeSize) {
   EXPECT_THROW(limit({}), std::invalid_argument);
   EXPECT_THROW(limit({.size_m = {0.1, -0.1, 0.1}}), std::invalid_argument);
 }

@@ -62,7 +62,7 @@ TEST(Bounds, OfAReliefAreThoseOfItsHeights) {
   EXPECT_LT((bounds_m.max() - Point(0.14, 0.22, 0.31)).norm(), 1e-15);
 }
 
-TEST(Bounds, OfWhatHasNoEndAreNotKnown) {
+TEST(Bounds, OfAnInfiniteShapeAreUnknown) {
   EXPECT_TRUE(make_half_space({0, 0, 0}, {0, 0, 1})->facts().bounds_m.isEmpty());
 }
 

@@ -73,7 +73,7 @@ void expect_what_embree_finds(const std::shared_ptr<const TriangleMesh>& mesh, i
   EXPECT_GT(hits, questions / 20) << "hardly any segment met the mesh: nothing was compared";
 }
 
-TEST(Bvh, FindsWhatEmbreeFindsOnAMeshOfTheWorld) {
+TEST(Bvh, FindsWhatEmbreeFindsOnARealMesh) {
   const auto path = test::recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
   expect_what_embree_finds(std::make_shared<const TriangleMesh>(load_mesh(path->string())), 20000);
@@ -86,7 +86,7 @@ TEST(Bvh, FindsWhatEmbreeFindsOnMadeMeshes) {
   expect_what_embree_finds(shared(test::block({1, 1, 1e-4})), 10000);
 }
 
-TEST(Bvh, FindsWhatAskingEachTriangleFinds) {
+TEST(Bvh, AgreesWithASearchOverAllTriangles) {
   const auto mesh = shared(test::ball(1, 16).moved(test::askew()));
   const Bvh bvh(mesh);
   RandomPoints points(*mesh);

@@ -351,7 +351,7 @@ TEST(GodObject, TurnsRoundTheRimOfAnOpenMesh) {
   EXPECT_EQ(follower.to({0.5, 0, 0.1}).penetration_m, 0) << "from behind it is not there";
 }
 
-TEST(GodObject, RefusesGoalsThatAreNoneAndGoesOn) {
+TEST(GodObject, IgnoresGoalsThatAreNotFinite) {
   Follower follower(test::ball(1, 20));
   (void)follower.to({0, 0, 2});
   const SurfacePoint before = follower.to({0, 0, 0.9});

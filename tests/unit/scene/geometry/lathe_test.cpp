@@ -38,7 +38,7 @@ std::string error_of(const std::vector<LathePoint>& profile, int segments) {
   return "no error";
 }
 
-TEST(Lathe, RefusesWhatIsNoProfile) {
+TEST(Lathe, RefusesInvalidProfiles) {
   EXPECT_EQ(error_of({{0, 0}, {1, 0}}, 10), "pot: a profile has at least 3 points, got 2");
   EXPECT_EQ(error_of({{0, 0}, {1, 0}, {0, 1}}, 2), "pot: segments must be 3 to 4096, got 2");
   EXPECT_EQ(error_of({{0, 0}, {-1, 0}, {0, 1}}, 10), "pot: a radius of the profile must be >= 0");

@@ -143,7 +143,7 @@ TEST_F(MeshFile, RefusesWhatItCannotOpenOrDoesNotKnow) {
               ThrowsMessage<GeometryError>(path_of("a.ply") + ": a mesh is an .obj, .off or .stl file"));
 }
 
-TEST_F(MeshFile, ReadsAMeshOfTheWorld) {
+TEST_F(MeshFile, ReadsARealMesh) {
   const auto path = test::recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
   const auto mesh = load_mesh(path->string());

@@ -63,7 +63,7 @@ TEST(MeshShape, KnowsTheDistanceWithinItsReach) {
   EXPECT_EQ(client.at({0.2, 0.3, 1}).penetration_m, 0);
 }
 
-TEST(MeshShape, RefusesAReachThatIsNone) {
+TEST(MeshShape, RefusesAnInvalidReach) {
   const auto mesh = shared(test::block({1, 1, 1}));
   for (const double reach_m :
        {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {

@@ -99,7 +99,7 @@ TEST(TriangleMesh, CountsEdgesThatNoSurfaceHas) {
   EXPECT_EQ(disagreeing.mesh().neighbours()[0][0], TriangleMesh::kNone);
 }
 
-TEST(TriangleMesh, RefusesWhatIsNoMesh) {
+TEST(TriangleMesh, RefusesInvalidMeshes) {
   const auto refused = [](const Soup& soup, const MeshPlacement& placement = {}) {
     return [=] { (void)soup.mesh("it.obj", placement); };
   };

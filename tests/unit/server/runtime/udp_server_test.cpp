@@ -53,7 +53,7 @@ class Asker {
 };
 
 //   asker ==( UDP of this machine )== UdpServer, on a thread of its own -- an environment of one's own
-TEST(UdpServer, AnswersByUdpUntilItIsAskedToStopAndThenSaysGoodbye) {
+TEST(UdpServer, AnswersByUdpUntilStoppedAndThenEndsItsSessions) {
   UdpServer server(listen({"127.0.0.1", 0}), {.scene = "push"}, pushing());
   Asker asker(server.address());
   std::jthread thread([&](const std::stop_token& stop) { server.run(stop); });

@@ -224,19 +224,19 @@ TEST_F(ServerEnvironment, ThatCannotBeMadeIsRefusedWithTheReasonAndMayBeAskedFor
   serve(std::move(kind));
   arrive(hello());
   EXPECT_EQ(only_answer<wire::Refusal>().text,
-            "scene 'script' cannot be had at the moment: the robot is not plugged in");
+            "scene 'script' is not available at the moment: the robot is not plugged in");
   EXPECT_EQ(server->sessions(), 0U);
   plugged_in = true;
   EXPECT_NE(join(), 0U);
   EXPECT_THAT(diary.lines,
-              ElementsAre("refused scene 'script' cannot be had at the moment: the robot is not plugged in",
+              ElementsAre("refused scene 'script' is not available at the moment: the robot is not plugged in",
                           "opened wall-1dof in script"));
 }
 
 TEST_F(ServerEnvironment, MadeOfNothingIsRefused) {
   serve({.name = "nothing", .make = [](const ClientFacts&) { return MadeEnvironment{}; }});
   arrive(hello());
-  EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'nothing' cannot be had at the moment: none was made");
+  EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'nothing' is not available at the moment: none was made");
 }
 
 TEST_F(ServerEnvironment, IsNamedAmongTheKnownBesideTheScenes) {

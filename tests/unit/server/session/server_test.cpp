@@ -63,7 +63,7 @@ TEST_F(ServerTest, SaysWhyASceneCannotBeHad) {
   arrive(question);
   EXPECT_TRUE(answers().empty());
   arrive(question);
-  EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'free' cannot be had at the moment: no memory");
+  EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'free' is not available at the moment: no memory");
 }
 
 TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheRoundTripThatAClientMeasuresWithItsHelp) {

@@ -30,7 +30,7 @@ TEST(Sockperf, ThatMeasuredNothingIsRefused) {
               ThrowsMessage<std::runtime_error>(HasSubstr("percentile 50.000")));
 }
 
-TEST(Cyclictest, IsReadInItsOrderWithoutWhatElseItSays) {
+TEST(Cyclictest, IsReadInOrderWithoutOtherOutput) {
   const auto latencies = read_cyclictest_us(
       "Max CPUs = 2\n# /dev/cpu_dma_latency set to 0us\nThread 0 Interval: 1000\n"
       "       0:       0:   43011\n       0:       1:    2500\n       1:       0:    9\n       0:       2:   10000\n");
@@ -67,7 +67,7 @@ TEST(Benchmarks, AreTheMediansOfRepetitionsAndOtherwiseTheRun) {
   EXPECT_THROW(static_cast<void>(read_benchmarks("")), std::runtime_error);
 }
 
-TEST(Benchmarks, AreReadBesideWordsThatJsonHasNot) {
+TEST(Benchmarks, AreReadInSpiteOfBareNaN) {
   const Benchmarks all = read_benchmarks(R"({"benchmarks": [
     {"name": "\"NaN\"", "run_type": "iteration", "cpu_time": 5, "time_unit": "ns"},
     {"name": "a_cv", "run_name": "a", "run_type": "aggregate", "aggregate_name": "cv", "cpu_time": NaN,

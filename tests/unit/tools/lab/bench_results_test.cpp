@@ -30,7 +30,7 @@ BenchResults sample() {
   return results;
 }
 
-TEST(BenchRow, IsFineUpToItsBoundOnTheRightSide) {
+TEST(BenchRow, PassesUpToItsBound) {
   const BenchResults results = sample();
   EXPECT_TRUE(results.rows[0].fine());
   EXPECT_FALSE(results.rows[1].fine());
@@ -40,7 +40,7 @@ TEST(BenchRow, IsFineUpToItsBoundOnTheRightSide) {
   EXPECT_TRUE(results.rows[4].fine());
 }
 
-TEST(BenchRow, HasNoResultThatIsNoNumber) {
+TEST(BenchRow, RefusesAResultThatIsNotFinite) {
   EXPECT_THROW(static_cast<void>(ratio_row("x", "us", 1, "y", 0)), std::runtime_error);
   EXPECT_THROW(static_cast<void>(ratio_row("x", "us", NAN, "y", 1)), std::runtime_error);
 }
@@ -117,7 +117,7 @@ TEST(Page, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
          "--readme";
 }
 
-TEST(Page, WouldBeCaughtQuotingAnotherNumber) {
+TEST(Page, WithAnotherNumberFailsTheCheck) {
   BenchResults other = sample();
   other.rows[0].ours = "31";
   EXPECT_THAT(to_markdown(sample()), Not(testing::StrEq(to_markdown(other))));

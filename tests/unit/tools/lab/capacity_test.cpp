@@ -24,7 +24,7 @@ TEST(MostThatHold, IsExactWithoutAResolution) {
   }
 }
 
-TEST(MostThatHold, AsksNeverForMoreThanTheLimit) {
+TEST(MostThatHold, NeverTriesMoreThanTheLimit) {
   std::size_t asked_most = 0;
   const auto holds = [&](std::size_t clients) {
     asked_most = std::max(asked_most, clients);
@@ -34,7 +34,7 @@ TEST(MostThatHold, AsksNeverForMoreThanTheLimit) {
   EXPECT_EQ(asked_most, 100U);
 }
 
-TEST(MostThatHold, IsHardlyLessWhereEveryThirdTrialIsSpoilt) {
+TEST(MostThatHold, IsNearlyAsHighWithOneFailureInThree) {
   std::mt19937 random(7);
   for (int run = 0; run < 20; ++run) {
     const std::size_t found = most_that_hold({.resolution = 0.02, .attempts = 5},
@@ -44,7 +44,7 @@ TEST(MostThatHold, IsHardlyLessWhereEveryThirdTrialIsSpoilt) {
   }
 }
 
-TEST(MostThatHold, TriesWhoFailsAgainAndWhoHoldsOnce) {
+TEST(MostThatHold, TriesFailedNumbersAgainAndOthersOnce) {
   int trials = 0;
   const auto never = [&](std::size_t) {
     ++trials;

@@ -51,21 +51,21 @@ TEST_F(InvariantsTest, FindWhateverIsNotFinite) {
 TEST_F(InvariantsTest, FindAForceBeyondTheDeviceOrTheRequest) {
   const double most = case_.settings.device.facts.force_N_max;
   EXPECT_THAT(broken_by([&](auto& tick) { tick.applied[0] = tick.request[0] = 1.01 * most; }),
-              HasSubstr("may be asked"));
-  EXPECT_THAT(broken_by([](auto& tick) { tick.applied[0] = 0.6; }), HasSubstr("made shorter"));
-  EXPECT_THAT(broken_by([](auto& tick) { tick.applied[0] = -0.1; }), HasSubstr("made shorter"));
+              HasSubstr("above the device's largest"));
+  EXPECT_THAT(broken_by([](auto& tick) { tick.applied[0] = 0.6; }), HasSubstr("shortened"));
+  EXPECT_THAT(broken_by([](auto& tick) { tick.applied[0] = -0.1; }), HasSubstr("shortened"));
   EXPECT_EQ(broken_by([](auto& tick) { tick.applied[0] = 0.4; }), "");
 }
 
-TEST_F(InvariantsTest, FindReturnedEnergyWhereNoneWasPromised) {
+TEST_F(InvariantsTest, FindReturnedEnergyOfALawThatGuaranteesPassivity) {
   const auto leak = [](auto& tick) { tick.audit_minimum_J = -1e-3; };
   EXPECT_THAT(broken_by(leak), HasSubstr("P fell to -0.001"));
-  EXPECT_EQ(broken_by(leak, false), "") << "a law that promises nothing";
+  EXPECT_EQ(broken_by(leak, false), "") << "a law without guarantees";
 }
 
-TEST_F(InvariantsTest, FindALedgerThatBelievesInMoreThanThereIs) {
+TEST_F(InvariantsTest, FindALedgerAboveTheAudit) {
   const auto invented = [](auto& tick) { tick.energy_J = 1e-3; };
-  EXPECT_THAT(broken_by(invented), HasSubstr("the ledger believes in"));
+  EXPECT_THAT(broken_by(invented), HasSubstr("the ledger has"));
   EXPECT_THAT(broken_by(invented, false), HasSubstr("its recomputation 0 J"));
 }
 

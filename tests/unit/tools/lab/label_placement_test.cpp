@@ -9,7 +9,7 @@ namespace {
 
 constexpr Box kArea{0, 0, 1200, 270};
 
-TEST(PlaceNames, PutsALonelyNameBesideItsPoint) {
+TEST(PlaceNames, PutsASingleNameBesideItsPoint) {
   const auto placed = place_names({{100, 100, "fba-exact"}}, kArea);
   ASSERT_EQ(placed.size(), 1U);
   EXPECT_GT(placed[0].box.left, 100);
@@ -17,7 +17,7 @@ TEST(PlaceNames, PutsALonelyNameBesideItsPoint) {
   EXPECT_FALSE(placed[0].joined);
 }
 
-TEST(PlaceNames, LetsNoNameCoverAnotherNorAPoint) {
+TEST(PlaceNames, LetsNoNameCoverAnotherOrAPoint) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> aside(-25, 25);
   for (int round = 0; round < 50; ++round) {

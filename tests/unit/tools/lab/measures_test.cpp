@@ -45,7 +45,7 @@ TEST(RingingMeter, FindsWhenADecayingOscillationIsCalm) {
   EXPECT_NEAR(*meter.ringing_s(), 0.208, 0.02);
 }
 
-TEST(RingingMeter, WhatNeverStopsRingsToTheEnd) {
+TEST(RingingMeter, AnOscillationThatNeverStopsRingsToTheEnd) {
   RingingMeter meter;
   for (int ms = 0; ms < 1000; ++ms) feed(meter, ms, ms % 2 == 0 ? 0 : 10);
   EXPECT_NEAR(*meter.ringing_s(), 0.999, 1e-9);

@@ -346,7 +346,7 @@ TEST(Replay, RefusesTimeThatRunsBackwards) {
   EXPECT_EQ(refusal(wall_options(), rows), "rows.csv:4: time_s runs backwards: 0.25 after 0.5; it must stay or grow");
 }
 
-TEST(Replay, RefusesOptionsThatMakeNoSense) {
+TEST(Replay, RefusesInvalidOptions) {
   const std::string rows = "time_s,x0_m,x1_m,fe0_N,fe1_N\n";
   const auto with = [&](const auto& change) {
     ReplayOptions options = wall_options();

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing_support::Way;
 
-TEST(ImpairmentOrder, ABlackholeSwallowsWithoutADraw) {
+TEST(ImpairmentOrder, ABlackholeDropsWithoutADraw) {
   const NetemParameters netem = parse_netem("loss 50%");
   Way whole({.netem = netem, .seed = 3, .origin = 1s});
   Way holed({.netem = netem, .blackholes = {{10ms, 20ms}, {30ms, 31ms}}, .seed = 3, .origin = 1s});
@@ -40,7 +40,7 @@ TEST(ImpairmentOrder, DuplicateSendsTheCopyFirst) {
   EXPECT_EQ(way.counters().duplicated, 1U);
 }
 
-TEST(ImpairmentOrder, DuplicatesTheShareItIsTold) {
+TEST(ImpairmentOrder, DuplicatesTheGivenShare) {
   Impairment impairment({.netem = parse_netem("duplicate 2%")});
   for (int i = 0; i < 1'000'000; ++i) {
     impairment.push(i * 1us, {});
@@ -114,7 +114,7 @@ TEST(ImpairmentOrder, FullQueueDropsWhatComes) {
   EXPECT_THAT(way.numbers(), ElementsAre(1, 2, 3, 7));
 }
 
-TEST(ImpairmentOrder, QueueHoldsAThousandPacketsIfNobodySaysOtherwise) {
+TEST(ImpairmentOrder, QueueHoldsAThousandPacketsByDefault) {
   Way way("delay 10s");
   for (int i = 0; i < 1500; ++i) way.send(i * 1us);
   EXPECT_EQ(way.finish().size(), 1000U);

@@ -29,7 +29,7 @@ Measured measure(const char* words, std::uint64_t packets = 1'000'000, std::uint
 }
 
 // Standard deviation of the measured share at 1e6 independent packets and 5 %: 0.022 percentage points.
-TEST(LossModel, LosesTheShareItIsTold) {
+TEST(LossModel, LosesTheGivenShare) {
   EXPECT_NEAR(measure("loss 5%").loss_percent, 5, 0.1);
   EXPECT_NEAR(measure("loss random 0.1%").loss_percent, 0.1, 0.015);
 }

@@ -112,8 +112,8 @@ INSTANTIATE_TEST_SUITE_P(Words, NetemGrammarRefuses,
                          testing::Values(Refusal{"dealy 50ms", "'dealy'", "delay"}, Refusal{"50ms", "'50ms'", "delay"},
                                          Refusal{"delay 50ms 10ms 25% 5%", "'5%'", "slot"},
                                          Refusal{"ecn", "'ecn'", "loss"},
-                                         Refusal{"delay 5ms delay 6ms", "'delay' is said twice", "once"},
-                                         Refusal{"loss 5% loss 1%", "'loss' is said twice", "once"}));
+                                         Refusal{"delay 5ms delay 6ms", "'delay' is given twice", "once"},
+                                         Refusal{"loss 5% loss 1%", "'loss' is given twice", "once"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Times, NetemGrammarRefuses,
@@ -121,19 +121,19 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"delay -5ms", "'-5ms'", "0 to 86400s"}, Refusal{"delay 5mss", "'5mss'", "microseconds"},
                     Refusal{"delay 1,5ms", "'1,5ms'", "50ms"}, Refusal{"delay nan", "'nan'", "50ms"},
                     Refusal{"delay inf", "'inf'", "50ms"}, Refusal{"delay 1e300s", "'1e300s'", "86400s"},
-                    Refusal{"delay 50ms -1ms", "'-1ms' is no delay jitter", "86400s"}));
+                    Refusal{"delay 50ms -1ms", "'-1ms' is not a valid delay jitter", "86400s"}));
 
-INSTANTIATE_TEST_SUITE_P(Percentages, NetemGrammarRefuses,
-                         testing::Values(Refusal{"loss", "the line ends", "a percentage for loss"},
-                                         Refusal{"loss 101%", "'101%'", "100%"}, Refusal{"loss -1%", "'-1%'", "0%"},
-                                         Refusal{"loss 5%%", "'5%%'", "100%"},
-                                         Refusal{"loss 5% 200%", "'200%' is no loss correlation", "100%"},
-                                         Refusal{"loss bernoulli 5%", "'bernoulli'", "gemodel"},
-                                         Refusal{"loss gemodel", "the line ends", "P of loss gemodel"},
-                                         Refusal{"loss gemodel 1% 1000%", "'1000%' is no R of loss gemodel", "100%"},
-                                         Refusal{"loss state x", "'x' is no P13", "100%"},
-                                         Refusal{"duplicate 1ms", "'1ms' is no duplicate", "100%"},
-                                         Refusal{"corrupt -1", "'-1' is no corrupt", "100%"}));
+INSTANTIATE_TEST_SUITE_P(
+    Percentages, NetemGrammarRefuses,
+    testing::Values(Refusal{"loss", "the line ends", "a percentage for loss"}, Refusal{"loss 101%", "'101%'", "100%"},
+                    Refusal{"loss -1%", "'-1%'", "0%"}, Refusal{"loss 5%%", "'5%%'", "100%"},
+                    Refusal{"loss 5% 200%", "'200%' is not a valid loss correlation", "100%"},
+                    Refusal{"loss bernoulli 5%", "'bernoulli'", "gemodel"},
+                    Refusal{"loss gemodel", "the line ends", "P of loss gemodel"},
+                    Refusal{"loss gemodel 1% 1000%", "'1000%' is not a valid R of loss gemodel", "100%"},
+                    Refusal{"loss state x", "'x' is not a valid P13", "100%"},
+                    Refusal{"duplicate 1ms", "'1ms' is not a valid duplicate", "100%"},
+                    Refusal{"corrupt -1", "'-1' is not a valid corrupt", "100%"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Together, NetemGrammarRefuses,
@@ -144,20 +144,21 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"reorder 25%", "'reorder' needs a delay", "delay 10ms reorder"},
                     Refusal{"delay 10ms gap 5", "'gap' needs reorder", "reorder 25% gap 5"},
                     Refusal{"delay 10ms reorder 0% gap 5", "'gap' needs reorder", "reorder 25% gap 5"},
-                    Refusal{"delay 10ms reorder 5% gap 0", "'0' is no gap", "1 to"}));
+                    Refusal{"delay 10ms reorder 5% gap 0", "'0' is not a valid gap", "1 to"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Numbers, NetemGrammarRefuses,
-    testing::Values(Refusal{"rate 0", "'0' is no rate", "above 0"}, Refusal{"rate 1Mbot", "'1Mbot'", "1Mbit"},
+    testing::Values(Refusal{"rate 0", "'0' is not a valid rate", "above 0"}, Refusal{"rate 1Mbot", "'1Mbot'", "1Mbit"},
                     Refusal{"rate -5kbit", "'-5kbit'", "above 0"}, Refusal{"rate 50%", "'50%'", "1Mbit"},
-                    Refusal{"rate 1Mbit 5.5", "'5.5' is no packet overhead", "whole number"},
-                    Refusal{"rate 1Mbit 5 -1", "'-1' is no cell size", "from 0"},
-                    Refusal{"limit -1", "'-1' is no limit", "from 0"}, Refusal{"limit ten", "'ten'", "whole number"},
+                    Refusal{"rate 1Mbit 5.5", "'5.5' is not a valid packet overhead", "whole number"},
+                    Refusal{"rate 1Mbit 5 -1", "'-1' is not a valid cell size", "from 0"},
+                    Refusal{"limit -1", "'-1' is not a valid limit", "from 0"},
+                    Refusal{"limit ten", "'ten'", "whole number"},
                     Refusal{"limit 5000000000", "'5000000000'", "4294967295"},
                     Refusal{"slot 2ms 1ms", "'1ms' is shorter", "2000000ns"},
-                    Refusal{"slot distribution normal", "'distribution' is no shortest slot", "50ms"},
+                    Refusal{"slot distribution normal", "'distribution' is not a valid shortest slot", "50ms"},
                     Refusal{"slot 1ms packets", "the line ends", "packets of slot"},
-                    Refusal{"slot 1ms packets -3", "'-3' is no packets of slot", "from 0"}));
+                    Refusal{"slot 1ms packets -3", "'-3' is not a valid packets of slot", "from 0"}));
 
 TEST(NetemWarnings, NameGemodelAndTheRealLossWhenLossIsCorrelated) {
   EXPECT_THAT(netem_warnings(parse_netem("loss 10% 25%")),
@@ -165,7 +166,7 @@ TEST(NetemWarnings, NameGemodelAndTheRealLossWhenLossIsCorrelated) {
                                 HasSubstr("'loss gemodel'"))));
 }
 
-TEST(NetemWarnings, SayNothingOfWhatIsMeantAsItIs) {
+TEST(NetemWarnings, AreEmptyForUsualSettings) {
   EXPECT_THAT(netem_warnings(parse_netem("delay 50ms 10ms 25% loss 5% duplicate 1% 5%")), IsEmpty());
   EXPECT_THAT(netem_warnings(parse_netem("loss gemodel 1% 10%")), IsEmpty());
   EXPECT_THAT(netem_warnings({}), IsEmpty());

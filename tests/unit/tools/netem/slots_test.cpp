@@ -30,7 +30,7 @@ TEST_F(SlotsTest, PacketsLeaveOnlyAtSlotTimes) {
   EXPECT_EQ(pass(slots, 26ms), 45ms);
 }
 
-TEST_F(SlotsTest, BlackoutDoesNotShiftRegularSlots) {
+TEST_F(SlotsTest, ATimeWithoutPacketsDoesNotShiftRegularSlots) {
   Slots slots({.shortest = 20ms, .longest = 20ms}, 0ns);
   EXPECT_EQ(pass(slots, 24h + 1ns), 24h + 20ms);
 }
@@ -75,7 +75,7 @@ TEST_F(SlotsTest, IrregularSlotsLieBetweenTheirBounds) {
   EXPECT_GT(distinct.size(), 9'000U);
 }
 
-TEST_F(SlotsTest, IrregularSlotsOpenWithinTheLongestOneAfterBlackout) {
+TEST_F(SlotsTest, IrregularSlotsOpenWithinTheLongestOneAfterATimeWithoutPackets) {
   Slots slots({.shortest = 0ms, .longest = 1us}, 0ns);
   const Nanoseconds opens = pass(slots, 24h);
   EXPECT_GE(opens, 24h);
@@ -101,7 +101,7 @@ TEST(DeliveryOpportunities, SmallPacketsShareOneAndLargeOnesSpanSeveral) {
   EXPECT_EQ(link.pass(0ms, 1000), 15ms);  // its first 500 bytes left at 10 ms
 }
 
-TEST(DeliveryOpportunities, WhatNobodyUsesIsGone) {
+TEST(DeliveryOpportunities, UnusedOpportunitiesAreLost) {
   auto link = opportunities({5ms, 10ms, 15ms});
   EXPECT_EQ(link.pass(6ms, 1500), 10ms);
   EXPECT_EQ(link.pass(15ms, 1500), 15ms);

@@ -25,12 +25,12 @@ TEST(BlackholeOption, NamesWaysAndSeconds) {
   EXPECT_EQ(both.when.from, 1500ms);
 }
 
-TEST(BlackholeOption, RefusesWhatIsNoneSayingWhatWouldBe) {
+TEST(BlackholeOption, RefusesAnInvalidTextAndNamesTheAcceptedForm) {
   for (const char* text : {"", "up", "up:", "up:5", "up:5-", "up:-5-6", "up:6-5", "up:5-5", "left:1-2", "up:a-b",
                            "up:nan-inf", "up:1-1e9", "up:1-99999999", "up 1-2", "-:1"}) {
     EXPECT_THAT([&] { parse_blackhole(text); },
                 ThrowsMessage<std::invalid_argument>(
-                    AllOf(HasSubstr("'" + std::string(text) + "' is no blackhole"), HasSubstr("as in up:5-65"))))
+                    AllOf(HasSubstr("'" + std::string(text) + "' is not a blackhole"), HasSubstr("as in up:5-65"))))
         << text;
   }
 }

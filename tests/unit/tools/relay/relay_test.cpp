@@ -181,7 +181,7 @@ TEST_F(RelayTest, ABlackholeKillsItsOwnWayForItsTimeOnly) {
   EXPECT_EQ(observer_.verdicts[Direction::up], 5) << "the log has them too";
 }
 
-TEST_F(RelayTest, ForgetsAClientAfterItsBlackoutAndMakesRoom) {
+TEST_F(RelayTest, ForgetsAnIdleClientAndMakesRoom) {
   build("", "", 1);
   client_sends(1, "a");
   turn(0ns);
@@ -194,7 +194,7 @@ TEST_F(RelayTest, ForgetsAClientAfterItsBlackoutAndMakesRoom) {
   EXPECT_THAT(upstream_.links[0]->sent, ElementsAre(Pair(kServerPort, "b")));
 }
 
-TEST_F(RelayTest, TheServersDatagramsKeepAClientInMindToo) {
+TEST_F(RelayTest, TheServersDatagramsKeepAClientFromExpiringToo) {
   build();
   client_sends(1, "a");
   turn(0ns);

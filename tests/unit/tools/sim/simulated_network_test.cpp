@@ -149,7 +149,7 @@ TEST_F(SimulatedNetworkTest, LastAnswersOfAKilledServerStillArrive) {
   EXPECT_EQ(answer(*first_), "re:a");
 }
 
-TEST_F(SimulatedNetworkTest, BlackholeSwallowsOneDirectionOnly) {
+TEST_F(SimulatedNetworkTest, BlackholeDropsOneDirectionOnly) {
   build({});
   network_->set_blackhole(Direction::down, true);
   ask(*first_, "a");

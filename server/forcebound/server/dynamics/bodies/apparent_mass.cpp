@@ -19,7 +19,7 @@ double apparent_mass_kg(const mjModel_& model, mjData_& data, const std::vector<
   const Eigen::MatrixXd mobility_per_kg = jacobian * motion_per_N.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> mobilities(mobility_per_kg, Eigen::EigenvaluesOnly);
   const double most_per_kg = mobilities.eigenvalues().maxCoeff();
-  // A hinge through the centre of mass leaves what rounding makes of nothing.
+  // A hinge through the centre of mass leaves only rounding.
   constexpr double kNone_per_kg = 1e-12;
   return most_per_kg > kNone_per_kg ? 1 / most_per_kg : std::numeric_limits<double>::infinity();
 }

@@ -30,7 +30,7 @@ int find_ball(const mjModel& model, int number) {
   return mj_name2id(&model, mjOBJ_BODY, name_of_probe(number).c_str());
 }
 
-/// What a device meets first on its way down to the middle of the first body.
+/// The point of the first body that a device meets on its way down to the body's middle.
 scene::Point top_m(const mjModel& model, mjData& data, int ball) {
   double above_m = 0;
   for (int i = 0; i < model.ngeom; ++i) above_m = std::max(above_m, data.geom_xpos[3 * i + 2] + model.geom_rbound[i]);
@@ -41,7 +41,7 @@ scene::Point top_m(const mjModel& model, mjData& data, int ball) {
 }
 
 constexpr const char* kHowToBeStable =
-    ", left alone but for a nudge: it is unstable by itself, take a shorter timestep, softer springs and actuators, or "
+    " after a small disturbance: it is unstable by itself; use a shorter timestep, softer springs and actuators, or "
     "for strong damping the integrator implicit";
 
 int fastest_of(const mjModel& model, const mjData& data) {
@@ -130,14 +130,14 @@ void BodyDynamicModel::check_coupling() const {
                     to_text(coupling_.damping_N_s_per_m) + " N s/m is unstable with an apparent mass of " +
                     rounded(apparent_mass_kg_) + " kg in steps of " + to_text(model_->opt.timestep) + " s (" +
                     rounded(share_of_stable()) +
-                    " of what is stable): take a softer one, a heavier probe or shorter steps");
+                    " of what is stable): use a softer one, a heavier probe or shorter steps");
 }
 
 void BodyDynamicModel::check_motion() const {
   constexpr int kSteps = 500;
   constexpr double kNudge_m_per_s = 1e-3;  // or rad/s
   constexpr double kAside_m = 1e-3;
-  // Metres or radians: what swings by 1.5 of them at the very edge of what is stable stays below that.
+  // Metres or radians: an amplitude of 1.5 at the limit of stability stays below that.
   constexpr double kPerStep_max = 3;
   const double step_s = model_->opt.timestep;
   const std::unique_ptr<BodyWorld> world = make_world();
@@ -145,14 +145,14 @@ void BodyDynamicModel::check_motion() const {
     const scene::Point begin_m = Eigen::Map<const scene::Point>(world->data().xipos + 3 * body);
     world->move(world->join(), begin_m + scene::Point::Constant(kAside_m), scene::Point::Zero());
   }
-  // Of every mode a part.
+  // Excites every mode.
   for (int i = 0; i < model_->nv; ++i) world->data().qvel[i] += kNudge_m_per_s * std::cos(i);
   for (int i = 1; i <= kSteps; ++i) {
     world->advance(step_s);
     const auto after = [&] { return " after " + std::to_string(i) + " steps of " + to_text(step_s) + " s"; };
-    if (!world->sound()) throw BodiesError(name_ + ": MuJoCo gives up" + after() + kHowToBeStable);
+    if (!world->sound()) throw BodiesError(name_ + ": MuJoCo fails" + after() + kHowToBeStable);
     const int fastest = fastest_of(*model_, world->data());
-    // What falls may.
+    // Free fall is allowed.
     const double fallen_m_per_s = i * step_s * mju_norm3(model_->opt.gravity);
     const double speed = fastest < 0 ? 0 : std::abs(world->data().qvel[fastest]);
     if (step_s * (speed - fallen_m_per_s) <= kPerStep_max) continue;

@@ -11,25 +11,25 @@ namespace forcebound::server {
 
 class BodyWorld;
 
-/// Rigid bodies by MuJoCo, and probes among them.
+/// Rigid bodies by MuJoCo, with probes among them.
 ///
-/// A step is MuJoCo's, of fixed length; what time is left is kept for the next advance. At most 50 steps an advance,
-/// the rest is counted as slipped. Real time but for what MuJoCo does with its own memory, of which it allocates none
-/// after the start.
+/// MuJoCo steps with fixed length; the remaining time is kept for the next advance. At most 50 steps an advance; the
+/// rest is counted as slipped. Real time, except for MuJoCo's own use of its memory, of which it allocates none after
+/// the start.
 ///
-/// A coupling must be stable with the apparent mass that it meets as the bodies begin. Elsewhere it is not judged: a
-/// probe of MJCF that meets a smaller mass when its joints have turned needs that much room below what is stable. What
-/// MJCF is unstable by itself is found by trying: 500 steps with the devices held a millimetre aside.
+/// A coupling must be stable with the apparent mass that it has in the bodies' initial positions. Other positions are
+/// not checked: a probe of MJCF whose apparent mass falls when its joints turn needs that much margin. MJCF that is
+/// unstable by itself is found by a trial: 500 steps with the devices held a millimetre aside.
 class BodyDynamicModel final : public scene::DynamicModel {
  public:
   /// From a description: a device drags a ball.
-  /// @throws BodiesError also for a coupling that would be unstable, and for bodies that begin within each other and
-  /// would fly apart, with the numbers.
+  /// @throws BodiesError also for an unstable coupling and for bodies that overlap at the start, which would fly apart,
+  /// with the numbers.
   BodyDynamicModel(BodiesDescription description, std::string name);
 
   /// From MJCF: devices drag the bodies called `probes`, at least one, one each, by their centres of mass.
-  /// @param solver what is to be otherwise than the model says
-  /// @throws BodiesError also for a coupling that would be unstable, with the numbers, and for what flies apart or
+  /// @param solver overrides of the model's own settings
+  /// @throws BodiesError also for an unstable coupling, with the numbers, and for a model that diverges or
   /// stops MuJoCo within those 500 steps.
   BodyDynamicModel(ModelPointer model, const std::vector<std::string>& probes, const Coupling& coupling,
                    std::string name, const SolverOptions& solver = {});

@@ -11,17 +11,17 @@ namespace forcebound::server {
 namespace {
 
 constexpr int kStepsMax = 50;
-// A device that is farther from its probe, or faster, pulls no harder: beyond any hand, and short of what makes bodies
-// fly off.
+// The coupling's force does not grow beyond this distance and speed: more than any hand, and less than what makes
+// bodies fly apart.
 constexpr double kReach_m = 0.2;
 constexpr double kSpeed_m_per_s_max = 5;
 constexpr double kVelocityHeld_s = 0.01;
-// A position farther away than that comes from a faulty or hostile client and must not break what others feel.
+// A position farther away comes from a faulty or hostile client and must not disturb other clients.
 constexpr double kFar_m = 100;
-// In which the coupling comes to the device, at least: longer than a hand takes to notice and to give way.
+// Least time in which the coupling reaches the device: longer than a hand's reaction time.
 constexpr double kArrival_s_min = 0.5;
 constexpr double kArrival_m_per_s_max = 0.6;
-// How often a ball within bodies is pushed out of the one it is deepest in, and what does not count as within.
+// How often a ball that begins inside bodies is pushed out of the deepest one, and the depth that is ignored.
 constexpr int kPushesMax = 8;
 constexpr double kWithin_m = 1e-6;
 
@@ -30,8 +30,8 @@ scene::Point at_most(const scene::Point& vector, double length) noexcept {
   return whole > length ? scene::Point(vector * (length / whole)) : vector;
 }
 
-// A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling give
-// back no more than it took.
+// A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling
+// return no more energy than it took.
 scene::Point position_of(const mjData& data, int body) noexcept {
   return Eigen::Map<const scene::Point>(data.xipos + 3 * body);
 }
@@ -126,7 +126,7 @@ void BodyWorld::advance(double elapsed_s) noexcept {
   if (!sound_) return;
   left_s_ += elapsed_s;
   const double step_s = model_->opt.timestep;
-  // A rounding's worth less than a step is a step.
+  // Rounding must not lose a step.
   const double steps_due = std::floor(left_s_ / step_s + 1e-6);
   const int steps = static_cast<int>(std::min<double>(steps_due, kStepsMax));
   for (int i = 1; i <= steps && sound_; ++i) step_once((steps - i) * step_s);
@@ -164,7 +164,7 @@ bool BodyWorld::copy_from(const scene::DynamicModelState& other) noexcept {
   std::ranges::copy(from->seats_, seats_.begin());
   left_s_ = from->left_s_;
   sound_ = from->sound_ && find_contacts(model, *data_);
-  // Which made quaternions of length one, once more than will have been done to the other's.
+  // That normalised the quaternions once more than in the other state.
   mju_copy(data_->qpos, source.qpos, model.nq);
   return true;
 }
@@ -172,7 +172,7 @@ bool BodyWorld::copy_from(const scene::DynamicModelState& other) noexcept {
 void BodyWorld::step_once(double before_end_s) noexcept {
   const int overfull = data_->warning[mjWARN_CONTACTFULL].number + data_->warning[mjWARN_CNSTRFULL].number;
   sound_ = begin_step(*model_, *data_);
-  // A reset of MuJoCo's has cleared its counts.
+  // MuJoCo's reset has cleared its counts.
   if (!sound_) return;
   faults_.contacts_left_out += static_cast<std::uint64_t>(data_->warning[mjWARN_CONTACTFULL].number +
                                                           data_->warning[mjWARN_CNSTRFULL].number - overfull);
@@ -183,8 +183,8 @@ void BodyWorld::step_once(double before_end_s) noexcept {
 }
 
 void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
-  // Once heard of, the device was on its way all the time that now passes. Unheard of it is where it was, and its
-  // velocity is believed for a moment: without it every late motion would be a blow of the damper.
+  // With a new position, the device was on its way during all the time that now passes. Without one it is held at the
+  // last, with its velocity kept for `kVelocityHeld_s`: else each late motion would act like a blow of the damper.
   scene::Point end_m = seat.device_m;
   scene::Point end_m_per_s = scene::Point::Zero();
   if (seat.heard) end_m -= before_end_s * seat.device_m_per_s;
@@ -192,7 +192,7 @@ void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
   seat.silent_s += model_->opt.timestep;
   seat.placed_s += model_->opt.timestep;
   if (const double left = 1 - seat.placed_s / seat.arrival_s; left > 0) {
-    // Without a jump of position or velocity at either end.
+    // Smooth in position and velocity at both ends.
     end_m += left * left * (3 - 2 * left) * seat.begins_aside_m;
     end_m_per_s -= 6 * left * (1 - left) / seat.arrival_s * seat.begins_aside_m;
   }
@@ -203,7 +203,7 @@ void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
 }
 
 scene::Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
-  // A ball's weight is the device's matter, not the hand's.
+  // The ball's weight is compensated: the hand does not carry it.
   if (probe.slides < 0) return scene::Point::Zero();
   return -model_->body_mass[probe.body] * Eigen::Map<const scene::Point>(model_->opt.gravity);
 }

@@ -8,17 +8,17 @@
 
 namespace forcebound::server {
 
-/// The bodies at a moment.
+/// The state of the bodies.
 ///
-/// Where a device appears, the far end of its coupling begins at the probe and comes smoothly to the device, in half a
-/// second if it is near: nothing jerks the hand. A ball of ours appears at the device, or where that is within a body,
-/// on its surface; a body of the author's stays where it is.
+/// When a device joins, the far end of its coupling begins at the probe and moves smoothly to the device, in half a
+/// second if it is near, so that the force does not jump. A generated ball begins at the device, or where that is
+/// inside a body, on its surface; a body of the scene's author stays where it is.
 class BodyWorld final : public scene::DynamicModelState {
  public:
-  /// What a device drags.
+  /// The body that a device drags.
   struct Probe {
     int body = -1;
-    int slides = -1;  ///< a ball of ours: the first of its three coordinates; -1: a body of the author's
+    int slides = -1;  ///< generated ball: the first of its three coordinates; -1: a body of the scene's author
   };
 
   /// @throws BodiesError
@@ -32,7 +32,8 @@ class BodyWorld final : public scene::DynamicModelState {
   [[nodiscard]] bool sound() const noexcept override { return sound_; }
   [[nodiscard]] scene::DynamicModelFaults faults() const noexcept override { return faults_; }
 
-  /// Of worlds of as many bodies and probes on the same joints; masses, shapes, solver and time step may differ.
+  /// Between worlds with equal numbers of bodies and probes on the same joints; masses, shapes, solver and time step
+  /// may differ.
   [[nodiscard]] bool copy_from(const scene::DynamicModelState& other) noexcept override;
 
   [[nodiscard]] const mjModel_& model() const noexcept { return *model_; }
@@ -42,16 +43,16 @@ class BodyWorld final : public scene::DynamicModelState {
  private:
   struct Seat : Probe {
     bool taken = false;
-    bool placed = false;  ///< has been somewhere since it was taken
+    bool placed = false;  ///< has a position since it was taken
     scene::Point device_m = scene::Point::Zero();
     scene::Point device_m_per_s = scene::Point::Zero();
-    bool heard = false;                                  ///< of the device, since the last advance
-    double silent_s = 0;                                 ///< simulated since the device was heard of
+    bool heard = false;                                  ///< a new position came since the last advance
+    double silent_s = 0;                                 ///< simulated since the last new position
     scene::Point begins_aside_m = scene::Point::Zero();  ///< how far from the device the coupling's far end began
-    double placed_s = 0;                                 ///< simulated since then
-    double arrival_s = 0;                                ///< when it is at the device
+    double placed_s = 0;                                 ///< simulated since the seat was placed
+    double arrival_s = 0;                                ///< time at which the coupling's far end reaches the device
     scene::Point force_N = scene::Point::Zero();         ///< on the device, in the last step
-    scene::Point pushed_m = scene::Point::Zero();        ///< from the coupling's far end to the probe then
+    scene::Point pushed_m = scene::Point::Zero();        ///< from the coupling's far end to the probe, in the last step
   };
 
   [[nodiscard]] bool has_shape_of(const BodyWorld& other) const noexcept;

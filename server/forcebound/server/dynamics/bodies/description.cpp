@@ -11,7 +11,7 @@ std::string numbers(const scene::Point& point) {
   return to_text(point.x()) + " " + to_text(point.y()) + " " + to_text(point.z());
 }
 
-/// Names are ours to quote.
+/// Names need quotes and escapes.
 std::string quoted(const std::string& name) {
   std::string text;
   for (const char c : name) {
@@ -32,7 +32,7 @@ std::string quoted(const std::string& name) {
   return "\"" + text + "\"";
 }
 
-/// Another for each, and none of those that MuJoCo and the probes have.
+/// A distinct name for each, and none of those of MuJoCo and of the probes.
 std::string name_in_mjcf(const std::string& name) {
   const auto begins = [&](const char* with) { return name.rfind(with, 0) == 0; };
   return name == "world" || begins("probe ") || begins("body ") ? "body " + name : name;

@@ -27,7 +27,7 @@ thread_local WayOut way_out = WayOut::none;
 thread_local std::jmp_buf way_back;
 thread_local std::array<char, 1000> last_error{};
 
-// The program's own, if it has some.
+// The program's own handlers, if any.
 void (*error_before)(const char*) = nullptr;
 void (*warning_before)(const char*) = nullptr;
 
@@ -56,11 +56,10 @@ void install_handlers() {
   (void)kInstalled;
 }
 
-/// Whether `call`, of C alone, came to its end; if not, last_error says why.
+/// Runs `call`, which must be pure C. False if it failed; last_error has the reason.
 template <class Call>
 bool completes(const Call& call) noexcept {
-  static_assert(noexcept(call()),
-                "a jump out of it must not pass what is to be cleaned up, nor an exception pass this");
+  static_assert(noexcept(call()), "a jump out of it must not skip destructors, and no exception may leave it");
   way_out = WayOut::jump;
   last_error.front() = '\0';
   if (setjmp(way_back) != 0) {  // NOLINT(cert-err52-cpp): see above
@@ -74,7 +73,7 @@ bool completes(const Call& call) noexcept {
 
 [[noreturn]] void throw_last_error(const std::string& what) { throw BodiesError(what + ": " + last_error.data()); }
 
-/// Errors within its life are exceptions.
+/// During its lifetime, MuJoCo's errors are exceptions.
 class ErrorsThrow {
  public:
   ErrorsThrow() noexcept { way_out = WayOut::exception; }
@@ -101,7 +100,7 @@ void check_options(const mjModel& model) {
     throw BodiesError("timestep must be >= " + text::to_text(kTimestepLeast_s) +
                       " and <= " + text::to_text(kTimestepMost_s) + " s, got " + text::to_text(step_s));
   }
-  // Between its four stages a force from outside would be held: another law of what is stable.
+  // RK4 would hold the external force over its four stages, which has another stability limit.
   if (model.opt.integrator == mjINT_RK4) throw BodiesError("integrator must be Euler or implicit, got RK4");
 }
 
@@ -118,7 +117,7 @@ ModelPointer load(const char* file, const mjVFS* files) {
   if (!step(*model, *data)) {
     const bool gave_up = last_error.front() != '\0';
     throw BodiesError(std::string("MuJoCo cannot take the first step: ") +
-                      (gave_up ? last_error.data() : "it leads to what is no number"));
+                      (gave_up ? last_error.data() : "the result is not finite"));
   }
   return model;
 }
@@ -147,7 +146,7 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
   return named(name, [&] {
     constexpr const char* kFile = "bodies.xml";
     if (text.empty()) throw BodiesError("is empty, expected <mujoco>...</mujoco>");
-    // 2000 names of files: too much for a stack.
+    // Room for 2000 file names: too large for a stack.
     const std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
     mj_defaultVFS(files.get());
     const int at = [&] {
@@ -162,7 +161,7 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
 
 ModelPointer load_mjcf(const std::string& path) {
   try {
-    (void)text::read_file(path);  // says why it cannot be read, where MuJoCo speaks of XML
+    (void)text::read_file(path);  // reports why it cannot be read, where MuJoCo would report an XML error
   } catch (const std::runtime_error& error) {
     throw BodiesError(error.what());
   }
@@ -211,7 +210,7 @@ DataPointer make_data(const mjModel_& model) {
 void forward(const mjModel_& model, mjData_& data) {
   install_handlers();
   if (!completes([&]() noexcept { mj_forward(&model, &data); }))
-    throw_last_error("MuJoCo cannot compute where bodies are");
+    throw_last_error("MuJoCo cannot compute the bodies' positions");
 }
 
 bool begin_step(const mjModel_& model, mjData_& data) noexcept {

@@ -11,21 +11,21 @@ namespace forcebound::server {
 
 struct SolverOptions;
 
-// MuJoCo's own way with errors is to write MUJOCO_LOG.TXT and to end the process. Behind these functions a warning is
+// By default MuJoCo reports errors by writing MUJOCO_LOG.TXT and ending the process. With these functions a warning is
 // only counted by MuJoCo itself, and an error ends the call that caused it.
 //
-// MuJoCo has one handler of errors and one of warnings for the whole process. Ours are put in their place at the first
-// call from here, for good. What comes about in a program's own calls of MuJoCo goes on to the handlers that were
-// there before; without one a warning is dropped, and an error ends the process. A program that installs a handler
-// later takes the errors here upon itself: MuJoCo expects of it not to return.
+// MuJoCo has one handler of errors and one of warnings for the whole process. The first call from here replaces them
+// permanently. Errors in a program's own calls of MuJoCo are passed on to the handlers that were there before; without
+// one a warning is dropped, and an error ends the process. A program that installs a handler later must handle the
+// errors here too: MuJoCo expects it not to return.
 //
-// Its collision of boxes is ours from then on as well, for the whole process: see phantom_contacts.hpp.
+// MuJoCo's collision of boxes is replaced for the whole process as well: see phantom_contacts.hpp.
 //
 // Any thread may call these functions, each with data of its own, and several may compile at once: in MuJoCo 2.2.2
-// what a compilation shares with others is the last model's XML, behind a lock of MuJoCo's own; its error handler and
-// locale are the thread's.
+// compilations share only the last model's XML, behind a lock of MuJoCo's own; its error handler and locale are
+// thread-local.
 
-/// Bodies that cannot be had: one line, with the file and what MuJoCo says of it.
+/// An error in a model of bodies: one line, with the file and MuJoCo's message.
 class BodiesError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -49,28 +49,28 @@ ModelPointer load_mjcf(const std::string& path);
 /// @throws BodiesError if there is not enough memory.
 ModelPointer copy_of(const mjModel_& model);
 
-/// What `options` say, as the model's; the rest stays.
+/// Sets `options` in the model; the rest stays.
 void set_solver(mjModel_& model, const SolverOptions& options) noexcept;
 
-/// What the model has, all of it.
+/// All solver options of the model.
 SolverOptions solver_of(const mjModel_& model) noexcept;
 
-/// Where everything is at the model's start. @throws BodiesError, such as for too little memory.
+/// The state at the model's start. @throws BodiesError, such as for too little memory.
 DataPointer make_data(const mjModel_& model);
 
-/// Brings up to date all that follows from the positions and velocities. @throws BodiesError
+/// Recomputes all that follows from positions and velocities. @throws BodiesError
 void forward(const mjModel_& model, mjData_& data);
 
-/// A step in two halves: first all that follows from positions and velocities, for forces to be set by it; then the
-/// motion under these forces. Each is false if MuJoCo gave up, or reset itself because something was no number. Real
-/// time: noexcept, no allocation.
+/// A step in two halves: first all that follows from positions and velocities, so that forces can be set from it; then
+/// the motion under these forces. Each is false if MuJoCo failed, or reset itself because something was not finite.
+/// Real time: noexcept, no allocation.
 bool begin_step(const mjModel_& model, mjData_& data) noexcept;
 bool end_step(const mjModel_& model, mjData_& data) noexcept;
 
-/// Both.
+/// Both halves.
 bool step(const mjModel_& model, mjData_& data) noexcept;
 
-/// Finds what touches what as the bodies are placed now. Real time as above.
+/// Finds the contacts at the bodies' present positions. Real time as above.
 bool find_contacts(const mjModel_& model, mjData_& data) noexcept;
 
 }  // namespace forcebound::server

@@ -10,13 +10,13 @@
 namespace forcebound::server {
 namespace {
 
-// What rounding makes of a depth, beside a share of it. [m]
+// Rounding error of a depth, in addition to a share of it. [m]
 constexpr double kRounding_m = 1e-9;
 constexpr double kRounding = 1e-6;
 
 mjfCollision of_mujoco = nullptr;
 
-/// How far a box reaches along a direction from its centre.
+/// Half the extent of a box along a direction.
 double reach_m(const mjModel& model, const mjData& data, int box, const scene::Point& direction) noexcept {
   double sum = 0;
   for (int axis = 0; axis < 3; ++axis) {

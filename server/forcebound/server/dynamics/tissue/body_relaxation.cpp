@@ -7,8 +7,8 @@ namespace forcebound::server {
 namespace {
 
 constexpr int kHalvingsMax = 8;           // of a line search
-constexpr double kWorthwhile = 1e-4;      // share of the fall that the slope promises (Armijo)
-constexpr double kLinearlySolved = 1e-2;  // of the first residual: Newton's method mends the rest
+constexpr double kWorthwhile = 1e-4;      // share of the fall predicted by the slope (Armijo)
+constexpr double kLinearlySolved = 1e-2;  // of the first residual: Newton's method reduces the rest
 
 }  // namespace
 
@@ -46,8 +46,8 @@ bool BodyRelaxation::improve(int linear_iterations_max, double moved_m_most) noe
   return search_along(moved_m > moved_m_most ? moved_m_most / moved_m : 1);
 }
 
-// Conjugate gradients from the residual and what it is preconditioned to. What held nodes are pushed by is not looked
-// at, since they never move. Where the energy does not curve upwards, what is found so far still leads down.
+// Conjugate gradients from the residual and its preconditioned form. Forces on held nodes are ignored, since these
+// never move. Where the energy does not curve upwards, the direction found so far still leads down.
 void BodyRelaxation::solve_linearised(int iterations_max) noexcept {
   elasticity_.linearise(body_.now, body_.linearised);
   contact_.linearise(body_.now.displacement_m);

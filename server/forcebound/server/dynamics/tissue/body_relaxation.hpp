@@ -12,7 +12,7 @@
 
 namespace forcebound::server {
 
-/// A tissue as it is deformed now, and the memory of a step.
+/// A tissue's present deformation, and scratch memory of a step.
 struct CorotationalBody {
   DeformedBody now;
   DeformedBody trial;
@@ -31,38 +31,38 @@ class BodyContact {
  public:
   virtual ~BodyContact() = default;
 
-  /// Infinite where the body may not be.
+  /// Infinite where the position is forbidden.
   [[nodiscard]] virtual double energy_J(const Eigen::VectorXd& displacement_m) const noexcept = 0;
 
-  /// On the nodes: how steeply the energy falls.
+  /// Forces on the nodes: the negative gradient of the energy.
   virtual void add_forces(const Eigen::VectorXd& displacement_m, Eigen::VectorXd& force_N) const noexcept = 0;
 
-  /// From now on add_resistance is at that displacement, which stays until then.
+  /// Sets the displacement at which add_resistance works; it must not change until then.
   virtual void linearise(const Eigen::VectorXd& displacement_m) noexcept = 0;
 
   /// The second derivative times small motions of the nodes.
   virtual void add_resistance(const Eigen::VectorXd& moved_m, Eigen::VectorXd& force_N) const noexcept = 0;
 };
 
-/// Takes down the energy of a body and of what touches it: Newton's method with the whole second derivative, conjugate
+/// Minimises the energy of a body and of its contacts: Newton's method with the whole second derivative, conjugate
 /// gradients preconditioned by the factors of the stiffness at rest, turned with each node, and a line search.
 ///
-/// Real time: noexcept, no allocation; `improve` makes at most 8 + 1 passes over the tetrahedra and as many over the
-/// blocks of their stiffness, with a solution by the factors each, as it is told.
+/// Real time: noexcept, no allocation; `improve` makes at most 8 + 1 passes over the tetrahedra, and up to the given
+/// number of passes over the blocks of their stiffness, each with a solution by the factors.
 class BodyRelaxation {
  public:
-  /// @param contact all must outlive it. The body as it is now tells how the nodes have turned.
+  /// @param contact all must outlive it. The nodes' rotations are those of the present body.
   BodyRelaxation(const CorotationalElasticity& elasticity, const StiffnessFactors& factors, CorotationalBody& body,
                  BodyContact& contact) noexcept;
 
-  /// How far what is left of all forces on the nodes would move them, were they as stiff as at rest.
+  /// The displacement that the remaining forces on the nodes would cause with the stiffness at rest.
   double find_residual_m() noexcept;
 
-  /// One round of Newton's method, after find_residual_m. False where no way down was found.
-  /// @param moved_m_most by which any coordinate of a node may change
+  /// One round of Newton's method, after find_residual_m. False if no step lowers the energy.
+  /// @param moved_m_most bound on the change of any coordinate of a node
   bool improve(int linear_iterations_max, double moved_m_most = std::numeric_limits<double>::infinity()) noexcept;
 
-  /// At rest to within a tolerance is at rest, with nothing left to do: whether that is so.
+  /// Whether the body is at rest within the tolerance; then sets it exactly at rest.
   bool settle(double tolerance_m) noexcept;
 
   [[nodiscard]] double energy_J() const noexcept {

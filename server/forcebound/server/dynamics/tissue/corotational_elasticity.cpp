@@ -7,8 +7,8 @@ namespace {
 
 using First = std::array<Eigen::Index, 4>;
 
-// A stretch with less of a hold on its rotation than this share of what an undeformed one has would resist turning by
-// less than nothing, and by much.
+// If the resistance of a stretched tetrahedron to rotation is below this share of that of an undeformed one, its second
+// derivative would be large and negative.
 constexpr double kLooseGradient = 0.1;
 
 // Of the last three corners beside the first, in columns.
@@ -25,7 +25,7 @@ inline void add_forces(const Eigen::Matrix3d& on_last_three_N, const First& firs
   force_N.segment<3>(first[0]) -= on_last_three_N.rowwise().sum();
 }
 
-// By how much of a twist of the displacement's gradient a stretched tetrahedron resists with a twist of its stress.
+// The stress's twist that resists a twist of the displacement's gradient in a stretched tetrahedron.
 Eigen::Matrix3d turning_Pa(const Eigen::Matrix3d& stretch, double mu_Pa, double lambda_Pa) noexcept {
   const Eigen::Matrix3d hold = hold_on_rotation(stretch);
   if (!(stretch.determinant() > 0 && hold.determinant() > 8 * kLooseGradient)) return Eigen::Matrix3d::Zero();

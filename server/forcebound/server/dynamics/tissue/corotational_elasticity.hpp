@@ -9,7 +9,7 @@
 
 namespace forcebound::server {
 
-/// A body as its nodes have moved, three coordinates of displacement [m] per node, and what that takes.
+/// A deformed body: three coordinates of displacement [m] per node, and its energy and forces.
 struct DeformedBody {
   Eigen::VectorXd displacement_m;
   Eigen::VectorXd force_N;  ///< with which the body pushes its nodes back
@@ -17,7 +17,7 @@ struct DeformedBody {
   std::vector<PolarParts> parts;  ///< of each tetrahedron's deformation
 };
 
-/// How a tetrahedron resists small motions of its nodes, in the frame that does not turn.
+/// A tetrahedron's resistance to small motions of its nodes, in the fixed frame.
 struct LinearisedTetrahedron {
   Eigen::Matrix3d gradients;    ///< [1/m] of the last three corners' shape functions, in columns, turned with it
   Eigen::Matrix3d turning_N_m;  ///< what it resists turning: the stress's twist by the displacement gradient's
@@ -40,17 +40,17 @@ class CorotationalElasticity {
 
   [[nodiscard]] DeformedBody at_rest() const;
 
-  /// Finds all else from the displacement.
-  /// @param near with rotations not far from those to be found, for speed; may be the same body
+  /// Computes all else from the displacement.
+  /// @param near start values for the rotations, for speed; may be the same body
   void evaluate(DeformedBody& body, const DeformedBody& near) const noexcept;
 
-  /// How each node has turned, roughly: the mean of the tetrahedra around it.
+  /// Approximate rotation of each node: the mean of the tetrahedra around it.
   void find_turns(const DeformedBody& body, std::vector<Eigen::Quaterniond>& of_nodes) const noexcept;
 
   /// @param linearised as many as there are tetrahedra
   void linearise(const DeformedBody& body, std::vector<LinearisedTetrahedron>& linearised) const noexcept;
 
-  /// The forces [N] that small motions [m] take, the second derivative of E times them.
+  /// The forces [N] for small motions [m]: the second derivative of E times them.
   void resist(const std::vector<LinearisedTetrahedron>& linearised, const Eigen::VectorXd& moved_m,
               Eigen::VectorXd& force_N) const noexcept;
 

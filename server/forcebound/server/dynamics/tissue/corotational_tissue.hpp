@@ -16,7 +16,7 @@
 
 namespace forcebound::server {
 
-/// Where other probes on the same tissue are: ties of points, or centres of spheres.
+/// Other probes on the same tissue: ties of points, or centres of spheres.
 struct OtherProbes {
   std::span<SurfaceTie> ties{};
   std::span<const scene::Point> centers_m{};
@@ -29,29 +29,29 @@ struct OtherProbes {
 ///
 ///     E = elastic energy + k/2 |c - x_s|^2
 ///
-/// The place is found as by TissueModel: where the probe came in, from there always the nearest of the places around as
-/// they are deformed. It is let go when the tie pulls with the tissue at rest for the probe's new place.
+/// The place is found as in TissueModel: where the probe came in, and from there always the nearest of the surrounding
+/// deformed places. It is released when the tie pulls with the tissue at rest for the probe's new position.
 ///
-/// *A sphere* has a skin that pushes all of the surface that is in it, see SpherePressure:
+/// *A sphere* has a skin that pushes all of the surface within it, see SpherePressure:
 ///
 ///     E = elastic energy + energy of the skin at c,   F = -dE/dc
 ///
-/// so that its force has a limit as the tetrahedra get smaller, which that of a point has not: a point sinks into an
-/// elastic body without end. Nothing of the past matters, but that the sphere comes the straight way from where it was,
-/// in each round of Newton's method no farther than halfway into what is left of its skin. A leap so does not carry it
-/// past the surface, to be pushed the wrong way; it stays behind the probe for some steps, or for as long as a place
-/// that is held is in its way, and is felt from where it is.
+/// so that its force converges as the tetrahedra get smaller, unlike that of a point, which sinks into an elastic body
+/// without end. The past has no influence, except that the sphere comes on a straight line from its last position, in
+/// each round of Newton's method no farther than halfway into the rest of its skin. So a jump does not carry it past
+/// the surface, to be pushed the wrong way; it stays behind the probe for some steps, or for as long as a held place is
+/// in its way, and its force is that at its own position.
 ///
 /// BodyRelaxation takes E down from where the last step left it. Every change at a fixed c lowers E, so that no motion
-/// returns more than it took, converged or not; a tissue that has not converged lags, and says so by its residual.
+/// returns more than it took, converged or not; a tissue that has not converged lags, which its residual shows.
 /// Inverted tetrahedra recover, since their rotations stay rotations.
 ///
-/// *Several probes* on one tissue have one energy. A step moves one probe; the others stay where they are. Of points
-/// each holds on where it touched last, and a tie that would pull is left out of that step: one that comes back so may
-/// bring up to k/2 times the square of what it is stretched by.
+/// *Several probes* on one tissue have one energy. A step moves one probe; the others stay where they are. Each of the
+/// points keeps its last place, and a tie that would pull is left out of that step: one that returns may add up to k/2
+/// times the square of its stretch.
 ///
-/// Real time: `step` is noexcept, allocates nothing, and takes bounded time: at most iterations_max times what
-/// BodyRelaxation takes for linear_iterations_max. Immutable, hence shared; each state has a body of its own.
+/// Real time: `step` is noexcept, allocates nothing, and takes bounded time: at most iterations_max times that of
+/// BodyRelaxation with linear_iterations_max. Immutable, hence shared; each state has a body of its own.
 class CorotationalTissue {
  public:
   /// @throws std::invalid_argument for a material or options that `check` refuses, and for a node that does not exist
@@ -69,7 +69,7 @@ class CorotationalTissue {
 
   [[nodiscard]] CorotationalBody make_body() const;
 
-  /// Puts the nodes elsewhere, by three coordinates [m] each. Those of held nodes stay there from then on.
+  /// Moves the nodes, by three coordinates [m] each. Those of held nodes stay there from then on.
   void deform(CorotationalBody& body, const Eigen::VectorXd& displacement_m) const noexcept;
 
   TissueResult step(TissueState& state, CorotationalBody& body, const scene::Point& probe_m,

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kHopsMax = 16;  // of the place from triangle to triangle in one slide
 
-// Of the square of a triangle's size: below that its place does not slide, since it is a line.
+// Of the square of a triangle's size: below that a place does not slide, since the triangle is a line.
 constexpr double kFlatTriangle = 1e-12;
 
 // Changes of the weights that leave a place inside its triangle, or on its edge; none for a corner.
@@ -31,7 +31,7 @@ Slides slides_of(const scene::Point& weight) noexcept {
   return along;
 }
 
-// How the weights answer: D (D'X'X D)^-1 D' of what draws at them.
+// Change of the weights: D (D'X'X D)^-1 D' times the force on them.
 scene::Point answer_of(const Slides& slides, const Eigen::Matrix3d& corners_m, const scene::Point& draw_m2) noexcept {
   if (slides.cols() == 1) {
     const scene::Point edge_m = corners_m * slides.col(0);

@@ -6,20 +6,20 @@
 
 namespace forcebound::server {
 
-/// A probe that holds a place of the surface.
+/// A probe's tie to a place of the surface.
 struct SurfaceTie {
   SurfacePlace place;
   scene::Point probe_m = scene::Point::Zero();
   bool slides = false;                             ///< to where it is nearest to the probe; else the place stays
-  bool pulls = false;                              ///< would pull, hence is left out: found in each step anew
+  bool pulls = false;                              ///< would pull, hence is left out: decided anew in each step
   scene::Point balanced_m = scene::Point::Zero();  ///< from the place to the probe when forces last balanced
 };
 
-/// A surface as its nodes have moved, and what ties of unit stiffness between it and probes come to.
+/// A deformed surface, and the energy of ties of unit stiffness between it and probes.
 ///
-/// A tie that slides resists only what it cannot slide away from. With the probe c, the triangle's corners X and their
-/// weights w, of which D spans the changes that leave the place where it may be (inside the triangle, on the edge or in
-/// the corner that it is at),
+/// A sliding tie resists only where it cannot slide. With the probe c, the triangle's corners X and their weights w, of
+/// which D spans the changes that leave the place where it may be (inside the triangle, on the edge or in the corner
+/// that it is at),
 ///
 ///     E(X) = min over w  1/2 |d|^2,   d = c - X w,   pushes corner a by w_a d
 ///     dX changes that push by  w_a dd + dw_a d,   dd = -dX w - X dw,   dw = D (D'X'X D)^-1 D' (dX'd - X'dX w)
@@ -57,14 +57,14 @@ class DeformedSurface {
     double square_m2 = 0;  ///< of the tie's length
   };
 
-  /// From the place to the nearest of those around, from triangle to triangle, if the tie slides.
+  /// If the tie slides, moves the place to the nearest one around, from triangle to triangle.
   [[nodiscard]] Slid slid(const SurfaceTie& tie) const noexcept;
 
-  /// The second derivative of the tie's energy [m^2] times small motions of all nodes, times a stiffness, is added.
+  /// Adds the second derivative of the tie's energy [m^2] times small motions of all nodes, times a stiffness.
   void add_resistance(const SurfaceTie& tie, double stiffness_N_per_m, const Eigen::VectorXd& moved_m,
                       Eigen::VectorXd& force_N) const noexcept;
 
-  /// A force at a place is added, shared among the corners.
+  /// Adds a force at a place, shared among the corners.
   void add_at(const SurfacePlace& place, const scene::Point& force_N, Eigen::VectorXd& all_N) const noexcept;
 
  private:

@@ -54,9 +54,8 @@ void ElasticMaterial::check() const {
     throw std::invalid_argument("young_Pa must be > 0, got " + text::to_text(young_Pa));
   }
   if (!(poisson > -1 && poisson < 0.5)) {
-    throw std::invalid_argument(
-        "poisson must be > -1 and < 0.5 (0.5 keeps all volume: no displacement would do), got " +
-        text::to_text(poisson));
+    throw std::invalid_argument("poisson must be > -1 and < 0.5 (0.5 is incompressible, which is singular), got " +
+                                text::to_text(poisson));
   }
 }
 

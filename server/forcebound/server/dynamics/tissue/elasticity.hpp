@@ -17,7 +17,7 @@ struct ElasticMaterial {
   [[nodiscard]] double mu_Pa() const noexcept { return young_Pa / (2 * (1 + poisson)); }
   [[nodiscard]] double lambda_Pa() const noexcept { return young_Pa * poisson / ((1 + poisson) * (1 - 2 * poisson)); }
 
-  /// @throws std::invalid_argument unless both are as said above.
+  /// @throws std::invalid_argument unless both are within the bounds above.
   void check() const;
 };
 
@@ -26,10 +26,10 @@ using ShapeGradients = Eigen::Matrix<double, 3, 4>;
 
 [[nodiscard]] std::vector<ShapeGradients> shape_gradients(const TetrahedralMesh& mesh);
 
-/// How the elastic energy counts the change of volume.
+/// Where the change of volume is counted in the elastic energy.
 enum class VolumeLaw {
-  /// in each tetrahedron by itself, as usual. Locks as the ratio nears 0.5: there are more tetrahedra that would keep
-  /// their volume than nodes that could move.
+  /// in each tetrahedron, as usual. Locks as the ratio nears 0.5: more tetrahedra must keep their volume than nodes can
+  /// move.
   per_tetrahedron,
   /// averaged over the tetrahedra around each node (Bonet & Burton 1998), which leaves one constraint per node.
   per_node,
@@ -42,7 +42,7 @@ enum class VolumeLaw {
 [[nodiscard]] Eigen::SparseMatrix<double> stiffness_matrix(const TetrahedralMesh& mesh, const ElasticMaterial& material,
                                                            VolumeLaw law = VolumeLaw::per_tetrahedron);
 
-/// What is left of the nodes' coordinates when some nodes are held.
+/// The free coordinates when some nodes are held.
 class FreeCoordinates {
  public:
   static constexpr int kHeld = -1;

@@ -10,7 +10,7 @@
 
 namespace forcebound::server {
 
-/// Tetrahedra as a file has them, before anybody has looked at their shapes.
+/// Tetrahedra as in a file, with unchecked shapes.
 struct TetrahedralSoup {
   struct Tetrahedron {
     std::array<std::size_t, 4> nodes{};  ///< indices into `nodes`
@@ -23,7 +23,7 @@ struct TetrahedralSoup {
 };
 
 /// Reads the linear tetrahedra (element type 4) of a Gmsh mesh: ASCII of version 1, 2 or 4.1. Other elements (points,
-/// lines, triangles of the boundary) and sections are passed over.
+/// lines, triangles of the boundary) and sections are skipped.
 ///
 /// @param name of the file, for messages.
 /// @throws std::runtime_error `FILE:LINE: what is wrong and what would be accepted`, for anything that the format's

@@ -7,7 +7,7 @@
 namespace forcebound::server {
 namespace {
 
-// A pivot this much smaller than the stiffness it began as is rounding: nothing holds what it stands for.
+// A pivot this much smaller than its initial stiffness is rounding: nothing holds that coordinate.
 constexpr double kNotHeld = 1e-13;
 
 }  // namespace
@@ -38,7 +38,7 @@ void factorise(SparseCholesky& cholesky, const Eigen::SparseMatrix<double>& stif
   }
   throw std::runtime_error(name +
                            ": the held nodes leave the tissue free to move or to turn: hold at least three nodes, " +
-                           "not in a line, of each part that hangs together");
+                           "not in a line, of each connected part");
 }
 
 StiffnessFactors::StiffnessFactors(const SparseCholesky& cholesky, const FreeCoordinates& free)

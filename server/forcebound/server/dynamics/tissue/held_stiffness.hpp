@@ -12,7 +12,7 @@
 
 namespace forcebound::server {
 
-/// Puts nodes, that is three coordinates each that follow each other, in an order in which few fill in.
+/// Orders nodes (three consecutive coordinates each) for little fill-in.
 struct NodeOrdering {
   using PermutationType = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
 
@@ -23,7 +23,7 @@ struct NodeOrdering {
 using SparseCholesky = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, NodeOrdering>;
 
 /// Factorises the stiffness of a body's free coordinates.
-/// @param name of the body, for messages. @throws std::runtime_error unless the held ones keep it in its place.
+/// @param name of the body, for messages. @throws std::runtime_error unless the held nodes fix its position.
 void factorise(SparseCholesky& cholesky, const Eigen::SparseMatrix<double>& stiffness, const std::string& name);
 
 /// P^-1 L D L' P of a stiffness, in blocks of a node's three coordinates, for a solve without the heap.
@@ -32,14 +32,14 @@ class StiffnessFactors {
   StiffnessFactors() = default;
   StiffnessFactors(const SparseCholesky& cholesky, const FreeCoordinates& free);
 
-  /// How far the nodes move under forces, where the stiffness has turned with each node. Vectors have the coordinates
-  /// of all nodes; those of held nodes are not looked at, and stay. None of the vectors is another one. Real time:
+  /// Displacements of the nodes under forces, where the stiffness has turned with each node. Vectors have the
+  /// coordinates of all nodes; those of held nodes are ignored and unchanged. The vectors must be distinct. Real time:
   /// noexcept, no allocation.
   /// @param turns of all nodes
   void solve(const std::vector<Eigen::Quaterniond>& turns, const Eigen::VectorXd& force_N, Eigen::VectorXd& moved_m,
              Eigen::VectorXd& scratch) const noexcept;
 
-  /// Of L, below the diagonal: what a solve passes over twice.
+  /// Blocks of L below the diagonal: a solve passes over them twice.
   [[nodiscard]] std::size_t blocks() const noexcept { return blocks_.size(); }
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 

@@ -59,7 +59,7 @@ void LinearTissue::find_compliance(const FreeCoordinates& free) {
       compliance_m_per_N_.block<3, 3>(3 * row, 3 * column) = moved.middleRows<3>(from);
     }
   }
-  // Symmetric to the last bit, or a force would not quite be the gradient of an energy.
+  // Symmetric to the last bit, so that a force is exactly the gradient of an energy.
   compliance_m_per_N_ = (0.5 * (compliance_m_per_N_ + compliance_m_per_N_.transpose())).eval();
 }
 

@@ -10,8 +10,8 @@
 
 namespace forcebound::server {
 
-/// A linearly elastic body, held at some nodes, in the one form that contact needs at a kilohertz: how far each node of
-/// its surface moves under a force on each other one.
+/// A linearly elastic body, held at some nodes, in the form that contact needs at a kilohertz: the displacement of each
+/// node of its surface under a force on each other one.
 ///
 ///     u = C f,   C = rows and columns of the surface in K^-1       [m/N, symmetric]
 ///
@@ -23,7 +23,7 @@ namespace forcebound::server {
 /// Immutable after set-up, hence shared by any number of sessions.
 class LinearTissue {
  public:
-  /// From this on the displacements are called too small by `locking`, and `warning` says so.
+  /// From this value of `locking` on, `warning` reports too small displacements.
   static constexpr double kLocked = 1.25;
 
   /// @param held_nodes of the mesh, which do not move
@@ -44,7 +44,7 @@ class LinearTissue {
   /// C: 3 rows and columns per node of the surface; those of held nodes are zero.
   [[nodiscard]] const Eigen::MatrixXd& compliance_m_per_N() const noexcept { return compliance_m_per_N_; }
 
-  /// How far one node of the surface moves under a force on another.
+  /// The displacement of one node of the surface under a force on another.
   [[nodiscard]] auto compliance_m_per_N(int moved, int pushed) const noexcept {
     return compliance_m_per_N_.block<3, 3>(3 * static_cast<Eigen::Index>(moved), 3 * static_cast<Eigen::Index>(pushed));
   }
@@ -53,12 +53,12 @@ class LinearTissue {
   [[nodiscard]] Eigen::Matrix3d compliance_m_per_N(const SurfacePlace& moved,
                                                    const SurfacePlace& pushed) const noexcept;
 
-  /// How many times too small displacements under a probe are, estimated: those under forces along the normal at nodes
+  /// Estimated factor by which displacements under a probe are too small: those under forces along the normal at nodes
   /// of the surface, with the change of volume averaged around each node, over those of this model. Never below 1; a
-  /// coarse mesh shows some 1.1 at any ratio.
+  /// coarse mesh has some 1.1 at any ratio.
   [[nodiscard]] double locking() const noexcept { return locking_; }
 
-  /// One line for the person who set it up, empty where there is nothing to warn of.
+  /// One line for the scene's author; empty if there is nothing to warn of.
   [[nodiscard]] std::string warning() const;
 
   [[nodiscard]] std::size_t memory_bytes() const noexcept;

@@ -13,12 +13,12 @@ constexpr double kFlat = 0.01;
 constexpr int kIterationsMax = 12;
 constexpr double kSettled = 1e-14;
 
-// From nearby: turns are tried so many times. One as small as that (its square) is the last: what it leaves is of the
-// order of its square.
+// Newton's method from a near rotation: most turns tried. A turn whose square is below this is the last: the remaining
+// error is of the order of its square.
 constexpr int kTurnsMax = 5;
 constexpr double kLastTurn = 1e-9;
 
-// A stretch whose hold on its rotation has less than this share of the determinant at its size is left to the method
+// A stretch whose resistance to rotation has less than this share of the determinant at its size is left to the method
 // that always succeeds.
 constexpr double kLoose = 1e-3;
 
@@ -32,9 +32,8 @@ Eigen::Matrix3d by_singular_values(const Eigen::Matrix3d& deformation) noexcept 
 
 inline Eigen::Matrix3d symmetric(const Eigen::Matrix3d& matrix) noexcept { return 0.5 * (matrix + matrix.transpose()); }
 
-// By how much a deformation that is turned back must be turned on, to first order, to be a stretch alone; nothing where
-// its hold on the rotation is not positive definite, or hardly. By the hold's cofactors, since this is where the time
-// goes.
+// The further turn, to first order, that makes a deformation, turned back, a pure stretch; nothing where its resistance
+// to rotation is not positive definite, or hardly. By cofactors, since most of the time is spent here.
 inline std::optional<Eigen::Vector3d> turn_left(const Eigen::Matrix3d& back) noexcept {
   const double xx = back(1, 1) + back(2, 2);
   const double yy = back(2, 2) + back(0, 0);

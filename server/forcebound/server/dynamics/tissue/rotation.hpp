@@ -18,7 +18,7 @@ struct PolarParts {
   Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
 };
 
-/// How much a stretch holds its rotation: turning R by a small w changes |F - R|^2 by w'G w.
+/// A stretch's resistance to rotation: turning R by a small w changes |F - R|^2 by w'G w.
 ///
 ///     G = tr(S) I - S
 ///
@@ -30,8 +30,8 @@ struct PolarParts {
   return hold;
 }
 
-/// Both parts, by Newton's method from a rotation `near`, which is two turns where R has changed little; where that
-/// does not lead to it, by nearest_rotation. What comes out depends on `near` by rounding alone.
+/// Both parts, by Newton's method from a rotation `near`, which takes two turns where R has changed little; where that
+/// does not lead to it, by nearest_rotation. The result depends on `near` by rounding alone.
 ///
 /// Real time: noexcept, no allocation, bounded.
 [[nodiscard]] PolarParts polar_parts(const Eigen::Matrix3d& deformation, const Eigen::Quaterniond& near) noexcept;

@@ -4,7 +4,7 @@
 
 namespace forcebound::server {
 
-/// How deep a sphere is at a place: that of the paraboloid which touches the sphere at its tip, along a direction.
+/// Depth of a sphere at a place: that of the paraboloid that touches the sphere at its tip, along a direction.
 struct SphereDepth {
   /// @param from_place_m to the sphere's centre
   /// @param direction unit, along which the sphere is held off

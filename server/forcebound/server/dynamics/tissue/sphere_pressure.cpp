@@ -12,16 +12,16 @@
 namespace forcebound::server {
 namespace {
 
-// What a triangle is cut into is this share of the sphere's radius across.
+// Size of a triangle's parts, as a share of the sphere's radius.
 constexpr double kAcross = 0.25;
 
-// Of the skin: deeper than that a sphere does not go by itself.
+// Share of the skin beyond which a sphere does not go by itself.
 constexpr double kDeepest = 0.75;
 
-// Of the skin: deeper than that no pressure is asked for, which has no limit there.
+// Share of the skin beyond which no pressure is computed: there it is unbounded.
 constexpr double kPressedMost = 0.99;
 
-// What the skin says at a depth, per area.
+// The skin's energy, pressure and stiffness at a depth, per area.
 struct Skin {
   double stiffness_Pa_per_m;
   double thickness_m;
@@ -97,7 +97,7 @@ void for_each_centroid(int divisions, const Do& act) noexcept {
   }
 }
 
-// Whether any of a triangle may be as near to a way as that.
+// Whether any part of a triangle may be within a distance of a segment.
 bool is_near(const Eigen::Matrix3d& corners_m, const scene::Point& from_m, const scene::Point& way_m,
              double reach_m) noexcept {
   const scene::Point middle_m = corners_m.rowwise().mean();
@@ -137,7 +137,7 @@ void PressedTriangles::clear() noexcept {
 }
 
 void PressedTriangles::add(int triangle, const Resistance& more) noexcept {
-  // A triangle that is pushed resists: what has no resistance yet has not been touched.
+  // A pushed triangle has a resistance: one without has not been touched yet.
   if (resistance[triangle].isZero(0)) touched[count++] = triangle;
   resistance[triangle] += more;
 }
@@ -194,7 +194,7 @@ void SpherePressure::add_resistance(const DeformedSurface& surface, const scene:
     PressedTriangles::Resistance resistance = PressedTriangles::Resistance::Zero();
     bool any = false;
     for_each_pushed(corners_m, cut.divisions, center_m, radius_m_, [&](const PushedPlace& place) {
-      // Along the push it resists; across it gives way, as whatever rests on a ball.
+      // Stiff along the push; negative across it, as for anything that rests on a ball.
       const double across = -cut.area_m2 * skin.pressure_Pa(place.depth_m) / place.away_m;
       const double along = cut.area_m2 * skin.steepness_Pa_per_m(place.depth_m);
       Eigen::Matrix3d here = (along - across) * place.outward * place.outward.transpose();
@@ -251,7 +251,7 @@ double SpherePressure::free_share(const DeformedSurface& surface, const scene::P
       if (!(towards_m2 > 0)) return;
       const double square_m2 = away_m.squaredNorm();
       const double near_m = nearest_m(std::sqrt(square_m2));
-      // Where the way meets the ball of that radius around the place.
+      // Where the segment meets the ball of that radius around the place.
       const double outside_m2 = square_m2 - near_m * near_m;
       const double root = towards_m2 * towards_m2 - way_m2 * outside_m2;
       if (outside_m2 <= 0) {
@@ -264,7 +264,7 @@ double SpherePressure::free_share(const DeformedSurface& surface, const scene::P
   return std::max(share, 0.0);
 }
 
-// The least distance from a place that the centre may go to by itself, from one that it has.
+// The least distance from a place to which the centre may move by itself, given its present one.
 double SpherePressure::nearest_m(double away_m) const noexcept {
   const double depth_m = std::max(radius_m_ - away_m, 0.0);
   return radius_m_ - std::min(0.5 * (depth_m + skin_m()), kDeepest * skin_m());

@@ -9,7 +9,7 @@
 
 namespace forcebound::server {
 
-/// How the triangles of a surface that spheres press resist motions of their corners [N/m], nine coordinates each.
+/// Resistance [N/m] of a surface's triangles under spheres to motions of their corners, nine coordinates each.
 struct PressedTriangles {
   using Resistance = Eigen::Matrix<double, 9, 9>;
 
@@ -36,15 +36,15 @@ struct PressedTriangles {
 ///     E(X, c) = sum over places q of  a_q k/2 d^2 / (1 - d/D),   d = max(0, R - |x_q - c|),   D = R/2
 ///     pressure k d (1 - d/2D) / (1 - d/D)^2,   second derivative along d:  k / (1 - d/D)^3
 ///
-/// with a_q the area that is the place's share at rest. No place comes nearer to the centre than R/2, since that would
-/// take more energy than there is. The places are the centroids of what a triangle is cut into, a quarter of R across
-/// at most, so that what is felt has a limit as triangles get smaller, and does not depend on where their corners are.
+/// with a_q the place's share of the area at rest. No place comes nearer to the centre than R/2, since that would take
+/// infinite energy. The places are the centroids of a triangle's parts, a quarter of R across at most, so that the
+/// force converges as triangles get smaller, and does not depend on where their corners are.
 ///
 /// Real time: all but the constructor is noexcept, allocates nothing, and passes once over the triangles and the places
 /// of those near the sphere. Immutable.
 class SpherePressure {
  public:
-  /// What would need more places on the surface, or more on each edge of a triangle, is refused.
+  /// Limits on places on the surface, and on each edge of a triangle; more are refused.
   static constexpr int kPlacesMax = 200'000;
   static constexpr int kDivisionsMax = 64;
 
@@ -75,13 +75,13 @@ class SpherePressure {
 
   [[nodiscard]] Touch touch(const DeformedSurface& surface, const scene::Point& center_m) const noexcept;
 
-  /// How deep the sphere is below the surface at rest along a direction, at the deepest of the places that push.
+  /// Depth of the sphere below the surface at rest along a direction, at the deepest of the places that push.
   /// @param normal unit
   [[nodiscard]] double depth_at_rest_m(const DeformedSurface& surface, const scene::Point& center_m,
                                        const scene::Point& normal) const noexcept;
 
   /// The share of the way from one centre to another that a sphere can go before a place would be much deeper in its
-  /// skin: half of what is left of that, or three quarters of all.
+  /// skin: half of what is left of the skin, or three quarters of all of it.
   [[nodiscard]] double free_share(const DeformedSurface& surface, const scene::Point& from_m,
                                   const scene::Point& to_m) const noexcept;
 

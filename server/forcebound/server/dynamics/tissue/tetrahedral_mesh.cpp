@@ -41,7 +41,7 @@ TetrahedralMesh::Triangle sorted(TetrahedralMesh::Triangle triangle) {
   return triangle;
 }
 
-// Of the two ways round a triangle, the one that an even permutation makes of the sorted one.
+// Whether the corners are an even permutation of the sorted ones.
 bool even(const TetrahedralMesh::Triangle& t) {
   return (t[0] < t[1] && t[1] < t[2]) || (t[1] < t[2] && t[2] < t[0]) || (t[2] < t[0] && t[0] < t[1]);
 }

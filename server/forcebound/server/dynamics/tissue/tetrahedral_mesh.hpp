@@ -10,7 +10,7 @@
 
 namespace forcebound::server {
 
-/// A body of linear tetrahedra and its surface, checked so that an elastic law can be put on it.
+/// A body of linear tetrahedra and its surface, checked for use with an elastic law.
 ///
 /// Every tetrahedron has a positive volume: one whose nodes are listed the other way round is turned and counted. Nodes
 /// that no tetrahedron uses are left out and counted. Triangles of the surface are counter-clockwise seen from outside.
@@ -21,7 +21,7 @@ class TetrahedralMesh {
   using Tetrahedron = std::array<int, 4>;
   using Triangle = std::array<int, 3>;
 
-  /// The height of the thinnest tetrahedron accepted, roughly: six times its volume over its longest edge's cube.
+  /// Thinnest tetrahedron accepted: six times its volume over its longest edge's cube.
   static constexpr double kFlat = 1e-6;
 
   /// @param placement where the soup's nodes lie in the scene

@@ -17,10 +17,10 @@ namespace {
 using text::rounded;
 using text::to_text;
 
-// Nodes that are lower than the highest by less than this share of the body's height are as high.
+// Nodes lower than the highest by less than this share of the body's height count as highest.
 constexpr double kAsHigh = 1e-3;
 
-// What a step costs, roughly.
+// Estimates of the cost of a step.
 constexpr double kPoint_ns = 500;
 constexpr double kSphere_ns = 2000;
 constexpr double kSphereTriangle_ns = 5;
@@ -34,7 +34,7 @@ constexpr double kPressedTriangle_ns = 500;
 constexpr double kPointDeep = 3;
 constexpr double kSphereDeep = 2;
 
-// A place on top: of the highest free nodes the one in the middle.
+// A place on top: the middle one of the highest free nodes.
 scene::Point top_of(const TetrahedralMesh& mesh, const std::vector<bool>& held) {
   double highest_m = -std::numeric_limits<double>::infinity();
   double lowest_m = std::numeric_limits<double>::infinity();
@@ -181,12 +181,12 @@ void TissueDynamicModel::describe(const CorotationalTissue& tissue, scene::Dynam
     describe(tissue, *tissue.pressure(), facts);
   } else {
     facts.lines.push_back("felt by a point, tied to the tissue by " + to_text(probe_.contact_stiffness_N_per_m) +
-                          " N/m: the most that is felt");
+                          " N/m: the largest stiffness");
   }
   const double deep = tissue.pressure() ? kSphereDeep : kPointDeep;
   facts.lines.push_back((tissue.pressure() ? "moving" : "sliding") + std::string(" deep takes about ") +
                         rounded(deep * facts.cost_ns * 1e-6) +
-                        " ms a motion of the 1 ms of a tick; what it has no time for it goes on with at the next one");
+                        " ms a motion of the 1 ms of a tick; iterations beyond it continue at the next one");
 }
 
 void TissueDynamicModel::describe(const CorotationalTissue& tissue, const SpherePressure& pressure,

@@ -10,7 +10,7 @@
 
 namespace forcebound::server {
 
-/// What is said of a soft tissue and of what touches it.
+/// Settings of a soft tissue and of its probe.
 struct TissueDescription {
   TetrahedralMesh mesh;
   ElasticMaterial material;
@@ -24,13 +24,13 @@ struct TissueDescription {
 
 /// Soft tissue, and probes on it.
 ///
-/// Quasi-static: a motion is answered by where the probe is, whatever the time. `move` does the step, `touch` returns
-/// what it came to.
+/// Quasi-static: the force depends on the probe's position, not on time. `move` does the step, `touch` returns its
+/// result.
 ///
 /// Immutable; states keep a reference to it and must not outlive it.
 class TissueDynamicModel final : public scene::DynamicModel {
  public:
-  /// @throws std::invalid_argument for a material, a probe or held nodes that make no sense, and for too stiff a
+  /// @throws std::invalid_argument for a material, an invalid probe or held node, and for too stiff a
   /// contact under large motion
   /// @throws std::runtime_error beginning with the mesh's name, for what LinearTissue, TissueModel or
   /// CorotationalTissue refuse

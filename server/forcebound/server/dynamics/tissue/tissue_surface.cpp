@@ -11,7 +11,7 @@
 namespace forcebound::server {
 namespace {
 
-// A share of a triangle's edges, below which places are the same.
+// Share of a triangle's edges below which two places count as one.
 constexpr double kSamePlace = 1e-9;
 
 int corner_of(const TissueSurface::Triangle& triangle, int node) noexcept {
@@ -153,12 +153,12 @@ std::optional<SurfacePlace> TissueSurface::entry(const scene::Point& from_m, con
     const scene::Point outward = ab.cross(ac);
     const double fall = -way.dot(outward);
     const double height = (from_m - a).dot(outward);
-    // A way that begins on the surface may begin just below it, by rounding.
+    // A segment that begins on the surface may begin just below it, by rounding.
     if (!(fall > 0) || height < -kSamePlace * outward.norm() * ab.norm() || height > first_share * fall) continue;
     const scene::Point turned = (from_m - a).cross(way);
     const double on_b = ac.dot(turned) / fall;
     const double on_c = -ab.dot(turned) / fall;
-    // A little wider than the triangle, lest a way through an edge slip between two.
+    // A little wider than the triangle, so that a segment through an edge hits one of the two.
     if (on_b < -kSamePlace || on_c < -kSamePlace || on_b + on_c > 1 + kSamePlace) continue;
     const scene::Point weight = scene::Point(1 - on_b - on_c, on_b, on_c).cwiseMax(0);
     first = SurfacePlace{.triangle = t, .weight = weight / weight.sum()};
@@ -176,7 +176,7 @@ TissueSurface::Nearest TissueSurface::nearest(const scene::Point& point_m) const
     const scene::Point away = point_m - at(here);
     const double distance_m = away.norm();
     const double over_m = away.dot(triangle_normal(t));
-    // Of triangles equally near, around a corner, the one that faces the point most tells on which side it is.
+    // Of triangles equally near, around a corner, the one that faces the point most decides the side.
     const double same_m = kSamePlace * (corner_m(t, 1) - corner_m(t, 0)).norm();
     const bool nearer = t == 0 || distance_m < nearest_m - same_m;
     const bool as_near = distance_m <= nearest_m + same_m && std::abs(over_m) > std::abs(nearest.height_m);

@@ -88,7 +88,7 @@ TEST(BodyDynamicModel, JudgesTheCouplingByTheApparentMass) {
   EXPECT_EQ(refusal(kLightRoot, "root", 41e3),
             "a.xml: the probe's coupling of 41000 N/m and 0 N s/m is unstable with an apparent mass of 0.01 kg in "
             "steps of 0.001 "
-            "s (1.03 of what is stable): take a softer one, a heavier probe or shorter steps");
+            "s (1.03 of what is stable): use a softer one, a heavier probe or shorter steps");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ std::string error_of(const BodiesDescription& description) {
   return "no error";
 }
 
-TEST(BodyDynamicModel, ProbeAtRestInFreeSpaceFeelsNothing) {
+TEST(BodyDynamicModel, AProbeAtRestInFreeSpaceHasNoForce) {
   const BodyDynamicModel dynamic_model({.bodies = {floor_plate()}}, "test");
   const auto state = dynamic_model.make_state(1);
   EXPECT_LT(Hand(*state).rest_at({0, 0, 0.1}, 200).force_N.norm(), 1e-9);
@@ -48,7 +48,7 @@ TEST(BodyDynamicModel, ProbePressedIntoTheFloorFeelsTheCouplingsSpring) {
   EXPECT_NEAR(touch.penetration_m, 0.004, 1e-4);
 }
 
-TEST(BodyDynamicModel, LiftedCubeWeighsWhatItWeighs) {
+TEST(BodyDynamicModel, ALiftedCubeHasItsWeight) {
   // Held from below, without a floor: the hand feels the weight.
   const BodyDynamicModel dynamic_model({.bodies = {cube(0.1, {0, 0, 0.0245})}, .probe = {.radius_m = 0.004}}, "test");
   const auto state = dynamic_model.make_state(1);
@@ -177,7 +177,7 @@ TEST(BodyDynamicModel, AnUnstableCouplingIsRefusedWithTheNumbers) {
   EXPECT_EQ(error_of(stiff),
             "scene.toml: bodies: the probe's coupling of 5000 N/m and 0 N s/m is unstable with an apparent mass of "
             "0.001 kg in "
-            "steps of 0.001 s (1.25 of what is stable): take a softer one, a heavier probe or shorter steps");
+            "steps of 0.001 s (1.25 of what is stable): use a softer one, a heavier probe or shorter steps");
 }
 
 TEST(BodyDynamicModel, MjcfIsDraggedByItsProbe) {
@@ -230,10 +230,11 @@ TEST(BodyDynamicModel, RefusesMjcfThatIsUnstableByItselfAndSaysWhatHelps) {
     const double stiffness_N_per_m = h2_k_over_m * 0.05 / (0.002 * 0.002);
     return peg_on("name='rail' type='slide' stiffness='" + std::to_string(stiffness_N_per_m) + "'");
   };
-  EXPECT_THAT(refusal_of_mjcf("", spring(4.8)),
-              AllOf(StartsWith("peg.xml: joint 'rail' is at "), HasSubstr(" steps of 0.002 s, left alone but for a"),
-                    HasSubstr("take a shorter timestep, softer springs and actuators, or for strong damping the "
-                              "integrator implicit")));
+  EXPECT_THAT(
+      refusal_of_mjcf("", spring(4.8)),
+      AllOf(StartsWith("peg.xml: joint 'rail' is at "), HasSubstr(" steps of 0.002 s after a small disturbance"),
+            HasSubstr("use a shorter timestep, softer springs and actuators, or for strong damping the "
+                      "integrator implicit")));
   // With the coupling's spring of 0.05 and its damper of twice 0.16 it is stable up to 3.63.
   EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", spring(3.7)), StartsWith("peg.xml: joint 'rail' is at "));
   EXPECT_EQ(refusal_of_mjcf("", spring(3.5)), "accepted");
@@ -334,7 +335,7 @@ TEST(BodyDynamicModel, PredictsAsManyStepsAsAMotionTakes) {
   EXPECT_EQ(cost_ns(5e-3), cost_ns(1e-3)) << "the motion that takes the step takes all of it";
 }
 
-TEST(BodyDynamicModel, StateThatIsNoNumberAnyMoreIsSaidAndWritesNoLogFile) {
+TEST(BodyDynamicModel, AStateThatIsNotFiniteIsReportedAndWritesNoLogFile) {
   const bool before = std::filesystem::exists("MUJOCO_LOG.TXT");
   const BodyDynamicModel dynamic_model({.bodies = {floor_plate()}}, "test");
   const auto state = dynamic_model.make_state(1);

@@ -80,10 +80,11 @@ TEST(MakeData, GivesMuJoCosReason) {
   const ModelPointer model = compile_mjcf(kBall, "ball.xml");
   const ModelPointer narrow = copy_of(*model);
   narrow->nstack = 10;
-  EXPECT_EQ(error_of([&] { return make_data(*narrow); }), "MuJoCo cannot compute where bodies are: Stack overflow");
+  EXPECT_EQ(error_of([&] { return make_data(*narrow); }),
+            "MuJoCo cannot compute the bodies' positions: Stack overflow");
 }
 
-TEST(Step, ThatMuJoCoGivesUpIsFalse) {
+TEST(Step, ThatFailsInMuJoCoReturnsFalse) {
   const ModelPointer model = compile_mjcf(kBall, "ball.xml");
   const DataPointer data = make_data(*model);
   EXPECT_TRUE(step(*model, *data));

@@ -58,7 +58,7 @@ TEST(SolveContacts, SaysWhatIsLeftWhenTheBudgetEnds) {
   EXPECT_NEAR(found.residual_m, 2, 1e-15);
 }
 
-TEST(SolveContacts, NothingIsNothing) {
+TEST(SolveContacts, WithoutContactsHasNoForce) {
   EXPECT_EQ(solve_contacts(ContactMatrix(0, 0), ContactVector(0), kPlenty).force_N.size(), 0);
 }
 

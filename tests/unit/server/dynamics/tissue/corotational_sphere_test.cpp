@@ -232,7 +232,7 @@ TEST_F(HardPress, ALeapFourRadiiDeepIsPushedOutAsIfItHadComeSlowly) {
   comes_to_rest();
 }
 
-TEST_F(HardPress, WhoBeginsInsideIsPushedOutBeginningAtTheSurface) {
+TEST_F(HardPress, AProbeThatBeginsInsideIsPushedOut) {
   TissueResult result;
   for (int n = 0; n < 60; ++n) {
     result = felt.step(above(0.012));
@@ -342,7 +342,7 @@ TEST(CorotationalSphere, DoesNotAllocate) {
   EXPECT_GT(world.seat(1).result.contacts, 0);
 }
 
-TEST(CorotationalSphere, RefusesASkinThatIsTooStiffAndARadiusThatIsNone) {
+TEST(CorotationalSphere, RefusesASkinThatIsTooStiffAndAnInvalidRadius) {
   EXPECT_THROW(pad({.radius_m = -1}), std::invalid_argument);
   EXPECT_THROW(pad({.radius_m = kRadius_m, .contact_stiffness_Pa_per_m = 1e9}), std::invalid_argument);
   EXPECT_THROW(pad({.radius_m = kRadius_m, .contact_stiffness_Pa_per_m = -1}), std::invalid_argument);

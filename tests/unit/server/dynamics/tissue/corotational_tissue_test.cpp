@@ -198,7 +198,7 @@ CorotationalTissue strip_tissue() {
   return {std::move(mesh), {.young_Pa = 20000, .poisson = 0.3}, held, {.contact_stiffness_N_per_m = 1e4}};
 }
 
-TEST(CorotationalTissue, WhoWithdrawsFasterThanTheTieIsStretchedIsNotLetGoUntilTheSurface) {
+TEST(CorotationalTissue, AFastWithdrawalReleasesTheTieOnlyAtTheSurface) {
   const CorotationalTissue tissue = strip_tissue();
   for (const double step_m : {5e-6, 2e-5, 5e-5, 3e-4}) {
     SCOPED_TRACE(step_m);
@@ -272,7 +272,7 @@ TEST(CorotationalTissue, DoesNotAllocate) {
   EXPECT_EQ(result.contacts, 1);
 }
 
-TEST(CorotationalTissue, RefusesWhatNothingHoldsAndOptionsThatAreNone) {
+TEST(CorotationalTissue, RefusesTissueThatNothingHoldsAndInvalidOptions) {
   const TetrahedralMesh mesh(tetrahedra_of({.cubes = {2, 2, 2}}));
   EXPECT_THROW(CorotationalTissue(mesh, kSoft, {}, {}), std::runtime_error);
   EXPECT_THROW(CorotationalTissue(mesh, {.young_Pa = 1, .poisson = 0.5}, {0, 1, 3}, {}), std::invalid_argument);

@@ -114,7 +114,7 @@ TEST(Elasticity, AveragingTheChangeOfVolumeNeverMakesStiffer) {
   EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-12 * eigen.eigenvalues().maxCoeff());
 }
 
-TEST(ElasticMaterial, RefusesWhatNoMaterialIs) {
+TEST(ElasticMaterial, RefusesInvalidMaterials) {
   EXPECT_NO_THROW((ElasticMaterial{.young_Pa = 1, .poisson = 0.4999}.check()));
   EXPECT_NO_THROW((ElasticMaterial{.young_Pa = 1, .poisson = -0.5}.check()));
   for (const double poisson : {0.5, 0.7, -1.0, std::nan("")}) {

@@ -94,7 +94,7 @@ TEST(GmshFile, RefusesNodesThatAreNotThereOrTwice) {
   EXPECT_EQ(refusal(kOldFormat), "part.msh:3: the file ends without nodes: expected a section $Nodes");
 }
 
-TEST(GmshFile, RefusesNumbersThatAreNone) {
+TEST(GmshFile, RefusesInvalidNumbers) {
   EXPECT_EQ(refusal(kOldFormat + "$Nodes\n1\n1 0 nan 0\n"),
             "part.msh:6: '1 0 nan 0': expected node 1 of 1: its number and x y z");
   EXPECT_EQ(refusal(kOldFormat + "$Nodes\n1\n-1 0 0 0\n"),

@@ -79,7 +79,7 @@ TEST(LinearTissue, CompressesAPointOfASliverAsItsClosedFormSays) {
   }
 }
 
-TEST(LinearTissue, RefusesWhatNothingHolds) {
+TEST(LinearTissue, RefusesTissueThatNothingHolds) {
   const auto held_by = [](const std::vector<int>& nodes) -> std::string {
     try {
       const LinearTissue tissue(TetrahedralMesh(tetrahedra_of({.cubes = {2, 2, 2}})), {.young_Pa = 1, .poisson = 0.3},
@@ -91,7 +91,7 @@ TEST(LinearTissue, RefusesWhatNothingHolds) {
   };
   constexpr const char* kRefusal =
       "block: the held nodes leave the tissue free to move or to turn: hold at least three nodes, not in a line, of "
-      "each part that hangs together";
+      "each connected part";
   EXPECT_EQ(held_by({}), kRefusal);
   EXPECT_EQ(held_by({5}), kRefusal);
   EXPECT_EQ(held_by({0, 1, 2}), kRefusal) << "in a line";
@@ -101,7 +101,7 @@ TEST(LinearTissue, RefusesWhatNothingHolds) {
   EXPECT_EQ(held_by(all), "block: all nodes are held: expected some that can move");
 }
 
-TEST(LinearTissue, RefusesAPartThatHangsOnNothing) {
+TEST(LinearTissue, RefusesAPartThatIsNotHeld) {
   TetrahedralSoup soup = tetrahedra_of({});
   for (const TetrahedralSoup& other : {tetrahedra_of({.from_m = {0.05, 0, 0}})}) {
     for (auto tetrahedron : other.tetrahedra) {

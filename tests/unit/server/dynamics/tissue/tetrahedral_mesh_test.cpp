@@ -88,7 +88,7 @@ TEST(TetrahedralMesh, RefusesAFlatTetrahedronByFileAndLine) {
   EXPECT_THAT(refusal(soup), testing::StartsWith("one.msh:14: tetrahedron 1 is flat"));
 }
 
-TEST(TetrahedralMesh, RefusesNumbersThatAreNone) {
+TEST(TetrahedralMesh, RefusesInvalidNumbers) {
   TetrahedralSoup soup = one_tetrahedron();
   soup.nodes[2][1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refusal(soup), "one.msh:14: tetrahedron 1 has a node that is not finite");

@@ -169,7 +169,7 @@ TEST(TissueDynamicModel, CountsWhatItCouldNotDo) {
   EXPECT_GT(state->faults().not_converged, 0U);
 }
 
-TEST(TissueDynamicModel, AUntrustedClientsNonsenseBreaksNothing) {
+TEST(TissueDynamicModel, InvalidMotionsOfAnUntrustedClientBreakNothing) {
   for (const TissueDynamicModel& dynamic_model : blocks()) {
     const auto state = dynamic_model.make_state(2);
     const int seat = state->join();
@@ -199,7 +199,7 @@ TEST(TissueDynamicModel, HasAsManySeatsAsItWasTold) {
   }
 }
 
-TEST(TissueDynamicModel, RefusesWhatMakesNoSense) {
+TEST(TissueDynamicModel, RefusesInvalidSettings) {
   const auto refusal = [](const ProbeOptions& probe, bool large_motion) -> std::string {
     try {
       static_cast<void>(block(probe, large_motion));
@@ -235,7 +235,7 @@ TEST(TissueDynamicModel, DoesNotAllocate) {
   }
 }
 
-TEST(TissueDynamicModel, TheLiverIsFelt) {
+TEST(TissueDynamicModel, TheLiverPushesBack) {
   const auto path = test::recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   for (const bool large_motion : {false, true}) {

@@ -208,7 +208,7 @@ TEST(LinearTissueWorld, LeavingTakesTheLoadAway) {
   }
 }
 
-TEST(LinearTissueWorld, InTheOthersDimpleThereIsNothingToFeelUntilTheOtherGoes) {
+TEST(LinearTissueWorld, APlaceMovedAwayByAnotherProbeHasNoForceUntilThatLeaves) {
   for (const TissueModel& model : models()) {
     SCOPED_TRACE(model.options().radius_m);
     const double beside_m = 0.004 + 0.5 * model.options().radius_m;
@@ -262,7 +262,7 @@ Work go_round(const TissueModel& model, int steps) {
   return work;
 }
 
-TEST(LinearTissueWorld, TwoHandsGoingRoundGetNoMoreThanTheyGave) {
+TEST(LinearTissueWorld, TwoHandsInLoopsGetNoMoreEnergyThanTheyGave) {
   for (const TissueModel& model : models()) {
     SCOPED_TRACE(model.options().radius_m);
     const Work work = go_round(model, 4000);
@@ -274,7 +274,7 @@ TEST(LinearTissueWorld, TwoHandsGoingRoundGetNoMoreThanTheyGave) {
   }
 }
 
-TEST(LinearTissueWorld, ThreeHandsAtRandomNeverHaveMoreOfItThanIsLeft) {
+TEST(LinearTissueWorld, ThreeRandomHandsExtractNoMoreEnergyThanIsStored) {
   for (const TissueModel& model : models()) {
     SCOPED_TRACE(model.options().radius_m);
     LinearTissueWorld world(model, 3);

@@ -84,7 +84,7 @@ TEST_F(AccuracyCommandTest, SweepsAlsoWhatIsOfTheSession) {
   EXPECT_EQ(result["settings"][0]["behind"].back()["bounding"]["alone"], 0);
 }
 
-TEST_F(AccuracyCommandTest, RefusesAMotionThatIsNoneAndOptionsThatARecordedHandHasNot) {
+TEST_F(AccuracyCommandTest, RefusesAnUnknownMotionAndOptionsThatARecordedHandLacks) {
   EXPECT_THAT(refusal_of({"--motion", "wave"}), HasSubstr("press, slide or replay:FILE.csv, got 'wave'"));
   EXPECT_THAT(refusal_of({"--motion", "replay:h.csv", "--depth", "0.1"}), HasSubstr("recorded hand"));
 }

@@ -67,7 +67,7 @@ TEST(BodyTrouble, SaysWhatBrokeAnInvariant) {
   const BodyRecord good = *run("", pressing(300)).bodies;
   BodyRecord bad = good;
   bad.gained_J = 0.05 * good.turned_over_J + 0.01 * good.weight_J + 0.001;
-  EXPECT_THAT(body_trouble(bad, good), HasSubstr(" mJ that nothing put in"));
+  EXPECT_THAT(body_trouble(bad, good), HasSubstr(" mJ of energy from nowhere"));
   bad.is_driven = true;
   EXPECT_EQ(body_trouble(bad, good), "") << "an actuator may put in what it likes";
   bad = good;

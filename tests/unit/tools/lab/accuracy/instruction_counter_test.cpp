@@ -5,10 +5,10 @@
 namespace forcebound::lab {
 namespace {
 
-TEST(InstructionCounter, CountsWhatWasDoneWhereTheKernelLetsUs) {
+TEST(InstructionCounter, CountsInstructionsWhereTheKernelPermitsIt) {
   const InstructionCounter counter;
   const auto before = counter.count();
-  if (!before) GTEST_SKIP() << "the kernel does not let us count instructions here";
+  if (!before) GTEST_SKIP() << "the kernel does not permit counting instructions here";
   constexpr int kTurns = 100000;
   volatile int sink = 1;
   for (int i = 0; i < kTurns; ++i) sink = sink + 1;

@@ -51,9 +51,9 @@ TEST_F(StudyOfAMesh, TakesTheFilesOwnTrianglesAsExactAndIsWrongerForEachThatIsGo
   EXPECT_EQ(what_does_not_matter(result), "") << "nothing hides the coarsest behind 1 ms";
 }
 
-TEST_F(StudyOfAMesh, SaysThatDetailDoesNotMatterBesideTheAgeOfALongWay) {
+TEST_F(StudyOfAMesh, SaysThatDetailIsNegligibleBesideALongDelay) {
   EXPECT_THAT(what_does_not_matter(study(0.05, "0.2,1")),
-              HasSubstr("object.ball.shape.detail does not matter beside the network's age behind every round trip"));
+              HasSubstr("object.ball.shape.detail is negligible beside the network's age behind every round trip"));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(StudyOfASession, HasARowForEachLawWhosePartsAddUp) {
   EXPECT_GT(error_of(result, 2).bounding.alone, 0.1);
 }
 
-TEST(StudyOfASession, ForcesThatFadeBeforeTheyComeAreTheHoldsFault) {
+TEST(StudyOfASession, ForcesThatFadeBeforeTheyArriveAddToTheHold) {
   const StudyResult result = swept(0.05, "hold_ms=250,0");
   EXPECT_LT(error_of(result, 0).hold.alone, 0.2);
   EXPECT_GT(error_of(result, 1).hold.alone, error_of(result, 0).hold.alone + 0.01);
@@ -58,7 +58,7 @@ TEST(StudyOfASession, AServerThatAnswersRarelyIsWrongForItsAgeAndHold) {
   EXPECT_GT(error_of(result, 0).total, 3 * error_of(result, 1).total);
 }
 
-TEST(StudyOfASession, SaysOnceWhatIsOfTheScene) {
+TEST(StudyOfASession, PrintsTheScenesResultsOnce) {
   const StudyResult result = swept(0.001, "law=none,fba-exact");
   const std::string text = to_text(result);
   EXPECT_THAT(text, AllOf(HasSubstr("the scene itself"), HasSubstr("(all)"), HasSubstr("Session: law none")));
@@ -101,7 +101,7 @@ class StudyOfARecordedHand : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(StudyOfARecordedHand, PlaysItInEveryRun) {
+TEST_F(StudyOfARecordedHand, IsUsedInEveryRun) {
   const StudyResult result = carry_out(by(recording("-0.005")), EvenClock());
   EXPECT_THAT(result.hand, HasSubstr("hand.csv"));
   EXPECT_NEAR(result.settings[0].at_states.force, 0.5, 1e-9);

@@ -45,7 +45,7 @@ TEST(StudyMarkdown, SaysWhatFailedAndNeverCallsItTheBest) {
   EXPECT_THAT(to_markdown(to_json(result)), HasSubstr("| 1 | 20 | 20 % | **40 %** | **50 %** |\n"));
 }
 
-TEST(StudyMarkdown, CallsNoSettingOfASessionTheBestThatGaveEnergyAway) {
+TEST(StudyMarkdown, NeverCallsASettingBestThatIsNotPassive) {
   StudyResult result = two_settings();
   result.same_scene = true;
   result.settings[1].behind[0].passivity_minimum_J = -0.01;

@@ -50,7 +50,7 @@ TEST(BestSetting, OfASessionIsPassive) {
   EXPECT_THAT(recommendation(result), HasSubstr("nothing that worked and stayed passive"));
 }
 
-TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreLostInTheAge) {
+TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreNegligibleBesideTheAge) {
   StudyResult result{
       .key = "detail", .hand = "", .reference_why = "", .settings = {setting(10, {1, 1}), setting(20, {1, 1})}};
   const auto set = [&](std::size_t which, std::size_t network, double model) {
@@ -63,7 +63,7 @@ TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreLostInTheAge) {
     set(1, network, 0.01);
   }
   EXPECT_EQ(what_does_not_matter(result),
-            "detail does not matter beside the network's age behind every round trip: the model's part of every "
+            "detail is negligible beside the network's age behind every round trip: the model's part of every "
             "setting is at most 8 % of the age's (the line is 10 %)\n");
   set(0, 0, 0.06);
   EXPECT_THAT(what_does_not_matter(result), HasSubstr("behind 50 ms: "));
@@ -82,7 +82,7 @@ Study wall(double round_trip_s) {
   return study;
 }
 
-TEST(CarryOut, BehindANetworkThatIsNoneOnlyTheModelIsWrong) {
+TEST(CarryOut, WithoutANetworkOnlyTheModelHasAnError) {
   const StudyResult result = carry_out(wall(0), EvenClock());
   ASSERT_EQ(result.settings.size(), 3U);
   EXPECT_NEAR(result.settings[0].at_states.force, 0.5, 1e-9);
@@ -113,7 +113,7 @@ TEST(CarryOut, NamesTheHandThatTheFiguresHoldFor) {
   EXPECT_THAT(other.assumptions, HasSubstr("slides 30 mm to and fro, 6 mm below"));
 }
 
-TEST(CarryOut, BehindALongerWayTheAgeIsMoreThanTheModel) {
+TEST(CarryOut, WithALongDelayTheAgesPartExceedsTheModels) {
   const DeviceError near = carry_out(wall(0.001), EvenClock()).settings[1].behind[0].error;
   const DeviceError far = carry_out(wall(0.05), EvenClock()).settings[1].behind[0].error;
   EXPECT_GT(near.model.share, near.age.share);
@@ -122,7 +122,7 @@ TEST(CarryOut, BehindALongerWayTheAgeIsMoreThanTheModel) {
   EXPECT_GE(far.least_age, std::chrono::milliseconds(50));
 }
 
-TEST(CarryOut, AServerThatIsAskedRarelyIsTheHoldsFault) {
+TEST(CarryOut, AServerAtALowRateAddsToTheHold) {
   Study rare = wall(0);
   rare.session.server_rate_Hz = 50;
   const auto behind = carry_out(rare, EvenClock()).settings[2].behind[0];

@@ -21,7 +21,7 @@ TEST(ParseSweep, SeparatesAtCommasOutsideOfBracketsAndQuotes) {
   EXPECT_THAT(parse_sweep("a='x,y',{ b = 1, c = 2 }").values, ElementsAre("'x,y'", "{ b = 1, c = 2 }"));
 }
 
-TEST(ParseSweep, RefusesWhatIsNone) {
+TEST(ParseSweep, RefusesInvalidText) {
   EXPECT_THROW((void)parse_sweep("a"), std::invalid_argument);
   EXPECT_THROW((void)parse_sweep("=1"), std::invalid_argument);
   EXPECT_THROW((void)parse_sweep("a="), std::invalid_argument);

@@ -45,7 +45,7 @@ TEST(FreeDevice, LosesStabilityAtTheFormulaWithinOnePercent) {
   EXPECT_FALSE(free_device_is_stable("wall-1dof", 1.01 * limit));
 }
 
-TEST(PressedWall, IsNeverUnstableWhereTheoryPromisesPassivity) {
+TEST(PressedWall, IsNeverUnstableWithinTheTheorysLimit) {
   for (const double delay_s : {0.0, 1e-3, 10e-3}) {
     const double promised = theory_limits("wall-1dof", delay_s).delayed_N_per_m;
     for (const PressingHand& hand : pressing_hands()) {

@@ -14,17 +14,17 @@ namespace {
 
 using testing::HasSubstr;
 
-PlayedTrial trial(Conditions conditions, double least_P_J, double shown_N_per_m) {
-  PlayedTrial played{.contest = {.task = task_of("wall"),
-                                 .stiffness_N_per_m = 10e3,
-                                 .network = network_of("none"),
-                                 .conditions = conditions},
+TrialRun trial(Conditions conditions, double least_P_J, double shown_N_per_m) {
+  TrialRun trial_run{.setup = {.task = task_of("wall"),
+                               .stiffness_N_per_m = 10e3,
+                               .network = network_of("none"),
+                               .conditions = conditions},
                      .trial = {}};
-  played.trial.passivity_minimum_J = least_P_J;
-  played.trial.shown_N_per_m = shown_N_per_m;
-  played.trial.error = 0.25;
-  played.trial.calm = shown_N_per_m > 5e3;
-  return played;
+  trial_run.trial.passivity_minimum_J = least_P_J;
+  trial_run.trial.shown_N_per_m = shown_N_per_m;
+  trial_run.trial.error = 0.25;
+  trial_run.trial.calm = shown_N_per_m > 5e3;
+  return trial_run;
 }
 
 ComparisonResult two_laws() {
@@ -57,7 +57,7 @@ TEST(Standings, AreWorstPAndMediansOfTheRest) {
   EXPECT_DOUBLE_EQ(law.at("behind").at(0).at("error"), 0.25);
 }
 
-TEST(Standings, TellWhoRefusesTheDevice) {
+TEST(Standings, NameTheLawsThatRefuseTheDevice) {
   EXPECT_THAT(to_text(standings(two_laws())), HasSubstr("fba-more     refuses: law 'fba-more': no\n"));
   EXPECT_THAT(to_csv(two_laws()), HasSubstr(",\"law 'fba-more': no\"\n"));
 }
@@ -70,7 +70,7 @@ TEST(Standings, TellTheStiffestWallUnderEachHand) {
 TEST(Standings, AreARowOfTheReadmeForEachLawThatPlayed) {
   EXPECT_THAT(
       comparison_markdown(standings(two_laws())),
-      HasSubstr("| law | least P ideal [mJ] | least P real [mJ] | at rest | shown, none | E_dev, none | work [ns] |\n"
+      HasSubstr("| law | least P ideal [mJ] | least P real [mJ] | at rest | shown, none | E_dev, none | time [ns] |\n"
                 "| --- | --- | --- | --- | --- | --- | --- |\n"
                 "| `none` | 0 | -500 | 66.7 % | 80 % | 25 % | 50 |\n"));
 }
@@ -83,14 +83,14 @@ TEST(Comparison, PlaysEveryLawOnEverythingWithTheSameEffort) {
                                     .effort = 2};
   std::size_t last = 0;
   const ComparisonResult result =
-      play_all(settings, time::SteadyClock(), [&](std::size_t done, std::size_t) { last = done; });
+      run_comparison(settings, time::SteadyClock(), [&](std::size_t done, std::size_t) { last = done; });
   ASSERT_EQ(result.laws.size(), 2U);
   EXPECT_EQ(last, 2 * (2U + 8U));
   EXPECT_EQ(result.laws[0].tuned[0].tuning.tried, 0) << "has nothing to choose";
   EXPECT_EQ(result.laws[1].tuned[0].tuning.tried, 2);
   for (const LawInComparison& law : result.laws) {
     EXPECT_EQ(law.trials.size(), 8U);
-    for (const PlayedTrial& played : law.trials) EXPECT_GT(played.trial.force_N_mean, 0) << law.law;
+    for (const TrialRun& trial_run : law.trials) EXPECT_GT(trial_run.trial.force_N_mean, 0) << law.law;
     EXPECT_GT(law.work_ns, 0);
   }
 }
@@ -101,7 +101,8 @@ TEST(Comparison, PassesOnWhatALawRefuses) {
                                     .networks = {network_of("none")},
                                     .stiffnesses_N_per_m = {10e3},
                                     .effort = 1};
-  EXPECT_THROW((void)play_all(settings, time::SteadyClock(), [](std::size_t, std::size_t) {}), std::invalid_argument);
+  EXPECT_THROW((void)run_comparison(settings, time::SteadyClock(), [](std::size_t, std::size_t) {}),
+               std::invalid_argument);
 }
 
 TEST(Page, QuotesTheCommittedComparisonAndNoOther) {

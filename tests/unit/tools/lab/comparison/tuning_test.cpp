@@ -8,7 +8,7 @@
 namespace forcebound::lab {
 namespace {
 
-TEST(Score, IsTheErrorAtTheDeviceAndMoreForWhatMustNotBe) {
+TEST(Score, IsTheErrorAtTheDevicePlusPenalties) {
   Trial trial;
   trial.error = 0.3;
   trial.calm = true;
@@ -23,7 +23,7 @@ TEST(Score, IsTheErrorAtTheDeviceAndMoreForWhatMustNotBe) {
   EXPECT_EQ(score(trial), std::numeric_limits<double>::infinity());
 }
 
-std::vector<Contest> one_wall() {
+std::vector<TrialSetup> one_wall() {
   return {{.task = task_of("wall"), .stiffness_N_per_m = 10e3, .network = network_of("none")}};
 }
 

@@ -1,4 +1,4 @@
-#include "tests/tools/lab/comparison/contest.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 
 #include <array>
 #include <chrono>
@@ -66,17 +66,17 @@ StandardNetworks standard_networks() {
   return standard;
 }
 
-sim::ClosedLoop::Settings settings_of(const Contest& contest) {
-  const Experiment experiment{.name = contest.task.scene,
-                              .device = contest.task.device,
-                              .hand = contest.task.hand,
-                              .stiffness_N_per_m = contest.stiffness_N_per_m,
-                              .duration_s = contest.task.duration_s,
-                              .settle_s = contest.task.settle_s};
-  sim::ClosedLoop::Settings settings = experiment.settings(contest.law);
-  settings.device = device::load_device(contest.task.device);
+sim::ClosedLoop::Settings settings_of(const TrialSetup& setup) {
+  const Experiment experiment{.name = setup.task.scene,
+                              .device = setup.task.device,
+                              .hand = setup.task.hand,
+                              .stiffness_N_per_m = setup.stiffness_N_per_m,
+                              .duration_s = setup.task.duration_s,
+                              .settle_s = setup.task.settle_s};
+  sim::ClosedLoop::Settings settings = experiment.settings(setup.law);
+  settings.device = device::load_device(setup.task.device);
   control::DeviceFacts& facts = settings.device.facts;
-  if (contest.conditions == Conditions::ideal) {
+  if (setup.conditions == Conditions::ideal) {
     facts.encoder_step.setZero();
     facts.actuator_step.setZero();
     facts.latency_s = 0;
@@ -84,9 +84,9 @@ sim::ClosedLoop::Settings settings_of(const Contest& contest) {
     facts.latency_s = kRealLatency_s;
     settings.timing = {.measured = true, .choosing_max = kRealChoosing};
   }
-  settings.law_options.parameters = contest.parameters;
-  settings.network = contest.network.settings;
-  settings.network.seed = settings.seed = contest.seed;
+  settings.law_options.parameters = setup.parameters;
+  settings.network = setup.network.settings;
+  settings.network.seed = settings.seed = setup.seed;
   return settings;
 }
 

@@ -1,4 +1,4 @@
-#include "tests/tools/lab/comparison/contest.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace forcebound::lab {
 namespace {
 
-Contest wall(Conditions conditions) {
+TrialSetup wall(Conditions conditions) {
   return {.task = task_of("wall"),
           .stiffness_N_per_m = 10e3,
           .network = network_of("none"),
@@ -18,7 +18,7 @@ Contest wall(Conditions conditions) {
           .law = "none"};
 }
 
-TEST(Contest, KnowsThePapersScenes) {
+TEST(TrialSetup, KnowsThePapersScenes) {
   EXPECT_EQ(task_of("sphere").device, "cartesian-3dof");
   EXPECT_EQ(task_of("sphere", "omni").device, "omni");
   try {
@@ -29,7 +29,7 @@ TEST(Contest, KnowsThePapersScenes) {
   }
 }
 
-TEST(Contest, DoesTheSameToBothWays) {
+TEST(TrialSetup, DoesTheSameToBothWays) {
   const NamedNetwork network = network_of("delay 10ms loss 5%");
   EXPECT_EQ(network.settings.up, network.settings.down);
   EXPECT_EQ(network.settings.up.delay.mean, time::from_seconds(10e-3));
@@ -37,7 +37,7 @@ TEST(Contest, DoesTheSameToBothWays) {
   EXPECT_THROW((void)network_of("trace:/nowhere.csv"), std::runtime_error);
 }
 
-TEST(Contest, HasAnIdealDeviceAndARealOne) {
+TEST(TrialSetup, HasAnIdealDeviceAndARealOne) {
   const auto ideal = settings_of(wall(Conditions::ideal));
   EXPECT_TRUE(ideal.device.facts.encoder_step.isZero(0));
   EXPECT_EQ(ideal.device.facts.latency_s, 0);
@@ -49,7 +49,7 @@ TEST(Contest, HasAnIdealDeviceAndARealOne) {
 }
 
 TEST(Trial, ShowsASoftWallAsItIs) {
-  const Trial trial = play(wall(Conditions::ideal));
+  const Trial trial = run_trial(wall(Conditions::ideal));
   EXPECT_NEAR(trial.shown_N_per_m, 10e3, 10);
   EXPECT_TRUE(trial.calm);
   EXPECT_EQ(trial.drift_m, 0);
@@ -58,44 +58,44 @@ TEST(Trial, ShowsASoftWallAsItIs) {
   EXPECT_NEAR(trial.restlessness, 0, 1e-6);
 }
 
-TEST(Trial, SeesWhatHappensWithoutALawBehindADelay) {
-  Contest contest = wall(Conditions::ideal);
-  contest.network = network_of("delay 50ms");
-  const Trial trial = play(contest);
+TEST(Trial, FindsTheLoopActiveWithoutALawBehindADelay) {
+  TrialSetup setup = wall(Conditions::ideal);
+  setup.network = network_of("delay 50ms");
+  const Trial trial = run_trial(setup);
   EXPECT_LT(trial.passivity_minimum_J, -1);
   EXPECT_FALSE(trial.calm);
   EXPECT_GT(trial.restlessness, 0.5);
   EXPECT_GT(trial.error, 0.5);
-  contest.law = "fba-exact";
-  EXPECT_GE(play(contest).passivity_minimum_J, -1e-9);
+  setup.law = "fba-exact";
+  EXPECT_GE(run_trial(setup).passivity_minimum_J, -1e-9);
 }
 
-TEST(Trial, SeesAToolBesideTheDeviceEvenWithoutDelay) {
-  Contest contest = wall(Conditions::ideal);
-  contest.law = "vc";
-  const Trial trial = play(contest);
+TEST(Trial, MeasuresTheDriftOfACouplingWithoutDelay) {
+  TrialSetup setup = wall(Conditions::ideal);
+  setup.law = "vc";
+  const Trial trial = run_trial(setup);
   // The coupling is stretched by its force.
   EXPECT_GT(trial.drift_m, 1e-4);
   EXPECT_LT(trial.drift_m, 2e-3);
 }
 
-TEST(Trial, TakesBlackoutForNoRest) {
-  Contest contest = wall(Conditions::ideal);
-  contest.law = "fba-more";
-  contest.network = network_of("loss 100%");
-  const Trial trial = play(contest);
+TEST(Trial, DoesNotTakeAMissingForceForRest) {
+  TrialSetup setup = wall(Conditions::ideal);
+  setup.law = "fba-more";
+  setup.network = network_of("loss 100%");
+  const Trial trial = run_trial(setup);
   EXPECT_FALSE(trial.calm);
   EXPECT_EQ(trial.shown_N_per_m, 0);
 }
 
 TEST(Trial, IsTheSameForTheSameSeed) {
-  Contest contest = wall(Conditions::real);
-  contest.network = network_of("delay 10ms 5ms loss 10%");
-  contest.law = "fba-less";
-  const Trial first = play(contest);
-  EXPECT_EQ(play(contest).error, first.error);
-  contest.seed = 2;
-  EXPECT_NE(play(contest).error, first.error);
+  TrialSetup setup = wall(Conditions::real);
+  setup.network = network_of("delay 10ms 5ms loss 10%");
+  setup.law = "fba-less";
+  const Trial first = run_trial(setup);
+  EXPECT_EQ(run_trial(setup).error, first.error);
+  setup.seed = 2;
+  EXPECT_NE(run_trial(setup).error, first.error);
 }
 
 }  // namespace

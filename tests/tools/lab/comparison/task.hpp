@@ -9,7 +9,7 @@
 
 namespace forcebound::lab {
 
-/// What the laws are compared on: a scene, the device and the hand that go with it.
+/// A task on which laws are compared: a scene, with its device and hand.
 struct Task {
   std::string scene;   ///< wall, circle or sphere: the paper's [Kim 2015, section VI]
   std::string device;  ///< name or file
@@ -18,36 +18,36 @@ struct Task {
   double settle_s = 1;  ///< contact statistics begin this long after the first contact
 };
 
-/// @param device in place of the one that goes with the scene; empty: that one
+/// @param device replaces the scene's own; empty: the scene's own
 /// @throws std::invalid_argument naming the known scenes
 [[nodiscard]] Task task_of(const std::string& scene, const std::string& device = {});
 
-/// A network between the two ends, as people name it.
+/// A network between the two ends, with its name.
 struct NamedNetwork {
   std::string name;
   sim::SimulatedNetworkSettings settings{};
 };
 
 /// Both ways the same: "none"; netem's words, as "delay 10ms loss 5%"; or "trace:FILE".
-/// @throws std::invalid_argument or std::runtime_error as the words' and the trace's readers
+/// @throws std::invalid_argument or std::runtime_error as the parsers of netem's words and of traces
 [[nodiscard]] NamedNetwork network_of(const std::string& words);
 
-/// none; 1, 10, 50, 250 ms each way; jitter; a tenth lost; bursts of loss; and what was measured on a 5G network, where
-/// the recordings are at hand (FORCEBOUND_DATA).
+/// none; 1, 10, 50, 250 ms each way; jitter; a tenth lost; bursts of loss; and recorded 5G networks, if the recordings
+/// are in FORCEBOUND_DATA.
 struct StandardNetworks {
   std::vector<NamedNetwork> networks;
-  std::vector<std::string> absent;  ///< recordings that are not there
+  std::vector<std::string> absent;  ///< recordings that were not found
 };
 [[nodiscard]] StandardNetworks standard_networks();
 
-/// How good the device is.
+/// The quality of the device.
 enum class Conditions : std::uint8_t {
-  ideal,  ///< no encoder's step, no actuator's, punctual ticks, the force is there with its reading
+  ideal,  ///< no encoder or actuator steps, punctual ticks, no latency
   real,   ///< its own encoder and actuator, 100 us of latency, ticks as late as measured on a shared virtual machine
 };
 
-/// One law against one wall through one network.
-struct Contest {
+/// Settings of a trial: one law on one task with one wall's stiffness through one network.
+struct TrialSetup {
   Task task;
   double stiffness_N_per_m = 10e3;
   NamedNetwork network;
@@ -58,6 +58,6 @@ struct Contest {
 };
 
 /// @throws what device, hand and scene refuse
-[[nodiscard]] sim::ClosedLoop::Settings settings_of(const Contest& contest);
+[[nodiscard]] sim::ClosedLoop::Settings settings_of(const TrialSetup& setup);
 
 }  // namespace forcebound::lab
