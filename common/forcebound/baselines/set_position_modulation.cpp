@@ -162,23 +162,24 @@ class SetPositionModulation final : public control::PassivityLaw {
 
 /// The server's half: reports where the environment was asked. An environment has no spring of its own to spend energy
 /// on, so this half is a store that is always full and returns what it is sent.
-public:
-[[nodiscard]] Vector place(const Heard& heard) noexcept override {
-  sent_.add(from_device_.hear(number_at(heard.numbers, 0)));
-  place_ = heard.position;
-  return place_;
-}
+class SetPositionServerSideLaw final : public control::ServerSideLaw {
+ public:
+  [[nodiscard]] Vector place(const Heard& heard) noexcept override {
+    sent_.add(from_device_.hear(number_at(heard.numbers, 0)));
+    place_ = heard.position;
+    return place_;
+  }
 
-[[nodiscard]] Said answer(const Vector& force_N) noexcept override {
-  control::PortNumbers numbers(1 + place_.rows());
-  numbers << sent_.value_J(), place_;
-  return {.force = force_N, .numbers = numbers};
-}
+  [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
+    control::PortNumbers numbers(1 + place_.rows());
+    numbers << sent_.value_J(), place_;
+    return {.force = force_N, .numbers = numbers};
+  }
 
-private:
-Vector place_;
-control::EnergySum sent_;
-RemoteSum from_device_;
+ private:
+  Vector place_;
+  control::EnergySum sent_;
+  RemoteSum from_device_;
 };
 
 double hold_limit_N_per_m(const control::DeviceFacts& facts) { return 2 * least_damping(facts) / facts.period_s; }

@@ -27,6 +27,17 @@ std::string rounded(double value, int digits) {
   return print(rounded_value, written_out ? std::chars_format::fixed : std::chars_format::general);
 }
 
+std::string fixed(double value, int decimals) {
+  if (!std::isfinite(value)) return "-";
+  // The longest number has 309 digits before its point.
+  std::array<char, 400> buffer{};
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals).ptr;
+  const std::string_view text(buffer.data(), end);
+  const bool zero = text.find_first_of("123456789") == std::string_view::npos;
+  return std::string(zero && text.starts_with('-') ? text.substr(1) : text);
+}
+
 std::optional<double> finite_number(std::string_view text) noexcept {
   double value = 0;
   const char* const end = text.data() + text.size();

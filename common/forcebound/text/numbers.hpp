@@ -13,6 +13,9 @@ namespace forcebound::text {
 /// "inf".
 [[nodiscard]] std::string rounded(double value, int digits = 3);
 
+/// So many digits behind the point, and no sign before what is then zero. Not finite: "-".
+[[nodiscard]] std::string fixed(double value, int decimals);
+
 /// The whole text as a finite number, in any notation with a decimal point, whatever the locale. Nothing if it is
 /// anything else.
 [[nodiscard]] std::optional<double> finite_number(std::string_view text) noexcept;

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ostream>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 #include "tests/tools/lab/figure.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/sim/draw.hpp"
@@ -58,11 +59,9 @@ double worst_J(const std::vector<PassivityResult>& results, const PassivityCondi
   return worst;
 }
 
-std::string millijoules(double energy_J) {
-  char text[32];
+text::Table::Cell millijoules(double energy_J) {
   if (energy_J >= -kGuarantee_J) return "0";
-  std::snprintf(text, sizeof text, "%.*f", energy_J < -0.1 ? 0 : 2, energy_J * 1e3);
-  return text;
+  return {text::fixed(energy_J * 1e3, energy_J < -0.1 ? 0 : 2), text::Table::Mark::alarm};
 }
 
 }  // namespace
@@ -97,38 +96,35 @@ PassivityResult worst_passivity(const PassivityCondition& condition, const Passi
   return result;
 }
 
-void print_passivity(std::ostream& out, const std::vector<PassivityResult>& results) {
-  char line[160];
-  out << "Least P [mJ] over all adversaries; 0: passive. Encoder [um] and ticks across, latency down.\n\n"
-         "                              exact ticks                  20 % of the ticks late\n"
-         "  law        latency         0        15        55         0        15        55\n";
+std::string passivity_table(const std::vector<PassivityResult>& results, text::Colour colour) {
+  std::vector<text::Table::Column> columns{{"law"}, {"latency", "us"}};
+  for (const char* const ticks : {"exact", "late"}) {
+    for (const double encoder_m : kEncoders_m) columns.push_back({text::fixed(encoder_m * 1e6, 0) + " um", ticks});
+  }
+  text::Table table(std::move(columns));
   for (const std::string& law : control::force_bounding_laws().names()) {
     for (const double latency_s : kLatencies_s) {
-      std::snprintf(line, sizeof line, "  %-10s %4.0f us", latency_s == kLatencies_s[0] ? law.c_str() : "",
-                    latency_s * 1e6);
-      out << line;
+      std::vector<text::Table::Cell> row{latency_s == kLatencies_s[0] ? law : "", text::fixed(latency_s * 1e6, 0)};
       for (const bool late_ticks : {false, true}) {
-        for (const double encoder_m : kEncoders_m) {
-          const double worst = worst_J(results, {law, encoder_m, late_ticks, latency_s, {}});
-          std::snprintf(line, sizeof line, "%10s", millijoules(worst).c_str());
-          out << line;
-        }
+        for (const double encoder_m : kEncoders_m)
+          row.push_back(millijoules(worst_J(results, {law, encoder_m, late_ticks, latency_s, {}})));
       }
-      out << '\n';
+      table.add(std::move(row));
     }
   }
+  return "Least P [mJ] over all adversaries; 0: passive. Across: the encoder's step, with\n"
+         "exact ticks and with 20 % of them late.\n\n" +
+         table.to_text(colour);
 }
 
-void write_passivity_csv(std::ostream& out, const std::vector<PassivityResult>& results) {
-  out << "law,encoder_m,late_share,latency_s,adversary,worst_P_J,seed\n";
+std::string passivity_csv(const std::vector<PassivityResult>& results) {
+  text::Table table({{"law"}, {"encoder_m"}, {"late_share"}, {"latency_s"}, {"adversary"}, {"worst_P_J"}, {"seed"}});
   for (const auto& [condition, worst_P_J, seed] : results) {
-    char numbers[96];
-    std::snprintf(numbers, sizeof numbers, "%.9g,%.9g,%.9g", condition.encoder_m, condition.late_ticks ? kLateShare : 0,
-                  condition.latency_s);
-    out << condition.law << ',' << numbers << ',' << condition.adversary;
-    std::snprintf(numbers, sizeof numbers, ",%.17g,%llu\n", worst_P_J, static_cast<unsigned long long>(seed));
-    out << numbers;
+    table.add({condition.law, text::to_text(condition.encoder_m), text::to_text(condition.late_ticks ? kLateShare : 0),
+               text::to_text(condition.latency_s), condition.adversary, text::to_text(worst_P_J),
+               std::to_string(seed)});
   }
+  return table.to_csv();
 }
 
 void draw_passivity(const std::filesystem::path& png, const std::vector<PassivityResult>& results) {

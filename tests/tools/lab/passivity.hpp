@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <iosfwd>
 #include <string>
 #include <vector>
+
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::lab {
 
@@ -39,10 +40,10 @@ struct PassivitySettings {
 [[nodiscard]] PassivityResult worst_passivity(const PassivityCondition& condition, const PassivitySettings& settings);
 
 /// The worst over all adversaries, a block for each law.
-void print_passivity(std::ostream& out, const std::vector<PassivityResult>& results);
+[[nodiscard]] std::string passivity_table(const std::vector<PassivityResult>& results, text::Colour colour);
 
 /// A row for each result: law,encoder_m,late_share,latency_s,adversary,worst_P_J,seed.
-void write_passivity_csv(std::ostream& out, const std::vector<PassivityResult>& results);
+[[nodiscard]] std::string passivity_csv(const std::vector<PassivityResult>& results);
 
 /// The worst over all adversaries, over the latency: a panel for each encoder.
 /// @throws std::runtime_error as `draw` does.

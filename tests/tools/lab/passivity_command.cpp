@@ -1,12 +1,14 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
-#include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <system_error>
 
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 #include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
@@ -23,25 +25,26 @@ struct PassivityOptions {
 };
 
 /// The cost of the guarantee: the paper's walls with each law.
-void print_costs() {
-  std::printf(
-      "\nIts cost: displayed stiffness at rest and ringing on the paper's walls\n(30 N s/m, encoder 15 um).\n\n  "
-      "%-10s",
-      "law");
+std::string costs() {
   const auto walls = experiments("wall");
-  for (const Experiment& wall : walls) std::printf("  %4.0f N/mm, rings", wall.stiffness_N_per_m * 1e-3);
-  std::printf("\n");
+  std::vector<text::Table::Column> columns{{"law"}};
+  for (const Experiment& wall : walls) {
+    columns.push_back({text::rounded(wall.stiffness_N_per_m * 1e-3) + " N/mm", "N/mm"});
+    columns.push_back({"rings", "s"});
+  }
+  text::Table table(std::move(columns));
   for (const std::string& law : control::force_bounding_laws().names()) {
-    std::printf("  %-10s", law.c_str());
+    std::vector<text::Table::Cell> row{law};
     for (const Experiment& wall : walls) {
       const ExperimentRun run = run_experiment(wall, law, nullptr);
-      const double shown_N_per_mm = run.displayed_stiffness_N_per_m() * 1e-3;
-      char shown[24] = "no rest";
-      if (std::isfinite(shown_N_per_mm)) std::snprintf(shown, sizeof shown, "%.1f N/mm", shown_N_per_mm);
-      std::printf("  %10s, %4.2f s", shown, run.ringing_s.value_or(std::nan("")));
+      row.emplace_back(text::fixed(run.displayed_stiffness_N_per_m() * 1e-3, 1));
+      row.emplace_back(run.ringing_s ? text::fixed(*run.ringing_s, 2) : "-");
     }
-    std::printf("\n");
+    table.add(std::move(row));
   }
+  return "\nIts cost: displayed stiffness at rest and ringing on the paper's walls (30 N s/m,\n"
+         "encoder 15 um); -: never at rest.\n\n" +
+         table.to_text();
 }
 
 std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
@@ -63,11 +66,9 @@ void run(const PassivityOptions& options) {
     if (!csv) throw std::runtime_error("cannot write '" + options.csv + "': " + std::generic_category().message(errno));
   }
   const auto results = run_all(options.settings);
-  print_passivity(std::cout, results);
-  std::cout.flush();
-  print_costs();
+  std::cout << passivity_table(results, text::colour_for(STDOUT_FILENO)) << std::flush << costs() << std::flush;
   if (csv.is_open()) {
-    write_passivity_csv(csv, results);
+    csv << passivity_csv(results);
     if (!csv.flush()) throw std::runtime_error("cannot write all of '" + options.csv + "'");
   }
   if (!options.figure.empty()) draw_passivity(options.figure, results);

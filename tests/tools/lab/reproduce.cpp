@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
@@ -60,16 +60,10 @@ void print_heading(const Experiment& experiment, const device::DeviceDescription
   const std::string text = "\n" + experiment.title() + "\n" + text::wrapped("  device  " + describe(device), 10) +
                            "\n" + text::wrapped("  hand    " + hand.description(), 10) + "\n\n";
   std::fputs(text.c_str(), stdout);
-  std::printf("  %-9s %9s %7s %6s %8s %7s %6s  %s\n", "law", "P min [J]", "K", "mean F", "var F", "bent by", "rings",
-              "the paper");
-  std::printf("  %-9s %9s %7s %6s %8s %7s %6s\n", "", "", "[N/mm]", "[N]", "[N^2]", "[deg]", "[s]");
 }
 
-/// Three significant digits, right-aligned; "-" for NaN.
-std::string cell(double value, std::size_t columns) {
-  const std::string words = std::isfinite(value) ? text::rounded(value) : "-";
-  return std::string(columns - std::min(columns, words.size()), ' ') + words;
-}
+/// Three significant digits; "-" for what is not a number.
+std::string cell(double value) { return std::isfinite(value) ? text::rounded(value) : "-"; }
 
 /// A direction error within rounding counts as 0.
 double degrees(double angle_rad) {
@@ -78,15 +72,28 @@ double degrees(double angle_rad) {
   return angle_deg < kRounding_deg ? 0 : angle_deg;
 }
 
-void print_row(const Experiment& experiment, const ExperimentRun& run) {
+text::Table empty_table() {
+  return text::Table({{"law"},
+                      {"P min", "J"},
+                      {"K", "N/mm"},
+                      {"mean F", "N"},
+                      {"var F", "N^2"},
+                      {"bent by", "deg"},
+                      {"rings", "s"},
+                      {"the paper", "", text::Table::Align::left}});
+}
+
+void add_row(text::Table& table, const Experiment& experiment, const ExperimentRun& run) {
   const json& s = run.summary;
-  const double minimum_J = number(s["passivity"]["minimum_J"]);
-  const auto colour = s["verdict"] == "not passive" ? text::colour_for(STDOUT_FILENO) : text::Colour::none;
-  std::printf("  %-9s %s %s %s %s %s %s  %s\n", run.law.c_str(), text::red(cell(minimum_J, 9), colour).c_str(),
-              cell(run.displayed_stiffness_N_per_m() * 1e-3, 7).c_str(), cell(number(s["force_N"]["mean"]), 6).c_str(),
-              cell(number(s["force_N"]["variance"]), 8).c_str(), cell(degrees(run.direction_error_rad), 7).c_str(),
-              cell(run.ringing_s.value_or(std::nan("")), 6).c_str(), paper_says(experiment, run.law).c_str());
-  std::fflush(stdout);
+  const auto mark = s["verdict"] == "not passive" ? text::Table::Mark::alarm : text::Table::Mark::none;
+  table.add({run.law,
+             {cell(number(s["passivity"]["minimum_J"])), mark},
+             cell(run.displayed_stiffness_N_per_m() * 1e-3),
+             cell(number(s["force_N"]["mean"])),
+             cell(number(s["force_N"]["variance"])),
+             cell(degrees(run.direction_error_rad)),
+             cell(run.ringing_s.value_or(std::nan(""))),
+             paper_says(experiment, run.law)});
 }
 
 std::ofstream open(const std::string& file) {
@@ -113,15 +120,18 @@ void reproduce(const ReproduceOptions& options) {
     const auto settings = experiment.settings("none");
     const auto hand = device::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
     print_heading(experiment, settings.device, *hand);
+    text::Table table = empty_table();
     LawsFigure figure(experiment.title(), "same device, same hand, three laws");
     for (const std::string& law : laws) {
       progress.tell(static_cast<double>(runs.size()) / static_cast<double>(all.size() * laws.size()),
                     std::to_string(runs.size()) + " of " + std::to_string(all.size() * laws.size()) + " runs");
       const ExperimentRun done = run_experiment(experiment, law, options.figures.empty() ? nullptr : &figure);
       progress.clear();
-      print_row(experiment, done);
+      add_row(table, experiment, done);
       runs.push_back(to_json(experiment, done, hand->hand()));
     }
+    std::fputs(table.to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
+    std::fflush(stdout);
     if (!options.figures.empty()) drawn.push_back(figure.draw_into(options.figures));
   }
   if (file.is_open() && !(file << runs.dump(2) << '\n').flush()) {

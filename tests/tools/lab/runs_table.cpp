@@ -1,46 +1,22 @@
 #include "tests/tools/lab/runs_table.hpp"
 
-#include <cstdio>
-#include <cstring>
-#include <nlohmann/json.hpp>
+#include "forcebound/text/table.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
 
 namespace forcebound::lab {
-namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// The number at a path like "/force_N/variance", scaled, or "-".
-std::string number(const Json& summary, const char* path, double scale, int decimals) {
-  const Json::json_pointer pointer(path);
-  if (!summary.contains(pointer) || !summary.at(pointer).is_number()) return "-";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, summary.at(pointer).get<double>() * scale);
-  // Avoids "-0".
-  const bool zero = std::strpbrk(text, "123456789") == nullptr;
-  return zero && text[0] == '-' ? text + 1 : text;
-}
-
-std::string line(const std::string& law, const std::string& passivity, const std::string& variance,
-                 const std::string& stiffness, const std::string& age) {
-  char text[256];
-  std::snprintf(text, sizeof text, "%-12.12s %18s %15s %20s %11s\n", law.c_str(), passivity.c_str(), variance.c_str(),
-                stiffness.c_str(), age.c_str());
-  return text;
-}
-
-}  // namespace
-
-std::string comparison_table(const std::vector<Json>& summaries) {
-  std::string table = line("", "passivity minimum", "force variance", "displayed stiffness", "force age") +
-                      line("law", "[mJ]", "[N^2]", "at rest [N/m]", "median [ms]");
-  for (const Json& summary : summaries) {
-    const bool named = summary.contains("law") && summary["law"].is_string();
-    table +=
-        line(named ? summary["law"].get<std::string>() : "-", number(summary, "/passivity/minimum_J", 1e3, 3),
-             number(summary, "/force_N/variance", 1, 4), number(summary, "/displayed_stiffness_N_per_m/median", 1, 0),
-             number(summary, "/force_age_ms/p50", 1, 1));
+std::string comparison_table(const std::vector<nlohmann::ordered_json>& summaries) {
+  text::Table table({{"law"},
+                     {"least P", "mJ"},
+                     {"force variance", "N^2"},
+                     {"displayed at rest", "N/m"},
+                     {"median force age", "ms"}});
+  for (const auto& summary : summaries) {
+    table.add(
+        {law_of(summary), cell_at(summary, "/passivity/minimum_J", 1e3, 3), cell_at(summary, "/force_N/variance", 1, 4),
+         cell_at(summary, "/displayed_stiffness_N_per_m/median", 1, 0), cell_at(summary, "/force_age_ms/p50", 1, 1)});
   }
-  return table;
+  return table.to_text();
 }
 
 }  // namespace forcebound::lab

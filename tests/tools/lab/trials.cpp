@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <memory>
 #include <utility>
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/text/table.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/measures.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -51,35 +51,6 @@ sim::ClosedLoop::Settings settings_of(const TrialsSettings& trials, const std::s
   return settings;
 }
 
-/// The number at a path like "/force_N/max" with so many decimals, or "-".
-std::string fixed(const Json& json, const char* path, double scale, int decimals) {
-  const Json::json_pointer pointer(path);
-  if (!json.contains(pointer) || !json.at(pointer).is_number()) return "-";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, json.at(pointer).get<double>() * scale);
-  // Avoids "-0".
-  const bool zero = std::strpbrk(text, "123456789") == nullptr;
-  return zero && text[0] == '-' ? text + 1 : text;
-}
-
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
-
-std::string right(const std::string& words, std::size_t columns) {
-  return std::string(columns - std::min(columns, words.size()), ' ') + words;
-}
-
-std::string row(const std::string& name, const std::vector<std::string>& cells,
-                const std::vector<std::size_t>& widths) {
-  std::string line = name;
-  line.resize(std::max<std::size_t>(12, name.size()), ' ');
-  for (std::size_t i = 0; i < cells.size(); ++i) line += right(cells[i], widths[i]);
-  return line + '\n';
-}
-
 }  // namespace
 
 std::vector<Trial> play_trials(const TrialsSettings& settings, LawsFigure* figure,
@@ -117,58 +88,56 @@ std::vector<Trial> play_trials(const TrialsSettings& settings, LawsFigure* figur
 }
 
 std::string trials_table(const TrialsSettings& settings, const std::vector<Trial>& trials, text::Colour colour) {
-  const std::vector<std::size_t> widths{10, 10, 14, 12, 12, 10};
-  std::string table = "Each law in virtual time, the same figures on every machine:\n" +
-                      text::wrapped("scene " + settings.scene + ", device " + settings.device + ", hand " +
-                                        settings.hand + ", " + fixed(settings.duration_s, 0) + " s, network \"" +
-                                        settings.network + "\" each way, seed " + std::to_string(settings.seed),
-                                    2) +
-                      "\n\n" +
-                      row("", {"least P", "at rest", "force at rest", "displayed", "worst push", "ringing"}, widths) +
-                      row("law", {"[J]", "[%]", "[N]", "[N/m]", "[N]", "[s]"}, widths);
+  text::Table table({{"law"},
+                     {"least P", "J"},
+                     {"at rest", "%"},
+                     {"force at rest", "N"},
+                     {"displayed", "N/m"},
+                     {"worst push", "N"},
+                     {"ringing", "s"}});
   for (const Trial& trial : trials) {
     if (!trial.refused.empty()) {
-      table += text::wrapped(trial.law + ": refuses: " + trial.refused, 2) + "\n";
+      table.add_remark(trial.law, "refuses: " + trial.refused);
       continue;
     }
     const Json& s = trial.summary;
-    std::string line = row(trial.law,
-                           {fixed(s, "/passivity/minimum_J", 1, 4), fixed(s, "/at_rest/fraction", 100, 1),
-                            fixed(s, "/at_rest/force_N", 1, 3), fixed(s, "/displayed_stiffness_N_per_m/median", 1, 0),
-                            fixed(trial.push_N, 2), trial.ringing_s ? fixed(*trial.ringing_s, 2) : "-"},
-                           widths);
-    if (s.at("verdict") == "not passive") {
-      const std::string cell = right(fixed(s, "/passivity/minimum_J", 1, 4), widths[0]);
-      line.replace(std::max<std::size_t>(12, trial.law.size()), widths[0], text::red(cell, colour));
-    }
-    table += line;
+    const auto mark = s.at("verdict") == "not passive" ? text::Table::Mark::alarm : text::Table::Mark::none;
+    table.add({trial.law,
+               {cell_at(s, "/passivity/minimum_J", 1, 4), mark},
+               cell_at(s, "/at_rest/fraction", 100, 1),
+               cell_at(s, "/at_rest/force_N", 1, 3),
+               cell_at(s, "/displayed_stiffness_N_per_m/median", 1, 0),
+               text::fixed(trial.push_N, 2),
+               trial.ringing_s ? text::fixed(*trial.ringing_s, 2) : "-"});
   }
-  return table +
+  return "Each law in virtual time, the same figures on every machine:\n" +
+         text::wrapped("scene " + settings.scene + ", device " + settings.device + ", hand " + settings.hand + ", " +
+                           text::fixed(settings.duration_s, 0) + " s, network \"" + settings.network +
+                           "\" each way, seed " + std::to_string(settings.seed),
+                       2) +
+         "\n\n" + table.to_text(colour) +
          "\n  least P     least of the energy the device dissipated less the energy its\n"
          "              motors returned; below zero: not passive\n"
          "  at rest     share of the contact in which the depth changes by < 5 mm/s; force\n"
          "              and displayed stiffness (force over true depth) are medians there\n"
-         "  worst push  largest force along the device's own motion: pushing, not resisting\n"
+         "  worst push  largest force along the device's motion: pushing, not resisting\n"
          "  ringing     from the first contact until the force stays calm\n";
 }
 
 std::string timing_table(const std::vector<Json>& summaries) {
-  const std::vector<std::size_t> widths{13, 13, 13, 19, 10};
-  std::string table = "Live on this machine, timing only:\n\n" +
-                      row("", {"period p99", "late ticks", "force age", "round trip", "p99"}, widths) +
-                      row("law", {"[ms]", "[%]", "median [ms]", "median [ms]", "[ms]"}, widths);
+  text::Table table({{"law"},
+                     {"period p99", "ms"},
+                     {"late ticks", "%"},
+                     {"median force age", "ms"},
+                     {"median round trip", "ms"},
+                     {"p99", "ms"}});
   for (const Json& s : summaries) {
-    const bool counted = s.contains("ticks") && s["ticks"].is_number() && s["ticks"].get<double>() > 0 &&
-                         s.contains("late_ticks") && s["late_ticks"].is_number();
-    const bool named = s.contains("law") && s["law"].is_string();
-    table +=
-        row(named ? s["law"].get<std::string>() : "-",
-            {fixed(s, "/period_us/p99", 1e-3, 3),
-             counted ? fixed(100 * s["late_ticks"].get<double>() / s["ticks"].get<double>(), 2) : "-",
-             fixed(s, "/force_age_ms/p50", 1, 1), fixed(s, "/rtt_us/p50", 1e-3, 1), fixed(s, "/rtt_us/p99", 1e-3, 1)},
-            widths);
+    table.add({law_of(s), cell_at(s, "/period_us/p99", 1e-3, 3),
+               text::fixed(100 * number_at(s, "/late_ticks") / number_at(s, "/ticks"), 2),
+               cell_at(s, "/force_age_ms/p50", 1, 1), cell_at(s, "/rtt_us/p50", 1e-3, 1),
+               cell_at(s, "/rtt_us/p99", 1e-3, 1)});
   }
-  return table;
+  return "Live on this machine, timing only:\n\n" + table.to_text();
 }
 
 }  // namespace forcebound::lab

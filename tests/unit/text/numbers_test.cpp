@@ -36,5 +36,14 @@ TEST(Rounded, ToThreeDigitsAsPeopleWriteThem) {
   EXPECT_EQ(rounded(std::numeric_limits<double>::infinity()), "inf");
 }
 
+TEST(Fixed, HasSoManyDecimalsAndNoSignBeforeZero) {
+  EXPECT_EQ(fixed(1.005, 1), "1.0");
+  EXPECT_EQ(fixed(-0.0004, 3), "0.000");
+  EXPECT_EQ(fixed(-0.0006, 3), "-0.001");
+  EXPECT_EQ(fixed(1e300, 0).size(), 301U);
+  EXPECT_EQ(fixed(std::numeric_limits<double>::quiet_NaN(), 2), "-");
+  EXPECT_EQ(fixed(-std::numeric_limits<double>::infinity(), 2), "-");
+}
+
 }  // namespace
 }  // namespace forcebound::text

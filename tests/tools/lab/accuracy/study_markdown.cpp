@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 #include "tests/tools/lab/accuracy/study.hpp"
 
 namespace forcebound::lab {
@@ -49,30 +50,27 @@ std::string to_markdown(const Json& study) {
   const double uncertainty = study.at("reference").at("uncertainty");
   const std::string trouble = study.at("reference").at("trouble");
   const std::string failed = trouble.empty() ? "" : " The reference itself failed: " + trouble + ".";
-  std::string text = "Reference: " + study.at("reference").at("why").get<std::string>() + ", uncertain to " +
-                     percent(study.at("reference").at("uncertainty")) +
-                     ". Hand: " + study.at("hand").get<std::string>() + "." + failed + "\n\n| `" +
-                     study.at("key").get<std::string>() + "` | a step [us] | model alone |";
-  std::string rule = "|---|---|---|";
-  for (const Json& network : networks) {
-    text += " behind " + text::rounded(1e3 * network.at("round_trip_s").get<double>()) + " ms |";
-    rule += "---|";
-  }
-  text += "\n" + rule + "\n";
+  std::vector<text::Table::Column> columns{
+      {"`" + study.at("key").get<std::string>() + "`"}, {"a step", "us"}, {"model alone"}};
+  for (const Json& network : networks)
+    columns.push_back({"behind " + text::rounded(1e3 * network.at("round_trip_s").get<double>()) + " ms"});
+  text::Table table(std::move(columns));
   for (std::size_t i = 0; i < settings.size(); ++i) {
     const Json& setting = settings[i];
     const std::string failure = setting.at("trouble");
-    text += "| " + setting.at("value").get<std::string>() + (failure.empty() ? "" : ", failed: " + failure) + " | " +
-            text::rounded(setting.at("step_us").at("median").get<double>()) + " | " +
-            percent_above(setting.at("force_error"), uncertainty) + " |";
+    std::vector<text::Table::Cell> row{
+        setting.at("value").get<std::string>() + (failure.empty() ? "" : ", failed: " + failure),
+        text::rounded(setting.at("step_us").at("median").get<double>()),
+        percent_above(setting.at("force_error"), uncertainty)};
     for (std::size_t network = 0; network < networks.size(); ++network) {
-      const std::string mark = best_behind(study, network) == i ? "**" : "";
-      const Json& error = setting.at("behind").at(network).at("error");
-      text.append(" ").append(mark).append(percent_above(error, uncertainty)).append(mark).append(" |");
+      row.emplace_back(percent_above(setting.at("behind").at(network).at("error"), uncertainty),
+                       best_behind(study, network) == i ? text::Table::Mark::best : text::Table::Mark::none);
     }
-    text += "\n";
+    table.add(std::move(row));
   }
-  return text;
+  return "Reference: " + study.at("reference").at("why").get<std::string>() + ", uncertain to " +
+         percent(study.at("reference").at("uncertainty")) + ". Hand: " + study.at("hand").get<std::string>() + "." +
+         failed + "\n\n" + table.to_markdown();
 }
 
 }  // namespace forcebound::lab

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 #include "tests/tools/lab/accuracy/percent.hpp"
 
 namespace forcebound::lab {
@@ -27,42 +27,40 @@ std::string percent_above(double share, double uncertainty) {
 
 std::string ms(double seconds) { return rounded(seconds * 1e3) + " ms"; }
 
-template <class... Values>
-std::string line(const char* format, const Values&... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, values...);
-  return std::string(text) + "\n";
-}
-
-/// Results of the scenes: one line if all settings have the same scene.
-struct Line {
+/// Results of the scenes: one row if all settings have the same scene.
+struct SceneRow {
   std::string name;
   const StudiedSetting* setting;
 };
 
-std::vector<Line> lines_of_scenes(const StudyResult& result) {
+std::vector<SceneRow> rows_of_scenes(const StudyResult& result) {
   if (result.same_scene) return {{"(all)", &result.settings.front()}};
-  std::vector<Line> lines;
-  for (const StudiedSetting& setting : result.settings) lines.push_back({setting.value, &setting});
-  return lines;
+  std::vector<SceneRow> rows;
+  for (const StudiedSetting& setting : result.settings) rows.push_back({setting.value, &setting});
+  return rows;
 }
 
 std::string cross(const StudiedSetting& setting) { return setting.trouble.empty() ? "" : "X " + setting.trouble; }
 
 std::string cost_text(const StudyResult& result) {
-  std::string text = "Cost of a step\n" + line("  %-18s %10s %10s %10s %10s %10s %10s %12s", result.key.c_str(),
-                                               "median", "p99", "max", "idle p99", "idle max", "heap", "instructions");
-  for (const auto& [name, studied] : lines_of_scenes(result)) {
+  text::Table table({{result.key},
+                     {"median", "us"},
+                     {"p99", "us"},
+                     {"max", "us"},
+                     {"idle p99", "us"},
+                     {"idle max", "us"},
+                     {"heap"},
+                     {"instructions"}});
+  for (const auto& [name, studied] : rows_of_scenes(result)) {
     const StudiedSetting& setting = *studied;
     const auto& [heap, instructions] = setting.per_step;
-    text += line("  %-18s %7s us %7s us %7s us %7s us %7s us %10s %12s", name.c_str(),
-                 rounded(setting.cost.median_us).c_str(), rounded(setting.cost.p99_us).c_str(),
-                 rounded(setting.cost.max_us).c_str(), rounded(setting.idle.p99_us).c_str(),
-                 rounded(setting.idle.max_us).c_str(), heap ? rounded(*heap).c_str() : "-",
-                 instructions ? rounded(*instructions).c_str() : "-");
+    table.add({name, rounded(setting.cost.median_us), rounded(setting.cost.p99_us), rounded(setting.cost.max_us),
+               rounded(setting.idle.p99_us), rounded(setting.idle.max_us), heap ? rounded(*heap) : "-",
+               instructions ? rounded(*instructions) : "-"});
   }
+  std::string text = "What a step costs\n" + table.to_text();
   if (!result.settings.front().per_step.instructions) {
-    text += "  instructions: not available here (the kernel does not permit counting)\n";
+    text += "  instructions: not available here (the kernel does not let us count them)\n";
   }
   return text + "  an answer has " + std::to_string(result.answer_bytes) +
          " bytes: " + rounded(static_cast<double>(result.answer_bytes)) + " kB/s to each client at 1 kHz\n";
@@ -79,77 +77,93 @@ std::string how_states_were_saved(const StudyResult& result) {
 
 std::string at_states_text(const StudyResult& result) {
   const bool bodies = result.ticks_between_states > 0;
-  std::string text = "\n" + how_states_were_saved(result) +
-                     line("  %-18s %12s %12s %12s %10s %12s %12s", result.key.c_str(), "force", "direction", "p95",
-                          "depth", "stiffness", bodies ? "velocities" : "");
-  for (const auto& [name, studied] : lines_of_scenes(result)) {
+  std::vector<text::Table::Column> columns{{result.key},   {"force"},       {"direction", "deg"},
+                                           {"p95", "deg"}, {"depth", "mm"}, {"stiffness", "N/m"}};
+  if (bodies) columns.push_back({"velocities"});
+  columns.push_back({"", "", text::Table::Align::left});
+  text::Table table(std::move(columns));
+  for (const auto& [name, studied] : rows_of_scenes(result)) {
     const StudiedSetting& setting = *studied;
     const StateError& error = setting.at_states;
-    text += line("  %-18s %12s %8s deg %8s deg %7s mm %8s N/m %12s  %s", name.c_str(),
-                 percent_above(error.force, result.reference_uncertainty).c_str(),
-                 rounded(error.direction_median_deg).c_str(), rounded(error.direction_p95_deg).c_str(),
-                 rounded(error.penetration_m * 1e3).c_str(), rounded(error.displayed_stiffness_N_per_m).c_str(),
-                 bodies ? percent_above(setting.velocity_at_states, result.velocity_uncertainty).c_str() : "",
-                 cross(setting).c_str());
+    std::vector<text::Table::Cell> row{name,
+                                       percent_above(error.force, result.reference_uncertainty),
+                                       rounded(error.direction_median_deg),
+                                       rounded(error.direction_p95_deg),
+                                       rounded(error.penetration_m * 1e3),
+                                       rounded(error.displayed_stiffness_N_per_m)};
+    if (bodies) row.emplace_back(percent_above(setting.velocity_at_states, result.velocity_uncertainty));
+    row.emplace_back(cross(setting));
+    table.add(std::move(row));
   }
-  return text;
-}
-
-std::string free_row(const std::string& name, const std::string& force, const std::string& work,
-                     const BodyRecord& bodies, const std::string& trouble) {
-  const double exhausted = bodies.ticks > 0 ? static_cast<double>(bodies.exhausted) / bodies.ticks : 0;
-  return line("  %-18s %12s %9s mJ %9s mJ %9s mJ %9s mm %10s  %s", name.c_str(), force.c_str(), work.c_str(),
-              rounded(1e3 * bodies.drift_J).c_str(), rounded(1e3 * bodies.gained_J).c_str(),
-              rounded(1e3 * bodies.deepest_m).c_str(), percent(exhausted).c_str(), trouble.c_str());
+  return "\n" + how_states_were_saved(result) + table.to_text();
 }
 
 std::string free_text(const StudyResult& result) {
   if (!result.reference_bodies) {
-    std::string text = "\nFreely along the same path: work on the device above the reference's\n";
-    for (const auto& [name, setting] : lines_of_scenes(result)) {
-      text += line("  %-18s %9s mJ", name.c_str(), rounded(setting->at_states.work_J * 1e3).c_str());
-    }
-    return text;
+    text::Table table({{result.key}, {"work", "mJ"}});
+    for (const auto& [name, setting] : rows_of_scenes(result))
+      table.add({name, rounded(setting->at_states.work_J * 1e3)});
+    return "\nFreely along the same path: work on the device above the reference's\n" + table.to_text();
   }
-  std::string text = "\nFreely along the same path (uncertain to " + percent(result.free_uncertainty) +
-                     "). Drift: the bodies' final energy less their initial energy and the work put in\n" +
-                     line("  %-18s %12s %12s %12s %12s %12s %10s", result.key.c_str(), "force", "work", "drift",
-                          "most gained", "deepest", "exhausted");
-  text += free_row("the reference", "", "", *result.reference_bodies,
-                   result.reference_trouble.empty() ? "" : "X " + result.reference_trouble);
-  for (const auto& [name, studied] : lines_of_scenes(result)) {
+  text::Table table({{result.key},
+                     {"force"},
+                     {"work", "mJ"},
+                     {"drift", "mJ"},
+                     {"most gained", "mJ"},
+                     {"deepest", "mm"},
+                     {"exhausted"},
+                     {"", "", text::Table::Align::left}});
+  const auto add = [&](const std::string& name, const std::string& force, const std::string& work,
+                       const BodyRecord& bodies, const std::string& trouble) {
+    const double exhausted = bodies.ticks > 0 ? static_cast<double>(bodies.exhausted) / bodies.ticks : 0;
+    table.add({name, force, work, rounded(1e3 * bodies.drift_J), rounded(1e3 * bodies.gained_J),
+               rounded(1e3 * bodies.deepest_m), percent(exhausted), trouble});
+  };
+  add("the reference", "", "", *result.reference_bodies,
+      result.reference_trouble.empty() ? "" : "X " + result.reference_trouble);
+  for (const auto& [name, studied] : rows_of_scenes(result)) {
     const StudiedSetting& setting = *studied;
     if (!setting.bodies) continue;
-    text += free_row(name, percent_above(setting.free_force, result.free_uncertainty),
-                     rounded(1e3 * setting.at_states.work_J), *setting.bodies, cross(setting));
+    add(name, percent_above(setting.free_force, result.free_uncertainty), rounded(1e3 * setting.at_states.work_J),
+        *setting.bodies, cross(setting));
   }
+  std::string text = "\nFreely along the same path (uncertain to " + percent(result.free_uncertainty) +
+                     "). Drift: the bodies'\nfinal energy less their initial energy and the work put in\n" +
+                     table.to_text();
   if (!result.places_known) {
-    text += "  final positions of bodies are not compared: the reference and its check differ in them\n";
+    text +=
+        "  final positions of bodies are not compared: the reference and its check differ\n"
+        "  in them\n";
   }
   return text;
 }
 
 std::string remark(const StudiedSetting& setting, std::size_t which, bool is_best) {
-  if (!setting.trouble.empty()) return "  X";
-  return std::string(is_best ? "  <- least" : "") + (setting.stays_passive(which) ? "" : "  not passive");
+  if (!setting.trouble.empty()) return "X";
+  return std::string(is_best ? "<- least" : "") + (setting.stays_passive(which) ? "" : " not passive");
 }
 
 std::string behind_text(const StudyResult& result, std::size_t which) {
   const double round_trip_s = result.settings.front().behind[which].round_trip_s;
-  std::string text = "\nAt the device, round trip " + ms(round_trip_s) + "\n" +
-                     line("  %-18s %10s = %9s + %9s + %9s + %9s %12s %10s", result.key.c_str(), "E_dev", "model", "age",
-                          "hold", "bounding", "least age", "P min");
+  text::Table table({{result.key},
+                     {"E_dev"},
+                     {"= model"},
+                     {"+ age"},
+                     {"+ hold"},
+                     {"+ bounding"},
+                     {"least age"},
+                     {"P min", "J"},
+                     {"", "", text::Table::Align::left}});
   const auto best = best_setting(result, which, std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     const StudiedSetting& setting = result.settings[i];
     const DeviceError& error = setting.behind[which].error;
-    text += line("  %-18s %10s = %9s + %9s + %9s + %9s %9s %8s J%s", setting.value.c_str(),
-                 percent_above(error.total, result.free_uncertainty).c_str(), percent(error.model.share).c_str(),
-                 percent(error.age.share).c_str(), percent(error.hold.share).c_str(),
-                 percent(error.bounding.share).c_str(), ms(time::to_seconds(error.least_age)).c_str(),
-                 rounded(setting.behind[which].passivity_minimum_J).c_str(), remark(setting, which, best == i).c_str());
+    table.add({setting.value, percent_above(error.total, result.free_uncertainty), percent(error.model.share),
+               percent(error.age.share), percent(error.hold.share), percent(error.bounding.share),
+               ms(time::to_seconds(error.least_age)), rounded(setting.behind[which].passivity_minimum_J),
+               remark(setting, which, best == i)});
   }
-  return text;
+  return "\nAt the device, round trip " + ms(round_trip_s) + "\n" + table.to_text();
 }
 
 /// Largest model's error as a share of the age's alone, over the settings that worked; infinite where there is no age

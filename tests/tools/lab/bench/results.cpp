@@ -1,7 +1,6 @@
 #include "tests/tools/lab/bench/results.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +11,7 @@
 
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 #include "tests/tools/lab/percentile.hpp"
 
 namespace forcebound::lab {
@@ -23,10 +23,6 @@ constexpr std::size_t kColumns = 10;
 std::string number(double value) {
   if (!std::isfinite(value)) throw std::runtime_error("a result is not finite");
   return text::rounded(value);
-}
-
-std::string padded(const std::string& text, std::size_t width) {
-  return text + std::string(width > text.size() ? width - text.size() : 0, ' ');
 }
 
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
@@ -52,15 +48,8 @@ std::string subject(const BenchRow& row) {
   return row.what + " [" + row.unit + "]" + (row.conditions.empty() ? "" : "; " + row.conditions);
 }
 
-void append_table_line(std::string& out, const std::array<std::string, 7>& cells) {
-  // The row's name is above its numbers: beside them it would not fit 80 columns.
-  constexpr std::array<std::size_t, 7> kWidths{3, 8, 26, 8, 6, 14, 0};
-  if (!cells[0].empty()) out += cells[0] + '\n';
-  std::string line(kWidths[0] + 1, ' ');
-  for (std::size_t i = 1; i < cells.size(); ++i)
-    line += padded(cells[i], kWidths[i]) + (i + 1 < cells.size() ? " " : "");
-  while (line.ends_with(' ')) line.pop_back();
-  out += line + '\n';
+text::Table::Cell ratio_cell(const BenchRow& row) {
+  return {or_dash(row.ratio), row.fine() ? text::Table::Mark::none : text::Table::Mark::alarm};
 }
 
 }  // namespace
@@ -175,38 +164,33 @@ BenchResults parse_bench_csv(std::string_view csv) {
   return results;
 }
 
-std::string to_table(const BenchResults& results) {
-  std::string out = joined(results.machine) + "\n\n";
-  append_table_line(out, {"", "ours", "beside", "theirs", "ratio", "in single runs", "wanted"});
+std::string to_table(const BenchResults& results, text::Colour colour) {
+  // What a row is about stands in a line of its own: beside its numbers it would not fit.
+  text::Table ratios({{"beside"}, {"ours"}, {"theirs"}, {"ratio"}, {"in single runs"}, {"wanted"}});
   for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
-    append_table_line(out, {subject(row), row.ours, or_dash(row.yardstick), or_dash(row.theirs), or_dash(row.ratio),
-                            row.spread, row.wanted + (row.fine() ? "" : " MISSED")});
+    ratios.add_heading(subject(row));
+    ratios.add({or_dash(row.yardstick), row.ours, or_dash(row.theirs), ratio_cell(row), row.spread,
+                row.wanted + (row.fine() ? "" : " MISSED")});
   });
-  out += '\n';
-  append_table_line(out, {"cost grows as n to the power of", "ours", "beside", "theirs", "", "", ""});
+  text::Table growths({{"cost grows with"}, {"as its power"}, {"beside"}, {"theirs"}});
   for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
-    append_table_line(
-        out, {row.what + " (n: " + row.unit + ")", row.ours, or_dash(row.yardstick), or_dash(row.theirs), "", "", ""});
+    growths.add({row.what + ", " + row.unit, row.ours, or_dash(row.yardstick), or_dash(row.theirs)});
   });
-  return out;
+  return text::wrapped(joined(results.machine), 2) + "\n\n" + ratios.to_text(colour) + "\n" + growths.to_text();
 }
 
 std::string to_markdown(const BenchResults& results) {
-  std::string out = "Measured by `deploy/bench`: " + joined(results.machine) + ".\n\n";
-  out += "| what | ours | beside | theirs | ratio | in single runs | wanted |\n|---|---|---|---|---|---|---|\n";
+  text::Table ratios({{"what"}, {"ours"}, {"beside"}, {"theirs"}, {"ratio"}, {"in single runs"}, {"wanted"}});
   for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
-    out += "| " + subject(row) + " | " + row.ours + " | " + or_dash(row.yardstick) + " | " + or_dash(row.theirs) +
-           " | " + (row.fine() ? or_dash(row.ratio) : "**" + row.ratio + "**") + " | " + row.spread + " | " +
-           row.wanted + " |\n";
+    ratios.add(
+        {subject(row), row.ours, or_dash(row.yardstick), or_dash(row.theirs), ratio_cell(row), row.spread, row.wanted});
   });
-  out +=
-      "\nHow the cost grows with n, as the exponent of n:\n\n| what | n | ours | beside | theirs "
-      "|\n|---|---|---|---|---|\n";
+  text::Table growths({{"what"}, {"n"}, {"ours"}, {"beside"}, {"theirs"}});
   for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
-    out += "| " + row.what + " | " + row.unit + " | " + row.ours + " | " + or_dash(row.yardstick) + " | " +
-           or_dash(row.theirs) + " |\n";
+    growths.add({row.what, row.unit, row.ours, or_dash(row.yardstick), or_dash(row.theirs)});
   });
-  return out;
+  return "Measured by `deploy/bench`: " + joined(results.machine) + ".\n\n" + ratios.to_markdown() +
+         "\nHow the cost grows with n, as the exponent of n:\n\n" + growths.to_markdown();
 }
 
 }  // namespace forcebound::lab

