@@ -9,10 +9,10 @@
 namespace forcebound::architecture {
 namespace {
 
-/// A folder, by the path that an include of its headers begins with, and whose headers it may include beside its own.
+/// A folder, by the path prefix of includes of its headers, and the folders whose headers it may include.
 struct Folder {
   std::string_view path;
-  std::vector<std::string_view> knows;  // with all that lies below
+  std::vector<std::string_view> knows;  // with all folders below
 };
 
 const std::vector<Folder>& folders() {
@@ -65,7 +65,7 @@ const std::vector<Folder>& folders() {
   return kFolders;
 }
 
-// What only some files may have. `where` is matched against the path, `pattern` against a line without its comment.
+// What only some files may contain. `where` is matched against the path, `pattern` against a line without its comment.
 struct Privilege {
   std::string_view name;
   std::regex pattern;
@@ -73,7 +73,7 @@ struct Privilege {
   std::string_view owner;
 };
 
-// Programs, and what runs the core on threads and sockets. Tests are free as well, but for the tools that ship.
+// Programs, and code that runs the core on threads and sockets. Tests may too, except for the tools that ship.
 const std::string kShells =
     R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
 constexpr std::string_view kShellsInWords =
@@ -110,7 +110,7 @@ const std::vector<Privilege>& privileges() {
   return kPrivileges;
 }
 
-/// How an include names this file, from its path in the repository.
+/// The file's path as used in includes.
 std::string_view include_path_of(std::string_view file) {
   for (const std::string_view root : {"common/", "client/", "server/"}) {
     if (file.starts_with(root)) return file.substr(root.size());

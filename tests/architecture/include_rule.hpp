@@ -15,11 +15,11 @@ struct Violation {
 
 std::string to_string(const Violation& violation);
 
-/// All that is wrong with one source of ours.
+/// All violations in one source file.
 ///
 /// @param file path relative to the source root, with '/': decides which rules hold for `text`.
-/// A file in a folder of common, client or server that no rule names is a violation as well: a new concept says first
-/// whom it knows.
+/// A file in a folder of common, client or server that no rule names is a violation as well: a new folder needs a rule
+/// first.
 std::vector<Violation> violations(std::string_view file, std::string_view text);
 
 }  // namespace forcebound::architecture

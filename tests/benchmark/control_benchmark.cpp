@@ -1,5 +1,5 @@
-// What a tick spends on control: one step of PassivityController, from motion and request to the force, with a full
-// damping matrix. Build it optimised:
+// Cost of control in a tick: one step of PassivityController, from motion and request to the force, with a full damping
+// matrix. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target control_benchmark
 //     build/release/bin/control_benchmark
@@ -43,7 +43,7 @@ void law_step(benchmark::State& state, const char* law) {
   }
 }
 
-/// fba-exact where it has the most to do: creeping from count to count, with friction, latency and a request that
+/// fba-exact in its most expensive case: creeping from count to count, with friction, latency and a request that
 /// changes.
 void exact_step_with_full_knots(benchmark::State& state) {
   const auto degrees_of_freedom = static_cast<Eigen::Index>(state.range(0));

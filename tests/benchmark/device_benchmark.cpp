@@ -27,7 +27,7 @@ BENCHMARK_CAPTURE(tick, cartesian_2dof, "cartesian-2dof", 0.5);
 BENCHMARK_CAPTURE(tick, cartesian_3dof, "cartesian-3dof", 0.5);
 BENCHMARK_CAPTURE(tick, omni, "omni", 0.5);
 
-/// A force that pumps the device, so that the audit reaches a new minimum on many ticks and has to be searched.
+/// An active force, so that the audit reaches a new minimum on many ticks and must search for it.
 void pumped_tick(benchmark::State& state, const char* name) {
   const device::DeviceDescription description = device::load_device(name);
   const int dof = description.facts.degrees_of_freedom();

@@ -1,4 +1,4 @@
-// The least that a server can do: sends every datagram back. What forcebound-server's capacity is held against.
+// A minimal server that sends every datagram back: the reference for forcebound-server's capacity.
 //
 //     echo_server PORT    on 127.0.0.1, until it is killed
 
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(static_cast<in_port_t>(argc == 2 ? std::atoi(argv[1]) : 0));
   const int server = socket(AF_INET, SOCK_DGRAM, 0);
-  // As much room as forcebound-server asks for.
+  // The same buffer size as forcebound-server.
   const int buffer_bytes = 1 << 20;
   setsockopt(server, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
   setsockopt(server, SOL_SOCKET, SO_SNDBUF, &buffer_bytes, sizeof buffer_bytes);

@@ -1,9 +1,9 @@
-// What one motion on a triangle mesh costs: a step of the god object that slides over a ball of 70 thousand triangles,
-// with Embree's ray and nearest point and FCL's distance on the same mesh beside it. Embree computes in single
-// precision, and its nearest point asks our function for each triangle; FCL is asked for the distance of a ball of no
-// size. The courses go where it is hard: over saddles, bumps and into a concave corner, with how long the slowest steps
-// took, how far the force of a spring of 1000 N/m jumps and how often no triangle about the god object would let it
-// nearer, which is looked up with each triangle by itself. Build it optimised:
+// Cost of one motion on a triangle mesh: a step of the god object that slides over a ball of 70 thousand triangles,
+// with Embree's ray and nearest point and FCL's distance on the same mesh for comparison. Embree computes in single
+// precision, and its nearest point calls our function for each triangle; FCL computes the distance of a ball of radius
+// zero. The paths include hard cases: saddles, bumps and a concave corner, with the time of the slowest steps, the
+// largest jump of the force of a spring of 1000 N/m, and how often a triangle about the god object would have let it
+// nearer, checked triangle by triangle. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target mesh_benchmark
 //     build/release/bin/mesh_benchmark --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
@@ -32,7 +32,7 @@ using scene::Point;
 constexpr std::uint32_t kRows = 133;  // 4 * 133 * 132 = 70224 triangles
 constexpr double kRadius_m = 0.05;
 
-/// A hand that draws circles and eights on the ball at 0.2 m/s, some depth below its surface, read at 1 kHz.
+/// A hand that moves in circles and eights on the ball at 0.2 m/s, some depth below its surface, read at 1 kHz.
 std::vector<Point> sliding_m(double depth_m) {
   std::vector<Point> goals;
   for (int i = 0; i < 20000; ++i) {
@@ -86,7 +86,7 @@ std::shared_ptr<const scene::TriangleMesh> shared(scene::TriangleMesh mesh) {
   return std::make_shared<const scene::TriangleMesh>(std::move(mesh));
 }
 
-/// Round an object, at a share of the half of its bounding box.
+/// Around an object, at a share of half its bounding box.
 std::vector<Point> round_m(const scene::TriangleMesh& mesh, double share) {
   std::vector<Point> goals;
   for (int i = 0; i < kMotions; ++i) {
@@ -128,7 +128,7 @@ Course saddles() {
           eights_m(0.045, {0, 0, -6e-3}, 3e-3)};
 }
 
-/// Three sides of a box's inside that meet in a corner, welded before they are made rough.
+/// Three inner sides of a box that meet in a corner, welded before roughening.
 Course rough_corner() {
   test::Soup corner;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -231,7 +231,7 @@ void embree_segment(benchmark::State& state) {
                     [&](const Point& goal) { benchmark::DoNotOptimize(embree.first_hit(through_the_surface(goal))); });
 }
 
-/// The ball with so many triangles.
+/// The ball with that number of triangles.
 scene::TriangleMesh ball_of(std::int64_t triangles) {
   std::uint32_t rows = 2;
   while (4 * rows * (rows - 1) < triangles) ++rows;

@@ -1,5 +1,5 @@
-// What a server spends on one motion of a client: SceneState::answer, beside plain Eigen expressions that do the same
-// arithmetic with nothing around them. Build it optimised:
+// Cost of one motion at the server: SceneState::answer, beside plain Eigen expressions that do the same arithmetic.
+// Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target scene_benchmark
 //     build/release/bin/scene_benchmark --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kPlaces = 1024;
 
-/// A wandering within 30 mm of the origin.
+/// A random path within 30 mm of the origin.
 std::array<control::Vector, kPlaces> places() {
   std::array<control::Vector, kPlaces> all;
   for (std::size_t i = 0; i < kPlaces; ++i) {
@@ -39,7 +39,7 @@ void answers(benchmark::State& state, const std::shared_ptr<const scene::Scene>&
   }
 }
 
-/// Weight, honey and a spring to a point: on everything that space is filled with.
+/// Gravity, viscosity and a spring to a point, as fields.
 void three_fields(benchmark::State& state) {
   answers(state, parse_scene(R"(
 [scene]
@@ -62,7 +62,7 @@ spring_to_point = { center_m = [0, 0, 0], stiffness_N_per_m = 200, damping_N_s_p
                              "three_fields.toml"));
 }
 
-/// The same forces, by hand.
+/// The same forces, in plain Eigen.
 void three_fields_in_eigen(benchmark::State& state) {
   const auto path = places();
   scene::Point last_m = path[0];
@@ -78,7 +78,7 @@ void three_fields_in_eigen(benchmark::State& state) {
   }
 }
 
-/// The sphere of its scene, by hand.
+/// The scene's sphere, in plain Eigen.
 void sphere_in_eigen(benchmark::State& state) {
   const auto path = places();
   std::size_t next = 0;

@@ -1,4 +1,4 @@
-// What the server's core spends on one motion, from the datagram to the answer's, with so many clients connected. Build
+// Cost of one motion in the server's core, from the datagram to its answer, with a number of clients connected. Build
 // it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target server_benchmark
@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Leads nowhere, and remembers the session of the last Welcome.
+/// Drops all datagrams, and keeps the session of the last Welcome.
 class Nowhere final : public net::DatagramLink {
  public:
   bool send(std::span<const std::byte> datagram, const net::Address&) noexcept override {

@@ -1,4 +1,4 @@
-// What a tick of the client costs, without and with a recording; an answer is made within it for every motion. Build it
+// Cost of a client's tick, without and with a recording, including a simulated answer to every motion. Build it
 // optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target session_benchmark

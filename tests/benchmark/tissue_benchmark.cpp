@@ -1,7 +1,6 @@
-// What a step of soft tissue costs: some 600 tetrahedra, a sphere that slides with eight
-// contacts; beside it, in the same run, what the same eight contacts would cost without the precomputed compliance,
-// each by a solve with the sparse Cholesky factors of all nodes, and a dense solve of their 24 coordinates alone. Build
-// it optimised:
+// Cost of a step of soft tissue: some 600 tetrahedra, a sphere that slides with eight contacts; beside it, in the same
+// run, the cost of the same eight contacts without the precomputed compliance, each by a solve with the sparse Cholesky
+// factors of all nodes, and a dense solve of their 24 coordinates alone. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target tissue_benchmark
 //     build/release/bin/tissue_benchmark
@@ -58,7 +57,7 @@ void slide(benchmark::State& timing, const ProbeOptions& options, double depth_m
   timing.counters["residual_m"] = residual_m;
 }
 
-// A cube of 40 mm of so many tetrahedra, six in each of n^3 cubes; or the block of 600.
+// A cube of 40 mm of that number of tetrahedra, six in each of n^3 cubes; or the block of 600.
 TetrahedralMesh mesh_of(std::int64_t tetrahedra) {
   if (tetrahedra == 600) return mesh_of_600();
   std::size_t n = 1;

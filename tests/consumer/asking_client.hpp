@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <variant>
 
-/// A client without a device: says by UDP where its hand is, and waits for the force there.
+/// A client without a device: sends positions by UDP, and waits for the forces.
 class AskingClient {
   using Vector = forcebound::control::Vector;
 

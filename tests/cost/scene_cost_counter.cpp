@@ -10,11 +10,11 @@
 #include "forcebound/server/session/answer_size.hpp"
 #include "forcebound/time/heap_operations.hpp"
 
-/// Moves a device through a hundred objects that ask for one effect each, and prints what came of it.
+/// Moves a device through a hundred objects that ask for one effect each, and prints the results.
 ///
 ///     scene_cost_counter only|all MOTIONS
 ///
-/// `only`: the server knows that effect alone; `all`: every other that ships too, and some whose making ends the
+/// `only`: that effect alone is registered; `all`: every other shipped effect too, and some whose construction ends the
 /// program.
 namespace forcebound::server {
 namespace {

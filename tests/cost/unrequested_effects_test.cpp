@@ -52,8 +52,8 @@ TEST(UnrequestedEffects, ChangeNeitherABitOfAForceNorAByteNorAnAllocation) {
 }
 
 TEST(UnrequestedEffects, CostNoInstruction) {
-  if (std::string(FORCEBOUND_VALGRIND).empty()) GTEST_SKIP() << "there is no valgrind";
-  if (!time::kCountsHeapOperations) GTEST_SKIP() << "valgrind and a sanitizer do not go together";
+  if (std::string(FORCEBOUND_VALGRIND).empty()) GTEST_SKIP() << "valgrind is not installed";
+  if (!time::kCountsHeapOperations) GTEST_SKIP() << "valgrind does not work with a sanitizer";
   const double alone = instructions_per_motion("only");
   const double among_all = instructions_per_motion("all");
   std::cout << "instructions per motion over 100 objects: " << alone << " alone, " << among_all << " among all\n";

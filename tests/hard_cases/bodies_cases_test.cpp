@@ -66,7 +66,7 @@ TEST(HardCase32, ACouplingAtTwiceItsStableStepIsRefusedWithTheNumbers) {
   stiff.coupling = {.stiffness_N_per_m = 4e4, .damping_N_s_per_m = 0};
   EXPECT_THROW(BodyDynamicModel(stiff, "test"), BodiesError);
   stiff.timestep_s = 0.9e-3;
-  // Accepted it rings, by 1 / sqrt(1 - 0.9^2) of what it began with, and does not grow.
+  // If accepted it rings, at 1 / sqrt(1 - 0.9^2) of its initial amplitude, and does not grow.
   const auto state = BodyDynamicModel(stiff, "test").make_state(1);
   const int seat = state->join();
   state->move(seat, {0, 0, 0.1}, scene::Point::Zero());
@@ -100,15 +100,15 @@ TEST(HardCase34, ContactMadeAndBrokenWithinAStepGivesNoEnergy) {
     const double before_J = energy_J(bodies);
     for (int i = 0; i < 300; ++i) {
       state->advance(1e-3);
-      // What MuJoCo stores in the contact it does not show: the energy of the bodies alone may not exceed the
-      // beginning.
+      // MuJoCo does not report the energy stored in contacts: the energy of the bodies alone may not exceed the initial
+      // one.
       ASSERT_LE(energy_J(bodies), before_J * (1 + 1e-3)) << speed_m_per_s << " m/s, step " << i;
     }
   }
 }
 
 void expect_unit_quaternion_after(int steps) {
-  // Without gravity: falling for a day, body and probe would leave the numbers' range.
+  // Without gravity: after a day of free fall the positions of body and probe would overflow.
   const auto state =
       BodyDynamicModel({.bodies = {cube("cube", 0.1, {0, 0, 0})}, .gravity_m_per_s2 = scene::Point::Zero()}, "test")
           .make_state(1);

@@ -9,7 +9,7 @@
 
 namespace forcebound::test {
 
-/// Every shipped law that bounds a force, whichever there are.
+/// Every shipped law that bounds a force.
 inline std::vector<std::string> bounding_laws() {
   std::vector<std::string> names = control::force_bounding_laws().names();
   std::erase(names, "none");

@@ -1,4 +1,4 @@
-// Case 4: a clock that stands still, runs back, jumps or shows nonsense, for every law.
+// Case 4: a clock that stands still, runs back, jumps or has invalid readings, for every law.
 
 #include <gtest/gtest.h>
 
@@ -78,7 +78,7 @@ TEST_P(HardCase04, ALostReadingAfterAnyIntervalLeavesTheLedgerANumber) {
   }
 }
 
-// The device lives in true time, a period per tick; now and then the clock says something else.
+// The device moves in true time, a period per tick; now and then the clock is wrong.
 TEST_P(HardCase04, IsPassiveHoweverOftenTheClockSaysWhatItCannotHaveMeasured) {
   for (const int degrees_of_freedom : {1, 3}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -123,7 +123,7 @@ TEST_P(HardCase04, ASessionWhoseClockStandsRunsBackAndJumpsAnHourStaysPassive) {
     EXPECT_GE(loop.device().audit()->minimum_J, -1e-9);
   }
   EXPECT_GE(loop.totals().impossible_intervals, 2U) << "and so is a clock that stands or runs back";
-  EXPECT_GE(loop.totals().released_by_device, 1U) << "the hour is seen by whoever reads the summary";
+  EXPECT_GE(loop.totals().released_by_device, 1U) << "the hour is counted in the summary";
   EXPECT_EQ(loop.device().counters().gaps_cut, 1U);
 }
 

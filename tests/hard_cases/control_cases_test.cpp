@@ -1,4 +1,4 @@
-// Cases 1 to 4, 6, 8 and 12: numbers, clocks and configurations that no law may trip over.
+// Cases 1 to 4, 6, 8 and 12: numbers, clocks and configurations that every law must handle.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ TEST_P(ControlHardCase, Case02NothingToSpendAndAShareThatVanishes) {
   PassivityController controller = this->controller(facts(kOne));
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(tick(controller, 0.25, 1e6), 0) << "at rest nothing was ever dissipated";
   EXPECT_EQ(controller.law().energy_J(), 0);
-  // Far less asked for than there is: the share that fba-more credits goes to nothing, and must come back.
+  // Requests far below the available energy: the share that fba-more credits goes to nothing, and must come back.
   for (int i = 1; i < kMany; ++i) {
     const double request_N = i % 2 == 0 ? 1e-140 : 1e-130;
     ASSERT_EQ(tick(controller, 0.25 + 1e-4 * (i % 2), request_N), request_N) << i;
@@ -117,7 +117,7 @@ TEST_P(ControlHardCase, Case03DampingThatIsNearlySingularOrNotPositive) {
 
 TEST_P(ControlHardCase, Case04ClocksThatStandStillRunBackOrJump) {
   constexpr double kWay_m = 1e-3;
-  // What the motion can have dissipated in a tenth of a period: the shortest interval that is believed.
+  // What the motion can have dissipated in a tenth of a period: the shortest interval that is credited.
   constexpr double kMost_J = kDamping_N_s_per_m / (0.1 * kPeriod_s) * kWay_m * kWay_m;
   for (const double interval_s : {0.0, -1e-3, -3600.0, 1e-300, 1e-9, 10.0, 3600.0, 1e300, kInfinity, kNaN}) {
     SCOPED_TRACE(interval_s);
@@ -141,7 +141,7 @@ TEST_P(ControlHardCase, Case06AtRestWithAFlickeringEncoder) {
   const double earned_J = controller.law().energy_J();
   RecordProperty("earned_J", testing::PrintToString(earned_J));
   if (GetParam() == std::string("fba-exact")) {
-    EXPECT_LE(earned_J, 1e-12) << "it never moved";
+    EXPECT_LE(earned_J, 1e-12) << "the device never moved";
   } else {
     EXPECT_GT(earned_J, 1e-6) << "the published laws take a flicker for motion";
   }
@@ -206,8 +206,8 @@ TEST_P(ControlHardCase, Case12ConfigurationsThatChangeOnEveryTickThroughSingular
     told += !force.isZero(0);
   }
   EXPECT_GT(told, 1000);
-  // In the joints the guarantee holds whatever the tip does. The published laws see the tip alone, as if it moved in a
-  // straight line: the report is theirs.
+  // In the joints the guarantee holds however the tip moves. The published laws see the tip alone, as if it moved in a
+  // straight line: for them the result is only reported.
   if (GetParam() == std::string("fba-exact")) {
     EXPECT_GE(static_cast<double>(least_J), -1e-12);
   }

@@ -1,4 +1,4 @@
-// Cases 7 and 9 to 11: environments that ask for the impossible, played on a device with a hand.
+// Cases 7 and 9 to 11: environments with extreme requests, on a device with a hand.
 //
 //     restless hand -- device -- client session ==( no delay )== environment -- server -- wall
 
@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Looks at every force that the device is given.
+/// Checks every force commanded to the device.
 class Forces final : public record::TickSink {
  public:
   Forces(double force_N_max, double actuator_step_N) : most_N_(force_N_max), step_N_(actuator_step_N) {}
@@ -44,7 +44,7 @@ class Forces final : public record::TickSink {
 
 class ControlLoopHardCase : public testing::TestWithParam<const char*> {
  protected:
-  /// The published laws are promised an ideal encoder and immediate forces, fba-exact a real device.
+  /// The published laws get an ideal encoder and immediate forces, as they assume; fba-exact a real device.
   ClosedLoop::Settings settings(double stiffness_N_per_m) const {
     ClosedLoop::Settings settings;
     settings.law = GetParam();
@@ -78,7 +78,7 @@ class ControlLoopHardCase : public testing::TestWithParam<const char*> {
     EXPECT_TRUE(forces.finite);
     EXPECT_TRUE(forces.within);
     EXPECT_TRUE(forces.whole);
-    EXPECT_GT(forces.pushed, 30) << "the environment never got through";
+    EXPECT_GT(forces.pushed, 30) << "no force was ever applied";
     return forces;
   }
 };

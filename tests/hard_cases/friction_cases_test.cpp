@@ -37,7 +37,7 @@ TEST(HardCase36, FrictionAtRestDoesNotCreep) {
   }
 }
 
-/// Everything random: where the point goes, how hard it is pressed, how the surface turns.
+/// Random path, pressure and rotation of the surface.
 void expect_dissipation_on_every_step(double quantum_m, double damping_N_s_per_m) {
   const auto effect = friction(0.6, 0.35, damping_N_s_per_m);
   test::Felt felt(*effect);

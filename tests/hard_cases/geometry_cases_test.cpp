@@ -1,4 +1,4 @@
-// Cases 20 to 30: triangle meshes as the world has them, and points where no surface is nearest.
+// Cases 20 to 30: triangle meshes as they occur in practice, and points without a nearest direction.
 
 #include <gmock/gmock.h>
 
@@ -119,7 +119,7 @@ TEST(HardCase22, OneSidedContactWorksWhateverTheMeshIs) {
     EXPECT_LT((found.normal - scene::Point::UnitZ()).norm(), 1e-9);
     try {
       (void)scene::make_distance_field(mesh, {.spacing_m = 0.1});
-      ADD_FAILURE() << "the inside of what has none";
+      ADD_FAILURE() << "an inside of an open mesh";
     } catch (const scene::GeometryError& error) {
       EXPECT_THAT(error.what(), StartsWith("test.obj: has no inside, since it is not closed: "));
     }
@@ -158,7 +158,7 @@ TEST(HardCase24, AConcaveCornerHoldsWithoutChatter) {
     goal += 1e-3 * scene::Point(unit(random), unit(random), unit(random));
     goal = goal.cwiseMax(0.8).cwiseMin(1.5);
     (void)follower.to(motion * goal);
-    // Of a room with right angles the nearest point is known, whether one wall holds or three.
+    // In a box's inside the nearest point is known, whether one wall holds or three.
     ASSERT_LT((motion.inverse() * follower.at_m() - goal.cwiseMin(1.0)).norm(), 1e-12) << "tick " << i;
   }
 }
@@ -219,7 +219,7 @@ TEST(HardCase25, AThinWallLetsNothingThroughAtAnySpeed) {
         ASSERT_NEAR(found.penetration_m, std::max(0.0, 0.5e-4 - goal.z()), 1e-11);
         deepest_m = std::max(deepest_m, found.penetration_m);
       }
-      EXPECT_GT(deepest_m, 1e-3) << "it never went beyond the wall: nothing was tried";
+      EXPECT_GT(deepest_m, 1e-3) << "it never went beyond the wall: the test is void";
     }
   }
 }
@@ -266,7 +266,7 @@ TEST(HardCase28, MeshesOfAnySizeAndPlaceGiveTheSameRelativeAnswer) {
         const scene::Point goal_m =
             origin_m +
             scale * scene::Point(height * std::sin(0.02 * i), 0.3 * std::sin(0.05 * i), height * std::cos(0.02 * i));
-        // The same goal, as the digits of the scene's frame have it so far from its origin.
+        // The same goal, rounded in the scene's frame so far from its origin.
         const scene::Point goal = (goal_m - origin_m) / scale + unit.object().bvh().mesh().origin_m();
         const scene::Point expected = spring_force(unit.to(goal));
         ASSERT_LT((spring_force(follower.to(goal_m)) / scale - expected).norm(), 1e-9) << "goal " << i;

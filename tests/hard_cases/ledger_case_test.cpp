@@ -62,7 +62,7 @@ void expect_exact_ledger(Law law) {
     law.commit(force);
     force_N = force[0];
   }
-  EXPECT_GT(static_cast<double>(expected_J), 1e-9 * static_cast<double>(kTicks)) << "there was nothing to add up";
+  EXPECT_GT(static_cast<double>(expected_J), 1e-9 * static_cast<double>(kTicks)) << "no energy was added up";
   EXPECT_NEAR(law.energy_J(), static_cast<double>(expected_J), 1e-9);
 }
 

@@ -77,7 +77,7 @@ TEST(HardCase05, MemoryOfTheMoreConservativeLawIsExactAfterManyTicksAndResumes) 
     expected.commit(force[0]);
   }
   EXPECT_LT(error_J, 1e-9);
-  EXPECT_GT(most_J, 1e-6) << "there was nothing to remember";
+  EXPECT_GT(most_J, 1e-6) << "no energy was stored";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Cases 16, 17 and 19: peers that lie, and datagrams that are none.
+// Cases 16, 17 and 19: peers with false messages, and malformed datagrams.
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 namespace forcebound::sim {
 namespace {
 
-/// A server that does something else with each answer.
+/// A server that replaces its answers.
 class HostileServer : public NetworkHardCase {
  protected:
-  /// For a while the client gets this in place of each force.
+  /// For some time the client gets this in place of each force.
   void answer_with(const std::function<Bytes(const wire::EnvironmentForce&)>& lie) {
     Bytes held;
     wire::Codec reader;
@@ -109,7 +109,7 @@ TEST_F(HostileServer, Case16ThatAnswersTenTimesIsHeardOnce) {
   expect_unbroken_and_back();
 }
 
-/// Every way to cut or to flip one byte of it.
+/// All truncations, and all changes of one byte.
 std::vector<Bytes> mangled(const Bytes& whole) {
   std::vector<Bytes> result;
   for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -164,7 +164,7 @@ TEST_F(Mangled, Case17AnswersOfEveryKindAreCountedByTheClientAndChangeNothing) {
 }
 
 TEST_F(Mangled, Case17QuestionsOfEveryKindAreCountedByTheServerAndChangeNothing) {
-  net::DatagramLink& stranger = loop.network().add_client();
+  net::DatagramLink& untrusted = loop.network().add_client();
   std::uint64_t sent = 0;
   const std::vector<Bytes> questions{
       bytes_of(codec.encode(wire::Hello{.client_nonce = 5, .degrees_of_freedom = 3, .device = "x", .period_s = 1e-3})),
@@ -176,7 +176,7 @@ TEST_F(Mangled, Case17QuestionsOfEveryKindAreCountedByTheServerAndChangeNothing)
       bytes_of(codec.encode(wire::Refusal{.session = session, .reason = wire::RefusalReason::unknown_session}))};
   for (const Bytes& whole : questions) {
     for (const Bytes& datagram : mangled(whole)) {
-      ASSERT_TRUE(stranger.send(datagram, loop.network().server_address()));
+      ASSERT_TRUE(untrusted.send(datagram, loop.network().server_address()));
       if (++sent % 20 == 0) loop.run(1ms);
     }
   }
@@ -188,11 +188,11 @@ TEST_F(Mangled, Case17QuestionsOfEveryKindAreCountedByTheServerAndChangeNothing)
 }
 
 TEST_F(NetworkHardCase, Case19DatagramsAsLongAsAndLongerThanAnyNetworkCarries) {
-  net::DatagramLink& stranger = loop.network().add_client();
+  net::DatagramLink& untrusted = loop.network().add_client();
   const std::array<std::size_t, 7> lengths{1199, 1200, 1201, 1472, 1500, 9000, 65507};
   for (const std::size_t length : lengths) {
     send_to_client(Bytes(length, std::byte{0x46}));
-    ASSERT_TRUE(stranger.send(Bytes(length, std::byte{0x46}), loop.network().server_address()));
+    ASSERT_TRUE(untrusted.send(Bytes(length, std::byte{0x46}), loop.network().server_address()));
     loop.run(1ms);
   }
   loop.run(100ms);
@@ -204,14 +204,14 @@ TEST_F(NetworkHardCase, Case19DatagramsAsLongAsAndLongerThanAnyNetworkCarries) {
 }
 
 TEST_F(NetworkHardCase, Case19AGenuineMessageOfFullLengthIsReadAndOneByteMoreIsNot) {
-  net::DatagramLink& stranger = loop.network().add_client();
+  net::DatagramLink& untrusted = loop.network().add_client();
   const net::Address server = loop.network().server_address();
   Bytes hello = bytes_of(codec.encode(
       wire::Hello{.client_nonce = 5, .degrees_of_freedom = 3, .device = "x", .period_s = 1e-3, .force_N_max = 1}));
   ASSERT_EQ(hello.size(), wire::kFrameBytesMax);
-  ASSERT_TRUE(stranger.send(hello, server));
+  ASSERT_TRUE(untrusted.send(hello, server));
   hello.push_back(std::byte{0});
-  ASSERT_TRUE(stranger.send(hello, server));
+  ASSERT_TRUE(untrusted.send(hello, server));
 
   const std::string words(wire::kTextBytesMax, 'x');
   Bytes refusal = bytes_of(

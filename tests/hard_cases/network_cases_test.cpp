@@ -1,4 +1,4 @@
-// Cases 13 to 15 and 18: what delay, loss and deaths do to a session in contact.
+// Cases 13 to 15 and 18: effects of delay, loss and killed programs on a session in contact.
 //
 //     trace-sphere at the omni -- session ==( 5 ms each way, and worse )== server, sphere
 
@@ -82,15 +82,15 @@ TEST(SequenceWindow, Case13WrapsAroundWithoutLosingACopyOrALatecomer) {
 }
 
 TEST_F(NetworkHardCase, Case13AServerAnswersMotionWhoseNumbersWrapAround) {
-  net::DatagramLink& stranger = loop.network().add_client();
+  net::DatagramLink& untrusted = loop.network().add_client();
   const net::Address server = loop.network().server_address();
   std::array<std::byte, 2048> buffer{};
-  ASSERT_TRUE(stranger.send(
+  ASSERT_TRUE(untrusted.send(
       codec.encode(wire::Hello{
-          .client_nonce = 77, .degrees_of_freedom = 3, .device = "stranger", .period_s = 1e-3, .force_N_max = 1}),
+          .client_nonce = 77, .degrees_of_freedom = 3, .device = "untrusted", .period_s = 1e-3, .force_N_max = 1}),
       server));
   loop.run(20ms);
-  const auto received = stranger.receive(buffer);
+  const auto received = untrusted.receive(buffer);
   ASSERT_TRUE(received.has_value());
   const auto decoded = codec.decode(std::span(buffer).first(received->bytes));
   const auto* message = std::get_if<wire::Message>(&decoded);
@@ -101,12 +101,12 @@ TEST_F(NetworkHardCase, Case13AServerAnswersMotionWhoseNumbersWrapAround) {
     const std::uint64_t sequence = ~std::uint64_t{0} - kMotions / 2 + i;
     const wire::MotionSample motion{
         .session = session, .sequence = sequence, .device_time = loop.time(), .position = Vector::Zero(3)};
-    ASSERT_TRUE(stranger.send(codec.encode(motion), server));
+    ASSERT_TRUE(untrusted.send(codec.encode(motion), server));
     loop.run(1ms);
   }
   loop.run(20ms);
   std::uint64_t answers = 0;
-  while (stranger.receive(buffer)) ++answers;
+  while (untrusted.receive(buffer)) ++answers;
   EXPECT_EQ(answers, kMotions);
   expect_unbroken_and_back();
 }
@@ -138,7 +138,7 @@ TEST_F(NetworkHardCase, Case14OneWayLostForAMinuteAndBackAndItIsSaidWhich) {
 }
 
 TEST_F(NetworkHardCase, Case14OneWayLostForLongerThanTheServerWaitsAndBack) {
-  // Without motion the server gives the session up after a minute; without answers only the client notices.
+  // Without motion the server closes the session after a minute; without answers only the client notices.
   loop.network().set_blackhole(Direction::up, true);
   loop.run(65s);
   EXPECT_NE(loop.session().state(), client::SessionState::active);
@@ -174,7 +174,7 @@ TEST_F(NetworkHardCase, Case15AServerKilledInContactAndRestarted) {
 }
 
 TEST_F(NetworkHardCase, Case15AClientKilledInContactAndRestarted) {
-  // The one that is killed says no Bye; its server is this one's.
+  // The killed client sends no Bye; both use the same server.
   for (int i = 0; i < 3; ++i) {
     device::SimulatedDevice device(device::load_device("omni"), device::make_operator("trace-sphere", 3));
     VirtualClock clock(loop.time());
@@ -191,7 +191,7 @@ TEST_F(NetworkHardCase, Case15AClientKilledInContactAndRestarted) {
     EXPECT_EQ(loop.server()->sessions(), 2U + static_cast<std::size_t>(i));
   }
   loop.run(70s);
-  EXPECT_EQ(loop.server()->sessions(), 1U) << "the dead ones are given up after a minute";
+  EXPECT_EQ(loop.server()->sessions(), 1U) << "the dead sessions are closed after a minute";
   expect_unbroken_and_back();
 }
 
@@ -202,7 +202,7 @@ TEST(NetworkHardCaseOfTwelveSeconds, Case18RoundTripOfTwelveSecondsIsFadedToNoth
   loop.run(60s);
   const json summary = json::parse(loop.close().to_json());
   EXPECT_EQ(never.broken, 0U);
-  EXPECT_EQ(never.pushed, 0U) << "a force of twelve seconds ago is none";
+  EXPECT_EQ(never.pushed, 0U) << "a force twelve seconds old is dropped";
   EXPECT_GT(summary["received"], 30'000);
   EXPECT_NEAR(summary["rtt_us"]["p50"].get<double>(), 12e6, 5e4);
 }
@@ -219,7 +219,7 @@ TEST(NetworkHardCaseOfTwelveSeconds, Case18TheRecordedRuralNetworkIsSurvived) {
   const json summary = json::parse(loop.close().to_json());
   EXPECT_EQ(never.broken, 0U);
   EXPECT_GT(never.pushed, 10'000U);
-  EXPECT_GT(summary["force_age_ms"]["max"], 5000) << "the twelve seconds are in it";
+  EXPECT_GT(summary["force_age_ms"]["max"], 5000) << "includes the twelve seconds";
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace forcebound::sim {
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::byte>;
 
-/// A hand at the omni that traces the sphere, with the law that promises to stay passive on it.
+/// A hand at the omni that traces the sphere, with the law that guarantees passivity on it.
 inline ClosedLoop::Settings omni_on_the_sphere(const std::string& netem = "delay 5ms") {
   ClosedLoop::Settings settings;
   settings.device = device::load_device("omni");
@@ -27,7 +27,7 @@ inline ClosedLoop::Settings omni_on_the_sphere(const std::string& netem = "delay
   return settings;
 }
 
-/// What no network may bring about, looked at on every tick.
+/// Invariants under any network, checked on every tick.
 class NeverBroken final : public record::TickSink {
  public:
   explicit NeverBroken(double force_N_max) : most_N_(force_N_max) {}
@@ -45,14 +45,14 @@ class NeverBroken final : public record::TickSink {
   double most_N_;
 };
 
-/// A loop whose invariants hold to the end, and whose session is there in the end.
+/// A loop whose invariants hold to the end, and whose session is active at the end.
 class NetworkHardCase : public testing::Test {
  protected:
   explicit NetworkHardCase(const ClosedLoop::Settings& settings = omni_on_the_sphere())
       : never(settings.device.facts.force_N_max), loop(settings, {&never}) {
     loop.run(2s);
     EXPECT_EQ(loop.session().state(), client::SessionState::active);
-    EXPECT_GT(never.pushed, 100U) << "nothing was touched";
+    EXPECT_GT(never.pushed, 100U) << "no force was applied";
   }
 
   void expect_unbroken_and_back() {

@@ -1,4 +1,4 @@
-// Cases 1 to 3: numbers at the ends of what a double holds, and damping that is hardly any, for every law.
+// Cases 1 to 3: numbers at the limits of a double, and damping near zero, for every law.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// Cases 13, 15 and 16: another session's datagrams, a client that is not the one before, a server that lies about what
-// it has heard.
+// Cases 13, 15 and 16: another session's datagrams, a restarted client, a server with false counts of received motions.
 //
 //     omni -- session --+                                    +--- sphere
 //                       +--( delay 5 ms each way )-- server -+
@@ -99,7 +98,7 @@ class SessionHardCase : public testing::Test {
     EXPECT_GE(loop_.device().audit()->minimum_J, -1e-9);
   }
 
-  /// All that the recorded session sent, and all that it was told, a datagram of each per millisecond.
+  /// All that the recorded session sent and received, a datagram of each per millisecond.
   void play_back(const RecordingLink& earlier) {
     for (std::size_t i = 0; i < std::max(earlier.sent.size(), earlier.received.size()); ++i) {
       if (i < earlier.sent.size()) {
@@ -165,11 +164,11 @@ TEST_F(SessionHardCase, HardCase13AnEarlierSessionPlayedBackToAServerThatForgotI
   const auto told = another_->session.totals();
   play_back(earlier);
   const auto after = loop_.server()->counters();
-  EXPECT_LE(loop_.server()->sessions(), 3U) << "an old Hello may be let in, to nobody's good";
+  EXPECT_LE(loop_.server()->sessions(), 3U) << "an old Hello may open a session, without an effect";
   EXPECT_GE(after.motions_without_session, before.motions_without_session + 1900);
   const auto totals = another_->session.totals();
   EXPECT_GE(totals.foreign_session - told.foreign_session, earlier.received.size())
-      << "its Welcome, its forces, its goodbyes: each is counted";
+      << "its Welcome, its forces, its Byes: each is counted";
   EXPECT_EQ(totals.reconnects, 0U);
   expect_forces_flow();
   run(61s);
@@ -205,11 +204,11 @@ TEST_F(SessionHardCase, HardCase15AClientKilledAndRestartedAtTheSameAddressWithT
     begin_another(1);
     run(100ms);
     EXPECT_EQ(another_->session.state(), client::SessionState::active);
-    EXPECT_GT(another_->session.totals().received, 70U) << "its motions are taken for copies of the dead one's";
+    EXPECT_GT(another_->session.totals().received, 70U) << "its motions were taken for copies of the dead client's";
     expect_forces_flow();
   }
   run(61s);
-  EXPECT_EQ(loop_.server()->sessions(), 2U) << "the dead ones are given up";
+  EXPECT_EQ(loop_.server()->sessions(), 2U) << "the dead sessions are closed";
   EXPECT_EQ(loop_.server()->counters().sessions_idle, 3U);
 }
 
@@ -221,7 +220,7 @@ class LyingServer : public testing::Test {
     session_.tick(clock_.now());
   }
 
-  /// What the client said last, if it is such a message.
+  /// The client's last message, if it is of this type.
   template <typename Message>
   std::optional<Message> heard() {
     std::optional<Message> last;

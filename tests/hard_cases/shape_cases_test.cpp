@@ -93,7 +93,7 @@ struct Case {
 };
 
 scene::HeightGrid hills(const scene::Point& at, double scale) {
-  // Of a place that far away, so much is no rounding.
+  // At that distance, a larger difference is not rounding.
   scene::HeightGrid grid{
       .origin_m = at - scale * scene::Point(0.03125, 0.03125, 0), .spacing_m = 0.015625 * scale, .columns = 5};
   for (int i = 0; i < 25; ++i) grid.heights_m.push_back(0.003 * scale * std::sin(i));

@@ -22,7 +22,7 @@ LinearTissue tissue_of(const ElasticMaterial& material) {
   return {std::move(mesh), material, held};
 }
 
-// A sphere is pressed in slowly and taken out again, and every step is looked at.
+// A sphere is pressed in slowly and taken out again, and every step is checked.
 template <typename Look>
 void press(const TissueModel& model, double depth_m, const Look& look) {
   constexpr int kSteps = 400;
@@ -43,7 +43,7 @@ TEST(HardCase31, MoreContactsThanTheTissueHoldsAreCountedAndTheDeepestStillPush)
     press(TissueModel(tissue, {.radius_m = 0.02, .contacts_max = contacts_max}), 0.004,
           [&](const TissueResult& result) {
             EXPECT_LE(result.contacts, contacts_max);
-            EXPECT_EQ(result.converged, result.contacts_left_out == 0) << "one left out is never quiet";
+            EXPECT_EQ(result.converged, result.contacts_left_out == 0) << "a contact left out is always counted";
             EXPECT_TRUE(result.force_N.allFinite());
             left_out += result.contacts_left_out;
             most_N = std::max(most_N, result.force_N.z());
@@ -133,7 +133,7 @@ TEST(HardCase38, AnExhaustedBudgetReportsTheLastIterateAndItsResidual) {
     EXPECT_GT(result.residual_m, 1e-7);
     EXPECT_TRUE(result.force_N.allFinite());
     EXPECT_GT(result.force_N.z(), 0);
-    // What was found is kept: the next steps go on from there.
+    // The last iterate is kept: the next steps continue from there.
     for (int n = 0; n < 20; ++n) result = model.step(state, {0.0312, 0.0291, kTop_m + 0.006});
     EXPECT_TRUE(result.converged);
     EXPECT_LT(result.residual_m, 1e-7);

@@ -39,10 +39,10 @@ Bytes framed(std::uint8_t kind, const Bytes& body) {
   return frame;
 }
 
-/// A socket that says anything to anybody.
-class Stranger {
+/// A socket that sends anything to any address.
+class UntrustedClient {
  public:
-  explicit Stranger(const std::string& to)
+  explicit UntrustedClient(const std::string& to)
       : to_(net::resolve(net::parse_endpoint(to))), link_(net::UdpLink::towards(to_)) {}
 
   void say(const Bytes& datagram) { EXPECT_TRUE(link_.send(datagram, to_)); }
@@ -74,15 +74,15 @@ TEST(AServer, CountsAbuseByReasonWithoutAnEffectOnItsClient) {
   Client client(server.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "3", "--once"});
   ASSERT_TRUE(client.wait_for("connected"));
 
-  Stranger stranger(server.address());
+  UntrustedClient untrusted(server.address());
   constexpr std::uint64_t kTimes = 20;
-  const wire::Hello hello{.client_nonce = 42, .degrees_of_freedom = 3, .device = "stranger", .period_s = 1e-3};
+  const wire::Hello hello{.client_nonce = 42, .degrees_of_freedom = 3, .device = "untrusted", .period_s = 1e-3};
   for (std::uint64_t i = 0; i < kTimes; ++i) {
-    stranger.say_malformed();
-    stranger.say(wire::Welcome{.client_nonce = 1, .session = 2});
-    stranger.say(wire::MotionSample{.session = 77, .sequence = i, .position = control::Vector::Zero(3)});
-    stranger.say(wire::Bye{.session = 78});
-    stranger.say(hello);
+    untrusted.say_malformed();
+    untrusted.say(wire::Welcome{.client_nonce = 1, .session = 2});
+    untrusted.say(wire::MotionSample{.session = 77, .sequence = i, .position = control::Vector::Zero(3)});
+    untrusted.say(wire::Bye{.session = 78});
+    untrusted.say(hello);
     std::this_thread::sleep_for(2ms);
   }
   EXPECT_EQ(client.wait(20s), 0);
@@ -103,7 +103,7 @@ TEST(AServer, CountsAbuseByReasonWithoutAnEffectOnItsClient) {
   EXPECT_EQ(client.summary()["faults"]["reconnects"], 0);
 }
 
-/// A server that lets a client in and then says what a test wants.
+/// A server that accepts a client and then sends what a test wants.
 class HostileServer {
  public:
   HostileServer() : link_(net::UdpLink::listen(net::resolve({"127.0.0.1", 0}))) {}
@@ -151,14 +151,14 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
   server.say(
       wire::Welcome{.client_nonce = hello->client_nonce, .session = kSession, .scene = "x", .simulated = "abuse"});
 
-  // Beside the right address, one that the client has not asked for: its socket does not even hear that.
+  // Datagrams from another address than the server's: the client's socket does not receive them.
   ASSERT_TRUE(server.next<wire::MotionSample>());
-  Stranger stranger(net::to_string(server.client()));
+  UntrustedClient untrusted(net::to_string(server.client()));
 
   constexpr int kTimes = 10;
   std::uint64_t sequence = 0;
   for (int i = 0; i < kTimes; ++i) {
-    stranger.say_malformed();
+    untrusted.say_malformed();
     const auto motion = server.next<wire::MotionSample>();
     ASSERT_TRUE(motion);
     wire::EnvironmentForce force{.session = kSession,
@@ -179,7 +179,7 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
     other = force;
     other.force[1] = std::numeric_limits<double>::quiet_NaN();  // not finite
     server.say(other);
-    server.say(wire::Hello{.client_nonce = 1});  // no client is told that: unreadable
+    server.say(wire::Hello{.client_nonce = 1});  // not a message to a client: unreadable
     server.say(random_bytes(1300, 1));           // oversize
     server.say(random_bytes(4, 2));              // truncated
     server.say(random_bytes(300, 3));            // foreign

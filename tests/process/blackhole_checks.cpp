@@ -48,8 +48,8 @@ void expect_told(const Way& way, std::chrono::seconds duration) {
   EXPECT_THAT(unwrapped(way.client->out()), HasSubstr("nothing came back from " + way.relay->address() + " for "));
   EXPECT_THAT(unwrapped(way.client->out()), HasSubstr(up ? "(up dead)" : "motions arrived there (up alive), 0 of "));
 
-  // What the relay swallowed is what is missing, but for the handshakes that were tried meanwhile, and for motions
-  // after a server gave up, which no server counts.
+  // The datagrams missing are those that the relay dropped, except for handshakes meanwhile, and for motions after the
+  // server closed the session, which no server counts.
   std::size_t swallowed = 0;
   const std::string log = content(way.folder.file("log.csv"));
   for (std::size_t at = log.find(",blackout,"); at != std::string::npos; at = log.find(",blackout,", at + 1))

@@ -4,8 +4,8 @@
 
 namespace forcebound::test {
 
-/// Two clients in contact through a relay each, one with a dead way up and one with a dead way down for so long: both
-/// stay passive, recover, and tell in their summaries which way it was.
+/// Two clients in contact through a relay each, one with a blackout up and one with a blackout down: both stay passive,
+/// recover, and name the direction in their summaries.
 ///
 ///     client --- relay (up is dead for a time) ---+
 ///                                                 +--- server

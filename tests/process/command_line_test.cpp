@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr const char* kNowhere = "127.0.0.1:9";  // never asked: every command here is refused before
+constexpr const char* kNowhere = "127.0.0.1:9";  // never contacted: every command here is refused before
 
 struct Program {
   const char* path;

@@ -12,7 +12,7 @@ if(NOT NPM)
   return()
 endif()
 file(COPY ${FROM}/package.json ${FROM}/package-lock.json DESTINATION ${TO})
-# Before the test's own time is over, so that a network that swallows everything is a skipped test as well.
+# Ends before the test's own timeout, so that a dead network skips the test as well.
 execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error WORKING_DIRECTORY ${TO}
                 RESULT_VARIABLE result TIMEOUT 240)
 if(NOT result EQUAL 0)

@@ -26,7 +26,7 @@ TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
   EXPECT_GT(result["service_us"]["p50"].get<double>(), 0);
   EXPECT_LE(result["service_us"]["p50"].get<double>(), result["service_us"]["max"].get<double>());
   EXPECT_LE(result["service_us"]["p50"].get<double>(), result["read_us"]["p50"].get<double>());
-  std::this_thread::sleep_for(200ms);  // it waits for no answer to its goodbyes, so some may be on their way
+  std::this_thread::sleep_for(200ms);  // it does not wait for the answers to its Byes
   EXPECT_EQ(server.stop(), 0);
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 5U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 5U);
@@ -45,7 +45,7 @@ TEST(LabLoad, TellsItsRoundTripToASceneThatPicksItsAccuracyByIt) {
 TEST(LabLoad, FindsAMostNotAboveItsLimit) {
   Server server({"--scene", "sphere"});
   const Ran lab = run(kLab, {"load", "--server", server.address(), "--find-most", "--limit", "2", "--seconds", "0.1"});
-  // A busy machine may have no millisecond for even one; then it says so.
+  // A busy machine may fail with even one client; then it reports that.
   if (lab.exit_code == 0) {
     EXPECT_THAT(lab.out, testing::ContainsRegex("most: [12] clients"));
   } else {

@@ -31,8 +31,8 @@ TEST(AMinuteOfABadNetwork, KeepsOneKilohertzAndLosesOnlyWhatTheRelayDropped) {
 
 TEST(AMinuteOfADeadWay, IsNamedByTheClientsSummary) { expect_dead_ways_are_told(kMinute); }
 
-/// A recorded hand, touching `scene` through the recorded network's second minute: there the urban one is silent for 7
-/// s, and the rural one's round trip is 12 s.
+/// A recorded hand, touching `scene` through the recorded network's second minute: there the urban one has a blackout
+/// of 7 s, and the rural one's round trip is 12 s.
 void run_recorded(const std::string& scene, const std::string& network) {
   SCOPED_TRACE(scene + " through " + network);
   const auto hand = recorded_data("motion/hand-guided-a.csv");

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What became of the datagrams of one direction, in the order in which they came to the relay.
+/// The fates of the datagrams of one direction, in the order in which they came to the relay.
 struct Fates {
   std::vector<bool> lost;
 
@@ -56,7 +56,7 @@ LoopOutcome run_loop(const LoopSettings& settings) {
   client_words.insert(client_words.end(), settings.client.begin(), settings.client.end());
   Client client(relay.address(), client_words);
   EXPECT_EQ(client.wait(settings.duration + 20s), 0);
-  // What is still on its way belongs into the log.
+  // Wait for datagrams in flight, so that they are in the log.
   std::this_thread::sleep_for(300ms);
   EXPECT_EQ(relay.stop(), 0);
   EXPECT_EQ(server.stop(), 0);

@@ -8,7 +8,7 @@
 
 #include "tests/process/programs.hpp"
 
-/// A whole run of the three programs, and what must hold for every one of them:
+/// A whole run of the three programs, and its checks:
 ///
 ///     client --- relay (the bad network, with its log) --- server
 namespace forcebound::test {
@@ -33,11 +33,11 @@ struct LoopOutcome {
 /// Runs it and ends all three in order; every program must end with 0.
 LoopOutcome run_loop(const LoopSettings& settings);
 
-/// A recorded network without its first `skipped`, written to `file`: to have what matters within a test's time.
+/// A recorded network without its first `skipped`, written to `file`: to have the relevant part within a test's time.
 void write_trace_after(const std::filesystem::path& trace, std::chrono::milliseconds skipped, const std::string& file);
 
 /// Nearly all ticks took place, none allocated, every number is finite, and the device stayed passive. The encoder's
-/// step is why the energy may be a little below zero.
+/// step may bring the energy slightly below zero.
 void expect_sound(const nlohmann::json& summary, std::chrono::seconds duration);
 
 /// The relay dropped every datagram that the client misses, and no other is missing.

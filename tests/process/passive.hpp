@@ -2,7 +2,7 @@
 
 namespace forcebound::test {
 
-/// fba-exact lets P fall to this by rounding and no further, whatever machine and network do.
+/// With fba-exact P never falls below this, which is rounding, whatever machine and network do.
 inline constexpr double kPassive_J = -1e-9;
 
 }  // namespace forcebound::test

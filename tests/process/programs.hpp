@@ -9,7 +9,7 @@
 
 #include "tests/support/process.hpp"
 
-/// The real programs on the loopback, each with what a test usually says to it.
+/// The real programs on the loopback, with the usual options of tests.
 namespace forcebound::test {
 
 using Words = std::vector<std::string>;
@@ -22,7 +22,7 @@ extern const char* const kLab;
 /// A program that listens on a port of the system's choice, or on `at`; returns once it does.
 class Listener : public Process {
  public:
-  /// @throws std::runtime_error with what it said if it does not.
+  /// @throws std::runtime_error with its output if it does not.
   Listener(const char* program, const Words& arguments, const std::string& at = "127.0.0.1:0");
 
   /// HOST:PORT.
@@ -54,7 +54,7 @@ class Client : private SummaryFile, public Process {
  public:
   Client(const std::string& server, const Words& arguments);
 
-  /// What it wrote as its summary, and the same as values; null if there is none.
+  /// Its summary as text, and parsed; null if there is none.
   [[nodiscard]] std::string summary_text() const { return content(summary_folder_.file("summary.json")); }
   [[nodiscard]] nlohmann::json summary() const { return nlohmann::json::parse(summary_text(), nullptr, false); }
 };
@@ -67,7 +67,7 @@ struct Ran {
 };
 Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds limit = std::chrono::seconds{60});
 
-/// HOST:PORT where nobody listens at the moment.
+/// HOST:PORT of a closed port.
 std::string free_address();
 
 /// The number in front of `what` in the counts that a program prints at its end ("12 reordered"); 0 where it is not

@@ -12,8 +12,8 @@ constexpr auto kDuration = 10s;
 
 /// Two networks, a server and a client for each:
 ///
-///     client --- relay playing the urban trace's begin ------------------------------- server with the sphere
-///     client --- relay playing the rural trace's worst moment, a round trip of 12 s --- server with the plane
+///     client --- relay with the urban trace's beginning --------------------------- server with the sphere
+///     client --- relay with the rural trace's worst moment, a round trip of 12 s --- server with the plane
 TEST(ARecordedHandOnARecordedNetwork, TouchesSphereAndPlaneToTheEnd) {
   const auto hand = recorded_data("motion/hand-guided-a.csv");
   const auto urban = recorded_data("network/5g-urban-n8.csv");

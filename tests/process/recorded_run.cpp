@@ -42,7 +42,7 @@ void expect_late_force_policy(const RecordedRun& run) {
 
 void expect_passive(const RecordedRun& run) {
   ASSERT_FALSE(run.ticks.empty());
-  // A machine that wakes the loop 50 ms late makes a published law give what it never promised to keep.
+  // If the machine wakes the loop 50 ms late, a published law is not passive, as its proof assumes punctual ticks.
   if (run.info.law != "fba-exact") return;
   EXPECT_GE(run.ticks.back().audit_minimum_J, kPassive_J);
 }
@@ -60,7 +60,7 @@ RecordedClient::RecordedClient(const std::string& server, const Words& arguments
 
 RecordedRun RecordedClient::run() const {
   RecordedRun run;
-  EXPECT_TRUE(record::read_recording(TemporaryFolder::file("run.mcap"), run)) << "the recording has no end";
+  EXPECT_TRUE(record::read_recording(TemporaryFolder::file("run.mcap"), run)) << "the recording is incomplete";
   return run;
 }
 

@@ -9,7 +9,7 @@
 #include "forcebound/record/recording_reader.hpp"
 #include "tests/process/programs.hpp"
 
-/// What a client wrote down of its run, and what must hold on each of its ticks whatever became of the others.
+/// A client's recording, with checks of each of its ticks.
 namespace forcebound::test {
 
 struct RecordedRun final : record::RecordingSink {
@@ -26,15 +26,14 @@ struct RecordedRun final : record::RecordingSink {
   std::map<std::uint64_t, control::Vector> forces;  ///< by the motion they answer
 };
 
-/// The device never showed more than was asked for, and what was asked for is the newest force by the late-force
-/// policy: in full up to the hold time, then fading linearly, zero from the drop time on.
+/// The applied force never exceeds the request, and the request is the newest force by the late-force policy: in full
+/// up to the hold time, then fading linearly, zero from the drop time on.
 void expect_late_force_policy(const RecordedRun& run);
 
-/// The audit's least over the run is not below rounding, whatever the machine did to the clock; for the law that
-/// promises it.
+/// The audit's minimum over the run is not below rounding, whatever the timing; for the law that guarantees it.
 void expect_passive(const RecordedRun& run);
 
-/// Those of the laws that this build ships.
+/// Those of the given laws that this build ships.
 std::vector<std::string> shipped_among(const std::vector<std::string>& laws);
 
 /// A client that records.
@@ -42,7 +41,7 @@ class RecordedClient : private TemporaryFolder, public Client {
  public:
   RecordedClient(const std::string& server, const Words& arguments);
 
-  /// Once it has ended.
+  /// After its end.
   [[nodiscard]] RecordedRun run() const;
 };
 

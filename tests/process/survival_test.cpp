@@ -37,7 +37,7 @@ class HandsInContact : public testing::Test {
     for (const RecordedClient& client : clients) client.signal(number);
   }
 
-  /// Ends all clients and looks at each with what it wrote down.
+  /// Ends all clients and checks each one's recording.
   template <class Look>
   void end_and_look(Look look) {
     for (RecordedClient& client : clients) {
@@ -72,7 +72,7 @@ TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndTheNextServerWithinASec
   server->stop(SIGKILL);
   std::this_thread::sleep_for(1500ms);
   server.emplace(Words{}, address);
-  // It listens: how long the machine took to start it is not the client's.
+  // Wait until it listens: its start-up time must not count.
   const Nanoseconds returned = steady_now();
   std::this_thread::sleep_for(1s);
 
@@ -83,7 +83,7 @@ TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndTheNextServerWithinASec
     const TickRecord* const dropped = first_tick(run, killed, ForcePolicy::dropped);
     ASSERT_TRUE(pressing && fading && dropped);
     EXPECT_LT(pressing->time, fading->time) << "in contact";
-    // The exact ages are looked at above, on every tick.
+    // The exact ages are checked above, on every tick.
     EXPECT_NEAR(time::to_seconds(fading->time - killed), 0.25, 0.2);
     EXPECT_NEAR(time::to_seconds(dropped->time - killed), 1.0, 0.2);
     const TickRecord* const fresh = first_tick(run, dropped->time, ForcePolicy::fresh);
@@ -124,7 +124,7 @@ TEST_F(HandsInContact, FeelNoJumpWhenTheirStoppedClientsRunAgain) {
         first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
     ASSERT_NE(pressing, nullptr);
     EXPECT_LT(pressing->time, resumed->time) << "in contact";
-    // What had come meanwhile is two seconds old; but a fast server may have answered the motion sent just now.
+    // Forces received meanwhile are two seconds old; but a fast server may have answered the motion sent just now.
     if (resumed->force_sequence < resumed->motion_sequence) {
       EXPECT_EQ(resumed->policy, ForcePolicy::dropped);
       EXPECT_TRUE(resumed->applied.isZero(0));

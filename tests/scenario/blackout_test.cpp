@@ -27,7 +27,7 @@ class ABlackoutOfTheNetwork : public ::testing::Test {
     for (const Direction direction : directions) loop.network().set_blackhole(direction, false);
   }
 
-  /// What died and how the client says it, after it has recovered.
+  /// Checks which direction died in the client's summary, after it has recovered.
   void expect_longest(const std::string& died, const std::string& words) {
     loop.run(3s);
     EXPECT_EQ(loop.session().state(), client::SessionState::active);
@@ -69,7 +69,7 @@ TEST_F(ABlackoutOfTheNetwork, NamesTheDirectionUpIfItDied) {
   EXPECT_EQ(longest["lost_down"], 0);
 }
 
-//   longer than the server waits: it gives the session up, and says so on the way that is alive
+//   longer than the server waits: it closes the session, and sends Bye in the direction that is alive
 TEST_F(ABlackoutOfTheNetwork, NamesTheDirectionUpIfItDiedUntilTheServerClosedTheSession) {
   kill({Direction::up}, 65s);
   expect_longest("up", "(up dead), so no answer was due, and the server ended the session");

@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 
-/// Watches what no run may ever show.
+/// Invariants of every run.
 class Invariants final : public record::TickSink {
  public:
   explicit Invariants(double force_N_max) : force_N_max_(force_N_max) {}
@@ -78,7 +78,7 @@ TEST_P(LawsThroughABadNetwork, CountWhatTheNetworkDid) {
   const auto& up = loop.network().counters(netem::Direction::up);
   const auto& down = loop.network().counters(netem::Direction::down);
   const auto totals = loop.totals();
-  // Handshake and goodbye cross the network too: a handful of datagrams that are no motion and no force.
+  // Hello, Welcome and Bye cross the network too: a few datagrams beside motions and forces.
   constexpr double kHandshakes = 60;
   EXPECT_NEAR(static_cast<double>(totals.lost_up), static_cast<double>(up.lost), kHandshakes);
   EXPECT_NEAR(static_cast<double>(totals.lost_down), static_cast<double>(down.lost), kHandshakes);
@@ -108,7 +108,7 @@ TEST(ClosedLoop, TakesNoMotionForLostThatIsOnItsWay) {
   EXPECT_EQ(after.lost_up + after.lost_down + after.in_flight, 0U) << record::words_of(after);
 }
 
-//   without a law the device is thrown about; what it got is measured at the ball itself
+//   without a law the device is thrown about; depth and stiffness are those at the ball itself
 TEST(ClosedLoop, TellsTheDepthBelowTheTrueSurfaceAndNoStiffnessThatIsNotThere) {
   constexpr double kRadius_m = 0.02;
   const auto scene = server::load_scene("sphere");
@@ -121,10 +121,10 @@ TEST(ClosedLoop, TellsTheDepthBelowTheTrueSurfaceAndNoStiffnessThatIsNotThere) {
     EXPECT_EQ(summary["run"]["surface"], "true");
     EXPECT_EQ(summary["surface_unknown_ticks"], 0);
     EXPECT_GT(summary["penetration_m"]["max"], 0);
-    EXPECT_LE(summary["penetration_m"]["max"], kRadius_m) << "no ball is deeper than its centre";
+    EXPECT_LE(summary["penetration_m"]["max"], kRadius_m) << "no depth exceeds the ball's radius";
     const json& shown = summary["displayed_stiffness_N_per_m"]["median"];
     if (shown.is_number()) {
-      EXPECT_LT(shown.get<double>(), 1.05 * stiffness_N_per_m) << "no law shows more than there is";
+      EXPECT_LT(shown.get<double>(), 1.05 * stiffness_N_per_m) << "no law shows more than the wall's stiffness";
     }
   }
 }
@@ -189,7 +189,7 @@ TEST(ClosedLoop, ABlackoutInOneDirectionIsSaidToBeThatDirection) {
 
 //   every 50 ms the client is stopped for a while: within the hold time of 2 ms, or far beyond it
 TEST_P(LawsThroughABadNetwork, StayPassiveThoughTheirTicksStall) {
-  if (GetParam() == std::string("none")) GTEST_SKIP() << "no law, no promise";
+  if (GetParam() == std::string("none")) GTEST_SKIP() << "no law, no guarantee";
   for (const auto stall : {500us, 900us, 2000us, 20'000us}) {
     SCOPED_TRACE(std::to_string(stall.count()) + " us");
     ClosedLoop loop(sphere_through("delay 5ms", GetParam()));
@@ -275,7 +275,7 @@ TEST_P(AnAutoScene, IsPickedByTheMeasuredRoundTripAndSaidInTheSummary) {
 INSTANTIATE_TEST_SUITE_P(RoundTrips, AnAutoScene,
                          testing::Values(Picked{"delay 0ms", "stiffness_N_per_m = 200 for a round trip of "},
                                          Picked{"delay 25ms loss 20%", "stiffness_N_per_m = 100 for a round trip of 5"},
-                                         // Longer than the client waits to say Hello again.
+                                         // Longer than the client's pause between Hellos.
                                          Picked{"delay 300ms", "stiffness_N_per_m = 100 for a round trip of 60"}));
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST_P(EveryLaw, PlaysOnEveryTaskThroughABadNetwork) {
     ASSERT_EQ(trial.refused, "") << scene;
     EXPECT_TRUE(std::isfinite(trial.passivity_minimum_J)) << scene;
     EXPECT_TRUE(std::isfinite(trial.error)) << scene;
-    // A tool at the server may have wandered off, so that the device is nowhere in the surface any more.
+    // A tool at the server may have drifted, so that the device is not in contact any more.
     EXPECT_TRUE(trial.force_N_mean > 0 || trial.drift_m > 1e-3) << scene;
   }
 }

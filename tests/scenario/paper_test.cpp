@@ -7,7 +7,7 @@
 #include "tests/tools/lab/experiment.hpp"
 #include "tests/tools/lab/measures.hpp"
 
-// What the paper's experiments must show [Kim 2015, section VI], each law in turn, in virtual time.
+// The paper's experiments [Kim 2015, section VI] with each law, in virtual time.
 //
 //   hand -- device -- client session ==( 0 or 50 ms each way )== server -- scene
 namespace forcebound::lab {

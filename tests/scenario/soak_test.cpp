@@ -10,7 +10,7 @@
 #include "tests/tools/lab/soak/soak.hpp"
 
 // Passive no matter how late the force arrives: hostile runs from seeds, checked on every tick, and the published laws
-// as the control group, without which nothing would be proved.
+// as the control group, which shows that the runs are hostile enough.
 //
 //   restless hand -- device -- client session ==( drawn network )== hostile environment -- server -- wall
 namespace forcebound::lab {
@@ -33,7 +33,7 @@ TEST(Soak, LeaksWithEachPublishedLawFromTheSameSeeds) {
     double worst_J = 0;
     for (std::uint64_t seed = 71; seed <= 100; ++seed) {
       const SoakResult result = soak(seed, law);
-      EXPECT_EQ(result.broken, "") << law << " from seed " << seed << ": all but P >= 0 holds for it, too";
+      EXPECT_EQ(result.broken, "") << law << " from seed " << seed << ": all invariants but P >= 0 hold for it, too";
       worst_J = std::min(worst_J, result.worst_P_J);
     }
     EXPECT_LT(worst_J, -0.1) << law;
@@ -79,7 +79,7 @@ TEST(Soak, MeetsLateTicksAndLedgersThatCanBeRecomputed) {
 // A Hello every two seconds needs twenty of them to outlast a burst of ten datagrams each way.
 TEST(Soak, DoesNotReportAHandshakeLostInABurst) { EXPECT_EQ(soak(558, "fba-less").broken, ""); }
 
-// The law or the hand throws the device hundreds of metres behind the wall, and the server says so.
+// The law or the hand throws the device hundreds of metres behind the wall, and the server's depth is as large.
 TEST(Soak, KeepsTheSessionOfADeviceThatIsThrownFarBehindTheWall) {
   EXPECT_EQ(soak(771000769, "fba-exact").broken, "");
   EXPECT_EQ(soak(100003126, "tdpa").broken, "");

@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What a run showed.
+/// Results of a run.
 class Watch final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override {

@@ -40,7 +40,7 @@ void expect_agreement(std::string_view law, Reference reference, const RandomRun
     expect_relative(loop.xi(), expected[i].xi, 1e-9, "xi");
     bounded += right.norm() < 0.999 * std::min(request.norm(), kForceMax_N) ? 1 : 0;
   }
-  EXPECT_GT(bounded, 0) << "the run did not need the law";
+  EXPECT_GT(bounded, 0) << "the law never bounded the force";
   EXPECT_GT(loop.counts().saturated, 0U);
 }
 

@@ -1,4 +1,4 @@
-// What a consumer of the package writes first: a wall that is too stiff for the device, bounded by the law.
+// A first program with the package: a wall too stiff for the device, bounded by the law.
 #include <forcebound/control/law_registry.hpp>
 #include <forcebound/control/passivity_controller.hpp>
 

@@ -1,5 +1,5 @@
-// A law of one's own, from outside: one class and one line of registration. It saturates at a force that the device's
-// damping takes back within a tick, whatever was saved before; --help, parameters and their errors come with it.
+// A consumer's own law: one class and one line of registration. It saturates at a force whose energy the device's
+// damping dissipates within a tick, whatever was stored before; --help, parameters and their errors come with it.
 #include <forcebound/control/held_force.hpp>
 #include <forcebound/control/law_registry.hpp>
 #include <forcebound/control/passivity_controller.hpp>

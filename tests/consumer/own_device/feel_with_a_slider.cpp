@@ -1,4 +1,5 @@
-// A client for a device of one's own. Nobody serves on port 9 here: it ticks, gets no force, and ends with zero force.
+// A client for a consumer's own device. There is no server on port 9: it ticks, gets no force, and ends with zero
+// force.
 #include <forcebound/client/runtime/client.hpp>
 #include <forcebound/control/law_registry.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <forcebound/device/haptic_device.hpp>
 
-/// A slider on a motor, driven by a bus of its own: all that Forcebound has to know of a device.
+/// A motorised slider on a bus of its own: all that Forcebound needs of a device.
 class Slider final : public forcebound::device::HapticDevice {
  public:
   using Vector = forcebound::device::Vector;
@@ -29,7 +29,7 @@ class Slider final : public forcebound::device::HapticDevice {
   void apply(Nanoseconds, const Vector& force_N) noexcept override { bus.force_N = force_N[0]; }
   std::optional<Nanoseconds> released_at() const noexcept override { return std::nullopt; }
 
-  /// Instead of hardware: what came by the bus.
+  /// In place of hardware: the last values on the bus.
   struct Bus {
     bool powered = false;
     int readings = 0;

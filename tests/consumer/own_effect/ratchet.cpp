@@ -24,7 +24,7 @@ class Ratchet final : public Effect {
   }
 
  private:
-  // Bytes of zero are its beginning: nothing reached yet.
+  // All bytes zero: nothing reached yet.
   struct Reached {
     double most_m;
     bool any;

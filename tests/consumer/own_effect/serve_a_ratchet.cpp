@@ -1,4 +1,4 @@
-// A server whose scenes may ask for an effect that Forcebound does not have, and a client that feels it by UDP.
+// A server whose scenes may use an effect that Forcebound does not have, and a client that uses it by UDP.
 #include <forcebound/server/runtime/udp_server.hpp>
 
 #include <cmath>

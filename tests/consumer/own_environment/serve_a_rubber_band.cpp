@@ -1,5 +1,5 @@
-// An environment of one's own, from outside: one class and one line that adds it. Sessions, counting, limits and UDP
-// come with the server.
+// A consumer's own environment: one class and one line that adds it. Sessions, counting, limits and UDP come with the
+// server.
 #include <forcebound/server/runtime/udp_server.hpp>
 
 #include <cmath>

@@ -35,7 +35,7 @@ TEST(AdjustingOutputLimiter, IsTheLessConservativeLawInOneDegreeOfFreedom) {
         ASSERT_NEAR(aol.energy_J(), less.energy_J(), 1e-12 * std::abs(less.energy_J()));
         bounded += std::abs(expected_N) < std::min(15.0, std::abs(tick.request_N[0])) ? 1 : 0;
       }
-      EXPECT_GT(bounded, 0) << "the run did not need the law";
+      EXPECT_GT(bounded, 0) << "the law never bounded the force";
     }
   }
 }

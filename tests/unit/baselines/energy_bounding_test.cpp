@@ -1,4 +1,4 @@
-// `eba`: a stiffness of b/T at most, and never more given back than a spring could have stored.
+// `eba`: a stiffness of b/T at most, and never returns more than a spring could have stored.
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(EnergyBoundingLaw, KeepsBothOfItsBoundsOnRandomRuns) {
       before_N = reaction_N;
       before_m = tick.position_m[0];
     }
-    EXPECT_GT(stopped, 0) << "the run did not need the law";
+    EXPECT_GT(stopped, 0) << "the law never bounded the force";
   }
 }
 
@@ -146,7 +146,7 @@ TEST(EnergyBoundingLaw, EndsTheForceAfterAnIntervalWithoutReadings) {
   loop.tick(0.0, 0.0);
   EXPECT_EQ(loop.tick(1e-4, -1.0), -1.0);
   EXPECT_EQ(loop.tick(std::nan(""), -1.0), 0.0);
-  EXPECT_EQ(loop.tick(3e-4, -1.0), 0.0) << "nobody knows how far it has moved";
+  EXPECT_EQ(loop.tick(3e-4, -1.0), 0.0) << "the displacement is unknown";
   EXPECT_EQ(loop.tick(4e-4, -1.0), -1.0);
 }
 

@@ -46,7 +46,7 @@ TEST(MemoryBasedPassivation, ReturnsNoMoreThanPressingStoredButForTheStepOfTheTu
       LawLoop loop = one_axis();
       for (int cycle = 0; cycle < 3; ++cycle) {
         const double kept_J = press_and_release(loop, 1e-3, step_m, stiffness_N_per_m);
-        const double turn_J = stiffness_N_per_m * step_m * step_m;  // of the one step that nobody expects to go back
+        const double turn_J = stiffness_N_per_m * step_m * step_m;  // of the one step that reverses
         EXPECT_GE(kept_J, -turn_J * (1 + 1e-6)) << stiffness_N_per_m << " N/m in steps of " << step_m << " m";
       }
     }

@@ -1,4 +1,4 @@
-// What holds for every law of one port: an arm's singular configurations, ticks without a reading, letting go.
+// Checks for every law of one port: an arm's singular configurations, ticks without a reading, release.
 
 #include <gtest/gtest.h>
 

@@ -61,7 +61,7 @@ TEST(SuccessiveForceAugment, ReleasesAlongTheSpringAndReturnsMoreThanWasStored) 
     ASSERT_NEAR(force_N, wall_N(kDepth_m) + kSpring_N_per_m * i * kStep_m, 1e-9) << i;
   }
   move(0.0);
-  EXPECT_EQ(force_N, 0.0) << "and nothing is left of it outside";
+  EXPECT_EQ(force_N, 0.0) << "and it is zero outside";
   // Pressed in one step from outside it stored nothing; it returned the area below the line, each force held a step.
   double returned_J = 0;
   for (int i = 0; i <= 9; ++i) returned_J += (30 - kSpring_N_per_m * i * kStep_m) * kStep_m;
@@ -124,7 +124,7 @@ TEST(SuccessiveForceAugment, HasNoContactAfterALostReading) {
   loop.tick(0.0, 0.0);
   for (int i = 0; i < 3000; ++i) loop.tick(1e-4, wall_N(1e-4));
   EXPECT_EQ(loop.tick(std::nan(""), -5.0), 0.0);
-  EXPECT_EQ(loop.tick(1e-4, wall_N(1e-4)), 0.0) << "from where it came nobody saw";
+  EXPECT_EQ(loop.tick(1e-4, wall_N(1e-4)), 0.0) << "the step is unknown";
   EXPECT_DOUBLE_EQ(loop.tick(1e-4, wall_N(1e-4)), -kIncrement_N);
 }
 

@@ -1,4 +1,4 @@
-// `tdpa`: what the environment gave beyond what it took is damped away, one step later and no more than alpha_max can.
+// `tdpa`: energy that the environment returned beyond what it took in is damped, one step later and at most with alpha_max.
 
 #include <gtest/gtest.h>
 
@@ -134,7 +134,7 @@ TEST(TimeDomainPassivity, ObservesTranslationAndRotationApart) {
 }
 
 TEST(TimeDomainPassivity, IsNotPassiveAgainstAnAdversary) {
-  // It promises nothing: a force that begins at a standstill takes what it likes.
+  // Not passive: a force that begins at standstill extracts energy.
   for (const double weighting : {0.0, 1.0}) {
     for (const double year : {2002.0, 2004.0}) {
       LawLoop loop = one_axis({{"variant", year}, {"weighting", weighting}});

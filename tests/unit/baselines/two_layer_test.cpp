@@ -14,7 +14,7 @@ using test::TwoPortLoop;
 
 constexpr const char* kLaw = "tla";
 
-/// A tank that neither sends nor is filled, so that a test says what is in it.
+/// A tank that neither sends nor is filled, so that a test sets its level.
 TwoPortLoop alone() {
   return TwoPortLoop(kLaw, {.parameters = {{"beta", 0}, {"filling_N_s_per_m", 0}}}, test::nothing_there());
 }
@@ -70,7 +70,7 @@ TEST(TwoLayer, TheServersPlaceGoesNoDeeperThanItsTankPaysAndCatchesUp) {
     numbers << sent_J, 0.0;
     return server_side->place({.position = Vector::Constant(1, x_m), .numbers = numbers, .interval_s = 1e-3})[0];
   };
-  EXPECT_EQ(place_at(0, 7), 0) << "the first sum heard is where it begins";
+  EXPECT_EQ(place_at(0, 7), 0) << "the first sum received is its start";
   (void)server_side->answer(Vector::Constant(1, -10));
   EXPECT_NEAR(place_at(1e-3, 7), 0, 1e-15);
   EXPECT_NEAR(place_at(1e-3, 7.002), 2e-4, 1e-12) << "2 mJ against 10 N";

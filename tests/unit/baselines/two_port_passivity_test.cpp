@@ -53,7 +53,7 @@ TEST(TwoPortPassivity, TheServersHalfNeverGivesMoreThanTheDeviceTookIn) {
   std::normal_distribution<double> normal;
   for (const int dof : {1, 3}) {
     const auto server_side = shipped_laws().make_server_side(kLaw, dof);
-    double taken_in_J = 5;  // of a life before
+    double taken_in_J = 5;  // from before
     const double base_J = taken_in_J;
     double given_J = 0;
     double dissipated_J = 0;

@@ -40,7 +40,7 @@ TEST(RemoteSum, StaysANumber) {
   EXPECT_EQ(sum.hear(kMost), kMost);
 }
 
-/// What holds for every law with a half at the server.
+/// Checks for every law with a half at the server.
 class TwoPortLaws : public testing::TestWithParam<std::string> {};
 
 TEST_P(TwoPortLaws, AreAskedForByTheirNameAtTheServer) {
@@ -61,7 +61,7 @@ TEST_P(TwoPortLaws, GainNothingFromWhatComesTwiceOrLate) {
   for (const double sum_J : {2e-3, 1e-3, 0.0, 2e-3, -1.0}) loop.controller().hear(test::saying(sum_J, rest));
   EXPECT_EQ(loop.energy_J(), once_J);
   loop.controller().hear(test::saying(2.5e-3, rest));
-  EXPECT_NEAR(loop.energy_J() - before_J, 2.5e-3, 1e-15) << "what was lost comes with the next";
+  EXPECT_NEAR(loop.energy_J() - before_J, 2.5e-3, 1e-15) << "the lost energy comes with the next message";
 }
 
 TEST_P(TwoPortLaws, GainNothingAgainFromAServerThatRestarted) {
@@ -74,7 +74,7 @@ TEST_P(TwoPortLaws, GainNothingAgainFromAServerThatRestarted) {
   loop.controller().hear(test::saying(0, Vector::Zero(1)));
   EXPECT_EQ(loop.energy_J(), before_J);
   loop.controller().hear(test::saying(1e-3, Vector::Zero(1)));
-  EXPECT_NEAR(loop.energy_J() - before_J, 1e-3, 1e-15) << "what the new one took in is another energy";
+  EXPECT_NEAR(loop.energy_J() - before_J, 1e-3, 1e-15) << "the new server's energy counts from zero";
 }
 
 TEST_P(TwoPortLaws, HaveAHalfThatGivesNothingForWhatCameBeforeItBegan) {

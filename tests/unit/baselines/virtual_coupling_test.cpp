@@ -212,7 +212,7 @@ TEST(VirtualCoupling, BeginsAgainWhereTheDeviceComesBack) {
   EXPECT_LT(loop.tick(1e-3, -10), 0.0);
   EXPECT_EQ(loop.tick(std::nan(""), -10), 0.0);
   EXPECT_EQ(loop.proxy_position(Vector::Constant(1, 7.0))[0], 7.0)
-      << "there is no tool while nobody knows where the device is";
+      << "there is no tool while the device's position is unknown";
   EXPECT_EQ(loop.tick(0.2, 0.0), 0.0);
   EXPECT_EQ(loop.proxy_position(Vector::Zero(1))[0], 0.2);
 }

@@ -64,14 +64,14 @@ TEST(WaveVariables, TakesEachSampleOnceAndWhatWasLostWithTheNext) {
   loop.controller().hear(wave(1));  // w = 1 for a tick
   EXPECT_NEAR(loop.step(0, 0), kRoot, 1e-12);
   loop.controller().hear(wave(1));
-  EXPECT_NEAR(loop.step(0, 0), 0, 1e-12) << "a copy is no wave";
+  EXPECT_NEAR(loop.step(0, 0), 0, 1e-12) << "a copy adds no wave";
   loop.controller().hear(wave(3));
   EXPECT_NEAR(loop.step(0, 0), std::sqrt(2.0) * kRoot, 1e-12) << "two samples, with the energy of two and no more";
   loop.step(0, 0);
   EXPECT_LE(loop.energy_J(), 1e-15);
 }
 
-// The other end throws back all that comes, late, lost, doubled and in any order.
+// The other end returns all that comes, late, lost, doubled and in any order.
 TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
   for (const bool constant : {true, false}) {
     for (const std::size_t delay_ticks : {0U, 1U, 50U}) {

@@ -18,7 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr time::Nanoseconds kPatience = 5s;  // only ever used up when a test fails
+constexpr time::Nanoseconds kPatience = 5s;  // used up only when a test fails
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
@@ -77,7 +77,7 @@ TEST_P(UdpLinkBothKinds, SurvivesAnAbsentServerAndReceivesWhenItIsBack) {
   server.reset();
   for (int i = 0; i < 3; ++i) {
     client.send(bytes_of("anybody?"), address);
-    EXPECT_FALSE(hear(client));  // the refusal wakes it
+    EXPECT_FALSE(hear(client));  // port unreachable (ICMP) wakes it
   }
   EXPECT_GE(client.counters().refused, 1U);
   server.emplace(UdpLink::listen(address));
@@ -131,7 +131,7 @@ TEST(UdpLink, CountsWhatASlowReaderMakesTheSystemDrop) {
   std::array<std::byte, 16> buffer;
   while (server.receive(buffer)) ++received;
   EXPECT_EQ(server.counters().overflowed, 0U) << "what was in the buffer came before any was dropped";
-  // The system tells with the next datagram.
+  // The system reports it with the next datagram.
   ASSERT_TRUE(client.send(bytes_of("x"), server.local_address()));
   ASSERT_TRUE(hear(server));
   EXPECT_EQ(server.counters().overflowed, sent - received);

@@ -19,7 +19,7 @@ using record::test::vector_of;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// Summarises and counts.
+/// Summarises the run and counts records.
 class Collector final : public RecordingSink {
  public:
   void on_start(const RunInfo& info) override { summary.emplace(info); }
@@ -159,7 +159,7 @@ TEST(Recording, OfAKilledProcessLacksAtMostTheLastSecond) {
     RecordingWriter writer(file.path(), test::sample_info());
     test::DirectSink sink(writer);
     test::play_sample_run(sink, 5500);
-    left = bytes_of(file.path());  // what the operating system has, were the process killed here
+    left = bytes_of(file.path());  // what the operating system would have if the process were killed here
   }
   write_bytes(file.path(), left);
   Collector read;
@@ -180,7 +180,7 @@ TEST(Recording, CutAnywhereIsReadUpToThereOrRefusedWithItsName) {
       EXPECT_FALSE(read_recording(cut.path(), read));
       EXPECT_LE(read.ticks.size(), 1200U);
     } catch (const std::runtime_error& error) {
-      EXPECT_LT(length, 1500U);  // only while the run's metadata is not there
+      EXPECT_LT(length, 1500U);  // only as long as the run's metadata is missing
       EXPECT_THAT(error.what(), HasSubstr(cut.path().string()));
     }
   }

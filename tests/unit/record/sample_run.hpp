@@ -119,7 +119,7 @@ class DirectSink final : public TickSink {
   RecordingWriter& writer_;
 };
 
-/// A file that is gone when the test is.
+/// A file that is removed after the test.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& name)

@@ -199,7 +199,7 @@ TEST(Summary, DoesNotTakeTheDevicesLargestForceForBounding) {
   tick.request = tick.applied = vector_of({1, 2});
   summary.on_tick(tick);
   tick.request = vector_of({30, 40});
-  tick.applied = 2.9 / 50 * tick.request;  // the law wanted less
+  tick.applied = 2.9 / 50 * tick.request;  // bounded by the law
   summary.on_tick(tick);
   EXPECT_DOUBLE_EQ(json_of(summary)["bounded_fraction"], 0.25);
 }
@@ -231,7 +231,7 @@ TEST(Summary, CountsBlackoutsLongerThanTheHoldTime) {
 
 TEST(Summary, GivesEachMotionOneFate) {
   Summary summary(test::sample_info());
-  EXPECT_TRUE(json_of(summary)["motions"].is_null()) << "a run that was cut off does not know";
+  EXPECT_TRUE(json_of(summary)["motions"].is_null()) << "an incomplete run does not know";
   summary.finish(test::sample_totals());
   const json object = json_of(summary);
   const json motions = object["motions"];
@@ -306,7 +306,7 @@ TEST(Summary, CallsPassiveOnlyWhatNeverFellBelowTheRounding) {
     TickRecord tick = connected(contact_at(1, 1, 1e-3));
     tick.audit_minimum_J = minimum;
     summary.on_tick(tick);
-    tick.audit_minimum_J = 0;  // a later tick cannot make it good
+    tick.audit_minimum_J = 0;  // a later tick does not undo it
     summary.on_tick(tick);
     const json passivity = json_of(summary)["passivity"];
     EXPECT_EQ(passivity["ok"], ok) << minimum;

@@ -12,11 +12,11 @@ namespace {
 class HeapOperations : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!kCountsHeapOperations) GTEST_SKIP() << "a sanitizer has malloc of its own";
+    if (!kCountsHeapOperations) GTEST_SKIP() << "the sanitizer replaces malloc";
   }
 };
 
-// Keeps the compiler from leaving out an allocation that nobody uses.
+// Keeps the compiler from leaving out an unused allocation.
 void use(const volatile void* memory) {
   static const volatile void* volatile last = nullptr;
   last = memory;

@@ -39,7 +39,7 @@ TEST(PeriodicTimer, LeavesOutMissedTicksInsteadOfABurst) {
   }
   const Nanoseconds woken = timer.wait();
   EXPECT_GE(timer.missed(), 10U);
-  EXPECT_GE(timer.due() + 1ms, stalled_until) << "no tick of the past is made up for";
+  EXPECT_GE(timer.due() + 1ms, stalled_until) << "no missed tick is made up for";
   EXPECT_GE(woken, stalled_until);
 }
 

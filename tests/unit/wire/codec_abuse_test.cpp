@@ -25,7 +25,7 @@ std::optional<Malformed> refused(Codec& codec, std::span<const std::byte> datagr
   return reason == nullptr ? std::nullopt : std::optional{*reason};
 }
 
-/// A frame of ours around anything, as an attacker can make it.
+/// A valid frame around any bytes, as an attacker can make it.
 Bytes framed(unsigned kind, const Bytes& body) {
   Bytes bytes{std::byte{'F'}, std::byte{'B'}, std::byte{1}, std::byte(kind)};
   Bytes covered{std::byte(kind)};
@@ -174,7 +174,7 @@ TEST(CodecAbuse, ADecodedMessageLeavesNothingInTheNext) {
   EXPECT_EQ(force.penetration_m, 0);
 }
 
-// Whatever a untrusted client sends comes out as a message of finite numbers or as a reason.
+// Whatever an untrusted client sends is decoded to a message of finite numbers or as a reason.
 TEST(CodecAbuse, RandomBytesAreHarmless) {
   Codec codec;
   constexpr unsigned kSeed = 20150301;
@@ -195,10 +195,10 @@ TEST(CodecAbuse, RandomBytesAreHarmless) {
       }
     }
   }
-  EXPECT_GT(messages, 0) << "the bodies never parse, so that this test shows nothing";
+  EXPECT_GT(messages, 0) << "no body parses, so the test is void";
 }
 
-// Real bodies with one byte replaced, in a valid frame: what a untrusted client's fuzzer would find first.
+// Real bodies with one byte replaced, in a valid frame: the nearest inputs for a fuzzer.
 TEST(CodecAbuse, RealBodiesWithChangedBytesAreHarmless) {
   Codec codec;
   int messages = 0;

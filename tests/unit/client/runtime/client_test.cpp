@@ -12,8 +12,8 @@
 namespace forcebound::client {
 namespace {
 
-/// Nobody listens there.
-Client::Settings nobody() { return {.server = "127.0.0.1:9", .seed = 3, .duration_s = 0.05}; }
+/// A closed port.
+Client::Settings closed_port() { return {.server = "127.0.0.1:9", .seed = 3, .duration_s = 0.05}; }
 
 Client client_of(const Client::Settings& settings, device::HapticDevice& device) {
   return Client(settings, device, control::force_bounding_laws().make("fba-exact", device.facts()));
@@ -22,7 +22,7 @@ Client client_of(const Client::Settings& settings, device::HapticDevice& device)
 TEST(Client, EndsWithZeroForceWithoutAServer) {
   test::FakeDevice device(1);
   device.applied = control::Vector::Constant(1, 5);
-  Client client = client_of(nobody(), device);
+  Client client = client_of(closed_port(), device);
   const std::atomic<bool> stop{false};
   int kept = 0;
   client.run(stop, [&](time::Nanoseconds, time::Nanoseconds) { ++kept; });
@@ -34,7 +34,7 @@ TEST(Client, EndsWithZeroForceWithoutAServer) {
 
 TEST(Client, SaysWhyItGaveUp) {
   test::FakeDevice device(1);
-  Client::Settings settings = nobody();
+  Client::Settings settings = closed_port();
   settings.once = true;
   Client client = client_of(settings, device);
   const std::atomic<bool> stop{false};
@@ -44,7 +44,7 @@ TEST(Client, SaysWhyItGaveUp) {
 
 TEST(Client, EndsAtOnceWhenItIsStopped) {
   test::FakeDevice device(1);
-  Client::Settings settings = nobody();
+  Client::Settings settings = closed_port();
   settings.duration_s = 0;
   Client client = client_of(settings, device);
   const std::atomic<bool> stop{true};
@@ -54,7 +54,7 @@ TEST(Client, EndsAtOnceWhenItIsStopped) {
 
 TEST(Client, EndsTheLoopIfItsHousekeepingThrows) {
   test::FakeDevice device(1);
-  Client::Settings settings = nobody();
+  Client::Settings settings = closed_port();
   settings.duration_s = 0;
   Client client = client_of(settings, device);
   const std::atomic<bool> stop{false};
@@ -65,7 +65,7 @@ TEST(Client, EndsTheLoopIfItsHousekeepingThrows) {
 
 TEST(Client, RefusesAServerThatIsNoAddress) {
   test::FakeDevice device(1);
-  Client::Settings settings = nobody();
+  Client::Settings settings = closed_port();
   settings.server = "somewhere";
   EXPECT_THROW((void)client_of(settings, device), std::exception);
 }

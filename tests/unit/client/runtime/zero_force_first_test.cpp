@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Says on stderr what it is told, since the program that is told dies.
+/// Prints the commands on stderr, since the program under test dies.
 class TellingDevice final : public device::HapticDevice {
  public:
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return still_.facts(); }
@@ -32,7 +32,7 @@ class TellingDevice final : public device::HapticDevice {
   test::FakeDevice still_{1};
 };
 
-/// Meets a bug of its own on the second tick.
+/// Fails an assertion on the second tick.
 class PoisonedLaw final : public control::PassivityLaw {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "poisoned"; }

@@ -74,7 +74,7 @@ TEST_P(EveryAttractor, StatesTheStiffnessItHasAtItsPoint) {
 
 INSTANTIATE_TEST_SUITE_P(Attractor, EveryAttractor, testing::Values("linear", "inverse_square"));
 
-/// A force that no potential has.
+/// A force without a potential.
 class Swirl final : public Effect {
  public:
   void act(const Probe& probe, std::byte*, Reaction& reaction) const noexcept override {

@@ -25,7 +25,7 @@ TEST(StickSlip, PullsBackToItsAnchorUntilItJumps) {
   test::Felt felt(*effect);
   EXPECT_EQ(felt(over_table(0.01, -1e-3)).force_N.norm(), 0) << "the anchor is where it first touches";
   EXPECT_NEAR(felt(over_table(0.0149, -1e-3)).force_N.x(), -0.49, 1e-12);
-  EXPECT_EQ(felt(over_table(0.0152, -1e-3)).force_N.norm(), 0) << "it has let go";
+  EXPECT_EQ(felt(over_table(0.0152, -1e-3)).force_N.norm(), 0) << "it has slipped";
   EXPECT_NEAR(felt(over_table(0.0142, -1e-3)).force_N.x(), 0.1, 1e-12) << "from the new anchor";
 }
 

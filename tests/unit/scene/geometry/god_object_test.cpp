@@ -332,7 +332,7 @@ TEST(GodObject, HoldsFromBothSidesIfAskedTo) {
   Follower follower(test::square(1, 4), {.two_sided = true});
   (void)follower.to({0.1, 0.2, 0.5});
   EXPECT_NEAR(follower.to({0.1, 0.2, -0.01}).penetration_m, 0.01, 1e-11);
-  EXPECT_EQ(follower.to({0.1, 0.2, 0.01}).penetration_m, 0) << "lets go of the side that it is on";
+  EXPECT_EQ(follower.to({0.1, 0.2, 0.01}).penetration_m, 0) << "releases the side that it is on";
   (void)follower.to({3, 0, 0.01});
   (void)follower.to({3, 0, -0.5});
   (void)follower.to({0.1, 0.2, -0.5});

@@ -105,7 +105,7 @@ TEST(SharedScene, ASeatIsFreeAgainWhenItsClientLeaves) {
   EXPECT_THROW(SceneState(scene, 3, stays.dynamic_models()), std::logic_error);
 }
 
-TEST(SharedScene, AUntrustedClientsNonsenseBreaksNothingForTheOthers) {
+TEST(SharedScene, InvalidMotionsOfAnUntrustedClientDoNotAffectTheOthers) {
   const auto scene = table_with_ball(true);
   SceneState honest(scene, 3, begin_dynamic_models(*scene, 2));
   SceneState stranger(scene, 3, honest.dynamic_models());

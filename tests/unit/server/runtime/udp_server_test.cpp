@@ -26,7 +26,7 @@ EnvironmentLibrary pushing() {
   return environments;
 }
 
-/// The other end, by hand.
+/// The other end, a plain client.
 class Asker {
  public:
   explicit Asker(const net::Address& server) : link_(net::UdpLink::towards(server)), server_(server) {}
@@ -83,7 +83,7 @@ TEST(UdpServer, TwoCannotHaveOneAddress) {
   EXPECT_THROW((void)listen({"127.0.0.1", server.address().port}), std::runtime_error);
 }
 
-/// What a library hands its asker once the compiler is done.
+/// The result of a request after the compiler has finished.
 SceneLibrary::Requested request_until_done(const SceneLibrary& scenes, SceneCompiler& compiler, std::string_view name) {
   SceneLibrary::Requested requested = scenes.request(name);
   while (requested.coming) {

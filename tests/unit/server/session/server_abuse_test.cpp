@@ -40,7 +40,7 @@ TEST_F(ServerAbuse, RandomBytesGetNoAnswer) {
   EXPECT_EQ(server->counters().datagrams, 5000u);
 }
 
-TEST_F(ServerAbuse, NoAnswerToAUntrustedClientIsLargerThanItsQuestion) {
+TEST_F(ServerAbuse, NoAnswerToAnUntrustedClientIsLargerThanItsRequest) {
   wire::Codec client;
   auto endless = hello();
   const std::string name(100, 'x');

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A case whose ledger can be recomputed, and what a tick of it looks like when all is well.
+/// A case whose ledger can be recomputed, and a tick of it that breaks no invariant.
 class InvariantsTest : public testing::Test {
  protected:
   InvariantsTest() {

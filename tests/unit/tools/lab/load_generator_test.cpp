@@ -42,7 +42,7 @@ TEST_F(LoadGeneratorTest, GivesEachVirtualClientItsOwnNonceAndTheSessionOfItsWel
   EXPECT_TRUE(load_generator.connected(1));
   EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 5ms)).session, 77U);
   EXPECT_EQ(said<wire::Bye>(load_generator.bye(1)).session, 77U);
-  arrive(load_generator, wire::Welcome{.client_nonce = 999, .session = 5});  // somebody else's
+  arrive(load_generator, wire::Welcome{.client_nonce = 999, .session = 5});  // another client's
   EXPECT_FALSE(load_generator.connected(0));
 }
 

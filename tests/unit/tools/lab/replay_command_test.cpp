@@ -31,7 +31,7 @@ class ReplayCommandTest : public testing::Test {
     program.parse("replay " + options);
   }
 
-  /// Empty if it went well.
+  /// Empty: success.
   std::string wrong_use_of(const std::string& options) {
     try {
       run(options);

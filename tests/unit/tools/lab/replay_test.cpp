@@ -206,7 +206,7 @@ TEST(Replay, OfTheExactLawKnowsFrictionAndEncoder) {
   options.law = "fba-exact";
   options.friction_N = {0.75};
   options.encoder_step_m = {15e-6};
-  // A count to and fro is no motion, and friction holds just so much.
+  // One count back and forth is no motion, and friction holds exactly that much.
   const auto rows = numbers_of(answers(options, "time_s,x0_m,fe0_N\n0,0,-9\n1e-3,15e-6,-9\n2e-3,0,-9\n3e-3,15e-6,9\n"));
   for (const auto& row : rows) {
     EXPECT_EQ(std::abs(row[1]), 0.75);
@@ -255,7 +255,7 @@ class RowByRow : public std::streambuf {
   std::vector<std::string> answered_before_;
 };
 
-/// What its reader has been given: only what was flushed.
+/// The text that its reader has received: only what was flushed.
 class FlushedText : public std::stringbuf {
  public:
   [[nodiscard]] const std::string& text() const { return text_; }

@@ -1,4 +1,4 @@
-// The worlds that closed loops are played in: environments, hands and clocks.
+// What surrounds a closed loop in simulation: environments, hands and clocks.
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ TEST(Environment, OfEachNameGivesTheSameForcesForTheSameSeed) {
       ASSERT_EQ(force, same->respond(motion).force);
       pushed = pushed || force.norm() > 0;
     }
-    EXPECT_TRUE(pushed) << "it never did anything";
+    EXPECT_TRUE(pushed) << "it never pushed";
   }
 }
 
@@ -75,8 +75,8 @@ TEST(GreedyEnvironment, PushesAlongTheMotionOnceTheLedgerIsFull) {
     truth.ledger_J = ledger_J;
     return greedy->respond({.position = at}).force[0];
   };
-  EXPECT_LT(std::abs(force_N(0ms, 0.0)), 1) << "it waits";
-  EXPECT_DOUBLE_EQ(force_N(1ms, 1.0), -7) << "and raids";
+  EXPECT_LT(std::abs(force_N(0ms, 0.0)), 1) << "it waits while the ledger fills";
+  EXPECT_DOUBLE_EQ(force_N(1ms, 1.0), -7) << "and spends it";
   EXPECT_LT(std::abs(force_N(2ms, 0.0)), 1) << "until nothing is left";
 }
 
@@ -107,7 +107,7 @@ TEST(RestlessHand, MovesAsItsVelocitySays) {
     const double slope = (hand.target(t + kStep_s).position - hand.target(t - kStep_s).position)[0] / (2 * kStep_s);
     jumps += std::abs(slope - hand.target(t).velocity[0]) > 1e-3;
   }
-  EXPECT_LT(jumps, 5) << "other than where one act ends and another begins";
+  EXPECT_LT(jumps, 5) << "except between two phases";
 }
 
 TEST(SkewedClock, RunsAndJumpsByItself) {

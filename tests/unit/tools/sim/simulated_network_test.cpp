@@ -20,7 +20,7 @@ std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// client 0, client 1 -- up --> server that answers at once; it notes what it hears and when.
+/// client 0, client 1 -- up --> server that answers at once; it records what it receives and when.
 class SimulatedNetworkTest : public testing::Test {
  protected:
   void build(const SimulatedNetworkSettings& settings) {
@@ -179,7 +179,7 @@ TEST_F(SimulatedNetworkTest, RefusesToSendToNobody) {
   EXPECT_FALSE(network_->server_link().send(bytes_of("a"), network_->server_address()));
 }
 
-/// A minute of two clients at 1 kHz, as text: who heard what when.
+/// A minute of two clients at 1 kHz, as text: all receptions with their times.
 std::string minute(std::uint64_t seed) {
   VirtualClock clock;
   const netem::NetemParameters bad = netem::parse_netem("delay 20ms 15ms loss gemodel 2% 20% duplicate 2% corrupt 1%");

@@ -246,7 +246,7 @@ TEST(BodyDynamicModel, FindsWhatIsUnstableAsideOfTheProbeAndWithoutAForceAtTheSt
   const std::string ball = "<geom size='0.01' mass='0.05'/></body></worldbody>";
   EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", other + "<joint type='slide' stiffness='60000'/>" + ball),
               StartsWith("peg.xml: a joint of body 'other' is at "));
-  // Turned by no more than half a turn, it never leaves the numbers.
+  // Turned by at most half a turn, it stays finite.
   EXPECT_THAT(refusal_of_mjcf("gravity='0 0 0'", other + "<joint type='ball' stiffness='3'/>" + ball),
               StartsWith("peg.xml: a joint of body 'other' is at "));
 }
@@ -265,7 +265,7 @@ TEST(BodyDynamicModel, TakesMjcfThatFallsSwingsOrIsDriven) {
       "<worldbody><body name='a'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.005'/>"
       "<body name='peg' pos='0 0 .1'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.005'/>"
       "</body></body></worldbody>";
-  EXPECT_EQ(refusal_of_mjcf("", upright), "accepted") << "it tips over, which is no fault of the numbers";
+  EXPECT_EQ(refusal_of_mjcf("", upright), "accepted") << "it tips over, but stays finite";
   EXPECT_EQ(refusal_of_mjcf("", peg_on("name='rail' type='slide' springref='0.5' stiffness='1000'") +
                                     "<actuator><position joint='rail' kp='1000'/></actuator>"),
             "accepted");

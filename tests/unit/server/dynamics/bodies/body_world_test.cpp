@@ -81,7 +81,7 @@ Ledger drag_an_arm_around(double timestep_s) {
 TEST(BodyWorld, GivesBackNoMoreOfAnOffCenterBodyThanWasPutIn) {
   const Ledger coarse = drag_an_arm_around(1e-3);
   const Ledger fine = drag_an_arm_around(1e-4);
-  EXPECT_GT(coarse.most_stored_J, 0.1) << "something is at stake";
+  EXPECT_GT(coarse.most_stored_J, 0.1) << "energy is stored";
   // The integrator's own error goes down with the step, as the first order that it is.
   EXPECT_GE(coarse.least_margin_J, -0.02 * coarse.most_stored_J);
   EXPECT_GE(fine.least_margin_J, -0.002 * fine.most_stored_J);

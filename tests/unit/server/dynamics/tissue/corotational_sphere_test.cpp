@@ -252,7 +252,7 @@ TEST_F(HardPress, AtWhatIsHeldItStopsWithoutForcesBeyondBounds) {
     EXPECT_LE(result.force_N.z(), 0);
     most_N = std::max(most_N, result.force_N.norm());
   }
-  EXPECT_FALSE(result.converged) << "it is not where the probe is, and says so";
+  EXPECT_FALSE(result.converged) << "it is not at the probe, and reports that";
   EXPECT_GT(most_N, 1);
   EXPECT_LT(most_N, 50);
   for (int n = 0; n < 3; ++n) result = felt.step({0.0312, 0.0291, -0.006});

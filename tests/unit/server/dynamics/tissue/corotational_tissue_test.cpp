@@ -129,7 +129,7 @@ TEST(CorotationalTissue, ABentBarKeepsItsLengthAndVolumeWhereALinearOneGrows) {
     volume_m3 += (felt.node_m(b) - origin).cross(felt.node_m(c) - origin).dot(felt.node_m(d) - origin) / 6;
   }
   const double drop_m = 0.01 - felt.node_m(static_cast<int>(bar.node({10, 1, 1}))).z();
-  EXPECT_GT(drop_m, 0.035) << "it must be bent to say something";
+  EXPECT_GT(drop_m, 0.035) << "it must be bent for the comparison";
   EXPECT_NEAR(length_m / 0.1, 1, 0.02) << "a linear bar would be longer by " << std::hypot(1, drop_m / 0.1) - 1;
   EXPECT_NEAR(volume_m3 / 4e-5, 1, 0.03);
 }
@@ -187,7 +187,7 @@ TEST(CorotationalTissue, NoLoopReturnsMoreThanItTookConvergedOrNot) {
       before = at;
     }
     EXPECT_GT(peak_J, 1e-4);
-    EXPECT_EQ(entries, 1) << "who lets go and is caught again is given energy at each time";
+    EXPECT_EQ(entries, 1) << "each release and new contact would add energy";
   }
 }
 

@@ -69,7 +69,7 @@ TEST(BodyTrouble, SaysWhatBrokeAnInvariant) {
   bad.gained_J = 0.05 * good.turned_over_J + 0.01 * good.weight_J + 0.001;
   EXPECT_THAT(body_trouble(bad, good), HasSubstr(" mJ of energy from nowhere"));
   bad.is_driven = true;
-  EXPECT_EQ(body_trouble(bad, good), "") << "an actuator may put in what it likes";
+  EXPECT_EQ(body_trouble(bad, good), "") << "an actuator may add energy";
   bad = good;
   bad.deepest_m = 3 * good.deepest_m + 0.001;
   EXPECT_THAT(body_trouble(bad, good), HasSubstr("within each other, in the reference "));

@@ -55,7 +55,7 @@ TEST(TimeSaved, BelowTheTimingsOwnNoiseDoesNotCount) {
 }
 
 TEST(Recommendation, IsNothingInPlaceOfTheMostExactWhereNoTimeIsSaved) {
-  // The mesh of 5,856 triangles that was advised against its own accuracy.
+  // A mesh of 5,856 triangles, for which a rough level was once recommended.
   StudyResult result = result_of({{.cost_us = 0.42, .at_device = 0.200, .at_states = 0.46},
                                   {.cost_us = 0.45, .at_device = 0.201, .at_states = 0}});
   result.settings[0].value = "0.1";

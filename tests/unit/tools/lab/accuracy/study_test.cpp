@@ -74,7 +74,7 @@ TEST(WhatDoesNotMatter, IsAKeyWhoseModelsAreNegligibleBesideTheAge) {
   EXPECT_EQ(what_does_not_matter(result), "") << "one setting is no comparison";
 }
 
-/// A softened wall whose stiffness is swept, against the one that is right.
+/// A softened wall whose stiffness is swept, against the exact one.
 Study wall(double round_trip_s) {
   Study study = floor_study(round_trip_s);
   study.sweep = {"object.floor.surface.stiffness_N_per_m", {"50", "90", "100"}};

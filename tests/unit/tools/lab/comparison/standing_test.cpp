@@ -86,7 +86,7 @@ TEST(Comparison, PlaysEveryLawOnEverythingWithTheSameEffort) {
       run_comparison(settings, time::SteadyClock(), [&](std::size_t done, std::size_t) { last = done; });
   ASSERT_EQ(result.laws.size(), 2U);
   EXPECT_EQ(last, 2 * (2U + 8U));
-  EXPECT_EQ(result.laws[0].tuned[0].tuning.tried, 0) << "has nothing to choose";
+  EXPECT_EQ(result.laws[0].tuned[0].tuning.tried, 0) << "has no parameters";
   EXPECT_EQ(result.laws[1].tuned[0].tuning.tried, 2);
   for (const LawInComparison& law : result.laws) {
     EXPECT_EQ(law.trials.size(), 8U);
