@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 option(FORCEBOUND_INSTALL "Add Forcebound's install rules" ${PROJECT_IS_TOP_LEVEL})
 set(FORCEBOUND_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Forcebound)
 
-# How a consumer finds what a component links, by the namespace of the linked target.
+# How a consumer finds the packages that a component links, by the namespace of the linked target.
 set(FORCEBOUND_PACKAGE_Eigen3 Eigen3)
 set(FORCEBOUND_PACKAGE_Threads Threads)
 set(FORCEBOUND_PACKAGE_ZLIB ZLIB)
@@ -15,7 +15,7 @@ set(FORCEBOUND_PACKAGE_spdlog spdlog)
 set(FORCEBOUND_PACKAGE_tomlplusplus tomlplusplus)
 
 # forcebound_component(NAME [LINKED ...]): installs the library NAME and what find_package(Forcebound COMPONENTS NAME)
-# reads of it.
+# needs.
 function(forcebound_component name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "LINKED")
   install(TARGETS forcebound_${name} EXPORT forcebound_${name}

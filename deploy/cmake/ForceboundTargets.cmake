@@ -12,21 +12,21 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# Two thirds of what a source costs is reading the headers of Eigen and the standard library; several sources read as one
-# read them once. OFF shows includes that one of them forgot because another had them.
+# Two thirds of compiling a source is reading the headers of Eigen and the standard library; several sources compiled as one
+# read them once. OFF finds missing includes that another source of the same unit provided.
 option(FORCEBOUND_UNITY "Compile several sources of a library or test together" ${PROJECT_IS_TOP_LEVEL})
 
-# forcebound_compile_together(TARGET): as FORCEBOUND_UNITY says.
+# forcebound_compile_together(TARGET): if FORCEBOUND_UNITY is set.
 function(forcebound_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${FORCEBOUND_UNITY} UNITY_BUILD_BATCH_SIZE 10)
 endfunction()
 
 option(FORCEBOUND_WARNINGS_ARE_ERRORS "Stop at a warning in Forcebound's own code" OFF)
 
-# How we build ourselves; never reaches a consumer.
+# Settings of our own build; never passed on to a consumer.
 add_library(forcebound_options INTERFACE)
 target_compile_features(forcebound_options INTERFACE cxx_std_20)
-# Eigen counts in signed numbers and the standard library in unsigned ones. g++ takes no offence; clang-tidy would.
+# Eigen counts in signed numbers and the standard library in unsigned ones. g++ does not warn; clang-tidy would.
 target_compile_options(forcebound_options INTERFACE
                        -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion -Wshadow -ffp-contract=off)
 target_compile_definitions(forcebound_options INTERFACE FORCEBOUND_VERSION="${PROJECT_VERSION}")
@@ -36,8 +36,8 @@ endif()
 
 option(FORCEBOUND_WITH_MUJOCO "Rigid bodies in scenes, if MuJoCo is found" ON)
 
-# forcebound_find_mujoco(): sets FORCEBOUND_MUJOCO to whether there will be rigid bodies. Without them a scene with a
-# [[body]] is refused, and says why.
+# forcebound_find_mujoco(): sets FORCEBOUND_MUJOCO to whether rigid bodies are built. Without them a scene with a
+# [[body]] is refused with the reason.
 macro(forcebound_find_mujoco)
   set(FORCEBOUND_MUJOCO OFF)
   if(FORCEBOUND_WITH_MUJOCO)
@@ -50,7 +50,7 @@ macro(forcebound_find_mujoco)
 endmacro()
 
 # forcebound_by_mujoco(WITH source... WITHOUT source...): which sources of the current folder are for builds with MuJoCo
-# alone, and which stand in for them without.
+# alone, and which replace them without.
 function(forcebound_by_mujoco)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "WITH;WITHOUT")
   set(unused ${arg_WITH})
@@ -73,7 +73,7 @@ function(forcebound_library name)
   add_library(${target} STATIC ${sources})
   add_library(forcebound::${name} ALIAS ${target})
   forcebound_compile_together(${target})
-  # A consumer may put us into a plug-in.
+  # A consumer may link us into a plug-in.
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -87,7 +87,7 @@ function(forcebound_library name)
 endfunction()
 
 # forcebound_program(NAME FOLDER folder [LINK ...]): the executable NAME of FOLDER's main.cpp, in bin/ of the build tree,
-# installed. The folder's other sources are the library NAME_app, for tests of what needs no process.
+# installed. The folder's other sources are the library NAME_app, for tests without a process.
 function(forcebound_program name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "LINK")
   forcebound_folder(${name} "${arg_FOLDER}" root folder)

@@ -10,8 +10,8 @@ function(forcebound_wants label result)
   set(${result} ${wanted} PARENT_SCOPE)
 endfunction()
 
-# What nearly every test reads, read once for those whose sources are compiled one by one. Only headers of others: one of
-# ours would have everything compiled again whenever it changes.
+# Precompiled headers that nearly every test uses, for tests whose sources are compiled one by one. No headers of ours: a
+# change of one would compile everything again.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "// A target needs a source.\n")
 add_library(forcebound_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
 target_link_libraries(forcebound_test_headers PRIVATE forcebound_options Eigen3::Eigen GTest::gmock)
@@ -22,7 +22,7 @@ target_precompile_headers(forcebound_test_headers PRIVATE
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
 #                 [TOGETHER] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder. It
 # is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
-# TOGETHER: no two of its sources give one name to different things, so that several may be compiled as one; otherwise
+# TOGETHER: no two of its sources use one name for different things, so that several may be compiled as one; otherwise
 # each is compiled by itself, with precompiled headers.
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
 # --long is given; `threads` and `process` run it under ThreadSanitizer as well.
