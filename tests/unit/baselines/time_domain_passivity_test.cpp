@@ -1,4 +1,5 @@
-// `tdpa`: energy that the environment returned beyond what it took in is damped, one step later and at most with alpha_max.
+// `tdpa`: energy that the environment returns beyond what it took in is damped, a step later and at most with
+// alpha_max.
 
 #include <gtest/gtest.h>
 
