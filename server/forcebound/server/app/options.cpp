@@ -15,9 +15,9 @@ constexpr const char* kProgram = "forcebound-server";
 constexpr const char* kDescription =
     "Computes the forces of a virtual environment for haptic clients.\n"
     "\n"
-    "Each client (forcebound-client) sends its device's position by UDP and receives the\n"
-    "force that the scene exerts there. However late that force arrives, the client keeps\n"
-    "it passive; the server may be far away. Every client has a scene of its\n"
+    "Each client (forcebound-client) sends its device's position by UDP and receives\n"
+    "the force that the scene exerts there. However late it arrives, the client keeps\n"
+    "the device passive; the server may be far away. Every client has a scene of its\n"
     "own, unless the scene says that it is shared.\n";
 
 /// CLI::Range accepts "nan" in any range.
