@@ -23,13 +23,13 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 struct RunInfo {
   std::string program;         ///< with its version
   std::string law;             ///< none, fba-less, ...
-  std::string law_parameters;  ///< for people; empty: it has none
+  std::string law_parameters;  ///< as text; empty: it has none
   std::string device;          ///< name
-  std::string facts;           ///< the device's facts, for people
+  std::string facts;           ///< the device's facts, as text
   std::string operator_name;   ///< who holds the device
-  std::string hand;            ///< mass, stiffness and damping of that hand, for people
+  std::string hand;            ///< mass, stiffness and damping of that hand, as text
   std::string scene;           ///< as asked for; empty: the server's own
-  std::string simulated;       ///< what is simulated, for people
+  std::string simulated;       ///< what is simulated, as text
   std::string network;         ///< emulated network conditions, as far as this side knows
   std::uint64_t seed = 0;
   Nanoseconds period{1'000'000};        ///< nominal length of a tick
@@ -92,7 +92,7 @@ struct RunTotals {
   std::uint64_t recording_unwritten = 0;     ///< records that could not be written, for example on a full disk
   std::vector<std::string> notes;            ///< one line for each fault that needs an explanation
   std::string scene;                         ///< as the server named it; empty: there was no session
-  std::string simulated;                     ///< what the server said it simulates, for people
+  std::string simulated;                     ///< what the server said it simulates, as text
   IdleTimer idle_timer;
 };
 

@@ -108,10 +108,10 @@ TEST(SharedScene, ASeatIsFreeAgainWhenItsClientLeaves) {
 TEST(SharedScene, InvalidMotionsOfAnUntrustedClientDoNotAffectTheOthers) {
   const auto scene = table_with_ball(true);
   SceneState honest(scene, 3, begin_dynamic_models(*scene, 2));
-  SceneState stranger(scene, 3, honest.dynamic_models());
+  SceneState untrusted(scene, 3, honest.dynamic_models());
   for (int i = 0; i < 500; ++i) {
     const double wild = (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::max();
-    (void)stranger.answer(at(wild), milliseconds(i % 3), milliseconds(i));
+    (void)untrusted.answer(at(wild), milliseconds(i % 3), milliseconds(i));
     const SceneAnswer answer = honest.answer(at(-0.03), milliseconds(i), milliseconds(i));
     ASSERT_TRUE(answer.force.allFinite());
     ASSERT_TRUE(answer.quarantined.empty());

@@ -173,14 +173,14 @@ TEST(TissueDynamicModel, InvalidMotionsOfAnUntrustedClientBreakNothing) {
   for (const TissueDynamicModel& dynamic_model : blocks()) {
     const auto state = dynamic_model.make_state(2);
     const int seat = state->join();
-    const int stranger = state->join();
+    const int untrusted = state->join();
     const scene::Point surface_m = dynamic_model.facts().on_surface_m;
     static_cast<void>(go(*state, seat, surface_m + scene::Point(0, 0, 0.03), surface_m - scene::Point(0, 0, 0.001)));
     for (const double far_m : {1e300, -1e300, 1e3, -1e3}) {
-      state->move(stranger, {far_m, -far_m, far_m}, {far_m, far_m, far_m});
-      EXPECT_TRUE(state->touch(stranger).force_N.allFinite());
+      state->move(untrusted, {far_m, -far_m, far_m}, {far_m, far_m, far_m});
+      EXPECT_TRUE(state->touch(untrusted).force_N.allFinite());
     }
-    state->leave(stranger);
+    state->leave(untrusted);
     EXPECT_GT(go(*state, seat, surface_m + scene::Point(0, 0, 0.03), surface_m - scene::Point(0, 0, 0.001)).force_N.z(),
               0.01);
     EXPECT_TRUE(state->sound());
