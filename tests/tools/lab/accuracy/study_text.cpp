@@ -131,9 +131,7 @@ std::string free_text(const StudyResult& result) {
                      "). Drift: the bodies'\nfinal energy less their initial energy and the work put in\n" +
                      table.to_text();
   if (!result.places_known) {
-    text +=
-        "  final positions of bodies are not compared: the reference and its check differ\n"
-        "  in them\n";
+    text += "  final positions of bodies are not compared: reference and check differ\n";
   }
   return text;
 }
