@@ -113,7 +113,7 @@ TEST(IncludeRule, RefusesAFolderWithoutARule) {
 
 TEST(SourceTree, ObeysTheIncludeRule) {
   namespace fs = std::filesystem;
-  const fs::path root = test::source_folder();
+  const fs::path& root = test::source_folder();
   int files = 0;
   for (const char* side : {"common", "client", "server", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / side)) {

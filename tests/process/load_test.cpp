@@ -45,12 +45,11 @@ TEST(LabLoad, TellsItsRoundTripToASceneThatPicksItsAccuracyByIt) {
 TEST(LabLoad, FindsAMostNotAboveItsLimit) {
   Server server({"--scene", "sphere"});
   const Ran lab = run(kLab, {"load", "--server", server.address(), "--find-most", "--limit", "2", "--seconds", "0.1"});
-  // A busy machine may fail with even one client; then it reports that.
-  if (lab.exit_code == 0) {
-    EXPECT_THAT(lab.out, testing::ContainsRegex("most: [12] clients"));
-  } else {
-    EXPECT_THAT(lab.err, HasSubstr("not even one client"));
-  }
+  // How many get their answers in time is the machine's: none, one or two.
+  EXPECT_THAT(lab.out + lab.err, testing::ContainsRegex("most: [12] client|not even one client"));
+  EXPECT_EQ(lab.exit_code == 0, lab.out.find("most: ") != std::string::npos);
+  EXPECT_THAT(lab.out, testing::ContainsRegex("(^|\n)2 clients"));
+  EXPECT_THAT(lab.out, testing::Not(testing::ContainsRegex("(^|\n)[3-9] clients")));
 }
 
 TEST(LabLoad, PassesOnWhyTheServerRefuses) {

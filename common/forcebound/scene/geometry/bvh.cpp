@@ -122,9 +122,10 @@ class Bvh::Builder {
       }
     }
     if (!(best_cost < std::numeric_limits<double>::infinity())) return begin;
-    const auto right =
-        std::ranges::partition(items(begin, end), [&](const Item& item) { return bin_of(item, best_axis) < best_bin; });
-    return end - static_cast<std::uint32_t>(right.size());
+    const auto first = items_.begin();
+    const auto right = std::partition(first + begin, first + end,
+                                      [&](const Item& item) { return bin_of(item, best_axis) < best_bin; });
+    return static_cast<std::uint32_t>(right - first);
   }
 
   std::uint32_t halve(std::uint32_t begin, std::uint32_t end, const Bounds& centers) {
