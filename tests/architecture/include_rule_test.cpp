@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace forcebound::architecture {
 namespace {

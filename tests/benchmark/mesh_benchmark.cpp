@@ -110,7 +110,7 @@ std::vector<Point> eights_m(double half_m, const Point& middle_m, double up_m) {
 }
 
 Course spot() {
-  const auto path = test::recorded_data("meshes/spot.obj");
+  const auto path = recorded_data("meshes/spot.obj");
   if (!path) return {};
   const auto mesh = shared(scene::load_mesh(path->string(), {.scale = kRadius_m}));
   return {mesh, {1, 0, 0}, round_m(*mesh, 0.55)};

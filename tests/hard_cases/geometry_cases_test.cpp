@@ -352,7 +352,7 @@ TEST(HardCase30, EveryTruncationOfAMeshFileIsReadOrRefused) {
 }
 
 TEST(HardCase30, DuplicateVerticesOfAnStlAreWelded) {
-  const auto path = test::recorded_data("meshes/malformed/duplicate_vertices.stl");
+  const auto path = recorded_data("meshes/malformed/duplicate_vertices.stl");
   if (!path) GTEST_SKIP() << "no meshes/malformed/duplicate_vertices.stl in FORCEBOUND_DATA";
   const scene::TriangleMesh mesh = scene::load_mesh(path->string());
   EXPECT_GT(mesh.report().welded_vertices, 0U) << scene::to_text(mesh.report());

@@ -208,7 +208,7 @@ TEST(NetworkHardCaseOfTwelveSeconds, Case18RoundTripOfTwelveSecondsIsFadedToNoth
 }
 
 TEST(NetworkHardCaseOfTwelveSeconds, Case18TheRecordedRuralNetworkIsSurvived) {
-  const auto trace = test::recorded_data("network/5g-rural-n8.csv");
+  const auto trace = recorded_data("network/5g-rural-n8.csv");
   if (!trace) GTEST_SKIP() << "no recorded data; FORCEBOUND_DATA names its folder";
   auto settings = omni_on_the_sphere();
   settings.network.up = settings.network.down = {};

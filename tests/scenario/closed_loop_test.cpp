@@ -218,8 +218,8 @@ struct RecordedRun {
 class RecordedHandOverARecordedNetwork : public ::testing::TestWithParam<RecordedRun> {};
 
 TEST_P(RecordedHandOverARecordedNetwork, RunsToTheEndFiniteAndPassive) {
-  const auto hand = test::recorded_data("motion/hand-guided-a.csv");
-  const auto trace = test::recorded_data(std::string("network/") + GetParam().trace);
+  const auto hand = recorded_data("motion/hand-guided-a.csv");
+  const auto trace = recorded_data(std::string("network/") + GetParam().trace);
   if (!hand || !trace) GTEST_SKIP() << "no recorded data; FORCEBOUND_DATA names its folder";
   for (const char* law : {"fba-less", "fba-more"}) {
     SCOPED_TRACE(law);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace forcebound::test {
 

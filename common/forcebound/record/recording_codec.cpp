@@ -1,4 +1,4 @@
-#include "forcebound/record/recording_codec.hpp"
+#include "forcebound/record/internal/recording_codec.hpp"
 
 #include <google/protobuf/descriptor.pb.h>
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "forcebound/record/internal/recording_codec.hpp"
 #include "forcebound/record/mcap_reader.hpp"
-#include "forcebound/record/recording_codec.hpp"
 
 namespace forcebound::record {
 namespace {

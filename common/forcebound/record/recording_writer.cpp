@@ -7,8 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "forcebound/record/internal/recording_codec.hpp"
 #include "forcebound/record/mcap_writer.hpp"
-#include "forcebound/record/recording_codec.hpp"
 
 namespace forcebound::record {
 

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "forcebound/record/summary_view.hpp"
+#include "forcebound/record/internal/summary_view.hpp"
 
 namespace forcebound::record {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <string>
 
-#include "forcebound/record/summary_view.hpp"
+#include "forcebound/record/internal/summary_view.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::record {

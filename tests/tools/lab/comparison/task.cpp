@@ -55,7 +55,7 @@ StandardNetworks standard_networks() {
                               "delay 10ms loss gemodel 2% 10%"};
   for (const char* const words : kWords) standard.networks.push_back(network_of(words));
   for (const char* const name : {"5g-urban-n8", "5g-rural-n8"}) {
-    const auto file = test::recorded_data("network/" + std::string(name) + ".csv");
+    const auto file = recorded_data("network/" + std::string(name) + ".csv");
     if (!file) {
       standard.absent.emplace_back(name);
       continue;

@@ -3,12 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
+#include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::device {
 namespace {
@@ -91,10 +89,9 @@ TEST(ReplayOperator, BeginsAtRestAndScalesBeforeItMoves) {
 }
 
 TEST(ReplayOperator, RecordedHandMovesTheDeviceAlongAndThroughTheSphere) {
-  const char* data = std::getenv("FORCEBOUND_DATA");
-  const std::string file = std::string(data ? data : "../shared/data") + "/motion/hand-guided-a.csv";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no recorded motion at " << file;
-  SimulatedDevice device(load_device("omni"), make_operator("replay:" + file + ",offset_x_m=0.01", 3));
+  const auto file = recorded_data("motion/hand-guided-a.csv");
+  if (!file) GTEST_SKIP() << "no recorded motion; set FORCEBOUND_DATA";
+  SimulatedDevice device(load_device("omni"), make_operator("replay:" + file->string() + ",offset_x_m=0.01", 3));
   double nearest = 1;
   double lag = 0;
   for (int tick = 0; tick < 9000; ++tick) {

@@ -74,7 +74,7 @@ void expect_what_embree_finds(const std::shared_ptr<const TriangleMesh>& mesh, i
 }
 
 TEST(Bvh, FindsWhatEmbreeFindsOnARealMesh) {
-  const auto path = test::recorded_data("meshes/spot.obj");
+  const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
   expect_what_embree_finds(std::make_shared<const TriangleMesh>(load_mesh(path->string())), 20000);
 }

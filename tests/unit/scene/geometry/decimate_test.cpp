@@ -183,7 +183,7 @@ TEST(Decimated, AnyDentedBallStaysClosedAtAnyShare) {
 }
 
 TEST(Decimated, RealMeshStaysClosed) {
-  const auto file = test::recorded_data("meshes/spot.obj");
+  const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data";
   const TriangleMesh fine = load_mesh(*file);
   for (const double share : {0.3, 0.03}) {

@@ -372,7 +372,7 @@ TEST(GodObject, IgnoresGoalsThatAreNotFinite) {
 }
 
 TEST(GodObject, NeverGetsInsideAClosedMesh) {
-  const auto path = test::recorded_data("meshes/spot.obj");
+  const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
   Follower follower(load_mesh(path->string()));
   const TriangleMesh& mesh = follower.object().bvh().mesh();

@@ -144,7 +144,7 @@ TEST_F(MeshFile, RefusesWhatItCannotOpenOrDoesNotKnow) {
 }
 
 TEST_F(MeshFile, ReadsARealMesh) {
-  const auto path = test::recorded_data("meshes/spot.obj");
+  const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
   const auto mesh = load_mesh(path->string());
   EXPECT_EQ(mesh.report().triangles, 5856U);

@@ -43,7 +43,7 @@ TEST(Pseudonormals, TellInsideFromOutside) {
 }
 
 TEST(Pseudonormals, TellInsideFromOutsideOfARealMesh) {
-  const auto path = test::recorded_data("meshes/spot.obj");
+  const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
   expect_the_side_that_the_solid_angle_says(load_mesh(path->string()), 2000);
 }

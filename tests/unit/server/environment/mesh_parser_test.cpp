@@ -144,7 +144,7 @@ TEST_F(MeshParser, TurnsAProfileOnALathe) {
 }
 
 TEST_F(MeshParser, RecordedMeshIsFelt) {
-  const auto file = test::recorded_data("meshes/spot.obj");
+  const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
   const auto made = scene("kind = 'mesh', file = '" + file->string() + "', scale = 0.05");
   scene::SceneState state(made, 3);

@@ -8,7 +8,7 @@
 #include "forcebound/server/environment/body_parser.hpp"
 #include "forcebound/text/names.hpp"
 #include "tests/support/scene_files.hpp"
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace forcebound::server {
 namespace {

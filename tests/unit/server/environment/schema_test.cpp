@@ -11,7 +11,7 @@
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/support/process.hpp"
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace forcebound::server {
 namespace {

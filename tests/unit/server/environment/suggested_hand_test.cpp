@@ -89,7 +89,7 @@ TEST(SuggestedHand, IsOneThatTouchesWhateverTheShapeAndAxes) {
 }
 
 TEST(SuggestedHand, OfAMeshIsOverItsTop) {
-  const auto file = test::recorded_data("meshes/spot.obj");
+  const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
   const auto scene = scene_with("kind = 'mesh', file = '" + file->string() +
                                 "', scale = 0.05, rotation_deg = [90, 0, 0], offset_m = [0.02, 0, 0.01]");

@@ -163,7 +163,7 @@ TEST(TissueParser, SaysHowManyClientsThereIsRoomFor) {
 }
 
 TEST(TissueParser, TheLiverLoadsAndPushesBack) {
-  const auto file = test::recorded_data("meshes/liver.msh");
+  const auto file = recorded_data("meshes/liver.msh");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
   // Some 130 mm wide at this scale; what lies below its middle is held.
   const auto scene = parse_scene(

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "forcebound/text/file.hpp"
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/tools/lab/bench/collect.hpp"
 #include "tests/tools/lab/bench/ratios_figure.hpp"
 #include "tests/unit/record/sample_run.hpp"

@@ -128,7 +128,7 @@ Nanoseconds longest_delay(const RttTrace& trace) {
 }
 
 TEST(TraceFile, RuralTraceReachesTwelveSeconds) {
-  const auto file = test::recorded_data("network/5g-rural-n8.csv");
+  const auto file = recorded_data("network/5g-rural-n8.csv");
   if (!file) GTEST_SKIP() << "no trace 5g-rural-n8.csv; set FORCEBOUND_DATA";
   const auto trace = std::get<RttTrace>(load_trace(*file));
   EXPECT_EQ(trace.one_way_delay(0ms), 26500us);
@@ -136,7 +136,7 @@ TEST(TraceFile, RuralTraceReachesTwelveSeconds) {
 }
 
 TEST(TraceFile, UrbanTraceHasItsBlackouts) {
-  const auto file = test::recorded_data("network/5g-urban-n8.csv");
+  const auto file = recorded_data("network/5g-urban-n8.csv");
   if (!file) GTEST_SKIP() << "no trace 5g-urban-n8.csv; set FORCEBOUND_DATA";
   const auto trace = std::get<RttTrace>(load_trace(*file));
   EXPECT_EQ(trace.one_way_delay(81651ms).has_value(), true);

@@ -131,7 +131,7 @@ TEST(GmshFile, RefusesEveryTruncation) {
 }
 
 TEST(GmshFile, LoadsTheLiver) {
-  const auto path = test::recorded_data("meshes/liver.msh");
+  const auto path = recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   const TetrahedralSoup soup = load_gmsh(path->string());
   EXPECT_EQ(soup.nodes.size(), 181U);
@@ -141,7 +141,7 @@ TEST(GmshFile, LoadsTheLiver) {
 }
 
 TEST(GmshFile, RefusesEveryMalformedFileWithFileAndLine) {
-  const auto folder = test::recorded_data("meshes/malformed");
+  const auto folder = recorded_data("meshes/malformed");
   if (!folder) GTEST_SKIP() << "meshes/malformed is not there";
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(*folder)) {

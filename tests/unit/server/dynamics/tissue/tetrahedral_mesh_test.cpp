@@ -127,7 +127,7 @@ TEST(TetrahedralMesh, FindsNodesByPlaneAndBox) {
 }
 
 TEST(TetrahedralMesh, TakesTheLiver) {
-  const auto path = test::recorded_data("meshes/liver.msh");
+  const auto path = recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   const TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
   EXPECT_EQ(mesh.tetrahedra().size(), 596U);

@@ -330,7 +330,7 @@ TEST(TissueModel, RefusesASphereTooSmallForTheTriangles) {
 }
 
 TEST(TissueModel, TheLiverIsFelt) {
-  const auto path = test::recorded_data("meshes/liver.msh");
+  const auto path = recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
   const std::vector<int> held = nodes_below(mesh, {0, 0, 0}, scene::Point::UnitZ());

@@ -236,7 +236,7 @@ TEST(TissueDynamicModel, DoesNotAllocate) {
 }
 
 TEST(TissueDynamicModel, TheLiverPushesBack) {
-  const auto path = test::recorded_data("meshes/liver.msh");
+  const auto path = recorded_data("meshes/liver.msh");
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   for (const bool large_motion : {false, true}) {
     TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});

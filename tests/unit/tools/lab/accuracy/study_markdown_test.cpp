@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/text/file.hpp"
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 
 namespace forcebound::lab {

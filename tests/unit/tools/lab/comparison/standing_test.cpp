@@ -7,7 +7,7 @@
 
 #include "forcebound/text/file.hpp"
 #include "forcebound/time/steady_clock.hpp"
-#include "tests/tools/data/recorded_data.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace forcebound::lab {
 namespace {

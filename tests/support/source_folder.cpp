@@ -1,0 +1,10 @@
+#include "tests/support/source_folder.hpp"
+
+namespace forcebound::test {
+
+const std::filesystem::path& source_folder() {
+  static const std::filesystem::path folder = FORCEBOUND_SOURCE_DIR;
+  return folder;
+}
+
+}  // namespace forcebound::test
