@@ -23,7 +23,8 @@ struct Motion {
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
 };
 
-/// What the two halves of a law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no heap.
+/// What a law and its server-side law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no
+/// heap.
 using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 
 /// Turns what the environment asks for into the force on the device. Force bounding keeps the device from returning
@@ -36,7 +37,7 @@ using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 /// for, `commit` with what the device was really told after rounding. A lost reading is `lose`, then `commit` of zero.
 /// PassivityController does that; laws hold no policy of their own for saturation, rounding or faulty input.
 ///
-/// A law with a server-side law at the server (ServerSideLaw) names its port. What goes out with each motion is
+/// A law with a server-side law (ServerSideLaw) names it by `port`. What goes out with each motion is
 /// `outgoing`, what comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`.
 /// Datagrams are lost, doubled and reordered, so what must not be lost or counted twice travels as a sum since the
 /// beginning.
@@ -80,7 +81,7 @@ class PassivityLaw {
   /// Where the environment is asked [m]: at the device, unless the law keeps a tool of its own between the two.
   [[nodiscard]] virtual Vector proxy_position(const Vector& position) const noexcept { return position; }
 
-  /// The name of the server-side law it needs at the server; empty: none.
+  /// The name of the server-side law that it needs; empty: none.
   [[nodiscard]] virtual std::string_view port() const noexcept { return {}; }
 
   /// For the server-side law, as of the tick before.

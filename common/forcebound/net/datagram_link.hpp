@@ -12,7 +12,8 @@
 
 namespace forcebound::net {
 
-/// No datagram of ours is larger: it fits an Ethernet frame, so it is never fragmented.
+/// Length of a buffer for one datagram: more than the protocol's longest (wire::kFrameBytesMax), so that a longer one
+/// is recognised, and little enough for an Ethernet frame, so that nothing sent from it is fragmented.
 inline constexpr std::size_t kDatagramBytesMax = 1400;
 
 /// A UDP endpoint as a value: IPv6, or IPv4 mapped into it. A simulated network uses any distinct values.

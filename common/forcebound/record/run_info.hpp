@@ -102,8 +102,8 @@ struct RunTotals {
 struct MotionFates {
   std::uint64_t sent = 0;
   std::uint64_t answered = 0;  ///< their forces arrived
-  std::uint64_t overtaken =
-      0;  ///< received but not answered by the server: a newer one had arrived, or the session ended
+  /// Received by the server but not answered: a newer one had arrived, or the session ended.
+  std::uint64_t overtaken = 0;
   std::uint64_t lost_up = 0;    ///< the server did not receive them
   std::uint64_t lost_down = 0;  ///< their forces did not arrive
   std::uint64_t in_flight = 0;  ///< too recent for either end to know

@@ -55,9 +55,8 @@ namespace forcebound::record {
 /// - `verdict`: "passive", "not passive", or why there is none: "not audited", "no contact" (the device touched nothing
 ///   and no force was ever applied), "never connected".
 /// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; both null for a
-/// device
-///   without audit. `ok`: false if the minimum is below -1e-9 J or not a number, true if not; null where there is no
-///   verdict. `guarantee`: what the law guarantees without an audit, and under which facts; null: nothing.
+///   device without audit. `ok`: false if the minimum is below -1e-9 J or not a number, true if not; null where there
+///   is no verdict. `guarantee`: what the law guarantees without an audit, and under which facts; null: nothing.
 ///   `ledger.final_J`: energy that the law may still spend.
 /// - `faults`: counts of what should not happen, and `notes` in words.
 ///

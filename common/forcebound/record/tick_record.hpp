@@ -16,6 +16,7 @@ enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting
 /// What the late-force policy did with the newest force.
 enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
+/// One tick of the client: its reading, the force asked for, the force commanded, and the energies.
 struct TickRecord {
   std::uint64_t tick = 0;   ///< 1, 2, 3, ...
   Nanoseconds time{0};      ///< of the reading, client's clock
@@ -34,9 +35,9 @@ struct TickRecord {
   double penetration_m = 0;           ///< below that surface; <= 0: no contact; not a number: not known here
   double displayed_N = 0;             ///< component of `applied` out of that surface
   double energy_J = 0;                ///< energy that the law may spend
-  double xi = 1;
-  double audit_J = 0;  ///< P at the command (simulated devices)
-  double audit_minimum_J = 0;
+  double xi = 1;                      ///< share of the coming interval's dissipation that the law will credit, 0 to 1
+  double audit_J = 0;                 ///< P at the command (simulated devices): energy dissipated less energy returned
+  double audit_minimum_J = 0;         ///< the least P so far, within ticks too
 };
 
 /// One environment force as it arrived.

@@ -18,7 +18,7 @@ double seconds_between(Nanoseconds from, Nanoseconds to) noexcept;
 /// A dynamic model of a scene with its current state and time: of one client, or of all clients of a shared scene.
 class DynamicModelNow {
  public:
-  /// @param dynamic model must outlive this
+  /// @param dynamic_model must outlive this
   DynamicModelNow(const SceneDynamicModel& dynamic_model, int seats)
       : dynamic_model_(dynamic_model), state_(dynamic_model.dynamic_model->make_state(seats)) {}
 

@@ -26,8 +26,8 @@ struct SceneAnswer {
 /// Faults within a scene that were kept from the client.
 struct SceneFaults {
   std::uint64_t old_normals = 0;  ///< contacts that reused the last valid direction
-  std::uint64_t quarantined =
-      0;  ///< objects, fields and dynamic models whose force was not finite: left out from then on
+  /// Objects, fields and dynamic models whose force was not finite: left out from then on.
+  std::uint64_t quarantined = 0;
   DynamicModelFaults dynamic_models{};  ///< while answering this client's motions
 };
 

@@ -35,12 +35,13 @@ struct Hello {
   std::string_view port{};    ///< the law whose server-side half is requested; empty: none
 };
 
+/// Server to client: the Hello is accepted, and a session begins.
 struct Welcome {
-  std::uint64_t client_nonce = 0;
-  std::uint64_t session = 0;
-  std::uint64_t scene_hash = 0;
-  std::string_view scene{};
-  std::string_view simulated{};  ///< what is simulated, for people
+  std::uint64_t client_nonce = 0;  ///< of the Hello
+  std::uint64_t session = 0;       ///< its number, in every further message; unguessable
+  std::uint64_t scene_hash = 0;    ///< same hash, same scene; 0: not known
+  std::string_view scene{};        ///< its name
+  std::string_view simulated{};    ///< what is simulated, for people
 };
 
 enum class RefusalReason : std::uint8_t {

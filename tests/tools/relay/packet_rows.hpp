@@ -21,8 +21,7 @@ using time::Nanoseconds;
 ///     up,2,13.500000,lost,
 ///
 /// `time_ms` counts from the relay's start. A row is ready once its delay is final; packets that have not left by the
-/// end are
-/// "waiting".
+/// end are "waiting".
 class PacketRows {
  public:
   static constexpr std::string_view kHeader = "direction,number,time_ms,verdict,delay_ms\n";

@@ -1,5 +1,4 @@
 #include "forcebound/client/app/options.hpp"
-#include "forcebound/baselines/baselines.hpp"
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/net/endpoint.hpp"

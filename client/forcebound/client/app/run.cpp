@@ -1,5 +1,4 @@
 #include "forcebound/client/app/run.hpp"
-#include "forcebound/baselines/baselines.hpp"
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -9,6 +8,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/screen.hpp"

@@ -14,7 +14,7 @@
 namespace forcebound::client {
 namespace {
 
-constexpr Nanoseconds kBlackoutTold = std::chrono::seconds{2};
+constexpr Nanoseconds kNoAnswerTold = std::chrono::seconds{2};
 
 // Columns of a log line after its time and level.
 constexpr std::size_t kLogColumns = text::kColumns - 21;
@@ -38,7 +38,7 @@ Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events)
     : live_(!options.quiet && isatty(STDERR_FILENO) != 0), options_(options), line_(line), events_(events) {}
 
 void Screen::refresh(Nanoseconds now, Nanoseconds elapsed) {
-  if (elapsed > kBlackoutTold && !options_.once) tell_blackout();
+  if (elapsed > kNoAnswerTold && !options_.once) warn_of_no_answer();
   log_events(now);
   if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
 }
@@ -54,8 +54,8 @@ void Screen::clear() const {
   if (live_) std::fputs(kClearLine, stderr);
 }
 
-void Screen::tell_blackout() {
-  if (line_.state() != record::SessionState::connecting || std::exchange(blackout_told_, true)) return;
+void Screen::warn_of_no_answer() {
+  if (line_.state() != record::SessionState::connecting || std::exchange(no_answer_told_, true)) return;
   clear();
   spdlog::warn("no answer from {} yet; retrying", options_.server);
 }

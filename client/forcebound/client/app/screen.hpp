@@ -22,14 +22,14 @@ class Screen {
   void end(time::Nanoseconds now);
 
  private:
-  void tell_blackout();
+  void warn_of_no_answer();
   void log_events(time::Nanoseconds now);
   void log_connection() const;
   void log_late_force(const LateForceLog::Line& line) const;
   void clear() const;
 
   bool live_;
-  bool blackout_told_ = false;
+  bool no_answer_told_ = false;
   const Options& options_;
   const LiveLine& line_;
   EventQueue& events_;

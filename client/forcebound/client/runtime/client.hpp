@@ -28,6 +28,7 @@ class EventQueue;
 /// If an assertion of Forcebound fails meanwhile, the device is stopped before the program ends.
 class Client {
  public:
+  /// Whom to connect to, how long, and what is written down. All but the server may be left out.
   struct Settings {
     std::string server;   ///< HOST:PORT
     std::string scene{};  ///< requested; empty: the server's default

@@ -24,12 +24,13 @@ struct ProgramOptions {
   ServerOptions server;  ///< `scene` in it is not set yet
 };
 
-/// Reads the command line. If it ends the program (help, version, wrong use), the reason has been printed and the
-/// result is the exit code.
+/// What a command line asks for.
 struct ParsedCommandLine {
   ProgramOptions options;
-  std::optional<int> exit_code;
+  std::optional<int> exit_code;  ///< the program ends with it: help, version or wrong use has been printed
 };
+
+/// Reads the command line.
 ParsedCommandLine parse_command_line(int argc, const char* const* argv);
 
 }  // namespace forcebound::server

@@ -16,10 +16,11 @@ using time::Nanoseconds;
 struct MeasuredCost {
   double median_ns = 0;
   double p99_ns = 0;
-  bool left_out =
-      false;  ///< something gave a force that is not finite meanwhile: the figures are not those of the whole
+  /// A part was left out meanwhile, because its force was not finite: the figures are not those of the whole.
+  bool left_out = false;
 };
 
+/// The measured cost of a scene and of its parts.
 struct Calibration {
   std::vector<MeasuredCost> parts{};  ///< each alone: the steps of the plan, then the dynamic models
   MeasuredCost whole{};               ///< all of the scene

@@ -86,7 +86,7 @@ struct EnvironmentKind {
   std::size_t sessions_max = 0;                     ///< at once; 0: as many as the server has room for
   bool wants_round_trip = false;                    ///< `make` depends on it, so the client measures it first
 
-  /// @throws std::exception if it cannot be had now; the client is told why, and may ask again
+  /// @throws std::exception if none can be made now; the client is told why, and may ask again
   std::function<MadeEnvironment(const ClientFacts&)> make{};
 
   [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;

@@ -28,18 +28,18 @@ class SceneLibrary {
   /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
   void add(std::shared_ptr<const scene::Scene> scene);
 
-  /// What is left to do for a scene; it does not touch the library, and may be done on another thread.
+  /// The compilation of one scene. It does not touch the library, so another thread may run it.
   struct Compilation {
     std::string name;
-    std::function<std::shared_ptr<const scene::Scene>()> compile;  ///< @throws what keeps it from being had
+    std::function<std::shared_ptr<const scene::Scene>()> compile;  ///< @throws why the scene does not compile
   };
 
-  /// Who asks by `request` for a scene that is not compiled does not wait: `elsewhere` is given what is to be done, and
-  /// `add` or `give_up` what came of it. What somebody else was given before is asked for anew; without `elsewhere`,
-  /// whoever asks waits.
+  /// From now on `request` hands the compilation of a scene to `elsewhere` instead of waiting for it; its result is
+  /// passed to `add`, or its failure to `give_up`. Compilations that an earlier `elsewhere` was given are forgotten:
+  /// the next request hands them out again. With an empty function `request` compiles at once and waits.
   void compile_elsewhere(std::function<void(Compilation)> elsewhere);
 
-  /// Who asks next is told why, and who asks then has it tried again.
+  /// The compilation failed. The next request reports `why`; the one after retries.
   void give_up(std::string_view name, std::string why);
 
   /// Null if there is none. Never looks at files, so that a client cannot either.
@@ -48,10 +48,10 @@ class SceneLibrary {
   struct Requested {
     std::shared_ptr<const scene::Scene> scene{};
     bool coming = false;    ///< being compiled elsewhere: ask again
-    std::string why_not{};  ///< it is known, but could not be compiled
+    std::string why_not{};  ///< the scene exists, but did not compile
   };
 
-  /// As `find`, for those who cannot wait.
+  /// As `find`, without waiting for a compilation if `compile_elsewhere` was called.
   [[nodiscard]] Requested request(std::string_view name) const;
 
   [[nodiscard]] std::vector<std::string> all_names() const;

@@ -11,7 +11,8 @@
 
 namespace forcebound::server {
 
-/// A scene that cannot be had; `what()` is one line: file, line, object, effect, what is wrong and what would be right.
+/// A scene that does not compile; `what()` is one line: file, line, object, effect, what is wrong and what would be
+/// right.
 class SceneError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -15,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string quoted(std::string_view word) { return "`\"" + std::string(word) + "\"`"; }
 
-/// A preset out of range stands for the scene's blackout, of which the meaning tells.
+/// A preset outside of the range means that the key may be left out; its meaning says what holds then.
 std::string preset_text(const scene::NumberParameter& number) {
   if (!number.preset) return "";
   const double preset = *number.preset;

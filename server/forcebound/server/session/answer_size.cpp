@@ -18,9 +18,8 @@ int waves_of(const scene::Scene& scene) {
       std::vector<double> state(requested.effect->facts().state_bytes / sizeof(double) + 1);
       scene::Reaction reaction;
       // Oblique, so that no direction of ripples is along the normal.
-      const scene::Probe proxy_position{
-          .normal = scene::Point(0.48, 0.6, 0.64), .penetration_m = 1e-3, .pressure_N = 1};
-      requested.effect->act(proxy_position, reinterpret_cast<std::byte*>(state.data()), reaction);
+      const scene::Probe probe{.normal = scene::Point(0.48, 0.6, 0.64), .penetration_m = 1e-3, .pressure_N = 1};
+      requested.effect->act(probe, reinterpret_cast<std::byte*>(state.data()), reaction);
       if (reaction.texture.amplitude_N > 0) waves = std::max(waves, reaction.texture.waves);
     }
   }

@@ -26,27 +26,30 @@ namespace forcebound::server {
 using control::Vector;
 using time::Nanoseconds;
 
+/// Limits of a server, and what it offers. The defaults are those of forcebound-server.
 struct ServerOptions {
   std::string scene = "wall";                           ///< for clients that ask for none; in the library
   std::size_t sessions_max = 64;                        ///< at once
   Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< without motion; longer than any round trip (12 s are known)
   double motions_per_promised = 4;                      ///< answers per motion that the client promised in its Hello
   int hellos_per_s_max = 50;                            ///< over all clients
-  control::LawRegistry laws = baselines::shipped_laws();  ///< whose halves clients may ask for
+  control::LawRegistry laws = baselines::shipped_laws();  ///< whose server-side laws clients may request
 };
 
-/// Who is connected, and the answer to each of their motions: every client meets an environment made for its session.
+/// The sessions of all clients, and the answer to each motion. Each session has an environment of its own.
 ///
-/// Hello: the same nonce from the same address always means the same session. For an environment that depends on the
-/// round trip it must tell it; who does not is answered so that it can measure it, and remembered nowhere. Motion: if
-/// newer than every other of its session it is answered; copies and latecomers are counted, in the session too, so that
-/// client and server agree on what the network did. Motion of an unknown session (the server restarted) is refused at
-/// once with fewer bytes than it had. A session follows its client to another address if the newest motion comes from
-/// there, because nobody else knows its 64-bit number. Bye: answered with the final counts, and again if the answer was
-/// lost; sent as well to a client that was there and fell silent, because perhaps only the way up has died.
+/// - **Hello** opens a session; a copy of it, with the same nonce from the same address, belongs to the same session.
+///   An environment may depend on the round trip. A Hello without it is then refused, which lets the client measure
+///   it; no state is kept for that client.
+/// - **Motion** is answered if it is newer than every other of its session. Duplicates and reordered motions are
+///   counted, and the client is told the counts, so that both ends agree on what the network did. Motion of an unknown
+///   session (the server restarted) is refused with fewer bytes than it had. The session's address becomes that of its
+///   newest motion: only its client knows the session's 64-bit number.
+/// - **Bye** is answered with the final counts, as often as it arrives. The server sends one itself to a client whose
+///   motion stopped arriving, because the way down may still work.
 ///
-/// A law that has a half here is asked for by name in the Hello. That half chooses where the environment is asked, and
-/// what of its answer goes to the device; it begins anew with each session.
+/// A server-side law is requested by name in the Hello. It chooses the position at which the environment is evaluated,
+/// and which part of the answer goes to the device; it starts anew with each session.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -59,16 +62,15 @@ class Server {
   Server(ServerOptions options, EnvironmentLibrary environments, net::DatagramLink& link, const time::Clock& clock,
          std::function<std::uint64_t()> session_ids, ServerObserver* observer = nullptr);
 
-  /// Whatever came from the network; `now` is when it came. Motion waits for `answer_waiting`, and a newer one of its
-  /// session takes its place. Real time for motion: no allocation.
+  /// Takes in a datagram that arrived at `now`. Motion waits for `answer_waiting`; a newer one of its session replaces
+  /// it. Real time for motion: no allocation.
   void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
 
-  /// Answers the newest motion of each session. Whoever reads all that has come before calling it never falls behind: a
-  /// scene that takes longer than a tick is felt less often, not later and later. Real time: no allocation, O(objects
-  /// of the scenes).
+  /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
+  /// than a tick is answered less often, but never later and later. Real time: no allocation, O(objects of the scenes).
   void answer_waiting() noexcept;
 
-  /// The same for one session, who waited longest; false if nobody waits any more.
+  /// The same for the one session that has waited longest; false if none waits.
   bool answer_next() noexcept;
 
   /// Both: for one datagram at a time.

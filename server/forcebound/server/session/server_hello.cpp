@@ -20,7 +20,7 @@ constexpr double kPeriodMost_s = 1;
 
 double believed_period_s(const wire::Hello& hello) { return std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s); }
 
-/// @throws why it cannot be had
+/// @throws why there is no environment
 MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) {
   MadeEnvironment made = kind.make({.device = printable(hello.device),
                                     .degrees_of_freedom = hello.degrees_of_freedom,

@@ -54,6 +54,7 @@ inline constexpr double kToleranceMost = 1;
 /// The names in scene files.
 std::string_view name_of(SolverOptions::Kind kind) noexcept;
 
+/// All rigid bodies of a scene, how they are simulated, and the probe that touches them.
 struct BodiesDescription {
   std::vector<BodyDescription> bodies{};
   scene::Point gravity_m_per_s2 = scene::Point(0, 0, -9.80665);

@@ -13,10 +13,11 @@ namespace forcebound::server {
 
 class OtherContacts;
 
+/// The shape of the probe that touches a tissue, and how its contacts are solved.
 struct ProbeOptions {
   double radius_m = 0;  ///< of the spherical probe; 0: a point
-  double contact_stiffness_N_per_m =
-      1e5;                  ///< of each contact, in series with the tissue: what is felt where it is held
+  /// Of each contact, in series with the tissue: what is felt where the tissue is held.
+  double contact_stiffness_N_per_m = 1e5;
   int contacts_max = 8;     ///< 1 to kContactsMax
   int iterations_max = 20;  ///< in one step, >= 1
   double tolerance = 1e-6;  ///< residual accepted, as a share of the surface's mean edge
