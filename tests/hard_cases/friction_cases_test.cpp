@@ -28,7 +28,7 @@ scene::Probe pressed_at(const scene::Point& position_m, double pressure_N,
 
 TEST(HardCase36, FrictionAtRestDoesNotCreep) {
   const auto effect = friction(0.5, 0.4, 0);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(scene::Point::Zero(), 2));
   const scene::Point held_N = felt(pressed_at({0.001, 0, 0}, 2)).force_N;
   EXPECT_NEAR(held_N.x(), -0.7, 1e-12);
@@ -40,7 +40,7 @@ TEST(HardCase36, FrictionAtRestDoesNotCreep) {
 /// Random path, pressure and rotation of the surface.
 void expect_dissipation_on_every_step(double quantum_m, double damping_N_s_per_m) {
   const auto effect = friction(0.6, 0.35, damping_N_s_per_m);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> symmetric(-1, 1);
   const auto draw = [&] { return scene::Point(symmetric(random), symmetric(random), symmetric(random)); };
@@ -80,7 +80,7 @@ TEST(HardCase36, FrictionOfADampedBristleNeverReturnsMoreThanItTook) { expect_di
 TEST(HardCase36, FrictionUnderAnEncoderThatFlickersOneCountDoesNotChatter) {
   constexpr double kCount_m = 15e-6;
   const auto effect = friction(0.5, 0.3, 0);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(scene::Point::Zero(), 2));
   (void)felt(pressed_at({0.0012, 0, 0}, 2));
   for (int i = 0; i < 10000; ++i) {
@@ -91,7 +91,7 @@ TEST(HardCase36, FrictionUnderAnEncoderThatFlickersOneCountDoesNotChatter) {
 
 TEST(HardCase36, FrictionThroughStickSlipAndReversalStaysInItsCone) {
   const auto effect = friction(0.5, 0.3, 1);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   int slips = 0;
   double last_N = 0;
   for (int i = 0; i < 100000; ++i) {

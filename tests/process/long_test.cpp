@@ -20,7 +20,7 @@ void print_timing(const nlohmann::json& summary) {
 }
 
 TEST(AMinuteOfABadNetwork, LosesOnlyWhatTheRelayDropped) {
-  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
+  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kPromptWelcomeSeed},
                                         .client = {"--device", "omni", "--operator", "trace-sphere"},
                                         .duration = kMinute});
   print_timing(outcome.summary);

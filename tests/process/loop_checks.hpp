@@ -15,7 +15,7 @@ namespace forcebound::test {
 
 /// With this seed the first Hello and its Welcome get through, and in less than the 100 ms after which another Hello
 /// would go out: through "delay 50ms 10ms loss 5%".
-inline constexpr const char* kLuckySeed = "14";
+inline constexpr const char* kPromptWelcomeSeed = "14";
 
 struct LoopSettings {
   std::string scene = "sphere";

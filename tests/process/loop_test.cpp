@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(ThreeProgramsOnABadNetwork, StayPassiveAndAgreeExactlyOnEveryDatagram) {
-  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kLuckySeed},
+  const LoopOutcome outcome = run_loop({.relay = {"--netem", "delay 50ms 10ms loss 5%", "--seed", kPromptWelcomeSeed},
                                         .client = {"--device", "omni", "--operator", "trace-sphere"},
                                         .duration = 8s});
   expect_sound(outcome.summary, 8s);

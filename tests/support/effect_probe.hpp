@@ -6,10 +6,10 @@
 
 namespace forcebound::test {
 
-/// One effect with the state of one session.
-class Felt {
+/// Applies one effect, with the state of one session, to motions of a probe.
+class EffectProbe {
  public:
-  explicit Felt(const scene::Effect& effect)
+  explicit EffectProbe(const scene::Effect& effect)
       : effect_(effect), state_(effect.facts().state_bytes / sizeof(double) + 1) {}
 
   scene::Reaction operator()(const scene::Probe& probe) {
@@ -25,7 +25,7 @@ class Felt {
 
 /// The force of one effect with a state that begins anew.
 inline scene::Point force_N(const scene::Effect& effect, const scene::Probe& probe) {
-  return Felt(effect)(probe).force_N;
+  return EffectProbe(effect)(probe).force_N;
 }
 
 inline scene::Probe probe_at(const scene::Point& position_m) { return {.position_m = position_m}; }

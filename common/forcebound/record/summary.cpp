@@ -52,11 +52,11 @@ void Summary::note_force_stream(const TickRecord& tick) noexcept {
   policy_ = tick.policy;
 
   if (forces_ == 0) return;
-  const Nanoseconds silent = tick.time - arrival_;
-  const bool blackout = silent > info_.hold;
+  const Nanoseconds without_force = tick.time - arrival_;
+  const bool blackout = without_force > info_.hold;
   if (blackout && !blackout_) ++blackouts_;
   blackout_ = blackout;
-  if (blackout) blackout_longest_ = std::max(blackout_longest_, silent);
+  if (blackout) blackout_longest_ = std::max(blackout_longest_, without_force);
 }
 
 void Summary::note_contact(const TickRecord& tick) noexcept {

@@ -6,7 +6,7 @@
 #include <exception>
 #include <thread>
 
-#include "../asking_client.hpp"
+#include "../motion_client.hpp"
 #include "ratchet.hpp"
 
 namespace scene = forcebound::scene;
@@ -17,7 +17,7 @@ namespace {
 
 /// Goes 10 mm forth along x and 4 mm back: the ratchet holds with 300 N/m * 4 mm, and the weight is 2 N.
 bool felt(const forcebound::net::Address& address) {
-  AskingClient client(address, 3);
+  MotionClient client(address, 3);
   Vector force;
   for (const double x_m : {0.0, 0.010, 0.006}) {
     Vector position = Vector::Zero(3);

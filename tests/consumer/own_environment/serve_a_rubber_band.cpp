@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-#include "../asking_client.hpp"
+#include "../motion_client.hpp"
 
 namespace server = forcebound::server;
 using forcebound::control::Vector;
@@ -37,7 +37,7 @@ server::EnvironmentKind rubber_band() {
           }};
 }
 
-double force_N(AskingClient& client, double x_m) {
+double force_N(MotionClient& client, double x_m) {
   const double force = client.force_at(Vector::Constant(1, x_m))[0];
   std::printf("at x = %5.1f mm: %5.2f N\n", 1e3 * x_m, force);
   return force;
@@ -47,8 +47,8 @@ bool is(double force_N, double expected_N) { return std::abs(force_N - expected_
 
 /// Two hands at rubber bands of their own.
 bool felt(const forcebound::net::Address& address) {
-  AskingClient one(address, 1);
-  AskingClient other(address, 1);
+  MotionClient one(address, 1);
+  MotionClient other(address, 1);
   const bool holds = is(force_N(one, 0.0), 0) && is(force_N(one, 0.010), -3);
   const bool is_its_own = is(force_N(other, 0.010), 0) && is(force_N(other, 0.0), 3);
   const bool tears = is(force_N(one, 0.020), 0) && is(force_N(one, 0.010), 0) && is(force_N(other, 0.0), 3);

@@ -7,9 +7,9 @@ namespace forcebound::netem {
 Nanoseconds Slots::pass(Nanoseconds ready, std::size_t bytes, Random& random) noexcept {
   if (slot_.longest.count() == 0) return ready;
   // After a long time without packets, whole longest slots pass at once, so that the work stays bounded.
-  const auto silent_slots = (ready - opens_) / slot_.longest;
-  if (silent_slots > 1) {
-    opens_ += (silent_slots - 1) * slot_.longest;
+  const auto unused_slots = (ready - opens_) / slot_.longest;
+  if (unused_slots > 1) {
+    opens_ += (unused_slots - 1) * slot_.longest;
     packets_used_ = bytes_used_ = 0;
   }
   while (opens_ < ready || !has_room(bytes)) open_next(random);

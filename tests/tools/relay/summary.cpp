@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::relay {
@@ -9,12 +10,25 @@ namespace {
 
 double milliseconds(Nanoseconds t) { return static_cast<double>(t.count()) * 1e-6; }
 
-std::string totals(const Relay& relay, Direction direction) {
-  const netem::Impairment& impairment = relay.impairment(direction);
-  const netem::ImpairmentCounters& c = impairment.counters();
-  return fmt::format("{:<9} {:>8} {:>9} {:>7} {:>5} {:>7} {:>7} {:>6} {:>8} {:>5}\n", to_string(direction), c.received,
-                     c.forwarded, c.lost, c.duplicated, c.corrupted, c.reordered, c.over_limit, c.blackout,
-                     impairment.waiting());
+/// What became of the datagrams, a column for each direction.
+text::Table totals(const Relay& relay) {
+  const netem::ImpairmentCounters& up = relay.impairment(Direction::up).counters();
+  const netem::ImpairmentCounters& down = relay.impairment(Direction::down).counters();
+  text::Table table(
+      {{"datagrams"}, {std::string(to_string(Direction::up))}, {std::string(to_string(Direction::down))}});
+  const auto add = [&](const char* fate, auto up_count, auto down_count) {
+    table.add({fate, std::to_string(up_count), std::to_string(down_count)});
+  };
+  add("received", up.received, down.received);
+  add("forwarded", up.forwarded, down.forwarded);
+  add("lost", up.lost, down.lost);
+  add("duplicated", up.duplicated, down.duplicated);
+  add("corrupted", up.corrupted, down.corrupted);
+  add("reordered", up.reordered, down.reordered);
+  add("over limit", up.over_limit, down.over_limit);
+  add("blackout", up.blackout, down.blackout);
+  add("waiting", relay.impairment(Direction::up).waiting(), relay.impairment(Direction::down).waiting());
+  return table;
 }
 
 std::string count_line(std::uint64_t count, const char* what) {
@@ -24,10 +38,7 @@ std::string count_line(std::uint64_t count, const char* what) {
 }  // namespace
 
 std::string summary(const Relay& relay) {
-  std::string text =
-      fmt::format("{:<9} {:>8} {:>9} {:>7} {:>5} {:>7} {:>7} {:>6} {:>8} {:>5}\n", "direction", "received", "forwarded",
-                  "lost", "twice", "corrupt", "reorder", "excess", "blackout", "wait");
-  text += totals(relay, Direction::up) + totals(relay, Direction::down);
+  std::string text = totals(relay).to_text();
   const Lateness& late = relay.lateness();
   if (late.packets != 0)
     text += text::wrapped(

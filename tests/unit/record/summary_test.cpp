@@ -220,8 +220,8 @@ TEST(Summary, CountsBlackoutsLongerThanTheHoldTime) {
   Summary summary(RunInfo{});
   summary.on_tick(tick_at(1));  // no force yet: not a blackout
   for (std::uint64_t n = 2; n < 2000; ++n) {
-    const bool silent = (n > 500 && n < 700) || (n > 1000 && n < 1400);
-    if (!silent) summary.on_force(force_at(n, n));
+    const bool no_force = (n > 500 && n < 700) || (n > 1000 && n < 1400);
+    if (!no_force) summary.on_force(force_at(n, n));
     summary.on_tick(tick_at(n));
   }
   const json object = json_of(summary);

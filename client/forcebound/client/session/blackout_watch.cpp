@@ -22,7 +22,7 @@ void count(const Progress& before, const Progress& after, std::uint64_t own, rec
 }  // namespace
 
 void BlackoutWatch::on_force(Nanoseconds now, const Progress& progress) noexcept {
-  if (silent(now)) {
+  if (in_blackout(now)) {
     present_.duration = now - last_->time;
     present_.over = true;
     if (progress.session == last_->progress.session) count(last_->progress, progress, 1, present_);
@@ -36,11 +36,11 @@ void BlackoutWatch::on_bye(Nanoseconds now, const Progress& progress, Bye kind) 
   if (!last_ || progress.session != last_->progress.session) return;
   present_.server_left = kind == Bye::of_the_server;
   // Without blackout before it, the little that is on its way would be taken for lost.
-  if (silent(now)) count(last_->progress, progress, 0, present_);
+  if (in_blackout(now)) count(last_->progress, progress, 0, present_);
 }
 
 record::Blackout BlackoutWatch::longest(Nanoseconds now) const noexcept {
-  if (!silent(now) || now - last_->time <= longest_.duration) return longest_;
+  if (!in_blackout(now) || now - last_->time <= longest_.duration) return longest_;
   record::Blackout blackout = present_;
   blackout.duration = now - last_->time;
   return blackout;

@@ -44,7 +44,7 @@ class BlackoutWatch {
     Progress progress;
   };
 
-  [[nodiscard]] bool silent(Nanoseconds now) const noexcept { return last_ && now - last_->time > hold_; }
+  [[nodiscard]] bool in_blackout(Nanoseconds now) const noexcept { return last_ && now - last_->time > hold_; }
 
   Nanoseconds hold_;
   std::optional<Force> last_;

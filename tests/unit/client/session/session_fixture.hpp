@@ -21,7 +21,7 @@ using control::Vector;
 
 inline constexpr std::uint64_t kSession = 4711;
 inline const net::Address kServer{.ip = {1}, .port = 47800};
-inline const net::Address kStranger{.ip = {2}, .port = 47800};
+inline const net::Address kOtherAddress{.ip = {2}, .port = 47800};
 
 class LastRecord final : public record::TickSink {
  public:

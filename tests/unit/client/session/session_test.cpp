@@ -135,7 +135,7 @@ TEST_F(SessionTest, CountsWhatDoesNotBelongByReason) {
   connect();
   tick();
   const auto motion = sent<wire::MotionSample>().at(0);
-  arrive(answer(motion, -1), kStranger);
+  arrive(answer(motion, -1), kOtherAddress);
   auto other = answer(motion, -1);
   other.session = kSession + 1;
   arrive(other);

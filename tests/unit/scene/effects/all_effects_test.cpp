@@ -38,7 +38,7 @@ TEST(AllEffects, AreFiniteFromTheOriginToFarOutAtAnySpeed) {
   const EffectRegistry registry = EffectRegistry::standard();
   for (const EffectKind& kind : registry.kinds()) {
     const auto effect = made(kind);
-    test::Felt felt(*effect);
+    test::EffectProbe felt(*effect);
     for (const double far_m : {0.0, 5e-324, 1e-9, 1.0, 1e9}) {
       for (const double fast_m_per_s : {0.0, 1e-300, 1e6}) {
         const Probe probe{.position_m = Point::Constant(far_m),
@@ -77,7 +77,7 @@ TEST(AllEffects, AreNoSteeperThanTheyTellExplain) {
     const auto effect = made(kind);
     const EffectFacts facts = effect->facts();
     const auto force_N = [&](const Point& position_m, const Point& velocity_m_per_s) {
-      return test::Felt(*effect)(probe_at(position_m, velocity_m_per_s)).force_N;
+      return test::EffectProbe(*effect)(probe_at(position_m, velocity_m_per_s)).force_N;
     };
     for (int i = 0; i < 2000; ++i) {
       const Point at_m = point(i % 2 == 0 ? 0.01 : 2);

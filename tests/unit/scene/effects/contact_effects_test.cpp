@@ -22,7 +22,7 @@ Probe over_table(double x_m, double above_m) {
 
 TEST(StickSlip, PullsBackToItsAnchorUntilItJumps) {
   const auto effect = stick_slip_effect().make({{"stiffness_N_per_m", 100.0}, {"slip_N", 0.5}});
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   EXPECT_EQ(felt(over_table(0.01, -1e-3)).force_N.norm(), 0) << "the anchor is where it first touches";
   EXPECT_NEAR(felt(over_table(0.0149, -1e-3)).force_N.x(), -0.49, 1e-12);
   EXPECT_EQ(felt(over_table(0.0152, -1e-3)).force_N.norm(), 0) << "it has slipped";
@@ -31,7 +31,7 @@ TEST(StickSlip, PullsBackToItsAnchorUntilItJumps) {
 
 TEST(StickSlip, NeverReturnsMoreThanTheHandPut) {
   const auto effect = stick_slip_effect().make({{"stiffness_N_per_m", 100.0}, {"slip_N", 0.5}});
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   double put_J = 0;
   Point last_m(0, 0, -1e-3);
   (void)felt(over_table(0, -1e-3));
@@ -108,7 +108,7 @@ std::unique_ptr<Effect> adhesion(double shear_N = 0.3) {
 
 TEST(Adhesion, HoldsOnlyWhatHasTouched) {
   const auto effect = adhesion();
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   EXPECT_EQ(felt(over_table(0, 0.002)).force_N.norm(), 0);
   EXPECT_EQ(felt(over_table(0, -0.001)).force_N.norm(), 0);
   EXPECT_NEAR(felt(over_table(0, 0.002)).force_N.z(), -0.4, 1e-12);
@@ -123,7 +123,7 @@ TEST(Adhesion, HoldsOnlyWhatHasTouched) {
 
 TEST(Adhesion, HoldsSidewaysUpToItsShear) {
   const auto effect = adhesion();
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(over_table(0, -0.001));
   EXPECT_NEAR(felt(over_table(0.0005, -0.001)).force_N.x(), -0.2, 1e-12);
   EXPECT_NEAR(felt(over_table(0.005, -0.001)).force_N.x(), -0.3, 1e-12);
@@ -131,7 +131,7 @@ TEST(Adhesion, HoldsSidewaysUpToItsShear) {
 
 TEST(Adhesion, NeverReturnsMoreThanTheHandPut) {
   const auto effect = adhesion();
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   double put_J = 0;
   Point last_m(0, 0, -0.001);
   (void)felt(over_table(0, -0.001));
@@ -150,7 +150,7 @@ TEST(Texture, SendsTheWaveInTheTangentPlane) {
                                              {"wavelength_m", 0.002},
                                              {"direction", Point(0.6, 0, 0.8)},
                                              {"pattern", std::string("grid")}});
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   const Reaction reaction = felt(over_table(0, -0.001));
   EXPECT_EQ(reaction.force_N.norm(), 0);
   EXPECT_EQ(reaction.texture.amplitude_N, 0.3);
@@ -164,7 +164,7 @@ TEST(Texture, AlongTheNormalIsNone) {
                                              {"wavelength_m", 0.002},
                                              {"direction", Point(0, 0, 1)},
                                              {"pattern", std::string("ridges")}});
-  EXPECT_EQ(test::Felt(*effect)(over_table(0, -0.001)).texture.amplitude_N, 0);
+  EXPECT_EQ(test::EffectProbe(*effect)(over_table(0, -0.001)).texture.amplitude_N, 0);
 }
 
 }  // namespace

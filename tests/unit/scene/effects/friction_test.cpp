@@ -26,7 +26,7 @@ Probe pressed_at(double x_m, double pressure_N) {
 
 TEST(Friction, HoldsLikeASpringBeforeItSlips) {
   const auto effect = friction(0.5);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   EXPECT_EQ(felt(pressed_at(0.01, 2)).force_N, Point(0, 0, 0)) << "the first touch has no deflection";
   EXPECT_NEAR(felt(pressed_at(0.011, 2)).force_N.x(), -0.5, 1e-12);
   EXPECT_NEAR(felt(pressed_at(0.012, 2)).force_N.x(), -1, 1e-12) << "just before it slips";
@@ -35,7 +35,7 @@ TEST(Friction, HoldsLikeASpringBeforeItSlips) {
 
 TEST(Friction, SlipsAtTheCoefficientTimesThePressure) {
   const auto effect = friction(0.5);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(0, 2));
   for (int i = 1; i < 100; ++i) {
     const Point force = felt(pressed_at(0.01 * i, 0.1 * i)).force_N;
@@ -46,7 +46,7 @@ TEST(Friction, SlipsAtTheCoefficientTimesThePressure) {
 
 TEST(Friction, DropsToTheDynamicCoefficientWhenItSlipsAndSticksAgainBelowIt) {
   const auto effect = friction(0.8, 0.5);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(0, 1));
   EXPECT_NEAR(felt(pressed_at(0.0015, 1)).force_N.x(), -0.75, 1e-12) << "sticks above mu_d";
   EXPECT_NEAR(felt(pressed_at(0.0017, 1)).force_N.x(), -0.5, 1e-12) << "slips";
@@ -57,7 +57,7 @@ TEST(Friction, DropsToTheDynamicCoefficientWhenItSlipsAndSticksAgainBelowIt) {
 
 TEST(Friction, ReversalCostsTwiceTheDeflectionAndThenTheFullForceTheOtherWay) {
   const auto effect = friction(0.5);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(0, 2));
   EXPECT_NEAR(felt(pressed_at(0.05, 2)).force_N.x(), -1, 1e-12);
   EXPECT_NEAR(felt(pressed_at(0.046, 2)).force_N.x(), 1, 1e-12) << "2 mm of deflection, both ways";
@@ -66,7 +66,7 @@ TEST(Friction, ReversalCostsTwiceTheDeflectionAndThenTheFullForceTheOtherWay) {
 
 TEST(Friction, OfADampedBristleResistsSpeedWhileItSticks) {
   const auto effect = friction(10, -1, 3);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(0, 2));
   // 0.1 mm in 1 ms: 0.05 N of the spring, 0.3 N of the damper.
   EXPECT_NEAR(felt(pressed_at(0.0001, 2)).force_N.x(), -0.35, 1e-12);
@@ -75,7 +75,7 @@ TEST(Friction, OfADampedBristleResistsSpeedWhileItSticks) {
 
 TEST(Friction, IgnoresMotionAlongTheNormal) {
   const auto effect = friction(0.5);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   Probe probe = pressed_at(0, 2);
   (void)felt(probe);
   probe.position_m.z() = -0.05;
@@ -84,7 +84,7 @@ TEST(Friction, IgnoresMotionAlongTheNormal) {
 
 TEST(Friction, WithoutPressureIsNothing) {
   const auto effect = friction(0.5);
-  test::Felt felt(*effect);
+  test::EffectProbe felt(*effect);
   (void)felt(pressed_at(0, 2));
   (void)felt(pressed_at(0.001, 2));
   EXPECT_EQ(felt(pressed_at(0.001, 0)).force_N.norm(), 0);

@@ -118,7 +118,7 @@ void BodyWorld::move(int at, const scene::Point& position_m, const scene::Point&
   seat.device_m = at_most(position_m, kFar_m);
   seat.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
   seat.heard = true;
-  seat.silent_s = 0;
+  seat.unmoved_s = 0;
   if (!seat.placed) appear(seat);
 }
 
@@ -188,8 +188,8 @@ void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
   scene::Point end_m = seat.device_m;
   scene::Point end_m_per_s = scene::Point::Zero();
   if (seat.heard) end_m -= before_end_s * seat.device_m_per_s;
-  if (seat.heard || seat.silent_s < kVelocityHeld_s) end_m_per_s = seat.device_m_per_s;
-  seat.silent_s += model_->opt.timestep;
+  if (seat.heard || seat.unmoved_s < kVelocityHeld_s) end_m_per_s = seat.device_m_per_s;
+  seat.unmoved_s += model_->opt.timestep;
   seat.placed_s += model_->opt.timestep;
   if (const double left = 1 - seat.placed_s / seat.arrival_s; left > 0) {
     // Smooth in position and velocity at both ends.

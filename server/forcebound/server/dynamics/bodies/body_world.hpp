@@ -47,7 +47,7 @@ class BodyWorld final : public scene::DynamicModelState {
     scene::Point device_m = scene::Point::Zero();
     scene::Point device_m_per_s = scene::Point::Zero();
     bool heard = false;                                  ///< a new position came since the last advance
-    double silent_s = 0;                                 ///< simulated since the last new position
+    double unmoved_s = 0;                                ///< simulated since the last new position
     scene::Point begins_aside_m = scene::Point::Zero();  ///< how far from the device the coupling's far end began
     double placed_s = 0;                                 ///< simulated since the seat was placed
     double arrival_s = 0;                                ///< time at which the coupling's far end reaches the device

@@ -258,17 +258,17 @@ TEST(BodyWorld, ClientsOfOtherRatesAndSilentOnesShareItWithoutABlow) {
   const auto state = dynamic_model.make_state(3);
   const int fast = state->join();
   const int slow = state->join();
-  const int silent = state->join();
+  const int unmoved = state->join();
   const auto at = [](double y_m, double time_s) {
     return scene::Point(0.05 * std::cos(2 * std::numbers::pi * time_s), y_m, 0.1);
   };
   const auto velocity = [](double time_s) {
     return scene::Point(-0.05 * 2 * std::numbers::pi * std::sin(2 * std::numbers::pi * time_s), 0, 0);
   };
-  state->move(silent, {0, 0.2, 0.1}, {0.1, 0, 0});
+  state->move(unmoved, {0, 0.2, 0.1}, {0.1, 0, 0});
   double fast_N = 0;
   double slow_N = 0;
-  double silent_N = 0;
+  double unmoved_N = 0;
   for (int i = 0; i < 3000; ++i) {
     const double time_s = i * 1e-3;
     state->move(fast, at(-0.1, time_s), velocity(time_s));
@@ -276,14 +276,14 @@ TEST(BodyWorld, ClientsOfOtherRatesAndSilentOnesShareItWithoutABlow) {
     state->advance(1e-3);
     fast_N = std::max(fast_N, state->touch(fast).force_N.norm());
     slow_N = std::max(slow_N, state->touch(slow).force_N.norm());
-    if (i > 500) silent_N = std::max(silent_N, state->touch(silent).force_N.norm());
+    if (i > 500) unmoved_N = std::max(unmoved_N, state->touch(unmoved).force_N.norm());
   }
   EXPECT_EQ(state->faults().slipped_s, 0);
   EXPECT_TRUE(state->sound());
   const double fastest_m_per_s = 0.05 * 2 * std::numbers::pi;
   EXPECT_LT(fast_N, 0.1) << "the ball's inertia, 0.03 kg at 2 m/s^2";
   EXPECT_LT(slow_N, 600 * fastest_m_per_s * 10e-3) << "the spring over the way of ten milliseconds";
-  EXPECT_LT(silent_N, 1e-6) << "held where it was";
+  EXPECT_LT(unmoved_N, 1e-6) << "held where it was";
 }
 
 }  // namespace

@@ -13,13 +13,13 @@
 #include <variant>
 
 /// A client without a device: sends positions by UDP, and waits for the forces.
-class AskingClient {
+class MotionClient {
   using Vector = forcebound::control::Vector;
 
  public:
-  AskingClient(const forcebound::net::Address& server, std::uint32_t degrees_of_freedom)
+  MotionClient(const forcebound::net::Address& server, std::uint32_t degrees_of_freedom)
       : link_(forcebound::net::UdpLink::towards(server)), server_(server) {
-    const auto welcome = ask<forcebound::wire::Welcome>(
+    const auto welcome = exchange<forcebound::wire::Welcome>(
         forcebound::wire::Hello{.client_nonce = std::uint64_t{link_.local_address().port} + 1,
                                 .degrees_of_freedom = degrees_of_freedom,
                                 .device = "hand",
@@ -32,14 +32,14 @@ class AskingClient {
     ++motion_.sequence;
     motion_.device_time += std::chrono::milliseconds(1);
     motion_.position = position_m;
-    return ask<forcebound::wire::EnvironmentForce>(motion_).force;
+    return exchange<forcebound::wire::EnvironmentForce>(motion_).force;
   }
 
  private:
-  /// The server's answer; texts in it are valid until the next question.
+  /// The answer to a message; texts in it are valid until the next call.
   template <class Answer>
-  Answer ask(const forcebound::wire::Message& question) {
-    link_.send(codec_.encode(question), server_);
+  Answer exchange(const forcebound::wire::Message& message) {
+    link_.send(codec_.encode(message), server_);
     forcebound::net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds(5));
     const auto received = link_.receive(buffer_);
     if (!received) throw std::runtime_error("nothing came in 5 s");
