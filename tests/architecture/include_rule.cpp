@@ -157,7 +157,63 @@ std::optional<std::string> wrong_include(const Folder& here, const std::string& 
   return std::string(here.path) + " must not include '" + header + "', only what lies below " + accepted;
 }
 
+constexpr std::string_view kOurs = "forcebound";
+
+/// The top-level folder that a folder of the rule lies in.
+std::string_view page_of(std::string_view folder) {
+  for (const std::string_view side : {"client", "server"}) {
+    if (is_below(folder, kOurs) && folder.substr(kOurs.size() + 1).starts_with(side)) return side;
+  }
+  return folder.starts_with(kOurs) ? "common" : "tests";
+}
+
+/// A folder's name on a page, without what every folder there begins with: "`scene/effects`".
+std::string name_on(std::string_view page, std::string_view folder) {
+  if (is_below(folder, kOurs)) folder.remove_prefix(kOurs.size() + 1);
+  if (is_below(folder, page)) folder.remove_prefix(page.size() + 1);
+  return "`" + std::string(folder) + "`";
+}
+
+/// "`session`, `common`'s `net` `time`".
+std::string known_on(std::string_view page, const std::vector<std::string_view>& folders) {
+  std::string own;
+  std::string of_common;
+  std::string all;
+  for (const std::string_view folder : folders) {
+    if (folder == kOurs) {
+      all += "`common`, `client`, `server`";
+    } else if (name_on(page, folder) == "`" + std::string(page) + "`") {
+      all += (all.empty() ? "all of `" : ", all of `") + std::string(page) + "`";
+    } else {
+      std::string& names = page_of(folder) == page ? own : of_common;
+      names += (names.empty() ? "" : " ") + name_on(page, folder);
+    }
+  }
+  if (!of_common.empty()) of_common.insert(0, "`common`'s ");
+  std::string text;
+  for (const std::string& names : {all, own, of_common}) text += (text.empty() || names.empty() ? "" : ", ") + names;
+  return text.empty() ? "nothing else of ours" : text;
+}
+
 }  // namespace
+
+std::string include_table(std::string_view page) {
+  std::string table = "| folder | may include |\n| --- | --- |\n";
+  for (const Folder& folder : folders()) {
+    if (page_of(folder.path) != page) continue;
+    table += "| " + (folder.path == page ? "all others" : name_on(page, folder.path)) + " | ";
+    table += known_on(page, folder.knows) + " |\n";
+  }
+  return table;
+}
+
+std::string privilege_table() {
+  std::string table = "| what | where |\n| --- | --- |\n";
+  for (const Privilege& privilege : privileges()) {
+    table += "| " + std::string(privilege.name) + " | " + std::string(privilege.owner) + " |\n";
+  }
+  return table;
+}
 
 std::string to_string(const Violation& violation) {
   return violation.file + ":" + std::to_string(violation.line) + ": " + violation.what;

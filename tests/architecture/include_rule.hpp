@@ -22,4 +22,11 @@ std::string to_string(const Violation& violation);
 /// first.
 std::vector<Violation> violations(std::string_view file, std::string_view text);
 
+/// The folders below `common`, `client`, `server` or `tests` and what each may include beside its own headers, as a
+/// table in Markdown.
+std::string include_table(std::string_view page);
+
+/// What only some files may have, and which, as a table in Markdown.
+std::string privilege_table();
+
 }  // namespace forcebound::architecture

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/support/page.hpp"
 #include "tests/support/source_folder.hpp"
 
 namespace forcebound::architecture {
@@ -109,6 +110,13 @@ TEST(IncludeRule, IgnoresComments) {
 
 TEST(IncludeRule, RefusesAFolderWithoutARule) {
   EXPECT_THAT(only_violation("common/forcebound/audio/horn.cpp", ""), HasSubstr("no rule"));
+}
+
+TEST(Pages, ListWhatEachFolderMayInclude) {
+  for (const char* const page : {"common", "client", "server", "tests"}) {
+    test::expect_on_page(std::string(page) + "/README.md", "includes", include_table(page));
+  }
+  test::expect_on_page("tests/architecture/README.md", "privileges", privilege_table());
 }
 
 TEST(SourceTree, ObeysTheIncludeRule) {

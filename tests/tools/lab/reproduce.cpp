@@ -121,7 +121,7 @@ void reproduce(const ReproduceOptions& options) {
     const auto hand = device::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
     print_heading(experiment, settings.device, *hand);
     text::Table table = empty_table();
-    LawsFigure figure(experiment.title(), "same device, same hand, three laws");
+    LawsFigure figure(experiment.title(), "each law on the same device, with the same hand");
     for (const std::string& law : laws) {
       progress.tell(static_cast<double>(runs.size()) / static_cast<double>(all.size() * laws.size()),
                     std::to_string(runs.size()) + " of " + std::to_string(all.size() * laws.size()) + " runs");
