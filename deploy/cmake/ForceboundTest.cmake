@@ -10,8 +10,8 @@ function(forcebound_wants label result)
   set(${result} ${wanted} PARENT_SCOPE)
 endfunction()
 
-# Precompiled headers that nearly every test uses, for tests whose sources are compiled one by one. No headers of ours: a
-# change of one would compile everything again.
+# Precompiled headers that nearly every test uses, for tests whose sources are compiled one by one. No headers of ours:
+# a change of one would compile everything again.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "// A target needs a source.\n")
 add_library(forcebound_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
 target_link_libraries(forcebound_test_headers PRIVATE forcebound_options Eigen3::Eigen GTest::gmock)

@@ -21,5 +21,6 @@ list(JOIN names "," names)
 
 execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR}/together -B ${WORK_DIR}/build
                         -D PROJECTS=${names} -D PREFIXES=${prefixes} -D SOURCE_TREE=${SOURCE_DIR}
-                        -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} --no-warn-unused-cli
+                        -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+                        --no-warn-unused-cli
                 COMMAND_ERROR_IS_FATAL ANY)

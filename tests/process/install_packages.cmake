@@ -1,4 +1,5 @@
-# cmake -DNPM=... -DFROM=... -DTO=... -P install_packages.cmake: the packages of FROM/package-lock.json into TO/node_modules.
+# cmake -DNPM=... -DFROM=... -DTO=... -P install_packages.cmake: the packages of FROM/package-lock.json into
+# TO/node_modules.
 file(SHA256 ${FROM}/package-lock.json wanted)
 set(stamp ${TO}/node_modules/.forcebound-lock)
 if(EXISTS ${stamp})
