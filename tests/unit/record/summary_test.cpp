@@ -411,7 +411,7 @@ TEST(Summary, NamesTheUnknownCountsOfAnIncompleteRun) {
   EXPECT_TRUE(object["lost"].is_null());
   EXPECT_EQ(object["sent"], 100);
   EXPECT_EQ(object["received"], 91);
-  EXPECT_THAT(summary.to_text(), HasSubstr("cut off"));
+  EXPECT_THAT(summary.to_text(), HasSubstr("the recording ends before the totals"));
 }
 
 TEST(Summary, IsReadableAfterAnEmptyRun) {
