@@ -138,8 +138,9 @@ std::string Table::to_markdown() const {
     out += '|';
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const Cell cell = cell_of(row, i);
-      const std::string bold = cell.mark == Mark::none ? "" : "**";
-      out += cell.text.empty() ? " |" : ' ' + bold + markdown_cell(cell.text) + bold + " |";
+      const char* const bold = cell.mark == Mark::none ? "" : "**";
+      if (!cell.text.empty()) out.append(" ").append(bold).append(markdown_cell(cell.text)).append(bold);
+      out += " |";
     }
     out += '\n';
   }
