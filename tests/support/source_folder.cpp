@@ -3,8 +3,8 @@
 namespace forcebound::test {
 
 const std::filesystem::path& source_folder() {
-  static const std::filesystem::path folder = FORCEBOUND_SOURCE_DIR;
-  return folder;
+  static const std::filesystem::path kFolder = FORCEBOUND_SOURCE_DIR;
+  return kFolder;
 }
 
 }  // namespace forcebound::test

@@ -127,7 +127,8 @@ text::Table limits_table(const Json& all, const std::string& title, const std::s
   theory("2b/T", "passive_N_per_m");
   theory("b/(T/2 + 2t)", "delayed_N_per_m");
   theory("free device", "free_N_per_m");
-  for (const Json& law : all.at("laws")) add(quote + law_name(law) + quote, law.at("stable"), stiffness);
+  for (const Json& law : all.at("laws"))
+    add(std::string(quote).append(law_name(law)).append(quote), law.at("stable"), stiffness);
   return table;
 }
 
