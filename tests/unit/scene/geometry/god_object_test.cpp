@@ -213,6 +213,7 @@ double nearer_about_m(const Follower& follower, const Point& goal) {
 TEST(GodObject, FindsTheValleysOfAVertexWhereConvexAndConcaveEdgesAlternate) {
   // Six triangles, whose edges are ridges and valleys by turns. From the middle, a valley leads nearer to a goal below.
   std::vector<Point> ring;
+  ring.reserve(6);
   for (int i = 0; i < 6; ++i) ring.push_back(on_ring(i * std::numbers::pi / 3, i % 2 == 0 ? 0.5 : -0.5));
   const auto motion = test::askew();
   constexpr double kDepth = 0.3;
@@ -228,6 +229,7 @@ TEST(GodObject, FindsTheValleysOfAVertexWhereConvexAndConcaveEdgesAlternate) {
 
 TEST(GodObject, FindsTheValleysOfAVertexOfManyTriangles) {
   std::vector<Point> ring;
+  ring.reserve(60);
   for (int i = 0; i < 60; ++i)
     ring.push_back(on_ring(i * std::numbers::pi / 30, 0.5 * std::cos(i * std::numbers::pi / 10)));
   const auto motion = test::askew();
@@ -244,8 +246,9 @@ TEST(GodObject, RestsOnAnyFanWhereNoTriangleLeadsNearer) {
   int at_vertex = 0;
   for (int i = 0; i < 3000; ++i) {
     SCOPED_TRACE("seed " + std::to_string(kSeed) + ", fan " + std::to_string(i));
-    std::vector<Point> ring;
     const int corners = 4 + i % 7;
+    std::vector<Point> ring;
+    ring.reserve(static_cast<std::size_t>(corners));
     for (int k = 0; k < corners; ++k) {
       ring.push_back(
           on_ring((k + 0.3 * unit(random)) * 2 * std::numbers::pi / corners, 0.2 * (i % 2) + 0.5 * unit(random)));
