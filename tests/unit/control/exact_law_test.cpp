@@ -202,6 +202,42 @@ TEST(ExactLaw, GoesOnFromACopyAsFromItself) {
   EXPECT_EQ(play(law, 2), play(saved, 2));
 }
 
+/// Each interval with a force takes three quarters of what energy there is, down to the smallest doubles: in powers of
+/// two, so that no rounding stops it before.
+TEST(ExactLaw, BoundsTheForceWhereHardlyAnyEnergyIsLeft) {
+  constexpr double kPower_s = 1.0 / 1024;
+  for (const double latency_s : {0.0, kPower_s}) {
+    SCOPED_TRACE(latency_s);
+    DeviceFacts facts = ideal(vector({16}));
+    facts.force_N_max = 32;
+    facts.period_s = facts.hold_s_max = kPower_s;
+    facts.latency_s = latency_s;
+    ExactLaw law(facts, EnergyMemory::full);
+    double at_m = 1.0 / 1024;  // as far as 32 N for a period take it at the most
+    Motion motion = motion_to(vector({2 * at_m}), nullptr, kPower_s);
+    motion.latency_s = motion.latency_s_max = latency_s;
+    law.credit(motion);
+    long double energy_J = 16 / kPower_s * at_m * at_m;
+    long double least_J = 0;
+    for (int n = 0; n < 600; ++n) {
+      motion.joint[0] = at_m;
+      law.credit(motion);
+      const double force_N = law.bound(vector({-32}))[0];
+      law.commit(vector({force_N}));
+      if (latency_s > 0) {  // nothing moves before it is in effect
+        law.credit(motion);
+        law.commit(vector({0}));
+      }
+      const double d = force_N * kPower_s / 64;
+      at_m += d;
+      energy_J += static_cast<long double>(16 / kPower_s) * d * d - static_cast<long double>(force_N) * d;
+      least_J = std::min(least_J, energy_J);
+    }
+    EXPECT_GE(static_cast<double>(least_J), -1e-12);
+    EXPECT_LT(std::abs(static_cast<double>(energy_J)), 1e-300) << "the motion took less than it was to take";
+  }
+}
+
 TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
   const auto refusal = [](auto change) {
     DeviceFacts facts = ideal(vector({30, 20}));
