@@ -42,7 +42,7 @@ void expect_told(const Way& way, std::chrono::seconds duration) {
   EXPECT_GT(summary["late_force"]["dropped_ticks"], 0);
   EXPECT_THAT(unwrapped(way.client->err()), HasSubstr("forces are fresh again"));
 
-  const nlohmann::json longest = summary["blackouts"]["longest"];
+  const nlohmann::json& longest = summary["blackouts"]["longest"];
   EXPECT_EQ(longest["died"], way.name) << longest;
   const bool up = way.name == "up";
   EXPECT_THAT(unwrapped(way.client->out()), HasSubstr("nothing came back from " + way.relay->address() + " for "));

@@ -234,7 +234,7 @@ TEST(Summary, GivesEachMotionOneFate) {
   EXPECT_TRUE(json_of(summary)["motions"].is_null()) << "an incomplete run does not know";
   summary.finish(test::sample_totals());
   const json object = json_of(summary);
-  const json motions = object["motions"];
+  const json& motions = object["motions"];
   EXPECT_EQ(motions["sent"], 5000);
   EXPECT_EQ(motions["answered"], 4700);
   EXPECT_EQ(motions["overtaken"], 30);

@@ -22,6 +22,7 @@ TEST(PlaceNames, LetsNoNameCoverAnotherOrAPoint) {
   std::uniform_real_distribution<double> aside(-25, 25);
   for (int round = 0; round < 50; ++round) {
     std::vector<NamedPoint> points;
+    points.reserve(14);
     for (int i = 0; i < 14; ++i) points.push_back({600 + 3 * aside(random), 135 + aside(random), "tdpa-2port"});
     const auto placed = place_names(points, kArea);
     ASSERT_EQ(placed.size(), points.size());
