@@ -66,7 +66,7 @@ endfunction()
 # client_session and server_session it is forcebound/client/session and forcebound/server/session. FOLDER names it below
 # forcebound/client or forcebound/server where the library's name does not, and from the current folder below tests/.
 function(forcebound_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "LINK;LINK_PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "NOT_INSTALLED" "FOLDER" "LINK;LINK_PRIVATE")
   forcebound_folder(${name} "${arg_FOLDER}" root folder)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/${folder}/*.cpp)
   set(target forcebound_${name})
@@ -79,7 +79,7 @@ function(forcebound_library name)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE} $<BUILD_INTERFACE:forcebound_options>)
 
-  if(FORCEBOUND_INSTALL AND NOT folder MATCHES "^tests/")
+  if(FORCEBOUND_INSTALL AND NOT arg_NOT_INSTALLED AND NOT folder MATCHES "^tests/")
     install(DIRECTORY ${root}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT ${name}
             FILES_MATCHING PATTERN "*.hpp" PATTERN "internal" EXCLUDE)
     forcebound_component(${name} LINKED ${arg_LINK} ${arg_LINK_PRIVATE})

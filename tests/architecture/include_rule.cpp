@@ -22,6 +22,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/control", {}},
       {"forcebound/text", {}},
       {"forcebound/time", {}},
+      {"forcebound/program", {"forcebound/text"}},
       {"forcebound/config", {"forcebound/control", "forcebound/text"}},
       {"forcebound/baselines", {"forcebound/control", "forcebound/config", "forcebound/text"}},
       {"forcebound/wire", {"forcebound/control", "forcebound/time"}},
@@ -38,8 +39,8 @@ const std::vector<Folder>& folders() {
        {"forcebound/control", "forcebound/time", "forcebound/wire", "forcebound/net", "forcebound/record",
         "forcebound/device", "forcebound/client/session"}},
       {"forcebound/client/app",
-       {"forcebound/control", "forcebound/baselines", "forcebound/text", "forcebound/time", "forcebound/wire",
-        "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/client"}},
+       {"forcebound/control", "forcebound/baselines", "forcebound/program", "forcebound/text", "forcebound/time",
+        "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/client"}},
       {"forcebound/server/dynamics/tissue", {"forcebound/text", "forcebound/scene"}},
       {"forcebound/server/dynamics/bodies", {"forcebound/text", "forcebound/scene"}},
       {"forcebound/server/environment",
@@ -51,10 +52,11 @@ const std::vector<Folder>& folders() {
       {"forcebound/server/runtime",
        {"forcebound/time", "forcebound/net", "forcebound/server/environment", "forcebound/server/session"}},
       {"forcebound/server/app",
-       {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire", "forcebound/net",
-        "forcebound/record", "forcebound/scene", "forcebound/server"}},
+       {"forcebound/control", "forcebound/program", "forcebound/text", "forcebound/time", "forcebound/wire",
+        "forcebound/net", "forcebound/record", "forcebound/scene", "forcebound/server"}},
       {"tests/tools/netem", {"forcebound/net", "forcebound/text", "forcebound/time"}},
-      {"tests/tools/relay", {"forcebound/net", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
+      {"tests/tools/relay",
+       {"forcebound/net", "forcebound/program", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
       {"tests/tools/sim", {"forcebound", "tests/tools/netem"}},
       {"tests/tools/reference", {}},
       {"tests/tools/lab", {"forcebound", "tests/tools"}},
@@ -75,9 +77,9 @@ struct Privilege {
 
 // Programs, and code that runs the core on threads and sockets. Tests may too, except for the tools that ship.
 const std::string kShells =
-    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
+    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|common/forcebound/program/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
 constexpr std::string_view kShellsInWords =
-    "the folders app and runtime, tests/tools/relay, tests/tools/lab and the tests";
+    "the folders app, runtime and common/forcebound/program, tests/tools/relay, tests/tools/lab and the tests";
 
 const std::vector<Privilege>& privileges() {
   const auto shells_and = [](const std::string& more) { return std::regex(kShells + "|" + more); };

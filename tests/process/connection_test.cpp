@@ -157,7 +157,7 @@ TEST(TwoClientsOfOneServer, EachFeelTheirOwnScene) {
   EXPECT_EQ(wall.wait(20s), 0);
   EXPECT_EQ(sphere.wait(20s), 0);
   EXPECT_EQ(server.stop(), 0);
-  EXPECT_THAT(server.err(), AllOf(HasSubstr("connected to scene 'wall' with device 'wall-1dof' (1 degrees of freedom)"),
+  EXPECT_THAT(server.err(), AllOf(HasSubstr("connected to scene 'wall' with device 'wall-1dof' (1 degree of freedom)"),
                                   HasSubstr("connected to scene 'sphere' with device 'omni' (3 degrees of freedom)")));
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 2U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 2U);

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/process/programs.hpp"
@@ -25,7 +27,7 @@ TEST_P(ASignal, EndsEveryProgramCleanlyWithAllThatItKnows) {
   std::this_thread::sleep_for(700ms);
 
   EXPECT_EQ(client.stop(GetParam()), 0);
-  EXPECT_THAT(client.out(), AllOf(HasSubstr("law           fba-more"), HasSubstr("P minimum")));
+  EXPECT_THAT(client.out(), AllOf(HasSubstr("law           fba-more"), HasSubstr("least P")));
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());
   EXPECT_EQ(summary["complete"], true);
@@ -48,6 +50,34 @@ TEST_P(ASignal, EndsAClientThatHasNoServer) {
   ASSERT_TRUE(client.wait_for("no answer from"));
   EXPECT_EQ(client.stop(GetParam()), 0);
   EXPECT_EQ(client.summary()["complete"], true);
+}
+
+/// Each line of a log begins with the time, the program and the level: an event is never spread over lines.
+void expect_log_lines_of(const char* program, const std::string& log) {
+  EXPECT_FALSE(log.empty()) << program;
+  const std::regex pattern(R"(\d\d:\d\d:\d\d\.\d{3} )" + std::string(program) + " (info|warning|error): .*");
+  std::istringstream in(log);
+  for (std::string line; std::getline(in, line);) EXPECT_TRUE(std::regex_match(line, pattern)) << line;
+}
+
+TEST(EveryProgram, LogsAnEventALineInOnePattern) {
+  Server server({"--scene", "microsurgery"});                 // of which there is more to say than fits a terminal
+  Relay relay(server.address(), {"--netem", "loss 5% 50%"});  // which it warns of
+  Client client(relay.address(), {"--device", "omni", "--duration", "1", "--once"});
+  EXPECT_EQ(client.wait(20s), 0);
+  EXPECT_EQ(relay.stop(), 0);
+  EXPECT_EQ(server.stop(), 0);
+  expect_log_lines_of("forcebound-client", client.err());
+  expect_log_lines_of("forcebound-relay", relay.err());
+  expect_log_lines_of("forcebound-server", server.err());
+}
+
+TEST(TheClient, LogsAtItsStartWhichSchedulingItWasGranted) {
+  Client client(free_address(), {});
+  ASSERT_TRUE(client.wait_for("tick thread: "));
+  EXPECT_THAT(client.err(), testing::ContainsRegex("tick thread: (no )?SCHED_FIFO"));
+  EXPECT_EQ(client.stop(), 0);
+  EXPECT_EQ(client.err().find("tick thread: "), client.err().rfind("tick thread: ")) << "once";
 }
 
 }  // namespace

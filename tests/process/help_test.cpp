@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 
 #include "forcebound/text/terminal.hpp"
@@ -35,21 +37,49 @@ void expect_to_fit(const std::string& text) {
   }
 }
 
-TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumns) {
+/// A text that was broken by hand and then again to fit has lines of a word or two between full ones.
+void expect_to_be_broken_once(const std::string& help) {
+  std::istringstream in(help);
+  std::vector<std::string> all;
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  const auto indent_of = [](const std::string& line) { return line.find_first_not_of(' '); };
+  for (std::size_t i = 1; i + 1 < all.size(); ++i) {
+    const std::size_t indent = indent_of(all[i]);
+    const std::size_t next = indent_of(all[i + 1]);
+    if (indent == std::string::npos || next != indent) continue;
+    const bool goes_on = std::islower(static_cast<unsigned char>(all[i + 1][next])) != 0;
+    const bool after_a_full_line = text::columns_of(all[i - 1]) + 10 > text::kColumns;
+    const auto blanks = std::count(all[i].begin() + static_cast<std::ptrdiff_t>(indent), all[i].end(), ' ');
+    EXPECT_FALSE(goes_on && after_a_full_line && blanks < 2) << all[i - 1] << '\n' << all[i] << '\n' << all[i + 1];
+  }
+}
+
+void expect_one_voice(const std::string& help) {
+  expect_to_fit(help);
+  expect_to_be_broken_once(help);
+  EXPECT_THAT(help, testing::HasSubstr("print this help and end"));
+  for (const char* const foreign : {"TEXT", "FLOAT", "UINT", "INT:", "ENUM", "Needs:", "REQUIRED", "Print this help"}) {
+    EXPECT_THAT(help, testing::Not(testing::HasSubstr(foreign)));
+  }
+}
+
+TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsAndHasOneVoice) {
   for (const char* const program : {kServer, kClient, kRelay, kLab}) {
     SCOPED_TRACE(program);
     const Ran ran = run(program, {"--help"}, 10s);
     EXPECT_EQ(ran.exit_code, 0);
     EXPECT_EQ(ran.err, "");
-    expect_to_fit(ran.out);
+    expect_one_voice(ran.out);
+    EXPECT_THAT(ran.out, testing::HasSubstr("print the version and end"));
     const auto subcommands = subcommands_in(ran.out);
     EXPECT_EQ(subcommands.empty(), program != kLab);
     for (const std::string& subcommand : subcommands) {
       SCOPED_TRACE(subcommand);
       const Ran of = run(program, {subcommand, "--help"}, 10s);
       EXPECT_EQ(of.exit_code, 0);
-      EXPECT_THAT(of.out, testing::HasSubstr("--help"));
-      expect_to_fit(of.out);
+      expect_one_voice(of.out);
+      EXPECT_THAT(of.out, testing::HasSubstr("  forcebound-lab " + subcommand + " ")) << "an example of its own";
+      EXPECT_THAT(of.out, testing::Not(testing::HasSubstr("Exit code"))) << "that is the whole program's";
     }
   }
 }
@@ -78,6 +108,43 @@ TEST(Lab, WritesNeitherProgressNorColourToAFile) {
   EXPECT_EQ(ran.err, "");
   EXPECT_THAT(ran.out, testing::Not(testing::HasSubstr("\033")));
   expect_to_fit(ran.out);
+}
+
+TEST(EveryCommand, PrintsWhatFitsEightyColumns) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.file("a-run-with-a-name-of-some-length.mcap");
+  const std::string summary = folder.file("run.json");
+  {
+    Server server({"--scene", "sphere"});
+    Relay relay(server.address(), {"--netem", "delay 20ms 5ms loss 5%"});
+    Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "2", "--record",
+                                    recording, "--once"});
+    EXPECT_EQ(client.wait(30s), 0) << client.err();
+    write_file(summary, client.summary_text());
+    EXPECT_EQ(relay.stop(), 0);
+    EXPECT_EQ(server.stop(), 0);
+    for (const std::string& out : {client.out(), relay.out(), server.out()}) expect_to_fit(out);
+  }
+  const auto expect_of = [](const char* program, const Words& words) {
+    SCOPED_TRACE(testing::PrintToString(words));
+    const Ran ran = run(program, words, 240s);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_GT(lines(ran.out), 2U);
+    expect_to_fit(ran.out);
+  };
+  for (const char* const scene : {"wall", "sphere", "palpation", "microsurgery"}) {
+    expect_of(kServer, {"--scene", scene, "--explain"});
+  }
+  expect_of(kLab, {"report", recording});
+  expect_of(kLab, {"table", recording, summary});
+  expect_of(kLab, {"reproduce", "wall"});
+  expect_of(kLab, {"passivity", "--seeds", "1", "--seconds", "0.05"});
+  expect_of(kLab, {"soak", "--seeds", "3"});
+  expect_of(kLab, {"compare", "--laws", "none,fba-exact", "--scenes", "wall", "--network", "none", "--stiffness",
+                   "10000", "--delays", "1", "--effort", "1"});
+  expect_of(kLab, {"accuracy", "sphere", "--sweep", "law=none,fba-exact", "--rtt", "1,20", "--duration", "0.5"});
+  expect_of(kLab, {"accuracy", "soft_pad", "--sweep", "tissue.pad.shape.cells=[2,2,1],[3,3,2]", "--rtt", "20",
+                   "--duration", "0.5"});
 }
 
 TEST(Lab, PlaysTheSameTrialsTwiceByteForByte) {

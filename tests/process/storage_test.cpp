@@ -50,7 +50,7 @@ TEST(AFullDisk, IsNamedWhereTheSummaryCouldNotBeWritten) {
   const Ran ran = run(kClient, {"--server", free_address(), "--duration", "1", "--summary", kFull});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_THAT(ran.out, HasSubstr("Summary: never connected, no verdict"));
-  EXPECT_THAT(ran.err, HasSubstr("could not write all of the summary to '/dev/full': No space left on device"));
+  EXPECT_THAT(ran.err, HasSubstr("/dev/full: cannot be written: No space left on device"));
 }
 
 TEST(AFullDisk, EndsTheRelaysLogButNotTheRelay) {

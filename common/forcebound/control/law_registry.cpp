@@ -49,8 +49,8 @@ std::string source_of(const LawDescription& law) {
 [[noreturn]] void refuse_unknown(const LawDescription& law, const std::string& name) {
   std::string known;
   for (const LawParameter& parameter : law.parameters) known += (known.empty() ? "" : ", ") + parameter.name;
-  throw std::invalid_argument("law '" + law.name + "' has no parameter '" + name + "'; " +
-                              (known.empty() ? "it has none" : "known are " + known));
+  throw std::invalid_argument("law '" + law.name + "' has no parameter '" + name + "'" +
+                              (known.empty() ? "; there are none" : " (known: " + known + ")"));
 }
 
 std::string heading_of(const LawDescription& law) {
@@ -90,7 +90,7 @@ const LawDescription& LawRegistry::find(std::string_view name) const {
   if (found != laws_.end()) return *found;
   std::string known;
   for (const LawDescription& law : laws_) known += (known.empty() ? "" : ", ") + law.name;
-  throw std::invalid_argument("unknown law '" + std::string(name) + "'; known are " + known);
+  throw std::invalid_argument("unknown law '" + std::string(name) + "' (known: " + known + ")");
 }
 
 LawParameters LawRegistry::parameters(std::string_view name, const DeviceFacts& facts,

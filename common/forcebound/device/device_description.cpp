@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "forcebound/device/haptic_device.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::device {
 namespace {
@@ -22,13 +23,15 @@ std::string written(const Matrix& matrix) {
 /// What comes before and after the inertia.
 std::string described(const control::DeviceFacts& facts, const std::string& inertia) {
   const bool arm = !facts.cartesian;
-  std::ostringstream text;
-  text << facts.name << ": " << facts.degrees_of_freedom() << " degrees of freedom, "
-       << (arm ? "serial arm, " : "Cartesian, ") << inertia << "damping " << written(facts.damping)
-       << (arm ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (arm ? " N m" : " N")
-       << ", encoder " << written(facts.encoder_step) << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max
-       << " N, hold " << facts.hold_s_max << " s, latency " << facts.latency_s << " s";
-  return text.str();
+  std::ostringstream out;
+  out << facts.name << ": "
+      << text::counted(static_cast<std::uint64_t>(facts.degrees_of_freedom()), "degree of freedom",
+                       "degrees of freedom")
+      << ", " << (arm ? "serial arm, " : "Cartesian, ") << inertia << "damping " << written(facts.damping)
+      << (arm ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (arm ? " N m" : " N")
+      << ", encoder " << written(facts.encoder_step) << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max
+      << " N, hold " << facts.hold_s_max << " s, latency " << facts.latency_s << " s";
+  return out.str();
 }
 
 }  // namespace

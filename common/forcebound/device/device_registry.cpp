@@ -73,8 +73,8 @@ const DeviceFamily* DeviceRegistry::find(const std::string& name_or_file) const 
 const DeviceFamily& DeviceRegistry::known(const std::string& name_or_file) const {
   if (const DeviceFamily* family = find(name_or_file)) return *family;
   const bool files = std::ranges::any_of(families_, &DeviceFamily::takes_files);
-  throw std::runtime_error("unknown device '" + name_or_file + "'" + text::suggestion(name_or_file, names()) +
-                           (files ? "; or the path of a .toml file" : ""));
+  throw std::invalid_argument("unknown device '" + name_or_file + "'" + text::suggestion(name_or_file, names()) +
+                              (files ? "; or the path of a .toml file" : ""));
 }
 
 }  // namespace forcebound::device

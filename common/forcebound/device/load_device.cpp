@@ -79,8 +79,8 @@ DeviceDescription load_device(const std::string& name_or_file) {
   for (const text::EmbeddedText& device : shipped_devices()) {
     if (device.name == name_or_file) return parse_device(device.text, "devices/" + name_or_file + ".toml");
   }
-  throw std::runtime_error("unknown device '" + name_or_file + "'" +
-                           text::suggestion(name_or_file, shipped_device_names()) + "; or the path of a .toml file");
+  throw std::invalid_argument("unknown device '" + name_or_file + "'" +
+                              text::suggestion(name_or_file, shipped_device_names()) + "; or the path of a .toml file");
 }
 
 std::vector<std::string> shipped_device_names() {

@@ -47,7 +47,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("lost_up", totals.lost_up);
   visit("lost_down", totals.lost_down);
   visit("in_flight", totals.in_flight);
-  visit("overtaken", totals.overtaken);
+  visit("unanswered", totals.unanswered);
   visit("duplicated", totals.duplicated);
   visit("reordered", totals.reordered);
   for (std::size_t i = 0; i < kMalformedNames.size(); ++i) {
@@ -160,11 +160,14 @@ RunInfo run_info_from(const KeyValues& values) {
 
 RunTotals run_totals_from(const KeyValues& values) {
   RunTotals totals;
-  InfoReader{values}("nobody_listening", totals.port_unreachable);  // its name in older recordings
+  // Names in older recordings.
+  InfoReader{values}("nobody_listening", totals.port_unreachable);
+  InfoReader{values}("overtaken", totals.unanswered);
   each_total(totals, InfoReader{values});
   // An older program did not count it; it is the difference.
   const std::uint64_t elsewhere = totals.received + totals.lost_up + totals.lost_down;
-  if (!values.contains("overtaken") && totals.sent > elsewhere) totals.overtaken = totals.sent - elsewhere;
+  const bool counted = values.contains("unanswered") || values.contains("overtaken");
+  if (!counted && totals.sent > elsewhere) totals.unanswered = totals.sent - elsewhere;
   for (const auto& [name, text] : values) {
     if (name.starts_with(kNotePrefix)) totals.notes.push_back(text);
   }
@@ -174,7 +177,7 @@ RunTotals run_totals_from(const KeyValues& values) {
 MotionFates fates_of(const RunTotals& totals) noexcept {
   return {.sent = totals.sent,
           .answered = totals.received,
-          .overtaken = totals.overtaken,
+          .unanswered = totals.unanswered,
           .lost_up = totals.lost_up - std::min(totals.lost_up, totals.in_flight),
           .lost_down = totals.lost_down,
           .in_flight = std::min(totals.lost_up, totals.in_flight)};
@@ -182,7 +185,7 @@ MotionFates fates_of(const RunTotals& totals) noexcept {
 
 std::string words_of(const MotionFates& fates) {
   return std::to_string(fates.sent) + " sent = " + std::to_string(fates.answered) + " answered + " +
-         std::to_string(fates.overtaken) + " overtaken + " + std::to_string(fates.lost_up) + " lost up + " +
+         std::to_string(fates.unanswered) + " unanswered + " + std::to_string(fates.lost_up) + " lost up + " +
          std::to_string(fates.lost_down) + " lost down + " + std::to_string(fates.in_flight) + " in flight";
 }
 

@@ -66,9 +66,9 @@ struct RunTotals {
   std::uint64_t lost_up = 0;                                       ///< motions that the server did not see
   std::uint64_t lost_down = 0;                                     ///< forces sent that did not arrive
   std::uint64_t in_flight = 0;                                     ///< of `lost_up`: may still be on their way
-  std::uint64_t overtaken = 0;                                     ///< motions that the server saw, not answered
+  std::uint64_t unanswered = 0;                                    ///< motions that the server received, not answered
   std::uint64_t duplicated = 0;                                    ///< additional copies of motions or forces
-  std::uint64_t reordered = 0;                                     ///< motions or forces overtaken by newer ones
+  std::uint64_t reordered = 0;                                     ///< motions or forces that arrived after a newer one
   std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
   std::uint64_t foreign_session = 0;                               ///< well-formed, but of another session or sender
   std::uint64_t non_finite_requests = 0;
@@ -98,19 +98,19 @@ struct RunTotals {
 
 /// Outcome of the motions, each counted once, from both ends' counters:
 ///
-///     sent = answered + overtaken + lost_up + lost_down + in_flight
+///     sent = answered + unanswered + lost_up + lost_down + in_flight
 struct MotionFates {
   std::uint64_t sent = 0;
   std::uint64_t answered = 0;  ///< their forces arrived
-  /// Received by the server but not answered: a newer one had arrived, or the session ended.
-  std::uint64_t overtaken = 0;
+  /// Received by the server, which answered a newer one instead, or had ended the session.
+  std::uint64_t unanswered = 0;
   std::uint64_t lost_up = 0;    ///< the server did not receive them
   std::uint64_t lost_down = 0;  ///< their forces did not arrive
   std::uint64_t in_flight = 0;  ///< too recent for either end to know
 };
 [[nodiscard]] MotionFates fates_of(const RunTotals& totals) noexcept;
 
-/// "20000 sent = 18990 answered + 12 overtaken + 503 lost up + 490 lost down + 5 in flight"
+/// "20000 sent = 18990 answered + 12 unanswered + 503 lost up + 490 lost down + 5 in flight"
 [[nodiscard]] std::string words_of(const MotionFates& fates);
 
 /// As the metadata of a recording holds them: one entry per field, numbers in full.

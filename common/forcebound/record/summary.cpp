@@ -101,7 +101,7 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   server_ns_.add((at_server - force.compute_time).count());
   ++forces_;
   connected_ = true;
-  if (force.motion_sequence <= arrived_motion_) return;  // overtaken: no tick uses it
+  if (force.motion_sequence <= arrived_motion_) return;  // reordered: no tick uses it
   arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;
   arrived_round_trip_ = record.round_trip;

@@ -21,11 +21,14 @@ namespace forcebound::record {
 /// - `period_us`: time between readings. `late_ticks`: those more than 0.5 ms above the nominal period.
 /// - `idle_timer`: the same for a thread that only sleeps, at the same time on the same machine.
 /// - `sent received lost duplicated reordered`: datagrams of motion and force, both directions together, as the session
-///   counted them; `lost_up` and `lost_down` apart. When a killed process left no totals (`complete` is false), `sent`
-///   and `received` are counted from the records, and the rest is unknown.
-/// - `motions`: the outcome of each, by the counts of both ends: `sent` = `answered` + `overtaken` (the server
-///   received them and answered a newer one) + `lost_up` + `lost_down` (their answers) + `in_flight` (still on their
-///   way at the end, which the other `lost_up` counts as lost).
+///   counted them; `lost_up` (motions) and `lost_down` (forces) apart. *Duplicated* are further copies of one that
+///   arrived. *Reordered* are those that arrived after a newer one of their direction. When a killed process left no
+///   totals (`complete` is false), `sent` and `received` are counted from the records, and the rest is unknown.
+/// - `motions`: the outcome of each, by the counts of both ends: `sent` = `answered` + `unanswered` (the server
+/// received
+///   them, but they were reordered, or a newer one waited when it came to them, or the session ended) + `lost_up` +
+///   `lost_down` (their answers) + `in_flight` (still on their way at the end, which the other `lost_up` counts as
+///   lost).
 /// - `stale_ticks`: ticks on which the late-force policy faded or dropped the force; `late_force` says which, and how
 ///   often the policy changed.
 /// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.
@@ -54,10 +57,10 @@ namespace forcebound::record {
 ///   request, cut at the device's largest force, by more than 1e-12 of it and by more than the actuator's rounding.
 /// - `verdict`: "passive", "not passive", or why there is none: "not audited", "no contact" (the device touched nothing
 ///   and no force was ever applied), "never connected".
-/// - `passivity`: the device's own audit P: `minimum_J` over the run, `final_J` at the last tick; both null for a
-///   device without audit. `ok`: false if the minimum is below -1e-9 J or not a number, true if not; null where there
-///   is no verdict. `guarantee`: what the law guarantees without an audit, and under which facts; null: nothing.
-///   `ledger.final_J`: energy that the law may still spend.
+/// - `passivity`: the device's own audit P: `minimum_J`, the least P of the run, and `final_J` at the last tick; both
+///   null for a device without audit. `ok`: false if the least P is below -1e-9 J or not a number, true if not; null
+///   where there is no verdict. `guarantee`: what the law guarantees without an audit, and under which facts; null:
+///   nothing. `ledger.final_J`: energy that the law may still spend.
 /// - `faults`: counts of what should not happen, and `notes` in words.
 ///
 /// A number that is unknown or not finite is null.

@@ -95,7 +95,7 @@ void SummaryView::add_network(Json& json) const {
 nlohmann::ordered_json SummaryView::motions() const {
   if (!s.totals_) return nullptr;
   const MotionFates fates = fates_of(*s.totals_);
-  return {{"sent", fates.sent},       {"answered", fates.answered},   {"overtaken", fates.overtaken},
+  return {{"sent", fates.sent},       {"answered", fates.answered},   {"unanswered", fates.unanswered},
           {"lost_up", fates.lost_up}, {"lost_down", fates.lost_down}, {"in_flight", fates.in_flight}};
 }
 

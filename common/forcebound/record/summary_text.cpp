@@ -14,6 +14,8 @@ constexpr int kDigits = 4;
 
 std::string rounded(double value) { return text::rounded(value, kDigits); }
 
+std::string millijoules(double energy_J) { return rounded(1e3 * energy_J) + " mJ"; }
+
 std::string percent(double share) { return text::rounded(100 * share) + " %"; }
 
 /// A line "  name          words", continued below the words where it is too long; nothing without words.
@@ -133,10 +135,10 @@ void SummaryView::print_contact(std::string& out) const {
 
 void SummaryView::print_energy(std::string& out, text::Colour colour) const {
   if (s.info_.audited) {
-    const std::string minimum = rounded(minimum_J()) + " J";
+    const std::string minimum = millijoules(minimum_J());
     // Colour codes take no columns, so they are inserted after the line is broken.
     std::string line;
-    print_field(line, "passivity", "P minimum " + minimum + ", final " + rounded(final_J()) + " J");
+    print_field(line, "passivity", "least P " + minimum + ", final " + millijoules(final_J()));
     const std::size_t at = line.find(minimum);
     if (verdict() == Verdict::not_passive && at != std::string::npos) {
       line.replace(at, minimum.size(), text::red(minimum, colour));
@@ -148,7 +150,7 @@ void SummaryView::print_energy(std::string& out, text::Colour colour) const {
         "not audited: this device does not measure P. Law " + s.info_.law +
             (s.info_.guarantee.empty() ? " guarantees nothing about it." : " guarantees " + s.info_.guarantee + "."));
   }
-  print_field(out, "ledger", rounded(s.ledger_final_J_) + " J left to spend");
+  print_field(out, "ledger", millijoules(s.ledger_final_J_) + " left to spend");
 }
 
 void SummaryView::print_faults(std::string& out) const {

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace forcebound::text {
@@ -28,8 +29,9 @@ std::size_t part_that_fits(std::string_view line, std::size_t from, std::size_t 
 void append_wrapped(std::string& out, std::string_view line, std::size_t indent, std::size_t columns) {
   std::string rest(line);
   while (columns_of(rest) > columns) {
-    const std::size_t from = rest.find_first_not_of(' ');
-    const std::size_t end = part_that_fits(rest, from == std::string::npos ? 0 : from, columns);
+    // From the column where the words begin: the blanks between a name and its words are no place to break.
+    const std::size_t first = rest.find_first_not_of(' ');
+    const std::size_t end = part_that_fits(rest, std::max(indent, first == std::string::npos ? 0 : first), columns);
     if (end >= rest.size()) break;
     out.append(rest, 0, end).append("\n");
     const std::size_t next = rest.find_first_not_of(' ', end);
@@ -40,15 +42,16 @@ void append_wrapped(std::string& out, std::string_view line, std::size_t indent,
   out += '\n';
 }
 
-/// The column where a line of --help continues: that of its description, after a name and two blanks or more.
-std::size_t hanging_indent(std::string_view line) {
+/// The column where a line continues: that of its description, after a name and two blanks or more; without one, `more`
+/// to the right of its start.
+std::size_t hanging_indent(std::string_view line, std::size_t more) {
   constexpr std::size_t kLatest = 40;
   const std::size_t name = line.find_first_not_of(' ');
   if (name == std::string_view::npos) return 0;
   const std::size_t gap = line.find("  ", name);
-  if (gap == std::string_view::npos) return name;
+  if (gap == std::string_view::npos) return name + more;
   const std::size_t description = line.find_first_not_of(' ', gap);
-  return description == std::string_view::npos || description > kLatest ? name : description;
+  return description == std::string_view::npos || description > kLatest ? name + more : description;
 }
 
 template <typename Indent>
@@ -93,7 +96,11 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t colum
 }
 
 std::string wrapped_help(std::string_view help, std::size_t columns) {
-  return each_wrapped(help, columns, hanging_indent);
+  return wrapped_below_descriptions(help, 0, columns);
+}
+
+std::string wrapped_below_descriptions(std::string_view text, std::size_t more, std::size_t columns) {
+  return each_wrapped(text, columns, [more](std::string_view line) { return hanging_indent(line, more); });
 }
 
 std::string counted(std::uint64_t count, std::string_view one, std::string_view many) {

@@ -26,8 +26,12 @@ enum class Colour : std::uint8_t { none, ansi };
 /// are.
 [[nodiscard]] std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = kColumns);
 
-/// The same for a program's --help: a line continues below its description, which two blanks separate from the option's
-/// name, or else below its start.
+/// The same for lines of a name and its description, which two blanks or more separate: they continue below the
+/// description. Other lines continue `more` columns to the right of their start.
+[[nodiscard]] std::string wrapped_below_descriptions(std::string_view text, std::size_t more,
+                                                     std::size_t columns = kColumns);
+
+/// The same for a program's --help, whose paragraphs continue at their start.
 [[nodiscard]] std::string wrapped_help(std::string_view help, std::size_t columns = kColumns);
 
 /// "1 tick", "2 ticks". @param many the plural; empty: the singular with an s

@@ -87,7 +87,7 @@ struct EnvironmentForce {
   Nanoseconds compute_time{0};           ///< spent on the scene
   std::uint64_t motions_received = 0;    ///< distinct motions of this session that reached the server so far
   std::uint64_t motions_duplicated = 0;  ///< further copies of them
-  std::uint64_t motions_reordered = 0;   ///< of the received, those overtaken by a newer one and so not answered
+  std::uint64_t motions_reordered = 0;   ///< of the received, those that came after a newer one: not answered
   /// Ripples of the surface touched, which the device renders at its own position and rate, as long as it is in
   /// contact: n A mean_i sin(k_i . x). Amplitude A [N], zero: smooth; wave vectors k_i [rad/m], the second may have no
   /// rows.

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -7,17 +6,20 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/program/command_line.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
-#include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/accuracy/levels_text.hpp"
 #include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/round_trips.hpp"
 #include "tests/tools/lab/accuracy/study_markdown.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
@@ -47,7 +49,7 @@ struct AccuracyOptions {
 std::vector<server::SceneChange> changes_of(const std::vector<std::string>& fixed) {
   std::vector<server::SceneChange> changes;
   for (const std::string& one : fixed) {
-    const Sweep change = parse_sweep(one);
+    const Sweep change = program::value_of("--set", [&] { return parse_sweep(one); });
     if (change.values.size() != 1) throw std::invalid_argument("--set takes one value, got '" + one + "'");
     if (is_session_key(change.key)) {
       throw std::invalid_argument("--set is for keys of the scene; for '" + change.key + "' use its own option");
@@ -57,16 +59,35 @@ std::vector<server::SceneChange> changes_of(const std::vector<std::string>& fixe
   return changes;
 }
 
+/// A sweep of a key that is in the scene or of the session.
+Sweep checked_sweep(const std::string& words) {
+  Sweep sweep = parse_sweep(words);
+  const bool of_scene = sweep.key.find('.') != std::string::npos;
+  if (of_scene || is_session_key(sweep.key)) return sweep;
+  throw std::invalid_argument("unknown key '" + sweep.key + "'" + text::suggestion(sweep.key, session_keys()) +
+                              "; keys of the scene have dots: object.NAME.surface.stiffness_N_per_m");
+}
+
+/// @throws std::invalid_argument if the scene, which is right as it is, refuses the option's changes
+void check_changes(const Study& study, const char* option, const std::vector<server::SceneChange>& further) {
+  try {
+    (void)compile(study, further);
+  } catch (const server::SceneError& error) {
+    throw std::invalid_argument(std::string(option) + ": " + error.what());
+  }
+}
+
 bool is_replay(const std::string& motion) { return motion.starts_with("replay:"); }
 
-std::string check_motion(const std::string& motion) {
+std::string check_motion(std::string& motion) {
   if (motion == "press" || motion == "slide" || is_replay(motion)) return {};
-  return "--motion must be press, slide or replay:FILE.csv, got '" + motion + "'";
+  return "must be press, slide or replay:FILE.csv, got '" + motion + "'";
 }
 
 /// @throws server::SceneError as the server, naming file and line
 Study study_of(const AccuracyOptions& options) {
   const server::SceneSource source = server::scene_source(options.scene);
+  (void)server::parse_scene(source.text, source.file);
   Study study{.scene_text = source.text,
               .scene_file = source.file,
               .sweep = {},
@@ -76,11 +97,15 @@ Study study_of(const AccuracyOptions& options) {
               .device = options.device,
               .session = options.session,
               .duration_s = options.duration_s};
-  (void)compile(study);
-  study.sweep = options.sweep.empty() ? usual_sweep(source.text) : parse_sweep(options.sweep);
+  check_changes(study, "--set", {});
+  study.sweep = options.sweep.empty() ? usual_sweep(source.text)
+                                      : program::value_of("--sweep", [&] { return checked_sweep(options.sweep); });
+  if (!is_session_key(study.sweep.key)) {
+    check_changes(study, "--sweep", {{study.sweep.key, study.sweep.values.front()}});
+  }
   study.session.policy = {.hold = time::from_seconds(1e-3 * options.hold_ms),
                           .drop = time::from_seconds(1e-3 * options.drop_ms)};
-  study.session.policy.validate();
+  program::value_of("--hold, --drop", [&] { study.session.policy.validate(); });
   study.motion.kind = options.motion == "slide" ? HarmonicMotion::Kind::slide : HarmonicMotion::Kind::press;
   if (is_replay(options.motion)) study.hand = options.motion;
   if (is_replay(options.motion) && options.has_harmonic) {
@@ -97,7 +122,7 @@ void accuracy(const AccuracyOptions& options) {
                                        [&](double done) { progress.tell(done, "running the settings"); });
   progress.clear();
   std::printf("%s\n%s", to_text(result).c_str(),
-              (recommendation(result, options.budget_us) + what_does_not_matter(result)).c_str());
+              text::wrapped(recommendation(result, options.budget_us) + what_does_not_matter(result), 2).c_str());
   if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
   if (!options.readme.empty()) {
     text::write_file(options.readme,
@@ -111,35 +136,39 @@ void accuracy(const AccuracyOptions& options) {
   std::printf("\nFigure: %s\n", png.c_str());
 }
 
-std::string recommendation_help() {
-  return "Recommended behind each network is the most exact setting, unless a rougher one is less\n"
-         "wrong at the device and saves time: at least " +
+std::string footer() {
+  return "Recommended behind each network is the most exact setting, unless a rougher one is less wrong at the device "
+         "and saves time: at least " +
          text::rounded(100 * kTimeShareThatCounts) +
-         " % of the server's step (1 ms at --rate 1000)\n"
-         "off the median, and at least the interquartile range of the steps' times and of an idle\n"
-         "loop's. A force that points more than " +
+         " % of the server's step (1 ms at --rate 1000) off the median, and at least the interquartile range of the "
+         "steps' times and of an idle loop's. Nothing is recommended where the errors are below the reference's own "
+         "uncertainty. A force that points more than " +
          text::rounded(kDirectionWarning_deg) +
-         " degrees aside (p95) is warned of. All figures\n"
-         "hold for the hand that they were taken with, which the output names.";
+         " degrees aside (p95) is warned of. All figures hold for the hand that they were taken with, which the output "
+         "names.\n"
+         "\n"
+         "Examples:\n"
+         "  forcebound-lab accuracy palpation --rtt 1,20\n"
+         "  forcebound-lab accuracy sphere --sweep law=fba-less,fba-more,fba-exact";
 }
 
 void add_session(CLI::App& command, AccuracyOptions& options) {
   command.add_option("--law", options.session.law, "as the client's")
       ->type_name("LAW")
-      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
+      ->check(known_law())
       ->capture_default_str();
   command.add_option("--hold", options.hold_ms, "age up to which a force is applied unchanged, as in the client")
-      ->check(CLI::NonNegativeNumber)
+      ->check(program::number_within(0))
       ->type_name("MS")
       ->capture_default_str();
   command
       .add_option("--drop", options.drop_ms,
                   "age from which a force is replaced by zero, as in the client; it fades until then")
-      ->check(CLI::NonNegativeNumber)
+      ->check(program::number_within(0))
       ->type_name("MS")
       ->capture_default_str();
   command.add_option("--rate", options.session.server_rate_Hz, "most answers of the server per second")
-      ->check(above_zero())
+      ->check(program::number_above_zero())
       ->type_name("HZ")
       ->capture_default_str();
 }
@@ -150,8 +179,8 @@ void add_accuracy(CLI::App& app) {
   auto options = std::make_shared<AccuracyOptions>();
   CLI::App* command = app.add_subcommand(
       "accuracy", "Error of a scene's force at the device over the time that its settings cost, behind networks");
-  command->footer(recommendation_help());
-  command->add_option("SCENE", options->scene, "name or FILE.toml")->required();
+  command->footer(footer());
+  command->add_option("SCENE", options->scene, "name or FILE.toml")->required()->check(known_scene());
   command
       ->add_option("--sweep", options->sweep,
                    "a key of the scene and its values, from coarse to fine or back: "
@@ -169,44 +198,49 @@ void add_accuracy(CLI::App& app) {
       ->add_option("--reference", options->reference,
                    "a scene whose force is exact; default: the limit of the finest levels; for a solver of "
                    "bodies a tight Newton's method")
-      ->type_name("NAME|FILE");
+      ->check(known_scene())
+      ->type_name("NAME|FILE.toml");
   command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
       ->delimiter(',')
       ->type_name("TIME,TIME,...")
-      ->capture_default_str();
+      ->default_str("1ms,5ms,20ms,50ms");
   command
       ->add_option("--motion", options->motion,
                    "of the hand: press or slide on the scene's surface, or a recorded hand at its recorded positions: "
                    "replay:FILE.csv with columns time_s,x_m,y_m,z_m. To bring it where the scene's surface is: "
                    "replay:FILE.csv,offset_x_m=0,offset_y_m=0,offset_z_m=-0.004,scale=0.5")
-      ->check(check_motion)
+      ->check(CLI::Validator(check_motion, ""))
       ->type_name("MOTION")
       ->capture_default_str();
   const CLI::Option* const frequency =
       command->add_option("--frequency", options->harmonic.frequency_Hz, "frequency of press and slide")
-          ->check(above_zero())
+          ->check(program::number_above_zero())
           ->type_name("HZ")
           ->capture_default_str();
   const CLI::Option* const depth =
       command->add_option("--depth", options->harmonic.depth_m, "target depth of press and slide")
-          ->check(above_zero())
+          ->check(program::number_above_zero())
           ->type_name("M")
           ->capture_default_str();
-  command->add_option("--device", options->device, "device, as in the client")->capture_default_str();
+  command->add_option("--device", options->device, "as the client's")
+      ->check(known_device())
+      ->type_name("NAME|FILE.toml")
+      ->capture_default_str();
   add_session(*command, *options);
   command->add_option("--duration", options->duration_s, "virtual seconds of each run")
-      ->check(above_zero())
+      ->check(program::number_above_zero())
+      ->type_name("SECONDS")
       ->capture_default_str();
   command->add_option("--budget", options->budget_us, "longest step to recommend")
-      ->check(above_zero())
+      ->check(program::number_above_zero())
       ->type_name("US");
-  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
+  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE.json");
   command
       ->add_option("--levels", options->levels,
                    "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
-      ->type_name("FILE");
+      ->type_name("FILE.toml");
   command->add_option("--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
-  command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
+  command->add_option("--figures", options->figures, "draw into this folder")->type_name("FOLDER");
   command->callback([options, frequency, depth] {
     options->has_harmonic = frequency->count() + depth->count() > 0;
     accuracy(*options);

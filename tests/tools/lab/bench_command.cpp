@@ -35,14 +35,13 @@ void run(const BenchOptions& options) {
 
 void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Make the table of ratios from deploy/bench's measurements");
-  command->add_option("from", options->from, "the folder that its tools wrote to, or results as CSV")
-      ->required()
-      ->type_name("DIR|FILE.csv");
-  command->add_option("--csv", options->csv, "write the results here")->type_name("FILE.csv");
-  command->add_option("--figure", options->figure, "draw the ratios here")->type_name("FILE.png");
+  CLI::App* command = app.add_subcommand("bench", "Print the table of ratios from deploy/bench's measurements");
+  command->add_option("RESULTS", options->from, "the folder that its tools wrote to, or FILE.csv")->required();
+  command->add_option("--csv", options->csv, "write the results to this file")->type_name("FILE.csv");
+  command->add_option("--figure", options->figure, "draw the ratios into this file")->type_name("FILE.png");
   command->add_option("--readme", options->readme, "put the results between the marks of this file")
       ->type_name("PAGE.md");
+  command->footer("Example:\n  forcebound-lab bench deploy/bench-results.csv");
   command->callback([options] { run(*options); });
 }
 

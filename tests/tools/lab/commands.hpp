@@ -3,7 +3,7 @@
 #include <CLI/App.hpp>
 
 /// Each experiment of forcebound-lab: one function, in a file of its own, that adds a subcommand to the program. What a
-/// subcommand throws becomes one line on stderr: exit code 2 for CLI::Error, 1 for anything else.
+/// subcommand throws becomes one line on stderr: exit code 2 for std::invalid_argument, 1 for anything else.
 namespace forcebound::lab {
 
 void add_accuracy(CLI::App& app);

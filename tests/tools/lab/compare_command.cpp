@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -9,13 +8,14 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/time/steady_clock.hpp"
-#include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
 #include "tests/tools/lab/comparison/comparison_run.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
@@ -87,12 +87,10 @@ void compare(const CompareOptions& options) {
   const std::filesystem::path directory(options.figures);
   std::filesystem::create_directories(directory);
   draw_comparison(told, directory / "comparison.png");
-  std::printf("\nFigures: %s", (directory / "comparison.png").c_str());
-  if (!told.at("limits").empty()) {
-    draw_limits(told, directory / "limits.png");
-    std::printf(", %s", (directory / "limits.png").c_str());
-  }
-  std::printf("\n");
+  std::printf("\nFigures:\n  %s\n", (directory / "comparison.png").c_str());
+  if (told.at("limits").empty()) return;
+  draw_limits(told, directory / "limits.png");
+  std::printf("  %s\n", (directory / "limits.png").c_str());
 }
 
 }  // namespace
@@ -103,46 +101,56 @@ void add_compare(CLI::App& app) {
       "compare", "Compare the laws: the same device, hand, scene and network for each, with its best parameters");
   command->footer("Laws:\n" + baselines::shipped_laws().help() +
                   "\nExample:\n  forcebound-lab compare --laws fba-less,tdpa --scenes wall --network none \\\n"
-                  "    --network \"delay 20ms loss 5%\"\n");
-  command->add_option("--laws", options->laws, "which; default: all")
+                  "    --network \"delay 20ms loss 5%\"");
+  command->add_option("--laws", options->laws, "laws to compare; default: all")
       ->delimiter(',')
-      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
+      ->check(known_law())
       ->type_name("LAW,LAW,...");
-  command->add_option("--scenes", options->scenes, "scenes of the paper")
+  command->add_option("--scenes", options->scenes, "scenes of the paper: wall, circle, sphere")
       ->delimiter(',')
-      ->check(CLI::IsMember({"wall", "circle", "sphere"}))
-      ->capture_default_str();
+      ->check(program::accepted_by([](const std::string& scene) { (void)task_of(scene); }))
+      ->type_name("SCENE,SCENE,...")
+      ->default_str("wall,circle,sphere");
   command
       ->add_option("--network", options->networks,
                    "the network in both directions: none, netem's words, or trace:FILE; may be repeated; "
                    "default: none, 1 to 250 ms, jitter, loss, bursts, and the 5G networks of FORCEBOUND_DATA")
-      ->type_name("WORDS")
+      ->check(known_network())
+      ->type_name("\"WORDS\"")
       ->allow_extra_args(false);
-  command->add_option("--device", options->device, "device to use instead of the scene's own")->type_name("NAME|FILE");
+  command->add_option("--device", options->device, "device to use instead of the scene's own")
+      ->check(known_device())
+      ->type_name("NAME|FILE.toml");
   command->add_option("--stiffness", options->stiffnesses_N_per_m, "stiffness of the walls [N/m]")
       ->delimiter(',')
-      ->check(above_zero())
-      ->type_name("K,K,...");
+      ->check(program::number_above_zero())
+      ->type_name("K,K,...")
+      ->default_str("2000,10000,50000");
   command
       ->add_option("--delays", options->delays_ms, "one-way delays at which to look for the stiffest wall at rest [ms]")
       ->delimiter(',')
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("MS,MS,...");
+      ->check(program::number_within(0, 1000))
+      ->type_name("MS,MS,...")
+      ->default_str("0,1,10,50");
   command->add_flag("--no-limits", options->no_limits, "do not look for the stiffest wall");
   command->add_option("--seeds", options->seeds, "runs of each trial")
-      ->check(CLI::Range(1, 1000))
+      ->check(program::whole_within(1, 1000))
+      ->type_name("N")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of the first run and of the search for parameters")
+      ->check(program::whole_within(0))
+      ->type_name("N")
       ->capture_default_str();
   command
       ->add_option("--effort", options->effort,
                    "sets of parameters to try for each law that has any; 1: its standard ones")
-      ->check(CLI::Range(1, 10000))
+      ->check(program::whole_within(1, 10000))
+      ->type_name("N")
       ->capture_default_str();
-  command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE");
-  command->add_option("--json", options->json, "write the standings to this file")->type_name("FILE");
+  command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE.csv");
+  command->add_option("--json", options->json, "write the standings to this file")->type_name("FILE.json");
   command->add_option("--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
-  command->add_option("--figures", options->figures, "draw into this directory")->type_name("DIR");
+  command->add_option("--figures", options->figures, "draw into this folder")->type_name("FOLDER");
   command->callback([options] { compare(*options); });
 }
 

@@ -5,6 +5,7 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -99,6 +100,8 @@ std::string Experiment::title() const {
   return text.str();
 }
 
+std::vector<std::string> experiment_names() { return {"wall", "delay", "circle", "sphere"}; }
+
 std::vector<Experiment> experiments(const std::string& name) {
   std::vector<Experiment> chosen;
   const auto add = [&](const char* group, std::vector<Experiment> runs) {
@@ -109,7 +112,9 @@ std::vector<Experiment> experiments(const std::string& name) {
   add("circle", circle());
   add("sphere", sphere());
   if (chosen.empty()) {
-    throw std::invalid_argument("unknown experiment '" + name + "'; known are wall, delay, circle, sphere, all");
+    std::vector<std::string> known = experiment_names();
+    known.emplace_back("all");
+    throw std::invalid_argument("unknown experiment '" + name + "'" + text::suggestion(name, known));
   }
   return chosen;
 }

@@ -39,4 +39,7 @@ struct Experiment {
 /// The runs of `wall`, `delay`, `circle` or `sphere`; of all of them for `all`.
 std::vector<Experiment> experiments(const std::string& name);
 
+/// wall, delay, circle, sphere.
+std::vector<std::string> experiment_names();
+
 }  // namespace forcebound::lab

@@ -10,6 +10,7 @@
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/figure.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/sim/draw.hpp"
 #include "tests/tools/sim/restless_hand.hpp"
@@ -54,14 +55,13 @@ double worst_J(const std::vector<PassivityResult>& results, const PassivityCondi
     const PassivityCondition& c = result.condition;
     const bool same = c.law == condition.law && c.encoder_m == condition.encoder_m &&
                       c.late_ticks == condition.late_ticks && c.latency_s == condition.latency_s;
-    if (same) worst = std::min(worst, result.worst_P_J);
+    if (same) worst = std::min(worst, result.least_P_J);
   }
   return worst;
 }
 
-text::Table::Cell millijoules(double energy_J) {
-  if (energy_J >= -kGuarantee_J) return "0";
-  return {text::fixed(energy_J * 1e3, energy_J < -0.1 ? 0 : 2), text::Table::Mark::alarm};
+text::Table::Cell leak(double least_P_J) {
+  return {millijoules(least_P_J), least_P_J < -kGuarantee_J ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 
 }  // namespace
@@ -89,8 +89,8 @@ PassivityResult worst_passivity(const PassivityCondition& condition, const Passi
     sim::ClosedLoop loop(settings_of(condition, seed, settings.duration_s));
     loop.run(time::from_seconds(settings.duration_s));
     const double least_J = loop.device().audit()->minimum_J;
-    if (least_J >= result.worst_P_J) continue;
-    result.worst_P_J = least_J;
+    if (least_J >= result.least_P_J) continue;
+    result.least_P_J = least_J;
     result.seed = seed;
   }
   return result;
@@ -107,7 +107,7 @@ std::string passivity_table(const std::vector<PassivityResult>& results, text::C
       std::vector<text::Table::Cell> row{latency_s == kLatencies_s[0] ? law : "", text::fixed(latency_s * 1e6, 0)};
       for (const bool late_ticks : {false, true}) {
         for (const double encoder_m : kEncoders_m)
-          row.push_back(millijoules(worst_J(results, {law, encoder_m, late_ticks, latency_s, {}})));
+          row.push_back(leak(worst_J(results, {law, encoder_m, late_ticks, latency_s, {}})));
       }
       table.add(std::move(row));
     }
@@ -118,10 +118,10 @@ std::string passivity_table(const std::vector<PassivityResult>& results, text::C
 }
 
 std::string passivity_csv(const std::vector<PassivityResult>& results) {
-  text::Table table({{"law"}, {"encoder_m"}, {"late_share"}, {"latency_s"}, {"adversary"}, {"worst_P_J"}, {"seed"}});
-  for (const auto& [condition, worst_P_J, seed] : results) {
+  text::Table table({{"law"}, {"encoder_m"}, {"late_share"}, {"latency_s"}, {"adversary"}, {"least_P_J"}, {"seed"}});
+  for (const auto& [condition, least_P_J, seed] : results) {
     table.add({condition.law, text::to_text(condition.encoder_m), text::to_text(condition.late_ticks ? kLateShare : 0),
-               text::to_text(condition.latency_s), condition.adversary, text::to_text(worst_P_J),
+               text::to_text(condition.latency_s), condition.adversary, text::to_text(least_P_J),
                std::to_string(seed)});
   }
   return table.to_csv();

@@ -19,10 +19,10 @@ struct PassivityCondition {
   std::string adversary;
 };
 
-/// The worst P of an adversary under a condition.
+/// The least P of an adversary under a condition.
 struct PassivityResult {
   PassivityCondition condition;
-  double worst_P_J = 0;
+  double least_P_J = 0;
   std::uint64_t seed = 0;  ///< of the worst run; 0: none was below zero
 };
 
@@ -42,7 +42,7 @@ struct PassivitySettings {
 /// The worst over all adversaries, a block for each law.
 [[nodiscard]] std::string passivity_table(const std::vector<PassivityResult>& results, text::Colour colour);
 
-/// A row for each result: law,encoder_m,late_share,latency_s,adversary,worst_P_J,seed.
+/// A row for each result: law,encoder_m,late_share,latency_s,adversary,least_P_J,seed.
 [[nodiscard]] std::string passivity_csv(const std::vector<PassivityResult>& results);
 
 /// The worst over all adversaries, over the latency: a panel for each encoder.

@@ -1,15 +1,13 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <system_error>
 
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/passivity.hpp"
@@ -60,17 +58,11 @@ std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
 }
 
 void run(const PassivityOptions& options) {
-  std::ofstream csv;
-  if (!options.csv.empty()) {
-    csv.open(options.csv);
-    if (!csv) throw std::runtime_error("cannot write '" + options.csv + "': " + std::generic_category().message(errno));
-  }
+  // Whether the file can be written is known before minutes of work.
+  if (!options.csv.empty()) text::write_file(options.csv, "");
   const auto results = run_all(options.settings);
   std::cout << passivity_table(results, text::colour_for(STDOUT_FILENO)) << std::flush << costs() << std::flush;
-  if (csv.is_open()) {
-    csv << passivity_csv(results);
-    if (!csv.flush()) throw std::runtime_error("cannot write all of '" + options.csv + "'");
-  }
+  if (!options.csv.empty()) text::write_file(options.csv, passivity_csv(results));
   if (!options.figure.empty()) draw_passivity(options.figure, results);
 }
 
@@ -82,16 +74,22 @@ void add_passivity(CLI::App& app) {
       "passivity",
       "Energy that each law leaks with real encoders, late ticks and latency, and the cost of the guarantee");
   command->add_option("--seeds", options->settings.seeds, "runs for each condition")
-      ->check(above_zero())
+      ->check(program::whole_within(1, 1'000'000'000))
+      ->type_name("N")
       ->capture_default_str();
-  command->add_option("--from", options->settings.from, "the first seed")->capture_default_str()->type_name("SEED");
+  command->add_option("--from", options->settings.from, "the first seed")
+      ->check(program::whole_within(0))
+      ->type_name("SEED")
+      ->capture_default_str();
   command->add_option("--seconds", options->settings.duration_s, "virtual seconds of each run")
-      ->check(above_zero())
+      ->check(program::number_above_zero())
+      ->type_name("SECONDS")
       ->capture_default_str();
   command->add_option("--csv", options->csv, "write every condition to this file, adversary by adversary")
-      ->type_name("FILE");
+      ->type_name("FILE.csv");
   command->add_option("--figure", options->figure, "draw the leaks over the latency into this file")
       ->type_name("FILE.png");
+  command->footer("Example:\n  forcebound-lab passivity --seeds 1 --seconds 2 --figure leaks.png");
   command->callback([options] { run(*options); });
 }
 

@@ -1,19 +1,22 @@
 #include "tests/tools/lab/commands.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/lines.hpp"
 #include "tests/tools/lab/csv_reader.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/replay.hpp"
 
 namespace forcebound::lab {
@@ -64,10 +67,11 @@ ReplayOptions options_of(const ReplayArguments& arguments) {
   return options;
 }
 
+/// @param failed what is said of it: "cannot be read"
 template <typename Stream>
-Stream opened(const std::string& path, const char* purpose) {
+Stream opened(const std::string& path, const char* failed) {
   Stream stream(path);
-  if (!stream) throw std::runtime_error(path + ": cannot be opened for " + purpose + ": " + std::strerror(errno));
+  if (!stream) throw std::runtime_error(path + ": " + failed + ": " + std::generic_category().message(errno));
   return stream;
 }
 
@@ -91,8 +95,8 @@ void run(const ReplayArguments& arguments) {
   const ReplayOptions options = options_of(arguments);
   std::ifstream input_file;
   std::ofstream output_file;
-  if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "reading");
-  if (arguments.output != "-") output_file = opened<std::ofstream>(arguments.output, "writing");
+  if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "cannot be read");
+  if (arguments.output != "-") output_file = opened<std::ofstream>(arguments.output, "cannot be written");
   const ReplayInput input =
       arguments.input == "-" ? ReplayInput{std::cin, "<stdin>"} : ReplayInput{input_file, arguments.input};
   report(replay(options, input, arguments.output == "-" ? std::cout : output_file));
@@ -109,44 +113,52 @@ void add_replay(CLI::App& program) {
       "        readings, and the force that the environment asks for\n"
       "writes  time_s,f0_N[,f1_N..],energy_J,xi\n"
       "        the force on the device that the law allows\n"
-      "With --input - each row is answered as it comes, so that a simulator can close the\n"
-      "loop through a pipe.\n\n"
+      "With --input - each row is answered as it comes, so that a simulator can close the loop through a pipe.\n"
+      "\n"
       "Laws:\n" +
       baselines::shipped_laws().help() +
       "\nExample:\n"
       "  forcebound-lab replay --law fba-more --damping 30 --period 1e-3 \\\n"
       "    --input press.csv --output bounded.csv");
-  command->add_option("--law", options.law, "law to run, see below")
-      ->required()
-      ->type_name("LAW")
-      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""));
-  command->add_option("--law-parameters", arguments->law_parameters,
-                      "TOML file with a table for each law: [vc], coupling_N_per_m = 40000");
-  command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..");
-  command->add_option("--damping-matrix", arguments->damping_matrix,
-                      "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping");
-  command->add_option("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
-  command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..");
-  command->add_option("--friction", arguments->friction, "Coulomb friction lower bound [N], one or c1,c2,..");
-  command->add_option(
-      "--hold", options.hold_s,
-      "the device zeroes a force after this time [s]; default: the law assumes the period, the device never does");
-  command->add_option("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
-  command->add_option("--force-max", options.force_N_max, "largest force asked of the law [N]")->capture_default_str();
+  command->add_option("--law", options.law, "law to run, see below")->required()->type_name("LAW")->check(known_law());
+  command
+      ->add_option("--law-parameters", arguments->law_parameters,
+                   "a table for each law: [vc], coupling_N_per_m = 40000")
+      ->type_name("FILE.toml");
+  command->add_option("--damping", arguments->damping, "damping lower bound [N s/m], one for all axes or b1,b2,..")
+      ->type_name("B[,B..]");
+  command
+      ->add_option("--damping-matrix", arguments->damping_matrix,
+                   "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping")
+      ->type_name("\"ROWS\"");
+  const auto add_number = [&](const char* name, auto& value, const char* what) {
+    return command->add_option(name, value, what)
+        ->check(program::number_within(-std::numeric_limits<double>::max(), std::numeric_limits<double>::max()))
+        ->type_name("NUMBER");
+  };
+  add_number("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
+  command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..")
+      ->type_name("Q[,Q..]");
+  command->add_option("--friction", arguments->friction, "Coulomb friction lower bound [N], one or c1,c2,..")
+      ->type_name("C[,C..]");
+  add_number("--hold", options.hold_s,
+             "the device zeroes a force after this time [s]; default: the law assumes the period, the device never "
+             "does");
+  add_number("--latency", options.latency_s, "time from reading to force [s]")->capture_default_str();
+  add_number("--force-max", options.force_N_max, "largest force asked of the law [N]; default: no limit");
   command
       ->add_option("--memory", arguments->memory,
-                   "energy that may be saved: all, or as much as the largest force can need")
-      ->check(CLI::IsMember({"full", "capped"}))
+                   "energy that may be saved: as much as the largest force can need, or all")
+      ->check(program::one_of("memory", {"capped", "full"}))
+      ->type_name("capped|full")
       ->capture_default_str();
-  command->add_option("--input", arguments->input, "file, or - for standard input")->capture_default_str();
-  command->add_option("--output", arguments->output, "file, or - for standard output")->capture_default_str();
-  command->callback([arguments] {
-    try {
-      run(*arguments);
-    } catch (const std::invalid_argument& wrong_use) {
-      throw CLI::ValidationError(wrong_use.what());
-    }
-  });
+  command->add_option("--input", arguments->input, "rows to read, or - for standard input")
+      ->type_name("FILE.csv")
+      ->capture_default_str();
+  command->add_option("--output", arguments->output, "file to write, or - for standard output")
+      ->type_name("FILE.csv")
+      ->capture_default_str();
+  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace forcebound::lab

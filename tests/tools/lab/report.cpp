@@ -1,7 +1,6 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/summary.hpp"
+#include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/run_figures.hpp"
 
@@ -49,18 +49,6 @@ class Report final : public record::RecordingSink {
   bool any_tick_ = false;
 };
 
-void write_json(const std::string& file, const std::string& json) {
-  if (file == "-") {
-    std::cout << json;
-    return;
-  }
-  errno = 0;
-  std::ofstream out(file);
-  out << json;
-  out.flush();
-  if (!out) throw std::runtime_error("cannot write '" + file + "': " + std::strerror(errno));
-}
-
 void run(const ReportOptions& options) {
   auto report = std::make_unique<Report>();
   const bool complete = record::read_recording(options.recording, *report);
@@ -68,8 +56,12 @@ void run(const ReportOptions& options) {
     throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
   }
   if (!complete) std::cerr << options.recording << ": incomplete; shown is what it has\n";
-  if (options.json != "-") std::cout << report->summary().to_text() << std::flush;
-  if (!options.json.empty()) write_json(options.json, report->summary().to_json());
+  if (options.json != "-") std::cout << report->summary().to_text(text::colour_for(STDOUT_FILENO)) << std::flush;
+  if (options.json == "-") {
+    std::cout << report->summary().to_json();
+  } else if (!options.json.empty()) {
+    text::write_file(options.json, report->summary().to_json());
+  }
   if (options.figures.empty()) return;
   for (const auto& file : report->figures().draw_into(options.figures)) {
     (options.json == "-" ? std::cerr : std::cout) << "figure " << file.string() << '\n';
@@ -81,13 +73,12 @@ void run(const ReportOptions& options) {
 void add_report(CLI::App& app) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw its figures");
-  report->add_option("recording", options->recording, "a client's recording (--record)")
-      ->required()
-      ->type_name("FILE.mcap");
-  report->add_option("--figures", options->figures, "draw motion, force, energy and timing as PNG here")
-      ->type_name("DIR");
-  report->add_option("--json", options->json, "write the summary as JSON here; -: to stdout, instead of the text")
-      ->type_name("FILE");
+  report->add_option("RECORDING", options->recording, "FILE.mcap that a client's --record wrote")->required();
+  report->add_option("--figures", options->figures, "draw motion, force, energy and timing into this folder")
+      ->type_name("FOLDER");
+  report->add_option("--json", options->json, "write the summary to this file; -: to stdout, instead of the text")
+      ->type_name("FILE.json");
+  report->footer("Example:\n  forcebound-lab report run.mcap --figures out");
   report->callback([options] { run(*options); });
 }
 

@@ -1,10 +1,8 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -13,6 +11,9 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -20,6 +21,7 @@
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/laws_figure.hpp"
 #include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -57,9 +59,9 @@ std::string paper_says(const Experiment& experiment, const std::string& law) {
 
 void print_heading(const Experiment& experiment, const device::DeviceDescription& device,
                    const device::Operator& hand) {
-  const std::string text = "\n" + experiment.title() + "\n" + text::wrapped("  device  " + describe(device), 10) +
-                           "\n" + text::wrapped("  hand    " + hand.description(), 10) + "\n\n";
-  std::fputs(text.c_str(), stdout);
+  const std::string heading =
+      "\n" + experiment.title() + "\n  device  " + describe(device) + "\n  hand    " + hand.description() + "\n\n";
+  std::fputs(text::wrapped_below_descriptions(heading, 0).c_str(), stdout);
 }
 
 /// Three significant digits; "-" for what is not a number.
@@ -74,7 +76,7 @@ double degrees(double angle_rad) {
 
 text::Table empty_table() {
   return text::Table({{"law"},
-                      {"P min", "J"},
+                      {"least P", "mJ"},
                       {"K", "N/mm"},
                       {"mean F", "N"},
                       {"var F", "N^2"},
@@ -85,34 +87,22 @@ text::Table empty_table() {
 
 void add_row(text::Table& table, const Experiment& experiment, const ExperimentRun& run) {
   const json& s = run.summary;
-  const auto mark = s["verdict"] == "not passive" ? text::Table::Mark::alarm : text::Table::Mark::none;
-  table.add({run.law,
-             {cell(number(s["passivity"]["minimum_J"])), mark},
-             cell(run.displayed_stiffness_N_per_m() * 1e-3),
-             cell(number(s["force_N"]["mean"])),
-             cell(number(s["force_N"]["variance"])),
-             cell(degrees(run.direction_error_rad)),
-             cell(run.ringing_s.value_or(std::nan(""))),
+  table.add({run.law, least_P_cell(s), cell(run.displayed_stiffness_N_per_m() * 1e-3),
+             cell(number(s["force_N"]["mean"])), cell(number(s["force_N"]["variance"])),
+             cell(degrees(run.direction_error_rad)), cell(run.ringing_s.value_or(std::nan(""))),
              paper_says(experiment, run.law)});
 }
 
-std::ofstream open(const std::string& file) {
-  std::ofstream out;
-  if (file.empty()) return out;
-  out.open(file);
-  if (!out) throw std::runtime_error("cannot write '" + file + "': " + std::generic_category().message(errno));
-  return out;
-}
-
 void reproduce(const ReproduceOptions& options) {
-  std::ofstream file = open(options.json);
+  // Whether the file can be written is known before the runs.
+  if (!options.json.empty()) text::write_file(options.json, "");
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
   std::printf(
       "Kim, Baek, Ryu 2015, section VI, each law in turn. Masses and hands are ours: the\n"
-      "paper gives none. P below 0: not passive. K: displayed stiffness, median while the\n"
-      "contact rests (depth changes by < 5 mm/s), of the true surface; -: it never rests.\n"
-      "The paper's own K is a mean.\n");
+      "paper gives none. Least P below 0: not passive. K: displayed stiffness, median\n"
+      "while the contact rests (depth changes by < 5 mm/s), of the true surface; -: it\n"
+      "never rests. The paper's own K is a mean.\n");
   const auto all = experiments(options.experiment);
   const auto laws = control::force_bounding_laws().names();
   Progress progress;
@@ -134,9 +124,7 @@ void reproduce(const ReproduceOptions& options) {
     std::fflush(stdout);
     if (!options.figures.empty()) drawn.push_back(figure.draw_into(options.figures));
   }
-  if (file.is_open() && !(file << runs.dump(2) << '\n').flush()) {
-    throw std::runtime_error("cannot write all of '" + options.json + "': " + std::generic_category().message(errno));
-  }
+  if (!options.json.empty()) text::write_file(options.json, runs.dump(2) + '\n');
   for (const auto& png : drawn) std::printf("%s%s\n", &png == &drawn.front() ? "\nFigures:\n  " : "  ", png.c_str());
 }
 
@@ -146,15 +134,18 @@ void add_reproduce(CLI::App& app) {
   auto options = std::make_shared<ReproduceOptions>();
   CLI::App* command = app.add_subcommand(
       "reproduce", "Run the paper's experiments with each law, and print their figures beside the paper's");
-  command->add_option("EXPERIMENT", options->experiment, "which")
-      ->check(CLI::IsMember({"wall", "delay", "circle", "sphere", "all"}))
+  std::vector<std::string> names = experiment_names();
+  names.emplace_back("all");
+  command->add_option("EXPERIMENT", options->experiment, text::join(names))
+      ->check(program::one_of("experiment", names))
       ->capture_default_str();
   command->add_option("--json", options->json, "write the runs to this file, an array with one object for each")
-      ->type_name("FILE");
+      ->type_name("FILE.json");
   command
       ->add_option("--figures", options->figures,
-                   "draw position, force, energy and displayed stiffness into this directory")
-      ->type_name("DIR");
+                   "draw position, force, energy and displayed stiffness into this folder")
+      ->type_name("FOLDER");
+  command->footer("Example:\n  forcebound-lab reproduce sphere --figures out");
   command->callback([options] { reproduce(*options); });
 }
 

@@ -1,15 +1,25 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 namespace forcebound::lab {
 
-/// A table of runs, a line each: law, passivity minimum, force variance, displayed stiffness and age of the force. A
-/// passivity minimum below zero: not passive.
-///
-/// @param summaries as `--summary` wrote them; a number that is null or absent is shown as "-".
-std::string comparison_table(const std::vector<nlohmann::ordered_json>& summaries);
+/// A run's file and what `--summary` writes of it.
+struct NamedSummary {
+  std::string file;
+  nlohmann::ordered_json summary;
+};
+
+/// Reads what `--summary` wrote.
+/// @throws std::runtime_error `FILE: ...` if it cannot be read or is none
+[[nodiscard]] nlohmann::ordered_json read_summary(const std::string& file);
+
+/// A table of runs, a line each: file, law, least P, force variance, displayed stiffness and age of the force. A least
+/// P below zero: not passive. Files are named as briefly as tells them apart; a number that is null or absent is shown
+/// as
+/// "-".
+[[nodiscard]] std::string comparison_table(const std::vector<NamedSummary>& runs);
 
 }  // namespace forcebound::lab

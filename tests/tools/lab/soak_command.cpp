@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,15 +10,21 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "tests/tools/lab/above_zero.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
 #include "tests/tools/lab/soak/soak_case.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/sim/environment.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -54,10 +59,10 @@ class Tally {
     for (Share* share : {&laws_[law], &environments_[result.environment]}) {
       ++share->seeds;
       share->promised += result.passive ? 1 : 0;
-      share->worst_P_J = std::min(share->worst_P_J, result.worst_P_J);
+      share->least_P_J = std::min(share->least_P_J, result.least_P_J);
     }
-    if (result.worst_P_J < sum_.worst_P_J) {
-      sum_.worst_P_J = result.worst_P_J;
+    if (result.least_P_J < sum_.least_P_J) {
+      sum_.least_P_J = result.least_P_J;
       worst_seed_ = seed;
       worst_law_ = law;
     }
@@ -67,54 +72,48 @@ class Tally {
 
   /// Short, to leave room for the remaining time.
   [[nodiscard]] std::string short_line() const {
-    char text[80];
-    std::snprintf(text, sizeof text, "%llu seeds, worst P %.3g J", static_cast<unsigned long long>(seeds_),
-                  sum_.worst_P_J);
-    return text;
+    return text::counted(seeds_, "seed") + ", least P " + millijoules(sum_.least_P_J) + " mJ";
   }
 
   [[nodiscard]] std::string line() const {
-    char text[160];
-    std::snprintf(text, sizeof text, "%llu seeds, %.0f virtual s, %.0f times real time, worst P %.3g J",
-                  static_cast<unsigned long long>(seeds_), sum_.virtual_s, sum_.virtual_s / elapsed_s(),
-                  sum_.worst_P_J);
-    return text;
+    return text::counted(seeds_, "seed") + ", " + text::fixed(sum_.virtual_s, 0) + " virtual s, " +
+           text::fixed(sum_.virtual_s / elapsed_s(), 0) + " times real time, least P " + millijoules(sum_.least_P_J) +
+           " mJ";
   }
 
   void print() const {
-    const auto count = [](const char* what, std::uint64_t n) {
-      std::printf("  %-40s %12llu\n", what, static_cast<unsigned long long>(n));
-    };
     std::printf("%s\n", line().c_str());
     if (worst_seed_ != 0) {
-      std::printf("  worst: forcebound-lab soak --law %s --seeds 1 --from %llu\n", worst_law_.c_str(),
+      std::printf("  least P: forcebound-lab soak --law %s --seeds 1 --from %llu\n", worst_law_.c_str(),
                   static_cast<unsigned long long>(worst_seed_));
     }
-    count("ticks checked", sum_.ticks);
-    count("ledgers recomputed", sum_.recomputed);
-    count("late ticks", sum_.late_ticks);
-    count("forces released by the device", sum_.released);
-    count("forces withdrawn, commanded too late", sum_.withdrawn);
-    count("datagrams lost", sum_.lost);
-    count("sessions lost and regained", sum_.reconnects);
-    print("law", laws_);
-    print("environment", environments_);
+    const std::pair<const char*, std::uint64_t> counts[] = {{"ticks checked", sum_.ticks},
+                                                            {"ledgers recomputed", sum_.recomputed},
+                                                            {"late ticks", sum_.late_ticks},
+                                                            {"forces released by the device", sum_.released},
+                                                            {"forces withdrawn, commanded too late", sum_.withdrawn},
+                                                            {"datagrams lost", sum_.lost},
+                                                            {"sessions lost and regained", sum_.reconnects}};
+    text::Table table({{"events"}, {"count"}});
+    for (const auto& [what, count] : counts) table.add({what, std::to_string(count)});
+    std::printf("\n%s\n%s\n%s", table.to_text().c_str(), table_of("law", laws_).c_str(),
+                table_of("environment", environments_).c_str());
   }
 
  private:
   struct Share {
     std::uint64_t seeds = 0;
     std::uint64_t promised = 0;  ///< of them with a law that guarantees P >= 0 there
-    double worst_P_J = 0;
+    double least_P_J = 0;
   };
   using Shares = std::map<std::string, Share>;
 
-  static void print(const char* of_what, const Shares& shares) {
-    std::printf("\n  %-20s %8s %10s %14s\n", of_what, "seeds", "promised", "worst P [J]");
+  static std::string table_of(const char* of_what, const Shares& shares) {
+    text::Table table({{of_what}, {"seeds"}, {"promised"}, {"least P", "mJ"}});
     for (const auto& [name, share] : shares) {
-      std::printf("  %-20s %8llu %10llu %14.3g\n", name.c_str(), static_cast<unsigned long long>(share.seeds),
-                  static_cast<unsigned long long>(share.promised), share.worst_P_J);
+      table.add({name, std::to_string(share.seeds), std::to_string(share.promised), millijoules(share.least_P_J)});
     }
+    return table.to_text();
   }
 
   SteadyTime::time_point begin_ = SteadyTime::now();
@@ -168,27 +167,37 @@ void add_soak(CLI::App& app) {
   auto options = std::make_shared<SoakOptions>();
   CLI::App* command =
       app.add_subcommand("soak", "Hostile runs in virtual time, each drawn from its seed and checked on every tick");
-  command->add_option("--seeds", options->seeds, "how many cases")->check(above_zero())->capture_default_str();
-  command->add_option("--from", options->from, "the first seed")->capture_default_str()->type_name("SEED");
+  command->add_option("--seeds", options->seeds, "how many cases")
+      ->check(program::whole_within(1, 1'000'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--from", options->from, "the first seed")
+      ->check(program::whole_within(0))
+      ->type_name("SEED")
+      ->capture_default_str();
   command->add_option("--minutes", options->minutes, "instead of --seeds: as many as fit into this time")
-      ->check(above_zero())
-      ->type_name("M");
+      ->check(program::number_above_zero())
+      ->type_name("MINUTES");
   std::vector<std::string> laws = baselines::shipped_laws().names();
   laws.emplace_back(kDrawn);
   command->add_option("--law", options->law, "for all seeds; drawn: from each seed one of all laws")
       ->type_name("LAW")
-      ->check(CLI::IsMember(laws).description(""))
+      ->check(program::one_of("law", laws))
       ->capture_default_str();
   command->footer(
-      "From each seed: law, device, encoder, actuator, friction, latency, hold time, late\n"
-      "ticks, the law's memory, hostile environment, restless hand, both ways of the\n"
-      "network, blackouts, stalls, server kills, the server's clock.\n"
-      "On each tick: everything finite, |f| <= f_max, and the law's guarantees: direction\n"
-      "kept, P >= -1e-9 J and the ledger never above P (fba-exact always, others with the\n"
-      "ideal device that half of their seeds have), the ledger equal to its recomputation\n"
-      "in long double; in the end, counters add up and the session is back. The first\n"
-      "failure ends it (exit code 1), with all drawn settings and the command that runs it\n"
-      "again.");
+      "From each seed: law, device, encoder, actuator, friction, latency, hold time, late ticks, the law's memory, "
+      "hostile environment, restless hand, both ways of the network, blackouts, stalls, server kills, the server's "
+      "clock.\n"
+      "\n"
+      "On each tick: everything finite, |f| <= f_max, and the law's guarantees: direction kept, P >= -1e-9 J and the "
+      "ledger never above P (fba-exact always, others with the ideal device that half of their seeds have), the ledger "
+      "equal to its recomputation in long double; in the end, counters add up and the session is back. The first "
+      "failure ends it (exit code 1), with all drawn settings and the command that runs it again.\n"
+      "\n"
+      "Environments:\n" +
+      sim::environments_help() +
+      "\nExample:\n"
+      "  forcebound-lab soak --seeds 1000 --law fba-exact");
   command->callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
 
 /// Cells of tables, out of the summaries that --summary writes.
 namespace forcebound::lab {
@@ -20,6 +21,20 @@ namespace forcebound::lab {
 [[nodiscard]] inline std::string cell_at(const nlohmann::ordered_json& summary, const char* path, double scale,
                                          int decimals) {
   return text::fixed(scale * number_at(summary, path), decimals);
+}
+
+/// A least P in the tables' unit, mJ: 0 where it is within rounding of it, "-" where it is not known.
+[[nodiscard]] inline std::string millijoules(double least_P_J) {
+  constexpr double kRounding_J = 1e-9;
+  if (std::isnan(least_P_J)) return "-";
+  return least_P_J >= -kRounding_J ? "0" : text::rounded(1e3 * least_P_J);
+}
+
+/// A run's least P [mJ], in red where that makes it not passive.
+[[nodiscard]] inline text::Table::Cell least_P_cell(const nlohmann::ordered_json& summary) {
+  const double least_P_J = number_at(summary, "/passivity/minimum_J");
+  const bool alarm = summary.contains("verdict") && summary.at("verdict") == "not passive";
+  return {millijoules(least_P_J), alarm ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 
 [[nodiscard]] inline std::string law_of(const nlohmann::ordered_json& summary) {

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -51,15 +50,6 @@ class RunReader final : public record::RecordingSink {
   bool any_tick_ = false;
 };
 
-Json read_summary(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error("cannot read '" + file + "'");
-  Json summary = Json::parse(in, nullptr, false);
-  if (!summary.is_object())
-    throw std::runtime_error(file + ": not a summary; expected the output of a client's --summary");
-  return summary;
-}
-
 Json read_run(const std::string& file, LawsFigure& figure) {
   RunReader run(figure);
   record::read_recording(file, run);
@@ -70,15 +60,15 @@ Json read_run(const std::string& file, LawsFigure& figure) {
 }
 
 void print_table(const TableOptions& options) {
-  std::vector<Json> summaries;
+  std::vector<NamedSummary> runs;
   LawsFigure figure;
   for (const std::string& file : options.runs) {
-    summaries.push_back(file.ends_with(".json") ? read_summary(file) : read_run(file, figure));
+    runs.push_back({file, file.ends_with(".json") ? read_summary(file) : read_run(file, figure)});
   }
-  std::cout << comparison_table(summaries) << std::flush;
+  std::cout << comparison_table(runs) << std::flush;
   if (options.figure.empty()) return;
   if (figure.title().empty()) {
-    throw std::runtime_error("--figure needs recordings (FILE.mcap): summaries have no curves");
+    throw std::invalid_argument("--figure needs recordings (FILE.mcap): summaries have no curves");
   }
   figure.draw_to(options.figure);
 }
@@ -88,11 +78,11 @@ void print_table(const TableOptions& options) {
 void add_table(CLI::App& app) {
   auto options = std::make_shared<TableOptions>();
   CLI::App* command = app.add_subcommand("table", "Print runs side by side, and draw them over each other");
-  command->add_option("runs", options->runs, "recordings, or summaries that --summary wrote")
-      ->required()
-      ->type_name("FILE.mcap|FILE.json");
+  command->add_option("RUN", options->runs, "FILE.mcap that --record wrote, or FILE.json that --summary wrote")
+      ->required();
   command->add_option("--figure", options->figure, "draw depth, force, passivity and stiffness of the recordings here")
       ->type_name("FILE.png");
+  command->footer("Example:\n  forcebound-lab table less.mcap more.mcap --figure both.png");
   command->callback([options] { print_table(*options); });
 }
 

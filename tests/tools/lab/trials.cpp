@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
-constexpr time::Nanoseconds kChoosing = 15us;
+constexpr time::Nanoseconds kChoosingTime = 15us;
 constexpr time::Nanoseconds kBetweenProgress = 200ms;
 
 /// The largest component of the applied force along the device's true velocity: pushing, not resisting.
@@ -47,7 +47,7 @@ sim::ClosedLoop::Settings settings_of(const TrialsSettings& trials, const std::s
                                      .network = network.settings,
                                      .seed = trials.seed};
   settings.network.seed = trials.seed;
-  settings.timing = {.measured = true, .choosing_max = kChoosing};
+  settings.timing = {.measured = true, .choosing_max = kChoosingTime};
   return settings;
 }
 
@@ -89,7 +89,7 @@ std::vector<Trial> play_trials(const TrialsSettings& settings, LawsFigure* figur
 
 std::string trials_table(const TrialsSettings& settings, const std::vector<Trial>& trials, text::Colour colour) {
   text::Table table({{"law"},
-                     {"least P", "J"},
+                     {"least P", "mJ"},
                      {"at rest", "%"},
                      {"force at rest", "N"},
                      {"displayed", "N/m"},
@@ -101,14 +101,9 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Trial
       continue;
     }
     const Json& s = trial.summary;
-    const auto mark = s.at("verdict") == "not passive" ? text::Table::Mark::alarm : text::Table::Mark::none;
-    table.add({trial.law,
-               {cell_at(s, "/passivity/minimum_J", 1, 4), mark},
-               cell_at(s, "/at_rest/fraction", 100, 1),
-               cell_at(s, "/at_rest/force_N", 1, 3),
-               cell_at(s, "/displayed_stiffness_N_per_m/median", 1, 0),
-               text::fixed(trial.push_N, 2),
-               trial.ringing_s ? text::fixed(*trial.ringing_s, 2) : "-"});
+    table.add({trial.law, least_P_cell(s), cell_at(s, "/at_rest/fraction", 100, 1),
+               cell_at(s, "/at_rest/force_N", 1, 3), cell_at(s, "/displayed_stiffness_N_per_m/median", 1, 0),
+               text::fixed(trial.push_N, 2), trial.ringing_s ? text::fixed(*trial.ringing_s, 2) : "-"});
   }
   return "Each law in virtual time, the same figures on every machine:\n" +
          text::wrapped("scene " + settings.scene + ", device " + settings.device + ", hand " + settings.hand + ", " +
@@ -116,12 +111,14 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Trial
                            "\" each way, seed " + std::to_string(settings.seed),
                        2) +
          "\n\n" + table.to_text(colour) +
-         "\n  least P     least of the energy the device dissipated less the energy its\n"
-         "              motors returned; below zero: not passive\n"
-         "  at rest     share of the contact in which the depth changes by < 5 mm/s; force\n"
-         "              and displayed stiffness (force over true depth) are medians there\n"
-         "  worst push  largest force along the device's motion: pushing, not resisting\n"
-         "  ringing     from the first contact until the force stays calm\n";
+         text::wrapped_below_descriptions(
+             "\n  least P     least of the energy that the device dissipated less the energy that its motors returned; "
+             "below zero: not passive\n"
+             "  at rest     share of the contact in which the depth changes by < 5 mm/s; force and displayed stiffness "
+             "(force over true depth) are medians there\n"
+             "  worst push  largest force along the device's motion: pushing, not resisting\n"
+             "  ringing     from the first contact until the force stays calm\n",
+             0);
 }
 
 std::string timing_table(const std::vector<Json>& summaries) {

@@ -1,17 +1,16 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
-#include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/runs_table.hpp"
 #include "tests/tools/lab/trials.hpp"
 
 namespace forcebound::lab {
@@ -30,16 +29,9 @@ struct Options {
   std::string figure;
 };
 
-Json live_summary(const std::string& file) {
-  Json summary = Json::parse(text::read_file(file), nullptr, false);
-  if (!summary.is_object())
-    throw std::runtime_error(file + ": not a summary; expected the output of a client's --summary");
-  return summary;
-}
-
 void run(const Options& options) {
   std::vector<Json> live;
-  for (const std::string& file : options.live) live.push_back(live_summary(file));
+  for (const std::string& file : options.live) live.push_back(read_summary(file));
   LawsFigure figure("The laws compared on " + options.settings.scene,
                     options.settings.device + ", " + options.settings.hand + ", virtual time, network \"" +
                         options.settings.network + "\"");
@@ -71,35 +63,42 @@ void add_trials(CLI::App& app) {
   TrialsSettings& settings = options->settings;
   CLI::App* command = app.add_subcommand(
       "trials", "One scene, device, hand and network with each law, in virtual time: figures that repeat");
-  command->add_option("SCENE", settings.scene, "name or FILE.toml")->capture_default_str();
-  command->add_option("--device", settings.device, "as the client's")->type_name("NAME|FILE")->capture_default_str();
+  command->add_option("SCENE", settings.scene, "name or FILE.toml")->check(known_scene())->capture_default_str();
+  command->add_option("--device", settings.device, "as the client's")
+      ->check(known_device())
+      ->type_name("NAME|FILE.toml")
+      ->capture_default_str();
   command->add_option("--operator", settings.hand, "as the client's")->type_name("SPEC")->capture_default_str();
   command
       ->add_option("--netem", settings.network,
                    "the network in both directions, as in the relay; or none, or trace:FILE")
-      ->type_name("WORDS")
+      ->check(known_network())
+      ->type_name("\"WORDS\"")
       ->capture_default_str();
-  command->add_option("--laws", settings.laws, "which")
+  command->add_option("--laws", settings.laws, "laws to run, each alone")
       ->delimiter(',')
-      ->check(CLI::IsMember(baselines::shipped_laws().names()).description(""))
+      ->check(known_law())
       ->type_name("LAW,LAW,...")
       ->default_str("none,fba-less,fba-more,fba-exact");
   command->add_option("--seconds", settings.duration_s, "virtual seconds of each run")
-      ->type_name("S")
-      ->check(above_zero())
+      ->type_name("SECONDS")
+      ->check(program::number_above_zero())
       ->capture_default_str();
   command->add_option("--seed", settings.seed, "of the network and of the ticks' lateness")
       ->type_name("N")
+      ->check(program::whole_within(0))
       ->capture_default_str();
   command->add_option("--live", options->live, "summaries of live runs, whose timing is printed too")
       ->type_name("FILE.json");
-  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE");
+  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE.json");
   command->add_option("--figure", options->figure, "draw the laws over each other into this file")
       ->type_name("FILE.png");
   command->footer(
-      "Server, client, device and hand are those of the programs; the clock and the\n"
-      "network are simulated, and ticks are as late as measured on a shared machine.\n"
-      "The same options give the same figures on every machine.\n");
+      "Server, client, device and hand are those of the programs; the clock and the network are simulated, and ticks "
+      "are as late as measured on a shared machine. The same options give the same figures on every machine.\n"
+      "\n"
+      "Example:\n"
+      "  forcebound-lab trials sphere --netem \"delay 50ms 10ms loss 5%\"");
   command->callback([options] { run(*options); });
 }
 

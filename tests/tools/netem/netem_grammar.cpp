@@ -234,14 +234,17 @@ std::vector<std::string> netem_warnings(const NetemParameters& parameters) {
 }
 
 std::string_view netem_help() noexcept {
-  return "delay TIME [JITTER [CORR]] [distribution normal|pareto|paretonormal]\n"
-         "loss [random] PCT [CORR] | loss gemodel P [R [1-H [1-K]]] |\n"
-         "  loss state P13 [P31 [P32 [P23 [P14]]]]\n"
-         "duplicate PCT [CORR]   corrupt PCT [CORR]   reorder PCT [CORR] [gap N]\n"
-         "rate RATE [OVERHEAD [CELL [CELL_OVERHEAD]]]\n"
-         "limit N   slot MIN [MAX] [packets N] [bytes N]\n"
-         "A time without a unit is microseconds. Jitter without a distribution is uniform.\n"
-         "The queue holds 1000 packets unless limit says otherwise.";
+  return "  delay TIME [JITTER [CORR]] [distribution normal|pareto|paretonormal]\n"
+         "  loss [random] PCT [CORR] | loss gemodel P [R [1-H [1-K]]] |\n"
+         "    loss state P13 [P31 [P32 [P23 [P14]]]]\n"
+         "  duplicate PCT [CORR]\n"
+         "  corrupt PCT [CORR]\n"
+         "  reorder PCT [CORR] [gap N]\n"
+         "  rate RATE [OVERHEAD [CELL [CELL_OVERHEAD]]]\n"
+         "  limit N\n"
+         "  slot MIN [MAX] [packets N] [bytes N]\n"
+         "A time without a unit is microseconds. Jitter without a distribution is uniform. The queue holds 1000 "
+         "packets unless limit says otherwise.";
 }
 
 }  // namespace forcebound::netem

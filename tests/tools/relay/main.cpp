@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 
@@ -9,6 +8,9 @@
 #include <memory>
 #include <random>
 
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/program/log.hpp"
+#include "forcebound/text/terminal.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/tools/relay/log_writer.hpp"
@@ -20,8 +22,6 @@ namespace {
 
 using namespace forcebound;
 using relay::Nanoseconds;
-
-constexpr int kFailed = 1;
 
 // Also bounds the delay of a signal that comes just before the wait.
 constexpr Nanoseconds kLongestWait = std::chrono::milliseconds(50);
@@ -78,10 +78,12 @@ std::string words(const std::string& netem, const std::vector<netem::Blackhole>&
 }
 
 void announce(const relay::Options& options, const relay::Address& listen, const relay::Address& upstream) {
-  fmt::print("forcebound-relay: listening on {}, upstream {}, seed {}\n  up:   {}\n  down: {}\n", to_string(listen),
-             to_string(upstream), options.seed, words(options.up_words, options.up_blackholes),
-             words(options.down_words, options.down_blackholes));
-  if (!options.trace.empty()) fmt::print("  trace: {}\n", options.trace);
+  std::string text = fmt::format("forcebound-relay: listening on {}, upstream {}, seed {}\n", to_string(listen),
+                                 to_string(upstream), options.seed);
+  text += fmt::format("  up:     {}\n  down:   {}\n", words(options.up_words, options.up_blackholes),
+                      words(options.down_words, options.down_blackholes));
+  if (!options.trace.empty()) text += fmt::format("  trace:  {}\n", options.trace);
+  fmt::print("{}", text::wrapped_below_descriptions(text, 2));
   std::fflush(stdout);
   for (const netem::NetemParameters* netem : {&options.up, &options.down}) {
     if (netem == &options.down && options.down == options.up) continue;
@@ -120,29 +122,26 @@ int relay_until_stopped(const relay::Options& options) {
 
   fmt::print("{}", relay::summary(relay));
   if (upstream.refused() != 0)
-    fmt::print("{} datagrams refused by {}: port unreachable (ICMP)\n", upstream.refused(),
+    fmt::print("{} refused by {}: port unreachable (ICMP)\n", text::counted(upstream.refused(), "datagram"),
                to_string(upstream_address));
   if (downstream.counters().overflowed != 0)
-    fmt::print("{} datagrams of clients lost: the socket was full\n", downstream.counters().overflowed);
+    fmt::print("{} of clients lost: the socket was full\n",
+               text::counted(downstream.counters().overflowed, "datagram"));
   if (log) {
     const relay::LogResult result = log->finish();
-    fmt::print("log: {} rows in {}\n", result.written, options.log);
+    fmt::print("log: {} in {}\n", text::counted(result.written, "row"), options.log);
     if (result.missing != 0 || !result.problem.empty())
-      fmt::print("log: {} rows are missing: {}\n", result.missing, result.problem);
+      fmt::print("log: {} missing: {}\n", text::counted(result.missing, "row"), result.problem);
   }
-  return 0;
+  return program::kDone;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("forcebound-relay"));
-  spdlog::set_pattern("%n: %l: %v");
-  return relay_until_stopped(relay::read_command_line(argc, argv, new_seed()));
-} catch (const relay::CommandLineEnd& end) {
-  std::fputs(end.text.c_str(), end.exit_code == 0 ? stdout : stderr);
-  return end.exit_code;
-} catch (const std::exception& error) {
-  std::fprintf(stderr, "forcebound-relay: %s\n", error.what());
-  return kFailed;
+int main(int argc, char** argv) {
+  return program::run(relay::kProgram, [&] {
+    const relay::Options options = relay::read_command_line(argc, argv, new_seed());
+    program::log_to_stderr(relay::kProgram);
+    return relay_until_stopped(options);
+  });
 }

@@ -12,6 +12,8 @@
 
 namespace forcebound::relay {
 
+inline constexpr const char* kProgram = "forcebound-relay";
+
 /// The command line's options. Files are not opened yet.
 struct Options {
   net::Endpoint listen;
@@ -27,15 +29,9 @@ struct Options {
   std::uint64_t seed = 0;
 };
 
-/// The program ends after the command line: help, version or wrong use.
-struct CommandLineEnd {
-  int exit_code;
-  std::string text;  ///< for stdout if the exit code is 0, else for stderr
-};
-
 /// Reads the command line. `random_seed` is the seed if none is given.
 ///
-/// @throws CommandLineEnd
+/// @throws program::End for help, version and wrong use; std::invalid_argument for wrong use.
 Options read_command_line(int argc, const char* const* argv, std::uint64_t random_seed);
 
 }  // namespace forcebound::relay

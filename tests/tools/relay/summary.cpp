@@ -31,8 +31,8 @@ text::Table totals(const Relay& relay) {
   return table;
 }
 
-std::string count_line(std::uint64_t count, const char* what) {
-  return count == 0 ? "" : fmt::format("{} {}\n", count, what);
+std::string count_line(std::uint64_t count, const char* one, const char* more) {
+  return count == 0 ? "" : text::counted(count, one) + " " + more + "\n";
 }
 
 }  // namespace
@@ -49,9 +49,9 @@ std::string summary(const Relay& relay) {
   const RelayCounters& c = relay.counters();
   text +=
       fmt::format("clients: {} seen, {} forgotten after 60 s without a datagram\n", c.flows_opened, c.flows_expired);
-  text += count_line(c.flow_refused, "datagrams refused: no room for another client");
-  text += count_line(c.orphaned, "packets dropped: their client was forgotten");
-  text += count_line(c.send_failed, "packets dropped: the system did not take them");
+  text += count_line(c.flow_refused, "datagram", "refused: no room for another client");
+  text += count_line(c.orphaned, "packet", "dropped: the client was forgotten");
+  text += count_line(c.send_failed, "packet", "dropped: not taken by the system");
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/text/names.hpp"
 #include "tests/tools/sim/draw.hpp"
 
 namespace forcebound::sim {
@@ -226,7 +227,8 @@ constexpr std::array kKinds{
 const Kind& kind_of(const EnvironmentSetting& setting) {
   const auto found = std::ranges::find(kKinds, setting.name, &Kind::name);
   if (found != kKinds.end()) return *found;
-  throw std::invalid_argument("unknown environment '" + setting.name + "'; known are\n" + environments_help());
+  throw std::invalid_argument("unknown environment '" + setting.name + "'" +
+                              text::suggestion(setting.name, environment_names()));
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ std::string refusal_of(const control::LawParameters& parameters) {
 TEST(EnergyBoundingLaw, RefusesInvalidBounds) {
   EXPECT_EQ(refusal_of({{"c1_T_per_b", 1.1}}), "law 'eba': c1_T_per_b must be 0.001 to 1, got 1.1");
   EXPECT_EQ(refusal_of({{"c2_T_per_b", 0}}), "law 'eba': c2_T_per_b must be 0.001 to 1000, got 0");
-  EXPECT_EQ(refusal_of({{"c3", 1}}), "law 'eba' has no parameter 'c3'; known are c1_T_per_b, c2_T_per_b");
+  EXPECT_EQ(refusal_of({{"c3", 1}}), "law 'eba' has no parameter 'c3' (known: c1_T_per_b, c2_T_per_b)");
   EXPECT_EQ(refusal_of({{"c1_T_per_b", 1}, {"c2_T_per_b", 1e3}}), "");
 }
 

@@ -42,7 +42,7 @@ TEST(LawRegistry, NamesTheKnownLawsWhenItRefusesOne) {
     (void)published_laws().make("fba-lesss", one_axis());
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "unknown law 'fba-lesss'; known are none, fba-less, fba-more");
+    EXPECT_STREQ(error.what(), "unknown law 'fba-lesss' (known: none, fba-less, fba-more)");
   }
 }
 
@@ -123,7 +123,7 @@ TEST(LawRegistry, SaysWhatAParameterMayBe) {
   EXPECT_EQ(refusal_of({{"gain", 3}}), "law 'tuned': gain must be 0.5 to 2, got 3");
   EXPECT_EQ(refusal_of({{"gain", std::nan("")}}), "law 'tuned': gain must be 0.5 to 2, got nan");
   EXPECT_EQ(refusal_of({{"year", 2003}}), "law 'tuned': year must be 2002 or 2004, got 2003");
-  EXPECT_EQ(refusal_of({{"gian", 1}}), "law 'tuned' has no parameter 'gian'; known are gain, year");
+  EXPECT_EQ(refusal_of({{"gian", 1}}), "law 'tuned' has no parameter 'gian' (known: gain, year)");
   EXPECT_EQ(refusal_of({{"gain", 2}}), "accepted");
 }
 

@@ -44,7 +44,7 @@ inline RunTotals sample_totals() {
   totals.lost_up = 120;
   totals.lost_down = 150;
   totals.in_flight = 5;
-  totals.overtaken = 30;
+  totals.unanswered = 30;
   totals.duplicated = 3;
   totals.reordered = 27;
   totals.malformed[3] = 2;

@@ -237,7 +237,7 @@ TEST(Summary, GivesEachMotionOneFate) {
   const json& motions = object["motions"];
   EXPECT_EQ(motions["sent"], 5000);
   EXPECT_EQ(motions["answered"], 4700);
-  EXPECT_EQ(motions["overtaken"], 30);
+  EXPECT_EQ(motions["unanswered"], 30);
   EXPECT_EQ(motions["lost_up"], 115);
   EXPECT_EQ(motions["lost_down"], 150);
   EXPECT_EQ(motions["in_flight"], 5);
@@ -245,15 +245,15 @@ TEST(Summary, GivesEachMotionOneFate) {
   EXPECT_THAT(
       summary.to_text(),
       HasSubstr(
-          "5000 sent = 4700 answered + 30 overtaken + 115 lost up + 150\n                lost down + 5 in flight"));
+          "5000 sent = 4700 answered + 30 unanswered + 115 lost up + 150\n                lost down + 5 in flight"));
 }
 
-TEST(RunTotals, OfAProgramThatDidNotCountOvertakenMotionsAddUp) {
+TEST(RunTotals, OfAProgramThatDidNotCountUnansweredMotionsAddUp) {
   auto values = to_key_values(test::sample_totals());
-  values.erase("overtaken");
+  values.erase("unanswered");
   values.erase("in_flight");
   const MotionFates fates = fates_of(run_totals_from(values));
-  EXPECT_EQ(fates.overtaken, 30U);
+  EXPECT_EQ(fates.unanswered, 30U);
   EXPECT_EQ(fates.lost_up, 120U);
   EXPECT_EQ(fates.in_flight, 0U);
 }
@@ -341,7 +341,7 @@ TEST(Summary, DoesNotJudgeADeviceWithoutAudit) {
   const std::string text = summary.to_text();
   EXPECT_THAT(text, StartsWith("Summary: not audited; "));
   EXPECT_THAT(text, HasSubstr("not audited: this device does not measure P"));
-  EXPECT_THAT(text, Not(HasSubstr("P minimum")));
+  EXPECT_THAT(text, Not(HasSubstr("least P")));
   EXPECT_THAT(text, Not(HasSubstr(": passive")));
 }
 
@@ -399,7 +399,7 @@ TEST(Summary, ShowsANegativePInRedWhereColoursAreWanted) {
   TickRecord tick = connected(contact_at(1, 1, 1e-3));
   tick.audit_minimum_J = -0.25;
   summary.on_tick(tick);
-  EXPECT_THAT(summary.to_text(text::Colour::ansi), HasSubstr("P minimum \033[31m-0.25 J\033[0m, final"));
+  EXPECT_THAT(summary.to_text(text::Colour::ansi), HasSubstr("least P \033[31m-250 mJ\033[0m, final"));
   EXPECT_THAT(summary.to_text(), Not(HasSubstr("\033")));
 }
 

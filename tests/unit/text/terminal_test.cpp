@@ -33,6 +33,19 @@ TEST(Wrapped, CountsCharactersNotBytes) {
   EXPECT_EQ(wrapped("µµµµ µµµµµ", 0, 10), "µµµµ µµµµµ");
 }
 
+TEST(Wrapped, DoesNotBreakBetweenANameAndItsWords) {
+  EXPECT_EQ(wrapped("  operator    trace-sphere:mass_kg=0.1,stiffness", 14, 30),
+            "  operator    trace-sphere:mass_kg=0.1,\n              stiffness");
+  EXPECT_EQ(wrapped("  name        /a/path/longer/than/the/line", 14, 30),
+            "  name        /a/path/longer/than/the/line");
+}
+
+TEST(WrappedBelowDescriptions, IndentsALineWithoutADescriptionByMore) {
+  EXPECT_EQ(wrapped_below_descriptions("object 'ball': a sphere of any size\n", 2, 24),
+            "object 'ball': a sphere\n  of any size\n");
+  EXPECT_EQ(wrapped_below_descriptions("cost:   40 ns predicted", 2, 16), "cost:   40 ns\n        predicted");
+}
+
 TEST(WrappedHelp, GoesOnBelowTheDescription) {
   EXPECT_EQ(wrapped_help("  --law LAW   which of the laws it is\n", 24),
             "  --law LAW   which of\n              the laws\n              it is\n");

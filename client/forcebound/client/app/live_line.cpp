@@ -30,8 +30,8 @@ std::string LiveLine::text(std::size_t columns) const {
       fmt::format("  {:.3f} N", force_N_.load()),
       has_force_ ? fmt::format("  age {:.0f} ms  RTT {:.2f} ms", milliseconds(age_ns_), milliseconds(round_trip_ns_))
                  : std::string("  no force yet"),
-      fmt::format("  E {:.3g} J", energy_J_.load()),
-      fmt::format("  P {:.3g} J", audit_J_.load()),
+      fmt::format("  E {:.3g} mJ", 1e3 * energy_J_.load()),
+      fmt::format("  P {:.3g} mJ", 1e3 * audit_J_.load()),
   };
   std::string line;
   for (const std::string& field : fields) {

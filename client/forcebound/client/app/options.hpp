@@ -26,8 +26,10 @@ struct Options {
   bool quiet = false;
 };
 
-/// Parses and completes the options: a device that suits the operator, or the reverse. --law-help needs no server. Ends
-/// the program for --help, --version (0) and for wrong use (2, one line on stderr).
-Options parse_options(int argc, char** argv);
+inline constexpr const char* kProgram = "forcebound-client";
+
+/// Parses and completes the options: a device that suits the operator, or the reverse. --law-help needs no server.
+/// @throws program::End for help, version and wrong use; std::invalid_argument for wrong use.
+Options parse_options(int argc, const char* const* argv);
 
 }  // namespace forcebound::client

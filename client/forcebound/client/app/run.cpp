@@ -4,9 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
-#include <system_error>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
@@ -16,27 +14,22 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/record/summary.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
 namespace {
 
-std::ofstream open_summary(const std::string& file) {
-  std::ofstream out;
-  if (file.empty()) return out;
-  out.open(file);
-  if (!out)
-    throw std::runtime_error("cannot write the summary to '" + file + "': " + std::generic_category().message(errno));
-  return out;
-}
-
 /// False if not all of it could be written.
-bool write_summary(std::ofstream& file, const record::Summary& summary, const std::string& name) {
-  if (!file.is_open()) return true;
-  file << summary.to_json();
-  if (file.flush()) return true;
-  spdlog::error("could not write all of the summary to '{}': {}", name, std::generic_category().message(errno));
-  return false;
+bool write_summary(const std::string& file, const record::Summary& summary) {
+  if (file.empty()) return true;
+  try {
+    text::write_file(file, summary.to_json());
+    return true;
+  } catch (const std::runtime_error& error) {
+    spdlog::error("{}", error.what());
+    return false;
+  }
 }
 
 control::LawOptions law_options(const Options& options, const control::LawRegistry& laws) {
@@ -74,8 +67,8 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   auto law = laws.make(options.law, device->facts(), chosen);
   Client::Settings settings = settings_of(options);
   settings.law_parameters = baselines::describe(laws.parameters(options.law, device->facts(), chosen.parameters));
-  std::ofstream summary_file = open_summary(options.summary);
-
+  // Whether the summary can be written is known before the run.
+  if (!options.summary.empty()) text::write_file(options.summary, "");
   settings.guarantee = laws.guarantee(options.law);
 
   LiveLine line;
@@ -85,15 +78,19 @@ int run(const Options& options, const std::atomic<bool>& stop) {
                options.server);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
+  bool grant_told = false;
   client.run(stop, [&](Nanoseconds now, Nanoseconds elapsed) {
+    if (!grant_told && client.real_time_grant() != nullptr) {
+      grant_told = true;
+      spdlog::info("tick thread: {}", *client.real_time_grant());
+    }
     screen.refresh(now, elapsed);
     last = now;
   });
   screen.end(last);
-  spdlog::info("tick thread: {}", client.real_time_grant());
 
   std::fputs(client.summary().to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
-  const bool written = write_summary(summary_file, client.summary(), options.summary);
+  const bool written = write_summary(options.summary, client.summary());
   const std::string why_none = client.why_no_session();
   if (!why_none.empty()) spdlog::error("gave up: {}", why_none);
   return written && why_none.empty() ? 0 : 1;

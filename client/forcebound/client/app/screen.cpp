@@ -16,15 +16,12 @@ namespace {
 
 constexpr Nanoseconds kNoAnswerTold = std::chrono::seconds{2};
 
-// Columns of a log line after its time and level.
-constexpr std::size_t kLogColumns = text::kColumns - 21;
-
 const char* const kClearLine = "\r\033[K";
 
 /// The terminal's columns, which may change: a longer line would wrap, and could not be overwritten.
 std::size_t columns() {
   winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : text::kColumns;
 }
 
 std::string in_words(Nanoseconds duration) {
@@ -79,7 +76,7 @@ void Screen::log_connection() const {
   clear();
   switch (event_.kind) {
     case Event::Kind::welcomed:
-      return spdlog::info("{}", text::wrapped("connected; simulated: " + std::string(event_.words()), 4, kLogColumns));
+      return spdlog::info("connected; simulated: {}", event_.words());
     case Event::Kind::refused:
       return spdlog::error("refused by the server: {}", event_.words());
     case Event::Kind::session_unknown:

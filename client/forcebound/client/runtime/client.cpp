@@ -97,6 +97,7 @@ struct Client::Parts {
   EventQueue events;
   std::vector<record::TickSink*> sinks;
   std::optional<Session> session;
+  GrantText grant;
   TickLoop::Outcome outcome;
 };
 
@@ -113,7 +114,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   const control::LastResortScope scope(zero_force_first);
   IdleTimer idle(p.clock, p.info.period, kTickPriority);
   TickLoop loop({.period = p.info.period, .duration_s = p.settings.duration_s, .once = p.settings.once}, *p.session,
-                p.clock, stop);
+                p.clock, p.grant, stop);
   const Nanoseconds start = p.clock.now();
   std::jthread tick([&loop] { loop.run(); });
   const EndOfLoop end{loop};
@@ -138,7 +139,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
 
 EventQueue& Client::events() noexcept { return parts_->events; }
 const record::Summary& Client::summary() const noexcept { return parts_->summary; }
-const std::string& Client::real_time_grant() const noexcept { return parts_->outcome.grant; }
+const std::string* Client::real_time_grant() const noexcept { return parts_->grant.text(); }
 
 std::string Client::why_no_session() const {
   if (!parts_->outcome.gave_up) return {};

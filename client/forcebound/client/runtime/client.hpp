@@ -61,9 +61,12 @@ class Client {
   /// Events for the user; to be taken by the thread that runs the client or its housekeeping.
   [[nodiscard]] EventQueue& events() noexcept;
 
+  /// Which real-time scheduling the system granted, in words; null before the tick's thread has asked, right after it
+  /// starts.
+  [[nodiscard]] const std::string* real_time_grant() const noexcept;
+
   /// After `run`.
   [[nodiscard]] const record::Summary& summary() const noexcept;
-  [[nodiscard]] const std::string& real_time_grant() const noexcept;  ///< for people
 
   /// Why it gave up; empty: it did not.
   [[nodiscard]] std::string why_no_session() const;

@@ -15,8 +15,7 @@ constexpr int kSettlingTicks = 1000;  // the first second may still touch memory
 }  // namespace
 
 void TickLoop::run() {
-  const auto granted = time::ask_for_real_time(kTickPriority);
-  outcome_.grant = granted.text;
+  grant_.set(time::ask_for_real_time(kTickPriority).text);
   time::touch_stack();
   const Nanoseconds start = clock_.now();
   time::PeriodicTimer timer(clock_, settings_.period);

@@ -3,11 +3,30 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
+
+/// The real-time settings that the system granted, in words: written once by the tick's thread, read by any.
+class GrantText {
+ public:
+  void set(std::string text) {
+    text_ = std::move(text);
+    known_.store(true, std::memory_order_release);
+  }
+
+  /// Null before it is known.
+  [[nodiscard]] const std::string* text() const noexcept {
+    return known_.load(std::memory_order_acquire) ? &text_ : nullptr;
+  }
+
+ private:
+  std::string text_;
+  std::atomic<bool> known_{false};
+};
 
 /// Ticks a session at the device's period on the thread that calls `run`, which it makes a real-time thread.
 ///
@@ -23,15 +42,15 @@ class TickLoop {
 
   /// The results of a run.
   struct Outcome {
-    std::string grant;              ///< real-time settings that the system granted
     std::uint64_t allocations = 0;  ///< in the tick, without its first second
     std::uint64_t missed_ticks = 0;
     bool gave_up = false;
   };
 
   /// All must outlive it.
-  TickLoop(const Settings& settings, Session& session, const time::Clock& clock, const std::atomic<bool>& stop)
-      : settings_(settings), session_(session), clock_(clock), stop_(stop) {}
+  TickLoop(const Settings& settings, Session& session, const time::Clock& clock, GrantText& grant,
+           const std::atomic<bool>& stop)
+      : settings_(settings), session_(session), clock_(clock), grant_(grant), stop_(stop) {}
 
   /// To be called once.
   void run();
@@ -51,6 +70,7 @@ class TickLoop {
   Settings settings_;
   Session& session_;
   const time::Clock& clock_;
+  GrantText& grant_;
   const std::atomic<bool>& stop_;
   Outcome outcome_;
   std::atomic<bool> ended_{false};

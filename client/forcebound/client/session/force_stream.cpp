@@ -85,8 +85,8 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
                       .motions_reordered = force.motions_reordered,
                       .forces_sent = force.sequence});
   if (newest_ && newest_->motion_sequence >= force.motion_sequence) {
-    ++ended_.overtaken;
-    return Verdict::overtaken;
+    ++ended_.reordered;
+    return Verdict::reordered;
   }
   newest_ = force;
   return Verdict::newest;
@@ -142,7 +142,7 @@ ForceStream::Counts ForceStream::settled_counts() const noexcept {
   all.lost_down += missing(server_.forces_sent, received_);
   all.unanswered += missing(server_.motions_received, server_.forces_sent);
   all.motions_duplicated += server_.motions_duplicated;
-  all.motions_overtaken += server_.motions_reordered;
+  all.motions_reordered += server_.motions_reordered;
   return all;
 }
 

@@ -24,7 +24,7 @@ class ForceStream {
  public:
   enum class Verdict : std::uint8_t {
     newest,
-    overtaken,    ///< genuine, but a force for a newer motion came before it
+    reordered,    ///< genuine, but a force for a newer motion came before it
     duplicate,    ///< a further copy
     foreign,      ///< of another session
     implausible,  ///< answers nothing that was sent
@@ -34,15 +34,15 @@ class ForceStream {
     std::uint64_t sent = 0;        ///< motions
     std::uint64_t received = 0;    ///< distinct forces
     std::uint64_t duplicated = 0;  ///< further copies of forces
-    std::uint64_t overtaken = 0;   ///< forces
+    std::uint64_t reordered = 0;   ///< forces that came after one for a newer motion
     std::uint64_t foreign = 0;
     std::uint64_t implausible = 0;
     std::uint64_t lost_up = 0;             ///< motions that the server has not seen, as far as is known
     std::uint64_t lost_down = 0;           ///< forces sent that have not arrived
     std::uint64_t in_flight = 0;           ///< of `lost_up`: may still be on their way, or their answers
-    std::uint64_t unanswered = 0;          ///< motions that the server has seen and not answered
+    std::uint64_t unanswered = 0;          ///< motions that the server has received and not answered
     std::uint64_t motions_duplicated = 0;  ///< at the server
-    std::uint64_t motions_overtaken = 0;   ///< at the server, which does not answer those
+    std::uint64_t motions_reordered = 0;   ///< at the server, which does not answer those
   };
 
   explicit ForceStream(int degrees_of_freedom);

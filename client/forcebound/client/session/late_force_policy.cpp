@@ -3,13 +3,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/text/numbers.hpp"
+
 namespace forcebound::client {
 
 void LateForcePolicy::validate() const {
   if (hold < Nanoseconds::zero() || drop < hold) {
-    const auto in_ms = [](Nanoseconds t) { return std::to_string(time::to_seconds(t) * 1e3) + " ms"; };
-    throw std::invalid_argument("late-force policy must have 0 <= hold <= drop, got hold " + in_ms(hold) + ", drop " +
-                                in_ms(drop));
+    const auto in_ms = [](Nanoseconds t) { return text::rounded(time::to_seconds(t) * 1e3) + " ms"; };
+    throw std::invalid_argument("must be 0 <= hold <= drop, got hold " + in_ms(hold) + ", drop " + in_ms(drop));
   }
 }
 

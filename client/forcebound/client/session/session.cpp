@@ -259,7 +259,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
       blackouts_.on_force(now, forces_.progress());
       controller_.hear(force.port);
       [[fallthrough]];
-    case ForceStream::Verdict::overtaken:
+    case ForceStream::Verdict::reordered:
       note_news(now);
       write_down(force, arrival);
       break;
@@ -400,9 +400,9 @@ record::RunTotals Session::totals() const {
   totals.lost_up = network.lost_up;
   totals.lost_down = network.lost_down;
   totals.in_flight = network.in_flight;
-  totals.overtaken = network.unanswered;
+  totals.unanswered = network.unanswered;
   totals.duplicated = network.duplicated + network.motions_duplicated;
-  totals.reordered = network.overtaken + network.motions_overtaken;
+  totals.reordered = network.reordered + network.motions_reordered;
   totals.foreign_session += network.foreign;
   totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
   totals.non_finite_requests = controller_.counts().requests_not_finite;

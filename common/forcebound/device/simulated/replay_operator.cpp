@@ -7,6 +7,7 @@
 
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::device {
 namespace {
@@ -46,8 +47,9 @@ class MotionReader {
         kColumns.substr(0, kColumns.find("_m", 0) + 2 + 4 * static_cast<std::size_t>(dof_ - 1));
     const std::string_view header = lines_.next() ? lines_.line() : "";
     if (header == needed || header.starts_with(std::string(needed) + ",")) return;
-    lines_.refuse("the header must begin with '" + std::string(needed) + "' for " + std::to_string(dof_) +
-                  " degrees of freedom, got " + shown(header));
+    lines_.refuse("the header must begin with '" + std::string(needed) + "' for " +
+                  text::counted(static_cast<std::uint64_t>(dof_), "degree of freedom", "degrees of freedom") +
+                  ", got " + shown(header));
   }
 
   MotionSample parse_row(std::string_view line) const {

@@ -10,24 +10,24 @@
 namespace forcebound::device {
 namespace {
 
-constexpr std::string_view kHelp = R"(Devices (--device), simulated; or a TOML file with a device's facts:
-  wall-1dof       the paper's one-axis device, 30 N s/m, 15 um encoder
-  cartesian-2dof  two axes, 1 N s/m, 55 um
-  cartesian-3dof  three axes, 0.5 N s/m, 55 um
-  omni            three-joint arm in the size of a PHANToM Omni
-Operators (--operator), simulated hands; NAME:key=value,... changes their numbers:
-  press           moves into a wall and stays
-  stroke          comes from above, goes to and fro
-  trace-circle    follows the inside of a circle
-  trace-sphere    follows the outside of a sphere
-  wave            moves in free space
-  replay:FILE.csv[,key=value,...]
-                  plays a recorded hand (time_s,x_m[,y_m,z_m])
-The summary lists an operator's keys and their values; such as press:to_m=0.03, or
-replay:hand.csv,offset_x_m=0.01. Without --operator the device chooses one, without
---device the operator does; without both it is press on wall-1dof. Which ones feel a
-scene says forcebound-server --scene SCENE --suggest.
-)";
+constexpr std::string_view kHelp =
+    "Devices (--device), simulated; or a TOML file with a device's facts:\n"
+    "  wall-1dof       the paper's one-axis device, 30 N s/m, 15 um encoder\n"
+    "  cartesian-2dof  two axes, 1 N s/m, 55 um\n"
+    "  cartesian-3dof  three axes, 0.5 N s/m, 55 um\n"
+    "  omni            three-joint arm in the size of a PHANToM Omni\n"
+    "Operators (--operator), simulated hands; NAME:key=value,... changes numbers:\n"
+    "  press           moves into a wall and stays\n"
+    "  stroke          comes from above, goes to and fro\n"
+    "  trace-circle    follows the inside of a circle\n"
+    "  trace-sphere    follows the outside of a sphere\n"
+    "  wave            moves in free space\n"
+    "  replay:FILE.csv[,key=value,...]\n"
+    "                  plays a recorded hand (time_s,x_m[,y_m,z_m])\n"
+    "The summary lists an operator's keys and their values; such as press:to_m=0.03, or "
+    "replay:hand.csv,offset_x_m=0.01. Without --operator the device chooses one, without --device the operator "
+    "does; without both it is press on wall-1dof. forcebound-server --scene SCENE --suggest prints a device and an "
+    "operator that feel a scene.\n";
 
 std::string hand_for(std::string_view device) {
   if (device == "wall-1dof") return "press";

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "forcebound/text/terminal.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -24,15 +26,15 @@ const char* words(CloseReason reason) {
 
 // The session's number is its key, so it is in no log line.
 void LogObserver::on_opened(const SessionInfo& info) {
-  spdlog::info("{} connected to scene '{}' with device '{}' ({} degrees of freedom)", net::to_string(info.address),
-               info.scene, info.device, info.degrees_of_freedom);
+  spdlog::info("{} connected to scene '{}' with device '{}' ({})", net::to_string(info.address), info.scene,
+               info.device, text::counted(info.degrees_of_freedom, "degree of freedom", "degrees of freedom"));
   if (!info.choice.empty()) spdlog::info("{} {}", net::to_string(info.address), info.choice);
 }
 
 void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) {
-  spdlog::info("{} {}: {} motions received, {} duplicated, {} reordered, {} forces sent", net::to_string(info.address),
-               words(reason), final_counts.motions_received, final_counts.motions_duplicated,
-               final_counts.motions_reordered, final_counts.forces_sent);
+  spdlog::info("{} {}: {} received, {} duplicated, {} reordered, {} sent", net::to_string(info.address), words(reason),
+               text::counted(final_counts.motions_received, "motion"), final_counts.motions_duplicated,
+               final_counts.motions_reordered, text::counted(final_counts.forces_sent, "force"));
 }
 
 void LogObserver::on_scene_failed(std::string_view scene, std::string_view why) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "forcebound/net/endpoint.hpp"
@@ -24,13 +23,10 @@ struct ProgramOptions {
   ServerOptions server;  ///< `scene` in it is not set yet
 };
 
-/// What a command line asks for.
-struct ParsedCommandLine {
-  ProgramOptions options;
-  std::optional<int> exit_code;  ///< the program ends with it: help, version or wrong use has been printed
-};
+inline constexpr const char* kProgram = "forcebound-server";
 
 /// Reads the command line.
-ParsedCommandLine parse_command_line(int argc, const char* const* argv);
+/// @throws program::End for help, version and wrong use; std::invalid_argument for wrong use.
+ProgramOptions parse_command_line(int argc, const char* const* argv);
 
 }  // namespace forcebound::server

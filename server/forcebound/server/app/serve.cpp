@@ -36,8 +36,9 @@ void stop_on_signals() {
 
 void report(const Server& server) {
   const ServerCounters counters = server.counters();
-  spdlog::info("{} sessions, {} motions received, {} forces sent, {} datagrams in all", server.sessions(),
-               counters.motions_received, counters.forces_sent, counters.datagrams);
+  spdlog::info("{}, {} received, {} sent, {} in all", text::counted(server.sessions(), "session"),
+               text::counted(counters.motions_received, "motion"), text::counted(counters.forces_sent, "force"),
+               text::counted(counters.datagrams, "datagram"));
 }
 
 void run(UdpServer& server, const time::Clock& clock, bool verbose) {
@@ -77,16 +78,14 @@ void serve(ProgramOptions options) {
   const auto observer = make_observer(options, *scene, clock);
   UdpServer server(std::move(link), options.server, scenes, observer.get());
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
-  // After the time and the name, which take 24 columns.
-  spdlog::info("{}", text::wrapped("listening on " + net::to_string(server.address()) + ", scene '" +
-                                       scene->facts().name + "': " + summary(*scene),
-                                   4, text::kColumns - 24));
+  spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
+               summary(*scene));
 
   run(server, clock, options.verbose);
   server.stop();
   std::cout << text::wrapped(server.server().counters().text(), 2);
   if (server.overflowed() > 0) {
-    std::cout << "socket: " << server.overflowed() << " datagrams lost because it was full\n";
+    std::cout << "socket: " << text::counted(server.overflowed(), "datagram") << " lost because it was full\n";
   }
   std::cout << std::flush;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/time/percentile.hpp"
 
 namespace forcebound::server {
@@ -101,6 +102,10 @@ Measurement measure_whole(const std::shared_ptr<const scene::Scene>& scene, cons
   return measure(scene::SceneState(scene, static_cast<std::uint32_t>(rows)), middles_m, rows, clock);
 }
 
+std::shared_ptr<const scene::Scene> empty_scene() {
+  return parse_scene("scene = { name = 'empty', description = 'nothing', degrees_of_freedom = 'any' }\n", "empty");
+}
+
 }  // namespace
 
 Calibration calibrate(const std::shared_ptr<const scene::Scene>& scene, const time::Clock& clock) {
@@ -111,6 +116,7 @@ Calibration calibrate(const std::shared_ptr<const scene::Scene>& scene, const ti
     scene::SceneState part = scene::SceneState::of_part(scene, dof, i);
     calibration.parts.push_back(measure(std::move(part), {scene->on_surface_m(i)}, rows, clock).result());
   }
+  calibration.motion = measure_whole(empty_scene(), clock).result();
   calibration.whole = measure_whole(scene, clock).result();
   return calibration;
 }

@@ -23,6 +23,7 @@ struct MeasuredCost {
 /// The measured cost of a scene and of its parts.
 struct Calibration {
   std::vector<MeasuredCost> parts{};  ///< each alone: the steps of the plan, then the dynamic models
+  MeasuredCost motion{};              ///< a motion in a scene without any, which each of the others includes
   MeasuredCost whole{};               ///< all of the scene
 };
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "forcebound/server/environment/cost.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -26,9 +28,19 @@ std::string bytes_text(std::size_t bytes) {
   return size < 1e6 ? rounded(size * 1e-3) + " kB" : rounded(size * 1e-6) + " MB";
 }
 
-std::string cost_text(double predicted_ns, const MeasuredCost* measured) {
+/// What a part of the scene was measured to take, without the motion that its measurement includes; nothing where it
+/// was not measured.
+std::optional<MeasuredCost> part_alone(const std::optional<Calibration>& calibration, std::size_t part) {
+  if (!calibration) return std::nullopt;
+  MeasuredCost cost = calibration->parts.at(part);
+  cost.median_ns = std::max(0.0, cost.median_ns - calibration->motion.median_ns);
+  cost.p99_ns = std::max(cost.median_ns, cost.p99_ns - calibration->motion.median_ns);
+  return cost;
+}
+
+std::string cost_text(double predicted_ns, const std::optional<MeasuredCost>& measured) {
   std::string text = time_text(predicted_ns) + " predicted";
-  if (measured != nullptr) {
+  if (measured) {
     text += ", " + time_text(measured->median_ns) + " measured (p99 " + time_text(measured->p99_ns) + ")" +
             (measured->left_out ? ", but left out during it: its force was not finite" : "");
   }
@@ -105,7 +117,7 @@ std::string bounds_text(const Eigen::AlignedBox3d& bounds_m, Eigen::Index axes) 
 
 /// @param bounds what bounds_text says of its shape
 std::string explain_part(const std::string& what, const scene::SceneObject& part, const std::string& bounds,
-                         const RingingDevice& device, const MeasuredCost* measured) {
+                         const RingingDevice& device, const std::optional<MeasuredCost>& measured) {
   const PartSum sum = sum_of(part);
   std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n" + bounds;
   for (const scene::RequestedEffect& requested : part.effects) {
@@ -114,7 +126,7 @@ std::string explain_part(const std::string& what, const scene::SceneObject& part
     text += "    law:      " + requested.law + "\n";
   }
   text += "  implies:    " + implied_text(part, sum) + "\n";
-  text += "  cost:       " + cost_text(kMotion_ns + predicted_cost_ns(part), measured) + "\n";
+  text += "  cost:       " + cost_text(predicted_cost_ns(part), measured) + "\n";
   text += "  memory:     " + bytes_text(sum.memory_bytes) + " shared by all, " + bytes_text(sum.state_bytes) +
           " for each client\n";
   return text + "  stability:  " + stability_text(sum.ringing, device, kIndent) + "\n";
@@ -126,14 +138,14 @@ Ringing ringing_of(const scene::DynamicModelFacts& facts) {
 }
 
 std::string explain_dynamic_model(const scene::SceneDynamicModel& dynamic_model, const RingingDevice& device,
-                                  const MeasuredCost* measured) {
+                                  const std::optional<MeasuredCost>& measured) {
   const scene::DynamicModelFacts facts = dynamic_model.dynamic_model->facts();
   constexpr Eigen::Index kModelAxes = 3;
   std::string text = "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n" +
                      bounds_text(facts.bounds_m, kModelAxes);
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
   text += "  implies:    " + implied_text(facts.inputs) + "\n";
-  text += "  cost:       " + cost_text(kMotion_ns + facts.cost_ns, measured) + "\n";
+  text += "  cost:       " + cost_text(facts.cost_ns, measured) + "\n";
   text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
           " for each state\n";
   return text + "  stability:  " + stability_text(ringing_of(facts), device, kIndent) + "\n";
@@ -180,9 +192,17 @@ std::string accuracy_text(const scene::Scene& scene, bool measured) {
   return text + "\n";
 }
 
+/// To be copied into a command line: an option a line, so that none is broken.
+std::string options_text(const SuggestedHand& hand) {
+  const std::string whole = to_options(hand);
+  const std::size_t second = whole.find(" --", 1);
+  if (second == std::string::npos || kIndent.size() + whole.size() <= text::kColumns) return whole + "\n";
+  return whole.substr(0, second) + " \\\n" + kIndent + whole.substr(second + 1) + "\n";
+}
+
 std::string hand_text(const ExplainedHand& hand) {
   const auto& [suggested, trial] = hand;
-  std::string text = "hand:         " + to_options(suggested) + "\n" + kIndent +
+  std::string text = "hand:         " + options_text(suggested) + kIndent +
                      (suggested.computed ? "computed from the scene" : "by the scene's author") + "; ";
   if (trial.starts_inside) return text + "warning: it starts inside an object\n";
   if (!trial.touched_s) {
@@ -200,8 +220,8 @@ std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
   }
   for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
     ringing = ringing.with(ringing_of(dynamic_model.dynamic_model->facts()));
-  const MeasuredCost* measured = facts.calibration ? &facts.calibration->whole : nullptr;
-  const double cost_ns = measured != nullptr ? measured->p99_ns : predicted_ns;
+  const auto measured = facts.calibration ? std::optional(facts.calibration->whole) : std::nullopt;
+  const double cost_ns = measured ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
                      " of the 1 ms of a tick: " + rounded(cost_ns / kTick_ns * 100) + " % for each client" +
                      clients_text(scene.facts(), cost_ns) + "\n";
@@ -230,11 +250,11 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(scene.facts().hash));
   std::string text = "scene '" + scene.facts().name + "' (hash " + hash + "): " + scene.facts().description + "\n";
   text += "devices: " + scene.accepted_degrees_of_freedom() + " degrees of freedom\n";
+  text += "motion:       " +
+          cost_text(kMotion_ns, facts.calibration ? std::optional(facts.calibration->motion) : std::nullopt) +
+          ", besides the parts below\n";
   std::size_t part = 0;
-  const auto measured = [&] {
-    const std::size_t now = part++;
-    return facts.calibration ? &facts.calibration->parts.at(now) : nullptr;
-  };
+  const auto measured = [&] { return part_alone(facts.calibration, part++); };
   const Eigen::Index axes = std::max(1, scene.facts().degrees_of_freedom);
   for (const scene::SceneObject& object : scene.objects()) {
     text += explain_part("object", object, bounds_text(object.shape->facts().bounds_m, axes), facts.device, measured());

@@ -112,7 +112,8 @@ SceneSource scene_source(const std::string& name_or_file) {
   for (const text::EmbeddedText& scene : shipped_scenes()) {
     if (scene.name == name_or_file) return {std::string(scene.text), file_of(name_or_file)};
   }
-  throw SceneError(SceneLibrary::shipped().unknown_scene_text(name_or_file) + "; a file is given as FILE.toml");
+  throw std::invalid_argument(SceneLibrary::shipped().unknown_scene_text(name_or_file) +
+                              "; a file is given as FILE.toml");
 }
 
 std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file, const scene::EffectRegistry& registry,

@@ -45,7 +45,7 @@ std::string ServerCounters::text() const {
          line("motions", {"received", motions_received},
               {{"duplicated", motions_duplicated},
                {"reordered", motions_reordered},
-               {"overtaken before their answer", motions_overtaken},
+               {"superseded by newer ones", motions_superseded},
                {"over the rate", motions_over_rate},
                {"after the end of their session", motions_after_end},
                {"of wrong size", motions_of_wrong_size},

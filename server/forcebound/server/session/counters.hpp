@@ -30,8 +30,8 @@ struct ServerCounters {
 
   std::uint64_t motions_received = 0;
   std::uint64_t motions_duplicated = 0;
-  std::uint64_t motions_reordered = 0;
-  std::uint64_t motions_overtaken = 0;        ///< received, but a newer one was there before its answer
+  std::uint64_t motions_reordered = 0;        ///< received after a newer one, and not answered
+  std::uint64_t motions_superseded = 0;       ///< received, but a newer one waited when it would have been answered
   std::uint64_t motions_over_rate = 0;        ///< received, but not answered
   std::uint64_t motions_after_end = 0;        ///< received, but its session ended before its answer
   std::uint64_t motions_of_wrong_size = 0;    ///< not as many rows as the session's device has
@@ -50,7 +50,7 @@ struct ServerCounters {
   /// Received and not answered: what is missing between motions received and forces sent, if every force went out and
   /// no motion waits.
   [[nodiscard]] std::uint64_t motions_unanswered() const noexcept {
-    return motions_reordered + motions_overtaken + motions_over_rate + motions_after_end;
+    return motions_reordered + motions_superseded + motions_over_rate + motions_after_end;
   }
 
   /// Those of one session.

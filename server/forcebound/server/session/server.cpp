@@ -173,7 +173,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
     return;
   }
   if (std::exchange(session.waiting, Waiting{motion, now})) {
-    ++counters_.motions_overtaken;
+    ++counters_.motions_superseded;
     return;
   }
   // Nobody who opens sessions and ends them between two answers shall make this grow.

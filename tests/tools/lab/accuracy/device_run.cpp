@@ -46,7 +46,7 @@ DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s, std:
   const server::ServerCounters counters = loop.server()->counters();
   if (counters.motions_received > 0) {
     recorder.run.turns_missed =
-        static_cast<double>(counters.motions_overtaken) / static_cast<double>(counters.motions_received);
+        static_cast<double>(counters.motions_superseded) / static_cast<double>(counters.motions_received);
   }
   recorder.run.summary = nlohmann::json::parse(loop.summary().to_json());
   if (const auto audit = loop.device().audit()) recorder.run.passivity_minimum_J = audit->minimum_J;

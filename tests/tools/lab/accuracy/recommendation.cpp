@@ -45,12 +45,12 @@ std::string hardly_matters(const StudyResult& result, std::size_t which, std::si
 std::string direction_warning(const StateError& error) {
   if (!(error.direction_p95_deg > kDirectionWarning_deg)) return {};
   return "  warning: at the same states its force points " + rounded(error.direction_median_deg) + " deg aside (p95 " +
-         rounded(error.direction_p95_deg) + " deg)\n  and is " + percent(error.force) + " off\n";
+         rounded(error.direction_p95_deg) + " deg) and is " + percent(error.force) + " off\n";
 }
 
 std::string criterion_text(const StudyResult& result) {
   return "A rougher setting is recommended only where it saves time: " + rounded(100 * kTimeShareThatCounts) +
-         " % of the\nserver's step of " + rounded(1e-3 * result.server_step_us) +
+         " % of the server's step of " + rounded(1e-3 * result.server_step_us) +
          " ms (--rate), and no less than the times scatter here\n";
 }
 
@@ -60,23 +60,35 @@ std::string behind(const StudyResult& result, std::size_t which, double budget_u
     return "nothing that worked" + std::string(result.same_scene ? " and stayed passive" : "") + " takes at most " +
            rounded(budget_us) + " us\n";
   }
+  if (!resolves(result, which)) {
+    return "nothing recommended: every setting's E_dev is below " + percent(3 * result.free_uncertainty) +
+           ", which the reference's uncertainty alone can bring about; finer levels, or an exact --reference, would "
+           "tell them apart\n";
+  }
   const std::size_t exact = result.same_scene ? *best : most_exact(result, budget_us);
   const TimeSaved saved = time_saved(result, *best, exact);
   const std::string& exact_value = result.settings[exact].value;
   const StudiedSetting& setting = result.settings[*best];
   if (*best != exact && !saved.counts()) {
-    return "nothing recommended in place of " + result.key + " = " + exact_value + ":\n  " + setting.value +
+    return "nothing recommended in place of " + result.key + " = " + exact_value + ": " + setting.value +
            (saved.us < 0 ? " takes " : " saves ") + rounded(std::abs(saved.us)) + " us a step" +
            (saved.us < 0 ? " more" : "") + "; from " + rounded(saved.counted_us) + " us on it counts\n" +
            direction_warning(setting.at_states);
   }
-  std::string text = result.key + " = " + setting.value + ", E_dev " + percent(setting.behind[which].error.total) +
-                     ", " + rounded(setting.cost.median_us) + " us a step";
+  std::string text = result.key + " = " + setting.value + ", E_dev " +
+                     percent_above(setting.behind[which].error.total, result.free_uncertainty) + ", " +
+                     rounded(setting.cost.median_us) + " us a step";
   if (*best != exact) text += ", " + rounded(saved.us) + " us less than the most exact, " + exact_value;
   return text + hardly_matters(result, which, *best) + "\n" + direction_warning(setting.at_states);
 }
 
 }  // namespace
+
+bool resolves(const StudyResult& result, std::size_t round_trip) {
+  return std::ranges::any_of(result.settings, [&](const StudiedSetting& setting) {
+    return setting.trouble.empty() && is_above(setting.behind[round_trip].error.total, result.free_uncertainty);
+  });
+}
 
 TimeSaved time_saved(const StudyResult& result, std::size_t setting, std::size_t over) {
   const StudiedSetting& one = result.settings[setting];

@@ -26,10 +26,14 @@ struct TimeSaved {
 /// them.
 [[nodiscard]] TimeSaved time_saved(const StudyResult& result, std::size_t setting, std::size_t over);
 
+/// Whether any setting's error at the device behind a round trip is above what the reference's uncertainty can bring
+/// about: otherwise they cannot be told apart.
+[[nodiscard]] bool resolves(const StudyResult& result, std::size_t round_trip);
+
 /// Which setting to take behind each network, one entry each. Of a scene's key that is the most exact one, unless a
 /// rougher one is less wrong at the device and saves time that counts; where none does, nothing is recommended in place
 /// of the most exact one. A setting whose force points aside is warned of. Where the settings hardly differ, that they
-/// do not matter.
+/// do not matter; where their errors are below the reference's uncertainty, nothing is recommended.
 [[nodiscard]] std::string recommendation(const StudyResult& result,
                                          double budget_us = std::numeric_limits<double>::infinity());
 

@@ -16,7 +16,7 @@ std::string law_named(std::string name) {
   if (quoted) name = name.substr(1, name.size() - 2);
   const std::vector<std::string> known = baselines::shipped_laws().names();
   if (std::ranges::find(known, name) != known.end()) return name;
-  throw std::invalid_argument("law: there is no '" + name + "'" + text::suggestion(name, known));
+  throw std::invalid_argument("unknown law '" + name + "'" + text::suggestion(name, known));
 }
 
 enum class Least : std::uint8_t { zero, above_zero };

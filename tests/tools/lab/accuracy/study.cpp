@@ -48,7 +48,7 @@ std::string motion_text(const Study& study) {
   const auto mm = [](double length_m) { return text::rounded(1e3 * length_m) + " mm"; };
   return (slides ? "that slides " + mm(motion.length_m) + " to and fro, " + mm(motion.depth_m) + " below"
                  : "that presses from " + mm(motion.clearance_m) + " above to " + mm(motion.depth_m) + " below") +
-         "\n  " + point_text(motion.on_surface_m) + ", " + text::rounded(motion.frequency_Hz) + " times a second";
+         " " + point_text(motion.on_surface_m) + ", " + text::rounded(motion.frequency_Hz) + " times a second";
 }
 
 /// The assumptions about the hand, as text.
@@ -56,9 +56,9 @@ std::string assumptions_of(const Study& study, const device::Operator& mover) {
   const device::Hand& hand = mover.hand();
   return "  The figures hold for a hand of " + text::rounded(hand.mass_kg) + " kg, " +
          text::rounded(hand.stiffness_N_per_m) + " N/m and " + text::rounded(hand.damping_N_s_per_m) +
-         " N s/m, in every\n  direction alike, " + motion_text(study) + ",\n  on device " + study.device +
-         " without its encoder's steps. Another hand meets other\n"
-         "  places, speeds and forces: --motion, --frequency, --depth, --device.\n";
+         " N s/m, in every direction alike, " + motion_text(study) + ", on device " + study.device +
+         " without its encoder's steps. Another hand meets other places, speeds and forces: --motion, --frequency, "
+         "--depth, --device.\n";
 }
 
 struct Network {

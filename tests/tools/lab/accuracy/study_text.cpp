@@ -9,6 +9,8 @@
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/accuracy/percent.hpp"
+#include "tests/tools/lab/accuracy/recommendation.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -20,10 +22,6 @@ constexpr double kLostInAge = 0.1;
 
 // Smaller values are rounding.
 constexpr double kLeastShare = 1e-12;
-
-std::string percent_above(double share, double uncertainty) {
-  return share < 3 * uncertainty ? "<= " + percent(3 * uncertainty) : percent(share);
-}
 
 std::string ms(double seconds) { return rounded(seconds * 1e3) + " ms"; }
 
@@ -145,23 +143,27 @@ std::string behind_text(const StudyResult& result, std::size_t which) {
   const double round_trip_s = result.settings.front().behind[which].round_trip_s;
   text::Table table({{result.key},
                      {"E_dev"},
-                     {"= model"},
-                     {"+ age"},
-                     {"+ hold"},
-                     {"+ bounding"},
+                     {"model"},
+                     {"age"},
+                     {"hold"},
+                     {"bounding"},
                      {"least age"},
-                     {"P min", "J"},
+                     {"least P", "mJ"},
                      {"", "", text::Table::Align::left}});
   const auto best = best_setting(result, which, std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     const StudiedSetting& setting = result.settings[i];
     const DeviceError& error = setting.behind[which].error;
-    table.add({setting.value, percent_above(error.total, result.free_uncertainty), percent(error.model.share),
-               percent(error.age.share), percent(error.hold.share), percent(error.bounding.share),
-               ms(time::to_seconds(error.least_age)), rounded(setting.behind[which].passivity_minimum_J),
-               remark(setting, which, best == i)});
+    // What is not known as a whole has no parts.
+    const bool known = is_above(error.total, result.free_uncertainty);
+    const auto part = [&](const DeviceError::Part& of) { return known ? percent(of.share) : std::string("-"); };
+    table.add({setting.value, percent_above(error.total, result.free_uncertainty), part(error.model), part(error.age),
+               part(error.hold), part(error.bounding), ms(time::to_seconds(error.least_age)),
+               millijoules(setting.behind[which].passivity_minimum_J),
+               remark(setting, which, best == i && resolves(result, which))});
   }
-  return "\nAt the device, round trip " + ms(round_trip_s) + "\n" + table.to_text();
+  return "\nAt the device, round trip " + ms(round_trip_s) + ": E_dev is the sum of its parts, of which a\n" +
+         "negative one offsets others\n" + table.to_text();
 }
 
 /// Largest model's error as a share of the age's alone, over the settings that worked; infinite where there is no age
@@ -197,10 +199,11 @@ nlohmann::ordered_json to_json(const DeviceError::Part& part) { return {{"share"
 }  // namespace
 
 std::string to_text(const StudyResult& result) {
-  std::string text = "Reference: " + result.reference_why + "; uncertain to " + percent(result.reference_uncertainty) +
-                     "\nHand: " + result.hand + "\n" + result.assumptions + "Session: " + result.session +
-                     (result.fixed.empty() ? "" : "\nWith: " + result.fixed) + "\n\n" + cost_text(result) +
-                     at_states_text(result) + free_text(result);
+  const std::string head = "Reference: " + result.reference_why + "; uncertain to " +
+                           percent(result.reference_uncertainty) + "\nHand: " + result.hand + "\n" +
+                           result.assumptions + "Session: " + result.session +
+                           (result.fixed.empty() ? "" : "\nWith: " + result.fixed) + "\n\n";
+  std::string text = text::wrapped(head, 2) + cost_text(result) + at_states_text(result) + free_text(result);
   for (std::size_t which = 0; which < result.settings.front().behind.size(); ++which)
     text += behind_text(result, which);
   return text;

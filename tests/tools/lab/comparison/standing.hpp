@@ -11,7 +11,7 @@ namespace forcebound::lab {
 /// The marks in a document between which `to_markdown`'s text stands.
 inline constexpr Marks kComparisonMarks{"<!-- comparison: made by deploy/comparison -->\n", "<!-- /comparison -->\n"};
 
-/// A few numbers for each law. Over scenes and stiffnesses: the worst P, the most of direction error and drift, the
+/// A few numbers for each law. Over scenes and stiffnesses: the least P, the most of direction error and drift, the
 /// median of everything else; with the real device; P with both.
 [[nodiscard]] nlohmann::ordered_json standings(const ComparisonResult& result);
 

@@ -5,6 +5,7 @@
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
+#include "tests/tools/lab/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Whole numbers are not rounded: a year is a parameter.
-std::string number(const Json& value) {
+std::string number_text(const Json& value) {
   if (!value.is_number()) return "-";
   const double of = value;
   return of == std::round(of) && std::abs(of) < 1e6 ? std::to_string(std::lround(of)) : text::rounded(of);
@@ -20,11 +21,6 @@ std::string number(const Json& value) {
 
 std::string share(const Json& value) {
   return value.is_number() ? text::rounded(100 * value.get<double>()) + " %" : "-";
-}
-
-std::string millijoules(const Json& energy) {
-  const double value_J = energy;
-  return value_J >= kPassive_J ? "0" : text::rounded(1e3 * value_J);
 }
 
 /// With each hand in turn: "0.5 / 60 / all".
@@ -49,11 +45,13 @@ std::string refused(const Json& law) {
 /// A direction error within rounding counts as 0.
 std::string degrees(const Json& angle) {
   constexpr double kRounding_deg = 1e-6;
-  return angle.get<double>() < kRounding_deg ? "0" : number(angle);
+  return angle.get<double>() < kRounding_deg ? "0" : number_text(angle);
 }
 
 /// A share in percent with one decimal, without its unit.
-std::string percent(const Json& value) { return value.is_number() ? text::fixed(100 * value.get<double>(), 1) : "-"; }
+std::string percent_text(const Json& value) {
+  return value.is_number() ? text::fixed(100 * value.get<double>(), 1) : "-";
+}
 
 std::string law_name(const Json& law) { return law.at("law"); }
 
@@ -75,8 +73,8 @@ std::string passivity_table(const Json& all) {
       return text::rounded(100 * law.at(device).at("passive").get<double>() / trials);
     };
     table.add({law_name(law), millijoules(law.at("ideal").at("least_P_J")), passive("ideal"),
-               millijoules(law.at("real").at("least_P_J")), passive("real"), percent(law.at("calm")),
-               number(law.at("ringing_s"))});
+               millijoules(law.at("real").at("least_P_J")), passive("real"), percent_text(law.at("calm")),
+               number_text(law.at("ringing_s"))});
   }
   return "Passivity and rest, with ideal and with real devices: least P over all trials, 0:\n"
          "passive; passive and at rest: shares of all trials\n" +
@@ -87,8 +85,8 @@ std::string force_table(const Json& all) {
   text::Table table({{"law"}, {"variance", "N^2"}, {"bent by", "deg"}, {"drift", "mm"}, {"time", "ns"}});
   for (const Json& law : all.at("laws")) {
     if (!played(law)) continue;
-    table.add({law_name(law), number(law.at("variance_N2")), degrees(law.at("direction_deg")),
-               number(law.at("drift_mm")), number(law.at("work_ns"))});
+    table.add({law_name(law), number_text(law.at("variance_N2")), degrees(law.at("direction_deg")),
+               number_text(law.at("drift_mm")), number_text(law.at("work_ns"))});
   }
   return "The force: variance in contact (median), largest change of its direction, largest\n"
          "distance of its requested position from the device, time of a tick\n" +
@@ -103,7 +101,7 @@ std::string network_table(const Json& all, const char* what, const char* title) 
   for (const Json& law : all.at("laws")) {
     if (!played(law)) continue;
     std::vector<text::Table::Cell> row{law_name(law)};
-    for (std::size_t i = 0; i < count; ++i) row.emplace_back(percent(law.at("behind").at(i).at(what)));
+    for (std::size_t i = 0; i < count; ++i) row.emplace_back(percent_text(law.at("behind").at(i).at(what)));
     table.add(std::move(row));
   }
   return std::string(title) + " [%]\n" + table.to_text();
@@ -135,7 +133,7 @@ text::Table limits_table(const Json& all, const std::string& title, const std::s
 std::string in_words(const Json& parameters) {
   std::string words;
   for (const auto& [name, value] : parameters.items()) {
-    words += (words.empty() ? "" : ", ") + name + " " + number(value);
+    words += (words.empty() ? "" : ", ") + name + " " + number_text(value);
   }
   return words;
 }
@@ -150,7 +148,7 @@ std::string tuning_table(const Json& all) {
     for (const Json& tuned : law.at("tuned")) {
       any = true;
       const auto score = [&](const char* key) {
-        return tuned.at(key).is_number() ? number(tuned.at(key)) : std::string("refused");
+        return tuned.at(key).is_number() ? number_text(tuned.at(key)) : std::string("refused");
       };
       table += text::wrapped("  " + law_name(law) + " " + tuned.at("scene").get<std::string>() + " (" +
                                  std::to_string(tuned.at("network").get<int>()) + "): " + in_words(tuned.at("best")) +
@@ -215,7 +213,7 @@ std::string comparison_markdown(const Json& all) {
     for (const char* const what : {"shown", "error"}) {
       for (const std::size_t i : networks) row.emplace_back(share(law.at("behind").at(i).at(what)));
     }
-    row.emplace_back(number(law.at("work_ns")));
+    row.emplace_back(number_text(law.at("work_ns")));
     table.add(std::move(row));
   }
   if (all.at("limits").empty()) return table.to_markdown();

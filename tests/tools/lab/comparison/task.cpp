@@ -16,7 +16,6 @@ using namespace std::chrono_literals;
 
 constexpr double kRealLatency_s = 100e-6;
 constexpr time::Nanoseconds kRealChoosing = 15us;
-constexpr std::string_view kTrace = "trace:";
 
 }  // namespace
 
@@ -35,8 +34,8 @@ Task task_of(const std::string& scene, const std::string& device) {
 NamedNetwork network_of(const std::string& words) {
   NamedNetwork network{.name = words};
   if (words == "none") return network;
-  if (words.starts_with(kTrace)) {
-    network.settings.trace = netem::load_trace(words.substr(kTrace.size()));
+  if (words.starts_with(kTraceWord)) {
+    network.settings.trace = netem::load_trace(words.substr(kTraceWord.size()));
     return network;
   }
   network.settings.up = network.settings.down = netem::parse_netem(words);
@@ -60,7 +59,7 @@ StandardNetworks standard_networks() {
       standard.absent.emplace_back(name);
       continue;
     }
-    standard.networks.push_back(network_of(std::string(kTrace) + file->string()));
+    standard.networks.push_back(network_of(std::string(kTraceWord) + file->string()));
     standard.networks.back().name = name;
   }
   return standard;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcebound/control/law_registry.hpp"
@@ -27,6 +28,8 @@ struct NamedNetwork {
   std::string name;
   sim::SimulatedNetworkSettings settings{};
 };
+
+inline constexpr std::string_view kTraceWord = "trace:";
 
 /// Both ways the same: "none"; netem's words, as "delay 10ms loss 5%"; or "trace:FILE".
 /// @throws std::invalid_argument or std::runtime_error as the parsers of netem's words and of traces

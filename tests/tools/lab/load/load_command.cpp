@@ -1,16 +1,15 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
-#include "tests/tools/lab/above_zero.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/load/capacity.hpp"
 #include "tests/tools/lab/load/load.hpp"
@@ -23,6 +22,7 @@ struct LoadCommandOptions {
   std::size_t clients = 1;
   double duration_s = 2;
   bool find_most = false;
+  std::string waiting = "sleep";
   CapacitySearch search;
   std::string json;
 };
@@ -44,19 +44,14 @@ bool holds(const LoadResult& result) {
          in_us(result.tally.answered_within_ns(kServedShare)) < kServiceMost_us;
 }
 
-std::string line_of(const LoadResult& result) {
-  const auto& arrived = result.tally.arrived_ns;
-  const auto& read = result.tally.read_ns;
-  char text[320];
-  std::snprintf(text, sizeof text,
-                "%5zu %s: %llu motions, %llu lost, %llu not sent in time\n"
-                "      service %.4g us median, %.4g p99, %.4g max; until read %.4g median, %.4g p99\n",
-                result.clients, result.clients == 1 ? "client" : "clients",
-                static_cast<unsigned long long>(result.tally.sent), static_cast<unsigned long long>(result.lost()),
-                static_cast<unsigned long long>(result.unsent), in_us(arrived.percentile(0.5)),
-                in_us(arrived.percentile(0.99)), in_us(arrived.max()), in_us(read.percentile(0.5)),
-                in_us(read.percentile(0.99)));
-  return text;
+std::string lines_of(const LoadResult& result) {
+  const auto percentiles = [](const record::Histogram& ns) {
+    return text::rounded(in_us(ns.percentile(0.5))) + " us median, " + text::rounded(in_us(ns.percentile(0.99))) +
+           " p99, " + text::rounded(in_us(ns.max())) + " max\n";
+  };
+  return text::counted(result.clients, "client") + ": " + text::counted(result.tally.sent, "motion") + ", " +
+         std::to_string(result.lost()) + " lost, " + std::to_string(result.unsent) + " not sent in time\n" +
+         "  service     " + percentiles(result.tally.arrived_ns) + "  until read  " + percentiles(result.tally.read_ns);
 }
 
 nlohmann::ordered_json to_json(const LoadResult& result) {
@@ -77,7 +72,7 @@ LoadResult most(const LoadCommandOptions& options, Load& load) {
   const std::size_t clients = most_that_hold(options.search, [&](std::size_t tried) {
     const LoadResult result = load.run(tried);
     const bool held = holds(result);
-    std::cout << line_of(result) << std::flush;
+    std::cout << lines_of(result) << std::flush;
     if (held) best = result;
     return held;
   });
@@ -86,11 +81,17 @@ LoadResult most(const LoadCommandOptions& options, Load& load) {
   return *best;
 }
 
+LoadOptions::Waiting waiting_of(const std::string& name) {
+  if (name == "sleep") return LoadOptions::Waiting::asleep;
+  return name == "spin" ? LoadOptions::Waiting::spinning : LoadOptions::Waiting::ping_pong;
+}
+
 void run(LoadCommandOptions& options) {
+  options.load.waiting = waiting_of(options.waiting);
   options.load.duration = time::from_seconds(options.duration_s);
   Load load(options.load);
   const LoadResult result = options.find_most ? most(options, load) : load.run(options.clients);
-  if (!options.find_most) std::cout << line_of(result);
+  if (!options.find_most) std::cout << lines_of(result);
   std::cout << std::flush;
   if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
 }
@@ -101,50 +102,55 @@ void add_load(CLI::App& app) {
   auto options = std::make_shared<LoadCommandOptions>();
   CLI::App* command =
       app.add_subcommand("load", "Many clients at 1 kHz each against a running server, over real sockets");
-  command->add_option("--sockets", options->load.sockets, "number of sockets that the clients share")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--server", options->load.server, "server to load")->required()->type_name("HOST:PORT");
+  command->add_option("--server", options->load.server, "server to load")
+      ->required()
+      ->check(program::accepted_by([](const std::string& peer) { (void)net::parse_peer(peer); }))
+      ->type_name("HOST:PORT");
   command->add_option("--clients", options->clients, "how many")
       ->type_name("N")
-      ->check(CLI::Range(1, 10000))
+      ->check(program::whole_within(1, 10000))
+      ->capture_default_str();
+  command->add_option("--sockets", options->load.sockets, "number of sockets that the clients share")
+      ->type_name("N")
+      ->check(program::whole_within(1, 1000))
       ->capture_default_str();
   command->add_option("--seconds", options->duration_s, "length of one measurement")
-      ->type_name("S")
-      ->check(above_zero())
+      ->type_name("SECONDS")
+      ->check(program::number_above_zero())
       ->capture_default_str();
   command->add_flag(
       "--find-most", options->find_most,
       std::string("search for the most clients with ") + kHolds + "; a motion that is never answered counts as late");
   command->add_option("--limit", options->search.limit, "with --find-most: try no more")
       ->type_name("N")
-      ->check(CLI::Range(1, 10000))
+      ->check(program::whole_within(1, 10000))
       ->capture_default_str();
   command->add_option("--dof", options->load.load_generator.degrees_of_freedom, "degrees of freedom of the clients")
       ->type_name("N")
-      ->check(CLI::Range(1, 6))
+      ->check(program::whole_within(1, 6))
       ->capture_default_str();
   command->add_option("--scene", options->load.load_generator.scene, "scene to request; default: the server's")
       ->type_name("NAME");
   command->add_flag("--echo", options->load.load_generator.echo,
                     "the other end is a plain echo server: it only sends datagrams back");
-  static const std::map<std::string, LoadOptions::Waiting> kWaiting{{"sleep", LoadOptions::Waiting::asleep},
-                                                                    {"ping-pong", LoadOptions::Waiting::ping_pong},
-                                                                    {"spin", LoadOptions::Waiting::spinning}};
   command
-      ->add_option("--wait", options->load.waiting,
+      ->add_option("--wait", options->waiting,
                    "sleep; or spin, so that no motion is late because this program had to wake up; or ping-pong: spin "
                    "until the next motion, sleep for its answer")
-      ->transform(CLI::CheckedTransformer(kWaiting).description("sleep|ping-pong|spin"))
-      ->default_str("sleep");
+      ->type_name("sleep|ping-pong|spin")
+      ->check(program::one_of("way to wait", {"sleep", "ping-pong", "spin"}))
+      ->capture_default_str();
   command->add_option("--cpu", options->load.processor, "pin to this processor")
       ->type_name("N")
-      ->check(CLI::Range(0, 1023));
+      ->check(program::whole_within(0, 1023));
   command->add_option("--priority", options->load.priority, "real-time scheduling, SCHED_FIFO")
       ->type_name("N")
-      ->check(CLI::Range(1, 99));
-  command->add_option("--json", options->json, "write the result to this file as well")->type_name("FILE");
+      ->check(program::whole_within(1, 99));
+  command->add_option("--json", options->json, "write the result to this file as well")->type_name("FILE.json");
+  command->footer(
+      "Examples:\n"
+      "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
+      "  forcebound-lab load --server 127.0.0.1:47800 --find-most --wait spin");
   command->callback([options] { run(*options); });
 }
 

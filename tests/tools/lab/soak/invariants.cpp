@@ -67,7 +67,7 @@ void Invariants::check_force(const record::TickRecord& tick) {
 }
 
 void Invariants::check_energy(const record::TickRecord& tick) {
-  worst_P_J_ = std::min(worst_P_J_, tick.audit_minimum_J);
+  least_P_J_ = std::min(least_P_J_, tick.audit_minimum_J);
   if (case_.passive && tick.audit_minimum_J < -kEnergyTolerance_J) {
     fail(tick, "P fell to ", tick.audit_minimum_J, " J");
   }
@@ -92,7 +92,7 @@ void Invariants::finish(const record::RunTotals& totals, bool active, const serv
   if (totals.sent != motions_) fail(end, "counted ", totals.sent, " motions sent, ticks sent ", motions_);
   if (totals.received != forces_) fail(end, "counted ", totals.received, " forces, sinks saw ", forces_);
   const record::MotionFates fates = record::fates_of(totals);
-  if (fates.sent != fates.answered + fates.overtaken + fates.lost_up + fates.lost_down + fates.in_flight) {
+  if (fates.sent != fates.answered + fates.unanswered + fates.lost_up + fates.lost_down + fates.in_flight) {
     fail(end, "the motions do not add up: ", record::words_of(fates));
   }
   if (totals.reconnects > 0 || !active) return;  // datagrams in flight to a dead server are not counted
@@ -104,8 +104,8 @@ void Invariants::finish(const record::RunTotals& totals, bool active, const serv
     fail(end, server.forces_sent, " forces sent by the server, but ", totals.received, " received and ",
          totals.lost_down, " counted as lost");
   }
-  if (fates.overtaken != server.motions_unanswered()) {
-    fail(end, fates.overtaken, " motions counted as overtaken, but ", server.motions_unanswered(),
+  if (fates.unanswered != server.motions_unanswered()) {
+    fail(end, fates.unanswered, " motions counted as unanswered, but ", server.motions_unanswered(),
          " not answered by the server");
   }
 }

@@ -35,7 +35,7 @@ class Invariants final : public record::TickSink {
   /// Empty: no violation.
   [[nodiscard]] const std::string& broken() const noexcept { return broken_; }
 
-  [[nodiscard]] double worst_P_J() const noexcept { return worst_P_J_; }
+  [[nodiscard]] double least_P_J() const noexcept { return least_P_J_; }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] std::uint64_t recomputed() const noexcept { return recomputed_; }
 
@@ -48,7 +48,7 @@ class Invariants final : public record::TickSink {
   const SoakCase& case_;
   std::unique_ptr<LedgerInLongDouble> ledger_;
   std::string broken_;
-  double worst_P_J_ = 0;
+  double least_P_J_ = 0;
   std::uint64_t ticks_ = 0;
   std::uint64_t motions_ = 0;
   std::uint64_t forces_ = 0;

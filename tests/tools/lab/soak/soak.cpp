@@ -62,7 +62,7 @@ SoakResult soak(std::uint64_t seed, const std::string& law) {
   return {.broken = invariants.broken(),
           .environment = drawn.environment,
           .passive = drawn.passive,
-          .worst_P_J = invariants.worst_P_J(),
+          .least_P_J = invariants.least_P_J(),
           .digest = witness.digest,
           .virtual_s = time::to_seconds(drawn.duration),
           .ticks = invariants.ticks(),

@@ -10,7 +10,7 @@ struct SoakResult {
   std::string broken;  ///< empty: every invariant held on every tick
   std::string environment;
   bool passive = false;  ///< the law guaranteed P >= 0
-  double worst_P_J = 0;
+  double least_P_J = 0;
   std::uint64_t digest = 0;  ///< of every force and position: equal runs have equal ones
   double virtual_s = 0;
   std::uint64_t ticks = 0;

@@ -42,10 +42,10 @@ class ForceStreamTest : public ::testing::Test {
 TEST_F(ForceStreamTest, ChoosesTheForceThatAnswersTheNewestMotion) {
   EXPECT_EQ(accept(answer(1, 3)), Verdict::newest);
   EXPECT_EQ(accept(answer(3, 7)), Verdict::newest);
-  EXPECT_EQ(accept(answer(2, 5)), Verdict::overtaken);
+  EXPECT_EQ(accept(answer(2, 5)), Verdict::reordered);
   EXPECT_EQ(stream.newest()->motion_sequence, 7U);
   EXPECT_EQ(counts().received, 3U);
-  EXPECT_EQ(counts().overtaken, 1U);
+  EXPECT_EQ(counts().reordered, 1U);
 }
 
 TEST_F(ForceStreamTest, CountsOfMoreThanWasEverSentAreImplausible) {
@@ -116,7 +116,7 @@ TEST_F(ForceStreamTest, TellsWhichDirectionLost) {
   EXPECT_EQ(told.sent, 10U);
   EXPECT_EQ(told.lost_up, 2U);
   EXPECT_EQ(told.lost_down, 3U);
-  EXPECT_EQ(told.motions_overtaken, 3U);
+  EXPECT_EQ(told.motions_reordered, 3U);
 }
 
 TEST_F(ForceStreamTest, TakesTheServersLastWordWhateverItsOrder) {

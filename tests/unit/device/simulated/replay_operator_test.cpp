@@ -39,7 +39,8 @@ TEST(ParseMotion, TakesTheFirstColumnsOfTheDevicesDegreesOfFreedomAndCountsTimeF
 }
 
 TEST(ParseMotion, NamesFileAndLineOfWhatItRefuses) {
-  EXPECT_THAT(replay_refusal("", 1), HasSubstr("hand.csv:1: the header must begin with 'time_s,x_m' for 1 degrees"));
+  EXPECT_THAT(replay_refusal("", 1),
+              HasSubstr("hand.csv:1: the header must begin with 'time_s,x_m' for 1 degree of freedom, got"));
   EXPECT_THAT(replay_refusal("time_s,x_m\n0,0\n1,1\n", 2), HasSubstr("must begin with 'time_s,x_m,y_m' for 2"));
   EXPECT_THAT(replay_refusal("t,x\n0,0\n", 1), HasSubstr("got 't,x'"));
   EXPECT_EQ(replay_refusal("time_s,x_m\n0,0\n1,two\n", 1), "hand.csv:3: expected 2 finite numbers, got '1,two'");

@@ -45,13 +45,25 @@ TEST(Explain, SaysWhatEachPartCostsAndWhetherItCanRing) {
 }
 
 TEST(Explain, ShowsWhatWasMeasuredBesideWhatWasPredicted) {
-  const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500}}, .whole = {1.6e6, 2e6}}};
+  const ExplainFacts facts{.calibration =
+                               Calibration{.parts = {{1500, 2500}}, .motion = {100, 150}, .whole = {1.6e6, 2e6}}};
   const std::string text = explain(*load_scene("wall"), facts);
-  EXPECT_THAT(text, HasSubstr("predicted, 1.5 us measured (p99 2.5 us)\n"));
+  EXPECT_THAT(text, AllOf(HasSubstr("predicted, 100 ns measured (p99 150 ns), besides the parts below\n"),
+                          HasSubstr("predicted, 1.4 us measured (p99 2.4 us)\n")));
   EXPECT_THAT(
       text,
       HasSubstr(
           "1.6 ms measured (p99 2 ms) of the 1 ms of a tick: 200 % for each client; at 1 kHz one core holds 0\n"));
+}
+
+TEST(Explain, ListsPredictedCostsThatAddUpToTheTotal) {
+  const std::string text = explain(*load_scene("wall"));
+  const auto number_after = [&](const std::string& name) {
+    const std::size_t at = text.find(name);
+    EXPECT_NE(at, std::string::npos) << name;
+    return std::stod(text.substr(at + name.size()));
+  };
+  EXPECT_EQ(number_after("motion:  ") + number_after("cost:  "), number_after("total:  ")) << text;
 }
 
 TEST(Explain, SaysWhatCouldNotBeMeasuredToItsEnd) {

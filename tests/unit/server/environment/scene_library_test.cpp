@@ -18,7 +18,7 @@ using testing::HasSubstr;
 std::string library_error(const std::string& name_or_file) {
   try {
     (void)load_scene(name_or_file);
-  } catch (const SceneError& error) {
+  } catch (const std::exception& error) {
     return error.what();
   }
   return "no error";

@@ -263,7 +263,7 @@ TEST_F(ServerTest, CountsEachMotionThatItDidNotAnswer) {
   const auto counters = server->counters();
   EXPECT_EQ(counters.motions_received, 6u);
   EXPECT_EQ(counters.forces_sent, 1u);
-  EXPECT_EQ(counters.motions_overtaken, 1u);
+  EXPECT_EQ(counters.motions_superseded, 1u);
   EXPECT_EQ(counters.motions_reordered, 2u);
   EXPECT_EQ(counters.motions_after_end, 2u);
   EXPECT_EQ(counters.motions_unanswered(), 5u);
@@ -396,7 +396,7 @@ TEST_F(ServerTest, AnswersTheNewestOfTheMotionsThatCameWhileItWasBusy) {
   EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[0]).motion_sequence, 5U);
   EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[0]).motions_received, 5U);
   EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[1]).session, second);
-  EXPECT_EQ(server->counters().motions_overtaken, 4U);
+  EXPECT_EQ(server->counters().motions_superseded, 4U);
   server->answer_waiting();
   EXPECT_TRUE(answers().empty());
 }

@@ -89,14 +89,14 @@ TEST_F(InvariantsTest, FindCountsThatDoNotAddUp) {
   EXPECT_EQ(broken(totals, server), "");
   EXPECT_THAT(broken(totals, server, false), HasSubstr("did not come back"));
   totals.lost_up = 1;
-  EXPECT_THAT(broken(totals, server), HasSubstr("do not add up: 1 sent = 1 answered + 0 overtaken + 1 lost up"));
+  EXPECT_THAT(broken(totals, server), HasSubstr("do not add up: 1 sent = 1 answered + 0 unanswered + 1 lost up"));
   totals.lost_up = 0;
   server.motions_received = 0;
   EXPECT_THAT(broken(totals, server), HasSubstr("counted as lost"));
   server.motions_received = 1;
-  server.motions_overtaken = 1;
+  server.motions_superseded = 1;
   EXPECT_THAT(broken(totals, server), HasSubstr("1 not answered by the server"));
-  server.motions_overtaken = 0;
+  server.motions_superseded = 0;
   totals.sent = 2;
   EXPECT_THAT(broken(totals, server), HasSubstr("2 motions sent, ticks sent 1"));
 }

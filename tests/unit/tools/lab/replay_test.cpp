@@ -355,7 +355,7 @@ TEST(Replay, RefusesInvalidOptions) {
     return refusal(options, rows);
   };
   EXPECT_THAT(with([](auto& o) { o.law = "fba-exactly"; }),
-              StartsWith("--law: unknown law 'fba-exactly'; known are none, fba-less, fba-more, fba-exact"));
+              StartsWith("--law: unknown law 'fba-exactly' (known: none, fba-less, fba-more, fba-exact"));
   EXPECT_EQ(with([](auto& o) { o.damping_N_s_per_m = {}; }), "--damping or --damping-matrix must be given");
   EXPECT_EQ(with([](auto& o) {
               o.damping_N_s_per_m = {1, 2, 3};

@@ -29,25 +29,39 @@ Json summary_of(const char* law, double least_P_J) {
 }
 
 TEST(ComparisonTable, GivesEachRunALineInItsOrder) {
-  const std::string table = comparison_table({summary_of("none", -1.25), summary_of("fba-more", 0.0)});
-  EXPECT_THAT(words_of_line(table, 2), ElementsAre("none", "-1250.000", "0.1235", "299", "104.2"));
-  EXPECT_THAT(words_of_line(table, 3), ElementsAre("fba-more", "0.000", "0.1235", "299", "104.2"));
+  const std::string table =
+      comparison_table({{"a.json", summary_of("none", -1.25)}, {"b.mcap", summary_of("fba-more", 0.0)}});
+  EXPECT_THAT(words_of_line(table, 2), ElementsAre("a.json", "none", "-1250", "0.1235", "299", "104.2"));
+  EXPECT_THAT(words_of_line(table, 3), ElementsAre("b.mcap", "fba-more", "0", "0.1235", "299", "104.2"));
 }
 
 TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
   Json summary = summary_of("fba-less", 0.0);
   summary["passivity"] = {{"minimum_J", nullptr}, {"ok", nullptr}};
   summary.erase("force_age_ms");
-  EXPECT_THAT(words_of_line(comparison_table({summary}), 2), ElementsAre("fba-less", "-", "0.1235", "299", "-"));
-  EXPECT_THAT(words_of_line(comparison_table({Json::object()}), 2), ElementsAre("-", "-", "-", "-", "-"));
+  EXPECT_THAT(words_of_line(comparison_table({{"a.json", summary}}), 2),
+              ElementsAre("a.json", "fba-less", "-", "0.1235", "299", "-"));
+  EXPECT_THAT(words_of_line(comparison_table({{"a.json", Json::object()}}), 2),
+              ElementsAre("a.json", "-", "-", "-", "-", "-"));
 }
 
 TEST(ComparisonTable, HasAUnitOverEachNumber) {
   EXPECT_THAT(words_of_line(comparison_table({}), 1), ElementsAre("[mJ]", "[N^2]", "[N/m]", "[ms]"));
 }
 
-TEST(ComparisonTable, GivesNoSignToWhatIsZeroAsWritten) {
-  EXPECT_THAT(words_of_line(comparison_table({summary_of("none", -1e-9)}), 2)[1], "0.000");
+TEST(ComparisonTable, ShowsALeastPWithinRoundingAsZero) {
+  EXPECT_EQ(words_of_line(comparison_table({{"a.json", summary_of("none", -1e-9)}}), 2)[2], "0");
+  EXPECT_EQ(words_of_line(comparison_table({{"a.json", summary_of("none", -2e-9)}}), 2)[2], "-2e-06");
+}
+
+TEST(ComparisonTable, NamesFilesAsBrieflyAsTellsThemApart) {
+  const Json run = summary_of("none", 0.0);
+  const std::string table = comparison_table({{"out/less/run.mcap", run}, {"out/more/run.mcap", run}, {"c.json", run}});
+  EXPECT_EQ(words_of_line(table, 2)[0], "less/run.mcap");
+  EXPECT_EQ(words_of_line(table, 3)[0], "more/run.mcap");
+  EXPECT_EQ(words_of_line(table, 4)[0], "c.json");
+  const std::string same = comparison_table({{"out/run.mcap", run}, {"out/run.mcap", run}});
+  EXPECT_EQ(words_of_line(same, 2)[0], "run.mcap");
 }
 
 }  // namespace

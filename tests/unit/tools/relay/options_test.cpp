@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdio>
 #include <vector>
+
+#include "forcebound/program/command_line.hpp"
 
 namespace forcebound::relay {
 namespace {
@@ -20,13 +23,22 @@ Options read(const std::vector<const char*>& line, std::uint64_t random_seed = 4
   return read_command_line(static_cast<int>(line.size()), line.data(), random_seed);
 }
 
-CommandLineEnd end_of(const std::vector<const char*>& line) {
-  try {
+/// How the program ends with such a command line.
+struct Ended {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+Ended end_of(const std::vector<const char*>& line) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = program::run(kProgram, [&] {
     read(line);
-  } catch (const CommandLineEnd& end) {
-    return end;
-  }
-  return {-1, "the command line was accepted"};
+    return -1;  // accepted
+  });
+  std::fflush(stdout);
+  return {exit_code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
 }
 
 TEST(RelayOptions, ReadAddressesFilesAndSeed) {
@@ -60,16 +72,16 @@ TEST(RelayOptions, BlackholesAreOfTheWaysTheyName) {
 }
 
 TEST(RelayOptions, HelpTeachesAndEndsWell) {
-  const CommandLineEnd help = end_of({"forcebound-relay", "--help"});
+  const Ended help = end_of({"forcebound-relay", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  EXPECT_THAT(help.text, AllOf(HasSubstr("loss gemodel P"), HasSubstr("--trace"), HasSubstr("--blackhole"),
-                               HasSubstr("Differences from tc"), HasSubstr("Examples, each with")));
+  EXPECT_THAT(help.out, AllOf(HasSubstr("loss gemodel P"), HasSubstr("--trace"), HasSubstr("--blackhole"),
+                              HasSubstr("Differences from tc"), HasSubstr("Examples, each with")));
 }
 
 TEST(RelayOptions, VersionEndsWell) {
-  const CommandLineEnd version = end_of({"forcebound-relay", "--version"});
+  const Ended version = end_of({"forcebound-relay", "--version"});
   EXPECT_EQ(version.exit_code, 0);
-  EXPECT_THAT(version.text, HasSubstr("forcebound-relay " FORCEBOUND_VERSION));
+  EXPECT_THAT(version.out, HasSubstr("forcebound-relay " FORCEBOUND_VERSION));
 }
 
 struct WrongUse {
@@ -81,23 +93,24 @@ void PrintTo(const WrongUse& use, std::ostream* out) { *out << use.says; }
 class RelayOptionsRefuse : public testing::TestWithParam<WrongUse> {};
 
 TEST_P(RelayOptionsRefuse, WithExitCodeTwoNamingTheOption) {
-  const CommandLineEnd end = end_of(GetParam().line);
+  const Ended end = end_of(GetParam().line);
   EXPECT_EQ(end.exit_code, 2);
-  EXPECT_THAT(end.text, HasSubstr(GetParam().says));
+  EXPECT_THAT(end.err, HasSubstr(GetParam().says));
 }
 
-INSTANTIATE_TEST_SUITE_P(WrongUse, RelayOptionsRefuse,
-                         testing::Values(WrongUse{{"forcebound-relay"}, "--listen"},
-                                         WrongUse{{"forcebound-relay", "--listen", "a:1"}, "--upstream"},
-                                         WrongUse{{"forcebound-relay", "--listen", "a", "--upstream", "b:1"},
-                                                  "--listen: 'a'"},
-                                         WrongUse{command_line({"--bogus"}), "--bogus"},
-                                         WrongUse{command_line({"--netem", "loss much"}), "--netem: 'much'"},
-                                         WrongUse{command_line({"--netem-up", "gap 3"}), "--netem-up: 'gap'"},
-                                         WrongUse{command_line({"--netem-down", "delay x"}), "--netem-down: 'x'"},
-                                         WrongUse{command_line({"--blackhole", "up:5"}), "--blackhole: 'up:5'"},
-                                         WrongUse{command_line({"--seed", "-3"}), "--seed: '-3'"},
-                                         WrongUse{command_line({"--seed", "seven"}), "--seed: 'seven'"}));
+INSTANTIATE_TEST_SUITE_P(
+    WrongUse, RelayOptionsRefuse,
+    testing::Values(WrongUse{{"forcebound-relay"}, "--listen"},
+                    WrongUse{{"forcebound-relay", "--listen", "a:1"}, "--upstream"},
+                    WrongUse{{"forcebound-relay", "--listen", "a", "--upstream", "b:1"}, "--listen: 'a'"},
+                    WrongUse{command_line({"--bogus"}), "--bogus"},
+                    WrongUse{command_line({"--netem", "loss much"}), "--netem: 'much'"},
+                    WrongUse{command_line({"--netem-up", "gap 3"}), "--netem-up: 'gap'"},
+                    WrongUse{command_line({"--netem-down", "delay x"}), "--netem-down: 'x'"},
+                    WrongUse{command_line({"--blackhole", "up:5"}), "--blackhole: 'up:5'"},
+                    WrongUse{command_line({"--seed", "-3"}),
+                             "--seed: must be a whole number from 0 to 18446744073709551615, got '-3'"},
+                    WrongUse{command_line({"--seed", "seven"}), "'seven'"}));
 
 }  // namespace
 }  // namespace forcebound::relay

@@ -64,9 +64,9 @@ TEST(Recommendation, IsNothingInPlaceOfTheMostExactWhereNoTimeIsSaved) {
   result.settings[0].at_states.direction_p95_deg = 41;
   EXPECT_EQ(best_setting(result, 0, 1e9), 0U) << "by the error at the device alone";
   EXPECT_THAT(recommendation(result),
-              AllOf(HasSubstr("behind 1 ms: nothing recommended in place of cell_m = 1:\n  0.1 saves 0.03 us a step"),
+              AllOf(HasSubstr("behind 1 ms: nothing recommended in place of cell_m = 1: 0.1 saves 0.03 us a step"),
                     HasSubstr("from 10 us on it counts"), HasSubstr("points 23 deg aside (p95 41 deg)"),
-                    HasSubstr("1 % of the\nserver's step of 1 ms"), Not(HasSubstr("cell_m = 0.1"))));
+                    HasSubstr("1 % of the server's step of 1 ms"), Not(HasSubstr("cell_m = 0.1"))));
 }
 
 TEST(Recommendation, OfARougherSettingSaysWhatItSavesAndThatItsForcePointsAside) {
@@ -85,6 +85,18 @@ TEST(Recommendation, OfTheMostExactNeedsToSaveNothing) {
   EXPECT_THAT(recommendation(result_of({{.cost_us = 20, .at_device = 0.5, .at_states = 0.2},
                                         {.cost_us = 20.5, .at_device = 0.3, .at_states = 0.01}})),
               HasSubstr("behind 1 ms: cell_m = 20, E_dev 30 %, 20.5 us a step\n"));
+}
+
+TEST(Recommendation, IsNothingWhereNoErrorIsAboveTheReferencesUncertainty) {
+  StudyResult result = result_of(
+      {{.cost_us = 20, .at_device = 0.03, .at_states = 0.2}, {.cost_us = 900, .at_device = 0.5, .at_states = 0.01}});
+  result.free_uncertainty = 0.7;
+  EXPECT_THAT(recommendation(result),
+              AllOf(HasSubstr("behind 1 ms: nothing recommended: every setting's E_dev is below "
+                              "210 %"),
+                    Not(HasSubstr("cell_m = 20"))));
+  result.free_uncertainty = 0.1;
+  EXPECT_THAT(recommendation(result), HasSubstr("cell_m = 20, E_dev <= 30 %, 20 us a step"));
 }
 
 TEST(Recommendation, OfASessionAsksNoTime) {

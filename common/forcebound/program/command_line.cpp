@@ -1,0 +1,188 @@
+#include "forcebound/program/command_line.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
+
+namespace forcebound::program {
+namespace {
+
+/// CLI11's own shows checks and needs among the types.
+class HelpFormatter final : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0) return {};
+    std::string text;
+    if (!option->get_positional()) text += " " + option->get_type_name();
+    if (!option->get_default_str().empty()) text += "=" + option->get_default_str();
+    if (option->get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
+    return text;
+  }
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return option->get_description() + (option->get_required() ? " (required)" : "");
+  }
+};
+
+const CLI::App& innermost(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app : innermost(*chosen.front());
+}
+
+/// "forcebound-lab trials"
+std::string command_of(const CLI::App& app) {
+  const CLI::App& chosen = innermost(app);
+  return app.get_name() + (&chosen == &app ? "" : " " + chosen.get_name());
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+std::string unexpected(const CLI::App& app, const std::string& word) {
+  const CLI::App& chosen = innermost(app);
+  if (word.starts_with('-')) {
+    const std::string nearest = text::nearest_name(word, option_names(chosen));
+    return "unknown option '" + word + "'" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+  }
+  const auto commands = subcommand_names(chosen);
+  if (commands.empty()) return "unexpected argument '" + word + "'";
+  return "unknown command '" + word + "'" + text::suggestion(word, commands);
+}
+
+std::string problem_of(const CLI::App& app, const CLI::Error& error) {
+  // A mistyped option explains why another is missing, so it is reported first.
+  const auto unknown = app.remaining(true);
+  if (!unknown.empty()) return unexpected(app, unknown.front());
+  const std::string what = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    return what.substr(0, what.find(':')) + " needs a value";
+  }
+  return what;
+}
+
+End wrong_use(const std::string& program, const std::string& problem, const std::string& command) {
+  return {kWrongUse, program + ": " + problem + " (see " + command + " --help)\n"};
+}
+
+std::optional<std::uint64_t> whole_number(const std::string& text) {
+  std::uint64_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && stopped == end ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+void set_up(CLI::App& app, const std::string& name) {
+  constexpr std::size_t kNameColumns = 32;
+  app.name(name);
+  app.set_help_flag("-h,--help", "print this help and end");
+  app.set_version_flag("--version", name + " " FORCEBOUND_VERSION, "print the version and end");
+  app.formatter_fn([](const CLI::App* of, std::string command, CLI::AppFormatMode mode) {
+    HelpFormatter formatter;
+    formatter.column_width(kNameColumns);
+    formatter.label("Positionals", "Arguments");
+    return text::wrapped_help(formatter.make_help(of, std::move(command), mode));
+  });
+}
+
+void parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    std::ostringstream out;
+    app.exit(asked, out, out);
+    throw End{kDone, out.str()};
+  } catch (const CLI::Error& error) {
+    throw wrong_use(app.get_name(), problem_of(app, error), command_of(app));
+  } catch (const std::invalid_argument& error) {
+    throw wrong_use(app.get_name(), error.what(), command_of(app));
+  }
+}
+
+int run(const std::string& name, const std::function<int()>& work) noexcept {
+  const auto end_with = [](const End& end) {
+    std::fputs(end.text.c_str(), end.exit_code == kDone ? stdout : stderr);
+    return end.exit_code;
+  };
+  try {
+    return work();
+  } catch (const End& end) {
+    return end_with(end);
+  } catch (const std::invalid_argument& error) {
+    return end_with(wrong_use(name, error.what(), name));
+  } catch (const std::exception& error) {
+    return end_with({kFailed, name + ": " + error.what() + "\n"});
+  }
+}
+
+CLI::Validator one_of(const std::string& what, std::vector<std::string> names) {
+  return {[what, names = std::move(names)](const std::string& value) -> std::string {
+            if (std::ranges::find(names, value) != names.end()) return {};
+            return "unknown " + what + " '" + value + "'" + text::suggestion(value, names);
+          },
+          ""};
+}
+
+CLI::Validator number_within(double least, double most) {
+  return {[least, most](const std::string& value) -> std::string {
+            const auto number = text::finite_number(value);
+            if (number && *number >= least && *number <= most) return {};
+            return "must be a number from " + text::to_text(least) + " to " + text::to_text(most) + ", got '" + value +
+                   "'";
+          },
+          ""};
+}
+
+CLI::Validator number_above_zero() {
+  return {[](const std::string& value) -> std::string {
+            constexpr double kMost = 1e9;
+            const auto number = text::finite_number(value);
+            if (number && *number > 0 && *number <= kMost) return {};
+            return "must be a number above 0, up to 1e9, got '" + value + "'";
+          },
+          ""};
+}
+
+CLI::Validator whole_within(std::uint64_t least, std::uint64_t most) {
+  return {[least, most](const std::string& value) -> std::string {
+            const auto number = whole_number(value);
+            if (number && *number >= least && *number <= most) return {};
+            return "must be a whole number from " + std::to_string(least) + " to " + std::to_string(most) + ", got '" +
+                   value + "'";
+          },
+          ""};
+}
+
+CLI::Validator accepted_by(std::function<void(const std::string&)> parser) {
+  return {[parser = std::move(parser)](const std::string& value) -> std::string {
+            try {
+              parser(value);
+              return {};
+            } catch (const std::invalid_argument& error) {
+              return error.what();
+            }
+          },
+          ""};
+}
+
+}  // namespace forcebound::program

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What the command lines of all programs have in common: the look of --help, the wording of errors, and exit codes.
+namespace forcebound::program {
+
+/// Exit codes. Wrong use: an option is unknown, lacks its value, has one that can never be right, or does not go with
+/// another. Failed: the command line is right, but a file, host or device cannot be used.
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kWrongUse = 2;
+
+/// The last line of every program's --help.
+inline constexpr std::string_view kExitCodes = "Exit code: 0 done, 1 failed, 2 wrong use.";
+
+/// The program ends after its command line: help, version or wrong use.
+struct End {
+  int exit_code = kDone;
+  std::string text;  ///< for stdout if the exit code is 0, else one line for stderr
+};
+
+/// Gives a program its name, --help, --version and the look of its help, 80 columns wide. Paragraphs of descriptions
+/// and footers are written as one line each. To be called before subcommands are added, which have the same look.
+void set_up(CLI::App& app, const std::string& name);
+
+/// Reads the command line, and runs the subcommand's callback if there is one.
+/// @throws End for --help, --version and wrong use, which a callback reports as std::invalid_argument.
+/// @throws std::exception what a callback throws otherwise.
+void parse(CLI::App& app, int argc, const char* const* argv);
+
+/// Runs a program: prints what ends it as one line on stderr. @returns its exit code: that of an End, kWrongUse for
+/// std::invalid_argument, kFailed for any other exception.
+int run(const std::string& name, const std::function<int()>& work) noexcept;
+
+/// The value that `read` returns; the message of a std::invalid_argument gets the option's name in front.
+template <typename Read>
+auto value_of(std::string_view option, Read&& read) {
+  try {
+    return read();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string(option) + ": " + error.what());
+  }
+}
+
+/// Checks of an option's value. The message says what would be accepted; --help does not show them.
+///
+/// One of some names; an unknown one gets a suggestion: "unknown law 'fba', did you mean ...". @param what "law"
+CLI::Validator one_of(const std::string& what, std::vector<std::string> names);
+/// A finite number.
+CLI::Validator number_within(double least, double most = 1e9);
+/// Up to 1e9.
+CLI::Validator number_above_zero();
+CLI::Validator whole_within(std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// What a parser accepts, which otherwise throws std::invalid_argument.
+CLI::Validator accepted_by(std::function<void(const std::string&)> parser);
+
+}  // namespace forcebound::program

@@ -1,0 +1,32 @@
+#include "tests/tools/lab/option_checks.hpp"
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
+
+namespace forcebound::lab {
+
+CLI::Validator known_law() { return program::one_of("law", baselines::shipped_laws().names()); }
+
+CLI::Validator known_device() {
+  return program::accepted_by([](const std::string& device) {
+    if (!device::names_a_file(device)) (void)device::load_device(device);
+  });
+}
+
+CLI::Validator known_scene() {
+  return program::accepted_by([](const std::string& scene) {
+    if (!device::names_a_file(scene)) (void)server::scene_source(scene);
+  });
+}
+
+CLI::Validator known_network() {
+  return program::accepted_by([](const std::string& words) {
+    if (!words.starts_with(kTraceWord)) (void)network_of(words);
+  });
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+/// Checks of options that several commands of the lab have.
+namespace forcebound::lab {
+
+/// A law that ships.
+CLI::Validator known_law();
+/// A device that ships, or a file.
+CLI::Validator known_device();
+/// A scene that ships, or a file.
+CLI::Validator known_scene();
+/// none, netem's words, or trace:FILE.
+CLI::Validator known_network();
+
+}  // namespace forcebound::lab
