@@ -39,8 +39,8 @@ TEST(IncludeRule, FindsAForbiddenConceptAndSaysWhereAndWhatIsAllowed) {
   EXPECT_EQ(only_violation("common/forcebound/scene/effects/surface.cpp",
                            "#include \"forcebound/control/vector.hpp\"\n#include \"forcebound/wire/messages.hpp\"\n"),
             "common/forcebound/scene/effects/surface.cpp:2: forcebound/scene/effects must not include "
-            "'forcebound/wire/messages.hpp', only what lies below forcebound/scene/effects, forcebound/control, "
-            "forcebound/text, forcebound/scene/geometry");
+            "'forcebound/wire/messages.hpp', only what lies below forcebound/scene/effects, forcebound/config, "
+            "forcebound/control, forcebound/text, forcebound/scene/geometry");
 }
 
 TEST(IncludeRule, KeepsClientAndServerApart) {
@@ -67,6 +67,12 @@ TEST(IncludeRule, KeepsGeneratedCodeOutOfHeaders) {
   EXPECT_THAT(violations("common/forcebound/wire/codec.cpp", kText), IsEmpty());
   EXPECT_THAT(only_violation("common/forcebound/wire/codec.hpp", kText),
               HasSubstr(".cpp files of common/forcebound/wire"));
+}
+
+TEST(IncludeRule, KeepsTheTomlLibraryInOneFile) {
+  EXPECT_THAT(violations("common/forcebound/config/node.cpp", "#include <toml++/toml.h>\n"), IsEmpty());
+  EXPECT_THAT(only_violation("common/forcebound/config/node.hpp", "#include <toml++/toml.h>\n"),
+              HasSubstr("common/forcebound/config/node.cpp"));
 }
 
 TEST(IncludeRule, KeepsAsioInTheFilesOfUdp) {

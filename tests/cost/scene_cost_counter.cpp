@@ -19,18 +19,18 @@
 namespace forcebound::server {
 namespace {
 
-scene::EffectRegistry registry(const std::string& which) {
+scene::Registry registry(const std::string& which) {
   if (which == "only") {
-    scene::EffectRegistry only;
+    scene::Registry only;
     only.add(scene::surface_effect());
     return only;
   }
-  scene::EffectRegistry all = scene::EffectRegistry::standard();
+  scene::Registry all = scene::Registry::standard();
   for (const char* name : {"bomb_1", "bomb_2", "bomb_3"}) {
-    all.add({.name = name,
-             .purpose = "",
-             .law = "",
-             .make = [](const scene::EffectValues&) -> std::unique_ptr<scene::Effect> { std::abort(); }});
+    all.add(
+        {.name = name, .purpose = "", .law = "", .make = [](const scene::Values&) -> std::unique_ptr<scene::Effect> {
+           std::abort();
+         }});
   }
   return all;
 }

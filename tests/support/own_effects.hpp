@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "forcebound/scene/effects/registry.hpp"
+#include "forcebound/scene/registry.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 
 /// Effects for tests of the plan.
@@ -47,15 +47,14 @@ class NearEffect final : public scene::Effect {
 
 template <class Effect>
 scene::EffectKind own_effect(std::string_view name, scene::EffectPlace place) {
-  return {
-      .name = name, .purpose = "for tests", .law = "its own", .place = place, .make = [](const scene::EffectValues&) {
-        return std::make_unique<Effect>();
-      }};
+  return {.name = name, .purpose = "for tests", .law = "its own", .place = place, .make = [](const scene::Values&) {
+            return std::make_unique<Effect>();
+          }};
 }
 
 /// A scene of three axes with these parts; `clock`, `pressed` and `near` are registered beside the shipped effects.
 inline std::shared_ptr<const scene::Scene> scene_with_own_effects(const std::string& parts) {
-  scene::EffectRegistry registry = scene::EffectRegistry::standard();
+  scene::Registry registry = scene::Registry::standard();
   registry.add(own_effect<ClockEffect>("clock", scene::EffectPlace::space));
   registry.add(own_effect<PressedEffect>("pressed", scene::EffectPlace::surface));
   registry.add(own_effect<NearEffect>("near", scene::EffectPlace::surface));

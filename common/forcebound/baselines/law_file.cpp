@@ -1,21 +1,21 @@
 #include "forcebound/baselines/law_file.hpp"
 
-#include "forcebound/config/toml_section.hpp"
+#include "forcebound/config/checked_table.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::baselines {
 namespace {
 
-control::LawParameters read_law(config::TomlSection section, const control::LawDescription& law) {
+control::LawParameters read_law(config::CheckedTable section, const control::LawDescription& law) {
   control::LawParameters chosen;
   for (const control::LawParameter& parameter : law.parameters) {
-    if (!section.has(parameter.name)) continue;
-    const double value = section.number(parameter.name, config::Allowed::any);
+    if (section.find(parameter.name) == nullptr) continue;
+    const double value = section.number({.key = parameter.name});
     if (!parameter.accepts(value)) section.refuse(parameter.name, parameter.accepted());
     chosen[parameter.name] = value;
   }
-  section.refuse_other_keys("no parameter");
+  section.refuse_unknown_keys("no parameter");
   return chosen;
 }
 
@@ -23,18 +23,16 @@ control::LawParameters read_law(config::TomlSection section, const control::LawD
 
 control::LawParameters parse_law_parameters(std::string_view toml_text, const std::string& place, std::string_view law,
                                             const control::LawRegistry& laws) {
-  const toml::table table = config::parse_toml(toml_text, place);
-  config::TomlSection file(table, place, "law parameters");
+  const config::Node node = config::parse_toml(toml_text, place);
+  config::CheckedTable file(node, place, "law parameters");
   control::LawParameters chosen;
   for (const std::string& name : laws.names()) {
-    if (!file.has(name)) continue;
-    const toml::table* own = table.get(name)->as_table();
-    if (own == nullptr) file.refuse(name, "a table [" + name + "]");
-    const control::LawParameters read =
-        read_law(config::TomlSection(*own, place, "law '" + name + "'"), laws.find(name));
+    if (file.find(name) == nullptr) continue;
+    const config::Node& own = file.table(name).node();
+    const control::LawParameters read = read_law({own, place, "law '" + name + "'"}, laws.find(name));
     if (name == law) chosen = read;
   }
-  file.refuse_other_keys("no law");
+  file.refuse_unknown_keys("no law");
   return chosen;
 }
 

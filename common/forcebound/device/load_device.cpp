@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "forcebound/config/toml_section.hpp"
+#include "forcebound/config/checked_table.hpp"
 #include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -11,62 +11,62 @@
 namespace forcebound::device {
 namespace {
 
-constexpr double kHoldMax = 1.0;         // a force in effect for longer without a new one is not "held"
-constexpr double kPeriodLeast_s = 1e-4;  // a faster loop would leave other threads no time
-constexpr double kPeriodMost_s = 0.1;
-constexpr double kLatencyMax = 0.01;  // ten ticks: a device slower than that is not for 1 kHz
+using config::NumberParameter;
 
-void read_joints(config::TomlSection& file, DeviceDescription& device, int dof) {
+NumberParameter positive(std::string_view key) { return {.key = key, .least = 0, .least_excluded = true}; }
+NumberParameter not_negative(std::string_view key) { return {.key = key, .preset = 0, .least = 0}; }
+
+void read_joints(config::CheckedTable& file, DeviceDescription& device, int dof) {
   const bool arm = device.arm.has_value();
   control::DeviceFacts& facts = device.facts;
   device.inertia = file.matrix(arm ? "joint_inertia_kg_m2" : "mass_kg", dof);
   facts.damping = file.matrix(arm ? "joint_damping_N_m_s_per_rad" : "damping_N_s_per_m", dof);
-  facts.friction = file.vector_or(arm ? "joint_friction_N_m" : "friction_N", dof, config::Allowed::not_negative, 0);
-  facts.encoder_step =
-      file.vector_or(arm ? "encoder_step_rad" : "encoder_step_m", dof, config::Allowed::not_negative, 0);
-  facts.actuator_step =
-      file.vector_or(arm ? "actuator_step_N_m" : "actuator_step_N", dof, config::Allowed::not_negative, 0);
+  facts.friction = file.vector(not_negative(arm ? "joint_friction_N_m" : "friction_N"), dof);
+  facts.encoder_step = file.vector(not_negative(arm ? "encoder_step_rad" : "encoder_step_m"), dof);
+  facts.actuator_step = file.vector(not_negative(arm ? "actuator_step_N_m" : "actuator_step_N"), dof);
 }
 
-void read_limits(config::TomlSection& file, control::DeviceFacts& facts) {
-  facts.period_s = file.number_or("period_s", config::Allowed::positive, facts.period_s);
-  if (facts.period_s < kPeriodLeast_s || facts.period_s > kPeriodMost_s) file.refuse("period_s", "0.0001 to 0.1");
-  facts.force_N_max = file.number("force_N_max", config::Allowed::positive);
-  facts.hold_s_max = file.number_or("hold_s_max", config::Allowed::positive, facts.hold_s_max);
-  if (facts.hold_s_max > kHoldMax) file.refuse("hold_s_max", "<= 1");
+void read_limits(config::CheckedTable& file, control::DeviceFacts& facts) {
+  // A faster loop would leave other threads no time.
+  facts.period_s = file.number({.key = "period_s", .preset = facts.period_s, .least = 1e-4, .most = 0.1});
+  facts.force_N_max = file.number(positive("force_N_max"));
+  // A force in effect for longer without a new one is not "held".
+  facts.hold_s_max =
+      file.number({.key = "hold_s_max", .preset = facts.hold_s_max, .least = 0, .least_excluded = true, .most = 1});
   if (facts.hold_s_max < facts.period_s) file.refuse("hold_s_max", ">= period_s, or no force would last a tick");
-  facts.releases = file.flag_or("releases", facts.releases);
-  facts.latency_s = file.number_or("latency_s", config::Allowed::not_negative, facts.latency_s);
-  if (facts.latency_s > kLatencyMax) file.refuse("latency_s", "<= 0.01");
+  facts.releases = file.flag("releases", facts.releases);
+  // Ten ticks: a device slower than that is not for 1 kHz.
+  facts.latency_s = file.number({.key = "latency_s", .preset = facts.latency_s, .least = 0, .most = 0.01});
 }
 
-ArmGeometry read_arm(config::TomlSection section) {
+ArmGeometry read_arm(config::CheckedTable section) {
   ArmGeometry arm;
-  arm.upper_length_m = section.number("upper_length_m", config::Allowed::positive);
-  arm.fore_length_m = section.number("fore_length_m", config::Allowed::positive);
-  arm.origin_reach_m = section.number("origin_reach_m", config::Allowed::any);
-  arm.origin_height_m = section.number("origin_height_m", config::Allowed::any);
-  section.refuse_other_keys();
+  arm.upper_length_m = section.number(positive("upper_length_m"));
+  arm.fore_length_m = section.number(positive("fore_length_m"));
+  arm.origin_reach_m = section.number({.key = "origin_reach_m"});
+  arm.origin_height_m = section.number({.key = "origin_height_m"});
+  section.refuse_unknown_keys();
   return arm;
 }
 
 }  // namespace
 
 DeviceDescription parse_device(std::string_view toml_text, const std::string& place) {
-  const toml::table table = config::parse_toml(toml_text, place);
+  const config::Node node = config::parse_toml(toml_text, place);
   DeviceDescription device;
   device.facts.name = std::filesystem::path(place).stem().string();
-  config::TomlSection file(table, place, "device '" + device.facts.name + "'");
+  config::CheckedTable file(node, place, "device '" + device.facts.name + "'");
   const std::string kind = file.text("kind");
   if (kind != "cartesian" && kind != "arm") file.refuse("kind", "\"cartesian\" or \"arm\"");
   device.facts.cartesian = kind == "cartesian";
   const int dof_least = device.facts.cartesian ? 1 : 3;
   const int dof_most = device.facts.cartesian ? control::kDofMax : 3;
-  const int dof = file.integer("degrees_of_freedom", dof_least, dof_most);
-  if (kind == "arm") device.arm = read_arm(file.section("arm"));
+  const int dof = file.whole(
+      {.key = "degrees_of_freedom", .least = static_cast<double>(dof_least), .most = static_cast<double>(dof_most)});
+  if (kind == "arm") device.arm = read_arm(file.table("arm"));
   read_joints(file, device, dof);
   read_limits(file, device.facts);
-  file.refuse_other_keys();
+  file.refuse_unknown_keys();
   return device;
 }
 

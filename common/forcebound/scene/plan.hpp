@@ -13,6 +13,7 @@ namespace forcebound::scene {
 /// One effect that an object or field asks for, and its description.
 struct RequestedEffect {
   std::string name;
+  config::Values values;  ///< as they were given, without presets
   std::string law;
   std::string parameters;  ///< "stiffness_N_per_m 50000, damping_N_s_per_m 0"
   std::unique_ptr<Effect> effect;
@@ -21,9 +22,11 @@ struct RequestedEffect {
 /// An [[object]], or a [[field]], which has no shape.
 struct SceneObject {
   std::string name;
-  std::string shape_text;  ///< "sphere, center_m [0, 0, 0], radius_m 0.02"
-  std::unique_ptr<Shape> shape;
-  std::vector<RequestedEffect> effects;
+  std::string shape_kind{};
+  config::Values shape_values{};  ///< as they were given, without presets
+  std::string shape_text{};       ///< "sphere, center_m [0, 0, 0], radius_m 0.02"
+  std::unique_ptr<Shape> shape{};
+  std::vector<RequestedEffect> effects{};
 };
 
 /// One effect of the flat list.

@@ -8,7 +8,7 @@ using namespace forcebound::scene;
 
 class Ratchet final : public Effect {
  public:
-  explicit Ratchet(const EffectValues& values)
+  explicit Ratchet(const Values& values)
       : stiffness_N_per_m_(values.number("stiffness_N_per_m")), direction_(values.point("direction")) {}
 
   void act(const Probe& probe, std::byte* state, Reaction& reaction) const noexcept override {
@@ -50,5 +50,5 @@ EffectKind ratchet_effect() {
                                         .meaning = "e, where it gives way",
                                         .preset = Point::UnitX(),
                                         .is_direction = true}},
-          .make = [](const EffectValues& values) { return std::make_unique<Ratchet>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Ratchet>(values); }};
 }

@@ -31,7 +31,7 @@ bool felt(const forcebound::net::Address& address) {
 }  // namespace
 
 int main() try {
-  scene::EffectRegistry registry = scene::EffectRegistry::standard();
+  scene::Registry registry = scene::Registry::standard();
   registry.add(ratchet_effect());
   server::SceneLibrary scenes;
   scenes.add(server::load_scene(SCENE_FILE, registry));

@@ -72,7 +72,7 @@ TEST(LawFile, SaysWhatAValueMayBe) {
   EXPECT_EQ(refusal("[tuned]\nmass_kg = -1\n"), "laws.toml:2: law 'tuned': mass_kg must be >= 0, got -1");
   EXPECT_EQ(refusal("[tuned]\ngain = 'much'\n"), "laws.toml:2: law 'tuned': gain must be a finite number, got 'much'");
   EXPECT_EQ(refusal("[tuned]\ngain = nan\n"), "laws.toml:2: law 'tuned': gain must be a finite number, got nan");
-  EXPECT_EQ(refusal("tuned = 1\n"), "laws.toml:1: law parameters: tuned must be a table [tuned], got 1");
+  EXPECT_EQ(refusal("tuned = 1\n"), "laws.toml:1: law parameters: tuned must be a table, got 1");
 }
 
 TEST(LawFile, SaysWhereItIsNoToml) { EXPECT_EQ(refusal("[tuned]\ngain =\n").substr(0, 23), "laws.toml:2: not TOML: "); }

@@ -94,10 +94,10 @@ TEST(ParseDevice, RefusesWhatNoDeviceCanBe) {
   EXPECT_THAT(with("friction_N = [0]\n"), HasSubstr("friction_N must have 2 numbers, got 1"));
   EXPECT_THAT(with("friction_N = 'much'\n"), HasSubstr("friction_N must be a finite number, got 'much'"));
   EXPECT_THAT(with("encoder_step_m = nan\n"), HasSubstr("encoder_step_m must be a finite number, got nan"));
-  EXPECT_THAT(with("hold_s_max = 0\n"), HasSubstr("hold_s_max must be > 0, got 0"));
+  EXPECT_THAT(with("hold_s_max = 0\n"), HasSubstr("hold_s_max must be > 0 and <= 1, got 0"));
   EXPECT_THAT(with("releases = 1\n"), HasSubstr("releases must be true or false, got 1"));
-  EXPECT_THAT(with("hold_s_max = 2\n"), HasSubstr("hold_s_max must be <= 1, got 2"));
-  EXPECT_THAT(with("latency_s = 0.02\n"), HasSubstr("latency_s must be <= 0.01, got 0.02"));
+  EXPECT_THAT(with("hold_s_max = 2\n"), HasSubstr("hold_s_max must be > 0 and <= 1, got 2"));
+  EXPECT_THAT(with("latency_s = 0.02\n"), HasSubstr("latency_s must be >= 0 and <= 0.01, got 0.02"));
   EXPECT_THAT(with("[arm]\n"), HasSubstr("mine.toml:6: device 'mine': unknown key 'arm'"));
   EXPECT_THAT(with("force_N_max = 3\n"), HasSubstr("mine.toml:6: not TOML: "));
 }
@@ -112,13 +112,13 @@ TEST(ParseDevice, RefusesDampingThatIsNotPositiveDefinite) {
 }
 
 TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
-  EXPECT_EQ(refusal_of(""), "devices/mine.toml:1: device 'mine': needs 'kind'");
+  EXPECT_EQ(refusal_of(""), "devices/mine.toml:1: device 'mine': 'kind' is missing");
   EXPECT_THAT(refusal_of("kind = 'delta'\n"), HasSubstr("kind must be \"cartesian\" or \"arm\", got 'delta'"));
   EXPECT_THAT(refusal_of("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
               HasSubstr("degrees_of_freedom must be a whole number from 1 to 6, got 7"));
-  EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("needs 'arm'"));
+  EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));
   EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
-              HasSubstr("mine.toml:4: device 'mine', [arm]: upper_length_m must be > 0, got 0"));
+              HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
 }
 
 TEST(LoadDevice, UnknownNameIsAnsweredWithTheKnownOnes) {

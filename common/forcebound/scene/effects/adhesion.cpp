@@ -14,7 +14,7 @@ struct Glue {
 
 class Adhesion final : public Effect {
  public:
-  explicit Adhesion(const EffectValues& values)
+  explicit Adhesion(const Values& values)
       : stiffness_N_per_m_(values.number("stiffness_N_per_m")),
         tear_N_(values.number("tear_N")),
         shear_{values.number("shear_stiffness_N_per_m"), 0},
@@ -69,7 +69,7 @@ EffectKind adhesion_effect() {
                            .most = 1e9},
            NumberParameter{
                .key = "shear_N", .meaning = "sideways force at which it slips", .preset = 0, .least = 0, .most = 1e6}},
-      .make = [](const EffectValues& values) { return std::make_unique<Adhesion>(values); }};
+      .make = [](const Values& values) { return std::make_unique<Adhesion>(values); }};
 }
 
 }  // namespace forcebound::scene

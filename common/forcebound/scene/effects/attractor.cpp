@@ -11,7 +11,7 @@ constexpr double kPlummer = 2.5980762113533159403;
 
 class Linear final : public Effect {
  public:
-  explicit Linear(const EffectValues& values)
+  explicit Linear(const Values& values)
       : center_m_(values.point("center_m")),
         force_N_max_(values.number("force_N_max")),
         radius_m_(values.number("radius_m")) {}
@@ -31,7 +31,7 @@ class Linear final : public Effect {
 
 class InverseSquare final : public Effect {
  public:
-  explicit InverseSquare(const EffectValues& values)
+  explicit InverseSquare(const Values& values)
       : center_m_(values.point("center_m")),
         force_N_max_(values.number("force_N_max")),
         radius_m_(values.number("radius_m")) {}
@@ -69,7 +69,7 @@ EffectKind attractor_effect() {
                          ChoiceParameter{.key = "falloff",
                                          .meaning = "how the pull depends on the distance r",
                                          .choices = {"linear", "inverse_square"}}},
-          .make = [](const EffectValues& values) -> std::unique_ptr<Effect> {
+          .make = [](const Values& values) -> std::unique_ptr<Effect> {
             if (values.choice("falloff") == "linear") return std::make_unique<Linear>(values);
             return std::make_unique<InverseSquare>(values);
           }};

@@ -23,7 +23,7 @@ EffectKind constant_force_effect() {
           .law = "f = force_N",
           .place = EffectPlace::space,
           .parameters = {PointParameter{.key = "force_N", .meaning = "on the device"}},
-          .make = [](const EffectValues& values) { return std::make_unique<ConstantForce>(values.point("force_N")); }};
+          .make = [](const Values& values) { return std::make_unique<ConstantForce>(values.point("force_N")); }};
 }
 
 }  // namespace forcebound::scene

@@ -30,7 +30,7 @@ Wave wave_of(std::string_view waveform) {
 
 class Drive final : public Effect {
  public:
-  explicit Drive(const EffectValues& values)
+  explicit Drive(const Values& values)
       : wave_(wave_of(values.choice("waveform"))),
         amplitude_N_(values.number("amplitude_N") * values.point("direction")),
         frequency_Hz_(values.number("frequency_Hz")),
@@ -73,7 +73,7 @@ class Drive final : public Effect {
   double duty_;
 };
 
-std::vector<EffectParameter> parameters() {
+std::vector<Parameter> parameters() {
   return {ChoiceParameter{.key = "waveform",
                           .meaning = "s, the shape of the wave",
                           .choices = {"sine", "square", "triangle", "sawtooth", "pulse", "chirp"}},
@@ -110,7 +110,7 @@ EffectKind drive_effect() {
           .law = "f = A e s(f0 (t - t0) + phase/(2 pi)) while t0 <= t < t0 + D",
           .place = EffectPlace::space,
           .parameters = parameters(),
-          .make = [](const EffectValues& values) { return std::make_unique<Drive>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Drive>(values); }};
 }
 
 }  // namespace forcebound::scene

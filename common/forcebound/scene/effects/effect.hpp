@@ -8,10 +8,17 @@
 #include <type_traits>
 #include <vector>
 
-#include "forcebound/scene/effects/parameter.hpp"
+#include "forcebound/config/parameter.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 
 namespace forcebound::scene {
+
+using config::ChoiceParameter;
+using config::FlagParameter;
+using config::NumberParameter;
+using config::Parameter;
+using config::PointParameter;
+using config::Values;
 
 /// Inputs of an effect beside position and contact. The plan computes an input only if an effect of the scene asks.
 struct Inputs {
@@ -93,9 +100,9 @@ struct EffectKind {
   std::string_view purpose;  ///< what a hand feels, in one line
   std::string_view law;      ///< its equation in one line
   EffectPlace place = EffectPlace::surface;
-  std::vector<EffectParameter> parameters{};  ///< every key its table may have
+  std::vector<Parameter> parameters{};  ///< every key its table may have
   /// @throws std::invalid_argument where values, each in range, contradict each other
-  std::function<std::unique_ptr<Effect>(const EffectValues& values)> make;
+  std::function<std::unique_ptr<Effect>(const Values& values)> make;
 };
 
 }  // namespace forcebound::scene

@@ -7,7 +7,7 @@ constexpr double kHand_m_per_s = 0.5;
 
 class Flow final : public Effect {
  public:
-  explicit Flow(const EffectValues& values)
+  explicit Flow(const Values& values)
       : velocity_m_per_s_(values.point("velocity_m_per_s")),
         damping_N_s_per_m_(values.number("damping_N_s_per_m")),
         drag_N_s2_per_m2_(values.number("drag_N_s2_per_m2")) {}
@@ -44,7 +44,7 @@ EffectKind flow_effect() {
                NumberParameter{.key = "damping_N_s_per_m", .meaning = "B, linear drag", .least = 0, .most = 1e6},
                NumberParameter{
                    .key = "drag_N_s2_per_m2", .meaning = "C, quadratic drag", .preset = 0, .least = 0, .most = 1e6}},
-          .make = [](const EffectValues& values) { return std::make_unique<Flow>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Flow>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -10,7 +10,7 @@ namespace {
 
 class Friction final : public Effect {
  public:
-  explicit Friction(const EffectValues& values)
+  explicit Friction(const Values& values)
       : law_{values.number("stiffness_N_per_m"), values.number("damping_N_s_per_m")},
         static_(values.number("static_coefficient")),
         dynamic_(values.number("dynamic_coefficient")) {
@@ -62,7 +62,7 @@ EffectKind friction_effect() {
                                .most = 1e9},
                NumberParameter{
                    .key = "damping_N_s_per_m", .meaning = "of the bristle", .preset = 0, .least = 0, .most = 1e6}},
-          .make = [](const EffectValues& values) { return std::make_unique<Friction>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Friction>(values); }};
 }
 
 }  // namespace forcebound::scene

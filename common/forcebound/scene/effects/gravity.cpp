@@ -5,7 +5,7 @@ namespace {
 
 class Gravity final : public Effect {
  public:
-  explicit Gravity(const EffectValues& values)
+  explicit Gravity(const Values& values)
       : weight_N_(values.number("mass_kg") * values.number("gravity_m_per_s2") * values.point("direction")) {}
 
   void act(const Probe&, std::byte*, Reaction& reaction) const noexcept override { reaction.force_N += weight_N_; }
@@ -28,7 +28,7 @@ EffectKind gravity_effect() {
                PointParameter{.key = "direction", .meaning = "e, direction of gravity", .is_direction = true},
                NumberParameter{
                    .key = "gravity_m_per_s2", .meaning = "g, acceleration", .preset = 9.81, .least = 0, .most = 1e6}},
-          .make = [](const EffectValues& values) { return std::make_unique<Gravity>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Gravity>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -4,7 +4,7 @@
 
 namespace forcebound::scene {
 
-GuideSpring::GuideSpring(const EffectValues& values)
+GuideSpring::GuideSpring(const Values& values)
     : stiffness_N_per_m_(values.number("stiffness_N_per_m")),
       damping_N_s_per_m_(values.number("damping_N_s_per_m")),
       radius_m_(values.number("radius_m")),
@@ -28,7 +28,7 @@ EffectFacts GuideSpring::facts() const {
           .cost_ns = 10};
 }
 
-std::vector<EffectParameter> GuideSpring::parameters(std::vector<EffectParameter> own) {
+std::vector<Parameter> GuideSpring::parameters(std::vector<Parameter> own) {
   own.insert(own.end(), {NumberParameter{.key = "stiffness_N_per_m",
                                          .meaning = "K, outside of the dead zone",
                                          .least = 0,

@@ -18,7 +18,7 @@ namespace forcebound::scene {
 /// `force_N_max` F > 0 (default: no limit).
 class GuideSpring {
  public:
-  explicit GuideSpring(const EffectValues& values);
+  explicit GuideSpring(const Values& values);
 
   /// `out_m` is o; `velocity_m_per_s` is w.
   void pull(const Point& out_m, const Point& velocity_m_per_s, Reaction& reaction) const noexcept;
@@ -26,7 +26,7 @@ class GuideSpring {
   [[nodiscard]] EffectFacts facts() const;
 
   /// `own` ones, then those of every guide.
-  [[nodiscard]] static std::vector<EffectParameter> parameters(std::vector<EffectParameter> own);
+  [[nodiscard]] static std::vector<Parameter> parameters(std::vector<Parameter> own);
 
  private:
   double stiffness_N_per_m_;

@@ -5,7 +5,7 @@ namespace {
 
 class Magnet final : public Effect {
  public:
-  explicit Magnet(const EffectValues& values)
+  explicit Magnet(const Values& values)
       : force_N_max_(values.number("force_N_max")), range_m_(values.number("range_m")) {}
 
   void act(const Probe& probe, std::byte*, Reaction& reaction) const noexcept override {
@@ -39,7 +39,7 @@ EffectKind magnet_effect() {
                                          .least = 0,
                                          .least_excluded = true,
                                          .most = 1e3}},
-          .make = [](const EffectValues& values) { return std::make_unique<Magnet>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Magnet>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -7,7 +7,7 @@ namespace {
 
 class SpringToLine final : public Effect {
  public:
-  explicit SpringToLine(const EffectValues& values)
+  explicit SpringToLine(const Values& values)
       : through_m_(values.point("through_m")), direction_(values.point("direction")), spring_(values) {}
 
   void act(const Probe& probe, std::byte*, Reaction& reaction) const noexcept override {
@@ -37,7 +37,7 @@ EffectKind spring_to_line_effect() {
       .parameters = GuideSpring::parameters(
           {PointParameter{.key = "through_m", .meaning = "c, on the line"},
            PointParameter{.key = "direction", .meaning = "a, along the line", .is_direction = true}}),
-      .make = [](const EffectValues& values) { return std::make_unique<SpringToLine>(values); }};
+      .make = [](const Values& values) { return std::make_unique<SpringToLine>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -7,7 +7,7 @@ namespace {
 
 class SpringToPlane final : public Effect {
  public:
-  explicit SpringToPlane(const EffectValues& values)
+  explicit SpringToPlane(const Values& values)
       : through_m_(values.point("through_m")), normal_(values.point("normal")), spring_(values) {}
 
   void act(const Probe& probe, std::byte*, Reaction& reaction) const noexcept override {
@@ -34,7 +34,7 @@ EffectKind spring_to_plane_effect() {
           .parameters = GuideSpring::parameters(
               {PointParameter{.key = "through_m", .meaning = "c, on the plane"},
                PointParameter{.key = "normal", .meaning = "n, of the plane", .is_direction = true}}),
-          .make = [](const EffectValues& values) { return std::make_unique<SpringToPlane>(values); }};
+          .make = [](const Values& values) { return std::make_unique<SpringToPlane>(values); }};
 }
 
 }  // namespace forcebound::scene

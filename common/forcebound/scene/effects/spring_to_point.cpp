@@ -7,7 +7,7 @@ namespace {
 
 class SpringToPoint final : public Effect {
  public:
-  explicit SpringToPoint(const EffectValues& values) : center_m_(values.point("center_m")), spring_(values) {}
+  explicit SpringToPoint(const Values& values) : center_m_(values.point("center_m")), spring_(values) {}
 
   void act(const Probe& probe, std::byte*, Reaction& reaction) const noexcept override {
     spring_.pull(probe.position_m - center_m_, probe.velocity_m_per_s, reaction);
@@ -28,7 +28,7 @@ EffectKind spring_to_point_effect() {
           .law = "f = -(o/e) min(K s, F) - min(B, F/|v|) v while s = e - R > 0; o = x - c, e = |o|",
           .place = EffectPlace::space,
           .parameters = GuideSpring::parameters({PointParameter{.key = "center_m", .meaning = "c, where it holds"}}),
-          .make = [](const EffectValues& values) { return std::make_unique<SpringToPoint>(values); }};
+          .make = [](const Values& values) { return std::make_unique<SpringToPoint>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -10,7 +10,7 @@ struct Anchor {
 
 class StickSlip final : public Effect {
  public:
-  explicit StickSlip(const EffectValues& values)
+  explicit StickSlip(const Values& values)
       : stiffness_N_per_m_(values.number("stiffness_N_per_m")), slip_N_(values.number("slip_N")) {}
 
   void act(const Probe& probe, std::byte* state, Reaction& reaction) const noexcept override {
@@ -52,7 +52,7 @@ EffectKind stick_slip_effect() {
                                          .least = 0,
                                          .least_excluded = true,
                                          .most = 1e6}},
-          .make = [](const EffectValues& values) { return std::make_unique<StickSlip>(values); }};
+          .make = [](const Values& values) { return std::make_unique<StickSlip>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -7,7 +7,7 @@ namespace {
 
 class Surface final : public Effect {
  public:
-  explicit Surface(const EffectValues& values)
+  explicit Surface(const Values& values)
       : stiffness_N_per_m_(values.number("stiffness_N_per_m")),
         stiffening_N_per_m2_(values.number("stiffening_N_per_m2")),
         damping_N_s_per_m_(values.number("damping_N_s_per_m")) {}
@@ -53,7 +53,7 @@ EffectKind surface_effect() {
                                .preset = 0,
                                .least = 0,
                                .most = 1e12}},
-          .make = [](const EffectValues& values) { return std::make_unique<Surface>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Surface>(values); }};
 }
 
 }  // namespace forcebound::scene

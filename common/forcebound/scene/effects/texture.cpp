@@ -8,7 +8,7 @@ namespace {
 
 class TextureEffect final : public Effect {
  public:
-  explicit TextureEffect(const EffectValues& values)
+  explicit TextureEffect(const Values& values)
       : amplitude_N_(values.number("amplitude_N")),
         wave_rad_per_m_(2 * std::numbers::pi / values.number("wavelength_m")),
         direction_(values.point("direction")),
@@ -53,7 +53,7 @@ EffectKind texture_effect() {
                PointParameter{
                    .key = "direction", .meaning = "across the ridges", .preset = Point::UnitX(), .is_direction = true},
                ChoiceParameter{.key = "pattern", .meaning = "one wave or two", .choices = {"ridges", "grid"}}},
-          .make = [](const EffectValues& values) { return std::make_unique<TextureEffect>(values); }};
+          .make = [](const Values& values) { return std::make_unique<TextureEffect>(values); }};
 }
 
 }  // namespace forcebound::scene

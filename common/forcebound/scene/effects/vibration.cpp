@@ -7,7 +7,7 @@ namespace {
 
 class Vibration final : public Effect {
  public:
-  explicit Vibration(const EffectValues& values)
+  explicit Vibration(const Values& values)
       : amplitude_N_(values.number("amplitude_N")),
         frequency_Hz_(values.number("frequency_Hz")),
         phase_turns_(values.number("phase_turns")),
@@ -50,7 +50,7 @@ EffectKind vibration_effect() {
            PointParameter{
                .key = "axis", .meaning = "u, where along is \"axis\"", .preset = Point::UnitX(), .is_direction = true},
            ChoiceParameter{.key = "waveform", .meaning = "w, the shape of the wave", .choices = waveform_names()}},
-      .make = [](const EffectValues& values) { return std::make_unique<Vibration>(values); }};
+      .make = [](const Values& values) { return std::make_unique<Vibration>(values); }};
 }
 
 }  // namespace forcebound::scene

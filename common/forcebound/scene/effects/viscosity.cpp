@@ -5,7 +5,7 @@ namespace {
 
 class Viscosity final : public Effect {
  public:
-  explicit Viscosity(const EffectValues& values) : damping_N_s_per_m_(values.number("damping_N_s_per_m")) {}
+  explicit Viscosity(const Values& values) : damping_N_s_per_m_(values.number("damping_N_s_per_m")) {}
 
   void act(const Probe& probe, std::byte*, Reaction& reaction) const noexcept override {
     reaction.force_N -= damping_N_s_per_m_ * probe.velocity_m_per_s;
@@ -27,7 +27,7 @@ EffectKind viscosity_effect() {
           .law = "f = -B v",
           .place = EffectPlace::space,
           .parameters = {NumberParameter{.key = "damping_N_s_per_m", .meaning = "B, damping", .least = 0, .most = 1e6}},
-          .make = [](const EffectValues& values) { return std::make_unique<Viscosity>(values); }};
+          .make = [](const Values& values) { return std::make_unique<Viscosity>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -10,7 +10,7 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 class WorkspaceLimit final : public Effect {
  public:
-  explicit WorkspaceLimit(const EffectValues& values)
+  explicit WorkspaceLimit(const Values& values)
       : center_m_(values.point("center_m")),
         half_m_(0.5 * values.point("size_m")),
         radius_m_(values.number("radius_m")),
@@ -72,7 +72,7 @@ EffectKind workspace_limit_effect() {
            NumberParameter{.key = "stiffness_N_per_m", .meaning = "K", .least = 0, .least_excluded = true, .most = 1e9},
            NumberParameter{
                .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6}},
-      .make = [](const EffectValues& values) { return std::make_unique<WorkspaceLimit>(values); }};
+      .make = [](const Values& values) { return std::make_unique<WorkspaceLimit>(values); }};
 }
 
 }  // namespace forcebound::scene

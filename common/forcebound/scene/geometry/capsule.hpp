@@ -9,4 +9,6 @@ namespace forcebound::scene {
 /// perpendicular to the segment.
 std::unique_ptr<Shape> make_capsule(const Point& from_m, const Point& to_m, double radius_m);
 
+ShapeKind capsule_shape();
+
 }  // namespace forcebound::scene

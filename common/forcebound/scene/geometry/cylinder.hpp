@@ -9,4 +9,6 @@ namespace forcebound::scene {
 /// two ends, that at `to_m`. On the axis, where the side is nearest, the normal is the last valid one of the side.
 std::unique_ptr<Shape> make_cylinder(const Point& from_m, const Point& to_m, double radius_m);
 
+ShapeKind cylinder_shape();
+
 }  // namespace forcebound::scene

@@ -8,6 +8,7 @@
 
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/last_normal.hpp"
+#include "forcebound/scene/geometry/mesh_file.hpp"
 #include "forcebound/scene/geometry/pseudonormals.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -38,7 +39,8 @@ class DistanceField final : public Shape {
         low_m_(mesh->box_m().min().array() - (options.reach_m + kRimSteps * options.spacing_m)),
         spacing_m_(options.spacing_m),
         beyond_m_(std::max(options.reach_m, options.spacing_m)),
-        bounds_m_(mesh->box_m().translated(origin_m_)) {
+        bounds_m_(mesh->box_m().translated(origin_m_)),
+        text_("that is " + to_text(mesh->report())) {
     const Point steps = ((mesh->box_m().max() - low_m_).array() + options.reach_m) / spacing_m_ + kRimSteps;
     const Point nodes = steps.array().ceil() + 1;
     if (!(nodes.prod() <= kNodesMost)) {
@@ -83,7 +85,8 @@ class DistanceField final : public Shape {
     return {.state_bytes = sizeof(LastNormal),
             .memory_bytes = sizeof *this + phi_m_.size() * sizeof(double),
             .cost_ns = 120,
-            .bounds_m = bounds_m_};
+            .bounds_m = bounds_m_,
+            .text = text_};
   }
 
  private:
@@ -113,6 +116,7 @@ class DistanceField final : public Shape {
   double spacing_m_;
   double beyond_m_;
   Eigen::AlignedBox3d bounds_m_;  // of the mesh
+  std::string text_;
   Eigen::Matrix<Eigen::Index, 3, 1> nodes_;
   std::vector<double> phi_m_;
 };
@@ -130,6 +134,20 @@ std::unique_ptr<Shape> make_distance_field(std::shared_ptr<const TriangleMesh> m
   }
   if (mesh->report().closed() && mesh->report().volume_m3 < 0) refuse("is inside out: its triangles face inwards");
   return std::make_unique<DistanceField>(mesh, options);
+}
+
+ShapeKind distance_field_shape() {
+  return {.name = "distance_field",
+          .description =
+              "A closed mesh as its signed distance on a grid: edges are rounded by about a grid step, and "
+              "the cost does not depend on the mesh; 3 axes.",
+          .axes_least = 3,
+          .parameters = mesh_parameters({positive_length("spacing_m", "of the grid")}),
+          .source = "file",
+          .make = [](const config::Values& values, const ShapePurpose& purpose) {
+            return make_distance_field(mesh_of(values, purpose),
+                                       {.spacing_m = values.number("spacing_m"), .reach_m = purpose.reach_m});
+          }};
 }
 
 }  // namespace forcebound::scene

@@ -1,10 +1,29 @@
 #include "forcebound/scene/geometry/height_field.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <sstream>
+
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::scene {
 namespace {
+
+constexpr std::size_t kHeightsMost = 1U << 24U;
+
+/// What tells one relief from another: "heights_m 3 x 2 from -0.01 to 0.02, hash 1b2c...".
+std::string summary(const HeightGrid& grid) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const double height_m : grid.heights_m) hash = (hash ^ std::bit_cast<std::uint64_t>(height_m)) * 0x100000001b3;
+  const auto [lowest, highest] = std::ranges::minmax_element(grid.heights_m);
+  return "heights_m " + std::to_string(grid.columns) + " x " + std::to_string(grid.heights_m.size() / grid.columns) +
+         " from " + text::to_text(*lowest) + " to " + text::to_text(*highest) + ", hash " + std::to_string(hash);
+}
 
 /// Height and slopes at a point.
 using Relief = Eigen::Vector3d;
@@ -16,7 +35,8 @@ class HeightField final : public Shape {
         spacing_m_(grid.spacing_m),
         columns_(grid.columns),
         rows_(grid.heights_m.size() / grid.columns),
-        size_m_(spacing_m_ * static_cast<double>(columns_ - 1), spacing_m_ * static_cast<double>(rows_ - 1)) {
+        size_m_(spacing_m_ * static_cast<double>(columns_ - 1), spacing_m_ * static_cast<double>(rows_ - 1)),
+        text_(summary(grid)) {
     reliefs_.reserve(grid.heights_m.size());
     for (std::size_t row = 0; row < rows_; ++row) {
       for (std::size_t column = 0; column < columns_; ++column) reliefs_.push_back(relief(grid, row, column));
@@ -39,7 +59,7 @@ class HeightField final : public Shape {
   }
 
   ShapeFacts facts() const override {
-    ShapeFacts facts{.memory_bytes = sizeof *this + reliefs_.size() * sizeof(Relief), .cost_ns = 20};
+    ShapeFacts facts{.memory_bytes = sizeof *this + reliefs_.size() * sizeof(Relief), .cost_ns = 20, .text = text_};
     facts.bounds_m.extend(origin_m_).extend(origin_m_ + Point(size_m_.x(), size_m_.y(), 0));
     for (const Relief& relief : reliefs_) facts.bounds_m.extend(origin_m_ + Point(0, 0, relief[0]));
     return facts;
@@ -95,10 +115,74 @@ class HeightField final : public Shape {
   std::size_t rows_;
   Eigen::Vector2d size_m_;
   std::vector<Relief> reliefs_;
+  std::string text_;
 };
+
+config::Rows read_rows(const std::string& path) {
+  std::istringstream text(text::read_file(path));
+  text::LineReader reader(text, path);
+  config::Rows rows;
+  while (reader.next()) {
+    if (reader.line().empty()) continue;
+    std::vector<double>& row = rows.emplace_back();
+    for (const std::string_view field : text::split(reader.line(), ',')) {
+      const std::optional<double> number = text::finite_number(field);
+      if (!number) reader.refuse("must have finite numbers only, got '" + std::string(field) + "'");
+      row.push_back(*number);
+    }
+    if (row.size() == rows.front().size()) continue;
+    reader.refuse("must have " + std::to_string(rows.front().size()) + " numbers like the first, got " +
+                  std::to_string(row.size()));
+  }
+  return rows;
+}
+
+config::Rows rows_of(const config::Values& values, const ShapePurpose& purpose) {
+  if (values.has("heights_m")) return values.rows("heights_m");
+  try {
+    return read_rows((std::filesystem::path(purpose.folder) / values.text("file")).string());
+  } catch (const std::runtime_error& error) {
+    throw config::ValueError("file", "file: " + std::string(error.what()));
+  }
+}
+
+std::unique_ptr<Shape> make_relief(const config::Values& values, const ShapePurpose& purpose) {
+  if (values.has("heights_m") == values.has("file")) {
+    throw std::invalid_argument("a height_field needs either 'heights_m' or 'file'");
+  }
+  const config::Rows rows = rows_of(values, purpose);
+  const char* const source = values.has("file") ? "file" : "heights_m";
+  if (rows.size() < 2 || rows.front().size() < 2) {
+    throw config::ValueError(source, "a height_field needs at least 2 rows of 2 numbers");
+  }
+  HeightGrid grid{
+      .origin_m = values.point("origin_m"), .spacing_m = values.number("spacing_m"), .columns = rows.front().size()};
+  if (rows.size() * grid.columns > kHeightsMost) {
+    throw config::ValueError(source, "a height_field has at most " + std::to_string(kHeightsMost) + " heights");
+  }
+  for (const std::vector<double>& row : rows) grid.heights_m.insert(grid.heights_m.end(), row.begin(), row.end());
+  return make_height_field(grid);
+}
 
 }  // namespace
 
 std::unique_ptr<Shape> make_height_field(const HeightGrid& grid) { return std::make_unique<HeightField>(grid); }
+
+ShapeKind height_field_shape() {
+  return {.name = "height_field",
+          .description =
+              "A relief over a grid, solid below; 3 axes. Its heights stand in the scene or in a file, one of the two.",
+          .axes_least = 3,
+          .parameters = {config::PointParameter{.key = "origin_m", .meaning = "of the first height's column"},
+                         positive_length("spacing_m", "of the grid, along x and y"),
+                         config::RowsParameter{.key = "heights_m",
+                                               .meaning = "rows follow each other along y, their numbers along x",
+                                               .absent = "read from `file`"},
+                         config::TextParameter{.key = "file",
+                                               .meaning = "the same, separated by commas, one row to a line",
+                                               .form = config::TextParameter::Form::file,
+                                               .absent = "`heights_m`"}},
+          .make = make_relief};
+}
 
 }  // namespace forcebound::scene

@@ -27,4 +27,8 @@ struct HeightGrid {
 /// near from within.
 std::unique_ptr<Shape> make_height_field(const HeightGrid& grid);
 
+/// Of heights that stand in the scene or in a file: a table of numbers separated by commas, one row to a line. Rows
+/// follow each other along y, their numbers along x.
+ShapeKind height_field_shape();
+
 }  // namespace forcebound::scene

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "forcebound/scene/geometry/mesh_shape.hpp"
+
 namespace forcebound::scene {
 namespace {
 
@@ -67,6 +69,34 @@ TriangleMesh make_lathe(std::string name, const std::vector<LathePoint>& profile
   // Skips edges along the axis: a triangle has at most one corner there.
   std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   return {std::move(name), rings.vertices(), triangles};
+}
+
+ShapeKind lathe_shape() {
+  return {
+      .name = "lathe",
+      .description = "A closed profile turned about the z axis, as a mesh: pots, bowls, rings; 3 axes.",
+      .axes_least = 3,
+      .parameters = {config::RowsParameter{
+                         .key = "profile_m",
+                         .meaning = "anticlockwise about its inside, with the radius to the right and the height up",
+                         .accepted = "a list of [radius, height]",
+                         .columns = 2},
+                     config::NumberParameter{.key = "segments",
+                                             .meaning = "around the axis",
+                                             .preset = 128,
+                                             .least = 3,
+                                             .most = kSegmentsMax,
+                                             .whole = true},
+                     config::PointParameter{
+                         .key = "origin_m", .meaning = "added to every vertex", .preset = Point::Zero()}},
+      .source = "profile_m",
+      .make = [](const config::Values& values, const ShapePurpose& purpose) {
+        std::vector<LathePoint> profile;
+        for (const std::vector<double>& row : values.rows("profile_m")) profile.push_back({row[0], row[1]});
+        return make_mesh(std::make_shared<const TriangleMesh>(
+                             make_lathe("lathe", profile, values.whole("segments"), values.point("origin_m"))),
+                         {.reach_m = purpose.reach_m});
+      }};
 }
 
 }  // namespace forcebound::scene

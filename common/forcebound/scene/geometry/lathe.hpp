@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/scene/geometry/shape.hpp"
 #include "forcebound/scene/geometry/triangle_mesh.hpp"
 
 namespace forcebound::scene {
@@ -21,5 +22,8 @@ struct LathePoint {
 /// @throws GeometryError unless the profile has at least 3 points with radius >= 0, and 3 to 4096 segments.
 [[nodiscard]] TriangleMesh make_lathe(std::string name, const std::vector<LathePoint>& profile, int segments,
                                       const Point& origin_m = Point::Zero());
+
+/// Such a mesh, felt through a god object.
+ShapeKind lathe_shape();
 
 }  // namespace forcebound::scene

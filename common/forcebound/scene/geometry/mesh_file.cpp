@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "forcebound/scene/geometry/decimate.hpp"
 #include "forcebound/scene/geometry/mesh_check.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/printable.hpp"
@@ -80,6 +81,26 @@ TriangleMesh load_mesh(const std::string& path, const MeshPlacement& placement) 
   }
   const Soup soup = import(path, content, format);
   return {path, soup.vertices, soup.triangles, placement};
+}
+
+std::vector<config::Parameter> mesh_parameters(const std::vector<config::Parameter>& own) {
+  std::vector<config::Parameter> all{
+      config::TextParameter{.key = "file", .meaning = "OBJ, STL or OFF", .form = config::TextParameter::Form::file}};
+  for (const config::Parameter& parameter : placement_parameters()) all.push_back(parameter);
+  all.emplace_back(config::NumberParameter{.key = "detail",
+                                           .meaning = "share of the triangles to keep; below 1 of closed meshes only",
+                                           .preset = 1,
+                                           .least = 0,
+                                           .least_excluded = true,
+                                           .most = 1});
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+std::shared_ptr<const TriangleMesh> mesh_of(const config::Values& values, const ShapePurpose& purpose) {
+  const std::string path = (std::filesystem::path(purpose.folder) / values.text("file")).string();
+  return std::make_shared<const TriangleMesh>(
+      decimated(load_mesh(path, placement_of(values)), values.number("detail")));
 }
 
 }  // namespace forcebound::scene

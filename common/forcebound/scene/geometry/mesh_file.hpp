@@ -1,7 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
+#include <vector>
 
+#include "forcebound/scene/geometry/shape.hpp"
 #include "forcebound/scene/geometry/triangle_mesh.hpp"
 
 namespace forcebound::scene {
@@ -15,5 +18,11 @@ namespace forcebound::scene {
 /// that is not a finite number in single precision, an index out of range, a face of less than three corners, a file
 /// that ends too early, no triangles.
 [[nodiscard]] TriangleMesh load_mesh(const std::string& path, const MeshPlacement& placement = {});
+
+/// Keys of a shape that is made of such a file: `file`, where it lies, how much `detail` is kept, and its `own`.
+[[nodiscard]] std::vector<config::Parameter> mesh_parameters(const std::vector<config::Parameter>& own);
+
+/// The mesh that their values ask for. @throws GeometryError
+[[nodiscard]] std::shared_ptr<const TriangleMesh> mesh_of(const config::Values& values, const ShapePurpose& purpose);
 
 }  // namespace forcebound::scene

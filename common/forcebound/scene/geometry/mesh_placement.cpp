@@ -40,4 +40,26 @@ Eigen::Matrix3d rotation_from_degrees(const Point& roll_pitch_yaw_deg) {
   return about_z * about_y * about_x;
 }
 
+config::PointParameter rotation_parameter(std::string_view meaning) {
+  return {.key = "rotation_deg", .meaning = meaning, .preset = Point::Zero(), .accepted = "a list of 3 numbers"};
+}
+
+std::vector<config::Parameter> placement_parameters() {
+  return {config::NumberParameter{.key = "scale",
+                                  .meaning = "metres per unit of the file",
+                                  .preset = 1,
+                                  .least = 0,
+                                  .least_excluded = true,
+                                  .most = 1e9},
+          rotation_parameter("roll, pitch and yaw: turned about the scene's x, then y, then z axis, after `scale`"),
+          config::PointParameter{
+              .key = "offset_m", .meaning = "added to every vertex, after `rotation_deg`", .preset = Point::Zero()}};
+}
+
+MeshPlacement placement_of(const config::Values& values) {
+  return {.scale = values.number("scale"),
+          .offset_m = values.point("offset_m"),
+          .rotation = rotation_from_degrees(values.point("rotation_deg"))};
+}
+
 }  // namespace forcebound::scene

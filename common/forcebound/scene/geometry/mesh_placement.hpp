@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "forcebound/config/parameter.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 
 namespace forcebound::scene {
@@ -19,5 +22,14 @@ struct MeshPlacement {
 /// Turned about the scene's fixed x, then y, then z axis, right-handed: Rz(yaw) Ry(pitch) Rx(roll). Quarter turns are
 /// exact, so that edges along an axis stay so.
 [[nodiscard]] Eigen::Matrix3d rotation_from_degrees(const Point& roll_pitch_yaw_deg);
+
+/// The key `rotation_deg`: [roll, pitch, yaw].
+[[nodiscard]] config::PointParameter rotation_parameter(std::string_view meaning);
+
+/// Keys that place what a file holds, the same for meshes and tissue: `scale`, then `rotation_deg`, then `offset_m`.
+[[nodiscard]] std::vector<config::Parameter> placement_parameters();
+
+/// By their values.
+[[nodiscard]] MeshPlacement placement_of(const config::Values& values);
 
 }  // namespace forcebound::scene

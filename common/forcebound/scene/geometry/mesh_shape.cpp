@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "forcebound/scene/geometry/god_object.hpp"
+#include "forcebound/scene/geometry/mesh_file.hpp"
 #include "forcebound/scene/geometry/pseudonormals.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -38,7 +39,8 @@ class MeshShape final : public Shape {
             .memory_bytes = sizeof *this + object_.memory_bytes() + (sides_ ? sides_->memory_bytes() : 0),
             .cost_ns = (reach_m_ > 0 ? 2 : 1) * kPerLevel_ns * levels,
             .on_surface_m = top_m(),
-            .bounds_m = mesh().box_m().translated(mesh().origin_m())};
+            .bounds_m = mesh().box_m().translated(mesh().origin_m()),
+            .text = "that is " + to_text(mesh().report())};
   }
 
  private:
@@ -76,6 +78,19 @@ std::unique_ptr<Shape> make_mesh(std::shared_ptr<const TriangleMesh> mesh, const
     throw GeometryError(mesh->name() + ": reach_m must be >= 0, got " + text::to_text(options.reach_m));
   }
   return std::make_unique<MeshShape>(std::move(mesh), options);
+}
+
+ShapeKind mesh_shape() {
+  return {.name = "mesh",
+          .description = "Triangles from a file, felt through a god object; 3 axes.",
+          .axes_least = 3,
+          .parameters = mesh_parameters(
+              {config::FlagParameter{.key = "two_sided", .meaning = "whether it is felt from behind as well"}}),
+          .source = "file",
+          .make = [](const config::Values& values, const ShapePurpose& purpose) {
+            return make_mesh(mesh_of(values, purpose),
+                             {.two_sided = values.flag("two_sided"), .reach_m = purpose.reach_m});
+          }};
 }
 
 }  // namespace forcebound::scene

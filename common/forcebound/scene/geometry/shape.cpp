@@ -8,6 +8,8 @@
 namespace forcebound::scene {
 namespace {
 
+using config::PointParameter;
+
 class HalfSpace final : public Shape {
  public:
   HalfSpace(const Point& through_m, const Point& normal) : through_m_(through_m), normal_(normal.stableNormalized()) {}
@@ -102,6 +104,11 @@ class Box final : public Shape {
   Point half_m_;
 };
 
+std::vector<config::Parameter> round_parameters() {
+  return {PointParameter{.key = "center_m", .meaning = "its center"},
+          positive_length("radius_m", "from the center to the surface")};
+}
+
 }  // namespace
 
 std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal) {
@@ -118,6 +125,61 @@ std::unique_ptr<Shape> make_cavity(const Point& center_m, double radius_m) {
 
 std::unique_ptr<Shape> make_box(const Point& center_m, const Point& size_m) {
   return std::make_unique<Box>(center_m, size_m);
+}
+
+config::NumberParameter positive_length(std::string_view key, std::string_view meaning) {
+  return {.key = key, .meaning = meaning, .least = 0, .least_excluded = true};
+}
+
+std::vector<config::Parameter> straight_parameters() {
+  return {PointParameter{.key = "from_m", .meaning = "one end of the axis"},
+          PointParameter{.key = "to_m", .meaning = "the other end"}, positive_length("radius_m", "around it")};
+}
+
+void check_straight(const config::Values& values) {
+  if (values.point("from_m") != values.point("to_m")) return;
+  throw config::ValueError("to_m", "to_m must differ from from_m, got " + config::to_text(values.point("to_m")));
+}
+
+ShapeKind half_space_shape() {
+  return {.name = "half_space",
+          .description = "Everything behind a plane: a wall, a table.",
+          .parameters = {PointParameter{.key = "through_m", .meaning = "a point of the plane"},
+                         PointParameter{.key = "normal", .meaning = "out of what is solid", .is_direction = true}},
+          .make = [](const config::Values& values, const ShapePurpose&) {
+            return make_half_space(values.point("through_m"), values.point("normal"));
+          }};
+}
+
+ShapeKind sphere_shape() {
+  return {.name = "sphere",
+          .description = "A ball; a disc on two axes.",
+          .parameters = round_parameters(),
+          .make = [](const config::Values& values, const ShapePurpose&) {
+            return make_sphere(values.point("center_m"), values.number("radius_m"));
+          }};
+}
+
+ShapeKind cavity_shape() {
+  return {.name = "cavity",
+          .description = "Everything but a ball: the inside of a sphere or circle.",
+          .parameters = round_parameters(),
+          .make = [](const config::Values& values, const ShapePurpose&) {
+            return make_cavity(values.point("center_m"), values.number("radius_m"));
+          }};
+}
+
+ShapeKind box_shape() {
+  return {.name = "box",
+          .description = "A block along the axes.",
+          .parameters = {PointParameter{.key = "center_m", .meaning = "its center"},
+                         PointParameter{.key = "size_m",
+                                        .meaning = "from face to face, along the axes",
+                                        .each = {.least = 0, .least_excluded = true},
+                                        .rest = std::numeric_limits<double>::infinity()}},
+          .make = [](const config::Values& values, const ShapePurpose&) {
+            return make_box(values.point("center_m"), values.point("size_m"));
+          }};
 }
 
 }  // namespace forcebound::scene

@@ -2,8 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "forcebound/config/parameter.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 
 namespace forcebound::scene {
@@ -22,6 +27,7 @@ struct ShapeFacts {
   double cost_ns = 5;                  ///< estimate for one motion
   Point on_surface_m = Point::Zero();  ///< a point of the surface, for calibration
   Eigen::AlignedBox3d bounds_m{};      ///< of the finite parts of the surface; empty: there may be none
+  std::string text{};                  ///< what it consists of, for people; empty: what its values say
 };
 
 /// The box around a point, `half_m` to each side.
@@ -41,6 +47,38 @@ class Shape {
 
   [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
 };
+
+/// What a shape is made for, beside its values.
+struct ShapePurpose {
+  double reach_m = 0;    ///< how far outside of it the distance to it is wanted; 0: only contact
+  std::string folder{};  ///< in which the files lie that its values name
+};
+
+/// A shape as a scene knows it: by `kind = "NAME"`, and the keys beside it.
+struct ShapeKind {
+  std::string_view name;
+  std::string_view description;  ///< for people, in a sentence or two
+  int axes_least = 1;            ///< on fewer it has no meaning
+  std::vector<config::Parameter> parameters{};
+  std::string_view source{};  ///< the key that an error of `make` is about where it names none
+  /// @throws config::ValueError, or another std::invalid_argument or std::runtime_error, where values that are in range
+  /// do not fit each other, or a file that they name cannot be had
+  std::function<std::unique_ptr<Shape>(const config::Values& values, const ShapePurpose& purpose)> make;
+};
+
+/// A length > 0 that must be given.
+[[nodiscard]] config::NumberParameter positive_length(std::string_view key, std::string_view meaning);
+
+/// Keys of a shape between two points: `from_m`, `to_m` and `radius_m`.
+[[nodiscard]] std::vector<config::Parameter> straight_parameters();
+
+/// @throws config::ValueError if both ends of a straight are one
+void check_straight(const config::Values& values);
+
+ShapeKind half_space_shape();
+ShapeKind sphere_shape();
+ShapeKind cavity_shape();
+ShapeKind box_shape();
 
 /// Everything below the plane through a point; `normal` (any length but zero) points out of the solid.
 std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal);

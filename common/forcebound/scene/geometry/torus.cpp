@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "forcebound/scene/geometry/last_normal.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::scene {
 namespace {
@@ -49,6 +50,25 @@ class Torus final : public Shape {
 std::unique_ptr<Shape> make_torus(const Point& center_m, const Point& axis, double major_radius_m,
                                   double minor_radius_m) {
   return std::make_unique<Torus>(center_m, axis, major_radius_m, minor_radius_m);
+}
+
+ShapeKind torus_shape() {
+  return {.name = "torus",
+          .description = "A ring; 3 axes.",
+          .axes_least = 3,
+          .parameters = {config::PointParameter{.key = "center_m", .meaning = "its center"},
+                         config::PointParameter{.key = "axis", .meaning = "through the hole", .is_direction = true},
+                         positive_length("major_radius_m", "from the center to the middle of the tube"),
+                         positive_length("minor_radius_m", "of the tube, less than the other")},
+          .make = [](const config::Values& values, const ShapePurpose&) {
+            const double major_m = values.number("major_radius_m");
+            const double minor_m = values.number("minor_radius_m");
+            if (!(minor_m < major_m)) {
+              throw config::ValueError("minor_radius_m",
+                                       "minor_radius_m must be < major_radius_m, got " + text::to_text(minor_m));
+            }
+            return make_torus(values.point("center_m"), values.point("axis"), major_m, minor_m);
+          }};
 }
 
 }  // namespace forcebound::scene

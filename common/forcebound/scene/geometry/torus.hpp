@@ -13,4 +13,6 @@ namespace forcebound::scene {
 std::unique_ptr<Shape> make_torus(const Point& center_m, const Point& axis, double major_radius_m,
                                   double minor_radius_m);
 
+ShapeKind torus_shape();
+
 }  // namespace forcebound::scene

@@ -29,7 +29,7 @@ std::string explanation(const server::ProgramOptions& options) {
 
 int run(server::ProgramOptions options) {
   if (options.schema) {
-    std::cout << server::schema(scene::EffectRegistry::standard());
+    std::cout << server::schema(scene::Registry::standard());
   } else if (options.explain) {
     std::cout << explanation(options);
   } else if (options.suggest) {

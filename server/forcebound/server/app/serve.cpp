@@ -68,8 +68,8 @@ std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, con
 void serve(ProgramOptions options) {
   const time::SteadyClock clock;
   const scene::MeasureCost measure = measured_by(clock);
-  const auto scene = load_scene(options.scene, scene::EffectRegistry::standard(), measure);
-  SceneLibrary scenes = SceneLibrary::shipped(scene::EffectRegistry::standard(), measure);
+  const auto scene = load_scene(options.scene, scene::Registry::standard(), measure);
+  SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
   scenes.add(scene);
   options.server.scene = scene->facts().name;
 

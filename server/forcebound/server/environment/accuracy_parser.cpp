@@ -5,11 +5,14 @@
 namespace forcebound::server {
 namespace {
 
-scene::AccuracyLevel parse_level(CheckedTable& level, const std::string& key, const CompileLevel& compile,
+using config::NumberParameter;
+using config::OtherParameter;
+
+scene::AccuracyLevel parse_level(config::CheckedTable& level, const std::string& key, const CompileLevel& compile,
                                  const scene::MeasureCost& measure) {
-  const toml::node& value = level.at("value");
-  scene::AccuracyLevel made{.value = as_written(value), .model_error = level.number(kModelError)};
-  level.refuse_unknown_keys();
+  const config::Values values = level.all(accuracy_level_table().keys);
+  const config::Node& value = level.at("value");
+  scene::AccuracyLevel made{.value = written(value), .model_error = values.number("model_error")};
   try {
     made.scene = compile(key, value);
   } catch (const std::exception& error) {
@@ -21,22 +24,54 @@ scene::AccuracyLevel parse_level(CheckedTable& level, const std::string& key, co
 
 }  // namespace
 
-scene::AutoAccuracy parse_accuracy(CheckedTable& file, const CompileLevel& compile, const scene::MeasureCost& measure) {
-  CheckedTable table(file.table("accuracy"), file.file(), "accuracy");
-  scene::AutoAccuracy accuracy{.key = table.text("key"), .change_per_s = table.number(kChangePerSecond)};
+config::TableDescription accuracy_table() {
+  return {"`[accuracy]`",
+          "With `accuracy = \"auto\"`: what the scene may give up to be in time. A client says how far away it is, the "
+          "server measures what each level takes on its machine, and picks the one whose force is least wrong at the "
+          "device, late ones counted as wrong. `forcebound-lab accuracy --levels FILE` measures these numbers.",
+          {config::TextParameter{.key = "key",
+                                 .meaning = "what the levels differ in: `tissue.pad.shape.cells` is the key `cells` of "
+                                            "the `shape` of the `[[tissue]]` named `pad`",
+                                 .accepted = "a key of this file"},
+           NumberParameter{.key = "change_per_s",
+                           .meaning = "how fast the force changes: the RMS of its rate over its own, for the motion "
+                                      "the scene is made for",
+                           .least = 0,
+                           .least_excluded = true,
+                           .most = 1e4},
+           OtherParameter{
+               .key = "levels", .meaning = "from coarse to fine", .accepted = "two or more tables, see the next"}}};
+}
+
+config::TableDescription accuracy_level_table() {
+  return {"A level of `[accuracy]`",
+          "What is in the file for the key counts where no client is known, as for `--explain`.",
+          {OtherParameter{.key = "value", .meaning = "for the key", .accepted = "what the key may have"},
+           NumberParameter{.key = "model_error",
+                           .meaning = "RMS of the force's error at the same states over RMS of the force",
+                           .least = 0,
+                           .most = 100}}};
+}
+
+scene::AutoAccuracy parse_accuracy(config::CheckedTable& file, const CompileLevel& compile,
+                                   const scene::MeasureCost& measure) {
+  config::CheckedTable table = file.table("accuracy", "accuracy");
+  const config::Values values = table.all(accuracy_table().keys);
+  scene::AutoAccuracy accuracy{.key = values.text("key"), .change_per_s = values.number("change_per_s")};
   if (accuracy.key == "scene" || accuracy.key.starts_with("scene.") || accuracy.key.starts_with("accuracy")) {
     table.fail(table.at("key"), "key must be one of an object, a field, bodies or tissue, got '" + accuracy.key + "'");
   }
-  const toml::array& levels = table.array("levels");
-  if (levels.size() < 2) table.fail(levels, "levels must be two or more, got " + std::to_string(levels.size()));
-  for (const toml::node& node : levels) {
-    const toml::table* const level = node.as_table();
-    if (level == nullptr)
-      table.fail(node, "levels must be { value = ..., model_error = ... }, got " + as_written(node));
-    CheckedTable checked(*level, file.file(), "accuracy, level " + std::to_string(accuracy.levels.size() + 1));
+  const config::Node::List& levels = table.list("levels");
+  if (levels.size() < 2) {
+    table.fail(table.at("levels"), "levels must be two or more, got " + std::to_string(levels.size()));
+  }
+  for (const config::Node& level : levels) {
+    if (level.as<config::Node::Table>() == nullptr) {
+      table.fail(level, "levels must be { value = ..., model_error = ... }, got " + written(level));
+    }
+    config::CheckedTable checked(level, file.file(), "accuracy, level " + std::to_string(accuracy.levels.size() + 1));
     accuracy.levels.push_back(parse_level(checked, accuracy.key, compile, measure));
   }
-  table.refuse_unknown_keys();
   return accuracy;
 }
 

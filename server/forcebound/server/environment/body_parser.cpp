@@ -2,119 +2,214 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
-#include "forcebound/server/dynamics/bodies/body_dynamic_model.hpp"
-#include "forcebound/text/numbers.hpp"
+#include "forcebound/scene/geometry/capsule.hpp"
+#include "forcebound/scene/geometry/cylinder.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 
 namespace forcebound::server {
 namespace {
 
-constexpr Eigen::Index kAxes = 3;
+using config::CheckedTable;
+using config::NumberParameter;
+using config::OtherParameter;
+using config::Parameter;
+using config::TableDescription;
+using config::TextParameter;
+using config::Values;
 
-double positive(CheckedTable& table, std::string_view key) {
-  return table.number({.key = key, .least = 0, .least_excluded = true});
+NumberParameter positive(std::string_view key, std::string_view meaning, double preset) {
+  return {.key = key, .meaning = meaning, .preset = preset, .least = 0, .least_excluded = true};
 }
 
-double positive(CheckedTable& table, std::string_view key, double preset) {
-  return table.number({.key = key, .preset = preset, .least = 0, .least_excluded = true});
-}
-
-void parse_ends(CheckedTable& shape, BodyDescription& body) {
-  const scene::Point from_m = shape.point("from_m", kAxes);
-  const scene::Point to_m = shape.point("to_m", kAxes);
-  if (from_m == to_m) shape.fail(shape.at("to_m"), "to_m must differ from from_m, got " + as_written(shape.at("to_m")));
-  body.position_m = 0.5 * (from_m + to_m);
-  body.half_axis_m = 0.5 * (to_m - from_m);
-}
-
-void parse_shape(CheckedTable& shape, BodyDescription& body) {
-  using Shape = BodyDescription::Shape;
-  static constexpr std::array<std::string_view, 4> kKinds{"box", "sphere", "capsule", "cylinder"};
-  (void)shape.at("kind");
-  const std::string kind = shape.choice("kind", kKinds);
-  body.shape = kind == "box"       ? Shape::box
-               : kind == "sphere"  ? Shape::sphere
-               : kind == "capsule" ? Shape::capsule
-                                   : Shape::cylinder;
-  if (body.shape == Shape::box) {
-    body.position_m = shape.point("center_m", kAxes);
-    body.size_m = shape.point("size_m", kAxes);
-    const toml::node& size = shape.at("size_m");
-    if (!(body.size_m.minCoeff() > 0)) shape.fail(size, "size_m must be > 0 on every axis, got " + as_written(size));
-    return;
-  }
-  if (body.shape == Shape::sphere) {
-    body.position_m = shape.point("center_m", kAxes);
-  } else {
-    parse_ends(shape, body);
-  }
-  body.size_m = scene::Point::Constant(2 * positive(shape, "radius_m"));
-}
-
-BodyDescription parse_body(CheckedTable& table, const std::string& name) {
-  BodyDescription body{.name = name};
-  CheckedTable shape(table.table("shape"), table.file(), table.place() + ", shape");
-  parse_shape(shape, body);
-  shape.refuse_unknown_keys();
-  // Which of the two is said, so that a mass that was forgotten is no wall.
-  if (!table.flag("fixed", false)) {
-    body.mass_kg = positive(table, "mass_kg");
-  } else if (const toml::node* mass = table.find("mass_kg")) {
-    table.fail(*mass, "a body is either fixed or has mass_kg");
-  }
-  body.friction = table.number({.key = "friction", .preset = body.friction, .least = 0});
-  return body;
+TextParameter name_of_body() {
+  return {.key = "name", .meaning = "for errors, logs and `--explain`", .form = TextParameter::Form::name};
 }
 
 /// How the device is tied to its probe.
-Coupling parse_coupling(CheckedTable& table) {
+std::vector<Parameter> coupling_parameters() {
   const Coupling preset;
-  return {
-      .stiffness_N_per_m = positive(table, "stiffness_N_per_m", preset.stiffness_N_per_m),
-      .damping_N_s_per_m = table.number({.key = "damping_N_s_per_m", .preset = preset.damping_N_s_per_m, .least = 0})};
+  return {positive("stiffness_N_per_m", "of the spring between device and probe", preset.stiffness_N_per_m),
+          NumberParameter{.key = "damping_N_s_per_m",
+                          .meaning = "of the damper beside it",
+                          .preset = preset.damping_N_s_per_m,
+                          .least = 0}};
 }
 
-SolverOptions parse_solver(CheckedTable& table) {
-  using Kind = SolverOptions::Kind;
-  static constexpr std::array<Kind, 3> kKinds{Kind::newton, Kind::cg, Kind::pgs};
+/// Texts for a model that says itself what is left out.
+struct SolverPresets {
+  std::string_view solver = "the model's";
+  std::string_view iterations = "the model's";
+  std::string_view tolerance = "the model's";
+};
+
+std::vector<Parameter> solver_parameters(const SolverPresets& preset) {
+  return {config::ChoiceParameter{.key = "solver",
+                                  .meaning = "MuJoCo's, of the forces in contacts and joints",
+                                  .choices = {kSolverNames.begin(), kSolverNames.end()},
+                                  .absent = preset.solver},
+          NumberParameter{.key = "iterations",
+                          .meaning = "of the solver, at most",
+                          .least = 1,
+                          .most = kIterationsMost,
+                          .whole = true,
+                          .absent = preset.iterations},
+          NumberParameter{.key = "tolerance",
+                          .meaning = "the solver ends with the first iteration that improves less",
+                          .least = 0,
+                          .most = kToleranceMost,
+                          .absent = preset.tolerance}};
+}
+
+std::vector<Parameter> with(std::vector<Parameter> all, const std::vector<Parameter>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+TableDescription body_table() {
+  return {"`[[body]]` with a shape",
+          "A rigid body that moves, or that others rest on. All of them are one world.",
+          {name_of_body(),
+           OtherParameter{.key = "shape",
+                          .meaning = "`kind` is `\"box\"`, `\"sphere\"`, `\"capsule\"` or `\"cylinder\"`, with the "
+                                     "keys of the [shape](#shapes) of that name"},
+           NumberParameter{.key = "mass_kg",
+                           .meaning = "of a body that moves",
+                           .least = 0,
+                           .least_excluded = true,
+                           .absent = "`fixed`"},
+           config::FlagParameter{.key = "fixed", .meaning = "whether it does not move; then it has no mass"},
+           NumberParameter{.key = "friction",
+                           .meaning = "coefficient; between two bodies, the larger",
+                           .preset = BodyDescription{}.friction,
+                           .least = 0}}};
+}
+
+TableDescription setting_table() {
+  const BodiesDescription preset;
+  return {
+      "`[bodies]`",
+      "What holds for all bodies with shapes, and for the ball that is the device among them. The table may be left "
+      "out.",
+      with(with({config::PointParameter{
+                     .key = "gravity_m_per_s2", .meaning = "of all bodies", .preset = preset.gravity_m_per_s2},
+                 NumberParameter{.key = "timestep_s",
+                                 .meaning = "of MuJoCo",
+                                 .preset = preset.timestep_s,
+                                 .least = kTimestepLeast_s,
+                                 .most = kTimestepMost_s},
+                 NumberParameter{.key = "contact_time_s",
+                                 .meaning = "in which a contact pushes apart what has sunk in, at least two time "
+                                            "steps: the less the harder",
+                                 .preset = preset.contact_time_s,
+                                 .least = 2 * kTimestepLeast_s,
+                                 .most = 1},
+                 positive("probe_radius_m", "of the ball", preset.probe.radius_m),
+                 positive("probe_mass_kg", "of the ball", preset.probe.mass_kg)},
+                coupling_parameters()),
+           solver_parameters({.solver = "`\"newton\"`", .iterations = "100", .tolerance = "1e-08"}))};
+}
+
+TableDescription mjcf_table() {
+  return {"`[[body]]` of an MJCF model",
+          "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`. The device drags one of "
+          "its bodies by the center of mass.",
+          with(with({name_of_body(),
+                     TextParameter{.key = "mjcf",
+                                   .meaning = "the model, one of the two",
+                                   .form = TextParameter::Form::file,
+                                   .absent = "`mjcf_text`"},
+                     TextParameter{.key = "mjcf_text",
+                                   .meaning = "the same in the scene itself",
+                                   .accepted = "`<mujoco>...</mujoco>`",
+                                   .absent = "`mjcf`"},
+                     OtherParameter{.key = "probes",
+                                    .meaning = "what devices drag, one each; in a shared scene as many as clients",
+                                    .accepted = "a list of names"}},
+                    coupling_parameters()),
+               solver_parameters({}))};
+}
+
+void parse_shape_of_body(CheckedTable& shape, BodyDescription& body) {
+  using Shape = BodyDescription::Shape;
+  struct Kind {
+    scene::ShapeKind kind;
+    Shape shape;
+  };
+  static const std::array kKinds{Kind{scene::box_shape(), Shape::box}, Kind{scene::sphere_shape(), Shape::sphere},
+                                 Kind{scene::capsule_shape(), Shape::capsule},
+                                 Kind{scene::cylinder_shape(), Shape::cylinder}};
+  config::ChoiceParameter kinds{.key = "kind"};
+  for (const Kind& kind : kKinds) kinds.choices.push_back(kind.kind.name);
+  (void)shape.at("kind");
+  const std::string name = shape.given(std::array<Parameter, 1>{kinds}).text("kind");
+  const Kind& kind = *std::ranges::find(kKinds, name, [](const Kind& any) { return any.kind.name; });
+  const Values values = shape.all(kind.kind.parameters);
+  body.shape = kind.shape;
+  if (values.has("radius_m")) body.size_m = scene::Point::Constant(2 * values.number("radius_m"));
+  if (values.has("size_m")) body.size_m = values.point("size_m");
+  if (values.has("center_m")) {
+    body.position_m = values.point("center_m");
+  } else {
+    shape.built_at(shape.node(), [&] { scene::check_straight(values); });
+    body.position_m = 0.5 * (values.point("from_m") + values.point("to_m"));
+    body.half_axis_m = 0.5 * (values.point("to_m") - values.point("from_m"));
+  }
+}
+
+BodyDescription parse_body(CheckedTable& table, const std::string& name) {
+  const Values values = table.all(body_table().keys);
+  BodyDescription body{.name = name};
+  CheckedTable shape = table.table("shape");
+  parse_shape_of_body(shape, body);
+  // Which of the two is said, so that a mass that was forgotten is no wall.
+  if (!values.flag("fixed")) {
+    (void)table.at("mass_kg");
+    body.mass_kg = values.number("mass_kg");
+  } else if (values.has("mass_kg")) {
+    table.fail(table.at("mass_kg"), "a body is either fixed or has mass_kg");
+  }
+  body.friction = values.number("friction");
+  return body;
+}
+
+Coupling coupling_of(const Values& values) {
+  return {.stiffness_N_per_m = values.number("stiffness_N_per_m"),
+          .damping_N_s_per_m = values.number("damping_N_s_per_m")};
+}
+
+SolverOptions solver_of(const Values& values) {
   SolverOptions solver;
-  if (table.find("solver") != nullptr) {
-    std::array<std::string_view, kKinds.size()> words;
-    std::ranges::transform(kKinds, words.begin(), name_of);
-    const std::string word = table.choice("solver", words);
-    solver.kind = kKinds.at(static_cast<std::size_t>(std::ranges::find(words, word) - words.begin()));
+  if (values.has("solver")) {
+    const auto word = std::ranges::find(kSolverNames, values.text("solver"));
+    solver.kind = static_cast<SolverOptions::Kind>(word - kSolverNames.begin());
   }
-  if (table.find("iterations") != nullptr) {
-    solver.iterations = table.whole({.key = "iterations", .least = 1, .most = kIterationsMost});
-  }
-  if (table.find("tolerance") != nullptr) {
-    solver.tolerance = table.number({.key = "tolerance", .least = 0, .most = kToleranceMost});
-  }
+  if (values.has("iterations")) solver.iterations = values.whole("iterations");
+  if (values.has("tolerance")) solver.tolerance = values.number("tolerance");
   return solver;
 }
 
 /// [bodies]: what holds for all bodies with shapes.
 BodiesDescription parse_setting(CheckedTable& table) {
+  const Values values = table.all(setting_table().keys);
   BodiesDescription all;
-  if (table.find("gravity_m_per_s2") != nullptr) all.gravity_m_per_s2 = table.point("gravity_m_per_s2", kAxes);
-  all.timestep_s =
-      table.number({.key = "timestep_s", .preset = all.timestep_s, .least = kTimestepLeast_s, .most = kTimestepMost_s});
+  all.gravity_m_per_s2 = values.point("gravity_m_per_s2");
+  all.timestep_s = values.number("timestep_s");
   all.contact_time_s =
       table.number({.key = "contact_time_s", .preset = all.contact_time_s, .least = 2 * all.timestep_s, .most = 1});
-  all.solver = parse_solver(table);
-  all.probe.radius_m = positive(table, "probe_radius_m", all.probe.radius_m);
-  all.probe.mass_kg = positive(table, "probe_mass_kg", all.probe.mass_kg);
-  all.coupling = parse_coupling(table);
-  table.refuse_unknown_keys();
+  all.solver = solver_of(values);
+  all.probe = {.radius_m = values.number("probe_radius_m"), .mass_kg = values.number("probe_mass_kg")};
+  all.coupling = coupling_of(values);
   return all;
 }
 
 std::vector<std::string> parse_probes(CheckedTable& table) {
   std::vector<std::string> probes;
-  for (const toml::node& node : table.array("probes")) {
-    const auto probe = node.value_exact<std::string>();
-    if (!probe) table.fail(node, "probes must be names of bodies, got " + as_written(node));
-    if (std::find(probes.begin(), probes.end(), *probe) != probes.end()) {
+  for (const config::Node& node : table.list("probes")) {
+    const auto* const probe = node.as<std::string>();
+    if (probe == nullptr) table.fail(node, "probes must be names of bodies, got " + written(node));
+    if (std::ranges::find(probes, *probe) != probes.end()) {
       table.fail(node, "probes must differ, got '" + *probe + "' twice");
     }
     probes.push_back(*probe);
@@ -124,62 +219,57 @@ std::vector<std::string> parse_probes(CheckedTable& table) {
 }
 
 scene::SceneDynamicModel parse_mjcf(CheckedTable& table, const std::string& name) {
-  const bool is_file = table.find("mjcf") != nullptr;
-  if (is_file && table.find("mjcf_text") != nullptr) {
+  const std::vector<Parameter> keys = mjcf_table().keys;
+  const Values given = table.given(keys);
+  table.refuse_unknown_keys();
+  const bool is_file = given.has("mjcf");
+  if (is_file && given.has("mjcf_text")) {
     table.fail(table.at("mjcf_text"), "a body has either mjcf, a file, or mjcf_text");
   }
-  const std::vector<std::string> probes = parse_probes(table);
-  const Coupling coupling = parse_coupling(table);
-  const SolverOptions solver = parse_solver(table);
-  const std::string source = is_file ? table.path("mjcf") : table.text("mjcf_text");
+  const Values values = completed(keys, given);
+  MjcfDescription mjcf{.probes = parse_probes(table), .coupling = coupling_of(values), .solver = solver_of(values)};
+  if (is_file) {
+    mjcf.path = (std::filesystem::path(table.folder()) / values.text("mjcf")).string();
+  } else {
+    mjcf.text = values.text("mjcf_text");
+  }
+  const std::string text = config::to_text(keys, given);
   return table.built_at(table.at(is_file ? "mjcf" : "mjcf_text"), [&] {
-    ModelPointer model = is_file ? load_mjcf(source) : compile_mjcf(source, "mjcf_text");
     return scene::SceneDynamicModel{
-        .name = name,
-        .text = "bodies, MJCF" + (table.values_text().empty() ? "" : ", " + table.values_text()),
-        .dynamic_model = std::make_unique<BodyDynamicModel>(std::move(model), probes, coupling,
-                                                            is_file ? source : std::string("mjcf_text"), solver)};
+        .name = name, .text = "bodies, MJCF" + (text.empty() ? "" : ", " + text), .dynamic_model = make_mjcf(mjcf)};
   });
 }
 
-bool is_mjcf(const toml::table& body) { return body.contains("mjcf") || body.contains("mjcf_text"); }
-
 }  // namespace
 
-bool has_bodies() noexcept { return true; }
+std::vector<TableDescription> body_tables() { return {body_table(), setting_table(), mjcf_table()}; }
 
 std::vector<scene::SceneDynamicModel> parse_bodies(CheckedTable& file) {
   std::vector<scene::SceneDynamicModel> dynamic_models;
-  const toml::node* setting = file.find("bodies");
-  BodiesDescription all;
+  const config::Node* const setting = file.find("bodies");
+  std::vector<BodyDescription> bodies;
   std::string names;
-  file.each("body", [&](const toml::table& body) {
-    const std::string name = CheckedTable(body, file.file(), "body").name("name");
-    CheckedTable table(body, file.file(), "body '" + name + "'");
-    (void)table.at("name");
-    if (is_mjcf(body)) {
+  file.each("body", [&](CheckedTable& table, const std::string& name) {
+    if (!has_bodies()) table.built_at(table.node(), [] { return make_bodies({}); });
+    if (table.node().find("mjcf") != nullptr || table.node().find("mjcf_text") != nullptr) {
       dynamic_models.push_back(parse_mjcf(table, name));
-    } else {
-      all.bodies.push_back(parse_body(table, name));
-      names += (names.empty() ? "'" : ", '") + name + "'";
+      return;
     }
-    table.refuse_unknown_keys();
-    return name;
+    bodies.push_back(parse_body(table, name));
+    names += (names.empty() ? "'" : ", '") + name + "'";
   });
-  if (all.bodies.empty()) {
-    if (setting != nullptr) file.fail(*setting, "[bodies] sets up every [[body]] with a shape, of which there is none");
-    return dynamic_models;
+  if (bodies.empty()) {
+    if (setting == nullptr) return dynamic_models;
+    if (!has_bodies()) file.built_at(*setting, [] { return make_bodies({}); });
+    file.fail(*setting, "[bodies] sets up every [[body]] with a shape, of which there is none");
   }
-  static const toml::table kNothing;
-  CheckedTable checked(setting != nullptr ? file.table("bodies") : kNothing, file.file(), "bodies");
-  std::vector<BodyDescription> bodies = std::move(all.bodies);
-  all = parse_setting(checked);
+  const config::Node no_setting;
+  CheckedTable table = setting != nullptr ? file.table("bodies", "bodies") : CheckedTable(no_setting, "", "");
+  BodiesDescription all = parse_setting(table);
   all.bodies = std::move(bodies);
-  const toml::node& where = setting != nullptr ? *setting : file.at("body");
-  dynamic_models.push_back(file.built_at(where, [&] {
-    return scene::SceneDynamicModel{.name = "bodies",
-                                    .text = "bodies " + names,
-                                    .dynamic_model = std::make_unique<BodyDynamicModel>(std::move(all), "bodies")};
+  dynamic_models.push_back(file.built_at(setting != nullptr ? *setting : file.at("body"), [&] {
+    return scene::SceneDynamicModel{
+        .name = "bodies", .text = "bodies " + names, .dynamic_model = make_bodies(std::move(all))};
   }));
   return dynamic_models;
 }

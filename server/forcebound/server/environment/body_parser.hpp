@@ -2,17 +2,17 @@
 
 #include <vector>
 
+#include "forcebound/config/checked_table.hpp"
 #include "forcebound/scene/scene.hpp"
-#include "forcebound/server/environment/checked_table.hpp"
 
 namespace forcebound::server {
+
+/// [bodies] and [[body]], with the tables within them.
+[[nodiscard]] std::vector<config::TableDescription> body_tables();
 
 /// Reads every [[body]] of a file: those with shapes become one dynamic model, set up by [bodies]; each MJCF file
 /// becomes another.
 /// @throws SceneError
-std::vector<scene::SceneDynamicModel> parse_bodies(CheckedTable& file);
-
-/// Whether Forcebound was built with MuJoCo. Without, parse_bodies() refuses every body.
-bool has_bodies() noexcept;
+std::vector<scene::SceneDynamicModel> parse_bodies(config::CheckedTable& file);
 
 }  // namespace forcebound::server

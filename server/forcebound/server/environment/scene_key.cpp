@@ -1,48 +1,45 @@
 #include "forcebound/server/environment/scene_key.hpp"
 
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
+#include "forcebound/config/config_error.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/split.hpp"
 
 namespace forcebound::server {
 namespace {
 
-std::vector<std::string> keys_of(const toml::table& table) {
-  std::vector<std::string> keys;
-  for (const auto& [key, node] : table) keys.emplace_back(key.str());
-  return keys;
-}
+using config::Node;
 
-toml::table& named(toml::array& tables, const std::string& kind, const std::string& name) {
+Node& named(Node::List& tables, const std::string& kind, const std::string& name) {
   std::vector<std::string> names;
-  for (toml::node& node : tables) {
-    if (!node.is_table()) continue;
-    toml::table& table = *node.as_table();
-    names.push_back(table["name"].value_or(std::string()));
-    if (names.back() == name) return table;
+  for (Node& node : tables) {
+    names.push_back(node.text_at("name"));
+    if (node.as<Node::Table>() != nullptr && names.back() == name) return node;
   }
   throw std::invalid_argument("no [[" + kind + "]] named '" + name + "'" + text::suggestion(name, names));
 }
 
+Node& child(Node& table, const std::string& name) {
+  Node::Table& all = *table.as<Node::Table>();
+  if (const auto found = all.find(name); found != all.end()) return found->second;
+  std::vector<std::string> keys;
+  for (const auto& [key, node] : all) keys.push_back(key);
+  throw std::invalid_argument("the scene has no '" + name + "'" + text::suggestion(name, keys));
+}
+
 /// The table in which the last part of the key lies.
-toml::table& table_of(toml::table& scene, const std::vector<std::string>& path) {
-  toml::table* table = &scene;
+Node& table_of(Node& scene, const std::vector<std::string>& path) {
+  // The one table that may be left out of a scene that has what it is about.
+  if (path.front() == "bodies" && scene.find("body") != nullptr) scene.as<Node::Table>()->try_emplace("bodies");
+  Node* table = &scene;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    // The one table that may be left out of a scene that has what it is about.
-    if (i == 0 && path[i] == "bodies" && scene.contains("body")) scene.insert("bodies", toml::table());
-    toml::node* const node = table->get(path[i]);
-    if (node == nullptr) {
-      throw std::invalid_argument("the scene has no '" + path[i] + "'" + text::suggestion(path[i], keys_of(*table)));
-    }
-    if (node->is_array() && i + 2 < path.size()) {
-      table = &named(*node->as_array(), path[i], path[i + 1]);
+    table = &child(*table, path[i]);
+    if (auto* const list = table->as<Node::List>(); list != nullptr && i + 2 < path.size()) {
+      table = &named(*list, path[i], path[i + 1]);
       ++i;
-    } else if (node->is_table()) {
-      table = node->as_table();
-    } else {
+    } else if (table->as<Node::Table>() == nullptr) {
       throw std::invalid_argument("'" + path[i] + "' of the scene is no table");
     }
   }
@@ -51,27 +48,20 @@ toml::table& table_of(toml::table& scene, const std::vector<std::string>& path) 
 
 }  // namespace
 
-void set_scene_key(toml::table& scene, const std::string& key, const toml::node& value) {
+void set_scene_key(Node& scene, const std::string& key, const Node& value) {
   const std::vector<std::string> path = text::split_outside_brackets(key, '.');
-  table_of(scene, path).insert_or_assign(path.back(), value);
+  table_of(scene, path).as<Node::Table>()->insert_or_assign(path.back(), value);
 }
 
-void set_scene_key(toml::table& scene, const std::string& key, const std::string& value) {
+void set_scene_key(Node& scene, const std::string& key, const std::string& value) {
   const std::vector<std::string> path = text::split_outside_brackets(key, '.');
-  toml::table& table = table_of(scene, path);
-  const toml::node* const old = table.get(path.back());
-  const toml::source_region& place = (old != nullptr ? *old : table).source();
-  const toml::source_index lines_before = place.begin.line > 0 ? place.begin.line - 1 : 0;
-  toml::table wrapped;
+  const Node& table = table_of(scene, path);
+  const Node* const old = table.find(path.back());
   try {
-    wrapped = toml::parse(std::string(lines_before, '\n') + "value = " + value);
-  } catch (const toml::parse_error&) {
+    set_scene_key(scene, key, config::parse_toml_value(value, (old != nullptr ? *old : table).line));
+  } catch (const config::ConfigError& error) {
+    throw std::invalid_argument(key + " " + error.what());
   }
-  // More than one key: the value had lines of its own.
-  if (wrapped.size() != 1) {
-    throw std::invalid_argument(key + " must be a value as TOML writes it, got '" + value + "'");
-  }
-  table.insert_or_assign(path.back(), std::move(*wrapped.get("value")));
 }
 
 }  // namespace forcebound::server

@@ -35,7 +35,7 @@ struct SceneLibrary::Shelf {
     return found == entries.end() ? nullptr : &*found;
   }
 
-  std::shared_ptr<const scene::EffectRegistry> registry{};  // for those that ship
+  std::shared_ptr<const scene::Registry> registry{};  // for those that ship
   scene::MeasureCost measure{};
   std::function<void(Compilation)> elsewhere{};
   std::vector<Entry> entries{};
@@ -49,9 +49,9 @@ struct SceneLibrary::Shelf {
 
 SceneLibrary::SceneLibrary() : shelf_(std::make_shared<Shelf>()) {}
 
-SceneLibrary SceneLibrary::shipped(scene::EffectRegistry registry, scene::MeasureCost measure) {
+SceneLibrary SceneLibrary::shipped(scene::Registry registry, scene::MeasureCost measure) {
   SceneLibrary library;
-  library.shelf_->registry = std::make_shared<const scene::EffectRegistry>(std::move(registry));
+  library.shelf_->registry = std::make_shared<const scene::Registry>(std::move(registry));
   library.shelf_->measure = std::move(measure);
   for (const text::EmbeddedText& scene : shipped_scenes()) {
     library.shelf_->entries.push_back({.name = std::string(scene.name), .text = scene.text});
@@ -116,7 +116,7 @@ SceneSource scene_source(const std::string& name_or_file) {
                               "; a file is given as FILE.toml");
 }
 
-std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file, const scene::EffectRegistry& registry,
+std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file, const scene::Registry& registry,
                                                const scene::MeasureCost& measure) {
   const SceneSource source = scene_source(name_or_file);
   return parse_scene(source.text, source.file, registry, measure);

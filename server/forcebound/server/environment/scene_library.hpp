@@ -22,8 +22,7 @@ class SceneLibrary {
 
   /// Those that ship with the server.
   /// @param measure as parse_scene's
-  static SceneLibrary shipped(scene::EffectRegistry registry = scene::EffectRegistry::standard(),
-                              scene::MeasureCost measure = {});
+  static SceneLibrary shipped(scene::Registry registry = scene::Registry::standard(), scene::MeasureCost measure = {});
 
   /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
   void add(std::shared_ptr<const scene::Scene> scene);
@@ -80,8 +79,8 @@ SceneSource scene_source(const std::string& name_or_file);
 /// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.
 /// @param measure as parse_scene's
 /// @throws SceneError
-std::shared_ptr<const scene::Scene> load_scene(
-    const std::string& name_or_file, const scene::EffectRegistry& registry = scene::EffectRegistry::standard(),
-    const scene::MeasureCost& measure = {});
+std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file,
+                                               const scene::Registry& registry = scene::Registry::standard(),
+                                               const scene::MeasureCost& measure = {});
 
 }  // namespace forcebound::server

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
+#include "forcebound/config/checked_table.hpp"
 #include "forcebound/server/environment/accuracy_parser.hpp"
 #include "forcebound/server/environment/body_parser.hpp"
-#include "forcebound/server/environment/checked_table.hpp"
 #include "forcebound/server/environment/cost.hpp"
 #include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_key.hpp"
@@ -16,7 +16,8 @@
 namespace forcebound::server {
 namespace {
 
-constexpr std::array<std::string_view, 2> kAccuracies{"fixed", "auto"};
+using config::CheckedTable;
+using config::Node;
 
 std::uint64_t fnv1a(std::string_view text) noexcept {
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -24,35 +25,26 @@ std::uint64_t fnv1a(std::string_view text) noexcept {
   return hash;
 }
 
-toml::table parse_toml(std::string_view text, const std::string& file) {
-  try {
-    return toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    throw SceneError(file + ":" + std::to_string(error.source().begin.line) + ": " + std::string(error.description()));
-  }
-}
-
 int parse_degrees_of_freedom(CheckedTable& scene) {
-  const toml::node& node = scene.at("degrees_of_freedom");
-  if (node.value_exact<std::string>() == "any") return scene::kAnyDegreesOfFreedom;
-  const auto number = node.value_exact<std::int64_t>();
-  if (!number || *number < 1 || *number > 3) {
-    scene.fail(node, "degrees_of_freedom must be 1, 2, 3 or \"any\", got " + as_written(node));
+  const Node& node = scene.at("degrees_of_freedom");
+  if (const auto* const word = node.as<std::string>(); word != nullptr && *word == "any") {
+    return scene::kAnyDegreesOfFreedom;
   }
+  const auto* const number = node.as<std::int64_t>();
+  if (number == nullptr || *number < 1 || *number > 3) scene.refuse("degrees_of_freedom", "1, 2, 3 or \"any\"");
   return static_cast<int>(*number);
 }
 
 class Parser {
  public:
   /// @param measure not empty
-  Parser(std::string_view text, std::string file, const scene::EffectRegistry& registry,
-         const scene::MeasureCost& measure)
+  Parser(std::string_view text, std::string file, const scene::Registry& registry, const scene::MeasureCost& measure)
       : text_(text), file_(std::move(file)), registry_(registry), measure_(measure) {}
 
-  std::shared_ptr<const scene::Scene> parse() const { return parse(parse_toml(text_, file_), fnv1a(text_)); }
+  std::shared_ptr<const scene::Scene> parse() const { return parse(config::parse_toml(text_, file_), fnv1a(text_)); }
 
   std::shared_ptr<const scene::Scene> parse_changed(std::span<const SceneChange> changes) const {
-    toml::table whole = without_levels();
+    Node whole = without_levels();
     std::string all(text_);
     for (const SceneChange& change : changes) {
       try {
@@ -66,29 +58,25 @@ class Parser {
   }
 
  private:
-  std::shared_ptr<const scene::Scene> parse(const toml::table& whole, std::uint64_t hash) const {
+  std::shared_ptr<const scene::Scene> parse(const Node& whole, std::uint64_t hash) const {
     CheckedTable file(whole, file_, "scene file");
-    scene::SceneFacts facts = parse_facts(file.table("scene"));
+    scene::SceneFacts facts = parse_facts(file.table("scene", "scene"));
     facts.hash = hash;
     (void)file.find("accuracy");  // for later
-    const Eigen::Index rows = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
-    const PartParser parser(file_, registry_, rows);
-
+    const Eigen::Index axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     scene::SceneParts parts;
-    file.each("object", [&](const toml::table& table) {
-      parts.objects.push_back(parser.object(table));
-      return parts.objects.back().name;
+    file.each("object", [&](CheckedTable& object, const std::string& name) {
+      parts.objects.push_back(parse_part(object, name, true, registry_, axes));
     });
-    file.each("field", [&](const toml::table& table) {
-      parts.fields.push_back(parser.field(table));
-      return parts.fields.back().name;
+    file.each("field", [&](CheckedTable& field, const std::string& name) {
+      parts.fields.push_back(parse_part(field, name, false, registry_, axes));
     });
     parts.dynamic_models = parse_bodies(file);
     for (scene::SceneDynamicModel& tissue : parse_tissues(file)) parts.dynamic_models.push_back(std::move(tissue));
     file.refuse_unknown_keys();
     check_dynamic_models(file, facts, parts.dynamic_models);
     refuse_coincident(file, parts.objects);
-    for (const scene::EffectKind& kind : registry_.kinds()) {
+    for (const scene::EffectKind& kind : registry_.effects()) {
       if (!requested(parts, kind.name)) facts.effects_not_requested.emplace_back(kind.name);
     }
     // What is wrong with the whole shall be said of it, not of its first level.
@@ -97,44 +85,49 @@ class Parser {
   }
 
   scene::AutoAccuracy parse_levels(CheckedTable& file, const scene::SceneFacts& facts) const {
-    const toml::node* const table = file.find("accuracy");
+    const Node* const table = file.find("accuracy");
     if (!facts.accuracy_auto) {
       if (table != nullptr) file.fail(*table, "[accuracy] is for scenes with accuracy = \"auto\" in [scene]");
       return {};
     }
     return parse_accuracy(
-        file, [&](const std::string& key, const toml::node& value) { return compile_level(key, value); }, measure_);
+        file, [&](const std::string& key, const Node& value) { return compile_level(key, value); }, measure_);
   }
 
-  toml::table without_levels() const {
-    toml::table whole = parse_toml(text_, file_);
-    whole.erase("accuracy");
-    if (toml::table* const scene = whole["scene"].as_table()) scene->erase("accuracy");
+  Node without_levels() const {
+    Node whole = config::parse_toml(text_, file_);
+    auto& tables = *whole.as<Node::Table>();
+    tables.erase("accuracy");
+    const auto scene = tables.find("scene");
+    if (scene == tables.end()) return whole;
+    if (auto* const keys = scene->second.as<Node::Table>()) keys->erase("accuracy");
     return whole;
   }
 
   /// As if the file had said so from the beginning.
-  std::shared_ptr<const scene::Scene> compile_level(const std::string& key, const toml::node& value) const {
-    toml::table whole = without_levels();
+  std::shared_ptr<const scene::Scene> compile_level(const std::string& key, const Node& value) const {
+    Node whole = without_levels();
     set_scene_key(whole, key, value);
-    return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + as_written(value)));
+    return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + written(value)));
   }
 
-  scene::SceneFacts parse_facts(const toml::table& table) const {
-    CheckedTable scene(table, file_, "scene");
-    scene::SceneFacts facts{.name = scene.name("name"),
-                            .description = scene.text("description"),
+  static scene::SceneFacts parse_facts(CheckedTable scene) {
+    const std::vector<config::Parameter> keys = scene_table().keys;
+    const config::Values given = scene.given(keys);
+    const config::Values values = completed(keys, given);
+    scene::SceneFacts facts{.name = values.text("name"),
+                            .description = values.text("description"),
                             .degrees_of_freedom = parse_degrees_of_freedom(scene),
-                            .shared = scene.flag("shared", false),
-                            .accuracy_auto = scene.choice("accuracy", kAccuracies) == "auto"};
+                            .shared = values.flag("shared"),
+                            .accuracy_auto = values.choice("accuracy") == "auto"};
     if (facts.shared && facts.accuracy_auto) {
       scene.fail(scene.at("accuracy"), "accuracy cannot be \"auto\" in a shared scene, which is one for all");
     }
-    const toml::node* clients = scene.find("clients_max");
     if (facts.shared) {
-      facts.clients_max = scene.whole(kClientsMax);
-    } else if (clients != nullptr) {
-      scene.fail(*clients, "clients_max is for shared scenes; any number of clients may feel another one, each alone");
+      facts.clients_max = values.whole("clients_max");
+    } else if (given.has("clients_max")) {
+      scene.fail(scene.at("clients_max"),
+                 "clients_max is for shared scenes; any number of clients may feel another one, each alone");
     }
     parse_suggestion(scene, facts);
     scene.refuse_unknown_keys();
@@ -175,7 +168,8 @@ class Parser {
   static void refuse_coincident(const CheckedTable& file, const std::vector<scene::SceneObject>& objects) {
     for (std::size_t i = 0; i < objects.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        if (objects[i].shape_text != objects[j].shape_text) continue;
+        if (objects[i].shape_kind != objects[j].shape_kind || objects[i].shape_values != objects[j].shape_values)
+          continue;
         file.fail("objects '" + objects[j].name + "' and '" + objects[i].name +
                   "' have the same shape in the same place, which would be felt twice: give one object all effects");
       }
@@ -193,15 +187,49 @@ class Parser {
 
   std::string_view text_;
   std::string file_;
-  const scene::EffectRegistry& registry_;
+  const scene::Registry& registry_;
   const scene::MeasureCost& measure_;
 };
 
 }  // namespace
 
+config::TableDescription scene_table() {
+  using config::TextParameter;
+  return {"`[scene]`",
+          "What holds for the whole file.",
+          {TextParameter{.key = "name", .meaning = "what clients ask for", .form = TextParameter::Form::name},
+           TextParameter{.key = "description", .meaning = "for people"},
+           config::OtherParameter{.key = "degrees_of_freedom",
+                                  .meaning = "of the device that can feel it; one of 6 feels a scene of 3",
+                                  .accepted = "1, 2, 3 or `\"any\"`"},
+           config::FlagParameter{.key = "shared",
+                                 .meaning = "whether all clients feel the same bodies and tissue, or each its own"},
+           config::NumberParameter{.key = "clients_max",
+                                   .meaning = "at once in a shared scene",
+                                   .preset = 4,
+                                   .least = 1,
+                                   .most = 16,
+                                   .whole = true},
+           config::ChoiceParameter{
+               .key = "accuracy",
+               .meaning = "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
+               .choices = {"fixed", "auto"}},
+           TextParameter{
+               .key = "suggested_device",
+               .meaning = "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",
+               .accepted = "a device that ships, of degrees of freedom that the scene accepts",
+               .absent = "`\"omni\"`, `\"cartesian-2dof\"` or `\"wall-1dof\"`, by `degrees_of_freedom`"},
+           TextParameter{.key = "suggested_hand",
+                         .meaning = "the simulated hand on it, as `--operator` of `forcebound-client` takes it: "
+                                    "`\"stroke:offset_z_m=0.015\"`",
+                         .accepted =
+                             "`\"press\"`, `\"stroke\"`, `\"trace-circle\"`, `\"trace-sphere\"` or `\"wave\"`, with "
+                             "`:key=value,...`",
+                         .absent = "a stroke from above, a press or a wave that was found to touch; see `--explain`"}}};
+}
+
 std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std::string& file_name,
-                                                const scene::EffectRegistry& registry,
-                                                const scene::MeasureCost& measure) {
+                                                const scene::Registry& registry, const scene::MeasureCost& measure) {
   const scene::MeasureCost predicted = [](const std::shared_ptr<const scene::Scene>& scene) {
     return 1e-9 * predicted_cost_ns(*scene);
   };
@@ -210,7 +238,7 @@ std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std
 
 std::shared_ptr<const scene::Scene> parse_changed_scene(std::string_view text, const std::string& file_name,
                                                         std::span<const SceneChange> changes,
-                                                        const scene::EffectRegistry& registry) {
+                                                        const scene::Registry& registry) {
   return Parser(text, file_name, registry, {}).parse_changed(changes);
 }
 

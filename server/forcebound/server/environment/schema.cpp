@@ -1,52 +1,13 @@
 #include "forcebound/server/environment/schema.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include "forcebound/server/environment/accuracy_parser.hpp"
+#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
-#include "forcebound/text/names.hpp"
-#include "forcebound/text/numbers.hpp"
+#include "forcebound/server/environment/tissue_parser.hpp"
 
 namespace forcebound::server {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::string quoted(std::string_view word) { return "`\"" + std::string(word) + "\"`"; }
-
-/// A preset outside of the range means that the key may be left out; its meaning says what holds then.
-std::string preset_text(const scene::NumberParameter& number) {
-  if (!number.preset) return "";
-  const double preset = *number.preset;
-  if (preset == kInfinity) return "no limit";
-  const bool above = number.least_excluded ? preset > number.least : preset >= number.least;
-  return above ? text::to_text(preset) : "not given";
-}
-
-std::string preset_text(const scene::PointParameter& point) {
-  if (!point.preset) return "";
-  if (point.preset->minCoeff() == kInfinity) return "no limit";
-  std::string text;
-  for (const double value : *point.preset) text += (text.empty() ? "" : ", ") + text::to_text(value);
-  return "[" + text + "]";
-}
-
-SchemaKey words_for(const scene::NumberParameter& number) {
-  return {std::string(number.key), std::string(number.meaning), scene::range_text(number), preset_text(number)};
-}
-
-SchemaKey words_for(const scene::PointParameter& point) {
-  return {std::string(point.key), std::string(point.meaning), point.is_direction ? "a direction" : "a point",
-          preset_text(point)};
-}
-
-SchemaKey words_for(const scene::ChoiceParameter& choice) {
-  std::vector<std::string> words;
-  words.reserve(choice.choices.size());
-  for (const std::string_view word : choice.choices) words.push_back(quoted(word));
-  return {std::string(choice.key), std::string(choice.meaning), text::join(words), words.front()};
-}
 
 /// A cell of a table ends at a bar, unless that is escaped.
 std::string cell(const std::string& text) {
@@ -55,22 +16,21 @@ std::string cell(const std::string& text) {
   return escaped;
 }
 
-std::string rows_of(const std::vector<SchemaKey>& keys) {
+std::string rows_of(const std::vector<config::Parameter>& keys) {
   std::string text = "| key | meaning | value | if left out |\n| --- | --- | --- | --- |\n";
-  for (const SchemaKey& key : keys) {
-    text += "| `" + key.key + "` | " + cell(key.meaning) + " | " + cell(key.values) + " | " +
-            (key.preset.empty() ? "*must be given*" : cell(key.preset)) + " |\n";
+  for (const config::Parameter& key : keys) {
+    const std::string preset = config::preset_text(key);
+    text += "| `" + std::string(key_of(key)) + "` | " + cell(std::string(config::meaning_of(key))) + " | " +
+            cell(config::accepted_text(key)) + " | " + (preset.empty() ? "*must be given*" : cell(preset)) + " |\n";
   }
   return text + "\n";
 }
 
-std::string section(const std::string& level, const SchemaTable& table) {
-  return level + " " + table.title + "\n\n" + table.text + "\n\n" + (table.keys.empty() ? "" : rows_of(table.keys));
-}
-
-std::string sections(const std::string& level, const std::vector<SchemaTable>& tables) {
+std::string sections(const std::string& level, const std::vector<config::TableDescription>& tables) {
   std::string text;
-  for (const SchemaTable& table : tables) text += section(level, table);
+  for (const config::TableDescription& table : tables) {
+    text += level + " " + table.title + "\n\n" + table.text + "\n\n" + (table.keys.empty() ? "" : rows_of(table.keys));
+  }
   return text;
 }
 
@@ -109,7 +69,7 @@ std::string sentence(std::string_view text) {
   return made + ".";
 }
 
-std::string overview(const scene::EffectRegistry& registry) {
+std::string overview(const scene::Registry& registry) {
   std::string text =
       "## Effects\n"
       "\n"
@@ -122,7 +82,7 @@ std::string overview(const scene::EffectRegistry& registry) {
       "\n"
       "| effect | what a hand feels | place |\n"
       "| --- | --- | --- |\n";
-  for (const scene::EffectKind& kind : registry.kinds()) {
+  for (const scene::EffectKind& kind : registry.effects()) {
     const std::string name(kind.name);
     text.append("| [`").append(name).append("`](#").append(name).append(") | ");
     text.append(cell(std::string(kind.purpose))).append(" | ").append(place_text(kind.place)).append(" |\n");
@@ -130,25 +90,22 @@ std::string overview(const scene::EffectRegistry& registry) {
   return text + "\n";
 }
 
-SchemaTable table_of(const scene::EffectKind& kind) {
-  SchemaTable table{
-      .title = std::string(kind.name),
-      .text = sentence(kind.purpose) + " Of " + place_text(kind.place) + ".\n\n    " + std::string(kind.law),
-      .keys = {}};
-  for (const scene::EffectParameter& parameter : kind.parameters) table.keys.push_back(described(parameter));
-  return table;
-}
-
-std::vector<SchemaTable> effect_tables(const scene::EffectRegistry& registry) {
-  std::vector<SchemaTable> tables;
-  for (const scene::EffectKind& kind : registry.kinds()) tables.push_back(table_of(kind));
+std::vector<config::TableDescription> effect_tables(const scene::Registry& registry) {
+  std::vector<config::TableDescription> tables;
+  for (const scene::EffectKind& kind : registry.effects()) {
+    tables.push_back({std::string(kind.name),
+                      sentence(kind.purpose) + " Of " + place_text(kind.place) + ".\n\n    " + std::string(kind.law),
+                      kind.parameters});
+  }
   return tables;
 }
 
-}  // namespace
-
-SchemaKey described(const scene::EffectParameter& parameter) {
-  return std::visit([](const auto& any) { return words_for(any); }, parameter);
+std::vector<config::TableDescription> shape_tables(const scene::Registry& registry) {
+  std::vector<config::TableDescription> tables;
+  for (const scene::ShapeKind& kind : registry.shapes()) {
+    tables.push_back({std::string(kind.name), std::string(kind.description), kind.parameters});
+  }
+  return tables;
 }
 
 constexpr const char* kTimeOfDynamicModels = R"(
@@ -160,45 +117,7 @@ next one.
 
 )";
 
-std::vector<SchemaTable> part_tables() {
-  const SchemaKey name{"name", "for errors, logs and `--explain`", "1 to 64 printable characters"};
-  const SchemaKey effects{"effects", "see [Effects](#effects)", "a list of names"};
-  return {
-      {"`[scene]`",
-       "What holds for the whole file.",
-       {{"name", "what clients ask for", "1 to 64 printable characters"},
-        {"description", "for people", "text"},
-        {"degrees_of_freedom", "of the device that can feel it; one of 6 feels a scene of 3", "1, 2, 3 or `\"any\"`"},
-        {"shared", "whether all clients feel the same bodies and tissue, or each its own", "`true` or `false`",
-         "`false`"},
-        described(kClientsMax),
-        {"accuracy", "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
-         "`\"fixed\"` or `\"auto\"`", "`\"fixed\"`"},
-        {"suggested_device", "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",
-         "a device that ships, of degrees of freedom that the scene accepts",
-         "`\"omni\"`, `\"cartesian-2dof\"` or `\"wall-1dof\"`, by `degrees_of_freedom`"},
-        {"suggested_hand",
-         "the simulated hand on it, as `--operator` of `forcebound-client` takes it: `\"stroke:offset_z_m=0.015\"`",
-         "`\"press\"`, `\"stroke\"`, `\"trace-circle\"`, `\"trace-sphere\"` or `\"wave\"`, with `:key=value,...`",
-         "a stroke from above, a press or a wave that was found to touch; see `--explain`"}}},
-      {"`[accuracy]`",
-       "With `accuracy = \"auto\"`: what the scene may give up to be in time. A client says how far away it is, the "
-       "server measures what each level takes on its machine, and picks the one whose force is least wrong at the "
-       "device, late ones counted as wrong. `forcebound-lab accuracy --levels FILE` measures these numbers.",
-       {{"key",
-         "what the levels differ in: `tissue.pad.shape.cells` is the key `cells` of the `shape` of the `[[tissue]]` "
-         "named `pad`",
-         "a key of this file"},
-        described(kChangePerSecond),
-        {"levels", "from coarse to fine", "two or more tables, see the next"}}},
-      {"A level of `[accuracy]`",
-       "What is in the file for the key counts where no client is known, as for `--explain`.",
-       {{"value", "for the key", "what the key may have"}, described(kModelError)}},
-      {"`[[field]]`", "What fills space: only effects of space, and no shape.", {name, effects}},
-      {"`[[object]]`",
-       "What has a surface. No two have the same shape in the same place.",
-       {name, effects, {"shape", "a table whose `kind` is one of the [shapes](#shapes)", "a table"}}}};
-}
+}  // namespace
 
 std::string schema_example() {
   return "[scene]\n"
@@ -219,10 +138,20 @@ std::string schema_example() {
          "viscosity = { damping_N_s_per_m = 2 }\n";
 }
 
-std::string schema(const scene::EffectRegistry& registry) {
+std::vector<config::TableDescription> part_tables() {
+  return {scene_table(), accuracy_table(), accuracy_level_table(), field_table(), object_table()};
+}
+
+std::vector<config::TableDescription> dynamic_model_tables() {
+  std::vector<config::TableDescription> tables = body_tables();
+  for (config::TableDescription& table : tissue_tables()) tables.push_back(std::move(table));
+  return tables;
+}
+
+std::string schema(const scene::Registry& registry) {
   std::string text = introduction() + sections("##", part_tables());
   text += "### Shapes\n\nThe `shape` of an object has `kind = \"NAME\"`, and the keys of that kind.\n\n";
-  text += sections("####", shape_tables());
+  text += sections("####", shape_tables(registry));
   text += "## Bodies and tissue\n\nWhat moves or deforms by itself. It needs a scene of 3 degrees of freedom.\n";
   text += kTimeOfDynamicModels;
   text += sections("###", dynamic_model_tables());

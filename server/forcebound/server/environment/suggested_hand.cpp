@@ -6,11 +6,11 @@
 #include <stdexcept>
 #include <vector>
 
+#include "forcebound/config/checked_table.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
 #include "forcebound/scene/scene_state.hpp"
-#include "forcebound/server/environment/checked_table.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -163,16 +163,17 @@ std::vector<std::string> candidates(const scene::Scene& scene) {
   return hands;
 }
 
-[[noreturn]] void refuse_device(const CheckedTable& scene, const toml::node& where, const std::string& device) {
+[[noreturn]] void refuse_device(const config::CheckedTable& scene, const config::Node& where,
+                                const std::string& device) {
   const std::vector<std::string> known = device::shipped_device_names();
   scene.fail(where, "suggested_device: no device '" + device + "' ships" + text::suggestion(device, known));
 }
 
 }  // namespace
 
-void parse_suggestion(CheckedTable& scene, scene::SceneFacts& facts) {
+void parse_suggestion(config::CheckedTable& scene, scene::SceneFacts& facts) {
   SuggestedHand suggested{.device = device_for(facts), .hand = {}};
-  if (const toml::node* const where = scene.find("suggested_device")) {
+  if (const config::Node* const where = scene.find("suggested_device")) {
     suggested.device = scene.text("suggested_device");
     const std::vector<std::string> known = device::shipped_device_names();
     if (std::ranges::find(known, suggested.device) == known.end()) refuse_device(scene, *where, suggested.device);
@@ -183,7 +184,7 @@ void parse_suggestion(CheckedTable& scene, scene::SceneFacts& facts) {
     }
     facts.suggested_device = suggested.device;
   }
-  if (const toml::node* const where = scene.find("suggested_hand")) {
+  if (const config::Node* const where = scene.find("suggested_hand")) {
     suggested.hand = scene.text("suggested_hand");
     if (suggested.hand.starts_with("replay")) {
       scene.fail(*where, "suggested_hand: a recorded hand lies with the client, not with the scene; suggest another");

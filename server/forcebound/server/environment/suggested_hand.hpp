@@ -6,9 +6,11 @@
 
 #include "forcebound/scene/scene.hpp"
 
-namespace forcebound::server {
-
+namespace forcebound::config {
 class CheckedTable;
+}
+
+namespace forcebound::server {
 
 /// Simulated device and hand with which there is something to feel in a scene, as options of a client.
 struct SuggestedHand {
@@ -20,7 +22,7 @@ struct SuggestedHand {
 /// Reads `suggested_device` and `suggested_hand` of [scene] into the facts, whose degrees of freedom are known already.
 /// @throws SceneError for a device that does not ship or does not fit, a hand that there is not, and a recorded one,
 /// whose file would be looked for where the client runs
-void parse_suggestion(CheckedTable& scene, scene::SceneFacts& facts);
+void parse_suggestion(config::CheckedTable& scene, scene::SceneFacts& facts);
 
 /// What the scene's author suggests. What is left out is computed: the device by the degrees of freedom, and the first
 /// hand that starts outside and touches (`try_hand`) of: a stroke from above over the middle of each object and dynamic

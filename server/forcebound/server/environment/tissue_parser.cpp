@@ -1,133 +1,195 @@
 #include "forcebound/server/environment/tissue_parser.hpp"
 
-#include <array>
-#include <cmath>
-#include <limits>
+#include <filesystem>
 
 #include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
 #include "forcebound/server/dynamics/tissue/tissue_dynamic_model.hpp"
-#include "forcebound/server/environment/placement_parser.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
 namespace {
 
-constexpr Eigen::Index kTissueAxes = 3;
+using config::CheckedTable;
+using config::NumberParameter;
+using config::OtherParameter;
+using config::Parameter;
+using config::TableDescription;
+using config::TextParameter;
+using config::Values;
 
-scene::Point sizes(CheckedTable& table, std::string_view key) {
-  const scene::Point size_m = table.point(key, kTissueAxes);
-  const toml::node& node = table.at(key);
-  if (!(size_m.minCoeff() > 0))
-    table.fail(node, std::string(key) + " must be > 0 on every axis, got " + as_written(node));
-  return size_m;
+/// Texts that are put together outlive every declaration.
+struct TissueTexts {
+  const double point_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
+  const std::string point_most = "of each contact, in series with the tissue; of a point with `large_motion` at most " +
+                                 text::to_text(CorotationalOptions::kContactStiffnessMost_N_per_m) +
+                                 ", not of a sphere with it";
+  const std::string point_preset =
+      text::to_text(ProbeOptions{}.contact_stiffness_N_per_m) + "; with `large_motion` " + text::to_text(point_N_per_m);
+  const std::string skin =
+      "of a sphere's skin with `large_motion`, in series with the tissue: pressure by depth, at "
+      "most " +
+      text::to_text(CorotationalOptions::kSkinMost) + " `young_Pa` / (1 - `poisson`^2) / `probe_radius_m`";
+  const std::string skin_preset = text::to_text(CorotationalOptions::kSkin) +
+                                  " of these: it gives way by 2 % of a depth of the radius, 4 % of a quarter";
+};
+
+TableDescription tissue_table() {
+  static const TissueTexts kTexts;
+  const ProbeOptions preset;
+  return {
+      "`[[tissue]]`",
+      "An elastic body of tetrahedra, quasi-static, without friction.",
+      {TextParameter{.key = "name", .meaning = "for errors, logs and `--explain`", .form = TextParameter::Form::name},
+       OtherParameter{.key = "shape", .meaning = "see below"},
+       OtherParameter{.key = "held",
+                      .meaning = "what does not move, where the tissue lies in the scene: the nodes on or below a "
+                                 "plane, by the keys of a [half_space](#half_space), or those in a block, by the keys "
+                                 "of a [box](#box)"},
+       NumberParameter{.key = "young_Pa",
+                       .meaning = "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin",
+                       .least = 0,
+                       .least_excluded = true},
+       NumberParameter{.key = "poisson",
+                       .meaning = "Poisson's ratio; what is above 0.45 locks, and `--explain` says so",
+                       .least = 0,
+                       .most = 0.4999},
+       NumberParameter{
+           .key = "probe_radius_m",
+           .meaning = "of the sphere that touches it; 0: a point, which sinks in the deeper the finer the mesh",
+           .preset = preset.radius_m,
+           .least = 0},
+       NumberParameter{.key = "contact_stiffness_N_per_m",
+                       .meaning = kTexts.point_most,
+                       .least = 0,
+                       .least_excluded = true,
+                       .absent = kTexts.point_preset},
+       NumberParameter{.key = "contact_stiffness_Pa_per_m",
+                       .meaning = kTexts.skin,
+                       .least = 0,
+                       .least_excluded = true,
+                       .absent = kTexts.skin_preset},
+       NumberParameter{.key = "contacts_max",
+                       .meaning = "at once; with `large_motion` nothing limits them",
+                       .preset = preset.contacts_max,
+                       .least = 1,
+                       .most = kContactsMax,
+                       .whole = true},
+       config::FlagParameter{.key = "large_motion",
+                             .meaning = "whether it may bend far, under a point or a sphere: so much dearer that a "
+                                        "thousand tetrahedra may take the whole tick, as `--explain` says"}}};
 }
 
-TetrahedralMesh parse_block(CheckedTable& shape) {
-  constexpr double kCellsMost = 64;
-  const scene::Point center_m = shape.point("center_m", kTissueAxes);
-  BlockDescription block{.cells = {}, .from_m = {}, .size_m = sizes(shape, "size_m")};
-  scene::MeshPlacement placement{.rotation = parse_rotation(shape)};
-  block.from_m = center_m - 0.5 * block.size_m;
-  if (placement.turns()) {  // about its centre
-    block.from_m = -0.5 * block.size_m;
-    placement.offset_m = center_m;
-  }
-  const scene::Point cells = shape.point("cells", kTissueAxes);
-  for (std::size_t axis = 0; axis < block.cells.size(); ++axis) {
-    const double count = cells[static_cast<Eigen::Index>(axis)];
-    if (!(count >= 1 && count <= kCellsMost) || count != std::floor(count)) {
-      shape.fail(shape.at("cells"), "cells must be whole numbers from 1 to 64, got " + as_written(shape.at("cells")));
-    }
-    block.cells[axis] = static_cast<std::size_t>(count);
-  }
-  return shape.built_at(shape.at("size_m"), [&] { return TetrahedralMesh(tetrahedral_block(block), placement); });
+TableDescription tissue_of_file_table() {
+  TableDescription table{
+      "`shape = { kind = \"mesh\", ... }` of a `[[tissue]]`",
+      "Tetrahedra from a file.",
+      {TextParameter{
+          .key = "file", .meaning = "Gmsh, ASCII of version 1, 2 or 4.1", .form = TextParameter::Form::file}}};
+  for (Parameter& parameter : scene::placement_parameters()) table.keys.push_back(std::move(parameter));
+  return table;
 }
 
-TetrahedralMesh parse_mesh(CheckedTable& shape) {
-  const std::string path = shape.path("file");
-  const scene::MeshPlacement placement = parse_placement(shape);
-  return shape.built_at(shape.at("file"), [&] { return TetrahedralMesh(load_gmsh(path), placement); });
+TableDescription tissue_block_table() {
+  TableDescription table{"`shape = { kind = \"block\", ... }` of a `[[tissue]]`",
+                         "A block along the axes, of cells of six tetrahedra each.", scene::box_shape().parameters};
+  table.keys.emplace_back(scene::rotation_parameter(
+      "roll, pitch and yaw: turned about its center and the directions of the scene's x, then y, then z axis"));
+  table.keys.emplace_back(config::PointParameter{
+      .key = "cells", .meaning = "along each axis", .each = {.least = 1, .most = 64, .whole = true}});
+  return table;
 }
 
-TetrahedralMesh parse_shape(CheckedTable& tissue, std::string& text) {
-  static constexpr std::array<std::string_view, 2> kKinds{"mesh", "block"};
-  CheckedTable shape(tissue.table("shape"), tissue.file(), tissue.place() + ", shape");
+TetrahedralMesh make_block(const Values& values) {
+  const scene::Point size_m = values.point("size_m");
+  const scene::Point cells = values.point("cells");
+  // A block that is turned is so about its centre.
+  const scene::MeshPlacement turned{.offset_m = values.point("center_m"),
+                                    .rotation = scene::rotation_from_degrees(values.point("rotation_deg"))};
+  const bool turns = turned.turns();
+  return TetrahedralMesh(
+      tetrahedral_block(
+          {.cells = {static_cast<std::size_t>(cells.x()), static_cast<std::size_t>(cells.y()),
+                     static_cast<std::size_t>(cells.z())},
+           .from_m = turns ? scene::Point(-0.5 * size_m) : scene::Point(values.point("center_m") - 0.5 * size_m),
+           .size_m = size_m}),
+      turns ? turned : scene::MeshPlacement{});
+}
+
+TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
+  CheckedTable shape = tissue.table("shape");
   (void)shape.at("kind");
-  TetrahedralMesh mesh = shape.choice("kind", kKinds) == "mesh" ? parse_mesh(shape) : parse_block(shape);
+  const std::array<Parameter, 1> kKind{config::ChoiceParameter{.key = "kind", .choices = {"mesh", "block"}}};
+  const bool is_file = shape.given(kKind).text("kind") == "mesh";
+  const std::vector<Parameter> keys = (is_file ? tissue_of_file_table() : tissue_block_table()).keys;
+  const Values given = shape.given(keys);
   shape.refuse_unknown_keys();
-  text += shape.values_text();
-  return mesh;
+  text = config::to_text(keys, given);
+  const Values values = completed(keys, given);
+  return shape.built_at(shape.at(is_file ? "file" : "size_m"), [&] {
+    if (!is_file) return make_block(values);
+    return TetrahedralMesh(load_gmsh((std::filesystem::path(shape.folder()) / values.text("file")).string()),
+                           scene::placement_of(values));
+  });
 }
 
 /// What lies below a plane, or within a box.
 std::vector<int> parse_held(CheckedTable& tissue, const TetrahedralMesh& mesh) {
-  CheckedTable held(tissue.table("held"), tissue.file(), tissue.place() + ", held");
-  std::vector<int> nodes;
-  if (held.find("center_m") != nullptr) {
-    const scene::Point center_m = held.point("center_m", kTissueAxes);
-    nodes = nodes_in_box(mesh, center_m, sizes(held, "size_m"));
-  } else {
-    const scene::Point through_m = held.point("through_m", kTissueAxes);
-    nodes = nodes_below(mesh, through_m, held.direction("normal", kTissueAxes));
+  CheckedTable held = tissue.table("held");
+  if (held.node().find("center_m") != nullptr) {
+    const Values box = held.all(scene::box_shape().parameters);
+    return nodes_in_box(mesh, box.point("center_m"), box.point("size_m"));
   }
-  held.refuse_unknown_keys();
-  return nodes;
+  const Values plane = held.all(scene::half_space_shape().parameters);
+  return nodes_below(mesh, plane.point("through_m"), plane.point("normal"));
 }
 
-ElasticMaterial parse_material(CheckedTable& tissue) {
-  return {.young_Pa = tissue.number({.key = "young_Pa", .least = 0, .least_excluded = true}),
-          .poisson = tissue.number({.key = "poisson", .least = 0, .most = 0.4999})};
-}
-
-/// @param large_motion under which a tie takes the place of a point's contact
-ProbeOptions parse_probe(CheckedTable& tissue, bool large_motion) {
-  ProbeOptions probe;
-  double stiffness_N_per_m_most = std::numeric_limits<double>::infinity();
-  probe.radius_m = tissue.number({.key = "probe_radius_m", .preset = probe.radius_m, .least = 0});
-  if (large_motion && probe.radius_m == 0) {
-    probe.contact_stiffness_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
-    stiffness_N_per_m_most = CorotationalOptions::kContactStiffnessMost_N_per_m;
-  }
-  probe.contact_stiffness_N_per_m = tissue.number({.key = "contact_stiffness_N_per_m",
-                                                   .preset = probe.contact_stiffness_N_per_m,
-                                                   .least = 0,
-                                                   .least_excluded = true,
-                                                   .most = stiffness_N_per_m_most});
-  probe.contacts_max =
-      tissue.whole({.key = "contacts_max", .preset = probe.contacts_max, .least = 1, .most = kContactsMax});
+/// @throws config::ValueError for a tie under large motion, which takes the place of a point's contact, that is too
+/// stiff
+ProbeOptions probe_of(const Values& values) {
+  ProbeOptions probe{.radius_m = values.number("probe_radius_m"), .contacts_max = values.whole("contacts_max")};
+  const bool is_tied = values.flag("large_motion") && probe.radius_m == 0;
+  if (is_tied) probe.contact_stiffness_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
+  if (!values.has("contact_stiffness_N_per_m")) return probe;
+  probe.contact_stiffness_N_per_m = values.number("contact_stiffness_N_per_m");
+  if (!is_tied) return probe;
+  (void)checked(NumberParameter{.key = "contact_stiffness_N_per_m",
+                                .least = 0,
+                                .least_excluded = true,
+                                .most = CorotationalOptions::kContactStiffnessMost_N_per_m},
+                probe.contact_stiffness_N_per_m);
   return probe;
 }
 
-scene::SceneDynamicModel parse_tissue(CheckedTable& table, const toml::table& where, const std::string& name) {
-  (void)table.at("name");
-  std::string text = "tissue, ";
-  TetrahedralMesh mesh = parse_shape(table, text);
-  std::vector<int> held = parse_held(table, mesh);
-  const bool large_motion = table.flag("large_motion", false);
-  const double skin_Pa_per_m =
-      table.number({.key = "contact_stiffness_Pa_per_m", .preset = 0, .least = 0, .least_excluded = true});
-  TissueDescription tissue{.mesh = std::move(mesh),
-                           .material = parse_material(table),
-                           .held_nodes = std::move(held),
-                           .probe = parse_probe(table, large_motion),
-                           .large_motion = large_motion,
-                           .skin_Pa_per_m = skin_Pa_per_m};
-  text += ", " + table.values_text();
+scene::SceneDynamicModel parse_tissue(CheckedTable& table, const std::string& name) {
+  const std::vector<Parameter> keys = tissue_table().keys;
+  const Values given = table.given(keys);
   table.refuse_unknown_keys();
-  return table.built_at(where, [&] {
-    return scene::SceneDynamicModel{
-        .name = name, .text = text, .dynamic_model = std::make_unique<TissueDynamicModel>(std::move(tissue))};
+  const Values values = completed(keys, given);
+  std::string shape_text;
+  TetrahedralMesh mesh = parse_mesh_of_tissue(table, shape_text);
+  std::vector<int> held = parse_held(table, mesh);
+  return table.built_at(table.node(), [&] {
+    TissueDescription tissue{
+        .mesh = std::move(mesh),
+        .material = {.young_Pa = values.number("young_Pa"), .poisson = values.number("poisson")},
+        .held_nodes = std::move(held),
+        .probe = probe_of(values),
+        .large_motion = values.flag("large_motion"),
+        .skin_Pa_per_m = values.has("contact_stiffness_Pa_per_m") ? values.number("contact_stiffness_Pa_per_m") : 0};
+    return scene::SceneDynamicModel{.name = name,
+                                    .text = "tissue, " + shape_text + ", " + config::to_text(keys, given),
+                                    .dynamic_model = std::make_unique<TissueDynamicModel>(std::move(tissue))};
   });
 }
 
 }  // namespace
 
+std::vector<TableDescription> tissue_tables() { return {tissue_table(), tissue_of_file_table(), tissue_block_table()}; }
+
 std::vector<scene::SceneDynamicModel> parse_tissues(CheckedTable& file) {
   std::vector<scene::SceneDynamicModel> dynamic_models;
-  file.each("tissue", [&](const toml::table& tissue) {
-    const std::string name = CheckedTable(tissue, file.file(), "tissue").name("name");
-    CheckedTable table(tissue, file.file(), "tissue '" + name + "'");
-    dynamic_models.push_back(parse_tissue(table, tissue, name));
-    return name;
+  file.each("tissue", [&](CheckedTable& tissue, const std::string& name) {
+    dynamic_models.push_back(parse_tissue(tissue, name));
   });
   return dynamic_models;
 }

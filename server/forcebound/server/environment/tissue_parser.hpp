@@ -2,13 +2,16 @@
 
 #include <vector>
 
+#include "forcebound/config/checked_table.hpp"
 #include "forcebound/scene/scene.hpp"
-#include "forcebound/server/environment/checked_table.hpp"
 
 namespace forcebound::server {
 
+/// [[tissue]], with the tables within it.
+[[nodiscard]] std::vector<config::TableDescription> tissue_tables();
+
 /// Reads every [[tissue]] of a file.
 /// @throws SceneError
-std::vector<scene::SceneDynamicModel> parse_tissues(CheckedTable& file);
+std::vector<scene::SceneDynamicModel> parse_tissues(config::CheckedTable& file);
 
 }  // namespace forcebound::server

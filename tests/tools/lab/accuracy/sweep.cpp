@@ -1,13 +1,11 @@
 #include "tests/tools/lab/accuracy/sweep.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/config/node.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/split.hpp"
 
@@ -18,23 +16,27 @@ namespace {
 constexpr int kTightIterations = 1000;
 constexpr const char* kTightTolerance = "1e-14";
 
-Sweep levels_of(const toml::table& accuracy) {
-  Sweep sweep{.key = accuracy["key"].value_or(std::string())};
-  for (const toml::node& level : *accuracy["levels"].as_array()) {
-    std::ostringstream value;
-    level.as_table()->at("value").visit([&](const auto& any) { value << any; });
-    sweep.values.push_back(value.str());
-  }
+using config::Node;
+
+/// The tables of an array; none where there is no such array.
+const Node::List& tables_of(const Node& scene, std::string_view name) {
+  static const Node::List kNone;
+  const Node* const node = scene.find(name);
+  const auto* const list = node == nullptr ? nullptr : node->as<Node::List>();
+  return list == nullptr ? kNone : *list;
+}
+
+Sweep levels_of(const Node& accuracy) {
+  Sweep sweep{.key = accuracy.text_at("key")};
+  for (const Node& level : tables_of(accuracy, "levels")) sweep.values.push_back(written(*level.find("value")));
   return sweep;
 }
 
 /// The name of the first of a kind that has such a shape; empty: there is none.
-std::string first_with(const toml::table& scene, const char* kind, const char* shape) {
-  const toml::array* const all = scene[kind].as_array();
-  if (all == nullptr) return {};
-  for (const toml::node& node : *all) {
-    const toml::table& table = *node.as_table();
-    if (table["shape"]["kind"].value_or(std::string()) == shape) return table["name"].value_or(std::string());
+std::string first_with(const Node& scene, const char* kind, const char* shape) {
+  for (const Node& table : tables_of(scene, kind)) {
+    const Node* const own = table.find("shape");
+    if (own != nullptr && own->text_at("kind") == shape) return table.text_at("name");
   }
   return {};
 }
@@ -50,8 +52,8 @@ Sweep parse_sweep(std::string_view sweep) {
 }
 
 Sweep usual_sweep(const std::string& scene_text) {
-  const toml::table scene = toml::parse(scene_text);
-  if (const toml::table* const accuracy = scene["accuracy"].as_table()) return levels_of(*accuracy);
+  const Node scene = config::parse_toml(scene_text, "scene");
+  if (const Node* const accuracy = scene.find("accuracy")) return levels_of(*accuracy);
   if (const std::string name = first_with(scene, "tissue", "block"); !name.empty()) {
     return {"tissue." + name + ".shape.cells", {"[4, 4, 2]", "[6, 6, 3]", "[9, 9, 4]"}};
   }
@@ -61,10 +63,10 @@ Sweep usual_sweep(const std::string& scene_text) {
   if (const std::string name = first_with(scene, "object", "mesh"); !name.empty()) {
     return {"object." + name + ".shape.detail", {"0.03", "0.1", "0.3", "1"}};
   }
-  if (const toml::array* const bodies = scene["body"].as_array(); bodies != nullptr && !bodies->empty()) {
-    const toml::table& body = *bodies->front().as_table();
-    if (body.contains("shape")) return {"bodies.timestep_s", {"0.004", "0.002", "0.001", "0.0005", "0.00025"}};
-    return {"body." + body["name"].value_or(std::string()) + ".iterations", {"1", "2", "3", "5", "10", "100"}};
+  if (const Node::List& bodies = tables_of(scene, "body"); !bodies.empty()) {
+    const Node& body = bodies.front();
+    if (body.find("shape") != nullptr) return {"bodies.timestep_s", {"0.004", "0.002", "0.001", "0.0005", "0.00025"}};
+    return {"body." + body.text_at("name") + ".iterations", {"1", "2", "3", "5", "10", "100"}};
   }
   throw std::invalid_argument("the scene has no key with levels of its own: give one with --sweep KEY=V1,V2,...");
 }

@@ -4,16 +4,16 @@
 #include <random>
 #include <stdexcept>
 
-#include "forcebound/scene/effects/registry.hpp"
+#include "forcebound/scene/registry.hpp"
 #include "tests/support/effect_probe.hpp"
 
 namespace forcebound::scene {
 namespace {
 
 /// The presets, or 1 for a number that has none, or where `all` says so.
-EffectValues values_for(const EffectKind& kind, bool all) {
-  EffectValues values;
-  for (const EffectParameter& parameter : kind.parameters) {
+Values values_for(const EffectKind& kind, bool all) {
+  Values values;
+  for (const Parameter& parameter : kind.parameters) {
     if (const auto* number = std::get_if<NumberParameter>(&parameter)) {
       values.set(number->key, number->preset && !all ? *number->preset : std::min(1.0, number->most));
     } else if (const auto* point = std::get_if<PointParameter>(&parameter)) {
@@ -35,8 +35,8 @@ std::unique_ptr<Effect> made(const EffectKind& kind) {
 }
 
 TEST(AllEffects, AreFiniteFromTheOriginToFarOutAtAnySpeed) {
-  const EffectRegistry registry = EffectRegistry::standard();
-  for (const EffectKind& kind : registry.kinds()) {
+  const Registry registry = Registry::standard();
+  for (const EffectKind& kind : registry.effects()) {
     const auto effect = made(kind);
     test::EffectProbe felt(*effect);
     for (const double far_m : {0.0, 5e-324, 1e-9, 1.0, 1e9}) {
@@ -72,8 +72,8 @@ TEST(AllEffects, AreNoSteeperThanTheyTellExplain) {
   const auto point = [&](double size) {
     return Point(size * share(random), size * share(random), size * share(random));
   };
-  const EffectRegistry registry = EffectRegistry::standard();
-  for (const EffectKind& kind : registry.kinds()) {
+  const Registry registry = Registry::standard();
+  for (const EffectKind& kind : registry.effects()) {
     const auto effect = made(kind);
     const EffectFacts facts = effect->facts();
     const auto force_N = [&](const Point& position_m, const Point& velocity_m_per_s) {
@@ -96,8 +96,8 @@ TEST(AllEffects, AreNoSteeperThanTheyTellExplain) {
 }
 
 TEST(AllEffects, SayWhichOfThemDrive) {
-  const EffectRegistry registry = EffectRegistry::standard();
-  for (const EffectKind& kind : registry.kinds()) {
+  const Registry registry = Registry::standard();
+  for (const EffectKind& kind : registry.effects()) {
     // Flow drives where there is a stream, as there is with a 1 for everything.
     const bool drives = made(kind)->facts().drives;
     const bool should =

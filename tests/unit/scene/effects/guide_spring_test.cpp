@@ -22,7 +22,7 @@ struct Spring {
 };
 
 /// K = 200 N/m.
-EffectValues values(const Spring& spring) {
+Values values(const Spring& spring) {
   return {{"stiffness_N_per_m", 200.0},
           {"damping_N_s_per_m", spring.damping_N_s_per_m},
           {"radius_m", spring.radius_m},
@@ -40,20 +40,20 @@ struct Guide {
 };
 
 std::unique_ptr<Effect> make_point(const Spring& spring) {
-  EffectValues all = values(spring);
+  Values all = values(spring);
   all.set("center_m", kThrough);
   return spring_to_point_effect().make(all);
 }
 
 std::unique_ptr<Effect> make_line(const Spring& spring) {
-  EffectValues all = values(spring);
+  Values all = values(spring);
   all.set("through_m", kThrough);
   all.set("direction", kDirection);
   return spring_to_line_effect().make(all);
 }
 
 std::unique_ptr<Effect> make_plane(const Spring& spring) {
-  EffectValues all = values(spring);
+  Values all = values(spring);
   all.set("through_m", kThrough);
   all.set("normal", kDirection);
   return spring_to_plane_effect().make(all);
@@ -134,7 +134,7 @@ TEST(GuideSpring, AddsItsParametersToThoseOfTheGuide) {
   for (const EffectKind& kind : {spring_to_point_effect(), spring_to_line_effect(), spring_to_plane_effect()}) {
     const auto has = [&](std::string_view key) {
       return std::any_of(kind.parameters.begin(), kind.parameters.end(),
-                         [key](const EffectParameter& parameter) { return key_of(parameter) == key; });
+                         [key](const Parameter& parameter) { return key_of(parameter) == key; });
     };
     for (const auto* const key : {"stiffness_N_per_m", "damping_N_s_per_m", "radius_m", "force_N_max"}) {
       EXPECT_TRUE(has(key)) << kind.name << " " << key;

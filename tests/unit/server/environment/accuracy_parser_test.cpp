@@ -55,7 +55,7 @@ TEST(AutoScene, TakesTheCostOfEachLevelAsMeasuredOrElsePredicted) {
   EXPECT_GT(predicted->accuracy()->levels[1].step_s, 10e-9);
   EXPECT_LT(predicted->accuracy()->levels[1].step_s, 10e-6);
   const time::SteadyClock clock;
-  const auto here = parse_scene(test::kAutoWall, "w.toml", scene::EffectRegistry::standard(), measured_by(clock));
+  const auto here = parse_scene(test::kAutoWall, "w.toml", scene::Registry::standard(), measured_by(clock));
   EXPECT_GT(here->accuracy()->levels[1].step_s, 1e-9);
 }
 
@@ -73,7 +73,7 @@ TEST(AutoScene, SaysWhatIsWrongAndWhere) {
                          "named 'wal', did you mean 'wall'?"));
   EXPECT_THAT(error_with("200.0", "-200.0"),
               HasSubstr("accuracy, level 2: with object.wall.surface.stiffness_N_per_m = "
-                        "-200: w.toml:0: object 'wall', effect 'surface': "));
+                        "-200: w.toml:12: object 'wall', effect 'surface': "));
   EXPECT_THAT(error_with("model_error = 0.1 ", "model_eror = 0.1 "), HasSubstr("is 'model_eror' meant to be it?"));
   EXPECT_EQ(error_with("model_error = 0.1 ", "model_error = -1 "),
             "w.toml:11: accuracy, level 1: model_error must be >= 0 and <= 100, got -1");

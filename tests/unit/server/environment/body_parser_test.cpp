@@ -120,11 +120,12 @@ TEST(BodyParser, RefusesASolverThatMuJoCoDoesNotHave) {
   EXPECT_THAT(with("solver = \"newtn\""),
               body_refused("bodies: unknown solver 'newtn', did you mean 'newton'? (known: newton, cg, pgs)"));
   EXPECT_THAT(with("solver = 3"), body_refused("solver must be text, got 3"));
-  EXPECT_THAT(with("iterations = 0"), body_refused("iterations must be >= 1 and <= 1000, got 0"));
-  EXPECT_THAT(with("iterations = 1001"), body_refused("iterations must be >= 1 and <= 1000, got 1001"));
-  EXPECT_THAT(with("iterations = 1.5"), body_refused("iterations must be a whole number, got 1.5"));
+  EXPECT_THAT(with("iterations = 0"), body_refused("iterations must be a whole number from 1 to 1000, got 0"));
+  EXPECT_THAT(with("iterations = 1001"), body_refused("iterations must be a whole number from 1 to 1000, got 1001"));
+  EXPECT_THAT(with("iterations = 1.5"), body_refused("iterations must be a whole number from 1 to 1000, got 1.5"));
   EXPECT_THAT(with("tolerance = -1e-9"), body_refused("tolerance must be >= 0 and <= 1"));
-  EXPECT_THAT([] { parse(kPendulum + "iterations = 0\n"); }, body_refused("body 'pendulum': iterations must be >= 1"));
+  EXPECT_THAT([] { parse(kPendulum + "iterations = 0\n"); },
+              body_refused("body 'pendulum': iterations must be a whole number"));
 }
 
 TEST(BodyParser, RefusesACouplingThatWouldRing) {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 
 namespace forcebound::server {

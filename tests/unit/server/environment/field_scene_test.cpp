@@ -7,7 +7,7 @@
 #include <string>
 
 #include "forcebound/scene/scene_state.hpp"
-#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/scene_files.hpp"

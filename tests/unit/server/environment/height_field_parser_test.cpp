@@ -1,4 +1,4 @@
-#include "forcebound/server/environment/height_field_parser.hpp"
+#include "forcebound/scene/geometry/height_field.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -78,7 +78,7 @@ TEST_F(MeshParser, RefusesAPlacementThatIsNone) {
   const std::string mesh = "kind = 'mesh', file = 'corner.obj', ";
   const std::string place = folder.file("scene.toml") + ":7: object 'it', shape: ";
   EXPECT_EQ(error_of(mesh + "rotation_deg = [90, 0]"),
-            place + "rotation_deg must have 3 numbers in this scene, got [ 90, 0 ]");
+            place + "rotation_deg must have 3 numbers in this scene, got [90, 0]");
   EXPECT_EQ(error_of(mesh + "rotation_deg = 90"), place + "rotation_deg must be a list, got 90");
   EXPECT_EQ(error_of(mesh + "rotation_deg = [nan, 0, 0]"), place + "rotation_deg must be a finite number, got nan");
   EXPECT_EQ(error_of(mesh + "scale = 0"), place + "scale must be > 0 and <= 1e+09, got 0");
@@ -140,7 +140,7 @@ TEST_F(MeshParser, TurnsAProfileOnALathe) {
   (void)state.answer(vector_of({0, 0, 0.06}), milliseconds{1});
   EXPECT_NEAR(state.answer(vector_of({0.001, 0.002, 0.049}), milliseconds{2}).force[2], 1, 1e-9);
   EXPECT_THAT(error_of("kind = 'lathe', profile_m = [[0, 0], [0.5], [0, 0.05]]"),
-              HasSubstr("profile_m must be a list of [radius, height], got [ 0.5 ]"));
+              HasSubstr("row 2 of profile_m must have 2 numbers, got 1"));
 }
 
 TEST_F(MeshParser, RecordedMeshIsFelt) {

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 #include "forcebound/text/names.hpp"
 #include "tests/support/scene_files.hpp"
 #include "tests/support/source_folder.hpp"
@@ -39,8 +39,8 @@ TEST(SceneLibrary, EverySceneIsNamedLikeItsFileAndDescribed) {
 
 TEST(SceneLibrary, ShowsEveryEffectThatFillsSpaceInASceneOfItsName) {
   const SceneLibrary library = SceneLibrary::shipped();
-  const scene::EffectRegistry registry = scene::EffectRegistry::standard();
-  for (const scene::EffectKind& kind : registry.kinds()) {
+  const scene::Registry registry = scene::Registry::standard();
+  for (const scene::EffectKind& kind : registry.effects()) {
     if (kind.place != scene::EffectPlace::space) continue;
     const auto scene = library.find(kind.name);
     ASSERT_NE(scene, nullptr) << kind.name;

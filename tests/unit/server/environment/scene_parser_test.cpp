@@ -36,9 +36,13 @@ std::string with(std::string_view from, std::string_view to) {
 }
 
 /// What is said of an effect that nobody knows does not change here with every new one.
-scene::EffectRegistry surface_alone() {
-  scene::EffectRegistry registry;
+/// With some shapes.
+scene::Registry surface_alone() {
+  scene::Registry registry;
   registry.add(scene::surface_effect());
+  registry.add(scene::half_space_shape());
+  registry.add(scene::sphere_shape());
+  registry.add(scene::box_shape());
   return registry;
 }
 
@@ -96,7 +100,7 @@ TEST(ParseScene, UnknownKeysAreErrorsWithTheNearestKnown) {
   EXPECT_EQ(
       error_of(with("degrees_of_freedom = 2", "degrees_of_freedom = 2\ndescripton = ''")),
       "scenes/wall.toml:5: scene: unknown key 'descripton', did you mean 'description'? (known: name, description, "
-      "degrees_of_freedom, shared, accuracy, clients_max, suggested_device, suggested_hand)");
+      "degrees_of_freedom, shared, clients_max, accuracy, suggested_device, suggested_hand)");
   EXPECT_EQ(
       error_of(with("[scene]", "[scenery]\n[scene]")),
       "scenes/wall.toml:1: scene file: unknown key 'scenery', did you mean 'scene'? (known: scene, accuracy, object, "
@@ -138,8 +142,8 @@ TEST(ParseScene, EffectsAreAskedForOnce) {
 }
 
 TEST(ParseScene, ParametersOfAnEffectNobodyAskedForAreAnError) {
-  scene::EffectRegistry registry = scene::EffectRegistry::standard();
-  scene::EffectKind other = *registry.find("surface");
+  scene::Registry registry = scene::Registry::standard();
+  scene::EffectKind other = *registry.find_effect("surface");
   other.name = "other";
   registry.add(other);
   try {
@@ -152,24 +156,22 @@ TEST(ParseScene, ParametersOfAnEffectNobodyAskedForAreAnError) {
 }
 
 TEST(ParseScene, MakesOnlyWhatTheSceneAsksFor) {
-  scene::EffectRegistry registry = surface_alone();
-  registry.add({.name = "bomb",
-                .purpose = "",
-                .law = "",
-                .make = [](const scene::EffectValues&) -> std::unique_ptr<scene::Effect> {
-                  throw std::logic_error("made an effect that the scene does not ask for");
-                }});
+  scene::Registry registry = surface_alone();
+  registry.add(
+      {.name = "bomb", .purpose = "", .law = "", .make = [](const scene::Values&) -> std::unique_ptr<scene::Effect> {
+         throw std::logic_error("made an effect that the scene does not ask for");
+       }});
   const auto scene = parse_scene(kGood, "a.toml", registry);
   EXPECT_EQ(scene->plan().effects().size(), 1u);
-  EXPECT_EQ(scene->facts().effects_not_requested.size(), registry.kinds().size() - 1);
+  EXPECT_EQ(scene->facts().effects_not_requested.size(), registry.effects().size() - 1);
   EXPECT_EQ(scene->facts().effects_not_requested.back(), "bomb");
 }
 
 TEST(ParseScene, PointsHaveTheScenesNumberOfRows) {
   EXPECT_EQ(error_of(with("[0, 0]", "[0, 0, 0]")),
-            "scenes/wall.toml:8: object 'wall', shape: through_m must have 2 numbers in this scene, got [ 0, 0, 0 ]");
+            "scenes/wall.toml:8: object 'wall', shape: through_m must have 2 numbers in this scene, got [0, 0, 0]");
   EXPECT_EQ(error_of(with("degrees_of_freedom = 2", "degrees_of_freedom = \"any\"")),
-            "scenes/wall.toml:8: object 'wall', shape: through_m must have 1 number in this scene, got [ 0, 0 ]");
+            "scenes/wall.toml:8: object 'wall', shape: through_m must have 1 number in this scene, got [0, 0]");
 }
 
 TEST(ParseScene, DegreesOfFreedomAreOneToThreeOrAny) {
@@ -187,7 +189,7 @@ TEST(ParseScene, ShapesWithoutExtentAreRefused) {
             "scenes/wall.toml:8: object 'wall', shape: radius_m must be > 0, got 0");
   EXPECT_EQ(error_of(with("kind = \"half_space\", through_m = [0, 0], normal = [-1, 0]",
                           "kind = \"box\", center_m = [0, 0], size_m = [1, -1]")),
-            "scenes/wall.toml:8: object 'wall', shape: size_m must be > 0 on every axis, got [ 1, -1 ]");
+            "scenes/wall.toml:8: object 'wall', shape: size_m must be > 0 on every axis, got [1, -1]");
 }
 
 TEST(ParseScene, ObjectsHaveNamesOfTheirOwn) {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/support/process.hpp"
@@ -85,59 +85,68 @@ std::vector<std::string> known_in(const std::string& error) {
   return names;
 }
 
-std::vector<std::string> keys_of(const SchemaTable& table, std::vector<std::string> also = {}) {
-  for (const SchemaKey& key : table.keys) also.push_back(key.key);
+std::vector<std::string> keys_of(const std::vector<config::Parameter>& parameters, std::vector<std::string> also = {}) {
+  for (const config::Parameter& parameter : parameters) also.emplace_back(key_of(parameter));
   return also;
+}
+
+const std::vector<scene::ShapeKind>& all_shapes() {
+  static const scene::Registry kRegistry = scene::Registry::standard();
+  return kRegistry.shapes();
 }
 
 TEST(Schema, IsThePageBesideTheScenes) {
   EXPECT_EQ(text::read_file((test::source_folder() / "server/scenes/README.md").string()),
-            schema(scene::EffectRegistry::standard()))
+            schema(scene::Registry::standard()))
       << "what scene files may have has changed; the page is written anew by\n"
          "    forcebound-server --schema > server/scenes/README.md";
 }
 
 TEST(Schema, BeginsWithASceneThatIsOne) {
   EXPECT_EQ(schema_error(schema_example()), "no error");
-  EXPECT_THAT(schema(scene::EffectRegistry::standard()), HasSubstr("```toml\n" + schema_example() + "```"));
+  EXPECT_THAT(schema(scene::Registry::standard()), HasSubstr("```toml\n" + schema_example() + "```"));
 }
 
 TEST(Schema, HasEveryKindOfShape) {
   std::vector<std::string> kinds;
-  for (const SchemaTable& shape : shape_tables()) kinds.push_back(shape.title);
+  for (const scene::ShapeKind& shape : all_shapes()) kinds.emplace_back(shape.name);
   EXPECT_EQ(known_in(error_of_shape("nobodys_kind", {})), kinds);
 }
 
 TEST(Schema, HasExactlyTheKeysThatEachShapeIsReadFrom) {
-  for (const SchemaTable& shape : shape_tables()) {
-    Keys keys = kShapes.at(shape.title);
-    EXPECT_EQ(error_of_shape(shape.title, keys), "no error") << shape.title;
+  for (const scene::ShapeKind& shape : all_shapes()) {
+    const std::string name(shape.name);
+    Keys keys = kShapes.at(name);
+    EXPECT_EQ(error_of_shape(name, keys), "no error") << name;
     keys[kNobodysKey] = "1";
-    const std::string error = error_of_shape(shape.title, keys);
-    EXPECT_THAT(known_in(error), testing::UnorderedElementsAreArray(keys_of(shape, {"kind"}))) << error;
+    const std::string error = error_of_shape(name, keys);
+    EXPECT_THAT(known_in(error), testing::UnorderedElementsAreArray(keys_of(shape.parameters, {"kind"}))) << error;
   }
 }
 
 TEST(Schema, TellsWhichKeysOfAShapeMayBeLeftOut) {
-  for (const SchemaTable& shape : shape_tables()) {
-    for (const SchemaKey& key : shape.keys) {
+  for (const scene::ShapeKind& shape : all_shapes()) {
+    for (const config::Parameter& parameter : shape.parameters) {
+      const std::string key(key_of(parameter));
       // What excludes another is not among the keys, and the other one is missed in other words.
-      Keys keys = kShapes.at(shape.title);
-      if (keys.erase(key.key) == 0 || key.key == "heights_m") continue;
-      const std::string expected = key.preset.empty() ? "'" + key.key + "' is missing" : "no error";
-      EXPECT_THAT(error_of_shape(shape.title, keys), HasSubstr(expected)) << shape.title;
+      Keys keys = kShapes.at(std::string(shape.name));
+      if (keys.erase(key) == 0 || key == "heights_m") continue;
+      const std::string expected = preset_text(parameter).empty() ? "'" + key + "' is missing" : "no error";
+      EXPECT_THAT(error_of_shape(std::string(shape.name), keys), HasSubstr(expected)) << shape.name;
     }
   }
 }
 
 TEST(Schema, TellsTheRangeThatEachNumberOfAShapeIsHeldTo) {
   int numbers = 0;
-  for (const SchemaTable& shape : shape_tables()) {
-    for (const SchemaKey& key : shape.keys) {
-      if (!key.values.starts_with('>')) continue;
-      Keys keys = kShapes.at(shape.title);
-      keys[key.key] = "-1";
-      EXPECT_THAT(error_of_shape(shape.title, keys), HasSubstr(key.key + " must be " + key.values + ", got -1"));
+  for (const scene::ShapeKind& shape : all_shapes()) {
+    for (const config::Parameter& parameter : shape.parameters) {
+      const std::string accepted = accepted_text(parameter);
+      if (!accepted.starts_with('>')) continue;
+      const std::string key(key_of(parameter));
+      Keys keys = kShapes.at(std::string(shape.name));
+      keys[key] = "-1";
+      EXPECT_THAT(error_of_shape(std::string(shape.name), keys), HasSubstr(key + " must be " + accepted + ", got -1"));
       ++numbers;
     }
   }
@@ -162,10 +171,10 @@ TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
       {"`[scene]`", {scene + "shared = true\n" + nobodys, {}}},
       {"`[[object]]`", {scene + object + nobodys, {"viscosity"}}},
       {"`[[field]]`", {scene + field + nobodys, {"viscosity"}}}};
-  for (const SchemaTable& table : part_tables()) {
+  for (const config::TableDescription& table : part_tables()) {
     const auto& [text, effects] = wrong.at(table.title);
     const std::string error = schema_error(text);
-    EXPECT_THAT(known_in(error), testing::UnorderedElementsAreArray(keys_of(table, effects))) << error;
+    EXPECT_THAT(known_in(error), testing::UnorderedElementsAreArray(keys_of(table.keys, effects))) << error;
   }
 }
 
@@ -188,19 +197,13 @@ TEST(Schema, HasExactlyTheKeysOfBodiesAndTissue) {
   // A table that is read in several ways has all their keys.
   const std::map<std::string, Errors> wrong{
       {"`[[body]]` with a shape", {body(sphere) + nobodys}},
-      {"`shape` of a `[[body]]`",
-       {body(sphere + nobodys_too), body("kind = 'box', center_m = [0, 0, 0], size_m = [1, 1, 1]" + nobodys_too),
-        body("kind = 'capsule', from_m = [0, 0, 0], to_m = [0, 0, 1], radius_m = 1" + nobodys_too)}},
       {"`[bodies]`", {body(sphere) + "[bodies]\n" + nobodys}},
       {"`[[body]]` of an MJCF model",
        {scene + "[[body]]\nname = 'b'\nprobes = ['a']\nmjcf_text = '<mujoco><worldbody><body name=\"a\"><freejoint/>" +
         "<geom size=\"1\"/></body></worldbody></mujoco>'\n" + nobodys}},
       {"`[[tissue]]`", {tissue(block, below) + nobodys}},
-      {"`shape = { kind = \"block\", ... }` of a `[[tissue]]`", {tissue(block + nobodys_too, below)}},
-      {"`held` of a `[[tissue]]`",
-       {tissue(block, below + nobodys_too),
-        tissue(block, "center_m = [0, 0, 0], size_m = [9, 9, 0.1]" + nobodys_too)}}};
-  for (const SchemaTable& table : dynamic_model_tables()) {
+      {"`shape = { kind = \"block\", ... }` of a `[[tissue]]`", {tissue(block + nobodys_too, below)}}};
+  for (const config::TableDescription& table : dynamic_model_tables()) {
     const auto texts = wrong.find(table.title);
     if (texts == wrong.end()) continue;  // a file of tetrahedra is read in another test
     std::set<std::string> known;
@@ -210,27 +213,51 @@ TEST(Schema, HasExactlyTheKeysOfBodiesAndTissue) {
       for (const std::string& key : known_in(error)) known.insert(key);
     }
     known.erase("kind");
-    std::vector<std::string> documented = keys_of(table);
+    std::vector<std::string> documented = keys_of(table.keys);
     std::erase(documented, "kind");
     EXPECT_THAT(known, testing::UnorderedElementsAreArray(documented)) << table.title;
   }
 }
 
+TEST(Schema, TakesTheKeysOfShapesForBodiesAndForWhatTissueIsHeldBy) {
+  if (!has_bodies()) GTEST_SKIP() << "built without MuJoCo";
+  const std::string scene = "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n";
+  const auto known = [&](const std::string& text) { return known_in(schema_error(scene + text)); };
+  const auto keys = [](const scene::ShapeKind& kind, std::vector<std::string> also) {
+    return testing::UnorderedElementsAreArray(keys_of(kind.parameters, std::move(also)));
+  };
+  const auto body = [](const std::string& shape) {
+    return "[[body]]\nname = 'b'\nmass_kg = 1\nshape = { " + shape + ", nobodys_key = 1 }\n";
+  };
+  EXPECT_THAT(known(body("kind = 'sphere', center_m = [0, 0, 0], radius_m = 1")),
+              keys(scene::sphere_shape(), {"kind"}));
+  EXPECT_THAT(known(body("kind = 'box', center_m = [0, 0, 0], size_m = [1, 1, 1]")),
+              keys(scene::box_shape(), {"kind"}));
+  const auto tissue = [](const std::string& held) {
+    return "[[tissue]]\nname = 't'\nyoung_Pa = 1000\npoisson = 0.3\nshape = { kind = 'block', center_m = [0, 0, 0.5], "
+           "size_m = [1, 1, 1], cells = [1, 1, 1] }\nheld = { " +
+           held + ", nobodys_key = 1 }\n";
+  };
+  EXPECT_THAT(known(tissue("through_m = [0, 0, 0], normal = [0, 0, 1]")),
+              keys(scene::half_space_shape(), {}));
+  EXPECT_THAT(known(tissue("center_m = [0, 0, 0], size_m = [9, 9, 0.1]")), keys(scene::box_shape(), {}));
+}
+
 TEST(Schema, HasEveryEffectWithTheMeaningOfEachParameter) {
-  const scene::EffectRegistry registry = scene::EffectRegistry::standard();
+  const scene::Registry registry = scene::Registry::standard();
   const std::string page = schema(registry);
-  for (const scene::EffectKind& kind : registry.kinds()) {
+  for (const scene::EffectKind& kind : registry.effects()) {
     EXPECT_THAT(page, HasSubstr("### " + std::string(kind.name) + "\n"));
     EXPECT_THAT(page, HasSubstr("    " + std::string(kind.law) + "\n"));
-    for (const scene::EffectParameter& parameter : kind.parameters) {
-      EXPECT_NE(described(parameter).meaning, "") << kind.name << ", " << scene::key_of(parameter);
-      EXPECT_THAT(page, HasSubstr("| `" + std::string(scene::key_of(parameter)) + "` |"));
+    for (const config::Parameter& parameter : kind.parameters) {
+      EXPECT_NE(meaning_of(parameter), "") << kind.name << ", " << key_of(parameter);
+      EXPECT_THAT(page, HasSubstr("| `" + std::string(key_of(parameter)) + "` |"));
     }
   }
 }
 
 TEST(Schema, HasTheEffectsThatAProgramAdds) {
-  scene::EffectRegistry registry;
+  scene::Registry registry;
   registry.add(
       {.name = "tickle",
        .purpose = "tickles",

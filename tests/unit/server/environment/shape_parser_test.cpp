@@ -1,4 +1,4 @@
-#include "forcebound/server/environment/shape_parser.hpp"
+#include "forcebound/server/environment/part_parser.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(ShapeParser, RefusesShapesThatNeedMoreAxes) {
 
 TEST(ShapeParser, RefusesAStraightOfOnePoint) {
   EXPECT_EQ(error_of("kind = 'capsule', from_m = [0, 1, 2], to_m = [0, 1, 2], radius_m = 1"),
-            "x.toml:8: object 'thing', shape: to_m must differ from from_m, got [ 0, 1, 2 ]");
+            "x.toml:8: object 'thing', shape: to_m must differ from from_m, got [0, 1, 2]");
   EXPECT_THAT(error_of("kind = 'cylinder', from_m = [0, 1, 2], to_m = [0, 1, 2], radius_m = 1"),
               HasSubstr("to_m must differ from from_m"));
 }

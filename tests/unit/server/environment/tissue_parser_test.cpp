@@ -100,7 +100,7 @@ TEST(TissueParser, PlacesAFileByScaleRotationAndOffsetAsMeshesAre) {
               HasSubstr("warning: larger than 1 m for a hand; is a scale missing? (0.001 for mm)\n"));
   EXPECT_THAT([&] { parse_scene(corner(folder, "rotation_deg = [1, 2]", "{}"), file); },
               testing::ThrowsMessage<SceneError>(HasSubstr(
-                  "scene.toml:7: tissue 'c', shape: rotation_deg must have 3 numbers in this scene, got [ 1, 2 ]")));
+                  "scene.toml:7: tissue 'c', shape: rotation_deg must have 3 numbers in this scene, got [1, 2]")));
 }
 
 TEST(TissueParser, TurnsABlockAboutItsCentre) {
@@ -126,7 +126,7 @@ TEST(TissueParser, RefusesWhatIsWrongByNameAndLine) {
         parse_scene(pad("", "{ kind = \"block\", center_m = [0, 0, 0], size_m = [0.1, 0.1, 0.1], cells = [0, 1, 1] }"),
                     "pad.toml");
       },
-      refused("cells must be whole numbers from 1 to 64, got [ 0, 1, 1 ]"));
+      refused("cells must be whole numbers from 1 to 64, got [0, 1, 1]"));
   EXPECT_THAT(
       [] {
         parse_scene(pad("", "{ kind = \"block\", center_m = [0, 0, 1], size_m = [0.1, 0.1, 0.1], cells = [1, 1, 1] }"),

@@ -107,7 +107,7 @@ TEST(SceneCompiler, CompilesWhatIsAskedForAndLeavesTheLibraryToItselfWhenItEnds)
 }
 
 TEST(SceneCompiler, TellsWhichSceneItCannotCompileAndWhy) {
-  const SceneLibrary scenes = SceneLibrary::shipped(scene::EffectRegistry{});  // no effect is known
+  const SceneLibrary scenes = SceneLibrary::shipped(scene::Registry{});  // no effect is known
   std::string failed;
   std::string reason;
   SceneCompiler compiler(scenes, [&](std::string_view scene, std::string_view why) {

@@ -1,4 +1,4 @@
-#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 #include "tests/support/frail_model.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 

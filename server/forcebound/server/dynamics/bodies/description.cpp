@@ -76,18 +76,6 @@ std::string to_mjcf(const ProbeDescription& probe, int number) {
 
 }  // namespace
 
-std::string_view name_of(SolverOptions::Kind kind) noexcept {
-  switch (kind) {
-    case SolverOptions::Kind::newton:
-      return "newton";
-    case SolverOptions::Kind::cg:
-      return "cg";
-    case SolverOptions::Kind::pgs:
-      return "pgs";
-  }
-  return {};
-}
-
 std::string name_of_probe(int number) { return "probe " + std::to_string(number); }
 
 std::string to_mjcf(const BodiesDescription& description, int probes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,8 +52,12 @@ struct SolverOptions {
 inline constexpr int kIterationsMost = 1000;
 inline constexpr double kToleranceMost = 1;
 
-/// The names in scene files.
-std::string_view name_of(SolverOptions::Kind kind) noexcept;
+/// The names in scene files, in the order of SolverOptions::Kind.
+inline constexpr std::array<std::string_view, 3> kSolverNames{"newton", "cg", "pgs"};
+
+constexpr std::string_view name_of(SolverOptions::Kind kind) noexcept {
+  return kSolverNames[static_cast<std::size_t>(kind)];
+}
 
 /// All rigid bodies of a scene, how they are simulated, and the probe that touches them.
 struct BodiesDescription {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/server/environment/body_parser.hpp"
+#include "forcebound/server/environment/body_models.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/tools/lab/accuracy/along.hpp"
 

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/config/config_error.hpp"
+#include "forcebound/config/node.hpp"
+#include "forcebound/config/parameter.hpp"
+#include "forcebound/control/vector.hpp"
+
+namespace forcebound::config {
+
+using control::Matrix;
+using control::Vector;
+
+/// A table of a file that is read key by key, so that every error names file, line and place, and a key that nothing
+/// reads is an error. All members @throw ConfigError.
+class CheckedTable {
+ public:
+  /// @param table it must outlive this
+  /// @param place for errors: "object 'wall', effect 'surface'"
+  CheckedTable(const Node& table, std::string file, std::string place)
+      : table_(table), file_(std::move(file)), place_(std::move(place)) {}
+
+  /// Null where the key is absent.
+  const Node* find(std::string_view key);
+  const Node& at(std::string_view key);
+
+  // Values of keys that are declared: the file's, or the preset. What has neither is an error.
+  double number(const NumberParameter& parameter) { return value<double>(parameter); }
+  int whole(NumberParameter parameter);
+  bool flag(std::string_view key, bool preset) { return value<bool>(FlagParameter{.key = key, .preset = preset}); }
+  std::string text(std::string_view key) { return value<std::string>(TextParameter{.key = key}); }
+
+  /// What the file says of the keys that are declared, each checked; it knows these keys then.
+  /// @param axes how many numbers a point has
+  Values given(std::span<const Parameter> parameters, Eigen::Index axes = 3);
+
+  /// That and the presets of all else, of a table that has no other keys.
+  Values all(std::span<const Parameter> parameters, Eigen::Index axes = 3);
+
+  /// One number for all rows, or a list of them, each as declared. The preset holds for each row.
+  Vector vector(const NumberParameter& each, Eigen::Index rows);
+
+  /// One number > 0 or a list for the diagonal, or a list of rows: symmetric and positive definite.
+  Matrix matrix(std::string_view key, Eigen::Index rows);
+
+  CheckedTable table(std::string_view key) { return table(key, place_ + ", " + std::string(key)); }
+  CheckedTable table(std::string_view key, const std::string& place);
+  const Node::List& list(std::string_view key);
+
+  /// Every table of the array `kind`, if there is one, by `read`, with its name, which is known then; no two of this
+  /// table's arrays may have the same.
+  void each(const std::string& kind, const std::function<void(CheckedTable& part, const std::string& name)>& read);
+
+  /// To be called when everything is read.
+  void refuse_unknown_keys(const std::string& refusal = "unknown key") const;
+
+  /// What `make` makes of what the table says. What it refuses is said of the key's place in the file that a ValueError
+  /// names, or else of `where`.
+  template <class Make>
+  decltype(auto) built_at(const Node& where, Make make) const {
+    try {
+      return make();
+    } catch (const ConfigError&) {
+      throw;
+    } catch (const ValueError& error) {
+      fail(place_of(error, where), error.what());
+    } catch (const std::runtime_error& error) {
+      fail(where, error.what());
+    } catch (const std::invalid_argument& error) {
+      fail(where, error.what());
+    }
+  }
+
+  [[nodiscard]] const Node& node() const noexcept { return table_; }
+  [[nodiscard]] const std::string& file() const noexcept { return file_; }
+  [[nodiscard]] const std::string& place() const noexcept { return place_; }
+
+  /// Beside which the files lie that this one names.
+  [[nodiscard]] std::string folder() const;
+
+  [[noreturn]] void fail(const Node& where, const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
+
+  /// Refuses the value of a key.
+  [[noreturn]] void refuse(std::string_view key, const std::string& must_be) const;
+
+ private:
+  template <class Type>
+  Type value(const Parameter& parameter);
+  [[nodiscard]] Value value_of(const Parameter& parameter, const Node& node, Eigen::Index axes) const;
+  [[nodiscard]] double finite(const Node& node, const std::string& what) const;
+  [[nodiscard]] double checked_number(const Node& node, NumberParameter parameter, const std::string& what) const;
+  [[nodiscard]] Vector numbers(const Node& list, const NumberParameter& each, Eigen::Index rows) const;
+  [[nodiscard]] const Node& place_of(const ValueError& error, const Node& otherwise) const noexcept;
+  [[nodiscard]] Rows rows(const Node& list, const std::string& key) const;
+
+  /// What an error about a missing key ends with, where another looks like it.
+  [[nodiscard]] std::string misspelling_of(std::string_view key) const;
+
+  const Node& table_;
+  std::string file_;
+  std::string place_;
+  std::vector<std::string> known_;
+  struct Named {
+    std::string kind;
+    std::string name;
+  };
+  std::vector<Named> named_;
+};
+
+}  // namespace forcebound::config

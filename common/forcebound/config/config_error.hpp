@@ -1,0 +1,13 @@
+#pragma once
+
+#include <stdexcept>
+
+namespace forcebound::config {
+
+/// A file that cannot be had: `what()` is one line with file, line, place, what is wrong and what would be accepted.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace forcebound::config

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace forcebound::config {
+
+/// A value of a TOML file, and the line where it begins: so that no one but the parser needs a TOML library.
+struct Node {
+  using List = std::vector<Node>;
+  using Table = std::map<std::string, Node, std::less<>>;
+  struct Time {
+    std::string text;
+  };
+
+  std::variant<Table, List, std::string, double, std::int64_t, bool, Time> value{};
+  int line = 1;
+
+  /// Null if it is of another type.
+  template <class Type>
+  [[nodiscard]] const Type* as() const noexcept {
+    return std::get_if<Type>(&value);
+  }
+  template <class Type>
+  [[nodiscard]] Type* as() noexcept {
+    return std::get_if<Type>(&value);
+  }
+
+  /// The value of a key; null if there is none, or if this is no table.
+  [[nodiscard]] const Node* find(std::string_view key) const noexcept;
+
+  /// The text at a key; empty if there is none.
+  [[nodiscard]] std::string text_at(std::string_view key) const;
+};
+
+/// As one would write it: "0.5", "'ball'", "[0, 0, 1]".
+[[nodiscard]] std::string written(const Node& node);
+
+/// @param place the file's name, for errors
+/// @return the table that the file is
+/// @throws ConfigError `PLACE:LINE: not TOML: ...`
+[[nodiscard]] Node parse_toml(std::string_view text, const std::string& place);
+
+/// One value as TOML writes it, as if it stood in such a line. @throws ConfigError if it is none, or more than one
+[[nodiscard]] Node parse_toml_value(std::string_view text, int line);
+
+}  // namespace forcebound::config

@@ -1,0 +1,191 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace forcebound::config {
+
+using Rows = std::vector<std::vector<double>>;
+using Value = std::variant<double, Eigen::Vector3d, std::string, bool, Rows>;
+
+/// A key that a table of a file may have: its name with its unit, what it means, what is accepted, and what holds where
+/// it is left out. Readers, their errors and the schema page all go by this one declaration.
+///
+/// What has no preset must be given, unless `absent` says what leaving it out means. Texts are literals, or outlive the
+/// declaration.
+
+/// A finite number.
+struct NumberParameter {
+  using Type = double;
+
+  std::string_view key{};
+  std::string_view meaning{};
+  /// Where the file is silent. Out of range it means "not given", which no file can say.
+  std::optional<double> preset{};
+  double least = -std::numeric_limits<double>::infinity();
+  bool least_excluded = false;
+  double most = std::numeric_limits<double>::infinity();
+  bool whole = false;
+  std::string_view absent{};
+};
+
+/// A place, a velocity, a force or sizes; or a direction of any length but zero. As many numbers as the scene has axes.
+struct PointParameter {
+  using Type = Eigen::Vector3d;
+
+  std::string_view key;
+  std::string_view meaning{};
+  std::optional<Eigen::Vector3d> preset{};
+  bool is_direction = false;    ///< it is handed on with length one
+  NumberParameter each{};       ///< what each number must be
+  double rest = 0;              ///< on axes that the scene lacks
+  std::string_view accepted{};  ///< in words; empty: "a point", or by what is said above
+};
+
+/// One of several words; where the file is silent, the first, unless `absent` says otherwise.
+struct ChoiceParameter {
+  using Type = std::string;
+
+  std::string_view key;
+  std::string_view meaning{};
+  std::vector<std::string_view> choices{};
+  std::string_view absent{};
+};
+
+/// `true` or `false`.
+struct FlagParameter {
+  using Type = bool;
+
+  std::string_view key;
+  std::string_view meaning{};
+  bool preset = false;
+};
+
+/// A text.
+struct TextParameter {
+  using Type = std::string;
+
+  enum class Form {
+    any,
+    name,  ///< that may stand in a log line: 1 to 64 bytes without control characters
+    file,  ///< of a file beside this one
+  };
+
+  std::string_view key;
+  std::string_view meaning{};
+  Form form = Form::any;
+  std::string_view accepted{};  ///< in words; empty: by its form
+  std::string_view absent{};
+};
+
+/// A list of rows of numbers, all of one length.
+struct RowsParameter {
+  using Type = Rows;
+
+  std::string_view key;
+  std::string_view meaning{};
+  std::string_view accepted = "a list of rows of numbers";
+  std::size_t columns = 0;  ///< of each row; 0: as many as the first has
+  std::string_view absent{};
+};
+
+/// What is read by other means than its declaration.
+struct OtherParameter {
+  std::string_view key;
+  std::string_view meaning{};
+  std::string_view accepted = "a table";
+  std::string_view absent{};
+};
+
+using Parameter = std::variant<NumberParameter, PointParameter, ChoiceParameter, FlagParameter, TextParameter,
+                               RowsParameter, OtherParameter>;
+
+/// A table of a file: what it is for, and every key it may have. For people the same as for the reader.
+struct TableDescription {
+  std::string title;
+  std::string text;
+  std::vector<Parameter> keys;
+};
+
+[[nodiscard]] std::string_view key_of(const Parameter& parameter) noexcept;
+[[nodiscard]] std::string_view meaning_of(const Parameter& parameter) noexcept;
+
+/// Whether a file may be silent about it.
+[[nodiscard]] bool may_be_left_out(const Parameter& parameter) noexcept;
+
+/// "> 0 and <= 100", "a whole number from 1 to 16", "a direction", "`true` or `false`": what is accepted, as Markdown.
+[[nodiscard]] std::string accepted_text(const Parameter& parameter);
+
+/// What holds where it is left out, as Markdown; empty: it must be given.
+[[nodiscard]] std::string preset_text(const Parameter& parameter);
+
+/// Values by key.
+class Values {
+ public:
+  Values() = default;
+  Values(std::initializer_list<std::pair<const std::string, Value>> values) : values_(values) {}
+
+  void set(std::string_view key, Value value) { values_.insert_or_assign(std::string(key), std::move(value)); }
+  [[nodiscard]] bool has(std::string_view key) const noexcept { return values_.contains(key); }
+
+  /// @throws std::out_of_range, std::bad_variant_access if no such key was declared: the asking code's mistake.
+  [[nodiscard]] double number(std::string_view key) const { return std::get<double>(at(key)); }
+  [[nodiscard]] int whole(std::string_view key) const { return static_cast<int>(number(key)); }
+  [[nodiscard]] Eigen::Vector3d point(std::string_view key) const { return std::get<Eigen::Vector3d>(at(key)); }
+  [[nodiscard]] const std::string& choice(std::string_view key) const { return text(key); }
+  [[nodiscard]] const std::string& text(std::string_view key) const { return std::get<std::string>(at(key)); }
+  [[nodiscard]] bool flag(std::string_view key) const { return std::get<bool>(at(key)); }
+  [[nodiscard]] const Rows& rows(std::string_view key) const { return std::get<Rows>(at(key)); }
+
+  /// All of them, by key.
+  [[nodiscard]] const std::map<std::string, Value, std::less<>>& all() const noexcept { return values_; }
+
+  friend bool operator==(const Values&, const Values&) = default;
+
+ private:
+  [[nodiscard]] const Value& at(std::string_view key) const;
+
+  std::map<std::string, Value, std::less<>> values_;
+};
+
+/// A value that is refused: `what()` names the key, what would be accepted and what was got.
+class ValueError : public std::invalid_argument {
+ public:
+  ValueError(std::string_view key, const std::string& what, std::optional<std::size_t> row = {})
+      : std::invalid_argument(what), key_(key), row_(row) {}
+
+  /// What the error is about, so that a reader can say in which line it stands.
+  [[nodiscard]] const std::string& key() const noexcept { return key_; }
+  [[nodiscard]] std::optional<std::size_t> row() const noexcept { return row_; }  ///< of a list of rows
+
+ private:
+  std::string key_;
+  std::optional<std::size_t> row_;
+};
+
+/// The value as code gets it: of one length, where it is a direction. @throws ValueError unless it is accepted
+[[nodiscard]] Value checked(const Parameter& parameter, Value value);
+
+/// What was given, checked, and the presets of all else; it may come from a file, from a message or from code. What is
+/// read by other means is not among them.
+/// @throws ValueError for what is unknown, missing or not accepted
+[[nodiscard]] Values completed(std::span<const Parameter> parameters, const Values& given);
+
+/// "radius_m 0.02, center_m [0, 0]": what was given, in the order of the declarations, but for lists of rows and texts.
+/// @param axes how many numbers a point has
+[[nodiscard]] std::string to_text(std::span<const Parameter> parameters, const Values& given, Eigen::Index axes = 3);
+
+/// "[0, 0, 0.5]".
+[[nodiscard]] std::string to_text(const Eigen::Vector3d& point, Eigen::Index axes = 3);
+
+}  // namespace forcebound::config

@@ -1,0 +1,98 @@
+#include "forcebound/scene/part.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "forcebound/text/names.hpp"
+
+namespace forcebound::scene {
+
+PartDescription describe(const SceneObject& part) {
+  PartDescription description{.name = part.name};
+  if (part.shape) description.shape = {part.shape_kind, part.shape_values};
+  for (const RequestedEffect& effect : part.effects) description.effects.push_back({effect.name, effect.values});
+  return description;
+}
+
+SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes,
+                      const std::string& folder) {
+  SceneObject part{.name = description.name};
+  const bool is_object = description.shape.has_value();
+  for (const NamedValues& effect : description.effects) {
+    add_effect(part, effect_kind(registry, effect.name, is_object, part), effect.values, axes);
+  }
+  if (is_object) {
+    check_effects(part);
+    const auto& [kind, values] = *description.shape;
+    set_shape(part, shape_kind(registry, kind, axes), values, axes, folder);
+  }
+  return part;
+}
+
+std::vector<std::string> effect_names(const Registry& registry, bool of_surfaces_too) {
+  std::vector<std::string> names;
+  for (const EffectKind& kind : registry.effects()) {
+    if (of_surfaces_too || kind.place == EffectPlace::space) names.emplace_back(kind.name);
+  }
+  return names;
+}
+
+const EffectKind& effect_kind(const Registry& registry, std::string_view name, bool of_surfaces_too,
+                              const SceneObject& part) {
+  const EffectKind* const kind = registry.find_effect(name);
+  const std::vector<std::string> known = effect_names(registry, of_surfaces_too);
+  const std::string quoted = "'" + std::string(name) + "'";
+  if (kind == nullptr) throw std::invalid_argument("unknown effect " + quoted + text::suggestion(name, known));
+  if (std::ranges::find(part.effects, name, &RequestedEffect::name) != part.effects.end()) {
+    throw std::invalid_argument("effect " + quoted + " is asked for twice");
+  }
+  if (of_surfaces_too || kind->place == EffectPlace::space) return *kind;
+  throw std::invalid_argument("effect " + quoted +
+                              " needs the surface of an object, a field may have: " + text::join(known));
+}
+
+void add_effect(SceneObject& part, const EffectKind& kind, const config::Values& given, Eigen::Index axes) {
+  part.effects.push_back({.name = std::string(kind.name),
+                          .values = given,
+                          .law = std::string(kind.law),
+                          .parameters = config::to_text(kind.parameters, given, axes),
+                          .effect = kind.make(config::completed(kind.parameters, given))});
+}
+
+// What depends on how hard the others push has nothing to depend on without them.
+void check_effects(const SceneObject& part) {
+  const auto pushes = [](const RequestedEffect& effect) { return !effect.effect->facts().inputs.pressure; };
+  if (part.effects.empty() || std::ranges::any_of(part.effects, pushes)) return;
+  throw std::invalid_argument("effect '" + part.effects.front().name +
+                              "' needs another one that pushes, such as 'surface': its force depends on the pressure");
+}
+
+const ShapeKind& shape_kind(const Registry& registry, std::string_view name, Eigen::Index axes) {
+  const ShapeKind* const kind = registry.find_shape(name);
+  if (kind == nullptr) {
+    std::vector<std::string> known;
+    for (const ShapeKind& shape : registry.shapes()) known.emplace_back(shape.name);
+    throw std::invalid_argument("unknown kind '" + std::string(name) + "'" + text::suggestion(name, known));
+  }
+  if (axes >= kind->axes_least) return *kind;
+  throw std::invalid_argument("a " + std::string(name) + " needs a scene of at least " +
+                              std::to_string(kind->axes_least) + " degrees of freedom, this one has " +
+                              std::to_string(axes));
+}
+
+void set_shape(SceneObject& part, const ShapeKind& kind, const config::Values& given, Eigen::Index axes,
+               const std::string& folder) {
+  ShapePurpose purpose{.folder = folder};
+  for (const RequestedEffect& effect : part.effects) {
+    purpose.reach_m = std::max(purpose.reach_m, effect.effect->facts().reach_m);
+  }
+  part.shape = kind.make(config::completed(kind.parameters, given), purpose);
+  part.shape_kind = kind.name;
+  part.shape_values = given;
+  part.shape_text = part.shape_kind;
+  for (const std::string& text : {config::to_text(kind.parameters, given, axes), part.shape->facts().text}) {
+    if (!text.empty()) part.shape_text += ", " + text;
+  }
+}
+
+}  // namespace forcebound::scene

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "forcebound/scene/effects/effect.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
+
+namespace forcebound::scene {
+
+/// The shapes and effects that scenes may ask for, by name. A value: a program that has some of its own adds them to
+/// its copy.
+class Registry {
+ public:
+  /// All that ship.
+  static Registry standard();
+
+  /// @throws std::invalid_argument if the name is taken.
+  void add(EffectKind kind);
+  void add(ShapeKind kind);
+
+  /// Null if there is none.
+  [[nodiscard]] const EffectKind* find_effect(std::string_view name) const noexcept;
+  [[nodiscard]] const ShapeKind* find_shape(std::string_view name) const noexcept;
+
+  [[nodiscard]] const std::vector<EffectKind>& effects() const noexcept { return effects_; }
+  [[nodiscard]] const std::vector<ShapeKind>& shapes() const noexcept { return shapes_; }
+
+ private:
+  std::vector<EffectKind> effects_;
+  std::vector<ShapeKind> shapes_;
+};
+
+}  // namespace forcebound::scene

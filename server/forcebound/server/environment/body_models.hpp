@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "forcebound/scene/dynamic_model.hpp"
+#include "forcebound/server/dynamics/bodies/description.hpp"
+
+namespace forcebound::server {
+
+/// Whether Forcebound was built with MuJoCo. Without, what lies below throws std::runtime_error.
+[[nodiscard]] bool has_bodies() noexcept;
+
+/// Bodies that are described. @throws std::runtime_error
+[[nodiscard]] std::unique_ptr<scene::DynamicModel> make_bodies(BodiesDescription description);
+
+/// An MJCF model, and what devices do in it.
+struct MjcfDescription {
+  std::string path{};  ///< empty: `text` is it
+  std::string text{};
+  std::vector<std::string> probes{};  ///< the bodies that devices drag
+  Coupling coupling{};
+  SolverOptions solver{};
+};
+
+/// @throws std::runtime_error
+[[nodiscard]] std::unique_ptr<scene::DynamicModel> make_mjcf(const MjcfDescription& description);
+
+}  // namespace forcebound::server

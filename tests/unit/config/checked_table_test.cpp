@@ -1,0 +1,98 @@
+#include "forcebound/config/checked_table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace forcebound::config {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const std::vector<Parameter> kKeys{
+    NumberParameter{.key = "stiffness_N_per_m", .least = 0},
+    PointParameter{.key = "center_m", .preset = Eigen::Vector3d(0, 0, 0)},
+    RowsParameter{.key = "heights_m", .absent = "flat"},
+};
+
+/// What a file is refused with.
+std::string refusal_of(const std::string& text) {
+  try {
+    const Node node = parse_toml(text, "a.toml");
+    (void)CheckedTable(node, "a.toml", "wall").all(kKeys, 2);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(CheckedTable, ReadsWhatIsDeclared) {
+  const Node node = parse_toml("stiffness_N_per_m = 3\ncenter_m = [1, 0.5]\nheights_m = [[1, 2], [3, 4]]", "a.toml");
+  const Values values = CheckedTable(node, "a.toml", "wall").all(kKeys, 2);
+  EXPECT_EQ(values.number("stiffness_N_per_m"), 3);
+  EXPECT_EQ(values.point("center_m"), Eigen::Vector3d(1, 0.5, 0));
+  EXPECT_EQ(values.rows("heights_m"), (Rows{{1, 2}, {3, 4}}));
+}
+
+TEST(CheckedTable, NamesFileLinePlaceKeyAndValueOfWhatItRefuses) {
+  EXPECT_EQ(refusal_of("\nstiffness_N_per_m = -2"), "a.toml:2: wall: stiffness_N_per_m must be >= 0, got -2");
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = 'much'"),
+            "a.toml:1: wall: stiffness_N_per_m must be a finite number, got 'much'");
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = 2000-01-01"),
+            "a.toml:1: wall: stiffness_N_per_m must be a finite number, got 2000-01-01");
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = 1\ncenter_m = [1, 2, 3]"),
+            "a.toml:2: wall: center_m must have 2 numbers in this scene, got [1, 2, 3]");
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = 1\ncenter_m = { x = 1 }"),
+            "a.toml:2: wall: center_m must be a list, got {x = 1}");
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = 1\nheights_m = [[1, 2],\n[1]]"),
+            "a.toml:3: wall: row 2 of heights_m must have 2 numbers like the first, got 1");
+}
+
+TEST(CheckedTable, AsksWhetherAKeyWasMisspelt) {
+  EXPECT_EQ(refusal_of("stiffness = 1"),
+            "a.toml:1: wall: 'stiffness_N_per_m' is missing, is 'stiffness' meant to be it?");
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = 1\ncentre_m = [1, 2]"),
+            "a.toml:2: wall: unknown key 'centre_m', did you mean 'center_m'? (known: stiffness_N_per_m, center_m, "
+            "heights_m)");
+}
+
+TEST(CheckedTable, SaysOfWhichKeyAnErrorIsThatComesLater) {
+  const Node node = parse_toml("from_m = 1\nto_m = 1", "a.toml");
+  const CheckedTable table(node, "a.toml", "wall");
+  const auto of = [&](std::string_view key) {
+    return
+        [&table, key] { table.built_at(table.node(), [&] { throw ValueError(key, "to_m must differ from from_m"); }); };
+  };
+  EXPECT_THAT(of("to_m"), ThrowsMessage<ConfigError>("a.toml:2: wall: to_m must differ from from_m"));
+  EXPECT_THAT(of("nobodys"), ThrowsMessage<ConfigError>("a.toml:1: wall: to_m must differ from from_m"));
+}
+
+TEST(CheckedTable, RefusesTwoPartsOfOneName) {
+  const Node node = parse_toml("[[object]]\nname = 'x'\n[[field]]\nname = 'x'\n", "a.toml");
+  CheckedTable file(node, "a.toml", "file");
+  std::vector<std::string> names;
+  const auto read = [&](CheckedTable& part, const std::string& name) {
+    part.refuse_unknown_keys();
+    names.push_back(name);
+  };
+  file.each("object", read);
+  EXPECT_THAT([&] { file.each("field", read); },
+              ThrowsMessage<ConfigError>("a.toml:3: file: [[object]] and [[field]] are named 'x'"));
+  EXPECT_THAT(names, testing::ElementsAre("x", "x"));
+}
+
+TEST(Node, IsWrittenAsItWasMeant) {
+  const Node node = parse_toml("a = [1, 2.5, 'x', true, { b = \"it's\" }]", "a.toml");
+  EXPECT_EQ(written(*node.find("a")), "[1, 2.5, 'x', true, {b = \"it's\"}]");
+}
+
+TEST(Node, RefusesWhatIsNoToml) {
+  EXPECT_THAT([] { (void)parse_toml("a = 1\nb = \n", "a.toml"); },
+              ThrowsMessage<ConfigError>(testing::StartsWith("a.toml:2: not TOML: ")));
+  EXPECT_THAT([] { (void)parse_toml_value("1\nb = 2", 7); },
+              ThrowsMessage<ConfigError>(HasSubstr("must be a value as TOML writes it, got '1\nb = 2'")));
+  EXPECT_EQ(parse_toml_value("[1, 2]", 7).line, 7);
+}
+
+}  // namespace
+}  // namespace forcebound::config
