@@ -18,7 +18,7 @@ using namespace forcebound;
 
 std::string explanation(const server::ProgramOptions& options) {
   const time::SteadyClock clock;
-  const auto built = server::load_scene(options.scene, scene::EffectRegistry::standard(),
+  const auto built = server::load_scene(options.scene, scene::Registry::standard(),
                                         options.calibrate ? server::measured_by(clock) : scene::MeasureCost{});
   server::ExplainFacts facts{.answer_bytes = server::answer_bytes(*built), .device = options.device};
   const server::SuggestedHand suggested = server::suggested_hand(built);

@@ -29,7 +29,6 @@ CorotationalTissue::CorotationalTissue(TetrahedralMesh mesh, const ElasticMateri
   material.check();
   options_.check(material);
   const FreeCoordinates free(static_cast<int>(mesh_.nodes_m().size()), held_nodes);
-  if (free.count() == 0) throw std::runtime_error(mesh_.name() + ": all nodes are held: expected some that can move");
   SparseCholesky cholesky;
   factorise(cholesky, free.reduced(stiffness_matrix(mesh_, material)), mesh_.name());
   factors_ = StiffnessFactors(cholesky, free);

@@ -31,6 +31,7 @@ void NodeOrdering::operator()(const Eigen::SparseMatrix<double>& stiffness, Perm
 }
 
 void factorise(SparseCholesky& cholesky, const Eigen::SparseMatrix<double>& stiffness, const std::string& name) {
+  if (stiffness.rows() == 0) throw std::runtime_error(name + ": all nodes are held: expected some that can move");
   cholesky.compute(stiffness);
   const Eigen::VectorXd stiffnesses = cholesky.permutationP() * Eigen::VectorXd(stiffness.diagonal());
   if (cholesky.info() == Eigen::Success && (cholesky.vectorD().array() > kNotHeld * stiffnesses.array()).all()) {

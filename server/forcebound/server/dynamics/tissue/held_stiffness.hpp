@@ -23,7 +23,8 @@ struct NodeOrdering {
 using SparseCholesky = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, NodeOrdering>;
 
 /// Factorises the stiffness of a body's free coordinates.
-/// @param name of the body, for messages. @throws std::runtime_error unless the held nodes fix its position.
+/// @param name of the body, for messages. @throws std::runtime_error unless some nodes are free, and the held ones fix
+/// its position.
 void factorise(SparseCholesky& cholesky, const Eigen::SparseMatrix<double>& stiffness, const std::string& name);
 
 /// P^-1 L D L' P of a stiffness, in blocks of a node's three coordinates, for a solve without the heap.

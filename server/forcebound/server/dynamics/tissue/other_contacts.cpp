@@ -35,9 +35,7 @@ int OtherContacts::add(const TissueState& probe) noexcept {
   const scene::Point probe_m = scene::to_point(probe.probe_m);
   int left_out = 0;
   for (std::uint32_t k = 0; k < probe.contacts; ++k) {
-    Contact contact{.place = {.triangle = static_cast<int>(probe.contact[k].triangle),
-                              .weight = scene::to_point(probe.contact[k].weight)},
-                    .directions = Eigen::Matrix3d::Identity()};
+    Contact contact{.place = place_of(probe.contact[k]), .directions = Eigen::Matrix3d::Identity()};
     contact.depth_m = probe_m - tissue_.surface().at(contact.place);
     if (radius_m_ > 0) {
       const scene::Point direction = scene::to_point(probe.direction);

@@ -120,24 +120,11 @@ bool PointContact::pulls(const Stuck& here) const noexcept {
          moved_from(here.place).dot(surface_.triangle_normal(here.place.triangle)) >= 0;
 }
 
-std::optional<SurfacePlace> PointContact::start(const TissueState& last) const noexcept {
-  if (last.contacts > 0) {
-    return SurfacePlace{.triangle = static_cast<int>(last.contact[0].triangle),
-                        .weight = scene::to_point(last.contact[0].weight)};
-  }
-  const scene::Point beside_rest_m = probe_m_ - shift_m_;
-  if (last.started != 0)
-    return surface_.entry(scene::to_point(last.probe_m) - scene::to_point(last.shift_m), beside_rest_m);
-  const TissueSurface::Nearest nearest = surface_.nearest(beside_rest_m);
-  if (nearest.height_m < 0) return nearest.place;
-  return std::nullopt;
-}
-
 TissueResult PointContact::step(TissueState& last) const noexcept {
   TissueResult result{.energy_J = others_ != nullptr ? others_->energy_J() : 0};
   TissueState next{
       .started = 1, .contacts = 0, .probe_m = scene::to_array(probe_m_), .shift_m = {}, .direction = {}, .contact = {}};
-  if (const auto began = start(last)) {
+  if (const auto began = touched_place(surface_, last, probe_m_ - shift_m_)) {
     Stuck here = stick(*began);
     while (result.iterations < iterations_max_) {
       ++result.iterations;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
 
 namespace forcebound::server {
@@ -41,7 +39,6 @@ class PointContact {
     double length_m = 0;
   };
 
-  [[nodiscard]] std::optional<SurfacePlace> start(const TissueState& last) const noexcept;
   [[nodiscard]] scene::Point moved_from(const SurfacePlace& place) const noexcept;
   void tell_others(const Stuck& here) const noexcept;
   [[nodiscard]] Stuck stick(const SurfacePlace& place) const noexcept;

@@ -18,7 +18,7 @@ constexpr double kLonger = 1.25;
 
 TissueResult PressedStep::run(const TissueState& last) noexcept {
   const bool at_rest = others_m_.empty() && body_.now.displacement_m.isZero(0);
-  if (at_rest && is_clear(last.started != 0 ? scene::to_point(last.probe_m) : probe_m_)) {
+  if (at_rest && is_way_clear(setting_.surface, last, probe_m_, pressure_.radius_m())) {
     center_m_ = probe_m_;
     return result_;
   }
@@ -32,13 +32,6 @@ TissueState PressedStep::state() const noexcept {
   next.started = 1;
   next.probe_m = scene::to_array(center_m_);
   return next;
-}
-
-// Whether there is nothing of the tissue at rest on the way from there.
-bool PressedStep::is_clear(const scene::Point& from_m) const noexcept {
-  const double reach_m = pressure_.radius_m();
-  return setting_.surface.is_clear_of(from_m.cwiseMin(probe_m_).array() - reach_m,
-                                      from_m.cwiseMax(probe_m_).array() + reach_m);
 }
 
 // Where a probe that begins at once in the tissue, or nearly so, comes from: straight out from the nearest place.

@@ -34,7 +34,6 @@ class PressedStep final : public BodyContact {
   template <typename Do>
   void for_each_sphere(const Do& act) const noexcept;
 
-  [[nodiscard]] bool is_clear(const scene::Point& from_m) const noexcept;
   [[nodiscard]] scene::Point outside() const noexcept;
   bool advance() noexcept;
   void relax() noexcept;

@@ -22,17 +22,7 @@ constexpr double kSteepest = 2;
 // The direction is as good as the surface's if they differ by less (cosine of 8 degrees).
 constexpr double kAligned = 0.99;
 
-// Where a sphere without contact would first have one.
-SurfacePlace first_place(const TissueSurface& surface, const TissueState& last,
-                         const scene::Point& beside_rest_m) noexcept {
-  if (last.started != 0) {
-    const scene::Point from_m = scene::to_point(last.probe_m) - scene::to_point(last.shift_m);
-    if (const auto came_in = surface.entry(from_m, beside_rest_m)) return *came_in;
-  }
-  return surface.nearest(beside_rest_m).place;
-}
-
-// And along which direction it would be held off.
+// Along which direction a sphere without contact would be held off, if it had one there.
 scene::Point direction_at(const TissueSurface& surface, const SurfacePlace& place,
                           const scene::Point& probe_m) noexcept {
   const scene::Point outward = surface.triangle_normal(place.triangle);
@@ -72,8 +62,7 @@ SphereContact::Pushed SphereContact::pushed_at(const SurfacePlace& place) const 
 
 void SphereContact::find_anchors(const SurfacePlace& first) noexcept {
   for (std::uint32_t k = 0; k < last_.contacts; ++k) {
-    anchors_[anchor_count_++] =
-        pushed_at({static_cast<int>(last_.contact[k].triangle), scene::to_point(last_.contact[k].weight)});
+    anchors_[anchor_count_++] = pushed_at(place_of(last_.contact[k]));
   }
   if (anchor_count_ == 0) anchors_[anchor_count_++] = pushed_at(first);
   deepest_m_ = options_.radius_m;
@@ -336,7 +325,8 @@ TissueResult SphereContact::step(const Setting& setting, TissueState& state, con
   Begin begin{.probe_m = probe_m, .shift_m = shift_m, .first = {}};
   scene::Point direction = scene::to_point(state.direction);
   if (state.contacts == 0) {
-    begin.first = first_place(surface, state, probe_m - shift_m);
+    const auto entered = came_in(surface, state, probe_m - shift_m);
+    begin.first = entered ? *entered : surface.nearest(probe_m - shift_m).place;
     direction = direction_at(surface, begin.first, probe_m - shift_m);
   }
   SphereContact contact(setting, state, begin, direction);

@@ -3,13 +3,6 @@
 #include <algorithm>
 
 namespace forcebound::server {
-namespace {
-
-SurfacePlace last_place(const TissueState& last) noexcept {
-  return {.triangle = static_cast<int>(last.contact[0].triangle), .weight = scene::to_point(last.contact[0].weight)};
-}
-
-}  // namespace
 
 TissueResult TiedStep::run(const TissueState& last) noexcept {
   find_shift(last);
@@ -51,20 +44,13 @@ TissueState TiedStep::state() const noexcept {
 void TiedStep::find_shift(const TissueState& last) noexcept {
   if (body_.now.displacement_m.isZero(0)) return;
   if (last.started != 0) shift_m_ = scene::to_point(last.shift_m);
-  const SurfacePlace place = last.contacts > 0 ? last_place(last) : setting_.surface.nearest(probe_m_ - shift_m_).place;
+  const SurfacePlace place =
+      last.contacts > 0 ? place_of(last.contact[0]) : setting_.surface.nearest(probe_m_ - shift_m_).place;
   shift_m_ = surface().at(place) - setting_.surface.at(place);
 }
 
 void TiedStep::locate(const TissueState& last) noexcept {
-  std::optional<SurfacePlace> place;
-  if (last.contacts > 0) {
-    place = last_place(last);
-  } else if (last.started != 0) {
-    place = setting_.surface.entry(scene::to_point(last.probe_m) - scene::to_point(last.shift_m), probe_m_ - shift_m_);
-  } else {
-    const TissueSurface::Nearest nearest = setting_.surface.nearest(probe_m_ - shift_m_);
-    if (nearest.height_m < 0) place = nearest.place;
-  }
+  const std::optional<SurfacePlace> place = touched_place(setting_.surface, last, probe_m_ - shift_m_);
   if (!place) return;
   own_ = SurfaceTie{.place = *place, .probe_m = probe_m_, .slides = true};
   if (last.contacts > 0) own_->balanced_m = scene::to_point(last.probe_m) - surface().at(*place);

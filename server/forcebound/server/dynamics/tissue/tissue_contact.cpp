@@ -30,6 +30,30 @@ int divisions_for(const LinearTissue& tissue, double radius_m) {
 
 }  // namespace
 
+SurfacePlace place_of(const TissueState::Contact& contact) noexcept {
+  return {.triangle = static_cast<int>(contact.triangle), .weight = scene::to_point(contact.weight)};
+}
+
+std::optional<SurfacePlace> came_in(const TissueSurface& surface, const TissueState& last,
+                                    const scene::Point& probe_m) noexcept {
+  if (last.started == 0) return std::nullopt;
+  return surface.entry(scene::to_point(last.probe_m) - scene::to_point(last.shift_m), probe_m);
+}
+
+std::optional<SurfacePlace> touched_place(const TissueSurface& surface, const TissueState& last,
+                                          const scene::Point& probe_m) noexcept {
+  if (last.contacts > 0) return place_of(last.contact[0]);
+  if (last.started != 0) return came_in(surface, last, probe_m);
+  const TissueSurface::Nearest nearest = surface.nearest(probe_m);
+  return nearest.height_m < 0 ? std::optional(nearest.place) : std::nullopt;
+}
+
+bool is_way_clear(const TissueSurface& surface, const TissueState& last, const scene::Point& probe_m,
+                  double reach_m) noexcept {
+  const scene::Point from_m = last.started != 0 ? scene::to_point(last.probe_m) : probe_m;
+  return surface.is_clear_of(from_m.cwiseMin(probe_m).array() - reach_m, from_m.cwiseMax(probe_m).array() + reach_m);
+}
+
 void ProbeOptions::check() const {
   const auto refuse = [](const std::string& what, double value) {
     throw std::invalid_argument(what + ", got " + text::to_text(value));
@@ -60,10 +84,7 @@ TissueResult TissueModel::step_among(OtherContacts* others, TissueState& state,
   if (!probe_m.allFinite()) return {.finite = false};
   if (state.contacts == 0) {
     const double reach_m = options_.radius_m + (others != nullptr ? others->reach_m() : 0);
-    const scene::Point from_m = state.started == 0 ? probe_m : scene::to_point(state.probe_m);
-    const scene::Point low_m = from_m.cwiseMin(probe_m).array() - reach_m;
-    const scene::Point high_m = from_m.cwiseMax(probe_m).array() + reach_m;
-    if (tissue_.surface().is_clear_of(low_m, high_m)) {
+    if (is_way_clear(tissue_.surface(), state, probe_m, reach_m)) {
       state.started = 1;
       state.probe_m = scene::to_array(probe_m);
       state.shift_m = {};
@@ -90,10 +111,7 @@ TissueResult TissueModel::step_among(OtherContacts* others, TissueState& state,
 // fixed point, followed from step to step.
 scene::Point TissueModel::shift_near(OtherContacts& others, const TissueState& state,
                                      const scene::Point& probe_m) const noexcept {
-  if (state.contacts > 0) {
-    return others.moved_m(
-        {.triangle = static_cast<int>(state.contact[0].triangle), .weight = scene::to_point(state.contact[0].weight)});
-  }
+  if (state.contacts > 0) return others.moved_m(place_of(state.contact[0]));
   scene::Point shift_m = state.started != 0 ? scene::to_point(state.shift_m) : scene::Point(scene::Point::Zero());
   const int times = state.started != 0 ? 1 : kTimesAtFirst;
   for (int n = 0; n < times; ++n) shift_m = others.moved_m(tissue_.surface().nearest(probe_m - shift_m).place);

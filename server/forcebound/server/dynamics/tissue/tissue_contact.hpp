@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 
 #include "forcebound/server/dynamics/tissue/complementarity.hpp"
@@ -41,6 +42,24 @@ struct TissueState {
   std::array<Contact, kContactsMax> contact;  ///< those that push
 };
 static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<TissueState>);
+
+// What every model asks of the surface at rest, a probe there being where it would be had the tissue not moved. Real
+// time.
+
+/// Of a contact that holds.
+[[nodiscard]] SurfacePlace place_of(const TissueState::Contact& contact) noexcept;
+
+/// Where a probe came in from outside since the last step, if it did and if there was one.
+[[nodiscard]] std::optional<SurfacePlace> came_in(const TissueSurface& surface, const TissueState& last,
+                                                  const scene::Point& probe_m) noexcept;
+
+/// Where a point touches: where it did, where it came in since, or at the nearest place if it begins inside.
+[[nodiscard]] std::optional<SurfacePlace> touched_place(const TissueSurface& surface, const TissueState& last,
+                                                        const scene::Point& probe_m) noexcept;
+
+/// Whether nothing is within reach of the way since the last step.
+[[nodiscard]] bool is_way_clear(const TissueSurface& surface, const TissueState& last, const scene::Point& probe_m,
+                                double reach_m) noexcept;
 
 /// What a step says.
 struct TissueResult {

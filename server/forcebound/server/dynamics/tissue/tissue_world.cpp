@@ -109,8 +109,7 @@ OtherProbes CorotationalTissueWorld::ties_beside(std::size_t seat) noexcept {
   for (std::size_t other = 0; other < seats().size(); ++other) {
     const TissueState& state = seats()[other].state;
     if (other == seat || state.contacts == 0) continue;
-    ties_[count++] = {.place = {static_cast<int>(state.contact[0].triangle), scene::to_point(state.contact[0].weight)},
-                      .probe_m = scene::to_point(state.probe_m)};
+    ties_[count++] = {.place = place_of(state.contact[0]), .probe_m = scene::to_point(state.probe_m)};
   }
   return {.ties = {ties_.data(), count}};
 }
