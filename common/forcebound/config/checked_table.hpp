@@ -36,11 +36,11 @@ class CheckedTable {
   bool flag(std::string_view key, bool preset) { return value<bool>(FlagParameter{.key = key, .preset = preset}); }
   std::string text(std::string_view key) { return value<std::string>(TextParameter{.key = key}); }
 
-  /// What the file says of the keys that are declared, each checked; it knows these keys then.
+  /// The declared keys that the file has, each value checked. Marks the declared keys as known.
   /// @param axes how many numbers a point has
   Values given(std::span<const Parameter> parameters, Eigen::Index axes = 3);
 
-  /// That and the presets of all else, of a table that has no other keys.
+  /// The same with presets for what is left out; any other key in the table is an error.
   Values all(std::span<const Parameter> parameters, Eigen::Index axes = 3);
 
   /// One number for all rows, or a list of them, each as declared. The preset holds for each row.
@@ -53,15 +53,15 @@ class CheckedTable {
   CheckedTable table(std::string_view key, const std::string& place);
   const Node::List& list(std::string_view key);
 
-  /// Every table of the array `kind`, if there is one, by `read`, with its name, which is known then; no two of this
-  /// table's arrays may have the same.
+  /// Calls `read` for every table of the array `kind`, with the table's name; the key `name` is marked as known. No two
+  /// tables of this table's arrays may have the same name.
   void each(const std::string& kind, const std::function<void(CheckedTable& part, const std::string& name)>& read);
 
-  /// To be called when everything is read.
+  /// Call it after everything was read.
   void refuse_unknown_keys(const std::string& refusal = "unknown key") const;
 
-  /// What `make` makes of what the table says. What it refuses is said of the key's place in the file that a ValueError
-  /// names, or else of `where`.
+  /// Calls `make` with the table's values. A ValueError that it throws becomes a ConfigError with the line of the key
+  /// that it names; any other error one with the line of `where`.
   template <class Make>
   decltype(auto) built_at(const Node& where, Make make) const {
     try {
@@ -81,13 +81,13 @@ class CheckedTable {
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] const std::string& place() const noexcept { return place_; }
 
-  /// Beside which the files lie that this one names.
+  /// The folder of this file: paths in it are relative to that.
   [[nodiscard]] std::string folder() const;
 
   [[noreturn]] void fail(const Node& where, const std::string& what) const;
   [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 
-  /// Refuses the value of a key.
+  /// @throws ConfigError always, with the line of the key.
   [[noreturn]] void refuse(std::string_view key, const std::string& must_be) const;
 
  private:
@@ -100,7 +100,7 @@ class CheckedTable {
   [[nodiscard]] const Node& place_of(const ValueError& error, const Node& otherwise) const noexcept;
   [[nodiscard]] Rows rows(const Node& list, const std::string& key) const;
 
-  /// What an error about a missing key ends with, where another looks like it.
+  /// End of an error about a missing key: the key that was written and resembles it, if any.
   [[nodiscard]] std::string misspelling_of(std::string_view key) const;
 
   const Node& table_;

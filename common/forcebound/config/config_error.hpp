@@ -4,7 +4,8 @@
 
 namespace forcebound::config {
 
-/// A file that cannot be had: `what()` is one line with file, line, place, what is wrong and what would be accepted.
+/// A file that cannot be read or is refused: `what()` is one line with file, line, place, what is wrong and what would
+/// be accepted.
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

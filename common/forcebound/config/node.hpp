@@ -10,7 +10,7 @@
 
 namespace forcebound::config {
 
-/// A value of a TOML file, and the line where it begins: so that no one but the parser needs a TOML library.
+/// A value of a TOML file, and the line where it begins. Only the parser includes the TOML library.
 struct Node {
   using List = std::vector<Node>;
   using Table = std::map<std::string, Node, std::less<>>;
@@ -38,15 +38,15 @@ struct Node {
   [[nodiscard]] std::string text_at(std::string_view key) const;
 };
 
-/// As one would write it: "0.5", "'ball'", "[0, 0, 1]".
+/// As a file would have it: "0.5", "'ball'", "[0, 0, 1]".
 [[nodiscard]] std::string written(const Node& node);
 
 /// @param place the file's name, for errors
-/// @return the table that the file is
+/// @return the file's top-level table
 /// @throws ConfigError `PLACE:LINE: not TOML: ...`
 [[nodiscard]] Node parse_toml(std::string_view text, const std::string& place);
 
-/// One value as TOML writes it, as if it stood in such a line. @throws ConfigError if it is none, or more than one
+/// One value in TOML syntax, as it would stand after `KEY = `. @throws ConfigError if it is none, or more than one
 [[nodiscard]] Node parse_toml_value(std::string_view text, int line);
 
 }  // namespace forcebound::config

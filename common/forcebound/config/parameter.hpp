@@ -18,11 +18,11 @@ namespace forcebound::config {
 using Rows = std::vector<std::vector<double>>;
 using Value = std::variant<double, Eigen::Vector3d, std::string, bool, Rows>;
 
-/// A key that a table of a file may have: its name with its unit, what it means, what is accepted, and what holds where
-/// it is left out. Readers, their errors and the schema page all go by this one declaration.
-///
-/// What has no preset must be given, unless `absent` says what leaving it out means. Texts are literals, or outlive the
-/// declaration.
+// Declarations of keys that a table of a file may have: name with unit, meaning, accepted values, and preset. Readers,
+// their errors and the schema page all use these declarations.
+//
+// A key without a preset is required, unless `absent` says what leaving it out means. Texts are literals, or outlive
+// the declaration.
 
 /// A finite number.
 struct NumberParameter {
@@ -30,7 +30,7 @@ struct NumberParameter {
 
   std::string_view key{};
   std::string_view meaning{};
-  /// Where the file is silent. Out of range it means "not given", which no file can say.
+  /// Used where the file has no such key. A preset out of range means "not given".
   std::optional<double> preset{};
   double least = -std::numeric_limits<double>::infinity();
   bool least_excluded = false;
@@ -46,13 +46,13 @@ struct PointParameter {
   std::string_view key;
   std::string_view meaning{};
   std::optional<Eigen::Vector3d> preset{};
-  bool is_direction = false;    ///< it is handed on with length one
-  NumberParameter each{};       ///< what each number must be
-  double rest = 0;              ///< on axes that the scene lacks
+  bool is_direction = false;    ///< it is normalised
+  NumberParameter each{};       ///< range of each number
+  double rest = 0;              ///< value on axes that the scene lacks
   std::string_view accepted{};  ///< in words; empty: "a point", or by what is said above
 };
 
-/// One of several words; where the file is silent, the first, unless `absent` says otherwise.
+/// One of several words; the first is the preset, unless `absent` says otherwise.
 struct ChoiceParameter {
   using Type = std::string;
 
@@ -99,7 +99,7 @@ struct RowsParameter {
   std::string_view absent{};
 };
 
-/// What is read by other means than its declaration.
+/// A key that its reader reads by itself, such as a table.
 struct OtherParameter {
   std::string_view key;
   std::string_view meaning{};
@@ -110,7 +110,7 @@ struct OtherParameter {
 using Parameter = std::variant<NumberParameter, PointParameter, ChoiceParameter, FlagParameter, TextParameter,
                                RowsParameter, OtherParameter>;
 
-/// A table of a file: what it is for, and every key it may have. For people the same as for the reader.
+/// A table of a file: its purpose, and every key it may have.
 struct TableDescription {
   std::string title;
   std::string text;
@@ -120,13 +120,13 @@ struct TableDescription {
 [[nodiscard]] std::string_view key_of(const Parameter& parameter) noexcept;
 [[nodiscard]] std::string_view meaning_of(const Parameter& parameter) noexcept;
 
-/// Whether a file may be silent about it.
+/// Whether a file may leave it out.
 [[nodiscard]] bool may_be_left_out(const Parameter& parameter) noexcept;
 
 /// "> 0 and <= 100", "a whole number from 1 to 16", "a direction", "`true` or `false`": what is accepted, as Markdown.
 [[nodiscard]] std::string accepted_text(const Parameter& parameter);
 
-/// What holds where it is left out, as Markdown; empty: it must be given.
+/// Its preset, as Markdown; empty: the key is required.
 [[nodiscard]] std::string preset_text(const Parameter& parameter);
 
 /// Values by key.
@@ -138,7 +138,8 @@ class Values {
   void set(std::string_view key, Value value) { values_.insert_or_assign(std::string(key), std::move(value)); }
   [[nodiscard]] bool has(std::string_view key) const noexcept { return values_.contains(key); }
 
-  /// @throws std::out_of_range, std::bad_variant_access if no such key was declared: the asking code's mistake.
+  /// @throws std::out_of_range, std::bad_variant_access if no such key was declared: a bug in the
+  /// code that reads it.
   [[nodiscard]] double number(std::string_view key) const { return std::get<double>(at(key)); }
   [[nodiscard]] int whole(std::string_view key) const { return static_cast<int>(number(key)); }
   [[nodiscard]] Eigen::Vector3d point(std::string_view key) const { return std::get<Eigen::Vector3d>(at(key)); }
@@ -164,7 +165,7 @@ class ValueError : public std::invalid_argument {
   ValueError(std::string_view key, const std::string& what, std::optional<std::size_t> row = {})
       : std::invalid_argument(what), key_(key), row_(row) {}
 
-  /// What the error is about, so that a reader can say in which line it stands.
+  /// The key, so that a reader can find its line.
   [[nodiscard]] const std::string& key() const noexcept { return key_; }
   [[nodiscard]] std::optional<std::size_t> row() const noexcept { return row_; }  ///< of a list of rows
 
@@ -173,15 +174,16 @@ class ValueError : public std::invalid_argument {
   std::optional<std::size_t> row_;
 };
 
-/// The value as code gets it: of one length, where it is a direction. @throws ValueError unless it is accepted
+/// The value, normalised if it is a direction. @throws ValueError unless it is accepted
 [[nodiscard]] Value checked(const Parameter& parameter, Value value);
 
-/// What was given, checked, and the presets of all else; it may come from a file, from a message or from code. What is
-/// read by other means is not among them.
+/// The given values, checked, and presets for the rest; they may come from a file, from a message or from code. An
+/// OtherParameter is not among them.
 /// @throws ValueError for what is unknown, missing or not accepted
 [[nodiscard]] Values completed(std::span<const Parameter> parameters, const Values& given);
 
-/// "radius_m 0.02, center_m [0, 0]": what was given, in the order of the declarations, but for lists of rows and texts.
+/// "radius_m 0.02, center_m [0, 0]": the given values in the order of the declarations, without lists of rows and
+/// texts.
 /// @param axes how many numbers a point has
 [[nodiscard]] std::string to_text(std::span<const Parameter> parameters, const Values& given, Eigen::Index axes = 3);
 

@@ -29,24 +29,24 @@ SceneObject make_part(const PartDescription& description, const Registry& regist
   return part;
 }
 
-std::vector<std::string> effect_names(const Registry& registry, bool of_surfaces_too) {
+std::vector<std::string> effect_names(const Registry& registry, bool for_object) {
   std::vector<std::string> names;
   for (const EffectKind& kind : registry.effects()) {
-    if (of_surfaces_too || kind.place == EffectPlace::space) names.emplace_back(kind.name);
+    if (for_object || kind.place == EffectPlace::space) names.emplace_back(kind.name);
   }
   return names;
 }
 
-const EffectKind& effect_kind(const Registry& registry, std::string_view name, bool of_surfaces_too,
+const EffectKind& effect_kind(const Registry& registry, std::string_view name, bool for_object,
                               const SceneObject& part) {
   const EffectKind* const kind = registry.find_effect(name);
-  const std::vector<std::string> known = effect_names(registry, of_surfaces_too);
+  const std::vector<std::string> known = effect_names(registry, for_object);
   const std::string quoted = "'" + std::string(name) + "'";
   if (kind == nullptr) throw std::invalid_argument("unknown effect " + quoted + text::suggestion(name, known));
   if (std::ranges::find(part.effects, name, &RequestedEffect::name) != part.effects.end()) {
     throw std::invalid_argument("effect " + quoted + " is asked for twice");
   }
-  if (of_surfaces_too || kind->place == EffectPlace::space) return *kind;
+  if (for_object || kind->place == EffectPlace::space) return *kind;
   throw std::invalid_argument("effect " + quoted +
                               " needs the surface of an object, a field may have: " + text::join(known));
 }

@@ -18,7 +18,7 @@ struct NamedValues {
   friend bool operator==(const NamedValues&, const NamedValues&) = default;
 };
 
-/// All there is to say of an object or field: what a file or a message has of it.
+/// Description of an object or field, as a file or a message gives it.
 struct PartDescription {
   std::string name;
   std::optional<NamedValues> shape{};  ///< none: a field
@@ -27,34 +27,34 @@ struct PartDescription {
   friend bool operator==(const PartDescription&, const PartDescription&) = default;
 };
 
-/// Of a part that was made.
+/// Facts of a part after it was made.
 [[nodiscard]] PartDescription describe(const SceneObject& part);
 
-/// The part that is described: everything is checked, whoever may have said it.
+/// Makes the described part. Every value is checked.
 /// @param axes of the scene, 1 to 3: on the others points are zero, and boxes have no faces
-/// @param folder in which the files lie that a shape names
+/// @param folder paths among a shape's values are relative to it
 /// @throws config::ValueError, or another std::invalid_argument or std::runtime_error, in one line
 [[nodiscard]] SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes = 3,
                                     const std::string& folder = {});
 
-// Its steps, for those who have to say in which line of a file something is wrong. They throw as `make_part` does.
+// The steps of `make_part`, for readers of files, which give the line of an error. They throw as it does.
 
-/// An effect that a part may have beside those it has.
-/// @param of_surfaces_too whether it is for an object
-[[nodiscard]] const EffectKind& effect_kind(const Registry& registry, std::string_view name, bool of_surfaces_too,
+/// Finds an effect and checks that the part may have it beside those it has.
+/// @param for_object whether it is for an object
+[[nodiscard]] const EffectKind& effect_kind(const Registry& registry, std::string_view name, bool for_object,
                                             const SceneObject& part);
 
 /// The names that `effect_kind` accepts.
-[[nodiscard]] std::vector<std::string> effect_names(const Registry& registry, bool of_surfaces_too);
+[[nodiscard]] std::vector<std::string> effect_names(const Registry& registry, bool for_object);
 
 void add_effect(SceneObject& part, const EffectKind& kind, const config::Values& given, Eigen::Index axes);
 
 [[nodiscard]] const ShapeKind& shape_kind(const Registry& registry, std::string_view name, Eigen::Index axes);
 
-/// That an object's effects have what they depend on.
+/// Checks that the effects on which an object's effects depend are there.
 void check_effects(const SceneObject& part);
 
-/// After all effects.
+/// Completes the part after its last effect.
 void set_shape(SceneObject& part, const ShapeKind& kind, const config::Values& given, Eigen::Index axes,
                const std::string& folder);
 

@@ -8,11 +8,11 @@
 
 namespace forcebound::scene {
 
-/// The shapes and effects that scenes may ask for, by name. A value: a program that has some of its own adds them to
-/// its copy.
+/// The shapes and effects that scenes may use, by name. A value type: a program with some of its own adds them to its
+/// copy.
 class Registry {
  public:
-  /// All that ship.
+  /// All shapes and effects of this library.
   static Registry standard();
 
   /// @throws std::invalid_argument if the name is taken.

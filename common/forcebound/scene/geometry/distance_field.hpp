@@ -28,7 +28,7 @@ struct DistanceFieldOptions {
 std::unique_ptr<Shape> make_distance_field(std::shared_ptr<const TriangleMesh> mesh,
                                            const DistanceFieldOptions& options);
 
-/// A mesh from a file, felt so.
+/// A mesh from a file, rendered by its distance field.
 ShapeKind distance_field_shape();
 
 }  // namespace forcebound::scene

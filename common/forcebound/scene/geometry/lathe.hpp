@@ -23,7 +23,7 @@ struct LathePoint {
 [[nodiscard]] TriangleMesh make_lathe(std::string name, const std::vector<LathePoint>& profile, int segments,
                                       const Point& origin_m = Point::Zero());
 
-/// Such a mesh, felt through a god object.
+/// A mesh of revolution, rendered with a god object.
 ShapeKind lathe_shape();
 
 }  // namespace forcebound::scene

@@ -29,7 +29,7 @@ struct MeshPlacement {
 /// Keys that place what a file holds, the same for meshes and tissue: `scale`, then `rotation_deg`, then `offset_m`.
 [[nodiscard]] std::vector<config::Parameter> placement_parameters();
 
-/// By their values.
+/// The placement from the values of these keys.
 [[nodiscard]] MeshPlacement placement_of(const config::Values& values);
 
 }  // namespace forcebound::scene

@@ -25,7 +25,7 @@ struct MeshShapeOptions {
 /// @throws GeometryError unless reach_m is >= 0 and finite.
 std::unique_ptr<Shape> make_mesh(std::shared_ptr<const TriangleMesh> mesh, const MeshShapeOptions& options = {});
 
-/// A mesh from a file, felt so.
+/// A mesh from a file, rendered with a god object.
 ShapeKind mesh_shape();
 
 }  // namespace forcebound::scene

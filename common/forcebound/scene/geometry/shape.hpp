@@ -27,7 +27,7 @@ struct ShapeFacts {
   double cost_ns = 5;                  ///< estimate for one motion
   Point on_surface_m = Point::Zero();  ///< a point of the surface, for calibration
   Eigen::AlignedBox3d bounds_m{};      ///< of the finite parts of the surface; empty: there may be none
-  std::string text{};                  ///< what it consists of, for people; empty: what its values say
+  std::string text{};                  ///< one line for `--explain`; empty: its values are enough
 };
 
 /// The box around a point, `half_m` to each side.
@@ -48,19 +48,19 @@ class Shape {
   [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
 };
 
-/// What a shape is made for, beside its values.
+/// What a shape needs to know beside its values.
 struct ShapePurpose {
-  double reach_m = 0;    ///< how far outside of it the distance to it is wanted; 0: only contact
-  std::string folder{};  ///< in which the files lie that its values name
+  double reach_m = 0;    ///< distances up to this far outside are needed; 0: contact only
+  std::string folder{};  ///< paths among its values are relative to it
 };
 
-/// A shape as a scene knows it: by `kind = "NAME"`, and the keys beside it.
+/// A kind of shape that scenes may ask for: `kind = "NAME"`, and its keys.
 struct ShapeKind {
   std::string_view name;
-  std::string_view description;  ///< for people, in a sentence or two
-  int axes_least = 1;            ///< on fewer it has no meaning
+  std::string_view description;  ///< for the schema page, in a sentence or two
+  int axes_least = 1;            ///< of the scene
   std::vector<config::Parameter> parameters{};
-  std::string_view source{};  ///< the key that an error of `make` is about where it names none
+  std::string_view source{};  ///< key whose line an error of `make` gets if it names none
   /// @throws config::ValueError, or another std::invalid_argument or std::runtime_error, where values that are in range
   /// do not fit each other, or a file that they name cannot be had
   std::function<std::unique_ptr<Shape>(const config::Values& values, const ShapePurpose& purpose)> make;
@@ -72,7 +72,7 @@ struct ShapeKind {
 /// Keys of a shape between two points: `from_m`, `to_m` and `radius_m`.
 [[nodiscard]] std::vector<config::Parameter> straight_parameters();
 
-/// @throws config::ValueError if both ends of a straight are one
+/// @throws config::ValueError if `from_m` equals `to_m`
 void check_straight(const config::Values& values);
 
 ShapeKind half_space_shape();

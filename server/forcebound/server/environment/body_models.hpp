@@ -12,7 +12,7 @@ namespace forcebound::server {
 /// Whether Forcebound was built with MuJoCo. Without, what lies below throws std::runtime_error.
 [[nodiscard]] bool has_bodies() noexcept;
 
-/// Bodies that are described. @throws std::runtime_error
+/// Bodies from their description. @throws std::runtime_error
 [[nodiscard]] std::unique_ptr<scene::DynamicModel> make_bodies(BodiesDescription description);
 
 /// An MJCF model, and what devices do in it.

@@ -238,8 +238,7 @@ TEST(Schema, TakesTheKeysOfShapesForBodiesAndForWhatTissueIsHeldBy) {
            "size_m = [1, 1, 1], cells = [1, 1, 1] }\nheld = { " +
            held + ", nobodys_key = 1 }\n";
   };
-  EXPECT_THAT(known(tissue("through_m = [0, 0, 0], normal = [0, 0, 1]")),
-              keys(scene::half_space_shape(), {}));
+  EXPECT_THAT(known(tissue("through_m = [0, 0, 0], normal = [0, 0, 1]")), keys(scene::half_space_shape(), {}));
   EXPECT_THAT(known(tissue("center_m = [0, 0, 0], size_m = [9, 9, 0.1]")), keys(scene::box_shape(), {}));
 }
 

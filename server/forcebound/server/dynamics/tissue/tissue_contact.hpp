@@ -43,21 +43,21 @@ struct TissueState {
 };
 static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<TissueState>);
 
-// What every model asks of the surface at rest, a probe there being where it would be had the tissue not moved. Real
-// time.
+// Queries that every tissue model makes of the surface at rest; probe positions are mapped back to the undeformed
+// tissue. Real time.
 
-/// Of a contact that holds.
+/// The contact point of a contact that goes on.
 [[nodiscard]] SurfacePlace place_of(const TissueState::Contact& contact) noexcept;
 
-/// Where a probe came in from outside since the last step, if it did and if there was one.
+/// Point where the probe entered from outside since the last step, if it did.
 [[nodiscard]] std::optional<SurfacePlace> came_in(const TissueSurface& surface, const TissueState& last,
                                                   const scene::Point& probe_m) noexcept;
 
-/// Where a point touches: where it did, where it came in since, or at the nearest place if it begins inside.
+/// The contact point: where it was, where the probe entered since, or the nearest one if the probe begins inside.
 [[nodiscard]] std::optional<SurfacePlace> touched_place(const TissueSurface& surface, const TissueState& last,
                                                         const scene::Point& probe_m) noexcept;
 
-/// Whether nothing is within reach of the way since the last step.
+/// Whether the motion since the last step is out of reach of every surface.
 [[nodiscard]] bool is_way_clear(const TissueSurface& surface, const TissueState& last, const scene::Point& probe_m,
                                 double reach_m) noexcept;
 
