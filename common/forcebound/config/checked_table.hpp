@@ -17,8 +17,8 @@ namespace forcebound::config {
 using control::Matrix;
 using control::Vector;
 
-/// A table of a file that is read key by key, so that every error names file, line and place, and a key that nothing
-/// reads is an error. All members @throw ConfigError.
+/// A table of a file that is read key by key, so that every error names file, line and place, and an unknown key is an
+/// error. All members @throw ConfigError.
 class CheckedTable {
  public:
   /// @param table it must outlive this
@@ -30,7 +30,7 @@ class CheckedTable {
   const Node* find(std::string_view key);
   const Node& at(std::string_view key);
 
-  // Values of keys that are declared: the file's, or the preset. What has neither is an error.
+  // Value of a declared key: from the file, else the preset; ConfigError if there is neither.
   double number(const NumberParameter& parameter) { return value<double>(parameter); }
   int whole(NumberParameter parameter);
   bool flag(std::string_view key, bool preset) { return value<bool>(FlagParameter{.key = key, .preset = preset}); }
@@ -40,13 +40,15 @@ class CheckedTable {
   /// @param axes how many numbers a point has
   Values given(std::span<const Parameter> parameters, Eigen::Index axes = 3);
 
-  /// The same with presets for what is left out; any other key in the table is an error.
+  /// As `given`, with presets for absent keys. An undeclared key in the table is an error.
   Values all(std::span<const Parameter> parameters, Eigen::Index axes = 3);
 
-  /// One number for all rows, or a list of them, each as declared. The preset holds for each row.
+  /// One number for all rows, or a list with one number per row; all within the range of `each`. The preset applies
+  /// to every row.
   Vector vector(const NumberParameter& each, Eigen::Index rows);
 
-  /// One number > 0 or a list for the diagonal, or a list of rows: symmetric and positive definite.
+  /// A symmetric positive definite matrix: one number > 0 for the whole diagonal, a list for the diagonal, or a list
+  /// of rows.
   Matrix matrix(std::string_view key, Eigen::Index rows);
 
   CheckedTable table(std::string_view key) { return table(key, place_ + ", " + std::string(key)); }
@@ -81,7 +83,7 @@ class CheckedTable {
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] const std::string& place() const noexcept { return place_; }
 
-  /// The folder of this file: paths in it are relative to that.
+  /// The folder of this file; paths in the file are relative to it.
   [[nodiscard]] std::string folder() const;
 
   [[noreturn]] void fail(const Node& where, const std::string& what) const;
@@ -100,7 +102,7 @@ class CheckedTable {
   [[nodiscard]] const Node& place_of(const ValueError& error, const Node& otherwise) const noexcept;
   [[nodiscard]] Rows rows(const Node& list, const std::string& key) const;
 
-  /// End of an error about a missing key: the key that was written and resembles it, if any.
+  /// Suffix of the error about a missing key: a key of the table with a similar spelling, if any.
   [[nodiscard]] std::string misspelling_of(std::string_view key) const;
 
   const Node& table_;

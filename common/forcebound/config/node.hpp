@@ -38,7 +38,7 @@ struct Node {
   [[nodiscard]] std::string text_at(std::string_view key) const;
 };
 
-/// As a file would have it: "0.5", "'ball'", "[0, 0, 1]".
+/// The value in TOML syntax: "0.5", "'ball'", "[0, 0, 1]".
 [[nodiscard]] std::string written(const Node& node);
 
 /// @param place the file's name, for errors
@@ -46,7 +46,7 @@ struct Node {
 /// @throws ConfigError `PLACE:LINE: not TOML: ...`
 [[nodiscard]] Node parse_toml(std::string_view text, const std::string& place);
 
-/// One value in TOML syntax, as it would stand after `KEY = `. @throws ConfigError if it is none, or more than one
+/// Parses one value in TOML syntax, as after `KEY = `. @throws ConfigError unless the text is exactly one value
 [[nodiscard]] Node parse_toml_value(std::string_view text, int line);
 
 }  // namespace forcebound::config

@@ -73,7 +73,7 @@ std::string words(const TextParameter& text) {
 
 std::string words(const auto& other) { return std::string(other.accepted); }
 
-// What holds where the key is left out.
+// The preset in words.
 
 std::string words_of_preset(const NumberParameter& number) {
   if (!number.preset) return std::string(number.absent);
@@ -110,7 +110,7 @@ std::optional<Value> preset_of(const FlagParameter& flag) { return flag.preset; 
 
 std::optional<Value> preset_of(const auto&) { return std::nullopt; }
 
-// What is given.
+// Checks of given values.
 
 Value accept(const NumberParameter& number, double value) {
   if (!std::isfinite(value)) refuse(number.key, "a finite number", text::to_text(value));
@@ -120,7 +120,7 @@ Value accept(const NumberParameter& number, double value) {
   return value;
 }
 
-/// As it was given: on the axes that the scene has.
+/// The given numbers, on the scene's axes.
 std::string as_given(const PointParameter& point, const Eigen::Vector3d& value) {
   const bool has_rest = point.rest == kInfinity;
   return to_text(value, has_rest ? std::ranges::count_if(value, [](double x) { return std::isfinite(x); }) : 3);
@@ -131,7 +131,7 @@ Value accept(const PointParameter& point, const Eigen::Vector3d& value) {
   if (!std::ranges::all_of(value, is_given)) refuse(point.key, "finite", to_text(value));
   if (point.is_direction) {
     if (value.isZero(0)) throw ValueError(point.key, std::string(point.key) + " must not be zero");
-    // What has that length already keeps every bit.
+    // A unit vector is returned unchanged, bit for bit.
     constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
     return std::abs(value.squaredNorm() - 1) <= kRounding ? value : Eigen::Vector3d(value.stableNormalized());
   }

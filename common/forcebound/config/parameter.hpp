@@ -21,8 +21,8 @@ using Value = std::variant<double, Eigen::Vector3d, std::string, bool, Rows>;
 // Declarations of keys that a table of a file may have: name with unit, meaning, accepted values, and preset. Readers,
 // their errors and the schema page all use these declarations.
 //
-// A key without a preset is required, unless `absent` says what leaving it out means. Texts are literals, or outlive
-// the declaration.
+// A key without a preset is required, unless `absent` describes the effect of leaving it out. Texts must outlive the
+// declaration, as literals do.
 
 /// A finite number.
 struct NumberParameter {
@@ -39,7 +39,7 @@ struct NumberParameter {
   std::string_view absent{};
 };
 
-/// A place, a velocity, a force or sizes; or a direction of any length but zero. As many numbers as the scene has axes.
+/// A position, velocity, force or size; or a direction of nonzero length. One number per axis of the scene.
 struct PointParameter {
   using Type = Eigen::Vector3d;
 
@@ -49,7 +49,7 @@ struct PointParameter {
   bool is_direction = false;    ///< it is normalised
   NumberParameter each{};       ///< range of each number
   double rest = 0;              ///< value on axes that the scene lacks
-  std::string_view accepted{};  ///< in words; empty: "a point", or by what is said above
+  std::string_view accepted{};  ///< in words; empty: derived from the fields above
 };
 
 /// One of several words; the first is the preset, unless `absent` says otherwise.
@@ -77,14 +77,14 @@ struct TextParameter {
 
   enum class Form {
     any,
-    name,  ///< that may stand in a log line: 1 to 64 bytes without control characters
-    file,  ///< of a file beside this one
+    name,  ///< fit for a log line: 1 to 64 bytes without control characters
+    file,  ///< path relative to this file's folder
   };
 
   std::string_view key;
   std::string_view meaning{};
   Form form = Form::any;
-  std::string_view accepted{};  ///< in words; empty: by its form
+  std::string_view accepted{};  ///< in words; empty: derived from the form
   std::string_view absent{};
 };
 
@@ -95,11 +95,11 @@ struct RowsParameter {
   std::string_view key;
   std::string_view meaning{};
   std::string_view accepted = "a list of rows of numbers";
-  std::size_t columns = 0;  ///< of each row; 0: as many as the first has
+  std::size_t columns = 0;  ///< of each row; 0: as in the first row
   std::string_view absent{};
 };
 
-/// A key that its reader reads by itself, such as a table.
+/// A key whose value the reader parses itself, such as a table.
 struct OtherParameter {
   std::string_view key;
   std::string_view meaning{};
@@ -120,7 +120,7 @@ struct TableDescription {
 [[nodiscard]] std::string_view key_of(const Parameter& parameter) noexcept;
 [[nodiscard]] std::string_view meaning_of(const Parameter& parameter) noexcept;
 
-/// Whether a file may leave it out.
+/// Whether the key is optional.
 [[nodiscard]] bool may_be_left_out(const Parameter& parameter) noexcept;
 
 /// "> 0 and <= 100", "a whole number from 1 to 16", "a direction", "`true` or `false`": what is accepted, as Markdown.
@@ -159,7 +159,7 @@ class Values {
   std::map<std::string, Value, std::less<>> values_;
 };
 
-/// A value that is refused: `what()` names the key, what would be accepted and what was got.
+/// A refused value: `what()` names the key, the accepted values and the value given.
 class ValueError : public std::invalid_argument {
  public:
   ValueError(std::string_view key, const std::string& what, std::optional<std::size_t> row = {})
@@ -177,9 +177,9 @@ class ValueError : public std::invalid_argument {
 /// The value, normalised if it is a direction. @throws ValueError unless it is accepted
 [[nodiscard]] Value checked(const Parameter& parameter, Value value);
 
-/// The given values, checked, and presets for the rest; they may come from a file, from a message or from code. An
+/// The given values, checked, with presets for absent keys. They may come from a file, a message or code. An
 /// OtherParameter is not among them.
-/// @throws ValueError for what is unknown, missing or not accepted
+/// @throws ValueError for an unknown key, a missing required key or a refused value
 [[nodiscard]] Values completed(std::span<const Parameter> parameters, const Values& given);
 
 /// "radius_m 0.02, center_m [0, 0]": the given values in the order of the declarations, without lists of rows and

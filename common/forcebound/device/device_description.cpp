@@ -8,7 +8,7 @@
 namespace forcebound::device {
 namespace {
 
-// The diagonal alone where there is nothing else.
+// Only the diagonal, if the matrix is diagonal.
 std::string written(const Matrix& matrix) {
   std::ostringstream text;
   const Eigen::IOFormat one_line(6, Eigen::DontAlignCols, " ", "; ", "", "", "[", "]");
@@ -20,7 +20,7 @@ std::string written(const Matrix& matrix) {
   return text.str();
 }
 
-/// What comes before and after the inertia.
+/// The description around the inertia.
 std::string described(const control::DeviceFacts& facts, const std::string& inertia) {
   const bool arm = !facts.cartesian;
   std::ostringstream out;

@@ -8,8 +8,8 @@
 
 namespace forcebound::device {
 
-/// A simulated device: what a law may know of it, and what it moves like. The simulated damping and friction are
-/// exactly the facts' bounds.
+/// A simulated device: the facts that a law may use, and the parameters of its motion. The simulated damping and
+/// friction equal the facts' bounds exactly.
 struct DeviceDescription {
   control::DeviceFacts facts;
   Matrix inertia;                  ///< of the joints: symmetric, positive definite [kg], [kg m^2]
@@ -19,7 +19,7 @@ struct DeviceDescription {
 /// One line to print: name, degrees of freedom, inertia, damping, friction, encoder, each with its unit.
 [[nodiscard]] std::string describe(const DeviceDescription& device);
 
-/// The same of a device of which only the facts are known: all but the inertia.
+/// As above without the inertia, for a device of which only the facts are known.
 [[nodiscard]] std::string describe(const control::DeviceFacts& facts);
 
 }  // namespace forcebound::device

@@ -9,31 +9,32 @@
 
 namespace forcebound::device {
 
-/// Which device, as a person names it.
+/// Device and simulated hand, as named on a command line.
 struct DeviceRequest {
-  std::string device{};  ///< a name or a file; empty: whichever goes with the hand
-  std::string hand{};    ///< what moves a simulated device; empty: whichever goes with the device
+  std::string device{};  ///< name or file; empty: the default device for the hand
+  std::string hand{};    ///< of a simulated device; empty: the default hand for the device
 };
 
-/// Devices of one kind, which one can ask for by name: what a driver registers.
+/// Devices of one kind, selected by name. A driver registers one family.
 struct DeviceFamily {
   std::string name;                  ///< of the kind
   std::vector<std::string> names{};  ///< of its devices
   bool takes_files = false;          ///< whether a file can describe another one
   std::string help{};                ///< devices and hands, a line each, for --help
 
-  /// Fills in the device that goes with a hand and the hand that goes with a device; empty: there is nothing to fill
-  /// in. Asked without a device it may leave it so: then another family knows the hand.
+  /// Fills in the default device for a hand and the default hand for a device. Leaves the device empty if this family
+  /// does not know the hand: another family may. No function: the family has no defaults.
   std::function<void(DeviceRequest&)> complete{};
 
-  /// The facts of a device of this family. @throws std::runtime_error about a file that describes none.
+  /// The facts of a device of this family. @throws std::runtime_error if the file is no valid device.
   std::function<control::DeviceFacts(const std::string& name_or_file)> facts;
 
-  /// @throws std::exception with one line for a person.
+  /// @throws std::exception with a one-line message.
   std::function<std::unique_ptr<HapticDevice>(const DeviceRequest&)> make;
 };
 
-/// The devices one can ask for by name. A value: a program takes `standard()`, adds its own and hands it on.
+/// The devices that can be selected by name. A value type: a program takes `standard()`, adds its own families and
+/// passes the registry on.
 ///
 ///     auto devices = DeviceRegistry::standard();
 ///     devices.add({.name = "pens", .names = {"pen"}, .help = "  pen  a pen on USB\n", .facts = ..., .make = ...});
@@ -46,19 +47,19 @@ class DeviceRegistry {
   /// that is taken, or for a second family that takes files.
   void add(DeviceFamily family);
 
-  /// The request with nothing left empty that a family can fill in.
+  /// The request with every empty field filled in for which a family has a default.
   [[nodiscard]] DeviceRequest completed(DeviceRequest request) const;
 
   /// @throws std::runtime_error naming the known devices, or about the file.
   [[nodiscard]] control::DeviceFacts facts(const std::string& name_or_file) const;
 
   /// @param request completed.
-  /// @throws std::exception as `facts`, or with what the device refuses.
+  /// @throws std::exception as `facts`, or if the device refuses the request.
   [[nodiscard]] std::unique_ptr<HapticDevice> make(const DeviceRequest& request) const;
 
   [[nodiscard]] std::vector<std::string> names() const;
 
-  /// What `--help` says of them.
+  /// The families' texts for `--help`.
   [[nodiscard]] std::string help() const;
 
  private:

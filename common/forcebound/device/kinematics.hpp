@@ -7,7 +7,7 @@ namespace forcebound::device {
 using control::Matrix;
 using control::Vector;
 
-/// Where the tip is for given joints, in the scene frame. As many joints as task axes.
+/// Tip position from joint positions, in the scene frame. There are as many joints as task axes.
 ///
 /// Real time: noexcept, no allocation.
 class Kinematics {
@@ -23,7 +23,7 @@ class Kinematics {
   [[nodiscard]] virtual Vector joints_at(const Vector& position) const noexcept = 0;
 };
 
-/// Joints are the task axes.
+/// Kinematics of a Cartesian device: its joints are the task axes.
 class CartesianKinematics final : public Kinematics {
  public:
   [[nodiscard]] Vector position(const Vector& joint) const noexcept override { return joint; }
@@ -37,8 +37,8 @@ class CartesianKinematics final : public Kinematics {
 struct ArmGeometry {
   double upper_length_m = 0;
   double fore_length_m = 0;
-  double origin_reach_m = 0;   ///< the scene's origin lies so far in front of the shoulder
-  double origin_height_m = 0;  ///< and so far above it
+  double origin_reach_m = 0;   ///< distance of the scene's origin in front of the shoulder
+  double origin_height_m = 0;  ///< height of the scene's origin above the shoulder
 };
 
 /// Base yaw, shoulder and elbow, the elbow driven through a parallelogram so that its angle is absolute.

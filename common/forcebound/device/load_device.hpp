@@ -29,7 +29,7 @@ namespace forcebound::device {
 [[nodiscard]] bool names_a_file(std::string_view name_or_file) noexcept;
 
 /// A shipped device by its name, or any other by its file.
-/// @throws std::runtime_error as parse_device; or if there is no such device or file, with what there is.
+/// @throws std::runtime_error as parse_device; or if there is no such device (listing the known ones) or file.
 [[nodiscard]] DeviceDescription load_device(const std::string& name_or_file);
 
 /// The names of the shipped devices.

@@ -10,7 +10,7 @@
 
 namespace forcebound::scene {
 
-/// A registered shape or effect, and the values that are given for it; presets may be left out.
+/// A registered shape or effect, and its values; values with a preset may be absent.
 struct NamedValues {
   std::string name;
   config::Values values{};
@@ -51,7 +51,7 @@ void add_effect(SceneObject& part, const EffectKind& kind, const config::Values&
 
 [[nodiscard]] const ShapeKind& shape_kind(const Registry& registry, std::string_view name, Eigen::Index axes);
 
-/// Checks that the effects on which an object's effects depend are there.
+/// Checks that the part has the effects on which its effects depend.
 void check_effects(const SceneObject& part);
 
 /// Completes the part after its last effect.

@@ -10,7 +10,7 @@
 
 namespace forcebound::scene {
 
-/// One effect that an object or field asks for, and its description.
+/// One effect of an object or field, and its description.
 struct RequestedEffect {
   std::string name;
   config::Values values;  ///< as they were given, without presets
@@ -51,8 +51,8 @@ struct PlanStep {
   std::uint32_t end_state;
 };
 
-/// What objects and fields ask for, compiled to flat lists: an effect that no object asks for takes neither time nor
-/// bytes.
+/// The objects and fields of a scene, compiled to flat lists: an effect that no part uses takes neither time nor
+/// memory.
 class Plan {
  public:
   Plan() = default;

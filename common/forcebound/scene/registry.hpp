@@ -8,8 +8,7 @@
 
 namespace forcebound::scene {
 
-/// The shapes and effects that scenes may use, by name. A value type: a program with some of its own adds them to its
-/// copy.
+/// The shapes and effects that scenes may use, by name. A value type: a program adds its own to its copy.
 class Registry {
  public:
   /// All shapes and effects of this library.

@@ -7,7 +7,7 @@ namespace {
 
 std::uint64_t difference(std::uint64_t more, std::uint64_t less) noexcept { return more > less ? more - less : 0; }
 
-/// `own`: of each count, what the message that brought them adds itself.
+/// `own`: the share of each count that the reporting message itself adds.
 void count(const Progress& before, const Progress& after, std::uint64_t own, record::Blackout& blackout) noexcept {
   const auto between = [&](std::uint64_t Progress::*counter) {
     return difference(difference(after.*counter, before.*counter), own);
@@ -35,7 +35,7 @@ void BlackoutWatch::on_force(Nanoseconds now, const Progress& progress) noexcept
 void BlackoutWatch::on_bye(Nanoseconds now, const Progress& progress, Bye kind) noexcept {
   if (!last_ || progress.session != last_->progress.session) return;
   present_.server_left = kind == Bye::of_the_server;
-  // Without blackout before it, the little that is on its way would be taken for lost.
+  // Without a blackout before it, datagrams still on their way would be counted as lost.
   if (in_blackout(now)) count(last_->progress, progress, 0, present_);
 }
 

@@ -10,10 +10,10 @@ namespace forcebound::client {
 
 using time::Nanoseconds;
 
-/// How far a session has come by the counts of both ends, at a force or a Bye.
+/// The counts of both ends of a session, as of a force or a Bye.
 struct Progress {
   std::uint64_t session = 0;
-  std::uint64_t motions_made = 0;     ///< number of the motion answered; at a Bye, of the last one made
+  std::uint64_t motions_made = 0;     ///< number of the motion answered; at a Bye, of the last motion
   std::uint64_t motions_arrived = 0;  ///< at the server, by its own count
   std::uint64_t answers_sent = 0;     ///< by the server, by its own count
   std::uint64_t answers_arrived = 0;
@@ -21,21 +21,21 @@ struct Progress {
   friend bool operator==(const Progress&, const Progress&) noexcept = default;
 };
 
-/// Notices when no new force comes for longer than the policy holds one, and remembers the longest such blackout with
-/// what died in it: record::Blackout.
+/// Detects blackouts: no new force for longer than the policy's hold time. Keeps the longest with its losses:
+/// record::Blackout.
 ///
 /// Real time: noexcept, no allocation, O(1).
 class BlackoutWatch {
  public:
   explicit BlackoutWatch(Nanoseconds hold) : hold_(hold) {}
 
-  /// A force newer than all before.
+  /// Called for a force that is newer than all before.
   void on_force(Nanoseconds now, const Progress& progress) noexcept;
 
   enum class Bye : std::uint8_t { of_the_server, answers_ours };
   void on_bye(Nanoseconds now, const Progress& progress, Bye kind) noexcept;
 
-  /// The longest so far, the present one included.
+  /// The longest blackout so far, the present one included.
   [[nodiscard]] record::Blackout longest(Nanoseconds now) const noexcept;
 
  private:
@@ -48,7 +48,7 @@ class BlackoutWatch {
 
   Nanoseconds hold_;
   std::optional<Force> last_;
-  record::Blackout present_;  // what is known of the blackout since then
+  record::Blackout present_;  // the blackout since last_
   record::Blackout longest_;
 };
 

@@ -8,12 +8,12 @@ namespace forcebound::client {
 
 using time::Nanoseconds;
 
-/// How long choosing a force and commanding it may take this time, judged by how long it took lately.
+/// Estimates how long choosing and commanding a force will take on this tick, from the latest ticks.
 ///
-/// A law reserves energy for as long as the previous force stays in effect, so the guess is to be close; a force that
-/// is commanded later than guessed is asked about again, and may have to become zero, so it is to be rarely too short.
-/// Half as much again as the longest of late, forgotten by 5 % a tick, and never above half a period: a machine that is
-/// slow all the time shows forces, and one that stumbles once shows softer ones for some ticks.
+/// A law reserves energy for as long as the previous force stays in effect, so the estimate must not be far too long. A
+/// force commanded later than estimated is bounded again, possibly to zero, so the estimate must rarely be too short. It
+/// is 1.5 times the longest recent time, which decays by 5 % a tick, and at most half a period: a machine that is always
+/// slow still shows forces, and one long tick reduces the forces for some ticks only.
 ///
 /// Real time: noexcept, O(1).
 class ChoosingTime {

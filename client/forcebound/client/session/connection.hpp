@@ -11,19 +11,19 @@ namespace forcebound::client {
 
 using time::Nanoseconds;
 
-/// Whether there is a session with the server, and when to ask for one.
+/// State of the session with the server, and the times at which Hellos are sent.
 ///
-/// connecting: never had one. active: forces come. stale: none for longer than the policy's hold time. reconnecting:
-/// none for longer than its drop time, or the server does not know us; Hellos go out, and the motion as well as long as
-/// the session may still be alive. Hello pauses grow from 100 ms to 2 s. One nonce stays in use until the server has
-/// refused the session, so that a late Welcome is as good as an early one.
+/// connecting: no session yet. active: forces arrive. stale: none for longer than the policy's hold time. reconnecting:
+/// none for longer than its drop time, or the server does not know the session; Hellos are sent, and motion too as long
+/// as the session may still exist. Pauses between Hellos grow from 100 ms to 2 s. The nonce changes only when the server
+/// has refused the session, so that a late Welcome is still valid.
 ///
 /// Real time: noexcept, no allocation after construction.
 class Connection {
  public:
   struct Facts {
     std::string device;
-    std::string scene;   ///< wanted, empty: the server's own
+    std::string scene;   ///< requested; empty: the server's default
     std::string port{};  ///< of the law, empty: it needs no server-side law
     int degrees_of_freedom = 1;
     double period_s = 1e-3;
@@ -34,20 +34,20 @@ class Connection {
 
   [[nodiscard]] SessionState state() const noexcept { return state_; }
 
-  /// 0: none.
+  /// The session's number; 0: none.
   [[nodiscard]] std::uint64_t session() const noexcept { return session_; }
 
   /// The force stream's blackout: time since the last new force, or since the session began.
   void on_blackout(Nanoseconds blackout, Nanoseconds hold, Nanoseconds drop) noexcept;
 
-  /// True if this begins another session.
+  /// True if this begins a new session.
   bool on_welcome(const wire::Welcome& welcome) noexcept;
 
   enum class Refused : std::uint8_t {
     not_us,
-    session,  ///< the one that was is no more
-    hello,    ///< for people to know why
-    for_now,  ///< until the next Hello, which tells the round trip
+    session,  ///< the session no longer exists
+    hello,    ///< the reason is for the user
+    for_now,  ///< until the next Hello, which has the round trip
   };
 
   /// @param now when it arrived
@@ -75,7 +75,7 @@ class Connection {
   std::uint64_t sessions_ = 0;
   Nanoseconds next_hello_{Nanoseconds::min()};
   Nanoseconds pause_;
-  Nanoseconds round_trip_{0};  // as a server wanted to know it
+  Nanoseconds round_trip_{0};  // measured for a server that asked for it; 0: not measured
 };
 
 }  // namespace forcebound::client

@@ -12,16 +12,16 @@
 
 namespace forcebound::client {
 
-/// Something a person should be told about. Fixed size: the tick hands it to another thread for printing.
+/// An event to report to the user. Fixed size: the tick hands it to another thread for printing.
 struct Event {
   enum class Kind : std::uint8_t {
-    welcomed,         ///< text: scene, and what is simulated
+    welcomed,         ///< text: the scene and its summary
     refused,          ///< text: the server's reason
-    session_unknown,  ///< the server restarted or forgot us
+    session_unknown,  ///< the server restarted or has dropped the session
     server_left,      ///< the server ended the session
     force_fading,     ///< forces are older than the hold time; `duration` is the age
     force_dropped,    ///< ... than the drop time
-    force_fresh,      ///< forces are fresh again; `duration` is how long they were not
+    force_fresh,      ///< forces are fresh again; `duration` is the time without fresh forces
   };
 
   Kind kind = Kind::welcomed;
@@ -30,7 +30,7 @@ struct Event {
   std::array<char, 1024> text{};
   std::size_t text_bytes = 0;
 
-  /// The server's words, made harmless for a terminal, as far as there is room.
+  /// Copies the server's text, truncated to the buffer and with control characters replaced.
   void set_text(std::string_view words) noexcept {
     text_bytes = std::min(words.size(), text.size());
     std::copy_n(words.begin(), text_bytes, text.begin());

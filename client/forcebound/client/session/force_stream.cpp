@@ -15,7 +15,7 @@ bool fits(const control::Vector& wave_rad_per_m, int degrees_of_freedom) noexcep
                                         wave_rad_per_m.lpNorm<Eigen::Infinity>() <= kWave_rad_per_m_max);
 }
 
-/// Whether the numbers can be what they say; what follows may then compute with them.
+/// Whether the numbers are plausible, so that later computations with them are safe.
 bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept {
   constexpr double kSurface_m_max = 10;  // of any scene, from its origin
   constexpr double kNormalRounding = 1e-6;
@@ -28,8 +28,8 @@ bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept 
   }
   if (force.contact_normal.rows() == 0) return true;
   if (!fits(force.texture_wave, degrees_of_freedom) || !fits(force.texture_across, degrees_of_freedom)) return false;
-  // A place is no further from a surface than from the origin and from there to the surface. A limit without the place
-  // would refuse every answer to a device that was thrown far behind a wall, which is a session without forces.
+  // Triangle inequality: a position is no farther from a surface than from the origin plus the origin from the surface.
+  // A limit independent of the position would refuse every answer to a device far behind a wall.
   const double penetration_m_max = kSurface_m_max + force.position.stableNorm();
   return force.contact_normal.rows() == degrees_of_freedom && std::abs(force.penetration_m) <= penetration_m_max &&
          std::abs(force.contact_normal.stableNorm() - 1) <= kNormalRounding;

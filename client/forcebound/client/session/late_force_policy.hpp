@@ -8,11 +8,11 @@ namespace forcebound::client {
 
 using time::Nanoseconds;
 
-/// What the policy made of the newest force; none: there is no force yet.
+/// Verdict of the policy on the newest force; none: there is no force yet.
 enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
-/// What to make of a force, by the age of the motion it answers: up to `hold` as it is, then fading linearly, from
-/// `drop` on zero.
+/// Scales a force by the age of the motion that it answers: factor 1 up to `hold`, then falling linearly to 0 at
+/// `drop`.
 ///
 /// Hold, do not extrapolate: a guessed position can create energy.
 struct LateForcePolicy {

@@ -16,8 +16,8 @@ constexpr int kDatagramsPerTickMax = 64;
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
-// Of a surface an answer tells the plane at one place. Along a surface bent with a radius of 20 mm it is 25 um off this
-// far away; further away nothing is said of how deep the device is.
+// An answer describes a surface by its tangent plane at one place. For a radius of curvature of 20 mm the plane is 25 um
+// off at this distance; farther away no depth is given.
 constexpr double kPlaneReach_m = 1e-3;
 constexpr Eigen::Index kTranslationsMax = 3;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -113,8 +113,8 @@ void Session::tick(Nanoseconds now) noexcept {
   write_down(done);
 }
 
-/// A reading that is of no use is that of a device of which nothing is known now: the controller charges what its force
-/// can have done, and gives zero.
+/// After an unusable reading the device's state is unknown: the controller charges the worst case of the applied force,
+/// and gives zero force.
 device::Reading Session::read_device(Nanoseconds now) noexcept {
   device::Reading reading = device_.read(now);
   const int dof = device_.facts().degrees_of_freedom();

@@ -31,15 +31,15 @@ using time::Nanoseconds;
 ///     -> saturate, bound, round (PassivityController) -> apply -> write down
 ///
 /// The motion leaves before the force is chosen, so that an answer loses no tick where the server is near.
-/// Nothing is decided by what was written down. Whatever fails on the way, the force is zero and the event is counted;
-/// the law runs in every state of the connection and its ledger is never reset.
+/// Recording never influences the force. Whatever fails, the force is zero and the event is counted. The law runs in
+/// every state of the connection, and its ledger is never reset.
 ///
 /// Real time: `tick` and `close` are noexcept, allocate nothing, wait for nothing. Owned by one thread.
 class Session {
  public:
   struct Options {
     net::Address server;
-    std::string scene{};  ///< wanted, empty: the server's own
+    std::string scene{};  ///< requested; empty: the server's default
     LateForcePolicy policy{};
     std::uint64_t seed = 1;  ///< for the nonces of the handshake
   };
@@ -49,16 +49,16 @@ class Session {
     EventSink* events = nullptr;
   };
 
-  /// @throws std::invalid_argument for a policy with hold > drop, or what the controller refuses.
+  /// @throws std::invalid_argument for a policy with hold > drop, or if the controller refuses the device or law.
   Session(Options options, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
           net::DatagramLink& link, const time::Clock& clock, Sinks sinks);
 
-  /// One tick, at `now`, the time of the wake-up.
+  /// Runs one tick. @param now time of the wake-up
   void tick(Nanoseconds now) noexcept;
 
-  /// Ends the session: zero force, and Bye until the server's answers have brought no news for as long as the network
-  /// has held a datagram up, so that what was still on its way is not taken for lost. Call it each millisecond or so
-  /// until it gives true; the caller decides how long that is worth.
+  /// Ends the session: sets zero force and repeats Bye until the server's counts have not changed for the longest delay
+  /// seen in this session, so that datagrams still on their way are not counted as lost. Call it about once a
+  /// millisecond until it returns true or the caller's time limit is over.
   [[nodiscard]] bool close(Nanoseconds now) noexcept;
 
   [[nodiscard]] SessionState state() const noexcept { return connection_.state(); }
@@ -66,18 +66,18 @@ class Session {
   [[nodiscard]] bool refused() const noexcept { return refused_; }
   [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
 
-  /// What is known so far; forces and motions on their way count as lost. Allocates.
+  /// Totals so far; forces and motions on their way count as lost. Allocates.
   [[nodiscard]] record::RunTotals totals() const;
 
  private:
-  /// What the environment wants of the device on this tick.
+  /// The environment's force for the device on this tick.
   struct Request {
     Vector force_N{};                   ///< after the late-force policy
     std::uint64_t motion_sequence = 0;  ///< of the motion that it answers, 0: there is none
     Nanoseconds age{0};                 ///< since that motion's reading
   };
 
-  /// What one tick did, for the record.
+  /// Data of one tick, for the record.
   struct Done {
     device::Reading reading{};
     std::uint64_t motion_sequence = 0;  ///< sent, 0: none
@@ -87,7 +87,7 @@ class Session {
     Nanoseconds latency{0};
   };
 
-  /// Of what a person should hear about, as far as Session counts it itself.
+  /// Events that Session counts itself, for the totals.
   struct Counts {
     std::uint64_t foreign_session = 0;
     std::array<std::uint64_t, wire::kMalformedReasons> malformed{};

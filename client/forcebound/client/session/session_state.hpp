@@ -4,10 +4,10 @@
 
 namespace forcebound::client {
 
-/// Whether forces come, as the connection sees it: Connection says when each begins.
+/// State of the connection; Connection defines each state.
 enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting };
 
-/// For people.
+/// The state's name for reports.
 [[nodiscard]] constexpr const char* name_of(SessionState state) noexcept {
   switch (state) {
     case SessionState::connecting:

@@ -4,8 +4,8 @@
 
 namespace forcebound::client {
 
-/// The ripples of the surface touched, at the device's own position, because a force that has crossed the network comes
-/// too late and too seldom for them:
+/// Force of a surface's ripples at the device's present position. Rendered locally, because a force that crosses the
+/// network is too late and too slow for them:
 ///
 ///     f = n max(-f_e . n, A mean_i sin(k_i . x))    while the depth  d - n . (x - x_e) > 0,   else zero
 ///

@@ -16,7 +16,7 @@ constexpr double kBreakAwayMargin = 1e-12;
 // rate * step below this: 28 terms suffice for double rounding with room to spare.
 constexpr double kReachMax = 0.8;
 
-// However fast the system, no more steps for one piece: the series still converges, if not to the last digit.
+// Most steps for one piece: with a faster system the series still converges, but not to the last digit.
 constexpr double kStepsMax = 256;
 
 /// An upper bound of |eigenvalue| for u'' + B u' + K u = 0.

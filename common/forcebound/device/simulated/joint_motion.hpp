@@ -18,7 +18,7 @@ struct JointSystem {
   Matrix stiffness;  ///< K: the hand's
 };
 
-/// What drives the joints during one piece of time: a held torque, and the hand's pull as a cubic.
+/// Forces on the joints during one piece of time: a constant motor torque, and the hand's pull as a cubic.
 struct JointDrive {
   static constexpr int kTerms = 4;
   double length_s = 0;                   ///< of the piece
@@ -26,8 +26,8 @@ struct JointDrive {
   std::array<Vector, kTerms> hand_pull;  ///< coefficients over the time since the piece began, for q = q0 there
 };
 
-/// The motion of a damped, rubbed, hand-held device between two changes of its motor torque, without time-stepping
-/// error.
+/// The motion of a device with damping, Coulomb friction and a hand on it, between two changes of its motor torque,
+/// without time-stepping error.
 ///
 ///     A q'' = tau + F_h(t) - B q' - K (q - q0) - friction,     friction_i in c_i Sign(q_i')
 ///
@@ -114,7 +114,7 @@ class JointMotion {
   int terms_ = 0;
 
   double energy_J_ = 0;
-  double energy_rest_J_ = 0;  ///< what rounding has kept out of energy_J_
+  double energy_rest_J_ = 0;  ///< rounding error of energy_J_ (compensated summation)
   double minimum_J_ = 0;
   std::uint64_t frozen_joints_ = 0;
 };

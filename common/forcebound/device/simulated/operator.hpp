@@ -10,15 +10,15 @@ namespace forcebound::device {
 using control::Matrix;
 using control::Vector;
 
-/// The hand that holds the device's tip: a mass that moves with it, and a spring and a damper to where the hand wants
-/// it. The same in every direction.
+/// The hand that holds the device's tip: a mass that moves with it, and a spring and a damper to the hand's target.
+/// Isotropic.
 struct Hand {
   double mass_kg = 0;
   double stiffness_N_per_m = 0;
   double damping_N_s_per_m = 0;
 };
 
-/// A simulated person: where the hand wants the tip, as a function of time.
+/// A simulated person: the hand's target for the tip, as a function of time.
 ///
 /// Real time: `target` is noexcept and allocates nothing. Owned by the device that it moves.
 class Operator {
@@ -27,7 +27,7 @@ class Operator {
   struct Target {
     Vector position;
     Vector velocity;
-    double grip = 1;  ///< share of the hand's stiffness and damping in the ms from here on; 0: it has let go
+    double grip = 1;  ///< share of the hand's stiffness and damping in the ms from here on; 0: released
   };
 
   virtual ~Operator() = default;

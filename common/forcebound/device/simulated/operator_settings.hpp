@@ -43,7 +43,7 @@ class OperatorSettings {
   std::vector<std::pair<std::string, double>> used_;
 };
 
-/// What every operator made from a specification has in common.
+/// Common base of the operators made from a specification.
 class SpecifiedOperator : public Operator {
  public:
   [[nodiscard]] std::string_view name() const noexcept final { return name_; }

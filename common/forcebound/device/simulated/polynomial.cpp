@@ -44,7 +44,7 @@ std::optional<double> first_negative(std::span<const double> c) noexcept {
   if (c.empty()) return std::nullopt;
   if (c[0] < 0) return 0.0;
   const double bound = chord_bound(c);
-  if (!std::isfinite(bound + value(c, 1))) return std::nullopt;  // nothing could ever be proven
+  if (!std::isfinite(bound + value(c, 1))) return std::nullopt;  // no bound holds for such coefficients
   constexpr double kWidthLeast = 0x1p-50;
   Pending pending;
   End left{0, c[0]};

@@ -6,8 +6,8 @@
 /// Polynomials c[0] + c[1] s + c[2] s^2 + ... on 0 <= s <= 1, the form in which a simulated device holds its motion
 /// between two events.
 ///
-/// Both searches are exhaustive: an interval is left out only where a bound of the curvature proves that it holds
-/// nothing. Real time: noexcept, no allocation, bounded work.
+/// Both searches are exhaustive: an interval is left out only where a bound of the curvature proves that it
+/// contains no root or minimum. Real time: noexcept, no allocation, bounded work.
 namespace forcebound::device::polynomial {
 
 [[nodiscard]] double value(std::span<const double> c, double s) noexcept;

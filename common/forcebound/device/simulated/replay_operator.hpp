@@ -8,7 +8,7 @@
 
 namespace forcebound::device {
 
-/// A recorded motion: where, and when since its first row.
+/// A recorded motion: positions, and times since its first row.
 struct MotionSample {
   double time_s = 0;
   Vector position;

@@ -67,7 +67,7 @@ void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   advance_to(now);
   const bool sound = force_N.size() == torque_.size() && force_N.allFinite();
   counters_.faulty_commands += !sound;
-  // A command that the queue has no room for takes the place of the newest one still waiting.
+  // If the queue is full, the command replaces the newest one in it.
   pending_count_ = std::min(pending_count_ + 1, kPendingMax);
   Command& command = pending_[static_cast<std::size_t>(pending_count_ - 1)];
   command.effect = time_ + time::from_seconds(facts().latency_s);

@@ -20,7 +20,7 @@ using config::Parameter;
 using config::PointParameter;
 using config::Values;
 
-/// Inputs of an effect beside position and contact. The plan computes an input only if an effect of the scene asks.
+/// Inputs of an effect beside position and contact. The plan computes an input only if an effect of the scene uses it.
 struct Inputs {
   bool velocity = false;
   bool time = false;      ///< since the session's first motion, and since the previous one
@@ -31,7 +31,7 @@ struct Inputs {
   }
 };
 
-/// The device's point as an effect sees it. Everything is finite.
+/// Input of an effect: the device's point. All numbers are finite.
 struct Probe {
   Point position_m = Point::Zero();
   Point velocity_m_per_s = Point::Zero();  ///< Inputs::velocity: mean since the previous motion; zero on the first
@@ -60,12 +60,12 @@ struct Reaction {
 /// Facts of an effect with the scene's parameters, for the plan and for `--explain`.
 struct EffectFacts {
   Inputs inputs{};
-  std::size_t state_bytes = 0;     ///< kept for each session; zeros at first, and again after contact is lost
+  std::size_t state_bytes = 0;     ///< per session; zeroed at the start and after contact is lost
   double reach_m = 0;              ///< > 0: acts up to this far above the surface; else only within
   double stiffness_N_per_m = 0;    ///< K, largest slope of the force over depth
   double stiffening_N_per_m2 = 0;  ///< increase of K per metre of depth
   double damping_N_s_per_m = 0;    ///< B, largest slope of the force over velocity
-  bool drives = false;             ///< puts in energy of its own: no damping makes that passive
+  bool drives = false;             ///< an energy source: no damping makes it passive
   double cost_ns = 5;              ///< estimate for one motion
 };
 
@@ -94,7 +94,7 @@ State& state_as(std::byte* bytes) noexcept {
 /// an object within it.
 enum class EffectPlace : std::uint8_t { surface, space };
 
-/// An effect as scene files name it.
+/// Registration of an effect for scene files.
 struct EffectKind {
   std::string_view name;     ///< in `effects = [...]`, and of its own table
   std::string_view purpose;  ///< what a hand feels, in one line

@@ -9,7 +9,7 @@ namespace forcebound::scene {
 /// A spring and a damper that hold the device at a guide: a point, a line or a plane. With o from the guide's nearest
 /// point to the device, e = |o| and w the part of the velocity v that leads away from, toward or around the guide:
 ///
-///     f = -(o/e) min(K s, F) - min(B, F/|w|) w,    s = e - R > 0;    within the dead zone, s <= 0, nothing
+///     f = -(o/e) min(K s, F) - min(B, F/|w|) w,    s = e - R > 0;    f = 0 within the dead zone, s <= 0
 ///
 /// F limits the spring and the damper separately, by clipping, so the spring stays conservative and the damper only
 /// dissipates. On the guide itself there is no direction and no force.

@@ -14,8 +14,8 @@ struct HeightGrid {
   std::vector<double> heights_m{};  ///< at least two rows of `columns` heights, one row after the other along y
 };
 
-/// A relief: everything below the heights is solid, bilinear between the grid's points; beyond the rim there is
-/// nothing. The rim is a vertical cliff, so that no force begins in mid-air.
+/// A relief: everything below the heights is solid, bilinear between the grid's points; outside the grid is free space.
+/// The rim is a vertical cliff, so that the force is continuous there.
 ///
 /// The distance to the surface is that to the tangent plane above or below the point, with slopes that are continuous
 /// from square to square (central differences at the grid's points, bilinear between them):
@@ -27,8 +27,8 @@ struct HeightGrid {
 /// near from within.
 std::unique_ptr<Shape> make_height_field(const HeightGrid& grid);
 
-/// Of heights that stand in the scene or in a file: a table of numbers separated by commas, one row to a line. Rows
-/// follow each other along y, their numbers along x.
+/// The shape of kind height_field, with heights from the scene or from a file of comma-separated numbers, one row per
+/// line. Rows follow each other along y, numbers of a row along x.
 ShapeKind height_field_shape();
 
 }  // namespace forcebound::scene

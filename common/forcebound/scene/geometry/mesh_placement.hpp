@@ -26,7 +26,7 @@ struct MeshPlacement {
 /// The key `rotation_deg`: [roll, pitch, yaw].
 [[nodiscard]] config::PointParameter rotation_parameter(std::string_view meaning);
 
-/// Keys that place what a file holds, the same for meshes and tissue: `scale`, then `rotation_deg`, then `offset_m`.
+/// Keys that place a file's mesh or tissue: `scale`, then `rotation_deg`, then `offset_m`.
 [[nodiscard]] std::vector<config::Parameter> placement_parameters();
 
 /// The placement from the values of these keys.

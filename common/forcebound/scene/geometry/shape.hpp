@@ -17,7 +17,7 @@ namespace forcebound::scene {
 struct SurfacePoint {
   Point normal = Point::UnitX();  ///< unit, out of the surface where it is nearest
   double penetration_m = 0;       ///< > 0: depth inside the solid; < 0: no contact, minus the distance outside
-  bool normal_is_old = false;     ///< no nearest direction (the centre of a sphere): the last valid one
+  bool normal_is_old = false;     ///< `normal` is the last valid one: no direction is nearest, as at a sphere's centre
 };
 
 /// Facts of a shape, for the plan and for `--explain`.
@@ -26,7 +26,7 @@ struct ShapeFacts {
   std::size_t memory_bytes = 0;        ///< of the shape itself, shared by all sessions
   double cost_ns = 5;                  ///< estimate for one motion
   Point on_surface_m = Point::Zero();  ///< a point of the surface, for calibration
-  Eigen::AlignedBox3d bounds_m{};      ///< of the finite parts of the surface; empty: there may be none
+  Eigen::AlignedBox3d bounds_m{};      ///< of the finite parts of the surface; may be empty
   std::string text{};                  ///< one line for `--explain`; empty: its values are enough
 };
 
@@ -48,13 +48,13 @@ class Shape {
   [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
 };
 
-/// What a shape needs to know beside its values.
+/// Inputs for making a shape, beside its values.
 struct ShapePurpose {
   double reach_m = 0;    ///< distances up to this far outside are needed; 0: contact only
   std::string folder{};  ///< paths among its values are relative to it
 };
 
-/// A kind of shape that scenes may ask for: `kind = "NAME"`, and its keys.
+/// A kind of shape for scene files: `kind = "NAME"`, and its keys.
 struct ShapeKind {
   std::string_view name;
   std::string_view description;  ///< for the schema page, in a sentence or two
@@ -62,7 +62,7 @@ struct ShapeKind {
   std::vector<config::Parameter> parameters{};
   std::string_view source{};  ///< key whose line an error of `make` gets if it names none
   /// @throws config::ValueError, or another std::invalid_argument or std::runtime_error, where values that are in range
-  /// do not fit each other, or a file that they name cannot be had
+  /// do not fit each other, or a file that they name cannot be read
   std::function<std::unique_ptr<Shape>(const config::Values& values, const ShapePurpose& purpose)> make;
 };
 

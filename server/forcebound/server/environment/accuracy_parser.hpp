@@ -9,15 +9,15 @@
 
 namespace forcebound::server {
 
-/// [accuracy] and a level of it.
+/// Descriptions of the table [accuracy] and of its levels.
 [[nodiscard]] config::TableDescription accuracy_table();
 [[nodiscard]] config::TableDescription accuracy_level_table();
 
-/// What a level is compiled by: the value for the key, and how the two are written.
+/// Compiles the scene of one level: the file with `value` for `key`.
 using CompileLevel =
     std::function<std::shared_ptr<const scene::Scene>(const std::string& key, const config::Node& value)>;
 
-/// The table [accuracy] of a scene file, with every level compiled and its cost taken.
+/// Reads the table [accuracy] of a scene file, compiles each level and measures its cost.
 /// @throws SceneError
 scene::AutoAccuracy parse_accuracy(config::CheckedTable& file, const CompileLevel& compile,
                                    const scene::MeasureCost& measure);

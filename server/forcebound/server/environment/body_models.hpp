@@ -9,15 +9,15 @@
 
 namespace forcebound::server {
 
-/// Whether Forcebound was built with MuJoCo. Without, what lies below throws std::runtime_error.
+/// Whether Forcebound was built with MuJoCo. If not, the functions below throw std::runtime_error.
 [[nodiscard]] bool has_bodies() noexcept;
 
 /// Bodies from their description. @throws std::runtime_error
 [[nodiscard]] std::unique_ptr<scene::DynamicModel> make_bodies(BodiesDescription description);
 
-/// An MJCF model, and what devices do in it.
+/// An MJCF model, and the devices' coupling to its bodies.
 struct MjcfDescription {
-  std::string path{};  ///< empty: `text` is it
+  std::string path{};  ///< empty: `text` is the model
   std::string text{};
   std::vector<std::string> probes{};  ///< the bodies that devices drag
   Coupling coupling{};

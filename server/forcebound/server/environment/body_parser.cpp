@@ -27,7 +27,7 @@ TextParameter name_of_body() {
   return {.key = "name", .meaning = "for errors, logs and `--explain`", .form = TextParameter::Form::name};
 }
 
-/// How the device is tied to its probe.
+/// Keys of the coupling between the device and its probe.
 std::vector<Parameter> coupling_parameters() {
   const Coupling preset;
   return {positive("stiffness_N_per_m", "of the spring between device and probe", preset.stiffness_N_per_m),
@@ -163,7 +163,7 @@ BodyDescription parse_body(CheckedTable& table, const std::string& name) {
   BodyDescription body{.name = name};
   CheckedTable shape = table.table("shape");
   parse_shape_of_body(shape, body);
-  // Which of the two is said, so that a mass that was forgotten is no wall.
+  // One of the two is required, so that a forgotten mass does not fix the body.
   if (!values.flag("fixed")) {
     (void)table.at("mass_kg");
     body.mass_kg = values.number("mass_kg");

@@ -7,7 +7,7 @@
 
 namespace forcebound::server {
 
-/// [bodies] and [[body]], with the tables within them.
+/// Descriptions of [bodies] and [[body]], and of the tables within them.
 [[nodiscard]] std::vector<config::TableDescription> body_tables();
 
 /// Reads every [[body]] of a file: those with shapes become one dynamic model, set up by [bodies]; each MJCF file

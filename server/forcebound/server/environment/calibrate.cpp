@@ -10,12 +10,12 @@
 namespace forcebound::server {
 namespace {
 
-// A clock's own cost and step must not show: a batch takes longer than both.
+// A batch takes longer than the clock's resolution and than reading the clock.
 constexpr int kMotionsPerBatch = 32;
 constexpr int kBatches = 1000;
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds{1};
 
-// What is slow enough needs no batches, nor as many of them.
+// Slow scenes need smaller and fewer batches.
 constexpr Nanoseconds kBatchLong = std::chrono::milliseconds{1};
 constexpr Nanoseconds kLong = std::chrono::milliseconds{300};
 constexpr int kBatchesLeast = 40;

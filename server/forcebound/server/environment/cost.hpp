@@ -4,13 +4,13 @@
 
 namespace forcebound::server {
 
-/// What every motion takes, before any part, on a machine of today [ns].
+/// Time for a motion in an empty scene on a present-day machine [ns].
 inline constexpr double kMotion_ns = 35;
 
-/// What an object or field is expected to take of a motion [ns], as its shape and effects say.
+/// Predicted time that an object or field adds to a motion [ns], from the estimates of its shape and effects.
 [[nodiscard]] double predicted_cost_ns(const scene::SceneObject& part);
 
-/// What a motion is expected to take for all that a scene has [ns], as its effects, shapes and dynamic models say.
+/// Predicted time for one motion in a scene [ns], from the estimates of its effects, shapes and dynamic models.
 [[nodiscard]] double predicted_cost_ns(const scene::Scene& scene);
 
 }  // namespace forcebound::server

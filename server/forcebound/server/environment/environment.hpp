@@ -15,15 +15,16 @@ namespace forcebound::server {
 using control::Vector;
 using time::Nanoseconds;
 
-/// What an environment is asked: where the device was. Positions, forces and normals have the device's rows, in the
-/// environment's frame.
+/// Input of an environment: one motion of the device. Positions, forces and normals have one row per degree of freedom
+/// of the device, in the environment's frame.
 struct Motion {
   const Vector& position;      ///< [m], rotations [rad]; finite
-  Nanoseconds device_time{0};  ///< client's clock at the reading; an untrusted client's may jump
-  Nanoseconds server_time{0};  ///< server's clock when it came
+  Nanoseconds device_time{0};  ///< client's clock at the reading; it may jump, since clients are untrusted
+  Nanoseconds server_time{0};  ///< server's clock at its arrival
 };
 
-/// What an environment answers. All of it is finite; vectors have the device's rows, or none where they are optional.
+/// Output of an environment for one motion. All numbers are finite; vectors have one row per degree of freedom of the
+/// device, optional ones may have none.
 struct Response {
   Vector force{};            ///< on the device [N], then torque [N m]
   Vector contact_normal{};   ///< unit, out of the surface touched (deepest one); no rows: no contact
@@ -31,24 +32,23 @@ struct Response {
   double texture_N = 0;      ///< amplitude of the surface's ripples, 0: smooth
   Vector texture_wave{};     ///< their wave vector [rad/m], in the tangent plane
   Vector texture_across{};   ///< a second one, for ripples in both directions
-  /// Names of the environment's parts that are left out from now on; nothing new on most motions. Valid until the next
-  /// motion.
+  /// Names of the parts quarantined on this motion: they are left out from now on. Valid until the next motion.
   std::span<const std::string* const> quarantined{};
 };
 
-/// What went wrong within an environment and was kept from the client.
+/// Counts of faults that an environment handled itself.
 struct EnvironmentFaults {
-  std::uint64_t old_normals = 0;        ///< contacts whose direction had to be the last valid one
+  std::uint64_t old_normals = 0;        ///< contacts with the last valid normal, for lack of one of their own
   std::uint64_t quarantined = 0;        ///< parts whose force was not finite: left out from then on
-  std::uint64_t contacts_left_out = 0;  ///< in tissue or among bodies: more than there was room for
-  std::uint64_t not_converged = 0;      ///< steps of tissue that their budget ended
-  double slipped_s = 0;                 ///< simulated time left out, because there was too much to make up for
+  std::uint64_t contacts_left_out = 0;  ///< contacts of tissue or bodies beyond the fixed maximum
+  std::uint64_t not_converged = 0;      ///< tissue steps that ended at the iteration limit
+  double slipped_s = 0;                 ///< simulated time skipped, because too much was due at once
 };
 
-/// What one client's device meets: a scene, a robot that follows, a program of somebody else's.
+/// The source of one client's forces: a scene, a follower robot, or a user's own program.
 ///
-/// One instance for each session, which ends with it. A response that is not finite or has other rows than the device
-/// reaches nobody: the client is sent zero force, and the server counts it.
+/// One instance per session, destroyed with it. A response that is not finite or has the wrong number of rows is
+/// discarded: the client is sent zero force, and the server counts it.
 ///
 /// Real time: `respond` is called on the server's one thread for each motion answered, and every other client waits
 /// meanwhile. It must not allocate, wait, lock, print or throw.
@@ -58,40 +58,40 @@ class Environment {
 
   [[nodiscard]] virtual Response respond(const Motion& motion) noexcept = 0;
 
-  /// Since it was made.
+  /// Counted since construction.
   [[nodiscard]] virtual EnvironmentFaults faults() const noexcept { return {}; }
 };
 
-/// What is known of a client when its environment is made.
+/// Facts of a client, from its Hello.
 struct ClientFacts {
   std::string device{};  ///< as the client calls it; printable
   std::uint32_t degrees_of_freedom = 0;
-  double period_s = 0;        ///< how often motion will come, as promised
-  double force_N_max = 0;     ///< more than this the device cannot show
+  double period_s = 0;        ///< between motions, as the client promised
+  double force_N_max = 0;     ///< the device's maximum force
   Nanoseconds round_trip{0};  ///< 0: not measured
 };
 
-/// An environment for one session, and what its client and the log are told of it.
+/// An environment for one session, and its description for the client and the log.
 struct MadeEnvironment {
   std::unique_ptr<Environment> environment{};
   std::string simulated{};  ///< in one line
   std::uint64_t hash = 0;   ///< the same hash, the same environment; 0: not known
-  std::string choice{};     ///< what was picked for this client, and why; empty: there was no choice
+  std::string choice{};     ///< the level picked for this client, and the reason; empty: there was no choice
 };
 
-/// Something that clients may ask for by name, described once. `make` is called for each session.
+/// An environment that clients can request by name. `make` is called once per session.
 struct EnvironmentKind {
   std::string name{};
   std::vector<std::uint32_t> degrees_of_freedom{};  ///< of devices that it accepts; empty: any
   std::size_t sessions_max = 0;                     ///< at once; 0: as many as the server has room for
   bool wants_round_trip = false;                    ///< `make` depends on it, so the client measures it first
 
-  /// @throws std::exception if none can be made now; the client is told why, and may ask again
+  /// @throws std::exception if none can be made now; the client is told the reason, and may retry
   std::function<MadeEnvironment(const ClientFacts&)> make{};
 
   [[nodiscard]] bool accepts(std::uint32_t device_degrees_of_freedom) const noexcept;
 
-  /// What `accepts` accepts, for people: "3 or 6".
+  /// The accepted degrees of freedom as text: "3 or 6".
   [[nodiscard]] std::string accepted_degrees_of_freedom() const;
 };
 

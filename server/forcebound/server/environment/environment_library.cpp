@@ -18,7 +18,7 @@ struct EnvironmentLibrary::Shelf {
     return found == added.end() ? nullptr : *found;
   }
 
-  /// The one kind of a scene: who shares a scene must find the same one.
+  /// The single kind of each scene: clients of a shared scene must get the same one.
   std::shared_ptr<const EnvironmentKind> kind_of(const std::shared_ptr<const scene::Scene>& scene) {
     if (!scene) return nullptr;
     const std::string& name = scene->facts().name;

@@ -9,36 +9,37 @@
 
 namespace forcebound::server {
 
-/// The environments that clients may ask for, by name: scenes, and what a program adds of its own.
+/// The environments that clients can request by name: scenes, and those that a program adds.
 ///
-/// Copies are the same library. Not thread-safe.
+/// Copies share one library. Not thread-safe.
 class EnvironmentLibrary {
  public:
   EnvironmentLibrary();
 
-  /// Every scene of that library is an environment, also one that is added to it later; so it converts by itself.
+  /// Every scene of that library is an environment, also a scene added later. Implicit, so that a SceneLibrary can be
+  /// passed directly.
   EnvironmentLibrary(SceneLibrary scenes);
 
-  /// Replaces an environment of the same name, and goes before a scene of that name.
+  /// Replaces an environment of the same name; takes precedence over a scene of that name.
   /// @throws std::invalid_argument without a name or without `make`
   void add(EnvironmentKind kind);
 
   struct Requested {
     std::shared_ptr<const EnvironmentKind> kind{};
-    bool coming = false;    ///< being compiled elsewhere: ask again
-    std::string why_not{};  ///< it is known, but could not be compiled
+    bool coming = false;    ///< being compiled on another thread: retry later
+    std::string why_not{};  ///< reason why the scene did not compile
   };
 
-  /// Nothing of it is set: there is none of this name. A scene keeps its kind as long as it is not replaced.
+  /// All members empty: the name is unknown. A scene has the same kind until it is replaced.
   [[nodiscard]] Requested request(std::string_view name) const;
 
-  /// As `request`, but a scene that is not yet compiled is compiled now. Null if there is none.
+  /// As `request`, but compiles the scene now if necessary. Null if the name is unknown.
   [[nodiscard]] std::shared_ptr<const EnvironmentKind> find(std::string_view name) const;
 
   /// "no scene 'spere', did you mean 'sphere'? (known: box, circle, ...)".
   [[nodiscard]] std::string unknown_text(std::string_view name) const;
 
-  /// Those that are scenes.
+  /// The scenes among them.
   [[nodiscard]] const SceneLibrary& scenes() const noexcept;
 
  private:

@@ -28,8 +28,7 @@ std::string bytes_text(std::size_t bytes) {
   return size < 1e6 ? rounded(size * 1e-3) + " kB" : rounded(size * 1e-6) + " MB";
 }
 
-/// What a part of the scene was measured to take, without the motion that its measurement includes; nothing where it
-/// was not measured.
+/// Measured cost of a part, less that of the motion included in the measurement; none if it was not measured.
 std::optional<MeasuredCost> part_alone(const std::optional<Calibration>& calibration, std::size_t part) {
   if (!calibration) return std::nullopt;
   MeasuredCost cost = calibration->parts.at(part);
@@ -47,7 +46,7 @@ std::string cost_text(double predicted_ns, const std::optional<MeasuredCost>& me
   return text;
 }
 
-/// What a part costs and needs, summed over its effects.
+/// Cost, memory and stability of a part, summed over its effects.
 struct PartSum {
   scene::Inputs inputs{};
   Ringing ringing{};
@@ -75,7 +74,7 @@ PartSum sum_of(const scene::SceneObject& part) {
   return sum;
 }
 
-/// @param implied what is known to be, besides the inputs
+/// @param implied further entries, besides the inputs
 std::string implied_text(const scene::Inputs& inputs, std::vector<std::string> implied = {}) {
   if (inputs.velocity) implied.emplace_back("velocity from successive motions");
   if (inputs.time) implied.emplace_back("time by the device's clock");
@@ -92,7 +91,7 @@ std::string implied_text(const scene::SceneObject& part, const PartSum& sum) {
   return implied_text(sum.inputs, std::move(implied));
 }
 
-/// Of what a scene's author can hardly mean.
+/// Warning about a size that is probably a mistake; empty for a plausible size.
 std::string size_warning(double largest_m) {
   constexpr double kLeast_m = 1e-3;
   constexpr double kMost_m = 1;
@@ -102,7 +101,7 @@ std::string size_warning(double largest_m) {
                               : "smaller than 1 mm for a hand; is the scale too small?\n");
 }
 
-/// The box about what begins there, along the scene's axes.
+/// Text of the bounding box along the scene's axes.
 /// @param axes of the scene
 std::string bounds_text(const Eigen::AlignedBox3d& bounds_m, Eigen::Index axes) {
   if (bounds_m.isEmpty() || !bounds_m.sizes().head(axes).allFinite()) return {};
@@ -115,7 +114,7 @@ std::string bounds_text(const Eigen::AlignedBox3d& bounds_m, Eigen::Index axes) 
          kIndent + list(bounds_m.sizes(), " x ", 1e3) + " mm\n" + size_warning(bounds_m.sizes().head(axes).maxCoeff());
 }
 
-/// @param bounds what bounds_text says of its shape
+/// @param bounds bounds_text of its shape
 std::string explain_part(const std::string& what, const scene::SceneObject& part, const std::string& bounds,
                          const RingingDevice& device, const std::optional<MeasuredCost>& measured) {
   const PartSum sum = sum_of(part);
@@ -171,7 +170,7 @@ std::string clients_text(const scene::SceneFacts& scene, double cost_ns) {
     return ", " + rounded(scene.clients_max * cost_ns / kTick_ns * 100) + " % for all " +
            std::to_string(scene.clients_max);
   }
-  // More clients than that have their network to fear first.
+  // With more clients the network is the limit.
   if (cost_ns < 1e-3 * kTick_ns) return {};
   return "; at 1 kHz one core holds " + std::to_string(static_cast<int>(kTick_ns / cost_ns));
 }
@@ -192,7 +191,7 @@ std::string accuracy_text(const scene::Scene& scene, bool measured) {
   return text + "\n";
 }
 
-/// To be copied into a command line: an option a line, so that none is broken.
+/// For copying into a command line: one option per line, so that no option is broken.
 std::string options_text(const SuggestedHand& hand) {
   const std::string whole = to_options(hand);
   const std::size_t second = whole.find(" --", 1);

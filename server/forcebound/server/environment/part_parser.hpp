@@ -7,11 +7,11 @@
 
 namespace forcebound::server {
 
-/// [[object]] and [[field]], without the tables of their effects.
+/// Descriptions of [[object]] and [[field]], without the tables of their effects.
 [[nodiscard]] config::TableDescription object_table();
 [[nodiscard]] config::TableDescription field_table();
 
-/// Reads an [[object]] or a [[field]] of what is registered.
+/// Reads an [[object]] or a [[field]] made of registered shapes and effects.
 /// @param axes of the scene
 /// @throws SceneError
 [[nodiscard]] scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,

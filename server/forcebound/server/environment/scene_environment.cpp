@@ -41,7 +41,7 @@ class SceneEnvironment final : public Environment {
   scene::SceneState state_;
 };
 
-/// The dynamic models of a shared scene, as long as somebody is there.
+/// The dynamic models of a shared scene, kept as long as a client uses them.
 class SharedDynamicModels {
  public:
   scene::SceneState enter(const std::shared_ptr<const scene::Scene>& scene, std::uint32_t degrees_of_freedom) {

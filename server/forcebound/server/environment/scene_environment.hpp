@@ -7,11 +7,11 @@
 
 namespace forcebound::server {
 
-/// A scene as an environment. Each client has its own state of it, but for the dynamic models of a shared scene, which
-/// begin with the first client and end with the last; who comes after one of them has ceased to be finite begins new
-/// ones. With `accuracy = "auto"` the level that suits the client's round trip is made.
+/// A scene as an environment. Each client has its own state, except for the dynamic models of a shared scene: they are
+/// created for the first client and destroyed with the last. After one of them was quarantined, the next client to join
+/// gets new ones. With `accuracy = "auto"`, the level is chosen by the client's round trip.
 ///
-/// The environments of one kind belong to one thread.
+/// All environments of one kind must be used by one thread.
 EnvironmentKind scene_environment(const std::shared_ptr<const scene::Scene>& scene);
 
 }  // namespace forcebound::server

@@ -31,7 +31,7 @@ Node& child(Node& table, const std::string& name) {
 
 /// The table in which the last part of the key lies.
 Node& table_of(Node& scene, const std::vector<std::string>& path) {
-  // The one table that may be left out of a scene that has what it is about.
+  // [bodies] may be absent although the scene has a [[body]]: a new key creates it.
   if (path.front() == "bodies" && scene.find("body") != nullptr) scene.as<Node::Table>()->try_emplace("bodies");
   Node* table = &scene;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {

@@ -6,13 +6,13 @@
 
 namespace forcebound::server {
 
-/// Gives a key of a scene file another value; it may be new, the table that it is in may not. A table of an array, such
-/// as [[tissue]], is found by its name: "tissue.pad.shape.cells".
-/// @throws std::invalid_argument naming what is not there
+/// Sets a key of a scene file. The key may be new, but its table must exist. A table of an array, such as [[tissue]], is
+/// addressed by its name: "tissue.pad.shape.cells".
+/// @throws std::invalid_argument naming the missing table
 void set_scene_key(config::Node& scene, const std::string& key, const config::Node& value);
 
-/// The same with a value as TOML writes it. It counts as written where the one was that it replaces, or, if the key is
-/// new, where its table begins: so errors about it name a line of the file.
+/// As above, with a value in TOML syntax. Its line is that of the replaced value, or, if the key is new, the first line
+/// of its table, so that errors about it name a line of the file.
 void set_scene_key(config::Node& scene, const std::string& key, const std::string& value);
 
 }  // namespace forcebound::server

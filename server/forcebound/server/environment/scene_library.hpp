@@ -11,43 +11,43 @@
 
 namespace forcebound::server {
 
-/// The scenes that clients may ask for, by name. One that ships is compiled when it is first asked for, once: that
-/// takes milliseconds, with tissue a tenth of a second, with `accuracy = "auto"` what it takes to measure each level,
-/// and a server starts without it.
+/// The scenes that clients can request by name. A shipped scene is compiled once, at its first request, so that the
+/// server starts at once: that takes milliseconds, with tissue a tenth of a second, with `accuracy = "auto"` as long as
+/// measuring each level takes.
 ///
-/// Copies are the same library. Not thread-safe.
+/// Copies share one library. Not thread-safe.
 class SceneLibrary {
  public:
   SceneLibrary();
 
-  /// Those that ship with the server.
+  /// The scenes that ship with the server.
   /// @param measure as parse_scene's
   static SceneLibrary shipped(scene::Registry registry = scene::Registry::standard(), scene::MeasureCost measure = {});
 
-  /// Replaces a scene of the same name: what a server's owner wrote goes before what we ship.
+  /// Replaces a scene of the same name, also a shipped one.
   void add(std::shared_ptr<const scene::Scene> scene);
 
   /// The compilation of one scene. It does not touch the library, so another thread may run it.
   struct Compilation {
     std::string name;
-    std::function<std::shared_ptr<const scene::Scene>()> compile;  ///< @throws why the scene does not compile
+    std::function<std::shared_ptr<const scene::Scene>()> compile;  ///< @throws SceneError if it does not compile
   };
 
-  /// From now on `request` hands the compilation of a scene to `elsewhere` instead of waiting for it; its result is
-  /// passed to `add`, or its failure to `give_up`. Compilations that an earlier `elsewhere` was given are forgotten:
-  /// the next request hands them out again. With an empty function `request` compiles at once and waits.
+  /// From now on `request` passes each compilation to `elsewhere` and does not wait for it. The receiver passes the
+  /// result to `add`, or the failure to `give_up`. Compilations passed to an earlier `elsewhere` are forgotten: the next
+  /// request starts them again. With an empty function `request` compiles at once and waits.
   void compile_elsewhere(std::function<void(Compilation)> elsewhere);
 
   /// The compilation failed. The next request reports `why`; the one after retries.
   void give_up(std::string_view name, std::string why);
 
-  /// Null if there is none. Never looks at files, so that a client cannot either.
+  /// Null if the name is unknown. Never opens files, because the name may come from a client.
   [[nodiscard]] std::shared_ptr<const scene::Scene> find(std::string_view name) const;
 
   struct Requested {
     std::shared_ptr<const scene::Scene> scene{};
-    bool coming = false;    ///< being compiled elsewhere: ask again
-    std::string why_not{};  ///< the scene exists, but did not compile
+    bool coming = false;    ///< being compiled on another thread: retry later
+    std::string why_not{};  ///< reason why the scene did not compile
   };
 
   /// As `find`, without waiting for a compilation if `compile_elsewhere` was called.
@@ -73,7 +73,7 @@ struct SceneSource {
   std::string file;
 };
 
-/// As `load_scene`, not yet compiled. @throws SceneError
+/// The text that `load_scene` would compile. @throws SceneError
 SceneSource scene_source(const std::string& name_or_file);
 
 /// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.

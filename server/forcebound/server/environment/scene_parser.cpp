@@ -62,7 +62,7 @@ class Parser {
     CheckedTable file(whole, file_, "scene file");
     scene::SceneFacts facts = parse_facts(file.table("scene", "scene"));
     facts.hash = hash;
-    (void)file.find("accuracy");  // for later
+    (void)file.find("accuracy");  // marks the key as known; read later
     const Eigen::Index axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     scene::SceneParts parts;
     file.each("object", [&](CheckedTable& object, const std::string& name) {
@@ -79,7 +79,7 @@ class Parser {
     for (const scene::EffectKind& kind : registry_.effects()) {
       if (!requested(parts, kind.name)) facts.effects_not_requested.emplace_back(kind.name);
     }
-    // What is wrong with the whole shall be said of it, not of its first level.
+    // Errors of the whole file are reported as such, not as errors of its first level.
     scene::AutoAccuracy accuracy = parse_levels(file, facts);
     return std::make_shared<const scene::Scene>(std::move(facts), std::move(parts), std::move(accuracy));
   }
@@ -104,7 +104,7 @@ class Parser {
     return whole;
   }
 
-  /// As if the file had said so from the beginning.
+  /// The scene of the file with this value for the key.
   std::shared_ptr<const scene::Scene> compile_level(const std::string& key, const Node& value) const {
     Node whole = without_levels();
     set_scene_key(whole, key, value);
@@ -154,7 +154,7 @@ class Parser {
     }
   }
 
-  /// What a dynamic model cannot begin with so many clients shall be known now, not when the first of them comes.
+  /// Checks on loading, not when the first client arrives, that each dynamic model can start with so many clients.
   static void check_states(CheckedTable& file, const scene::SceneDynamicModel& dynamic_model, int clients) {
     try {
       (void)dynamic_model.dynamic_model->make_state(clients);
@@ -164,7 +164,7 @@ class Parser {
     }
   }
 
-  /// One surface is felt once: its effects belong to one object.
+  /// Refuses two objects with the same shape in the same place: one surface must belong to one object.
   static void refuse_coincident(const CheckedTable& file, const std::vector<scene::SceneObject>& objects) {
     for (std::size_t i = 0; i < objects.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {

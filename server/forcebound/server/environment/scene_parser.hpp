@@ -12,20 +12,20 @@
 
 namespace forcebound::server {
 
-/// A scene that does not compile; `what()` is one line: file, line, object, effect, what is wrong and what would be
-/// right.
+/// A scene that does not compile; `what()` is one line: file, line, object, effect, the error and what would be
+/// accepted.
 using SceneError = config::ConfigError;
 
-/// [scene].
+/// Description of the table [scene].
 [[nodiscard]] config::TableDescription scene_table();
 
 /// Compiles the text of a scene file (server/scenes has examples).
 ///
-/// Points have as many numbers as the scene has degrees of freedom; a scene for "any" device lies on its first axis, so
-/// they have one.
+/// Points have as many numbers as the scene has degrees of freedom; in a scene for "any" device, which lies on the first
+/// axis, they have one.
 ///
 /// @param file_name for errors
-/// @param measure what a motion takes in each level of a scene with `accuracy = "auto"`; none: as predicted
+/// @param measure time for a motion in each level of a scene with `accuracy = "auto"`; none: the predicted time
 /// @throws SceneError
 std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std::string& file_name,
                                                 const scene::Registry& registry = scene::Registry::standard(),
@@ -34,11 +34,11 @@ std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std
 /// Another value for a key of a scene file: "tissue.pad.shape.cells", as set_scene_key finds it.
 struct SceneChange {
   std::string key;
-  std::string value;  ///< as TOML writes it
+  std::string value;  ///< in TOML syntax
 };
 
-/// The scene that a file would be with other values for some keys, one after the other, and without the levels that it
-/// may be picked from. Errors name lines of the file as it is.
+/// Compiles a scene file with other values for some keys, applied in order, and without its accuracy levels. Errors
+/// name lines of the unchanged file.
 /// @throws SceneError
 std::shared_ptr<const scene::Scene> parse_changed_scene(std::string_view text, const std::string& file_name,
                                                         std::span<const SceneChange> changes,

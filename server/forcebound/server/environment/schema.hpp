@@ -8,17 +8,17 @@
 
 namespace forcebound::server {
 
-/// [scene], [accuracy], [[object]] and [[field]]. The keys of the last two lack the effects' own tables.
+/// Descriptions of [scene], [accuracy], [[object]] and [[field]]; the last two without the effects' own tables.
 std::vector<config::TableDescription> part_tables();
 
-/// [bodies], [[body]] and [[tissue]], with the tables within them.
+/// Descriptions of [bodies], [[body]] and [[tissue]], and of the tables within them.
 std::vector<config::TableDescription> dynamic_model_tables();
 
-/// The page that tells a scene's author all that a scene file may have, from what its readers declare:
-/// server/scenes/README.md, as Markdown.
+/// The reference page of scene files, generated from the declarations that their readers use:
+/// server/scenes/README.md, in Markdown.
 std::string schema(const scene::Registry& registry);
 
-/// The short scene on top of that page.
+/// The example scene of that page.
 std::string schema_example();
 
 }  // namespace forcebound::server

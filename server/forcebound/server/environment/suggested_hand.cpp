@@ -37,7 +37,7 @@ device::SimulatedDevice make_device(const SuggestedHand& suggested) {
 
 bool has_surface(const scene::Scene& scene) { return !scene.objects().empty() || !scene.dynamic_models().empty(); }
 
-/// To a micrometre: what is simulated is no smaller than a millimetre.
+/// Rounded to 1 um: simulated shapes are at least 1 mm in size.
 std::string metres(double length_m) {
   const double rounded_m = std::round(length_m * 1e6) / 1e6;
   return text::to_text(rounded_m == 0 ? 0 : rounded_m);  // no "-0"
@@ -62,10 +62,10 @@ std::string specification(const std::string& name, const std::vector<std::string
   return text;
 }
 
-/// Where, going straight along an axis, free space ends: the places in the order met. What is felt on the way is as a
-/// device would find it.
+/// The places where a straight path along an axis leaves free space, in the order met. The shapes' states change on the
+/// way as they would for a device.
 std::vector<double> entries_m(const scene::Shape& shape, const scene::Point& from_m, Eigen::Index axis, double way_m) {
-  // Aligned for whatever a shape keeps, which is zeros at first.
+  // Aligned for any shape's state, which is zero at first.
   std::vector<double> state(shape.facts().state_bytes / sizeof(double) + 1, 0.0);
   std::vector<double> found_m;
   bool was_free = false;
@@ -75,7 +75,7 @@ std::vector<double> entries_m(const scene::Shape& shape, const scene::Point& fro
     // NOLINTNEXTLINE: bytes of its own
     const scene::SurfacePoint found = shape.nearest(at_m, reinterpret_cast<std::byte*>(state.data()));
     const bool is_free = !(found.penetration_m > 0);
-    // The surface itself lies as far back as the step went in.
+    // The surface lies behind this point by the penetration.
     if (was_free && !is_free) found_m.push_back(at_m[axis] + found.penetration_m * found.normal[axis]);
     was_free = is_free;
   }
@@ -229,7 +229,7 @@ HandTrial try_hand(const std::shared_ptr<const scene::Scene>& scene, const Sugge
     const device::Reading reading = device.read(now);
     if (!reading.position.allFinite()) break;
     const scene::SceneAnswer answer = state.answer(reading.position, now);
-    // Who is within an object that does not push, such as a viscous one, has not touched it.
+    // A device within an object that does not push, such as a viscous one, has not touched it.
     const bool touches = !answer.force.isZero(0) && (!surface || answer.penetration_m > 0);
     if (touches) return {.starts_inside = surface && now == time::Nanoseconds{0}, .touched_s = time::to_seconds(now)};
     // Until then only fields push, which a device resists up to its limit.

@@ -17,7 +17,7 @@ using config::TableDescription;
 using config::TextParameter;
 using config::Values;
 
-/// Texts that are put together outlive every declaration.
+/// Static, because the declarations refer to these texts.
 struct TissueTexts {
   const double point_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
   const std::string point_most = "of each contact, in series with the tissue; of a point with `large_motion` at most " +
@@ -102,7 +102,7 @@ TableDescription tissue_block_table() {
 TetrahedralMesh make_block(const Values& values) {
   const scene::Point size_m = values.point("size_m");
   const scene::Point cells = values.point("cells");
-  // A block that is turned is so about its centre.
+  // A block is rotated about its centre.
   const scene::MeshPlacement turned{.offset_m = values.point("center_m"),
                                     .rotation = scene::rotation_from_degrees(values.point("rotation_deg"))};
   const bool turns = turned.turns();
@@ -132,7 +132,7 @@ TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
   });
 }
 
-/// What lies below a plane, or within a box.
+/// The nodes below a plane, or within a box.
 std::vector<int> parse_held(CheckedTable& tissue, const TetrahedralMesh& mesh) {
   CheckedTable held = tissue.table("held");
   if (held.node().find("center_m") != nullptr) {
@@ -143,8 +143,7 @@ std::vector<int> parse_held(CheckedTable& tissue, const TetrahedralMesh& mesh) {
   return nodes_below(mesh, plane.point("through_m"), plane.point("normal"));
 }
 
-/// @throws config::ValueError for a tie under large motion, which takes the place of a point's contact, that is too
-/// stiff
+/// @throws config::ValueError if, under large motion, the tie that replaces a point's contact is too stiff
 ProbeOptions probe_of(const Values& values) {
   ProbeOptions probe{.radius_m = values.number("probe_radius_m"), .contacts_max = values.whole("contacts_max")};
   const bool is_tied = values.flag("large_motion") && probe.radius_m == 0;

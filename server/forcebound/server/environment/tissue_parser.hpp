@@ -7,7 +7,7 @@
 
 namespace forcebound::server {
 
-/// [[tissue]], with the tables within it.
+/// Descriptions of [[tissue]] and of the tables within it.
 [[nodiscard]] std::vector<config::TableDescription> tissue_tables();
 
 /// Reads every [[tissue]] of a file.

@@ -32,7 +32,7 @@ std::size_t answer_bytes(const scene::Scene& scene) {
   const int wanted = scene.facts().degrees_of_freedom;
   const auto rows = static_cast<Eigen::Index>(wanted == scene::kAnyDegreesOfFreedom ? 1 : wanted);
   const control::Vector any = control::Vector::Constant(rows, 0.1);
-  // A minute into a session: counts and times are as long as they will be for hours.
+  // Counts and times one minute into a session: their encoded lengths stay the same for hours.
   constexpr std::uint64_t kCount = 60'000;
   constexpr time::Nanoseconds kTime = std::chrono::hours{100};
   const int waves = waves_of(scene);

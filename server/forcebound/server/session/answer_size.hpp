@@ -6,8 +6,8 @@
 
 namespace forcebound::server {
 
-/// Bytes of the UDP datagram, headers of IP and UDP included, that answers a motion in contact with the object of the
-/// scene that says most.
+/// Bytes of the largest answer to a motion in contact, as a UDP datagram with its IP and UDP headers: over all objects
+/// of the scene.
 std::size_t answer_bytes(const scene::Scene& scene);
 
 }  // namespace forcebound::server

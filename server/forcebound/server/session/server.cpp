@@ -10,11 +10,11 @@
 namespace forcebound::server {
 namespace {
 
-// Motion of a session that we do not know is answered this often at most: enough for every client after a restart.
+// Most refusals per second of motion of unknown sessions: enough for every client after a restart.
 constexpr Nanoseconds kRefusalInterval = std::chrono::milliseconds{1};
 constexpr int kRefusalsAtOnce = 100;
 
-// So many ended sessions are looked through for each motion of none.
+// Number of ended sessions remembered; searched for each motion of an unknown session.
 constexpr std::size_t kEndedMax = 64;
 
 bool is_sound(const Response& response, Eigen::Index rows) noexcept {
@@ -95,7 +95,7 @@ void Server::on_timer(Nanoseconds now) {
     const Session& session = entry.second;
     if (now - session.last_heard < options_.idle_timeout) return false;
     ++counters_.sessions_idle;
-    // If only the way up is dead, its client learns so. Who never sent motion may be somebody else's address.
+    // If only the direction to the server is dead, the client learns it. A client that never sent motion may be forged.
     if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.info.address);
     close(session, CloseReason::idle);
     return true;
@@ -176,7 +176,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
     ++counters_.motions_superseded;
     return;
   }
-  // Nobody who opens sessions and ends them between two answers shall make this grow.
+  // Stays bounded even if a client opens and ends many sessions between two answers.
   if (waiting_.size() == waiting_.capacity()) answer_waiting();
   FORCEBOUND_ASSERT(waiting_.size() < waiting_.capacity(), "a motion that waits needs no memory of its own");
   waiting_.push_back(motion.session);
@@ -184,13 +184,13 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
 
 Vector Server::ServerSide::place(const wire::MotionSample& motion) noexcept {
   if (!law) return motion.position;
-  // A clock that runs back says nothing of how long it was.
+  // A clock that runs backwards gives no interval.
   const Nanoseconds interval = motion.device_time - answered.value_or(motion.device_time);
   answered = motion.device_time;
   Vector at = law->place({.position = motion.position,
                           .numbers = motion.port,
                           .interval_s = time::to_seconds(std::max(interval, Nanoseconds::zero()))});
-  // No environment, least of all one that others share, shall see what is no place.
+  // No environment, least of all a shared one, may receive a position that is not finite.
   const bool sound = at.rows() == motion.position.rows() && at.allFinite();
   return sound ? at : motion.position;
 }

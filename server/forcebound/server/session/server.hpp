@@ -26,30 +26,30 @@ namespace forcebound::server {
 using control::Vector;
 using time::Nanoseconds;
 
-/// Limits of a server, and what it offers. The defaults are those of forcebound-server.
+/// A server's limits, default scene and server-side laws. The defaults are those of forcebound-server.
 struct ServerOptions {
-  std::string scene = "wall";                           ///< for clients that ask for none; in the library
+  std::string scene = "wall";                           ///< for clients that request none; must be in the library
   std::size_t sessions_max = 64;                        ///< at once
-  Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< without motion; longer than any round trip (12 s are known)
+  Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< without motion; must exceed any round trip (12 s has been observed)
   double motions_per_promised = 4;                      ///< answers per motion that the client promised in its Hello
   int hellos_per_s_max = 50;                            ///< over all clients
-  control::LawRegistry laws = baselines::shipped_laws();  ///< whose server-side laws clients may request
+  control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side part clients can request
 };
 
-/// The sessions of all clients, and the answer to each motion. Each session has an environment of its own.
+/// Holds the sessions of all clients and answers their motions. Each session has its own environment.
 ///
 /// - **Hello** opens a session; a copy of it, with the same nonce from the same address, belongs to the same session.
 ///   An environment may depend on the round trip. A Hello without it is then refused, which lets the client measure
 ///   it; no state is kept for that client.
-/// - **Motion** is answered if it is newer than every other of its session. Duplicates and reordered motions are
-///   counted, and the client is told the counts, so that both ends agree on what the network did. Motion of an unknown
-///   session (the server restarted) is refused with fewer bytes than it had. The session's address becomes that of its
-///   newest motion: only its client knows the session's 64-bit number.
-/// - **Bye** is answered with the final counts, as often as it arrives. The server sends one itself to a client whose
-///   motion stopped arriving, because the way down may still work.
+/// - **Motion** is answered if it is the newest of its session. Duplicates and reordered motions are counted, and the
+///   client receives the counts, so that both ends agree on losses and reordering. Motion of an unknown
+///   session (the server restarted) is refused with fewer bytes than it had, which rules out amplification. The session's address
+///   becomes that of its newest motion: only its client knows the session's 64-bit number.
+/// - **Bye** is answered with the final counts, as often as it arrives. The server itself sends a Bye to a client whose
+///   motion stopped arriving, because datagrams to the client may still get through.
 ///
 /// A server-side law is requested by name in the Hello. It chooses the position at which the environment is evaluated,
-/// and which part of the answer goes to the device; it starts anew with each session.
+/// and the force that is sent to the device; each session has a new instance.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -67,43 +67,43 @@ class Server {
   void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
 
   /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
-  /// than a tick is answered less often, but never later and later. Real time: no allocation, O(objects of the scenes).
+  /// than a tick is answered less often, but its delay does not grow. Real time: no allocation, O(objects of the scenes).
   void answer_waiting() noexcept;
 
   /// The same for the one session that has waited longest; false if none waits.
   bool answer_next() noexcept;
 
-  /// Both: for one datagram at a time.
+  /// `take_in` and `answer_waiting` for one datagram.
   void on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
 
-  /// Closes what is idle. To be called a few times a second.
+  /// Closes idle sessions. To be called a few times a second.
   void on_timer(Nanoseconds now);
 
-  /// Says Bye to all clients and forgets them.
+  /// Sends Bye to all clients and ends their sessions.
   void stop();
 
   [[nodiscard]] std::size_t sessions() const noexcept { return sessions_.size(); }
   [[nodiscard]] ServerCounters counters() const noexcept;
 
  private:
-  /// Which motions of a session came, and the counts that the client is told.
+  /// The motions of a session that arrived, and the counts sent to the client.
   struct Arrivals {
     wire::SequenceWindow window{};
     wire::Bye counts{};
   };
 
-  /// A motion for its answer.
+  /// A motion that waits for its answer.
   struct Waiting {
     wire::MotionSample motion;
     Nanoseconds since;
   };
 
-  /// The half of a client's law that stands between its motions and the environment.
+  /// The server-side part of a client's law, between its motions and the environment.
   struct ServerSide {
-    std::unique_ptr<control::ServerSideLaw> law;  ///< null: the law has no half here
+    std::unique_ptr<control::ServerSideLaw> law;  ///< null: the law has no server-side part
     std::optional<Nanoseconds> answered{};        ///< device time of the motion answered last
 
-    /// Where the environment is to be asked [m].
+    /// The position at which the environment is evaluated [m].
     [[nodiscard]] Vector place(const wire::MotionSample& motion) noexcept;
     [[nodiscard]] control::ServerSideLaw::Said answer(const Vector& force_N) noexcept;
   };
@@ -121,8 +121,8 @@ class Server {
     bool unsound_noted = false;
   };
 
-  /// What remains of a session that the client ended: its motion that was still on its way is counted, further copies
-  /// of its Bye are answered with the counts as they are by then, and copies of its Hello are known.
+  /// Record of a session that the client ended: late motions are still counted, further copies of its Bye are answered
+  /// with the updated counts, and copies of its Hello are recognised.
   struct Ended {
     std::uint64_t nonce = 0;
     net::Address address;
@@ -139,11 +139,11 @@ class Server {
   };
   void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
 
-  /// None: there is room, if need be instead of somebody who never sent motion.
+  /// None: there is room, if need be after evicting a session that never sent motion.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
                                                   Nanoseconds now);
 
-  /// @param kind only who is in this one; null: anybody
+  /// @param kind evict only from this one; null: from any
   [[nodiscard]] bool evict_unproven(Nanoseconds now, const EnvironmentKind* kind);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
@@ -157,11 +157,11 @@ class Server {
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
 
-  /// What the environment says, or zero force where that is not finite or of wrong size.
+  /// The environment's response, or zero force if it is not finite or of wrong size.
   [[nodiscard]] Response ask(Session& session, const Motion& motion) noexcept;
   bool send(const wire::Message& message, const net::Address& to) noexcept;
 
-  /// Tells the observer and keeps what the totals need; the caller erases.
+  /// Notifies the observer and adds the session's faults to the totals; the caller erases the session.
   void close(const Session& session, CloseReason reason);
 
   ServerOptions options_;
@@ -173,9 +173,9 @@ class Server {
   ServerObserver& observer_;
   wire::Codec codec_;
   std::unordered_map<std::uint64_t, Session> sessions_;
-  std::vector<std::uint64_t> waiting_;  ///< sessions of which some may have ended since, in the order of their motions
-  std::size_t next_waiting_ = 0;        ///< of them: those before are answered
-  std::vector<Ended> ended_;            ///< a ring of the last ones
+  std::vector<std::uint64_t> waiting_;  ///< session numbers in the order of their motions; some may have ended since
+  std::size_t next_waiting_ = 0;        ///< index into waiting_; those before it are answered
+  std::vector<Ended> ended_;            ///< ring buffer of the latest
   std::size_t ended_next_ = 0;
   time::TokenBucket hellos_;
   time::TokenBucket refusals_;

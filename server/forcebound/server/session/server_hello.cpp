@@ -1,4 +1,4 @@
-// Who comes in: Hellos, and what they are answered.
+// The server's answers to Hellos: admission of clients, or refusal with the reason.
 
 #include <algorithm>
 #include <exception>
@@ -14,13 +14,13 @@ namespace {
 using text::printable;
 using wire::RefusalReason;
 
-// A client may promise anything; we believe it within reason.
+// Limits on the motion rate that a client can promise.
 constexpr double kPeriodLeast_s = 100e-6;
 constexpr double kPeriodMost_s = 1;
 
 double believed_period_s(const wire::Hello& hello) { return std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s); }
 
-/// @throws why there is no environment
+/// @throws std::exception with the reason if the environment cannot be made
 MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) {
   MadeEnvironment made = kind.make({.device = printable(hello.device),
                                     .degrees_of_freedom = hello.degrees_of_freedom,
@@ -31,7 +31,7 @@ MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) 
   return made;
 }
 
-// As much as one second promises may come at once, after a network held it back.
+// Burst: one second's worth of motion may arrive at once after a network delay.
 int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
 
 std::string refusal_of_version(std::uint32_t version) {
@@ -61,7 +61,7 @@ std::string refusal_of_dof(const EnvironmentKind& kind, const wire::Hello& hello
 }  // namespace
 
 void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
-  // Who is here already is answered even while untrusted clients use up the rate.
+  // A client with a session is answered even while untrusted clients use up the rate.
   if (const Session* session = find(from, hello.client_nonce)) {
     ++counters_.hellos_repeated;
     welcome(*session);
@@ -84,7 +84,7 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
   }
   auto wanted = environments_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
   if (wanted.coming) {
-    // Whose motions are answered meanwhile shall not wait; the client says Hello again.
+    // Compiling here would delay the answers of other sessions; the client repeats its Hello.
     ++counters_.hellos_too_early;
     return;
   }
@@ -160,7 +160,7 @@ bool Server::is_full(const EnvironmentKind& kind) const {
 }
 
 bool Server::evict_unproven(Nanoseconds now, const EnvironmentKind* kind) {
-  // A client that is there sends motion at once; who never did may be nobody at all.
+  // A real client sends motion at once; one that never did may have a forged address.
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
   auto oldest = sessions_.end();
   for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {

@@ -53,7 +53,7 @@ int OtherContacts::add(const TissueState& probe) noexcept {
   return left_out;
 }
 
-// Its rows of L and y.
+// Appends the contact's rows of L and y.
 void OtherContacts::put_in(Contact& contact) noexcept {
   const Eigen::Index before = rows();
   const Eigen::Index size = contact.directions.cols();
@@ -86,7 +86,7 @@ OtherContacts::Rows OtherContacts::coupled(const SurfacePlace& place, const Dire
   return rows_m_per_N;
 }
 
-// L^-T of it.
+// Solves L' x = right for x.
 OtherContacts::Row OtherContacts::solved_upward(Row right) const noexcept {
   for (Eigen::Index row = rows() - 1; row >= 0; --row) {
     right[row] /= factor_(row, row);

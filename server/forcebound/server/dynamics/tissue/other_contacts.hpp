@@ -10,25 +10,24 @@
 
 namespace forcebound::server {
 
-/// How other probes hold a tissue while one probe steps on it.
+/// Effect of the other probes on a tissue during one probe's step.
 ///
 /// Each of their contacts is a spring of 1/k along one direction e (a sphere's) or three (a point's), between a place
-/// of the surface and where its probe holds it, d beyond the place at rest. All probes on a tissue together have one
+/// of the surface and its probe, with extension d when the tissue is at rest. All probes on a tissue together have one
 /// energy,
 ///
 ///     E = max over f, p   f'b + p'd - 1/2 (f, p)' (A + I/k) (f, p)
 ///
 /// f being the forces of the probe that steps and p those of the others. With L L' the others' rows of A + I/k, y =
-/// L^-1 d and z_k = L^-1 A_k the p are eliminated, exactly: what is left for f is a tissue whose surface the others
-/// alone have moved by z_k . y, and which yields by z_k . z_l less. So one probe's step minimises the energy of all,
+/// L^-1 d and z_k = L^-1 A_k the p are eliminated, exactly: what remains is a tissue whose surface the others alone
+/// have moved by z_k . y, and whose compliance is less by z_k . z_l. So one probe's step minimises the energy of all,
 /// with the others' places and the set of their contacts held.
 ///
-/// Contacts that would pull then are left out by drop_pulling, for the step to be done again without them, as often as
-/// any pull (LinearTissueWorld ends it after four times). To leave one out takes a spring away, which lowers E: energy
-/// is only lost. Whether one that was left out would push again, when the next has followed it, is not asked: if so it
-/// is back with the next step, and adds to E what no hand has paid for, at most k/2 times the square of how deep its
-/// probe lies then. A contact there is no room for is counted and has no force; while it stays out it holds no energy
-/// either.
+/// drop_pulling removes contacts that would pull, and the step is repeated without them until none pulls
+/// (LinearTissueWorld stops after four repetitions). Removing a spring lowers E, so energy is only lost. A removed
+/// contact is not tested again within the step, although it might push after the removal of others. If so, it returns
+/// with the next step and adds energy to E that no hand has put in: at most k/2 times the square of its probe's depth.
+/// Contacts beyond the maximum are counted, and have neither force nor energy.
 ///
 /// Real time: all but the constructor is noexcept and allocates nothing. Scratch memory, for one thread at a time.
 class OtherContacts {
@@ -44,20 +43,20 @@ class OtherContacts {
 
   explicit OtherContacts(const TissueModel& model);
 
-  /// What one takes, for a tissue with so many nodes on its surface.
+  /// Memory of one instance, for a tissue with `surface_nodes` nodes on its surface.
   [[nodiscard]] static std::size_t memory_bytes(int surface_nodes) noexcept {
     return sizeof(OtherContacts) + static_cast<std::size_t>(surface_nodes) * sizeof(Moved);
   }
 
   void clear() noexcept;
 
-  /// The contacts of one more probe. @returns how many there was no room for.
+  /// The contacts of one more probe. @returns the number of contacts beyond the maximum.
   int add(const TissueState& probe) noexcept;
 
   [[nodiscard]] bool empty() const noexcept { return contact_count_ == 0; }
 
-  /// Leaves out the contacts that pull under the forces that `respond` was told last; without being told, under none.
-  /// @returns whether there were any. The rest is then as before `respond`.
+  /// Removes the contacts that pull under the forces of the last `respond`, or under no forces if there was none.
+  /// @returns whether any was removed. If so, the state is as before `respond`.
   bool drop_pulling() noexcept;
 
   /// z, one column for each unit direction at a place.
@@ -75,10 +74,10 @@ class OtherContacts {
   /// How much farther a node has moved since the others yielded to the stepping probe.
   [[nodiscard]] scene::Point yielded_m(int node) const noexcept { return moved_under(yielded_N_, node); }
 
-  /// No node is moved farther than that by the others alone.
+  /// Upper bound of the displacement of any node by the others alone.
   [[nodiscard]] double reach_m() const noexcept;
 
-  /// What is in the others' contacts and the tissue while nobody else touches it.
+  /// Elastic energy of the tissue and the others' contacts without the stepping probe.
   [[nodiscard]] double energy_J() const noexcept { return 0.5 * drive_.squaredNorm(); }
 
  private:
@@ -114,7 +113,7 @@ class OtherContacts {
     scene::Point by_m = scene::Point::Zero();
     std::uint64_t as_of = 0;
   };
-  std::vector<Moved> moved_;  // per node, looked up when first asked for
+  std::vector<Moved> moved_;  // per node, computed on first use
   std::uint64_t now_ = 1;
 };
 

@@ -10,15 +10,15 @@
 namespace forcebound::server {
 namespace {
 
-// What an iteration must at least take off the energy: less is rounding.
+// Least decrease of the energy in an iteration; less is rounding error.
 constexpr double kWorthwhileStep = 1e-13;
 
-// Tries of a step, each half as long: more do not matter within one iteration.
+// Step lengths tried in one iteration, each half of the one before.
 constexpr int kHalvings = 4;
 
 }  // namespace
 
-// From a place, as others have moved it, to the probe.
+// Vector from a place, as displaced by the others, to the probe.
 scene::Point PointContact::moved_from(const SurfacePlace& place) const noexcept {
   const scene::Point from_rest_m = probe_m_ - surface_.at(place);
   if (others_ == nullptr) return from_rest_m;
@@ -62,7 +62,7 @@ Eigen::Matrix3d PointContact::deformed_corners(const Stuck& here, int triangle) 
 
 void PointContact::try_along(const Stuck& here, const SurfacePlace& place, const scene::Point& change,
                              Move& best) const noexcept {
-  // No farther than where the first corner weighs nothing, and then exactly nothing.
+  // At most to where the first corner's weight is zero, and there exactly zero.
   double share = 1;
   int first = -1;
   for (int corner = 0; corner < 3; ++corner) {
@@ -93,7 +93,7 @@ void PointContact::try_triangle(const Stuck& here, const SurfacePlace& place, Mo
   const Eigen::Vector2d change = curvature.inverse() * fall;
   if (!change.allFinite()) return;
   try_along(here, place, {-change.sum(), change[0], change[1]}, best);
-  // Held by an edge the way leads along it.
+  // Blocked by an edge, the slide continues along it.
   for (int corner = 0; corner < 3; ++corner) {
     if (place.weight[corner] > 0) continue;
     scene::Point along = scene::Point::Zero();

@@ -4,13 +4,13 @@
 
 namespace forcebound::server {
 
-/// The point's half of TissueModel::step: sticks where it came in, slides to where that takes least energy.
+/// TissueModel::step for a pointed probe: sticks to its place of entry, and slides to the place of least energy.
 ///
 /// Real time: noexcept, no allocation, bounded.
 class PointContact {
  public:
   /// @param others may be null
-  /// @param shift_m how far they have moved the surface near the probe
+  /// @param shift_m displacement by others of the surface near the probe
   PointContact(const LinearTissue& tissue, const ProbeOptions& options, OtherContacts* others, double tolerance_m,
                const scene::Point& probe_m, const scene::Point& shift_m) noexcept
       : tissue_(tissue),
@@ -22,11 +22,11 @@ class PointContact {
         iterations_max_(options.iterations_max),
         yield_m_per_N_(1 / options.contact_stiffness_N_per_m) {}
 
-  /// @param last and what becomes of it
+  /// @param last state of the last step; updated
   TissueResult step(TissueState& last) const noexcept;
 
  private:
-  // The probe stuck at a place: what that takes, and how it deforms the triangle.
+  // The probe stuck at a place: elastic energy, force, and stiffness there.
   struct Stuck {
     SurfacePlace place;
     scene::Point pushed_N = scene::Point::Zero();  // on the tissue

@@ -5,7 +5,7 @@
 namespace forcebound::server {
 namespace {
 
-// A node moves no farther than that share of the radius in one round, lest a place leaps through the sphere.
+// Largest displacement of a node in one round, as a share of the radius, so that no place leaps through the sphere.
 constexpr double kMoved = 0.5;
 
 // The way out of a tissue is looked for in as many steps, the first of that share of the radius and each that much
@@ -34,7 +34,7 @@ TissueState PressedStep::state() const noexcept {
   return next;
 }
 
-// Where a probe that begins at once in the tissue, or nearly so, comes from: straight out from the nearest place.
+// Assumed origin of a probe that begins in or close to the tissue: straight out from the nearest place.
 scene::Point PressedStep::outside() const noexcept {
   const TissueSurface::Nearest nearest = setting_.surface.nearest(probe_m_);
   const bool inside = nearest.height_m < 0;
@@ -49,7 +49,7 @@ scene::Point PressedStep::outside() const noexcept {
   return center_m;
 }
 
-// As far towards the probe as the tissue leaves room for now. True where that was some way.
+// Moves the sphere towards the probe as far as the tissue leaves room now. True if it moved.
 bool PressedStep::advance() noexcept {
   if (arrived()) return false;
   const double share = pressure_.free_share(surface(), center_m_, probe_m_);
@@ -66,7 +66,7 @@ void PressedStep::relax() noexcept {
   BodyRelaxation relaxation(setting_.elasticity, setting_.factors, body_, *this);
   const CorotationalOptions& options = setting_.options;
   for (;;) {
-    // In the last round it stays where the tissue has had time to give way.
+    // In the last round the sphere stays where the tissue has already relaxed.
     const bool goes_on = result_.iterations < options.iterations_max && advance() && !arrived();
     result_.residual_m = relaxation.find_residual_m();
     if (result_.iterations == options.iterations_max) break;
@@ -77,7 +77,7 @@ void PressedStep::relax() noexcept {
   conclude(relaxation);
 }
 
-// All on the tissue.
+// All spheres on the tissue.
 template <typename Do>
 void PressedStep::for_each_sphere(const Do& act) const noexcept {
   act(center_m_);

@@ -13,7 +13,7 @@ namespace forcebound::server {
 /// One motion of a spherical probe that presses on a tissue, see CorotationalTissue. Real time.
 class PressedStep final : public BodyContact {
  public:
-  /// @param others where other spheres on the same tissue are. All must outlive it.
+  /// @param others_m centres of the other spheres on the same tissue. All arguments must outlive this.
   PressedStep(const CorotationalSetting& setting, const SpherePressure& pressure, CorotationalBody& body,
               const scene::Point& probe_m, std::span<const scene::Point> others_m) noexcept
       : setting_(setting), pressure_(pressure), body_(body), probe_m_(probe_m), others_m_(others_m) {}
@@ -44,7 +44,7 @@ class PressedStep final : public BodyContact {
   CorotationalBody& body_;
   scene::Point probe_m_;
   std::span<const scene::Point> others_m_;
-  scene::Point center_m_ = scene::Point::Zero();  // of the sphere, on its way to the probe
+  scene::Point center_m_ = scene::Point::Zero();  // of the sphere, which follows the probe
   TissueResult result_;
 };
 

@@ -8,12 +8,12 @@
 namespace forcebound::server {
 namespace {
 
-// Sets tried on the small system in an iteration: each contact may enter and leave a few times.
+// Active sets tried on the small system in an iteration: each contact may enter and leave a few times.
 constexpr int kSetsMax = 6 * kContactsMax;
 
 constexpr double kSameWeight = 1e-9;
 
-// A place faces the sphere if its normal has at least this much of the direction.
+// A place faces the sphere if the cosine between its normal and the direction is at least this.
 constexpr double kFacing = 0.1;
 
 // A surface leads from one place to another that is not steeper above it.
@@ -22,7 +22,7 @@ constexpr double kSteepest = 2;
 // The direction is as good as the surface's if they differ by less (cosine of 8 degrees).
 constexpr double kAligned = 0.99;
 
-// Along which direction a sphere without contact would be held off, if it had one there.
+// Direction along which a contact at this place would push a sphere off.
 scene::Point direction_at(const TissueSurface& surface, const SurfacePlace& place,
                           const scene::Point& probe_m) noexcept {
   const scene::Point outward = surface.triangle_normal(place.triangle);
@@ -72,7 +72,7 @@ void SphereContact::find_anchors(const SurfacePlace& first) noexcept {
 }
 
 void SphereContact::fill_pool() noexcept {
-  // Beyond this the paraboloid is above the surface, were that flat.
+  // Beyond this distance the paraboloid is above a flat surface.
   const double wide_m = std::sqrt(2 * options_.radius_m * deepest_m_) + deepest_m_;
   for (int t = 0; t < static_cast<int>(surface_.triangles().size()); ++t) {
     const scene::Point& a = surface_.corner_m(t, 0);
@@ -270,7 +270,7 @@ TissueResult SphereContact::solve_all() noexcept {
       pending_ = next;
       break;
     }
-    // Those that no longer push make room.
+    // Contacts that no longer push are replaced first.
     int kept = 0;
     for (int k = 0; k < working_count_; ++k) {
       if (force_N_[k] > 0) working_[kept++] = working_[k];

@@ -5,30 +5,30 @@
 
 namespace forcebound::server {
 
-/// The sphere's half of TissueModel::step: pushes places fixed on the surface against one direction.
+/// TissueModel::step for a spherical probe: pushes fixed places of the surface along one direction.
 ///
 /// Real time: noexcept, no allocation, bounded.
 class SphereContact {
  public:
-  /// How many parts a triangle's edge may be divided into.
+  /// Largest number of parts of a triangle's edge.
   static constexpr int kDivisionsMax = 8;
 
   struct Setting {
     const LinearTissue& tissue;
     const ProbeOptions& options;
-    OtherContacts* others = nullptr;  // may be none
+    OtherContacts* others = nullptr;  // may be null
     double tolerance_m = 0;
     int divisions = 1;  // of a triangle's edges
   };
 
-  /// Along the direction of the last step, or another one, if that fits the surface better and does not raise the
+  /// Uses the direction of the last step, or another one if that fits the surface better and does not raise the
   /// energy.
-  /// @param shift_m how far others have moved the surface near the probe
+  /// @param shift_m displacement by others of the surface near the probe
   static TissueResult step(const Setting& setting, TissueState& state, const scene::Point& probe_m,
                            const scene::Point& shift_m) noexcept;
 
  private:
-  // Where a sphere is, and where its contact may begin if there was none.
+  // Position of a sphere, and the place where contact may begin if there was none.
   struct Begin {
     scene::Point probe_m;
     scene::Point shift_m;
@@ -43,16 +43,16 @@ class SphereContact {
   void put_into(TissueState& state) const noexcept;
   void tell_others() const noexcept;
 
-  // A place that the sphere may push, and how deep the sphere is in it without pushing.
+  // A place that the sphere may push, and the sphere's depth there at zero force.
   struct Pushed {
     SurfacePlace place;
     double depth_m = 0;
     double below_m = 0;    // the sphere's centre, along the direction
     scene::Point aside_m;  // the centre, across it
-    int group = 0;         // of those on the same triangle
+    int group = 0;         // index of its triangle's Group
   };
 
-  // How far a triangle's corners, in columns, have moved.
+  // Displacements of a triangle's corners, in columns.
   struct Group {
     int triangle = 0;
     Eigen::Matrix3d moved_m = Eigen::Matrix3d::Zero();
@@ -86,12 +86,12 @@ class SphereContact {
   OtherContacts* others_;
   const TissueState& last_;
   scene::Point probe_m_;
-  scene::Point beside_rest_m_;  // where the probe would be beside the tissue at rest, had others not moved that
+  scene::Point beside_rest_m_;  // the probe's position relative to the tissue at rest, without the others' displacement
   scene::Point direction_;
   double tolerance_m_;
   int divisions_;
 
-  // Where contact was, or where it may begin: from there the surface leads on.
+  // Places of the last contact, or where contact may begin: the search along the surface starts there.
   std::array<Pushed, kContactsMax + 1> anchors_;
   int anchor_count_ = 0;
   double deepest_m_ = 0;
@@ -104,7 +104,7 @@ class SphereContact {
 
   std::array<int, kContactsMax> working_{};  // indices into the pool
   int working_count_ = 0;
-  int pending_ = -1;  // would have come next, had there been another iteration: the next step begins with it
+  int pending_ = -1;  // candidate left over at the iteration limit; the next step starts with it
   ContactVector force_N_;
   ContactMatrix compliance_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, OtherContacts::kRowsMax, kContactsMax> coupled_;

@@ -10,7 +10,7 @@ TissueResult TiedStep::run(const TissueState& last) noexcept {
   if (!own_ && others_.empty() && body_.now.displacement_m.isZero(0)) return result_;
   for (SurfaceTie& other : others_) other.pulls = false;
   slide();
-  // The tissue is not yet where it is for the probe's new place: what seems to pull may be a step back on the way.
+  // The tissue has not yet relaxed for the probe's new position: an apparent pull may be transient.
   body_.at_rest = false;
   (void)let_go();
   BodyRelaxation relaxation(setting_.elasticity, setting_.factors, body_, *this);
@@ -39,8 +39,8 @@ TissueState TiedStep::state() const noexcept {
   return next;
 }
 
-// How far the surface near the probe has moved already: without contact the probe counts as where it would be beside
-// the tissue at rest. Which place is nearest depends on that: a fixed point, followed from step to step.
+// Displacement of the surface near the probe: without contact the probe's position is mapped back to the tissue at rest.
+// The nearest place depends on the displacement itself: a fixed-point iteration, continued from step to step.
 void TiedStep::find_shift(const TissueState& last) noexcept {
   if (body_.now.displacement_m.isZero(0)) return;
   if (last.started != 0) shift_m_ = scene::to_point(last.shift_m);
@@ -60,7 +60,7 @@ void TiedStep::slide() noexcept {
   if (own_) own_->place = surface().slid(*own_).place;
 }
 
-// All that hold the tissue.
+// All ties on the tissue.
 template <typename Do>
 void TiedStep::for_each_tie(const Do& act) const noexcept {
   if (own_) act(*own_);
@@ -92,8 +92,8 @@ void TiedStep::add_resistance(const Eigen::VectorXd& moved_m, Eigen::VectorXd& f
   for_each_tie([&](const SurfaceTie& tie) { deformed.add_resistance(tie, stiffness_N_per_m(), moved_m, force_N); });
 }
 
-// Away, where the tie would pull; whether any was. The probe's own only while the tissue is at rest: on its way, over
-// more than one step where it snaps, it may press the surface past a probe that it does not leave.
+// Removes the ties that would pull; returns whether any did. The probe's own tie is removed only while the tissue is at
+// rest: a moving tissue, over several steps if it snaps through, may press the surface past a probe still in contact.
 bool TiedStep::let_go() noexcept {
   const DeformedSurface deformed = surface();
   bool any = false;

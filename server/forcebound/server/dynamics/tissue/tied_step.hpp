@@ -13,7 +13,7 @@ namespace forcebound::server {
 /// One motion of a pointed probe that is tied to a tissue, see CorotationalTissue. Real time.
 class TiedStep final : public BodyContact {
  public:
-  /// @param others on the same tissue. All must outlive it.
+  /// @param others on the same tissue. All arguments must outlive this.
   TiedStep(const CorotationalSetting& setting, CorotationalBody& body, const scene::Point& probe_m,
            std::span<SurfaceTie> others) noexcept
       : setting_(setting), body_(body), probe_m_(probe_m), others_(others) {}

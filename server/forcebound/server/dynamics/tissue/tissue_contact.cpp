@@ -11,10 +11,10 @@
 namespace forcebound::server {
 namespace {
 
-// The places that a sphere pushes are this share of its radius apart.
+// Distance between the places that a sphere pushes, as a share of its radius.
 constexpr double kApart = 0.5;
 
-// A probe that begins where others have moved the surface is looked for so many times.
+// Iterations of shift_near on a probe's first step.
 constexpr int kTimesAtFirst = 4;
 
 int divisions_for(const LinearTissue& tissue, double radius_m) {
@@ -107,8 +107,8 @@ TissueResult TissueModel::step_among(OtherContacts* others, TissueState& state,
   return result;
 }
 
-// How far the others have moved the surface near the probe. Which place is nearest depends on how far it has moved: a
-// fixed point, followed from step to step.
+// Displacement by the others of the surface near the probe. The nearest place depends on the displacement itself: a
+// fixed-point iteration, continued from step to step.
 scene::Point TissueModel::shift_near(OtherContacts& others, const TissueState& state,
                                      const scene::Point& probe_m) const noexcept {
   if (state.contacts > 0) return others.moved_m(place_of(state.contact[0]));
