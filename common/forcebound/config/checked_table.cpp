@@ -22,7 +22,7 @@ const Node& CheckedTable::at(std::string_view key) {
 
 std::string CheckedTable::misspelling_of(std::string_view key) const {
   for (const auto& [name, node] : *table_.as<Node::Table>()) {
-    if (text::is_slip_of(name, key)) return ", is '" + name + "' meant to be it?";
+    if (text::is_slip_of(name, key)) return ", is '" + name + "' a misspelling of it?";
   }
   return {};
 }

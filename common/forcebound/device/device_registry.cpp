@@ -24,10 +24,10 @@ void DeviceRegistry::add(DeviceFamily family) {
   if (!family.facts || !family.make) refuse("must have functions for facts and to make a device");
   const auto known_names = names();
   for (const std::string& name : family.names) {
-    if (std::ranges::count(known_names, name) > 0) refuse("has a device '" + name + "', which there is already");
+    if (std::ranges::count(known_names, name) > 0) refuse("has a device '" + name + "', which is already registered");
   }
   const bool files_taken = std::ranges::any_of(families_, &DeviceFamily::takes_files);
-  if (family.takes_files && files_taken) refuse("takes files, which another one does already");
+  if (family.takes_files && files_taken) refuse("takes files, but another family already does");
   families_.push_back(std::move(family));
 }
 

@@ -15,7 +15,7 @@ const std::vector<Parameter> kKeys{
     RowsParameter{.key = "heights_m", .absent = "flat"},
 };
 
-/// What a file is refused with.
+/// The error for a refused file.
 std::string refusal_of(const std::string& text) {
   try {
     const Node node = parse_toml(text, "a.toml");
@@ -26,7 +26,7 @@ std::string refusal_of(const std::string& text) {
   return "accepted";
 }
 
-TEST(CheckedTable, ReadsWhatIsDeclared) {
+TEST(CheckedTable, ReadsDeclaredKeys) {
   const Node node = parse_toml("stiffness_N_per_m = 3\ncenter_m = [1, 0.5]\nheights_m = [[1, 2], [3, 4]]", "a.toml");
   const Values values = CheckedTable(node, "a.toml", "wall").all(kKeys, 2);
   EXPECT_EQ(values.number("stiffness_N_per_m"), 3);
@@ -34,7 +34,7 @@ TEST(CheckedTable, ReadsWhatIsDeclared) {
   EXPECT_EQ(values.rows("heights_m"), (Rows{{1, 2}, {3, 4}}));
 }
 
-TEST(CheckedTable, NamesFileLinePlaceKeyAndValueOfWhatItRefuses) {
+TEST(CheckedTable, RefusalNamesFileLinePlaceKeyAndValue) {
   EXPECT_EQ(refusal_of("\nstiffness_N_per_m = -2"), "a.toml:2: wall: stiffness_N_per_m must be >= 0, got -2");
   EXPECT_EQ(refusal_of("stiffness_N_per_m = 'much'"),
             "a.toml:1: wall: stiffness_N_per_m must be a finite number, got 'much'");
@@ -48,15 +48,15 @@ TEST(CheckedTable, NamesFileLinePlaceKeyAndValueOfWhatItRefuses) {
             "a.toml:3: wall: row 2 of heights_m must have 2 numbers like the first, got 1");
 }
 
-TEST(CheckedTable, AsksWhetherAKeyWasMisspelt) {
+TEST(CheckedTable, MissingKeyErrorNamesASimilarKey) {
   EXPECT_EQ(refusal_of("stiffness = 1"),
-            "a.toml:1: wall: 'stiffness_N_per_m' is missing, is 'stiffness' meant to be it?");
+            "a.toml:1: wall: 'stiffness_N_per_m' is missing, is 'stiffness' a misspelling of it?");
   EXPECT_EQ(refusal_of("stiffness_N_per_m = 1\ncentre_m = [1, 2]"),
             "a.toml:2: wall: unknown key 'centre_m', did you mean 'center_m'? (known: stiffness_N_per_m, center_m, "
             "heights_m)");
 }
 
-TEST(CheckedTable, SaysOfWhichKeyAnErrorIsThatComesLater) {
+TEST(CheckedTable, LaterErrorNamesTheLineOfItsKey) {
   const Node node = parse_toml("from_m = 1\nto_m = 1", "a.toml");
   const CheckedTable table(node, "a.toml", "wall");
   const auto of = [&](std::string_view key) {
@@ -67,7 +67,7 @@ TEST(CheckedTable, SaysOfWhichKeyAnErrorIsThatComesLater) {
   EXPECT_THAT(of("nobodys"), ThrowsMessage<ConfigError>("a.toml:1: wall: to_m must differ from from_m"));
 }
 
-TEST(CheckedTable, RefusesTwoPartsOfOneName) {
+TEST(CheckedTable, RefusesTwoPartsWithOneName) {
   const Node node = parse_toml("[[object]]\nname = 'x'\n[[field]]\nname = 'x'\n", "a.toml");
   CheckedTable file(node, "a.toml", "file");
   std::vector<std::string> names;
@@ -81,12 +81,12 @@ TEST(CheckedTable, RefusesTwoPartsOfOneName) {
   EXPECT_THAT(names, testing::ElementsAre("x", "x"));
 }
 
-TEST(Node, IsWrittenAsItWasMeant) {
+TEST(Node, IsWrittenAsToml) {
   const Node node = parse_toml("a = [1, 2.5, 'x', true, { b = \"it's\" }]", "a.toml");
   EXPECT_EQ(written(*node.find("a")), "[1, 2.5, 'x', true, {b = \"it's\"}]");
 }
 
-TEST(Node, RefusesWhatIsNoToml) {
+TEST(Node, RefusesInvalidToml) {
   EXPECT_THAT([] { (void)parse_toml("a = 1\nb = \n", "a.toml"); },
               ThrowsMessage<ConfigError>(testing::StartsWith("a.toml:2: not TOML: ")));
   EXPECT_THAT([] { (void)parse_toml_value("1\nb = 2", 7); },

@@ -18,7 +18,7 @@ const std::vector<Parameter> kBall{PointParameter{.key = "center_m", .preset = P
                                    TextParameter{.key = "label", .form = TextParameter::Form::name, .absent = "none"},
                                    RowsParameter{.key = "profile_m", .columns = 2, .absent = "round"}};
 
-/// What a ball of these values, and a radius, is refused with.
+/// The error for a ball with these values and a radius.
 std::string refusal_of(Values given) {
   if (!given.has("radius_m")) given.set("radius_m", 1.0);
   try {
@@ -30,7 +30,7 @@ std::string refusal_of(Values given) {
   return "accepted";
 }
 
-TEST(Completed, GivesWhatIsLeftOutItsPreset) {
+TEST(Completed, FillsInPresets) {
   const Values ball = completed(kBall, {{"radius_m", 0.5}});
   EXPECT_EQ(ball.number("radius_m"), 0.5);
   EXPECT_EQ(ball.point("center_m"), Point(1, 2, 3));
@@ -41,7 +41,7 @@ TEST(Completed, GivesWhatIsLeftOutItsPreset) {
   EXPECT_FALSE(ball.has("profile_m"));
 }
 
-TEST(Completed, RefusesWhatIsMissingUnknownOrOfAnotherType) {
+TEST(Completed, RefusesMissingAndUnknownKeysAndWrongTypes) {
   EXPECT_THAT([] { (void)completed(kBall, {}); }, testing::ThrowsMessage<ValueError>("'radius_m' is missing"));
   EXPECT_THAT(refusal_of({{"colur", std::string("red")}}), HasSubstr("unknown key 'colur', did you mean 'colour'?"));
   EXPECT_THAT(refusal_of({{"radius_m", true}}),
@@ -49,7 +49,7 @@ TEST(Completed, RefusesWhatIsMissingUnknownOrOfAnotherType) {
   EXPECT_THAT(refusal_of({{"hollow", 1.0}}), HasSubstr("hollow must be `true` or `false`"));
 }
 
-TEST(Completed, RefusesWhatIsOutOfRange) {
+TEST(Completed, RefusesValuesOutOfRange) {
   EXPECT_EQ(refusal_of({{"radius_m", 0.0}}), "radius_m must be > 0 and <= 10, got 0");
   EXPECT_EQ(refusal_of({{"radius_m", std::numeric_limits<double>::infinity()}}),
             "radius_m must be a finite number, got inf");
@@ -62,7 +62,7 @@ TEST(Completed, RefusesWhatIsOutOfRange) {
   EXPECT_THAT(refusal_of({{"center_m", Point(0, std::nan(""), 0)}}), HasSubstr("center_m must be finite"));
 }
 
-TEST(Completed, MakesDirectionsUnitOnceAndForAll) {
+TEST(Completed, NormalisesDirectionsAndKeepsUnitOnes) {
   const Values once = completed(kBall, {{"radius_m", 1.0}, {"axis", Point(3, 0, -4)}});
   EXPECT_NEAR(once.point("axis").norm(), 1, 1e-15);
   EXPECT_EQ(completed(kBall, once).point("axis"), once.point("axis")) << "bit by bit";
@@ -80,7 +80,7 @@ TEST(Completed, TakesInfinityOnlyOnAxesThatASceneLacks) {
       testing::ThrowsMessage<ValueError>("size_m must be > 0 on every axis, got [0, 2]"));
 }
 
-TEST(Parameters, SayWhatIsAcceptedAndWhatIsPreset) {
+TEST(Parameters, DescribeAcceptedValuesAndPresets) {
   EXPECT_EQ(accepted_text(kBall[0]), "a point");
   EXPECT_EQ(accepted_text(kBall[1]), "> 0 and <= 10");
   EXPECT_EQ(accepted_text(kBall[2]), "a whole number from 1 to 16");
@@ -94,7 +94,7 @@ TEST(Parameters, SayWhatIsAcceptedAndWhatIsPreset) {
   EXPECT_FALSE(may_be_left_out(kBall[1]));
 }
 
-TEST(Parameters, WriteWhatWasGivenInTheirOrder) {
+TEST(Parameters, WriteGivenValuesInDeclarationOrder) {
   const Values given{{"radius_m", 0.5}, {"center_m", Point(0, 1, 0)}, {"hollow", true}, {"label", std::string("x")}};
   EXPECT_EQ(to_text(kBall, given, 2), "center_m [0, 1], radius_m 0.5, hollow true");
 }

@@ -62,7 +62,7 @@ TEST(DeviceRegistry, MakesADeviceThatAProgramAdded) {
       << device->facts_in_words();
 }
 
-TEST(DeviceRegistry, NamesTheKnownDevicesToWhoAsksForAnother) {
+TEST(DeviceRegistry, UnknownDeviceIsRefusedWithTheKnownNames) {
   DeviceRegistry devices = DeviceRegistry::standard();
   devices.add(fakes());
   try {
@@ -77,7 +77,7 @@ TEST(DeviceRegistry, NamesTheKnownDevicesToWhoAsksForAnother) {
   EXPECT_THROW((void)devices.facts("no/such/file.toml"), std::runtime_error);
 }
 
-TEST(DeviceRegistry, RefusesAFamilyThatCannotBeServed) {
+TEST(DeviceRegistry, RefusesAnIncompleteOrConflictingFamily) {
   EXPECT_EQ(refusal_of(fakes()), "");
   DeviceFamily nameless = fakes();
   nameless.name.clear();
@@ -87,10 +87,10 @@ TEST(DeviceRegistry, RefusesAFamilyThatCannotBeServed) {
   EXPECT_EQ(refusal_of(unmade), "device family 'fakes' must have functions for facts and to make a device");
   DeviceFamily twice = fakes();
   twice.names.emplace_back("omni");
-  EXPECT_EQ(refusal_of(twice), "device family 'fakes' has a device 'omni', which there is already");
+  EXPECT_EQ(refusal_of(twice), "device family 'fakes' has a device 'omni', which is already registered");
   DeviceFamily files = fakes();
   files.takes_files = true;
-  EXPECT_EQ(refusal_of(files), "device family 'fakes' takes files, which another one does already");
+  EXPECT_EQ(refusal_of(files), "device family 'fakes' takes files, but another family already does");
 }
 
 TEST(HapticDevice, ReadingIsUsableOnlyIfOkFiniteAndOfTheRightSize) {

@@ -63,7 +63,7 @@ TEST(ArmKinematics, JointsAtComesBackToThePosition) {
   }
 }
 
-TEST(ArmKinematics, BeyondReachTheArmPointsThere) {
+TEST(ArmKinematics, ArmPointsAtAPositionBeyondItsReach) {
   const ArmKinematics arm(kArm);
   const Vector shoulder = joints(0, 0.16, -0.02);
   const Vector wanted = joints(0.5, 0.7, 0.2);

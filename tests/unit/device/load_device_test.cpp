@@ -76,7 +76,7 @@ TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
   EXPECT_EQ(device.facts.latency_s, 1e-4);
 }
 
-TEST(ParseDevice, NamesFileLineDeviceKeyAndValueOfWhatItRefuses) {
+TEST(ParseDevice, RefusalNamesFileLineDeviceKeyAndValue) {
   EXPECT_EQ(refusal_of("kind = 'cartesian'\ndegrees_of_freedom = 1\nmass_kg = 1\n\ndamping_N_s_per_m = -2\n"),
             "devices/mine.toml:5: device 'mine': damping_N_s_per_m must be > 0, got -2");
 }
@@ -87,7 +87,7 @@ TEST(ParseDevice, SuggestsTheNearestKeyForAnUnknownOne) {
   EXPECT_THAT(refusal_of(std::string(kPoint) + "latency = 1\n"), HasSubstr("did you mean 'latency_s'?"));
 }
 
-TEST(ParseDevice, RefusesWhatNoDeviceCanBe) {
+TEST(ParseDevice, RefusesImpossibleDevices) {
   const auto with = [](const std::string& line) { return refusal_of(kPoint + line); };
   EXPECT_THAT(with("friction_N = [0, -1]\n"),
               HasSubstr("mine.toml:6: device 'mine': friction_N[1] must be >= 0, got -1"));
@@ -121,7 +121,7 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
 }
 
-TEST(LoadDevice, UnknownNameIsAnsweredWithTheKnownOnes) {
+TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {
   const std::string what = refusal([] { (void)load_device("wall-2dof"); });
   EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
   EXPECT_THAT(what, HasSubstr("cartesian-2dof, cartesian-3dof, omni, wall-1dof"));
@@ -132,7 +132,7 @@ TEST(LoadDevice, MissingFileIsNamedWithTheReason) {
             "no/such.toml: cannot be read: No such file or directory");
 }
 
-TEST(LoadDevice, DirectoryAndEmptyFileAreRefusedForWhatTheyAre) {
+TEST(LoadDevice, RefusesADirectoryAndAnEmptyFileWithTheReason) {
   EXPECT_EQ(refusal([] { (void)load_device("./"); }), "./: cannot be read: it is a directory");
   const std::string path = testing::TempDir() + "forcebound_empty.toml";
   std::ofstream(path).close();

@@ -11,9 +11,9 @@ using time::Nanoseconds;
 /// Estimates how long choosing and commanding a force will take on this tick, from the latest ticks.
 ///
 /// A law reserves energy for as long as the previous force stays in effect, so the estimate must not be far too long. A
-/// force commanded later than estimated is bounded again, possibly to zero, so the estimate must rarely be too short. It
-/// is 1.5 times the longest recent time, which decays by 5 % a tick, and at most half a period: a machine that is always
-/// slow still shows forces, and one long tick reduces the forces for some ticks only.
+/// force commanded later than estimated is bounded again, possibly to zero, so the estimate must rarely be too short.
+/// It is 1.5 times the longest recent time, which decays by 5 % a tick, and at most half a period: a machine that is
+/// always slow still shows forces, and one long tick reduces the forces for some ticks only.
 ///
 /// Real time: noexcept, O(1).
 class ChoosingTime {

@@ -49,7 +49,8 @@ Connection::Refused Connection::on_refusal(const wire::Refusal& refusal, Nanosec
   if (refusal.reason != wire::RefusalReason::round_trip_wanted) {
     return session_ == 0 ? Refused::hello : Refused::not_us;
   }
-  // Of several that were on their way, each says the same at another time; a time that was never ours is no news.
+  // Only the first refusal measures the round trip: later ones answer Hellos already sent. A time after `now` is
+  // forged.
   const Nanoseconds round_trip = now - refusal.client_time;
   if (round_trip < Nanoseconds{0}) return Refused::not_us;
   if (round_trip_ != Nanoseconds{0}) return Refused::for_now;

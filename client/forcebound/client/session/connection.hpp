@@ -15,8 +15,8 @@ using time::Nanoseconds;
 ///
 /// connecting: no session yet. active: forces arrive. stale: none for longer than the policy's hold time. reconnecting:
 /// none for longer than its drop time, or the server does not know the session; Hellos are sent, and motion too as long
-/// as the session may still exist. Pauses between Hellos grow from 100 ms to 2 s. The nonce changes only when the server
-/// has refused the session, so that a late Welcome is still valid.
+/// as the session may still exist. Pauses between Hellos grow from 100 ms to 2 s. The nonce changes only when the
+/// server has refused the session, so that a late Welcome is still valid.
 ///
 /// Real time: noexcept, no allocation after construction.
 class Connection {

@@ -16,8 +16,8 @@ constexpr int kDatagramsPerTickMax = 64;
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
-// An answer describes a surface by its tangent plane at one place. For a radius of curvature of 20 mm the plane is 25 um
-// off at this distance; farther away no depth is given.
+// An answer describes a surface by its tangent plane at one place. For a radius of curvature of 20 mm the plane is 25
+// um off at this distance; farther away no depth is given.
 constexpr double kPlaneReach_m = 1e-3;
 constexpr Eigen::Index kTranslationsMax = 3;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

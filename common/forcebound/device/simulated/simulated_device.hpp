@@ -22,12 +22,12 @@ namespace forcebound::device {
 /// time-stepping error, and fills the audit.
 ///
 /// Hand: its target is sampled on a fixed grid of 1 ms from the start and is, by definition, the cubic through the
-/// samples' positions and velocities. So the motion does not depend on the times of the readings. Arm: the hand's coupling is
-/// linearised about the present configuration, at least once per ms (x = x0 + J (q - q0)). The audit belongs to the
-/// motion that results, and stays exact for it. Velocity-dependent inertial forces are left out. There are no
-/// mechanical stops: a hand that pulls out of reach stretches the arm, which stays finite there. Command: takes effect
-/// the facts' latency after `apply`, and is zeroed the facts' hold time after that. One that is not finite or of the
-/// wrong size is zero force, and counted. A gap of more than `kGapMax` between two calls is simulated for that long
+/// samples' positions and velocities. So the motion does not depend on the times of the readings. Arm: the hand's
+/// coupling is linearised about the present configuration, at least once per ms (x = x0 + J (q - q0)). The audit
+/// belongs to the motion that results, and stays exact for it. Velocity-dependent inertial forces are left out. There
+/// are no mechanical stops: a hand that pulls out of reach stretches the arm, which stays finite there. Command: takes
+/// effect the facts' latency after `apply`, and is zeroed the facts' hold time after that. One that is not finite or of
+/// the wrong size is zero force, and counted. A gap of more than `kGapMax` between two calls is simulated for that long
 /// only; device and hand stand still for the rest, so that the work for a gap is bounded.
 ///
 /// Real time: read and apply are noexcept and allocate nothing.

@@ -45,7 +45,7 @@ config::TableDescription accuracy_table() {
 
 config::TableDescription accuracy_level_table() {
   return {"A level of `[accuracy]`",
-          "What is in the file for the key counts where no client is known, as for `--explain`.",
+          "Without a client, as for `--explain`, the value in the file applies.",
           {OtherParameter{.key = "value", .meaning = "for the key", .accepted = "what the key may have"},
            NumberParameter{.key = "model_error",
                            .meaning = "RMS of the force's error at the same states over RMS of the force",

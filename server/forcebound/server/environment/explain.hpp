@@ -28,7 +28,8 @@ struct ExplainFacts {
 /// they need, cost, memory and stability; for the scene the total against a tick of 1 ms.
 std::string explain(const scene::Scene& scene, const ExplainFacts& facts = {});
 
-/// Objects, fields and dynamic models in one line: "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0".
+/// Objects, fields and dynamic models in one line: "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m
+/// 0".
 std::string summary(const scene::Scene& scene);
 
 }  // namespace forcebound::server

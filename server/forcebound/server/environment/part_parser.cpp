@@ -56,12 +56,14 @@ void refuse_unrequested_tables(const config::CheckedTable& part, const scene::Sc
 }  // namespace
 
 config::TableDescription field_table() {
-  return {"`[[field]]`", "What fills space: only effects of space, and no shape.", {name_of_part(), effects_of_part()}};
+  return {"`[[field]]`",
+          "A part that fills space: it has only effects of space, and no shape.",
+          {name_of_part(), effects_of_part()}};
 }
 
 config::TableDescription object_table() {
   return {"`[[object]]`",
-          "What has a surface. No two have the same shape in the same place.",
+          "A part with a surface. No two objects have the same shape in the same place.",
           {name_of_part(), effects_of_part(),
            config::OtherParameter{.key = "shape", .meaning = "a table whose `kind` is one of the [shapes](#shapes)"}}};
 }

@@ -6,8 +6,8 @@
 
 namespace forcebound::server {
 
-/// Sets a key of a scene file. The key may be new, but its table must exist. A table of an array, such as [[tissue]], is
-/// addressed by its name: "tissue.pad.shape.cells".
+/// Sets a key of a scene file. The key may be new, but its table must exist. A table of an array, such as [[tissue]],
+/// is addressed by its name: "tissue.pad.shape.cells".
 /// @throws std::invalid_argument naming the missing table
 void set_scene_key(config::Node& scene, const std::string& key, const config::Node& value);
 

@@ -34,8 +34,8 @@ class SceneLibrary {
   };
 
   /// From now on `request` passes each compilation to `elsewhere` and does not wait for it. The receiver passes the
-  /// result to `add`, or the failure to `give_up`. Compilations passed to an earlier `elsewhere` are forgotten: the next
-  /// request starts them again. With an empty function `request` compiles at once and waits.
+  /// result to `add`, or the failure to `give_up`. Compilations passed to an earlier `elsewhere` are forgotten: the
+  /// next request starts them again. With an empty function `request` compiles at once and waits.
   void compile_elsewhere(std::function<void(Compilation)> elsewhere);
 
   /// The compilation failed. The next request reports `why`; the one after retries.

@@ -196,7 +196,7 @@ class Parser {
 config::TableDescription scene_table() {
   using config::TextParameter;
   return {"`[scene]`",
-          "What holds for the whole file.",
+          "Settings of the whole file.",
           {TextParameter{.key = "name", .meaning = "what clients ask for", .form = TextParameter::Form::name},
            TextParameter{.key = "description", .meaning = "for people"},
            config::OtherParameter{.key = "degrees_of_freedom",

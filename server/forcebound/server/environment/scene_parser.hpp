@@ -21,8 +21,8 @@ using SceneError = config::ConfigError;
 
 /// Compiles the text of a scene file (server/scenes has examples).
 ///
-/// Points have as many numbers as the scene has degrees of freedom; in a scene for "any" device, which lies on the first
-/// axis, they have one.
+/// Points have as many numbers as the scene has degrees of freedom; in a scene for "any" device, which lies on the
+/// first axis, they have one.
 ///
 /// @param file_name for errors
 /// @param measure time for a motion in each level of a scene with `accuracy = "auto"`; none: the predicted time

@@ -152,7 +152,8 @@ std::string schema(const scene::Registry& registry) {
   std::string text = introduction() + sections("##", part_tables());
   text += "### Shapes\n\nThe `shape` of an object has `kind = \"NAME\"`, and the keys of that kind.\n\n";
   text += sections("####", shape_tables(registry));
-  text += "## Bodies and tissue\n\nWhat moves or deforms by itself. It needs a scene of 3 degrees of freedom.\n";
+  text +=
+      "## Bodies and tissue\n\nParts that move or deform by themselves. They need a scene of 3 degrees of freedom.\n";
   text += kTimeOfDynamicModels;
   text += sections("###", dynamic_model_tables());
   text += overview(registry) + sections("###", effect_tables(registry));

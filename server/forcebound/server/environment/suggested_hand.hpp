@@ -37,8 +37,9 @@ void parse_suggestion(config::CheckedTable& scene, scene::SceneFacts& facts);
 struct HandTrial {
   static constexpr double kLongest_s = 10;
 
-  bool starts_inside = false;         ///< of an object
-  std::optional<double> touched_s{};  ///< time of the first force from a surface, or, in a scene without surfaces, of the first force
+  bool starts_inside = false;  ///< of an object
+  std::optional<double>
+      touched_s{};  ///< time of the first force from a surface, or, in a scene without surfaces, of the first force
 };
 
 /// Runs the simulated device with the hand on it in the scene, in virtual time and without a network, until it touches

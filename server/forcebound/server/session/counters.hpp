@@ -39,13 +39,14 @@ struct ServerCounters {
   std::uint64_t forces_sent = 0;
   std::uint64_t sends_failed = 0;
 
-  std::uint64_t responses_unsound = 0;    ///< of an environment, not finite or of wrong size; zero force was sent
-  std::uint64_t old_normals = 0;          ///< contacts with the last valid normal, for lack of one of their own
-  std::uint64_t objects_quarantined = 0;  ///< objects left out of a session from then on, because their force was not finite
+  std::uint64_t responses_unsound = 0;  ///< of an environment, not finite or of wrong size; zero force was sent
+  std::uint64_t old_normals = 0;        ///< contacts with the last valid normal, for lack of one of their own
+  std::uint64_t objects_quarantined =
+      0;  ///< objects left out of a session from then on, because their force was not finite
 
   std::uint64_t contacts_left_out = 0;  ///< contacts of tissue or bodies beyond the fixed maximum
   std::uint64_t not_converged = 0;      ///< tissue steps that ended at the iteration limit
-  double slipped_s = 0;  ///< simulated time of bodies skipped, because too much was due at once
+  double slipped_s = 0;                 ///< simulated time of bodies skipped, because too much was due at once
 
   /// Motions received and not answered: motions_received - forces_sent, if every send succeeded and no motion waits.
   [[nodiscard]] std::uint64_t motions_unanswered() const noexcept {

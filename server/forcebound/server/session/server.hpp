@@ -28,11 +28,12 @@ using time::Nanoseconds;
 
 /// A server's limits, default scene and server-side laws. The defaults are those of forcebound-server.
 struct ServerOptions {
-  std::string scene = "wall";                           ///< for clients that request none; must be in the library
-  std::size_t sessions_max = 64;                        ///< at once
-  Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< without motion; must exceed any round trip (12 s has been observed)
-  double motions_per_promised = 4;                      ///< answers per motion that the client promised in its Hello
-  int hellos_per_s_max = 50;                            ///< over all clients
+  std::string scene = "wall";     ///< for clients that request none; must be in the library
+  std::size_t sessions_max = 64;  ///< at once
+  Nanoseconds idle_timeout =
+      std::chrono::seconds{60};     ///< without motion; must exceed any round trip (12 s has been observed)
+  double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
+  int hellos_per_s_max = 50;        ///< over all clients
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side part clients can request
 };
 
@@ -43,8 +44,8 @@ struct ServerOptions {
 ///   it; no state is kept for that client.
 /// - **Motion** is answered if it is the newest of its session. Duplicates and reordered motions are counted, and the
 ///   client receives the counts, so that both ends agree on losses and reordering. Motion of an unknown
-///   session (the server restarted) is refused with fewer bytes than it had, which rules out amplification. The session's address
-///   becomes that of its newest motion: only its client knows the session's 64-bit number.
+///   session (the server restarted) is refused with fewer bytes than it had, which rules out amplification. The
+///   session's address becomes that of its newest motion: only its client knows the session's 64-bit number.
 /// - **Bye** is answered with the final counts, as often as it arrives. The server itself sends a Bye to a client whose
 ///   motion stopped arriving, because datagrams to the client may still get through.
 ///
@@ -67,7 +68,8 @@ class Server {
   void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
 
   /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
-  /// than a tick is answered less often, but its delay does not grow. Real time: no allocation, O(objects of the scenes).
+  /// than a tick is answered less often, but its delay does not grow. Real time: no allocation, O(objects of the
+  /// scenes).
   void answer_waiting() noexcept;
 
   /// The same for the one session that has waited longest; false if none waits.

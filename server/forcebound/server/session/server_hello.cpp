@@ -27,7 +27,7 @@ MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) 
                                     .period_s = believed_period_s(hello),
                                     .force_N_max = hello.force_N_max,
                                     .round_trip = hello.round_trip});
-  if (!made.environment) throw std::runtime_error("none was made");
+  if (!made.environment) throw std::runtime_error("its maker returned none");
   return made;
 }
 
@@ -44,8 +44,8 @@ std::string refusal_of_port(const control::LawRegistry& laws, std::string_view p
   for (const std::string& name : laws.names()) {
     if (laws.find(name).make_server_side) known += (known.empty() ? "" : ", ") + name;
   }
-  return "this server has no half of a law '" + printable(port) + "'" +
-         (known.empty() ? ", nor of any other" : " (known: " + known + ")");
+  return "this server has no server-side law '" + printable(port) + "'" +
+         (known.empty() ? " (known: none)" : " (known: " + known + ")");
 }
 
 std::string refusal_for_now(const std::string& scene, std::string_view why) {

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// After 1000 punctual answers; the counts go on from there.
+/// Starts after 1000 answers without loss.
 class BlackoutWatchTest : public ::testing::Test {
  protected:
   BlackoutWatchTest() {
@@ -19,18 +19,18 @@ class BlackoutWatchTest : public ::testing::Test {
   BlackoutWatch watch{250ms};
 };
 
-TEST_F(BlackoutWatchTest, KnowsOfNoneWhileForcesCome) {
+TEST_F(BlackoutWatchTest, ReportsNoneWhileForcesArrive) {
   EXPECT_EQ(watch.longest(1s).duration, 0ns);
   EXPECT_EQ(watch.longest(1250ms).duration, 0ns) << "up to the hold time a force is as good as new";
 }
 
-TEST_F(BlackoutWatchTest, KnowsOfNoneBeforeTheFirstForce) {
+TEST_F(BlackoutWatchTest, ReportsNoneBeforeTheFirstForce) {
   BlackoutWatch fresh{250ms};
   fresh.on_bye(1h, {7, 10, 0, 0, 0}, BlackoutWatch::Bye::of_the_server);
   EXPECT_EQ(fresh.longest(1h).duration, 0ns);
 }
 
-TEST_F(BlackoutWatchTest, CountsWhatWasLostDownByTheForceThatEndsIt) {
+TEST_F(BlackoutWatchTest, CountsLostForcesByTheForceThatEndsIt) {
   watch.on_force(4s, {7, 4000, 4000, 4000, 1001});
   const record::Blackout blackout = watch.longest(4s);
   EXPECT_EQ(blackout.duration, 3s);
@@ -41,7 +41,7 @@ TEST_F(BlackoutWatchTest, CountsWhatWasLostDownByTheForceThatEndsIt) {
   EXPECT_EQ(blackout.lost_down, 2999U);
 }
 
-TEST_F(BlackoutWatchTest, CountsWhatWasLostUpByTheForceThatEndsIt) {
+TEST_F(BlackoutWatchTest, CountsLostMotionsByTheForceThatEndsIt) {
   watch.on_force(4s, {7, 4000, 1001, 1001, 1001});
   const record::Blackout blackout = watch.longest(4s);
   EXPECT_EQ(blackout.motions, 2999U);
@@ -50,7 +50,7 @@ TEST_F(BlackoutWatchTest, CountsWhatWasLostUpByTheForceThatEndsIt) {
   EXPECT_EQ(blackout.lost_down, 0U);
 }
 
-TEST_F(BlackoutWatchTest, CountsByTheServersByeIfThatIsAllThatComes) {
+TEST_F(BlackoutWatchTest, CountsByTheServersByeIfNoForceFollows) {
   watch.on_bye(61s, {7, 61'000, 1000, 1000, 1000}, BlackoutWatch::Bye::of_the_server);
   watch.on_force(62s, {8, 61'500, 1, 1, 1});
   const record::Blackout blackout = watch.longest(62s);
@@ -68,7 +68,7 @@ TEST_F(BlackoutWatchTest, DoesNotTakeTheAnswerToOurByeForOneOfTheServers) {
   EXPECT_EQ(blackout.lost_down, 2000U);
 }
 
-TEST_F(BlackoutWatchTest, DoesNotTakeWhatIsOnItsWayAtAByeForLost) {
+TEST_F(BlackoutWatchTest, DoesNotCountDatagramsOnTheirWayAtAByeAsLost) {
   watch.on_bye(1010ms, {7, 1100, 1000, 1000, 1000}, BlackoutWatch::Bye::of_the_server);
   watch.on_force(3s, {8, 1200, 1, 1, 1});
   const record::Blackout blackout = watch.longest(3s);
@@ -83,7 +83,7 @@ TEST_F(BlackoutWatchTest, DoesNotCompareTheCountsOfTwoSessions) {
   EXPECT_FALSE(watch.longest(3s).server_left);
 }
 
-TEST_F(BlackoutWatchTest, TellsTheLongestAlsoWhileItLasts) {
+TEST_F(BlackoutWatchTest, ReportsTheLongestAlsoWhileItLasts) {
   watch.on_force(2s, {7, 2000, 2000, 2000, 1001});
   EXPECT_EQ(watch.longest(2500ms).duration, 1s) << "the present one is shorter";
   EXPECT_EQ(watch.longest(5s).duration, 3s);

@@ -17,7 +17,7 @@ TEST(ChoosingTime, AllowsASlowMachineHalfAsMuchAgainAsItTakes) {
   EXPECT_EQ(choosing.allowed(), 120us);
 }
 
-TEST(ChoosingTime, KnowsAStumbleAtOnceAndForgetsIt) {
+TEST(ChoosingTime, FollowsALongTickAtOnceAndForgetsIt) {
   ChoosingTime choosing(kPeriod);
   for (int i = 0; i < 10; ++i) choosing.note(2us);
   choosing.note(200us);

@@ -23,7 +23,7 @@ class ConnectionTest : public ::testing::Test {
   Connection connection{{.device = "wall-1dof", .scene = "wall"}, 1};
 };
 
-TEST_F(ConnectionTest, AsksWithGrowingPauses) {
+TEST_F(ConnectionTest, SendsHellosWithGrowingPauses) {
   EXPECT_TRUE(connection.hello_due(0ms));
   EXPECT_FALSE(connection.hello_due(99ms));
   EXPECT_TRUE(connection.hello_due(100ms));
@@ -35,7 +35,7 @@ TEST_F(ConnectionTest, AsksWithGrowingPauses) {
   EXPECT_EQ(hellos, 10) << "one in 2 s in the end";
 }
 
-TEST_F(ConnectionTest, AsksForTheHalfOfItsLaw) {
+TEST_F(ConnectionTest, RequestsTheServerSideLawInItsHello) {
   EXPECT_EQ(connection.hello(0ms).port, "");
   Connection with_port({.device = "wall-1dof", .scene = "wall", .port = "wave"}, 1);
   EXPECT_EQ(with_port.hello(0ms).port, "wave");
@@ -82,7 +82,7 @@ TEST_F(ConnectionTest, GoesStaleThenReconnectsWithTheSameNonce) {
   EXPECT_EQ(connection.state(), SessionState::active);
 }
 
-TEST_F(ConnectionTest, TakesAnotherNonceWhenTheServerForgotTheSession) {
+TEST_F(ConnectionTest, TakesANewNonceWhenTheServerDoesNotKnowTheSession) {
   connection.on_welcome(welcome(5));
   const auto old = welcome(6);
   EXPECT_EQ(connection.on_refusal({.session = 4, .reason = wire::RefusalReason::unknown_session}, 0s), Refused::not_us);
@@ -104,7 +104,7 @@ TEST_F(ConnectionTest, KeepsAskingAfterARefusal) {
   EXPECT_TRUE(connection.hello_due(10s));
 }
 
-TEST_F(ConnectionTest, ARefusalOutOfTheBlueDoesNotEndASession) {
+TEST_F(ConnectionTest, AnUnrelatedRefusalDoesNotEndASession) {
   connection.on_welcome(welcome(5));
   EXPECT_EQ(connection.on_refusal(
                 {.client_nonce = connection.hello(0ms).client_nonce, .reason = wire::RefusalReason::server_full}, 0s),
@@ -124,7 +124,7 @@ TEST_F(ConnectionTest, TellsTheRoundTripAtOnceToAServerThatWantsIt) {
   EXPECT_EQ(connection.hello(2s).round_trip, 20ms);
 }
 
-TEST_F(ConnectionTest, BelievesNoRoundTripThatCannotBe) {
+TEST_F(ConnectionTest, IgnoresAnImpossibleRoundTrip) {
   wire::Refusal wanted = round_trip_wanted(connection.hello(1s));
   EXPECT_EQ(connection.on_refusal(wanted, 1s - 1ns), Refused::not_us);
   ++wanted.client_nonce;

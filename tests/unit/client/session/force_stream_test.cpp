@@ -48,7 +48,7 @@ TEST_F(ForceStreamTest, ChoosesTheForceThatAnswersTheNewestMotion) {
   EXPECT_EQ(counts().reordered, 1U);
 }
 
-TEST_F(ForceStreamTest, CountsOfMoreThanWasEverSentAreImplausible) {
+TEST_F(ForceStreamTest, CountsAboveTheMotionsSentAreImplausible) {
   constexpr std::uint64_t kMost = ~std::uint64_t{0};
   auto heard_too_much = answer(1, 3);
   heard_too_much.motions_received = 11;
@@ -76,7 +76,7 @@ TEST_F(ForceStreamTest, DropsForcesOfAnotherSession) {
   EXPECT_FALSE(stream.newest());
 }
 
-TEST_F(ForceStreamTest, DropsWhatAnswersNothingThatWasSent) {
+TEST_F(ForceStreamTest, DropsForcesThatAnswerNoMotionSent) {
   EXPECT_EQ(accept(answer(1, 0)), Verdict::implausible);
   EXPECT_EQ(accept(answer(1, 11)), Verdict::implausible);
   auto wrong_time = answer(1, 3);
@@ -89,7 +89,7 @@ TEST_F(ForceStreamTest, DropsWhatAnswersNothingThatWasSent) {
   EXPECT_EQ(counts().implausible, 4U);
 }
 
-TEST_F(ForceStreamTest, BelievesAPenetrationAsDeepAsThePlaceAskedForIsFarAway) {
+TEST_F(ForceStreamTest, AcceptsAPenetrationUpToThePositionsDistance) {
   auto far_behind_a_wall = answer(1, 3);
   far_behind_a_wall.position[0] = 300;
   far_behind_a_wall.contact_normal = control::Vector::Constant(1, -1.0);
@@ -107,8 +107,8 @@ TEST_F(ForceStreamTest, DropsAnswersToMotionOlderThanItRemembers) {
   EXPECT_EQ(accept(answer(2, 69'999)), Verdict::newest);
 }
 
-TEST_F(ForceStreamTest, TellsWhichDirectionLost) {
-  auto force = answer(4, 10);  // ten sent, eight arrived there, four forces sent of which this is the only one here
+TEST_F(ForceStreamTest, CountsLossesByDirection) {
+  auto force = answer(4, 10);  // 10 motions sent, 8 received by the server, 4 forces sent, 1 received
   force.motions_received = 8;
   force.motions_reordered = 3;
   ASSERT_EQ(accept(force), Verdict::newest);
@@ -119,7 +119,7 @@ TEST_F(ForceStreamTest, TellsWhichDirectionLost) {
   EXPECT_EQ(told.motions_reordered, 3U);
 }
 
-TEST_F(ForceStreamTest, TakesTheServersLastWordWhateverItsOrder) {
+TEST_F(ForceStreamTest, TakesTheServersFinalCountsInAnyOrder) {
   ASSERT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 9, .forces_sent = 9}));
   accept(answer(1, 3));
   EXPECT_EQ(counts().lost_up, 1U);
@@ -137,7 +137,7 @@ TEST_F(ForceStreamTest, AServerThatAnsweredMoreThanItReceivedIsImplausible) {
   EXPECT_EQ(counts().lost_up, 10U);
 }
 
-TEST_F(ForceStreamTest, GivesEachMotionOneFate) {
+TEST_F(ForceStreamTest, CountsEachMotionOnce) {
   // Of ten motions the fourth was lost, the third came after the fifth, and the answer to the second was lost: the
   // server has received six of the first seven and sent five answers. The seventh took longest: 4 ms.
   for (const auto& [sequence, motion, received, arrival_ms] :
@@ -173,7 +173,7 @@ TEST_F(ForceStreamTest, NothingIsInFlightWhereNoAnswerEverCame) {
   EXPECT_EQ(stream.counts(11ms).lost_up, 10U);
 }
 
-TEST_F(ForceStreamTest, TellsHowLongTheNetworkHeldADatagramUp) {
+TEST_F(ForceStreamTest, LongestDelayIsTheRoundTripPlusTheLateness) {
   ASSERT_EQ(stream.accept(answer(1, 3), 7ms), Verdict::newest);
   ASSERT_EQ(stream.accept(answer(2, 4), 6ms), Verdict::newest);
   EXPECT_EQ(stream.longest_delay(1ms), 4ms);

@@ -18,7 +18,7 @@ TEST(LateForcePolicy, HoldsThenFadesLinearlyThenDrops) {
   EXPECT_EQ(policy.scale(10h), 0.0);
 }
 
-TEST(LateForcePolicy, NamesWhatItDoes) {
+TEST(LateForcePolicy, VerdictMatchesTheScale) {
   const LateForcePolicy policy{.hold = 200ms, .drop = 1000ms};
   EXPECT_EQ(policy.verdict(200ms), ForcePolicy::fresh);
   EXPECT_EQ(policy.verdict(201ms), ForcePolicy::fading);
@@ -32,7 +32,7 @@ TEST(LateForcePolicy, DropsAtOnceWhereHoldEqualsDrop) {
   EXPECT_EQ(policy.scale(101ms), 0.0);
 }
 
-TEST(LateForcePolicy, RefusesToDropBeforeItHolds) {
+TEST(LateForcePolicy, RefusesDropTimeBelowHoldTime) {
   EXPECT_THROW((LateForcePolicy{.hold = 300ms, .drop = 200ms}.validate()), std::invalid_argument);
   EXPECT_THROW((LateForcePolicy{.hold = -1ms, .drop = 200ms}.validate()), std::invalid_argument);
 }

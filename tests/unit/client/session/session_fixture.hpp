@@ -47,7 +47,7 @@ class Events final : public EventSink {
   Nanoseconds duration{0};  ///< of the last one
 };
 
-/// The test is the server: it sees each motion and answers by hand.
+/// The test plays the server: it inspects each motion and sends the answers itself.
 class SessionTest : public ::testing::Test {
  protected:
   explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = baselines::shipped_laws())

@@ -24,7 +24,7 @@ class SessionWithServerSideLaw : private WithPortLog, public SessionTest {
   [[nodiscard]] const test::PortLog& heard() const { return log; }
 };
 
-TEST_F(SessionWithServerSideLaw, AsksForItsHalfAndTellsItWithEachMotionWhatTheTickBeforeLeft) {
+TEST_F(SessionWithServerSideLaw, RequestsItAndSendsItEachMotionWithTheStateOfTheTickBefore) {
   tick();
   const auto hellos = sent<wire::Hello>();
   ASSERT_EQ(hellos.size(), 1U);
@@ -39,7 +39,7 @@ TEST_F(SessionWithServerSideLaw, AsksForItsHalfAndTellsItWithEachMotionWhatTheTi
   EXPECT_EQ(motions[1].port, control::PortNumbers::Constant(1, 3));
 }
 
-TEST_F(SessionWithServerSideLaw, HearsOnlyWhatComesWithANewerForceThanAllBefore) {
+TEST_F(SessionWithServerSideLaw, ReceivesOnlyItsDataOfTheNewestForce) {
   connect();
   for (int i = 0; i < 4; ++i) tick();
   const auto motions = sent<wire::MotionSample>();

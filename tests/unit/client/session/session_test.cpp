@@ -12,7 +12,7 @@
 namespace forcebound::client {
 namespace {
 
-TEST_F(SessionTest, AppliesNothingBeforeTheServerHasSpoken) {
+TEST_F(SessionTest, AppliesZeroForceBeforeTheFirstAnswer) {
   for (int i = 0; i < 50; ++i) tick();
   EXPECT_EQ(device.applied, Vector::Zero(1));
   EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
@@ -35,7 +35,7 @@ TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
   EXPECT_EQ(records.last.displayed_N, 2.5);
 }
 
-TEST_F(SessionTest, TellsTheDepthOnlyNearWhereTheAnswerWasComputed) {
+TEST_F(SessionTest, GivesTheDepthOnlyNearTheAnswersPosition) {
   connect();
   device.position[0] = 0.25;
   tick();
@@ -55,7 +55,7 @@ TEST_F(SessionTest, TellsTheDepthOnlyNearWhereTheAnswerWasComputed) {
   EXPECT_TRUE(std::isnan(records.last.penetration_m));
 }
 
-TEST_F(SessionTest, KnowsNoDepthBeforeTheFirstAnswer) {
+TEST_F(SessionTest, GivesNoDepthBeforeTheFirstAnswer) {
   connect();
   tick();
   EXPECT_FALSE(records.last.contact);
@@ -77,7 +77,7 @@ TEST_F(SessionTest, RendersTheTextureOfAnOldAnswerWhereTheDeviceIsNow) {
   }
 }
 
-TEST_F(SessionTest, TellsTheRoundTripFromTheWaitForTheTick) {
+TEST_F(SessionTest, ExcludesTheWaitForTheTickFromTheRoundTrip) {
   connect();
   tick();
   arrive(answer(sent<wire::MotionSample>().at(0), -2.5));
@@ -87,7 +87,7 @@ TEST_F(SessionTest, TellsTheRoundTripFromTheWaitForTheTick) {
   EXPECT_EQ(records.last.force_age, 1ms);
 }
 
-TEST_F(SessionTest, HoldsTheForceThenFadesItThenLetsGo) {
+TEST_F(SessionTest, HoldsTheForceThenFadesItThenDropsIt) {
   connect();
   tick();
   arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
@@ -131,7 +131,7 @@ TEST_F(SessionTest, TakesTheForceForTheNewestMotionWhateverTheOrderOfArrival) {
   EXPECT_EQ(session.totals().reordered, 1U);
 }
 
-TEST_F(SessionTest, CountsWhatDoesNotBelongByReason) {
+TEST_F(SessionTest, CountsRejectedDatagramsByReason) {
   connect();
   tick();
   const auto motion = sent<wire::MotionSample>().at(0);
@@ -169,7 +169,7 @@ TEST_F(SessionTest, GetsAnotherSessionFromAServerThatRestarted) {
   EXPECT_EQ(session.totals().reconnects, 1U);
 }
 
-TEST_F(SessionTest, TakesTheSpellOutOfTheServersWords) {
+TEST_F(SessionTest, ReplacesControlCharactersInTheServersText) {
   tick();
   const auto hellos = sent<wire::Hello>();
   ASSERT_EQ(hellos.size(), 1U);
@@ -200,7 +200,7 @@ TEST_F(SessionTest, ACopyOfTheServersByeDoesNotEndTheNextSession) {
   EXPECT_EQ(sent<wire::MotionSample>().back().session, kSession + 1);
 }
 
-TEST_F(SessionTest, WellFormedLiesNeverReachTheDevice) {
+TEST_F(SessionTest, WellFormedButFalseForcesNeverReachTheDevice) {
   connect();
   tick();
   const auto motion = sent<wire::MotionSample>().at(0);
@@ -209,7 +209,7 @@ TEST_F(SessionTest, WellFormedLiesNeverReachTheDevice) {
   const auto time = [&] { return Nanoseconds{kTimes[random() % kTimes.size()]}; };
   for (int i = 0; i < 5000; ++i) {
     auto force = answer(motion, -1);
-    // Each lie alone must be enough.
+    // Each false value alone must be enough.
     switch (i % 7) {
       case 0:
         force.session ^= std::uint64_t{1} << random() % 64;
@@ -268,7 +268,7 @@ TEST_F(SessionTest, ALinkThatIsDownIsCountedAndHarmless) {
   EXPECT_EQ(session.totals().send_failures, 10U);
 }
 
-TEST_F(SessionTest, ClosesWithZeroForceWhenTheServersAnswersBringNoNews) {
+TEST_F(SessionTest, ClosesWithZeroForceWhenTheServersCountsNoLongerChange) {
   connect();
   tick();
   arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
@@ -290,7 +290,7 @@ TEST_F(SessionTest, ClosesWithZeroForceWhenTheServersAnswersBringNoNews) {
   EXPECT_EQ(session.totals().lost_down, 1U);
 }
 
-TEST_F(SessionTest, WaitsForStragglersAsLongAsTheLatestMotionWasLate) {
+TEST_F(SessionTest, WaitsOnCloseAsLongAsTheMostDelayedMotionWasLate) {
   connect();
   tick();
   arrive(answer(sent<wire::MotionSample>().at(0), -2.0));
@@ -301,7 +301,7 @@ TEST_F(SessionTest, WaitsForStragglersAsLongAsTheLatestMotionWasLate) {
   for (; ms < 2000 && !closed; ++ms) {
     clock.time += 1ms;
     closed = session.close(clock.time);
-    // The last motion comes 450 ms after all others, which is no longer than one before was late.
+    // The last motion arrives 450 ms after all others; an earlier one was as late.
     const std::uint64_t received = ms < 450 ? motions - 1 : motions;
     for (const auto& bye : sent<wire::Bye>()) {
       arrive(wire::Bye{.session = bye.session, .motions_received = received, .forces_sent = 1, .motions_behind = 460});
@@ -313,7 +313,7 @@ TEST_F(SessionTest, WaitsForStragglersAsLongAsTheLatestMotionWasLate) {
   EXPECT_EQ(session.totals().in_flight, 0U);
 }
 
-TEST_F(SessionTest, ADeviceThatLetGoIsCounted) {
+TEST_F(SessionTest, CountsAReleaseByTheDevice) {
   connect();
   tick();
   device.released = clock.time + 500us;
@@ -323,7 +323,7 @@ TEST_F(SessionTest, ADeviceThatLetGoIsCounted) {
 
 TEST_F(SessionTest, TickDoesNotAllocateInTheWholeLifeOfASession) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  // What the server will say is prepared by a session that is just like this one.
+  // An identical session, run first, gives the server's messages.
   connect();
   tick();
   const auto motion = sent<wire::MotionSample>().at(0);
@@ -394,7 +394,7 @@ TEST_F(SessionTest, TakesTheTimeOfAReadingFromTheDeviceThatLatchedIt) {
   EXPECT_EQ(records.last.latency, 300us);
 }
 
-TEST_F(SessionTest, BelievesNoReadingThatIsYetToCome) {
+TEST_F(SessionTest, RejectsAReadingFromTheFuture) {
   connect();
   device.latched_before = -1ms;
   tick();

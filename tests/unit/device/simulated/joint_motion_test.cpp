@@ -165,7 +165,7 @@ JointDrive shifted(const JointDrive& whole, double from, double length, const Ma
 
 class JointMotionCutting : public testing::TestWithParam<double> {};
 
-TEST_P(JointMotionCutting, DoesNotDependOnHowTheTimeIsCut) {
+TEST_P(JointMotionCutting, DoesNotDependOnTheLengthsOfThePieces) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Coupled arm(GetParam());
@@ -279,7 +279,7 @@ TEST(JointMotion, AuditFindsTheClosedFormMinimumInsideATick) {
   EXPECT_NEAR(motion.audit().energy_J, 0, 1e-16);
 }
 
-TEST(JointMotion, MoreStickSlipThanWeFollowFreezesTheJointCountsItAndAddsNoEnergy) {
+TEST(JointMotion, StickSlipBeyondTheEventLimitFreezesTheJointIsCountedAndAddsNoEnergy) {
   // 600 000 rad/s: some 190 reversals in a piece of 1 ms.
   const Oscillator o{.mass = 1e-6, .stiffness = 3.6e5, .friction = 1e-3, .start = 1e-3};
   JointMotion motion = o.motion();
@@ -291,7 +291,7 @@ TEST(JointMotion, MoreStickSlipThanWeFollowFreezesTheJointCountsItAndAddsNoEnerg
   EXPECT_GT(motion.audit().energy_J, 0);
 }
 
-TEST(JointMotion, ManyRubbingJointsNeverGainEnergyFromFriction) {
+TEST(JointMotion, ManyJointsNeverGainEnergyFromFriction) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Coupled arm(1.0);

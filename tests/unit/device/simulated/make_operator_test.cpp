@@ -99,7 +99,7 @@ TEST(MakeOperator, WorksForOneToSixDegreesOfFreedom) {
   }
 }
 
-TEST(MakeOperator, RefusalsSayWhatIsWrongAndWhatWouldDo) {
+TEST(MakeOperator, RefusalsNameTheErrorAndTheAcceptedValues) {
   EXPECT_THAT(refusal_of("pres"), HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, stroke, "
                                             "trace-circle, trace-sphere, wave, replay:FILE.csv)"));
   EXPECT_THAT(refusal_of("press:dept_m=1"), HasSubstr("operator 'press': unknown key 'dept_m' (known: "));

@@ -38,7 +38,7 @@ TEST(ParseMotion, TakesTheFirstColumnsOfTheDevicesDegreesOfFreedomAndCountsTimeF
   EXPECT_EQ(motion[2].position[1], -0.01);
 }
 
-TEST(ParseMotion, NamesFileAndLineOfWhatItRefuses) {
+TEST(ParseMotion, RefusalNamesFileAndLine) {
   EXPECT_THAT(replay_refusal("", 1),
               HasSubstr("hand.csv:1: the header must begin with 'time_s,x_m' for 1 degree of freedom, got"));
   EXPECT_THAT(replay_refusal("time_s,x_m\n0,0\n1,1\n", 2), HasSubstr("must begin with 'time_s,x_m,y_m' for 2"));

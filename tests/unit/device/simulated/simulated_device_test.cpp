@@ -17,7 +17,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-// The caller's clock means nothing at its origin.
+// The device must not depend on the origin of the caller's clock.
 constexpr Nanoseconds kStart = std::chrono::hours(5) + Nanoseconds(123456789);
 
 /// A hand at rest at the origin, or none at all with the default stiffness.
@@ -141,7 +141,7 @@ TEST(SimulatedDevice, ClockThatRunsBackwardsMovesNothing) {
   EXPECT_EQ(device.truth().joint_velocity[0], before);
 }
 
-TEST(SimulatedDevice, MotionDoesNotDependOnWhenAnybodyLooks) {
+TEST(SimulatedDevice, MotionDoesNotDependOnTheTimesOfReadings) {
   for (const char* name : {"wall-1dof", "cartesian-3dof"}) {
     SCOPED_TRACE(name);
     const DeviceDescription description = load_device(name);
@@ -171,7 +171,7 @@ TEST(SimulatedDevice, MotionDoesNotDependOnWhenAnybodyLooks) {
   }
 }
 
-TEST(SimulatedDevice, AGapOfAnHourIsLivedThroughForAMinuteAndCounted) {
+TEST(SimulatedDevice, AGapOfAnHourIsSimulatedForAMinuteAndCounted) {
   SimulatedDevice device(load_device("cartesian-3dof"), make_operator("wave", 3));
   (void)device.read(kStart);
   device.apply(kStart, Vector::Ones(3));
@@ -179,7 +179,7 @@ TEST(SimulatedDevice, AGapOfAnHourIsLivedThroughForAMinuteAndCounted) {
   EXPECT_TRUE(reading.position.allFinite());
   EXPECT_EQ(device.counters().gaps_cut, 1U);
   EXPECT_EQ(*device.released_at(), kStart + milliseconds(2));
-  // The hand goes on from where it stood, not from where an hour would have brought it.
+  // The hand continues from where it stopped, not from where it would be after an hour.
   const Vector before = device.truth().position;
   (void)device.read(kStart + std::chrono::hours(1) + milliseconds(1));
   EXPECT_LT((device.truth().position - before).norm(), 1e-3);

@@ -21,7 +21,7 @@ double force_N(const std::shared_ptr<const scene::Scene>& scene) {
   return state.answer(test::vector_of({0.01}), time::Nanoseconds{0}).force[0];
 }
 
-/// The wall with one place replaced.
+/// The wall's text with one passage replaced.
 std::string error_with(std::string_view from, std::string_view to) {
   std::string text = test::kAutoWall;
   text.replace(text.find(from), from.size(), to);
@@ -33,7 +33,7 @@ std::string error_with(std::string_view from, std::string_view to) {
   return "no error";
 }
 
-TEST(AutoScene, IsAsItStandsUntilAClientIsKnownAndThenOneOfItsLevels) {
+TEST(AutoScene, IsTheFilesSceneUntilAClientIsKnownAndThenOneOfItsLevels) {
   const auto scene = test::auto_wall();
   EXPECT_NEAR(force_N(scene), -1.5, 1e-12);
   ASSERT_NE(scene->accuracy(), nullptr);
@@ -59,7 +59,7 @@ TEST(AutoScene, TakesTheCostOfEachLevelAsMeasuredOrElsePredicted) {
   EXPECT_GT(here->accuracy()->levels[1].step_s, 1e-9);
 }
 
-TEST(AutoScene, IsExplainedWithAllThatItMayBe) {
+TEST(AutoScene, ExplanationListsAllLevels) {
   EXPECT_THAT(explain(*test::auto_wall()),
               HasSubstr("accuracy auto: by the client's round trip, one of\n"
                         "  object.wall.surface.stiffness_N_per_m = 100: model 10 % off, 0 ns a motion predicted\n"
@@ -67,14 +67,14 @@ TEST(AutoScene, IsExplainedWithAllThatItMayBe) {
                         "  that is     200 behind 1 ms, 100 behind 5 ms, 100 behind 20 ms, 100 behind 50 ms\n"));
 }
 
-TEST(AutoScene, SaysWhatIsWrongAndWhere) {
+TEST(AutoScene, RefusalNamesTheErrorAndItsPlace) {
   EXPECT_THAT(error_with("object.wall", "object.wal"),
               StartsWith("w.toml:11: accuracy, level 1: with object.wal.surface.stiffness_N_per_m = 100: no [[object]] "
                          "named 'wal', did you mean 'wall'?"));
   EXPECT_THAT(error_with("200.0", "-200.0"),
               HasSubstr("accuracy, level 2: with object.wall.surface.stiffness_N_per_m = "
                         "-200: w.toml:12: object 'wall', effect 'surface': "));
-  EXPECT_THAT(error_with("model_error = 0.1 ", "model_eror = 0.1 "), HasSubstr("is 'model_eror' meant to be it?"));
+  EXPECT_THAT(error_with("model_error = 0.1 ", "model_eror = 0.1 "), HasSubstr("is 'model_eror' a misspelling of it?"));
   EXPECT_EQ(error_with("model_error = 0.1 ", "model_error = -1 "),
             "w.toml:11: accuracy, level 1: model_error must be >= 0 and <= 100, got -1");
   EXPECT_EQ(error_with("  { value = 200.0, model_error = 0.01 },\n", ""),
@@ -90,11 +90,11 @@ TEST(AutoScene, IsTheSameSceneForWhoeverFeelsIt) {
             "w.toml:8: accuracy: key must be one of an object, a field, bodies or tissue, got 'scene.shared'");
 }
 
-TEST(AutoScene, SaysOfTheWholeWhatIsWrongWithIt) {
+TEST(AutoScene, ReportsErrorsOfTheWholeFileAsSuch) {
   EXPECT_THAT(error_with("\"half_space\"", "\"half_spce\""), StartsWith("w.toml:17: object 'wall', shape: unknown"));
 }
 
-TEST(AutoScene, CannotBeOneForAll) {
+TEST(AutoScene, CannotBeShared) {
   EXPECT_THAT(error_with("accuracy = \"auto\"", "accuracy = \"auto\"\nshared = true"),
               HasSubstr("accuracy cannot be \"auto\" in a shared scene"));
 }

@@ -1,4 +1,4 @@
-// The shipped scene "assembly", by the hand of the test.
+// The shipped scene "assembly", with a scripted hand.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ struct Push {
   scene::Point force_N;  ///< at the end, on the device
   double force_N_max = 0;
 
-  /// Where the peg is, above the hand.
+  /// Height of the peg above the hand.
   [[nodiscard]] double peg_above_hand_m() const { return force_N.z() / kCoupling_N_per_m; }
 };
 
@@ -38,7 +38,7 @@ Push push_down(double beside_m, double to_m) {
   return push;
 }
 
-TEST(Assembly, ThePegGoesInWhereTheHandIsAlignedAndWeighsWhatItWeighs) {
+TEST(Assembly, ThePegGoesInWhereTheHandIsAlignedAndItsWeightIsFelt) {
   const Push push = push_down(0, -0.01);
   EXPECT_NEAR(push.force_N.z(), -kWeight_N, 0.01);
   EXPECT_LT(push.force_N_max, 1.0);

@@ -60,7 +60,7 @@ TEST(BodyParser, TakesMjcfFromTheSceneItself) {
   EXPECT_EQ(scene->dynamic_models().front().dynamic_model->facts().seats_max, 1);
 }
 
-TEST(BodyParser, RefusesWhatIsWrongByNameAndLine) {
+TEST(BodyParser, RefusalNamesBodyAndLine) {
   EXPECT_THAT(
       [] { parse("[[body]]\nname = \"a\"\nshape = { kind = \"sphere\", center_m = [0, 0, 0], radius_m = 1 }\n"); },
       body_refused("body 'a': 'mass_kg' is missing"));
@@ -100,7 +100,7 @@ const std::string kPendulum =
     "tolerance=\"1e-5\"/><worldbody><body name=\"bob\"><freejoint/><geom "
     "size=\"0.1\"/></body></worldbody></mujoco>'''\n";
 
-TEST(BodyParser, LeavesTheSolverAsMuJoCoHasItWhereTheSceneIsSilent) {
+TEST(BodyParser, KeepsMuJoCosSolverUnlessTheSceneSetsOne) {
   EXPECT_THAT(explain(*parse(kFloor + kBall)),
               HasSubstr("contact forces by newton, iterations at most 100, tolerance 1e-08"));
   EXPECT_THAT(explain(*parse(kPendulum)), HasSubstr("contact forces by cg, iterations at most 7, tolerance 1e-05"));
@@ -128,7 +128,7 @@ TEST(BodyParser, RefusesASolverThatMuJoCoDoesNotHave) {
               body_refused("body 'pendulum': iterations must be a whole number"));
 }
 
-TEST(BodyParser, RefusesACouplingThatWouldRing) {
+TEST(BodyParser, RefusesAnUnstableCoupling) {
   EXPECT_THAT([] { parse(kBall + "[bodies]\nstiffness_N_per_m = 200000\n"); },
               body_refused("is unstable with an apparent mass of"));
 }
@@ -156,7 +156,7 @@ TEST(BodyParser, RefusesAProbeThatTwoDevicesWouldDrag) {
 TEST(BodyParser, RefusesASharedSceneThatCouldNotBeginForAllItsClients) {
   const std::string shared = "[scene]\nname = \"s\"\ndescription = \"\"\ndegrees_of_freedom = 3\nshared = true\n";
   EXPECT_NO_THROW(parse_scene(shared + kBall, "bodies.toml"));
-  // Memory is had for one client and no more.
+  // The memory suffices for one client only.
   static std::size_t most_bytes = 0;
   most_bytes = 0;
   mju_user_malloc = [](std::size_t bytes) {

@@ -8,7 +8,7 @@
 namespace forcebound::server {
 namespace {
 
-/// A clock by which every look takes as long as a computation between two looks: 3200 ns.
+/// A clock that advances by 3200 ns at each reading.
 class CountingClock final : public time::Clock {
  public:
   [[nodiscard]] time::Nanoseconds now() const noexcept override { return time::Nanoseconds{3200 * ++looks_}; }

@@ -52,7 +52,7 @@ TEST(EnvironmentLibrary, GivesASceneOneKindUntilTheSceneIsReplaced) {
   EXPECT_NEAR(force_N(*first, 0.01), -1, 1e-12) << "whoever has the old one keeps it";
 }
 
-TEST(EnvironmentLibrary, PutsAnEnvironmentOfOnesOwnBeforeASceneOfItsName) {
+TEST(EnvironmentLibrary, AnAddedEnvironmentTakesPrecedenceOverASceneOfItsName) {
   EnvironmentLibrary environments = SceneLibrary::shipped();
   EnvironmentKind own = scene_environment(wall(300));
   environments.add(own);
@@ -69,7 +69,7 @@ TEST(EnvironmentLibrary, RefusesAKindWithoutANameOrAFunction) {
   EXPECT_THROW(environments.add({.make = [](const ClientFacts&) { return MadeEnvironment{}; }}), std::invalid_argument);
 }
 
-TEST(EnvironmentKind, AcceptsAnyDeviceThatThereIsIfItNamesNone) {
+TEST(EnvironmentKind, AcceptsAnyDegreesOfFreedomIfItListsNone) {
   const EnvironmentKind kind;
   EXPECT_FALSE(kind.accepts(0));
   EXPECT_TRUE(kind.accepts(1));

@@ -66,29 +66,29 @@ TEST(Explain, ListsPredictedCostsThatAddUpToTheTotal) {
   EXPECT_EQ(number_after("motion:  ") + number_after("cost:  "), number_after("total:  ")) << text;
 }
 
-TEST(Explain, SaysWhatCouldNotBeMeasuredToItsEnd) {
+TEST(Explain, MarksPartsQuarantinedDuringTheMeasurement) {
   const ExplainFacts facts{.calibration = Calibration{.parts = {{1500, 2500, true}}, .whole = {1.6e6, 2e6, true}}};
   EXPECT_THAT(explain(*load_scene("wall"), facts), HasSubstr("(p99 2.5 us), but left out during it"));
 }
 
-TEST(Explain, MarginsAreForTheDeviceAndTheNetworkThatWereSaid) {
+TEST(Explain, MarginsAreForTheGivenDeviceAndNetwork) {
   const std::string text = explain(*load_scene("plane"), {.device = {.damping_N_s_per_m = 4, .round_trip_s = 0.0195}});
   EXPECT_THAT(text, HasSubstr("damping above 2 N s/m (b > K T/2 + B: K 2000 N/m, B 1 N s/m, T 1 ms)"));
   EXPECT_THAT(text, HasSubstr("margin 2 for a device of 4 N s/m, 0.0976 behind a round trip of 19.5 ms\n"));
 }
 
-TEST(Explain, AddsUpWhatIsFeltAtOnePlace) {
+TEST(Explain, AddsUpStiffnessAtOnePlace) {
   const std::string text = explain(*load_scene("microsurgery"));
   EXPECT_THAT(text, HasSubstr("all at one place: passive without a law on a device with damping above 42.1 N s/m"));
   EXPECT_THAT(explain(*load_scene("wall")), Not(HasSubstr("all at one place")));
 }
 
-TEST(Explain, TellsWhatDrivesByItself) {
+TEST(Explain, MarksEnergySources) {
   EXPECT_THAT(explain(*load_scene("drive")), HasSubstr("drives the device with energy of its own"));
   EXPECT_THAT(explain(*load_scene("gravity")), Not(HasSubstr("energy of its own")));
 }
 
-TEST(Explain, TellsTheBoxOfWhatHasOne) {
+TEST(Explain, GivesTheBoundingBoxOfFiniteShapes) {
   EXPECT_THAT(explain(*load_scene("box")),
               HasSubstr("box:        [-0.03, -0.03, -0.02] to [0.03, 0.03, 0.02] m,\n              60 x 60 x 40 mm\n"));
   EXPECT_THAT(explain(*load_scene("circle")),
@@ -104,7 +104,7 @@ std::string ball(const std::string& radius_m, const std::string& center_m = "[0,
          center_m + ", radius_m = " + radius_m + " }\n";
 }
 
-TEST(Explain, WarnsOfSizesThatNoHandMeets) {
+TEST(Explain, WarnsOfImplausibleSizes) {
   EXPECT_THAT(explain(*parse_scene(ball("0.5"), "s.toml")), Not(HasSubstr("warning")));
   EXPECT_THAT(explain(*parse_scene(ball("0.51"), "s.toml")), HasSubstr("warning: larger than 1 m for a hand"));
   EXPECT_THAT(explain(*parse_scene(ball("0.0005"), "s.toml")), Not(HasSubstr("warning")));
@@ -117,7 +117,7 @@ std::string explained_with_hand(const std::string& text) {
   return explain(*scene, {.hand = ExplainedHand{suggested, try_hand(scene, suggested)}});
 }
 
-TEST(Explain, TellsWithWhichHandThereIsSomethingToFeel) {
+TEST(Explain, GivesTheSuggestedHandAndItsTrial) {
   EXPECT_THAT(explained_with_hand(ball("0.03")),
               HasSubstr("hand:         --device omni --operator stroke:offset_z_m=0.03\n"
                         "              computed from the scene; feels something after 0."));
@@ -135,7 +135,7 @@ TEST(Explain, WarnsOfAHandThatStartsInsideOrNeverTouches) {
       << "no omni reaches as far";
 }
 
-TEST(Explain, TellsAFieldFromAnObject) {
+TEST(Explain, DistinguishesFieldsFromObjects) {
   const std::string text = explain(*test::scene_with_own_effects("[[field]]\nname = 'fog'\neffects = ['clock']\n"));
   EXPECT_THAT(text, HasSubstr("field 'fog'\n  effect 'clock'\n"));
   EXPECT_THAT(text, HasSubstr("implies:    time by the device's clock\n"));

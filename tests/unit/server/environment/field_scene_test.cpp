@@ -1,4 +1,4 @@
-// Fields as scenes of one, two and three axes have them, and every scene that ships, everywhere.
+// Every field in scenes of one, two and three axes, and every shipped scene.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// What each field is asked for with; ZERO and ONE stand for points of the scene's axes.
+/// The parameters of each field; ZERO and ONE stand for points of the scene's axes.
 const std::map<std::string, std::string> kFields = {
     {"viscosity", "damping_N_s_per_m = 3"},
     {"constant_force", "force_N = ONE"},
@@ -56,7 +56,7 @@ std::shared_ptr<const scene::Scene> scene_of(const std::string& field, int axes)
 
 class EveryField : public testing::TestWithParam<std::string> {};
 
-TEST_P(EveryField, IsFiniteOnEveryNumberOfAxesFromItsVeryCentreToFarAway) {
+TEST_P(EveryField, IsFiniteOnAnyAxesFromItsCentreToFarAway) {
   for (int axes = 1; axes <= 3; ++axes) {
     const auto device = static_cast<std::uint32_t>(axes == 3 ? 6 : axes);
     scene::SceneState state(scene_of(GetParam(), axes), device);
@@ -88,7 +88,7 @@ TEST_P(EveryField, IsFeltAlongTheAxesOfAScene) {
   }
 }
 
-TEST_P(EveryField, WithinAShapeIsNothingOutsideOfIt) {
+TEST_P(EveryField, WithinAShapeIsZeroOutsideOfIt) {
   const std::string ball =
       "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n[[object]]\nname = 'x'\n"
       "shape = { kind = 'sphere', center_m = [1, 0, 0], radius_m = 0.5 }\neffects = ['" +

@@ -92,7 +92,7 @@ TEST(HeightFieldParser, NeedsOneOfHeightsAndFile) {
               EndsWith("a height_field needs either 'heights_m' or 'file'"));
 }
 
-TEST(HeightFieldParser, TellsReliefsInOnePlaceApart) {
+TEST(HeightFieldParser, DistinguishesReliefsInOnePlace) {
   const auto text = [](const std::string& heights) { return scene_with(heights)->objects().front().shape_text; };
   EXPECT_THAT(text("heights_m = [[0, 0.5], [0, -0.25], [0, 0]]"), HasSubstr("heights_m 2 x 3 from -0.25 to 0.5"));
   EXPECT_NE(text("heights_m = [[0, 1], [0, 0]]"), text("heights_m = [[0, 0], [1, 0]]"));

@@ -73,7 +73,7 @@ TEST_F(MeshParser, TurnsAMeshAfterItsScaleAndBeforeItsOffset) {
               HasSubstr("box:        [0.01, 0, -0.1] to [0.11, 0.1, 0] m,\n              100 x 100 x 100 mm\n"));
 }
 
-TEST_F(MeshParser, RefusesAPlacementThatIsNone) {
+TEST_F(MeshParser, RefusesAnInvalidPlacement) {
   test::write_file(folder.file("corner.obj"), kTetrahedron);
   const std::string mesh = "kind = 'mesh', file = 'corner.obj', ";
   const std::string place = folder.file("scene.toml") + ":7: object 'it', shape: ";
@@ -114,7 +114,7 @@ TEST_F(MeshParser, NamesSceneLineAndFileAndTheirLine) {
   EXPECT_THAT(error_of("kind = 'mesh', file = 'corner.ply'"), HasSubstr("a mesh is an .obj, .off or .stl file"));
 }
 
-TEST_F(MeshParser, HasAsMuchDetailAsToldTo) {
+TEST_F(MeshParser, KeepsTheRequestedDetail) {
   std::ofstream file(folder.file("ball.obj"));
   const test::Soup ball = test::ball(0.05, 10);
   for (const scene::Point& v : ball.vertices) file << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';

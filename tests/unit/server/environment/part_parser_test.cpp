@@ -20,7 +20,7 @@ std::vector<scene::SceneObject> rebuilt(const std::vector<scene::SceneObject>& p
   return made;
 }
 
-/// Of random strokes about a part, felt in both.
+/// Compares the forces of both scenes on random strokes about a part.
 void expect_the_same_forces(const std::shared_ptr<const scene::Scene>& one,
                             const std::shared_ptr<const scene::Scene>& other) {
   const auto rows = static_cast<Eigen::Index>(std::max(1, one->facts().degrees_of_freedom));
@@ -36,7 +36,7 @@ void expect_the_same_forces(const std::shared_ptr<const scene::Scene>& one,
   }
 }
 
-TEST(PartParser, WhatAScenesPartsSayIsEnoughToMakeThemAnew) {
+TEST(PartParser, PartsCanBeRemadeFromTheirDescriptions) {
   if (!has_bodies()) GTEST_SKIP() << "built without MuJoCo";
   int scenes = 0;
   for (const std::string& name : test::scene_files()) {

@@ -28,7 +28,7 @@ class Client {
   int now_ = 0;
 };
 
-TEST(Plan, HasNothingThatNobodyAskedFor) {
+TEST(Plan, ContainsOnlyRequestedEffects) {
   const auto scene = scene_with_own_effects(table("table", "'surface'"));
   EXPECT_EQ(scene->plan().effects().size(), 1U);
   EXPECT_EQ(scene->plan().state_bytes(), 0U);
@@ -36,7 +36,7 @@ TEST(Plan, HasNothingThatNobodyAskedFor) {
   EXPECT_FALSE(scene->plan().inputs().pressure);
 }
 
-TEST(Plan, PutsWhatAsksForThePressureAfterWhatMakesIt) {
+TEST(Plan, PutsEffectsThatNeedPressureAfterThoseThatMakeIt) {
   Client client(scene_with_own_effects(table("table", "'pressed', 'surface'")));
   EXPECT_NEAR(client.at(-0.002)[0], 2, 1e-12);
 }

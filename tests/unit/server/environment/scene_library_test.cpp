@@ -60,7 +60,7 @@ TEST(SceneLibrary, ShipsTheScenesWithTheirDegreesOfFreedom) {
   EXPECT_EQ(accepted("box"), "3 or 6");
 }
 
-TEST(Scene, AcceptsWhatItSays) {
+TEST(Scene, AcceptsTheDegreesOfFreedomThatItLists) {
   const SceneLibrary library = SceneLibrary::shipped();
   const auto accepted = [&](std::string_view name) {
     std::string numbers;
@@ -82,7 +82,7 @@ TEST(SceneLibrary, TheOwnersSceneReplacesAShippedOne) {
   EXPECT_EQ(library.names(), SceneLibrary::shipped().names());
 }
 
-TEST(SceneLibrary, WhoCannotWaitAsksAgainWhileASceneIsCompiledElsewhere) {
+TEST(SceneLibrary, RequestReturnsAtOnceWhileASceneIsCompiledElsewhere) {
   SceneLibrary library = SceneLibrary::shipped();
   std::vector<SceneLibrary::Compilation> wanted;
   library.compile_elsewhere([&](SceneLibrary::Compilation what) { wanted.push_back(std::move(what)); });
@@ -101,7 +101,7 @@ TEST(SceneLibrary, WhoCannotWaitAsksAgainWhileASceneIsCompiledElsewhere) {
   EXPECT_EQ(wanted.size(), 1U);
 }
 
-TEST(SceneLibrary, WhatCouldNotBeCompiledIsToldOnceAndThenTriedAgain) {
+TEST(SceneLibrary, AFailedCompilationIsReportedOnceAndThenRetried) {
   SceneLibrary library = SceneLibrary::shipped();
   int asked = 0;
   library.compile_elsewhere([&](const SceneLibrary::Compilation&) { ++asked; });

@@ -27,7 +27,7 @@ stiffness_N_per_m = 200
 damping_N_s_per_m = 1
 )";
 
-/// The good scene with one place replaced.
+/// The valid scene's text with one passage replaced.
 std::string with(std::string_view from, std::string_view to) {
   std::string text{kGood};
   const auto at = text.find(from);
@@ -118,13 +118,13 @@ TEST(ParseScene, UnknownEffectsAndShapesAreErrorsWithTheNearestKnown) {
   EXPECT_NE(said.find("did you mean 'half_space'? (known: half_space, sphere, "), std::string::npos) << said;
 }
 
-TEST(ParseScene, WhatIsMissingIsNamed) {
+TEST(ParseScene, MissingKeysAreNamed) {
   EXPECT_EQ(error_of(with("stiffness_N_per_m = 200\n", "")),
             "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing");
   EXPECT_EQ(
       error_of(with("stiffness_N_per_m", "stifness_N_per_m")),
       "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stifness_N_per_m' "
-      "meant to be it?");
+      "a misspelling of it?");
   EXPECT_EQ(
       error_of(with("stiffness_N_per_m", "stiffness")),
       "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' meant "
@@ -197,7 +197,7 @@ TEST(ParseScene, ObjectsHaveNamesOfTheirOwn) {
   EXPECT_EQ(error_of(std::string(kGood) + object), "scenes/wall.toml:14: scene file: two [[object]] are named 'wall'");
 }
 
-TEST(ParseScene, ANameIsThatOfOnePartWhateverItsKind) {
+TEST(ParseScene, NamesDifferAcrossAllKindsOfParts) {
   const std::string field =
       "[[field]]\nname = \"wall\"\neffects = [\"viscosity\"]\nviscosity = { damping_N_s_per_m = 1 }\n";
   try {
@@ -208,14 +208,14 @@ TEST(ParseScene, ANameIsThatOfOnePartWhateverItsKind) {
   }
 }
 
-TEST(ParseScene, NamesMayStandInALogLine) {
+TEST(ParseScene, NamesMustFitALogLine) {
   EXPECT_EQ(error_of(with("name = \"wall\"\ndesc", "name = \"\"\ndesc")),
             "scenes/wall.toml:2: scene: name must have 1 to 64 printable characters, got ''");
   EXPECT_EQ(error_of(with("name = \"wall\"\ndesc", "name = \"a\\nb\"\ndesc")).substr(0, 70),
             "scenes/wall.toml:2: scene: name must have 1 to 64 printable characters");
 }
 
-TEST(ParseScene, WhatIsNotTomlIsNamedByLine) {
+TEST(ParseScene, InvalidTomlIsRefusedWithItsLine) {
   EXPECT_EQ(error_of("[scene]\nname = \n").substr(0, 20), "scenes/wall.toml:2: ");
   EXPECT_EQ(error_of("[[object]]\n[object]\n").substr(0, 20), "scenes/wall.toml:2: ");
 }

@@ -69,7 +69,7 @@ TEST(SceneState, SphereOfASixDofDeviceHasNoTorque) {
   EXPECT_EQ(answer.contact_normal, vector_of({0, 1, 0, 0, 0, 0}));
 }
 
-TEST(SceneState, FreeIsFree) {
+TEST(SceneState, SceneFreeHasZeroForce) {
   SceneState state(load_scene("free"), 3);
   EXPECT_EQ(state.answer(vector_of({0, 0, 0}), milliseconds{1}).force, vector_of({0, 0, 0}));
 }

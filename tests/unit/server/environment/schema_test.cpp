@@ -49,7 +49,7 @@ const std::map<std::string, Keys> kShapes{
       {"spacing_m", "0.5"}}},
     {"lathe", {{"profile_m", "[[0, 0], [1, 0], [0, 1]]"}, {"segments", "8"}, {"origin_m", "[1, 1, 1]"}}}};
 
-/// The start of the error that a scene file is refused with, or "no error". A mesh lies beside it.
+/// The start of the error for a scene file, or "no error". A mesh lies beside it.
 std::string schema_error(const std::string& scene) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.file("solid.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -102,7 +102,7 @@ TEST(Schema, IsThePageBesideTheScenes) {
          "    forcebound-server --schema > server/scenes/README.md";
 }
 
-TEST(Schema, BeginsWithASceneThatIsOne) {
+TEST(Schema, BeginsWithAValidScene) {
   EXPECT_EQ(schema_error(schema_example()), "no error");
   EXPECT_THAT(schema(scene::Registry::standard()), HasSubstr("```toml\n" + schema_example() + "```"));
 }

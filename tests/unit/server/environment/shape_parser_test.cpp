@@ -74,7 +74,7 @@ TEST(ShapeParser, RefusesATorusWithoutAHoleOrAxis) {
       HasSubstr("major_radius_m must be > 0, got -2"));
 }
 
-TEST(ShapeParser, SuggestsTheKindOneMayHaveMeant) {
+TEST(ShapeParser, SuggestsTheNearestKind) {
   EXPECT_THAT(error_of("kind = 'capsul'"), HasSubstr("unknown kind 'capsul', did you mean 'capsule'?"));
 }
 

@@ -40,13 +40,13 @@ TEST(StabilityText, TheDamperOfAWallAsksForItsOwn) {
   EXPECT_THAT(text, HasSubstr("margin 0.4 for"));
 }
 
-TEST(StabilityText, SaysWhatANetworkLeavesOfTheMargin) {
+TEST(StabilityText, GivesTheMarginBehindANetwork) {
   const std::string text =
       stability_text({.stiffness_N_per_m = 1000}, {.damping_N_s_per_m = 1, .round_trip_s = 0.0195}, "");
   EXPECT_THAT(text, HasSubstr("margin 2 for a device of 1 N s/m, 0.05 behind a round trip of 19.5 ms"));
 }
 
-TEST(StabilityText, KnowsNoEndOfWhatStiffens) {
+TEST(StabilityText, GivesNoFinalValueForAStiffeningSpring) {
   const std::string text = stability_text({.stiffness_N_per_m = 1000, .stiffening_N_per_m2 = 1e5}, {}, "");
   EXPECT_THAT(text, HasSubstr("above 0.5 N s/m, 1 at a depth of 10 mm, the more the deeper"));
 }
@@ -58,7 +58,7 @@ TEST(StabilityText, NoDampingMakesADrivePassive) {
   EXPECT_THAT(stability_text({.damping_N_s_per_m = 1}, {}, ""), Not(HasSubstr("drives")));
 }
 
-TEST(StabilityText, NothingCannotRing) {
+TEST(StabilityText, SaysThatAnEmptySceneCannotRing) {
   EXPECT_EQ(stability_text({}, {}, ""), "neither stiffness nor damping: nothing that could ring");
 }
 

@@ -105,7 +105,7 @@ TEST(SuggestedHand, WithoutASurfaceWavesAndFeelsAField) {
   EXPECT_FALSE(try_hand(load_scene("free"), suggested_hand(load_scene("free"))).touched_s);
 }
 
-TEST(SuggestedHand, IsTheAuthorsWhereThereIsOne) {
+TEST(SuggestedHand, IsTheAuthorsIfGiven) {
   const SuggestedHand given =
       suggested_hand(scene_of("suggested_device = 'cartesian-3dof'\nsuggested_hand = 'stroke:offset_z_m=0.01'\n"));
   EXPECT_EQ(to_options(given), "--device cartesian-3dof --operator stroke:offset_z_m=0.01");
@@ -114,7 +114,7 @@ TEST(SuggestedHand, IsTheAuthorsWhereThereIsOne) {
             "--device cartesian-3dof --operator wave");
 }
 
-TEST(SuggestedHand, ThatThereIsNotIsRefusedWithFileAndLine) {
+TEST(SuggestedHand, UnknownHandIsRefusedWithFileAndLine) {
   EXPECT_THAT(refusal_of("suggested_hand = 'strok'\n"),
               StartsWith("s.toml:5: scene: suggested_hand: unknown operator 'strok', did you mean 'stroke'? (known: "));
   EXPECT_THAT(refusal_of("suggested_hand = 'stroke:offset_m=1'\n"),
@@ -139,7 +139,7 @@ TEST(TryHand, WithinAnObjectThatDoesNotPushStartsNowhere) {
   EXPECT_GT(trial.touched_s.value_or(0), 0) << "it drags as soon as the hand moves";
 }
 
-TEST(TryHand, TellsTheStartInsideFromTheTouch) {
+TEST(TryHand, DistinguishesAStartInsideFromATouch) {
   const auto scene = scene_with("kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.03");
   EXPECT_TRUE(try_hand(scene, {.device = "omni", .hand = "wave"}).starts_inside);
   const HandTrial above = try_hand(scene, {.device = "omni", .hand = "stroke:offset_z_m=0.03"});

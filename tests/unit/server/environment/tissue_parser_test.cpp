@@ -114,7 +114,7 @@ TEST(TissueParser, TurnsABlockAboutItsCentre) {
   EXPECT_LT((box_m.sizes() - scene::Point(0.06, 0.08, 0.04)).norm(), 1e-15);
 }
 
-TEST(TissueParser, RefusesWhatIsWrongByNameAndLine) {
+TEST(TissueParser, RefusalNamesTissueAndLine) {
   EXPECT_THAT([] { parse_scene(pad("poison = 0.4\n"), "pad.toml"); },
               refused("tissue 'pad': unknown key 'poison', did you mean 'poisson'?"));
   EXPECT_THAT([] { parse_scene(pad("contacts_max = 2.5\n"), "pad.toml"); }, refused("contacts_max must be a whole"));
@@ -149,7 +149,7 @@ TEST(TissueParser, UnderLargeMotionTheContactIsAsStiffAsItMayBe) {
               refused("12: tissue 'pad': contact_stiffness_N_per_m must be > 0 and <= 10000, got 20000"));
 }
 
-TEST(TissueParser, SaysHowManyClientsThereIsRoomFor) {
+TEST(TissueParser, GivesItsMaximumOfClients) {
   const auto shared_by = [](int clients, const std::string& rest) {
     std::string text = pad(rest);
     text.insert(text.find("[[tissue]]"), "shared = true\nclients_max = " + std::to_string(clients) + "\n");

@@ -5,7 +5,7 @@
 namespace forcebound::server {
 namespace {
 
-TEST(ServerCounters, LeaveOutWhatNeverHappened) {
+TEST(ServerCounters, TextLeavesOutZeroCounts) {
   EXPECT_EQ(ServerCounters{}.text(),
             "sessions: 0 opened\n"
             "motions: 0 received\n"

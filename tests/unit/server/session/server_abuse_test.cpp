@@ -8,7 +8,7 @@ namespace {
 
 class ServerAbuse : public ServerFixture {};
 
-TEST_F(ServerAbuse, CountsWhatIsNotOursByReason) {
+TEST_F(ServerAbuse, CountsMalformedDatagramsByReason) {
   server->on_datagram({}, address(1), clock.time);
   server->on_datagram(std::vector<std::byte>(100), address(1), clock.time);
   server->on_datagram(std::vector<std::byte>(1400), address(1), clock.time);
@@ -19,7 +19,7 @@ TEST_F(ServerAbuse, CountsWhatIsNotOursByReason) {
   EXPECT_TRUE(answers().empty());
 }
 
-TEST_F(ServerAbuse, IgnoresWhatOnlyServersSay) {
+TEST_F(ServerAbuse, IgnoresMessagesThatOnlyServersSend) {
   arrive(wire::Welcome{});
   arrive(wire::Refusal{});
   arrive(wire::EnvironmentForce{});
@@ -99,7 +99,7 @@ TEST_F(ServerAbuse, NonsenseInAHelloIsHarmless) {
   for (const auto& line : diary.lines) EXPECT_EQ(line, "opened line?break ?[31m in wall");
 }
 
-TEST_F(ServerAbuse, MotionAsFarOutAsNumbersGoIsAnsweredFinite) {
+TEST_F(ServerAbuse, MotionAtTheLargestNumbersGetsFiniteForces) {
   const auto session = join();
   for (const double x : {1e300, -1e300, 1.7e308, 5e-324}) {
     static std::uint64_t sequence = 0;

@@ -1,4 +1,4 @@
-// Sessions in an environment that is no scene.
+// Sessions in an environment that is not a scene.
 
 #include <limits>
 #include <stdexcept>
@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Says what it is told to, and remembers what it was asked.
+/// Returns the responses set by the test, and records its inputs.
 struct Script {
   Response response{.force = vector_of({1})};
   Vector asked_at{};
@@ -118,7 +118,7 @@ TEST_F(ServerEnvironment, IsAskedForEachMotionAndAnswersForceContactAndTexture) 
   EXPECT_EQ(force.texture_across, vector_of({200}));
 }
 
-TEST_F(ServerEnvironment, ThatSaysWhatIsNoForceIsAnsweredByZeroAndCountedWhileTheSessionGoesOn) {
+TEST_F(ServerEnvironment, UnsoundResponseIsReplacedByZeroForceAndCounted) {
   const auto session = join();
   const std::vector<Response> unsound{
       {.force = vector_of({kNaN})},
@@ -152,7 +152,7 @@ TEST_F(ServerEnvironment, ThatSaysWhatIsNoForceIsAnsweredByZeroAndCountedWhileTh
   EXPECT_THAT(server->counters().text(), HasSubstr("12 of zero because the environment's response was unsound"));
 }
 
-TEST_F(ServerEnvironment, ThatSaysWhatIsNoForceDoesNotAllocate) {
+TEST_F(ServerEnvironment, UnsoundResponseDoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const auto session = join();
   link.keep = false;
@@ -163,7 +163,7 @@ TEST_F(ServerEnvironment, ThatSaysWhatIsNoForceDoesNotAllocate) {
   EXPECT_EQ(server->counters().responses_unsound, 100U);
 }
 
-TEST_F(ServerEnvironment, CountsWhatItKeptFromItsClientsAlsoWhenTheyHaveLeft) {
+TEST_F(ServerEnvironment, FaultsStayCountedAfterTheSessionsEnd) {
   const auto session = join();
   script.faults = {.old_normals = 1, .quarantined = 2, .contacts_left_out = 3, .not_converged = 4, .slipped_s = 5};
   const auto expect_counted = [&] {
@@ -187,7 +187,7 @@ TEST_F(ServerEnvironment, RefusesADeviceThatItDoesNotAccept) {
   EXPECT_TRUE(script.clients.empty());
 }
 
-TEST_F(ServerEnvironment, HasNoMorePlacesThanItSays) {
+TEST_F(ServerEnvironment, RefusesSessionsBeyondItsMaximum) {
   EnvironmentKind kind = scripted();
   kind.sessions_max = 1;
   serve(std::move(kind));
@@ -200,7 +200,7 @@ TEST_F(ServerEnvironment, HasNoMorePlacesThanItSays) {
   EXPECT_NE(join(3), 0U);
 }
 
-TEST_F(ServerEnvironment, IsToldTheRoundTripIfItWantsToKnow) {
+TEST_F(ServerEnvironment, GetsTheRoundTripIfItWantsIt) {
   EnvironmentKind kind = scripted();
   kind.wants_round_trip = true;
   serve(std::move(kind));
@@ -214,7 +214,7 @@ TEST_F(ServerEnvironment, IsToldTheRoundTripIfItWantsToKnow) {
   EXPECT_EQ(script.clients.at(0).round_trip, milliseconds{9});
 }
 
-TEST_F(ServerEnvironment, ThatCannotBeMadeIsRefusedWithTheReasonAndMayBeAskedForAgain) {
+TEST_F(ServerEnvironment, FailureToMakeItIsRefusedWithTheReasonAndMayBeRetried) {
   EnvironmentKind kind = scripted();
   bool plugged_in = false;
   kind.make = [&plugged_in, make = kind.make](const ClientFacts& client) {
@@ -233,10 +233,11 @@ TEST_F(ServerEnvironment, ThatCannotBeMadeIsRefusedWithTheReasonAndMayBeAskedFor
                           "opened wall-1dof in script"));
 }
 
-TEST_F(ServerEnvironment, MadeOfNothingIsRefused) {
+TEST_F(ServerEnvironment, MakerThatReturnsNoneIsRefused) {
   serve({.name = "nothing", .make = [](const ClientFacts&) { return MadeEnvironment{}; }});
   arrive(hello());
-  EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'nothing' is not available at the moment: none was made");
+  EXPECT_EQ(only_answer<wire::Refusal>().text,
+            "scene 'nothing' is not available at the moment: its maker returned none");
 }
 
 TEST_F(ServerEnvironment, IsNamedAmongTheKnownBesideTheScenes) {

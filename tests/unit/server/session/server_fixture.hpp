@@ -47,7 +47,7 @@ class Diary final : public ServerObserver {
   int forces = 0;
 };
 
-/// One server on a link that goes nowhere:
+/// One server on a link that records what is sent:
 ///
 ///     test --on_datagram--> Server --send--> FakeLink
 class ServerFixture : public testing::Test {
@@ -64,7 +64,7 @@ class ServerFixture : public testing::Test {
     server->on_datagram(datagram, from, clock.time);
   }
 
-  /// The answers since the last look, each decoded; text in them is copied away by the caller.
+  /// The answers since the last call, each decoded; the caller must copy their texts.
   std::vector<wire::Message> answers() {
     std::vector<wire::Message> messages;
     for (const auto& sent : link.sent) {

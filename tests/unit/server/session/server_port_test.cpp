@@ -10,7 +10,7 @@ namespace {
 using test::PortLaw;
 using testing::ElementsAre;
 
-/// A server that has a half of the law "port" too.
+/// A server with a server-side law "port".
 class ServerPort : public ServerFixture {
  protected:
   void SetUp() override {
@@ -38,7 +38,7 @@ class ServerPort : public ServerFixture {
   test::PortLog log;
 };
 
-TEST_F(ServerPort, AsksTheSceneWhereTheServerSideLawSaysAndAnswersWhatItMakesOfTheForce) {
+TEST_F(ServerPort, EvaluatesTheSceneAtTheServerSideLawsPositionAndSendsItsForce) {
   const auto session = join_with_port();
   arrive(saying(motion(session, 5, 0.002), 77));
   const auto force = only_answer<wire::EnvironmentForce>();
@@ -59,7 +59,7 @@ TEST_F(ServerPort, TellsTheServerSideLawTheDevicesTimeSinceTheMotionAnsweredBefo
   EXPECT_THAT(log.intervals_s, ElementsAre(0, 1e-3, 3e-3, 1e-3, 0));
 }
 
-TEST_F(ServerPort, HearsNothingOfMotionsThatNewerOnesOvertook) {
+TEST_F(ServerPort, DoesNotReceiveSupersededMotions) {
   const auto session = join_with_port();
   wire::Codec client;
   for (const std::uint64_t sequence : {1U, 2U, 3U}) {
@@ -82,7 +82,7 @@ TEST_F(ServerPort, GivesEachSessionAServerSideLawOfItsOwn) {
   EXPECT_EQ(only_answer<wire::EnvironmentForce>().port[0], 3);
 }
 
-TEST_F(ServerPort, HasNoNumbersForWhoAskedForNoPort) {
+TEST_F(ServerPort, SendsNoNumbersToAClientWithoutAServerSideLaw) {
   const auto session = join();
   arrive(saying(motion(session, 1, 0.002), 77));
   const auto force = only_answer<wire::EnvironmentForce>();
@@ -95,14 +95,14 @@ TEST_F(ServerPort, RefusesAPortThatItDoesNotHaveAndListsThoseItHas) {
   arrive(hello_with("prot"));
   const auto refusal = only_answer<wire::Refusal>();
   EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_port);
-  EXPECT_THAT(std::string(refusal.text), testing::StartsWith("this server has no half of a law 'prot' (known: "));
+  EXPECT_THAT(std::string(refusal.text), testing::StartsWith("this server has no server-side law 'prot' (known: "));
   EXPECT_THAT(std::string(refusal.text), testing::EndsWith("port)"));
   EXPECT_EQ(server->sessions(), 0U);
   ServerOptions options;
   options.laws = control::force_bounding_laws();
   start(options);
   arrive(hello_with("fba-less"));
-  EXPECT_EQ(only_answer<wire::Refusal>().text, "this server has no half of a law 'fba-less', nor of any other");
+  EXPECT_EQ(only_answer<wire::Refusal>().text, "this server has no server-side law 'fba-less' (known: none)");
 }
 
 TEST_F(ServerPort, DoesNotAllocate) {
@@ -115,7 +115,7 @@ TEST_F(ServerPort, DoesNotAllocate) {
   EXPECT_EQ(log.ticks_heard.size(), 100U);
 }
 
-/// Says what no number is.
+/// Returns values that are not finite.
 class BrokenServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] control::Vector place(const Heard& heard) noexcept override { return heard.position / 0.0; }
@@ -124,7 +124,7 @@ class BrokenServerSideLaw final : public control::ServerSideLaw {
   }
 };
 
-TEST_F(ServerPort, AServerSideLawThatLosesThePlaceDoesNotLeadTheSceneAstray) {
+TEST_F(ServerPort, AServerSideLawThatIsNotFiniteDoesNotReachTheScene) {
   ServerOptions options;
   options.laws.add({.name = "broken",
                     .summary = "divides by zero",

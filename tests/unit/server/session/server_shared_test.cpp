@@ -8,7 +8,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Two places around a ball without weight.
+/// A shared scene for two clients: a ball without gravity.
 class SharedSceneTest : public ServerFixture {
  protected:
   void SetUp() override {
@@ -66,7 +66,7 @@ TEST_F(SharedSceneTest, OneClientFeelsWhatTheOtherPushes) {
   EXPECT_GT(push(left, right), 0.05);
 }
 
-TEST_F(SharedSceneTest, RefusesOneMoreThanThereIsRoomForUntilSomebodyLeaves) {
+TEST_F(SharedSceneTest, RefusesClientsBeyondTheMaximumUntilOneLeaves) {
   const auto left = enter(1);
   const auto right = enter(2);
   (void)push(left, right);
@@ -79,7 +79,7 @@ TEST_F(SharedSceneTest, RefusesOneMoreThanThereIsRoomForUntilSomebodyLeaves) {
   EXPECT_NE(enter(3), 0U);
 }
 
-TEST_F(SharedSceneTest, WhoNeverMovedGivesUpItsPlace) {
+TEST_F(SharedSceneTest, EvictsAClientThatNeverSentMotion) {
   (void)enter(1);
   (void)enter(2);
   clock.time += seconds{2};
@@ -100,7 +100,7 @@ TEST_F(SharedSceneTest, BeginsAnewWhenAllHaveLeft) {
   EXPECT_NEAR(force_N(again, 1, 0.0245, 3), 0, 1e-9);
 }
 
-TEST_F(SharedSceneTest, WhoComesAfterADynamicModelWasQuarantinedFeelsANewOne) {
+TEST_F(SharedSceneTest, AClientThatJoinsAfterAQuarantineGetsANewDynamicModel) {
   serve(test::frail_scene(
       {.name = "frail", .description = "", .degrees_of_freedom = 3, .shared = true, .clients_max = 3}, {"jelly"}));
   const auto first = enter(1);

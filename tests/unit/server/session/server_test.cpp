@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 class ServerTest : public ServerFixture {};
 
-TEST_F(ServerTest, WelcomesWithWhatIsSimulated) {
+TEST_F(ServerTest, WelcomesWithTheScenesSummary) {
   arrive(hello(77));
   const auto welcome = only_answer<wire::Welcome>();
   EXPECT_EQ(welcome.client_nonce, 77u);
@@ -38,7 +38,7 @@ TEST_F(ServerTest, SameNonceFromTheSameAddressIsTheSameSession) {
   EXPECT_NE(join(8), session);
 }
 
-TEST_F(ServerTest, AHelloThatComesBeforeItsSceneIsCompiledIsToBeSaidAgain) {
+TEST_F(ServerTest, AHelloBeforeItsSceneIsCompiledIsToBeRepeated) {
   SceneLibrary scenes = SceneLibrary::shipped();
   (void)scenes.find("wall");
   scenes.compile_elsewhere([](const SceneLibrary::Compilation&) {});
@@ -53,7 +53,7 @@ TEST_F(ServerTest, AHelloThatComesBeforeItsSceneIsCompiledIsToBeSaidAgain) {
   EXPECT_EQ(only_answer<wire::Welcome>().scene, "free");
 }
 
-TEST_F(ServerTest, SaysWhyASceneCannotBeHad) {
+TEST_F(ServerTest, RefusesASceneThatDoesNotCompileWithTheReason) {
   SceneLibrary scenes = SceneLibrary::shipped();
   (void)scenes.find("wall");
   scenes.compile_elsewhere([&](const SceneLibrary::Compilation& wanted) { scenes.give_up(wanted.name, "no memory"); });
@@ -66,7 +66,7 @@ TEST_F(ServerTest, SaysWhyASceneCannotBeHad) {
   EXPECT_EQ(only_answer<wire::Refusal>().text, "scene 'free' is not available at the moment: no memory");
 }
 
-TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheRoundTripThatAClientMeasuresWithItsHelp) {
+TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheClientsRoundTrip) {
   SceneLibrary scenes = SceneLibrary::shipped();
   scenes.add(test::auto_wall());
   start({.scene = "auto_wall"}, scenes);
@@ -234,7 +234,7 @@ TEST_F(ServerTest, AnswersByeWithFinalCountsAndForgetsTheSession) {
   EXPECT_THAT(diary.lines, ElementsAre("opened wall-1dof in wall", "closed wall-1dof: bye"));
 }
 
-TEST_F(ServerTest, TellsHowFarTheLatestMotionWasBehindEvenIfItCameAfterBye) {
+TEST_F(ServerTest, ReportsTheLargestLatenessOfAMotionEvenAfterBye) {
   const auto session = join();
   for (const std::uint64_t sequence : {1U, 9U, 5U}) arrive(motion(session, sequence));
   answers();
@@ -256,7 +256,7 @@ TEST_F(ServerTest, CountsEachMotionThatItDidNotAnswer) {
   came(3);
   server->answer_waiting();
   came(1);  // too late
-  came(4);  // for its answer, the session ends too early
+  came(4);  // its session ends before its answer
   arrive(wire::Bye{.session = session});
   came(6);
   came(5);
@@ -296,7 +296,7 @@ TEST_F(ServerTest, ACopyOfHelloAfterByeOpensNothing) {
   EXPECT_EQ(server->counters().hellos_after_bye, 1u);
 }
 
-TEST_F(ServerTest, ClosesWhatIsIdle) {
+TEST_F(ServerTest, ClosesIdleSessions) {
   start({.idle_timeout = seconds{10}});
   const auto quiet = join(1);
   const auto busy = join(2);
@@ -314,10 +314,10 @@ TEST_F(ServerTest, ClosesWhatIsIdle) {
   EXPECT_NE(join(1), quiet) << "an idle client may come back with the same nonce";
 }
 
-TEST_F(ServerTest, SaysByeToAnIdleClientThatWasThere) {
+TEST_F(ServerTest, SendsByeToAnIdleClientThatHasSentMotion) {
   start({.idle_timeout = seconds{10}});
   const auto session = join(1);
-  join(2, address(2));  // never sends motion, so perhaps its address is another's
+  join(2, address(2));  // never sends motion, so its address may be forged
   arrive(motion(session, 1));
   answers();
   clock.time = seconds{10};
@@ -373,7 +373,7 @@ TEST_F(ServerTest, CountsAForceThatTheNetworkRefused) {
   EXPECT_EQ(server->counters().sends_failed, 1u);
 }
 
-TEST_F(ServerTest, RefusesToServeASceneThatIsNotThere) {
+TEST_F(ServerTest, RefusesAnUnknownDefaultScene) {
   EXPECT_THROW(start({.scene = "wal"}), std::invalid_argument);
   EXPECT_THROW(start({.sessions_max = 0}), std::invalid_argument);
   EXPECT_THROW(start({.idle_timeout = seconds{0}}), std::invalid_argument);

@@ -8,8 +8,8 @@ namespace {
 // Largest displacement of a node in one round, as a share of the radius, so that no place leaps through the sphere.
 constexpr double kMoved = 0.5;
 
-// The way out of a tissue is looked for in as many steps, the first of that share of the radius and each that much
-// longer: some five hundred radii in all.
+// The way out of a tissue is searched in this many steps: the first is kStepOut radii long, and each is kLonger times
+// the one before, some 3800 radii in all.
 constexpr int kStepsOut = 40;
 constexpr double kStepOut = 0.125;
 constexpr double kLonger = 1.25;
@@ -49,7 +49,8 @@ scene::Point PressedStep::outside() const noexcept {
   return center_m;
 }
 
-// Moves the sphere towards the probe as far as the tissue leaves room now. True if it moved.
+// Moves the sphere towards the probe as far as the tissue leaves room now. True if it moved by more than the tolerance,
+// or arrived.
 bool PressedStep::advance() noexcept {
   if (arrived()) return false;
   const double share = pressure_.free_share(surface(), center_m_, probe_m_);

@@ -39,8 +39,8 @@ TissueState TiedStep::state() const noexcept {
   return next;
 }
 
-// Displacement of the surface near the probe: without contact the probe's position is mapped back to the tissue at rest.
-// The nearest place depends on the displacement itself: a fixed-point iteration, continued from step to step.
+// Displacement of the surface near the probe: without contact the probe's position is mapped back to the tissue at
+// rest. The nearest place depends on the displacement itself: a fixed-point iteration, continued from step to step.
 void TiedStep::find_shift(const TissueState& last) noexcept {
   if (body_.now.displacement_m.isZero(0)) return;
   if (last.started != 0) shift_m_ = scene::to_point(last.shift_m);

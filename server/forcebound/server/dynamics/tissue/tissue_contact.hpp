@@ -34,11 +34,11 @@ struct TissueState {
     std::array<double, 3> weight;  ///< of the triangle's corners
   };
 
-  std::uint32_t started;                      ///< 0: `probe_m` is not set yet
-  std::uint32_t contacts;                     ///< number of valid elements of `contact`
-  std::array<double, 3> probe_m;              ///< the probe at the last step; of a sphere that lags behind its probe, the sphere
-  std::array<double, 3> shift_m;              ///< displacement of the surface near it by other probes
-  std::array<double, 3> direction;            ///< unit, along which a sphere is held off; meaningless without contact
+  std::uint32_t started;            ///< 0: `probe_m` is not set yet
+  std::uint32_t contacts;           ///< number of valid elements of `contact`
+  std::array<double, 3> probe_m;    ///< the probe at the last step; of a sphere that lags behind its probe, the sphere
+  std::array<double, 3> shift_m;    ///< displacement of the surface near it by other probes
+  std::array<double, 3> direction;  ///< unit, along which a sphere is held off; meaningless without contact
   std::array<Contact, kContactsMax> contact;  ///< contacts that push
 };
 static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<TissueState>);
@@ -66,11 +66,11 @@ static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<Tis
 struct TissueResult {
   scene::Point force_N = scene::Point::Zero();  ///< on the probe
   scene::Point normal = scene::Point::Zero();   ///< unit, along the force; zero without contact
-  double depth_m = 0;                           ///< of the probe below the surface as it would be without it, at the deepest contact
-  double energy_J = 0;                          ///< elastic, of the tissue and all contacts, other probes' included
-  double residual_m = 0;                        ///< distance of the contacts from equilibrium
-  int contacts = 0;                             ///< contacts that push; of a sphere under large motion, places
-  int contacts_left_out = 0;                    ///< contacts that would push, but exceed contacts_max: an error to report
+  double depth_m = 0;         ///< of the probe below the surface as it would be without it, at the deepest contact
+  double energy_J = 0;        ///< elastic, of the tissue and all contacts, other probes' included
+  double residual_m = 0;      ///< distance of the contacts from equilibrium
+  int contacts = 0;           ///< contacts that push; of a sphere under large motion, places
+  int contacts_left_out = 0;  ///< contacts that would push, but exceed contacts_max: an error to report
   int iterations = 0;
   bool converged = true;  ///< the residual is within the tolerance
   bool finite = true;     ///< false: the probe's position or the force is not finite; force 0, state unchanged
