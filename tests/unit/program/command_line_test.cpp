@@ -24,7 +24,7 @@ struct Example {
     app.add_option("--rate", rate, "most answers per second")->check(number_above_zero())->type_name("HZ");
     app.add_option("--depth", depth, "target depth")->check(number_within(0, 0.1))->type_name("M");
     app.add_option("--seed", seed, "first seed")->check(whole_within(1, 9))->type_name("N");
-    app.add_flag("--quiet", "print nothing");
+    app.add_flag("--quiet", quiet, "print nothing");
     command = app.add_subcommand("table", "Print runs side by side");
     command->add_option("RUN", runs, "FILE.json")->required();
     command->callback([this] {
@@ -39,6 +39,7 @@ struct Example {
   double rate = 0;
   double depth = 0;
   std::uint64_t seed = 0;
+  bool quiet = false;
   std::vector<std::string> runs;
 };
 
