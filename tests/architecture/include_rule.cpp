@@ -90,7 +90,7 @@ const std::vector<Privilege>& privileges() {
       {"generated Protocol Buffers code", std::regex(R"(#include\s*[<"].*\.pb\.h[">])"),
        std::regex(R"(common/forcebound/wire/internal/.*|common/forcebound/(wire|record)/.*\.cpp|tests/(?!tools/).*)"),
        "common/forcebound/wire/internal and the .cpp files of common/forcebound/wire and common/forcebound/record"},
-      {"the TOML library", std::regex(R"(#include\s*[<"]toml\+\+/)"), std::regex("common/forcebound/config/node\\.cpp"),
+      {"the TOML library", std::regex(R"(^\s*#include\s*[<"]toml\+\+/)"), std::regex("common/forcebound/config/node\\.cpp"),
        "common/forcebound/config/node.cpp"},
       {"logging", std::regex(R"(#include\s*[<"]spdlog/)"), std::regex(kShells), kShellsInWords},
       {"command lines", std::regex(R"(#include\s*[<"]CLI/)"), std::regex(kShells), kShellsInWords},

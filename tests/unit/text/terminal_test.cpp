@@ -34,7 +34,7 @@ TEST(Wrapped, CountsCharactersNotBytes) {
 }
 
 TEST(Wrapped, DoesNotBreakBetweenANameAndItsWords) {
-  EXPECT_EQ(wrapped("  operator    trace-sphere:mass_kg=0.1,stiffness", 14, 30),
+  EXPECT_EQ(wrapped("  operator    trace-sphere:mass_kg=0.1,stiffness", 14, 40),
             "  operator    trace-sphere:mass_kg=0.1,\n              stiffness");
   EXPECT_EQ(wrapped("  name        /a/path/longer/than/the/line", 14, 30),
             "  name        /a/path/longer/than/the/line");

@@ -83,10 +83,10 @@ TEST_F(LabReport, SaysOnOneLineWhatIsWrong) {
         {std::string("report /nowhere.mcap"), 1, "No such file"},
         {"report --json /dev/full " + recording_.path().string(), 1, "No space left on device"},
         {"report --figures /dev/null " + recording_.path().string(), 1, "'/dev/null'"},
-        {std::string("report"), 2, "recording is required"},
+        {std::string("report"), 2, "RECORDING is required"},
         {std::string("report --nonsense x"), 2, "--nonsense"},
         {std::string("nonsense"), 2, "nonsense"},
-        {std::string(), 2, "an experiment is required"}}) {
+        {std::string(), 2, "a command is required"}}) {
     SCOPED_TRACE(arguments);
     const Outcome outcome = lab(arguments, true);
     EXPECT_EQ(outcome.code, code);

@@ -36,7 +36,7 @@ TEST(SessionSettings, HaveKeysWithoutADotAndScenesHaveOneInTheirs) {
 }
 
 TEST(SessionSettings, SayWhatIsWrong) {
-  EXPECT_THAT(refusal_of("law", "fba-les"), HasSubstr("law: there is no 'fba-les', did you mean 'fba-less'?"));
+  EXPECT_THAT(refusal_of("law", "fba-les"), HasSubstr("unknown law 'fba-les', did you mean 'fba-less'?"));
   EXPECT_THAT(refusal_of("hold_ms", "-1"), HasSubstr("hold_ms must be a number >= 0, got '-1'"));
   EXPECT_THAT(refusal_of("hold_ms", "2000"), HasSubstr("0 <= hold <= drop"));
   EXPECT_THAT(refusal_of("rate_Hz", "0"), HasSubstr("rate_Hz must be a number > 0, got '0'"));

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/unit/tools/lab/accuracy/floor_study.hpp"
@@ -102,9 +103,9 @@ TEST(CarryOut, NamesTheHandThatTheFiguresHoldFor) {
   const Study study = wall(0);
   const StudyResult result = carry_out(study, EvenClock());
   EXPECT_THAT(result.assumptions, HasSubstr("hold for a hand of 0.1 kg, 1000 N/m and 5 N s/m"));
-  EXPECT_THAT(result.assumptions, HasSubstr("presses from 2 mm above to 6 mm below\n  (0, 0, 0) m, 3 times a second"));
+  EXPECT_THAT(result.assumptions, HasSubstr("presses from 2 mm above to 6 mm below (0, 0, 0) m, 3 times a second"));
   EXPECT_THAT(result.assumptions, HasSubstr("device cartesian-3dof without its encoder's steps"));
-  EXPECT_THAT(to_text(result), HasSubstr(result.assumptions));
+  EXPECT_THAT(to_text(result), HasSubstr(text::wrapped(result.assumptions, 2)));
   Study rare = study;
   rare.session.server_rate_Hz = 50;
   rare.motion.kind = HarmonicMotion::Kind::slide;

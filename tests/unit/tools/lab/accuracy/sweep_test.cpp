@@ -61,7 +61,7 @@ TEST(UsualSweep, NeedsSomethingWithLevels) {
   EXPECT_DOUBLE_EQ(spacing_of(pad.key, "[ 15, 15, 5 ]").value_or(0), 1.0 / 15);
   const Sweep levels = usual_sweep(test::kAutoWall);
   EXPECT_EQ(levels.key, "object.wall.surface.stiffness_N_per_m");
-  EXPECT_THAT(levels.values, ElementsAre("100.0", "200.0"));
+  EXPECT_THAT(levels.values, ElementsAre("100", "200"));
   EXPECT_EQ(usual_sweep(server::scene_source("assembly").text).key, "body.peg in hole.iterations");
   EXPECT_EQ(usual_sweep("[[object]]\nname = 'cow'\nshape = { kind = 'mesh' }\n").key, "object.cow.shape.detail");
 }
