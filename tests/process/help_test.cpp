@@ -142,9 +142,9 @@ TEST(EveryCommand, PrintsWhatFitsEightyColumns) {
   expect_of(kLab, {"soak", "--seeds", "3"});
   expect_of(kLab, {"compare", "--laws", "none,fba-exact", "--scenes", "wall", "--network", "none", "--stiffness",
                    "10000", "--delays", "1", "--effort", "1"});
-  expect_of(kLab, {"accuracy", "sphere", "--sweep", "law=none,fba-exact", "--rtt", "1,20", "--duration", "0.5"});
+  expect_of(kLab, {"accuracy", "sphere", "--sweep", "law=none,fba-exact", "--rtt", "1,20", "--duration", "2"});
   expect_of(kLab, {"accuracy", "soft_pad", "--sweep", "tissue.pad.shape.cells=[2,2,1],[3,3,2]", "--rtt", "20",
-                   "--duration", "0.5"});
+                   "--duration", "2"});
 }
 
 TEST(Lab, PlaysTheSameTrialsTwiceByteForByte) {

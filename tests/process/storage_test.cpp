@@ -61,7 +61,7 @@ TEST(AFullDisk, EndsTheRelaysLogButNotTheRelay) {
   EXPECT_EQ(client.summary()["lost"], 0);
   EXPECT_GT(client.summary()["received"], 1000);
   EXPECT_EQ(relay.stop(), 0);
-  EXPECT_THAT(relay.out(), HasSubstr("rows are missing: No space left on device"));
+  EXPECT_THAT(relay.out(), HasSubstr("rows missing: No space left on device"));
 }
 
 }  // namespace

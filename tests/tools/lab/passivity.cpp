@@ -112,8 +112,8 @@ std::string passivity_table(const std::vector<PassivityResult>& results, text::C
       table.add(std::move(row));
     }
   }
-  return "Least P [mJ] over all adversaries; 0: passive. Across: the encoder's step, with\n"
-         "exact ticks and with 20 % of them late.\n\n" +
+  return "Least P [mJ] over all adversaries; 0: passive. Across: the encoder's step,\n"
+         "with exact ticks and with 20 % of them late.\n\n" +
          table.to_text(colour);
 }
 

@@ -40,8 +40,8 @@ std::string costs() {
     }
     table.add(std::move(row));
   }
-  return "\nIts cost: displayed stiffness at rest and ringing on the paper's walls (30 N s/m,\n"
-         "encoder 15 um); -: never at rest.\n\n" +
+  return "\nIts cost: displayed stiffness at rest and ringing on the paper's walls (30 N\n"
+         "s/m, encoder 15 um); -: never at rest.\n\n" +
          table.to_text();
 }
 

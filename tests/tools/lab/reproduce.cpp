@@ -99,10 +99,10 @@ void reproduce(const ReproduceOptions& options) {
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
   std::printf(
-      "Kim, Baek, Ryu 2015, section VI, each law in turn. Masses and hands are ours: the\n"
-      "paper gives none. Least P below 0: not passive. K: displayed stiffness, median\n"
-      "while the contact rests (depth changes by < 5 mm/s), of the true surface; -: it\n"
-      "never rests. The paper's own K is a mean.\n");
+      "Kim, Baek, Ryu 2015, section VI, each law in turn. Masses and hands are ours:\n"
+      "the paper gives none. Least P below 0: not passive. K: displayed stiffness,\n"
+      "median while the contact rests (depth changes by < 5 mm/s), of the true surface;\n"
+      "-: it never rests. The paper's own K is a mean.\n");
   const auto all = experiments(options.experiment);
   const auto laws = control::force_bounding_laws().names();
   Progress progress;

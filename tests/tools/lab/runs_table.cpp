@@ -62,8 +62,8 @@ std::string comparison_table(const std::vector<NamedSummary>& runs) {
                cell_at(summary, "/force_age_ms/p50", 1, 1)});
   }
   return table.to_text() +
-         "\n  Variance of the force in contact; displayed stiffness at rest and force age are\n"
-         "  medians.\n";
+         "\n  Variance of the force in contact; displayed stiffness at rest and force age\n"
+         "  are medians.\n";
 }
 
 }  // namespace forcebound::lab

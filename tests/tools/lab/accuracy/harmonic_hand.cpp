@@ -35,13 +35,13 @@ class HarmonicHand final : public device::Operator {
     auto velocity = target.velocity.head<3>();
     position = motion_.on_surface_m;
     if (slides()) {
-      position.x() += 0.5 * motion_.length_m * std::sin(angle);
-      velocity.x() = 0.5 * motion_.length_m * std::cos(angle) * turning;
-      position.z() += motion_.clearance_m - lift_m * approach.value;
-      velocity.z() = -lift_m / kApproach_s * approach.slope;
+      position += 0.5 * motion_.length_m * std::sin(angle) * along();
+      velocity = 0.5 * motion_.length_m * std::cos(angle) * turning * along();
+      position += (motion_.clearance_m - lift_m * approach.value) * motion_.out;
+      velocity -= lift_m / kApproach_s * approach.slope * motion_.out;
     } else {
-      position.z() += motion_.clearance_m - 0.5 * lift_m * (1 - std::cos(angle));
-      velocity.z() = -0.5 * lift_m * std::sin(angle) * turning;
+      position += (motion_.clearance_m - 0.5 * lift_m * (1 - std::cos(angle))) * motion_.out;
+      velocity = -0.5 * lift_m * std::sin(angle) * turning * motion_.out;
     }
     return target;
   }
@@ -57,6 +57,11 @@ class HarmonicHand final : public device::Operator {
 
  private:
   [[nodiscard]] bool slides() const noexcept { return motion_.kind == HarmonicMotion::Kind::slide; }
+
+  /// x on a surface across z, y across x, z across y.
+  [[nodiscard]] Eigen::Vector3d along() const noexcept {
+    return Eigen::Vector3d(motion_.out.z(), motion_.out.x(), motion_.out.y()).cwiseAbs();
+  }
 
   HarmonicMotion motion_;
   int degrees_of_freedom_;

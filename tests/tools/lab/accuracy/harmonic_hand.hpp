@@ -7,11 +7,11 @@
 
 namespace forcebound::lab {
 
-/// A hand that moves as a sine, on a surface with +z out of it.
+/// A hand that moves as a sine, on a surface across one of the axes.
 struct HarmonicMotion {
   enum class Kind : std::uint8_t {
     press,  ///< up and down between clearance above the surface and depth below it
-    slide,  ///< back and forth along x by `length`, at `depth` below it
+    slide,  ///< back and forth by `length` along the surface, at `depth` below it
   };
   Kind kind = Kind::press;
   double frequency_Hz = 3;
@@ -19,6 +19,7 @@ struct HarmonicMotion {
   double clearance_m = 0.002;
   double length_m = 0.03;
   Eigen::Vector3d on_surface_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d out = Eigen::Vector3d::UnitZ();  ///< unit, along an axis: out of the surface
 };
 
 /// Stiff enough to follow the motion against soft objects: 0.1 kg, 1000 N/m, 5 N s/m.

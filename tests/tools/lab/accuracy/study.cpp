@@ -256,6 +256,19 @@ void live_behind(StudiedSetting& setting, const Study& study, const SessionSetti
   }
 }
 
+/// The axis along which the first part's surface pushes outwards at its point; +z if it does along none.
+Eigen::Vector3d out_of_surface(const ScenePointer& scene, const scene::Point& on_surface_m,
+                               const HarmonicMotion& motion, const time::Clock& clock) {
+  for (const int axis : {2, 0, 1}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d out = sign * Eigen::Vector3d::Unit(axis);
+      const std::vector<Vector> into{on_surface_m + motion.clearance_m * out, on_surface_m - motion.depth_m * out};
+      if (run_along(scene, into, clock).forces.back().head<3>().dot(out) > 0) return out;
+    }
+  }
+  return Eigen::Vector3d::UnitZ();
+}
+
 [[noreturn]] void refuse_numb(const Study& study, const scene::Scene& scene) {
   const std::string what = "the hand never touches the scene: let it ";
   if (study.hand.empty()) {
@@ -297,7 +310,10 @@ StudyResult carry_out(Study study, const time::Clock& clock, const std::function
     sessions[i] = with_session_key(study.session, study.sweep.key, study.sweep.values[i]);
   }
   const ScenePointer best = cast.scenes[cast.best];
-  if (best->parts() > 0) study.motion.on_surface_m = best->on_surface_m(0);
+  if (best->parts() > 0 && study.hand.empty()) {
+    study.motion.on_surface_m = best->on_surface_m(0);
+    study.motion.out = out_of_surface(best, study.motion.on_surface_m, study.motion, clock);
+  }
   const auto saved = run_device(settings_of(study, study.session, best, {}), study.duration_s).true_positions;
   step();
   const Runs runs = run_all(cast, saved, clock, step);

@@ -76,8 +76,8 @@ std::string passivity_table(const Json& all) {
                millijoules(law.at("real").at("least_P_J")), passive("real"), percent_text(law.at("calm")),
                number_text(law.at("ringing_s"))});
   }
-  return "Passivity and rest, with ideal and with real devices: least P over all trials, 0:\n"
-         "passive; passive and at rest: shares of all trials\n" +
+  return "Passivity and rest, with ideal and with real devices: least P over all trials,\n"
+         "0: passive; passive and at rest: shares of all trials\n" +
          table.to_text();
 }
 
@@ -88,8 +88,8 @@ std::string force_table(const Json& all) {
     table.add({law_name(law), number_text(law.at("variance_N2")), degrees(law.at("direction_deg")),
                number_text(law.at("drift_mm")), number_text(law.at("work_ns"))});
   }
-  return "The force: variance in contact (median), largest change of its direction, largest\n"
-         "distance of its requested position from the device, time of a tick\n" +
+  return "The force: variance in contact (median), largest change of its direction,\n"
+         "largest distance of its requested position from the device, time of a tick\n" +
          table.to_text();
 }
 
@@ -169,13 +169,13 @@ std::string to_text(const Json& all) {
   text +=
       "\n" + passivity_table(all) + "\n" + force_table(all) + "\n" +
       network_table(all, "shown",
-                    "Displayed stiffness over the wall's where the contact rests, real device, through\neach network") +
+                    "Displayed stiffness over the wall's where the contact rests, real device,\nthrough each network") +
       "\n" + network_table(all, "error", "E_dev: error of the force at the device's true position, at its moment") +
       "\n" + network_table(all, "ripple", "Restlessness: deviation of the force over its mean, once contact was made");
   if (!all.at("limits").empty()) {
     text +=
-        "\nStiffest wall up to which every wall tried comes to rest, under a light / a usual /\n"
-        "a firm hand, the paper's device, ideal [N/mm]; all: up to 1000\n" +
+        "\nStiffest wall up to which every wall tried comes to rest, under a light / a\n"
+        "usual / a firm hand, the paper's device, ideal [N/mm]; all: up to 1000\n" +
         limits_table(all, "", "").to_text();
   }
   const std::string tuning = tuning_table(all);

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/process.hpp"
 #include "tests/tools/lab/accuracy/levels_text.hpp"
 #include "tests/tools/lab/accuracy/recommendation.hpp"
@@ -56,6 +57,17 @@ TEST(StudyOfASession, AServerThatAnswersRarelyIsWrongForItsAgeAndHold) {
   EXPECT_GT(result.settings[0].behind[0].turns_missed, 0.9);
   EXPECT_GT(error_of(result, 0).least_age, std::chrono::milliseconds(50));
   EXPECT_GT(error_of(result, 0).total, 3 * error_of(result, 1).total);
+}
+
+TEST(StudyOfASession, PressesAgainstASurfaceAcrossAnyAxis) {
+  for (const char* const scene : {"sphere", "wall"}) {
+    SCOPED_TRACE(scene);
+    Study study = floor_study(0.001);
+    study.scene_text = server::scene_source(scene).text;
+    study.sweep = parse_sweep("law=none,fba-exact");
+    const StudyResult result = carry_out(study, EvenClock());
+    EXPECT_NEAR(result.settings[0].at_states.penetration_m, 0.003, 0.002) << "of 6 mm at most, not yielding";
+  }
 }
 
 TEST(StudyOfASession, PrintsTheScenesResultsOnce) {
