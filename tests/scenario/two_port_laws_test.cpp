@@ -49,7 +49,7 @@ ClosedLoop::Settings pressing(const std::string& law, const std::string& device,
           .network = {.up = way, .down = way, .trace = {}, .seed = 11}};
 }
 
-//   device, press -- law's half ==( 0 or 50 ms each way )== law's half -- server, wall
+//   device, press -- law ==( 0 or 50 ms each way )== server-side law -- server, wall
 class TwoPortLawsInTheLoop : public testing::TestWithParam<std::tuple<std::string, std::string, std::string>> {};
 
 TEST_P(TwoPortLawsInTheLoop, MakeContactStayFiniteAndWithinTheLargestForce) {

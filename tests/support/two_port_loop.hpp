@@ -20,9 +20,9 @@ struct TwoPortSetting {
   control::LawParameters parameters{};
 };
 
-/// Both halves of a law; the test gives motion and environment:
+/// A law and its server-side law; the test gives motion and environment:
 ///
-///     test -- device's half ==( delay )== server's half -- environment
+///     test -- law ==( delay )== server-side law -- environment
 class TwoPortLoop {
  public:
   using Environment = std::function<control::Vector(const control::Vector& place)>;
@@ -85,7 +85,7 @@ class TwoPortLoop {
  private:
   struct Up {
     control::Vector position;
-    control::PortNumbers numbers;
+    control::ServerLawNumbers numbers;
   };
 
   control::DeviceFacts facts_;
@@ -116,9 +116,9 @@ inline TwoPortLoop::Environment nothing_there() {
   return [](const control::Vector& place) { return control::Vector(control::Vector::Zero(place.rows())); };
 }
 
-/// Numbers of another half that offers this much energy: the energy first, then any.
-inline control::PortNumbers saying(double energy_J, const control::Vector& rest) {
-  control::PortNumbers numbers(1 + rest.rows());
+/// Numbers of another end that offers this much energy: the energy first, then any.
+inline control::ServerLawNumbers saying(double energy_J, const control::Vector& rest) {
+  control::ServerLawNumbers numbers(1 + rest.rows());
   numbers << energy_J, rest;
   return numbers;
 }

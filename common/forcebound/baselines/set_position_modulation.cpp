@@ -38,9 +38,9 @@ class Range {
 ///     y = x_s + f_e/Kp                                        the spring's other end, for a pull of f_e at x_s
 ///     at each y that comes:
 ///     D = Bp |range of x|^2 / dt                              dissipated since the last one, at least
-///     1/2 Kp r^2 = E + dE_y + D + 1/2 Kp |x - ybar|^2         dE_y came from the other half
+///     1/2 Kp r^2 = E + dE_y + D + 1/2 Kp |x - ybar|^2         dE_y came from the server-side law
 ///     ybar' = x + (y - x) min(1, r/|y - x|)                   the one closest to y that the energy allows
-///     E' = 1/2 Kp (r^2 - |x - ybar'|^2) >= 0;  E' > E_max: the excess is sent to the other half
+///     E' = 1/2 Kp (r^2 - |x - ybar'|^2) >= 0;  E' > E_max: the excess is sent to the server-side law
 ///     f = Kp (ybar - x)
 ///
 /// dt is measured and the range is that of the readings. The device's own damping is the only damping: the hold takes
@@ -51,7 +51,7 @@ class Range {
 /// counts. These details are ours.
 ///
 /// Passive, where readings are exact, ticks punctual and forces immediate, whatever environment and network do: the
-/// server's half returns only what it was sent.
+/// server-side law returns only what it was sent.
 /// Real time: noexcept, no allocation, O(dof).
 class SetPositionModulation final : public control::PassivityLaw {
  public:
@@ -67,12 +67,12 @@ class SetPositionModulation final : public control::PassivityLaw {
   }
 
   [[nodiscard]] std::string_view name() const noexcept override { return kName; }
-  [[nodiscard]] std::string_view port() const noexcept override { return kName; }
+  [[nodiscard]] std::string_view server_law() const noexcept override { return kName; }
 
   void credit(const control::Motion& motion) noexcept override {
     const EndedInterval ended = next_interval(held_, motion);
     if (!(ended.interval_s > 0)) forget_spring(ended.unseen_J);
-    // Before the first message of the other half there is no set position.
+    // Before the first numbers of the server-side law there is no set position.
     if (!position_known_ || place_.rows() == 0) set_position_ = motion.position;
     position_known_ = true;
     position_ = motion.position;
@@ -98,10 +98,10 @@ class SetPositionModulation final : public control::PassivityLaw {
   /// E [J].
   [[nodiscard]] double energy_J() const noexcept override { return energy_.value_J(); }
 
-  [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
-    return control::PortNumbers::Constant(1, sent_.value_J());
+  [[nodiscard]] control::ServerLawNumbers outgoing() const noexcept override {
+    return control::ServerLawNumbers::Constant(1, sent_.value_J());
   }
-  void incoming(const control::PortNumbers& numbers) noexcept override {
+  void incoming(const control::ServerLawNumbers& numbers) noexcept override {
     energy_.add(from_server_.hear(number_at(numbers, 0)));
     place_ = numbers.rows() > 1 && numbers.rows() <= 1 + control::kDofMax ? Vector(numbers.tail(numbers.rows() - 1))
                                                                           : Vector();
@@ -160,8 +160,8 @@ class SetPositionModulation final : public control::PassivityLaw {
   RemoteSum from_server_;
 };
 
-/// The server's half: reports where the environment was asked. An environment has no spring of its own to spend energy
-/// on, so this half is a store that is always full and returns what it is sent.
+/// The server-side law: reports where the environment was asked. An environment has no spring of its own to spend
+/// energy on, so this law is a store that is always full and returns what it is sent.
 class SetPositionServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] Vector place(const Heard& heard) noexcept override {
@@ -171,7 +171,7 @@ class SetPositionServerSideLaw final : public control::ServerSideLaw {
   }
 
   [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
-    control::PortNumbers numbers(1 + place_.rows());
+    control::ServerLawNumbers numbers(1 + place_.rows());
     numbers << sent_.value_J(), place_;
     return {.force = force_N, .numbers = numbers};
   }

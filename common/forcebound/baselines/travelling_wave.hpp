@@ -6,8 +6,8 @@
 #include "forcebound/baselines/two_port.hpp"
 #include "forcebound/control/energy_sum.hpp"
 
-/// Waves between the halves of a law. A message carries the energy so far and the wave's integral, with one number per
-/// axis.
+/// Waves between a law and its server-side law. A message carries the energy so far and the wave's integral, with one
+/// number per axis.
 namespace forcebound::baselines {
 
 /// An outgoing wave: its integral [m sqrt(N s/m)] and the energy in it [J].
@@ -23,7 +23,7 @@ class SentWave {
 
   /// Energy, integral; nothing before the first sample.
   [[nodiscard]] Eigen::Index rows() const noexcept { return integral_.rows() > 0 ? 1 + integral_.rows() : 0; }
-  void write(control::PortNumbers& numbers, Eigen::Index at) const noexcept {
+  void write(control::ServerLawNumbers& numbers, Eigen::Index at) const noexcept {
     if (integral_.rows() == 0) return;
     numbers[at] = energy_.value_J();
     numbers.segment(at + 1, integral_.rows()) = integral_;
@@ -47,7 +47,7 @@ class ReceivedWave {
     heard_ = rest_ = Vector::Zero(dof);
   }
 
-  void hear(const control::PortNumbers& numbers, Eigen::Index at) noexcept {
+  void hear(const control::ServerLawNumbers& numbers, Eigen::Index at) noexcept {
     const Eigen::Index dof = rest_.rows();
     if (numbers.rows() < at + 1 + dof) return;
     const Vector integral = numbers.segment(at + 1, dof);

@@ -10,7 +10,7 @@
 namespace forcebound::baselines {
 namespace {
 
-/// A half's energy tank, and the energy the halves send each other.
+/// The energy tank at one end, and the energy that the two ends send each other.
 class Tank {
  public:
   void add(double energy_J) noexcept {
@@ -31,8 +31,8 @@ class Tank {
   control::EnergySum sent_;
 };
 
-/// The two-layer approach, the device's half [Franken, Stramigioli, Misra, Secchi & Macchelli 2011]: the upper layer
-/// may request any force (here the environment's); the lower one pays for it from an energy tank at each end.
+/// The two-layer approach, at the device [Franken, Stramigioli, Misra, Secchi & Macchelli 2011]: the upper layer may
+/// request any force (here the environment's); the lower one pays for it from an energy tank at each end.
 ///
 /// Task space; f_e the upper layer's request [N], f the force applied, d the displacement over the interval that ended
 /// [m], v = d/h, T the nominal period, H the level of the tank [J]. Our f is the paper's -F.
@@ -65,7 +65,7 @@ class TwoLayer final : public control::PassivityLaw {
   }
 
   [[nodiscard]] std::string_view name() const noexcept override { return kName; }
-  [[nodiscard]] std::string_view port() const noexcept override { return kName; }
+  [[nodiscard]] std::string_view server_law() const noexcept override { return kName; }
 
   void credit(const control::Motion& motion) noexcept override {
     const EndedInterval ended = next_interval(held_, motion);
@@ -90,12 +90,12 @@ class TwoLayer final : public control::PassivityLaw {
   /// H [J].
   [[nodiscard]] double energy_J() const noexcept override { return tank_.level_J(); }
 
-  [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
-    control::PortNumbers numbers(2);
+  [[nodiscard]] control::ServerLawNumbers outgoing() const noexcept override {
+    control::ServerLawNumbers numbers(2);
     numbers << tank_.sent_J(), gains_.beta;
     return numbers;
   }
-  void incoming(const control::PortNumbers& numbers) noexcept override {
+  void incoming(const control::ServerLawNumbers& numbers) noexcept override {
     tank_.add(from_server_.hear(number_at(numbers, 0)));
   }
   void begin_server_side() noexcept override { from_server_.begin_at_zero(); }
@@ -125,7 +125,7 @@ class TwoLayer final : public control::PassivityLaw {
   RemoteSum from_server_;
 };
 
-/// The server's half: its position follows the device as far as its tank pays.
+/// The server-side law: its position follows the device as far as its tank pays.
 ///
 /// d from the position to the device, f the environment's answer at the position, taken to be held.
 ///
@@ -154,7 +154,7 @@ class TwoLayerServerSideLaw final : public control::ServerSideLaw {
   [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
     force_ = force_N;
     tank_.send(share_);
-    return {.force = force_N, .numbers = control::PortNumbers::Constant(1, tank_.sent_J())};
+    return {.force = force_N, .numbers = control::ServerLawNumbers::Constant(1, tank_.sent_J())};
   }
 
  private:

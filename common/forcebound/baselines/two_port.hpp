@@ -5,16 +5,16 @@
 #include "forcebound/control/held_force.hpp"
 #include "forcebound/control/law.hpp"
 
-/// Shared by the laws with a half at the server.
+/// Shared by the laws that have a server-side law, at both ends.
 namespace forcebound::baselines {
 
 using control::Vector;
 
-/// A sum reported by the other half, which only grows. The largest received counts, so that the next message makes up
+/// A sum reported by the other end, which only grows. The largest received counts, so that the next message makes up
 /// for lost ones, and duplicate or late ones add nothing.
 class RemoteSum {
  public:
-  /// The increase of `sum` over all received before; never negative. The first one gives zero, unless the other half is
+  /// The increase of `sum` over all received before; never negative. The first one gives zero, unless the other end is
   /// known to have begun at zero.
   double hear(double sum) noexcept;
 
@@ -25,7 +25,7 @@ class RemoteSum {
 };
 
 /// One of the numbers received; zero if there are fewer.
-[[nodiscard]] inline double number_at(const control::PortNumbers& numbers, Eigen::Index at) noexcept {
+[[nodiscard]] inline double number_at(const control::ServerLawNumbers& numbers, Eigen::Index at) noexcept {
   return at < numbers.rows() ? numbers[at] : 0.0;
 }
 

@@ -10,7 +10,7 @@
 namespace forcebound::baselines {
 namespace {
 
-/// Time-domain passivity with delay, the device's half: an observer and a controller at each end of the network [Ryu &
+/// Time-domain passivity with delay, at the device: an observer and a controller at each end of the network [Ryu &
 /// Preusche 2007; Ryu, Artigas & Preusche 2010]. No end may return more energy than the other end took in.
 ///
 /// Task space, device frame; f_e the force received [N], f the force applied, d the displacement over the interval that
@@ -45,7 +45,7 @@ class TwoPortPassivity final : public control::PassivityLaw {
   }
 
   [[nodiscard]] std::string_view name() const noexcept override { return kName; }
-  [[nodiscard]] std::string_view port() const noexcept override { return kName; }
+  [[nodiscard]] std::string_view server_law() const noexcept override { return kName; }
 
   void credit(const control::Motion& motion) noexcept override {
     const EndedInterval ended = next_interval(held_, motion);
@@ -82,10 +82,10 @@ class TwoPortPassivity final : public control::PassivityLaw {
   /// E_in(server) + E_pc - E_out [J].
   [[nodiscard]] double energy_J() const noexcept override { return allowance_.value_J(); }
 
-  [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
-    return control::PortNumbers::Constant(1, in_.value_J());
+  [[nodiscard]] control::ServerLawNumbers outgoing() const noexcept override {
+    return control::ServerLawNumbers::Constant(1, in_.value_J());
   }
-  void incoming(const control::PortNumbers& numbers) noexcept override {
+  void incoming(const control::ServerLawNumbers& numbers) noexcept override {
     allowance_.add(from_server_.hear(number_at(numbers, 0)));
   }
   void begin_server_side() noexcept override { from_server_.begin_at_zero(); }
@@ -102,7 +102,7 @@ class TwoPortPassivity final : public control::PassivityLaw {
   RemoteSum from_server_;
 };
 
-/// The server's half: velocity is its input, so its controller adjusts velocity.
+/// The server-side law: velocity is its input, so its controller adjusts velocity.
 ///
 /// d the step of the device since the motion before, f the environment's answer there, taken to be held.
 ///
@@ -138,7 +138,7 @@ class TwoPortServerSideLaw final : public control::ServerSideLaw {
 
   [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
     force_ = force_N;
-    return {.force = force_N, .numbers = control::PortNumbers::Constant(1, in_.value_J())};
+    return {.force = force_N, .numbers = control::ServerLawNumbers::Constant(1, in_.value_J())};
   }
 
  private:

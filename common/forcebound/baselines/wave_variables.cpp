@@ -10,14 +10,14 @@
 namespace forcebound::baselines {
 namespace {
 
-// Order of the numbers: the server half's parameters, then the energy of the wave and its integral.
+// Order of the numbers: the server-side law's parameters, then the energy of the wave and its integral.
 constexpr Eigen::Index kImpedance = 0;
 constexpr Eigen::Index kSpring = 1;
 constexpr Eigen::Index kDamper = 2;
 constexpr Eigen::Index kTool = 3;
 constexpr Eigen::Index kWave = 4;
 
-/// Wave variables, the device's half [Niemeyer & Slotine 1991, 2004]: it exchanges waves, whose energy no constant
+/// Wave variables, at the device [Niemeyer & Slotine 1991, 2004]: it exchanges waves, whose energy no constant
 /// delay can change.
 ///
 /// Task space, F = -f (f is the force on the device [N]), v = d/h of the interval that ended [m/s], T the period.
@@ -60,7 +60,7 @@ class WaveVariables final : public control::PassivityLaw {
   }
 
   [[nodiscard]] std::string_view name() const noexcept override { return kName; }
-  [[nodiscard]] std::string_view port() const noexcept override { return kName; }
+  [[nodiscard]] std::string_view server_law() const noexcept override { return kName; }
 
   void credit(const control::Motion& motion) noexcept override {
     const EndedInterval ended = next_interval(held_, motion);
@@ -94,8 +94,8 @@ class WaveVariables final : public control::PassivityLaw {
   /// Energy of the waves received and not yet taken [J].
   [[nodiscard]] double energy_J() const noexcept override { return received_.budget_J(); }
 
-  [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
-    control::PortNumbers numbers(kWave + sent_.rows());
+  [[nodiscard]] control::ServerLawNumbers outgoing() const noexcept override {
+    control::ServerLawNumbers numbers(kWave + sent_.rows());
     numbers[kImpedance] = gains_.impedance_N_s_per_m;
     numbers[kSpring] = gains_.spring_N_per_m;
     numbers[kDamper] = gains_.damper_N_s_per_m;
@@ -103,7 +103,7 @@ class WaveVariables final : public control::PassivityLaw {
     sent_.write(numbers, kWave);
     return numbers;
   }
-  void incoming(const control::PortNumbers& numbers) noexcept override {
+  void incoming(const control::ServerLawNumbers& numbers) noexcept override {
     received_.hear(numbers, 0);
     if (server_side_speaks_) pause_s_ = std::max(pause_s_, blackout_s_);
     server_side_speaks_ = true;
@@ -139,8 +139,8 @@ class WaveVariables final : public control::PassivityLaw {
   ReceivedWave received_;
 };
 
-/// The server's half: a tool of mass m in the environment, pulled by a spring and a damper to the position x_d that the
-/// wave commands.
+/// The server-side law: a tool of mass m in the environment, pulled by a spring and a damper to the position x_d that
+/// the wave commands.
 ///
 ///     b_w v_d + F = sqrt(2 b_w) u,   F = Kd (x_d - x) + Bd (v_d - v)
 ///     v_d = (sqrt(2 b_w) u + Bd v + Kd (x - x_d))/(b_w + Bd)
@@ -155,7 +155,7 @@ class WaveVariables final : public control::PassivityLaw {
 class WaveServerSideLaw final : public control::ServerSideLaw {
  public:
   [[nodiscard]] Vector place(const Heard& heard) noexcept override {
-    const control::PortNumbers& said = heard.numbers;
+    const control::ServerLawNumbers& said = heard.numbers;
     const WaveCoding coding{number_at(said, kImpedance)};
     const bool sane = coding.impedance_N_s_per_m > 0 && number_at(said, kTool) > 0 && number_at(said, kSpring) >= 0 &&
                       number_at(said, kDamper) >= 0;
@@ -174,7 +174,7 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
     const double stiffness_N_per_m = (force_N - force_).stableNorm() / moved_m_;
     if (moved_m_ > 0 && std::isfinite(stiffness_N_per_m)) stiffness_ = std::max(stiffness_, stiffness_N_per_m);
     force_ = force_N;
-    control::PortNumbers numbers(sent_.rows());
+    control::ServerLawNumbers numbers(sent_.rows());
     sent_.write(numbers, 0);
     return {.force = force_N, .numbers = numbers};
   }
@@ -190,7 +190,7 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
     received_.begin(position.rows());
   }
 
-  void step(const WaveCoding& coding, const control::PortNumbers& said, double h) noexcept {
+  void step(const WaveCoding& coding, const control::ServerLawNumbers& said, double h) noexcept {
     const double b = coding.impedance_N_s_per_m;
     const double kd = said[kSpring];
     const double m = said[kTool];

@@ -23,9 +23,9 @@ struct Motion {
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
 };
 
-/// What a law and its server-side law tell each other: cumulative sums, set positions, gains. At most 16 numbers, no
-/// heap.
-using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
+/// Numbers of the server-side law: what it and the law at the device tell each other, such as cumulative sums, set
+/// positions and gains. At most 16, no heap.
+using ServerLawNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 
 /// Turns what the environment asks for into the force on the device. Force bounding keeps the device from returning
 /// more energy than its own damping takes; what a law promises of that, and on which device, is its LawClaim.
@@ -37,8 +37,8 @@ using PortNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 /// for, `commit` with what the device was really told after rounding. A lost reading is `lose`, then `commit` of zero.
 /// PassivityController does that; laws hold no policy of their own for saturation, rounding or faulty input.
 ///
-/// A law with a server-side law (ServerSideLaw) names it by `port`. What goes out with each motion is
-/// `outgoing`, what comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`.
+/// A law with a server-side law (ServerSideLaw) names it by `server_law`. What goes out with each motion is `outgoing`,
+/// what comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`.
 /// Datagrams are lost, doubled and reordered, so what must not be lost or counted twice travels as a sum since the
 /// beginning.
 ///
@@ -82,13 +82,13 @@ class PassivityLaw {
   [[nodiscard]] virtual Vector proxy_position(const Vector& position) const noexcept { return position; }
 
   /// The name of the server-side law that it needs; empty: none.
-  [[nodiscard]] virtual std::string_view port() const noexcept { return {}; }
+  [[nodiscard]] virtual std::string_view server_law() const noexcept { return {}; }
 
   /// For the server-side law, as of the tick before.
-  [[nodiscard]] virtual PortNumbers outgoing() const noexcept { return {}; }
+  [[nodiscard]] virtual ServerLawNumbers outgoing() const noexcept { return {}; }
 
   /// From the server-side law; any finite numbers, of any count.
-  virtual void incoming(const PortNumbers& numbers) noexcept { (void)numbers; }
+  virtual void incoming(const ServerLawNumbers& numbers) noexcept { (void)numbers; }
 
   /// Another server-side law, whose sums begin at zero.
   virtual void begin_server_side() noexcept {}

@@ -52,8 +52,8 @@ enum class LawCertainty : std::uint8_t {
   reconstruction,  ///< built from a description; its authors may have done otherwise
 };
 
-/// What a law promises of P(t), whatever the environment and the network do. A law with a half at the server trusts
-/// that half: false sums from there would be spent as energy.
+/// What a law promises of P(t), whatever the environment and the network do. A law with a server-side law trusts
+/// it: false sums from there would be spent as energy.
 enum class LawClaim : std::uint8_t {
   nothing,
   passive_if_ideal,  ///< P >= 0 on straight axes with ideal encoders, punctual ticks, and forces in effect at the
@@ -74,7 +74,7 @@ struct LawDescription {
   bool shortens = false;  ///< promises that its force is the request, made shorter at most
   std::vector<LawParameter> parameters{};
   Make make;  ///< is given every parameter; throws std::invalid_argument for what it cannot work with
-  MakeServerSide make_server_side{};  ///< for a law whose port has the law's name; empty: it has none
+  MakeServerSide make_server_side{};  ///< its server-side law; empty: it has none
 };
 
 }  // namespace forcebound::control

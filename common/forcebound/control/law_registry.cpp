@@ -57,7 +57,7 @@ std::string heading_of(const LawDescription& law) {
   std::string text = law.name + ": " + law.summary + "\n";
   if (!law.reference.empty()) text += "  after " + law.reference + ", " + words_of(law.certainty) + "\n";
   text += "  promises " + words_of(law.claim) + "\n";
-  if (law.make_server_side) text += "  has a half at the server\n";
+  if (law.make_server_side) text += "  has a server-side law\n";
   return text;
 }
 
@@ -126,9 +126,9 @@ std::string LawRegistry::refusal(std::string_view name, const DeviceFacts& facts
   return {};
 }
 
-std::unique_ptr<ServerSideLaw> LawRegistry::make_server_side(std::string_view port, int degrees_of_freedom) const {
+std::unique_ptr<ServerSideLaw> LawRegistry::make_server_side(std::string_view law, int degrees_of_freedom) const {
   const auto found = std::ranges::find_if(
-      laws_, [&](const LawDescription& law) { return law.name == port && law.make_server_side != nullptr; });
+      laws_, [&](const LawDescription& known) { return known.name == law && known.make_server_side != nullptr; });
   return found == laws_.end() ? nullptr : found->make_server_side(degrees_of_freedom);
 }
 

@@ -33,8 +33,8 @@ class LawRegistry {
   [[nodiscard]] std::string refusal(std::string_view name, const DeviceFacts& facts,
                                     const LawOptions& options = {}) const;
 
-  /// The server's half for a port; null if there is none of that name.
-  [[nodiscard]] std::unique_ptr<ServerSideLaw> make_server_side(std::string_view port, int degrees_of_freedom) const;
+  /// The server-side law of the law of that name; null if it has none.
+  [[nodiscard]] std::unique_ptr<ServerSideLaw> make_server_side(std::string_view law, int degrees_of_freedom) const;
 
   /// Every parameter of the law: as in `chosen`, or as described for this device.
   /// @throws std::invalid_argument as `make`.

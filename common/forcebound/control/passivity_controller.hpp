@@ -45,9 +45,9 @@ class PassivityController {
   /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it.
   [[nodiscard]] Vector confirmed(const Vector& force_N, double latency_s) noexcept;
 
-  /// What the law's half at the server said with the newest force, ahead of the tick that uses that force. If any
+  /// What the server-side law said with the newest force, ahead of the tick that uses that force. If any
   /// number is not finite, all are ignored.
-  void hear(const PortNumbers& numbers) noexcept {
+  void hear(const ServerLawNumbers& numbers) noexcept {
     if (numbers.allFinite()) law_->incoming(numbers);
   }
 

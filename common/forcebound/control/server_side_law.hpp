@@ -4,10 +4,10 @@
 
 namespace forcebound::control {
 
-/// The server's half of a law: stands between the motions that come and the environment.
+/// The part of a law that runs at the server: stands between the motions that come and the environment.
 ///
 /// For each motion that is answered, in the order of their sequence: `place`, then the environment is asked there, then
-/// `answer`. Motions get lost, so an interval may span several ticks. Whatever parameters both halves must share come
+/// `answer`. Motions get lost, so an interval may span several ticks. Whatever parameters both ends must share come
 /// with the device's numbers, so that the server needs to be told nothing. A server-side law may begin in the middle of
 /// its law's life, after a restart of the server: it takes the first sums it hears as where it begins.
 ///
@@ -17,14 +17,14 @@ class ServerSideLaw {
   virtual ~ServerSideLaw() = default;
 
   struct Heard {
-    const Vector& position;      ///< of the device [m]
-    const PortNumbers& numbers;  ///< as the law's half said them; any finite numbers, of any count
-    double interval_s;           ///< by the device's clock since the motion before; 0 at first
+    const Vector& position;           ///< of the device [m]
+    const ServerLawNumbers& numbers;  ///< from the law at the device; any finite numbers, of any count
+    double interval_s;                ///< by the device's clock since the motion before; 0 at first
   };
 
   struct Said {
-    Vector force;         ///< [N] for the device's half, `dof` rows
-    PortNumbers numbers;  ///< for the device's half
+    Vector force;              ///< [N] for the law at the device, `dof` rows
+    ServerLawNumbers numbers;  ///< for the law at the device
   };
 
   /// Where the environment is to be asked [m], `dof` rows.

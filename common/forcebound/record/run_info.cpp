@@ -61,6 +61,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("held_too_long", totals.held_too_long);
   visit("released_by_device", totals.released_by_device);
   visit("reconnects", totals.reconnects);
+  visit("refusals", totals.refusals);
   visit("longest_blackout_ns", totals.longest_blackout.duration);
   visit("longest_blackout_over", totals.longest_blackout.over);
   visit("longest_blackout_counted", totals.longest_blackout.counted);
@@ -218,6 +219,8 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "ticks so late that the device let go of the force"},
       {"reconnects", t.reconnects, "time the session was lost and requested again",
        "times the session was lost and requested again"},
+      {"refusals", t.refusals, "request for a session that the server refused",
+       "requests for a session that the server refused"},
       {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},
       {"missed_ticks", t.missed_ticks, "tick left out: the loop woke too late for it",
        "ticks left out: the loop woke too late for them"},

@@ -78,7 +78,8 @@ struct RunTotals {
   std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go
   std::uint64_t released_by_device = 0;    ///< ticks so late that the device had zeroed the force itself
   std::uint64_t reconnects = 0;
-  Blackout longest_blackout;  ///< without any new force
+  std::uint64_t refusals = 0;  ///< of a session, by the server
+  Blackout longest_blackout;   ///< without any new force
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
   std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile

@@ -34,10 +34,16 @@ struct TickRecord {
   bool contact = false;               ///< the newest answer, or the true surface where it is known, says so
   double penetration_m = 0;           ///< below that surface; <= 0: no contact; not a number: not known here
   double displayed_N = 0;             ///< component of `applied` out of that surface
-  double energy_J = 0;                ///< energy that the law may spend
-  double xi = 1;                      ///< share of the coming interval's dissipation that the law will credit, 0 to 1
-  double audit_J = 0;                 ///< P at the command (simulated devices): energy dissipated less energy returned
-  double audit_minimum_J = 0;         ///< the least P so far, within ticks too
+  double energy_J = 0;                ///< energy that the law may spend now: E of its recursion
+  /// Share, 0 to 1, of what the device's damping dissipates in the interval that begins here which the law will credit
+  /// to E. fba-more: energy that the force needs over energy available, and 1 where the force is bounded or
+  /// zero; other laws: always 1.
+  double xi = 1;
+  /// The ground-truth energy balance P(t) at the command, of a simulated device: since the start, what damping and
+  /// friction took less what the motors gave to the hand (control/README.md, Definitions). 0 where it is not known.
+  double audit_J = 0;
+  /// The least P from the start until the command, between ticks too: never below 0 if the device was passive.
+  double audit_minimum_J = 0;
 };
 
 /// One environment force as it arrived.

@@ -89,13 +89,14 @@ struct Codec::Storage {
 Codec::Storage::Storage() {
   const std::string longest(kFrameBytesMax, 'x');
   for (std::string* text :
-       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_port(), hello.mutable_padding(),
+       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_server_law(), hello.mutable_padding(),
         welcome.mutable_scene(), welcome.mutable_simulated(), refusal.mutable_text()}) {
     *text = longest;
   }
   for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_position_m(),
                            force.mutable_contact_normal(), force.mutable_texture_wave_rad_per_m(),
-                           force.mutable_texture_across_rad_per_m(), motion.mutable_port(), force.mutable_port()}) {
+                           force.mutable_texture_across_rad_per_m(), motion.mutable_server_law_numbers(),
+                           force.mutable_server_law_numbers()}) {
     numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
   }
 }
@@ -111,7 +112,7 @@ void Codec::Storage::fill(const Hello& from) noexcept {
   hello.mutable_scene()->assign(cut_name(from.scene));
   hello.set_client_time_ns(from.client_time.count());
   hello.set_round_trip_ns(from.round_trip.count());
-  hello.mutable_port()->assign(cut_name(from.port));
+  hello.mutable_server_law()->assign(cut_name(from.server_law));
   hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
 }
 
@@ -131,6 +132,7 @@ void Codec::Storage::fill(const Refusal& from) noexcept {
   refusal.set_reason(static_cast<v1::Refusal::Reason>(from.reason));
   refusal.mutable_text()->assign(cut_text(from.text));
   refusal.set_client_time_ns(from.client_time.count());
+  refusal.set_protocol_version(from.protocol_version);
 }
 
 void Codec::Storage::fill(const Bye& from) noexcept {
@@ -163,7 +165,7 @@ Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
                        .scene = cut_name(from.scene()),
                        .client_time = time,
                        .round_trip = round_trip,
-                       .port = cut_name(from.port())}};
+                       .server_law = cut_name(from.server_law())}};
 }
 
 Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
@@ -182,7 +184,8 @@ Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
                          .session = from.session(),
                          .reason = known ? static_cast<RefusalReason>(from.reason()) : RefusalReason::unspecified,
                          .text = cut_text(from.text()),
-                         .client_time = time}};
+                         .client_time = time,
+                         .protocol_version = from.protocol_version()}};
 }
 
 template <class Value, class Proto>

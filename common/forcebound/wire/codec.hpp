@@ -25,7 +25,8 @@ enum class Malformed : std::uint8_t {
   foreign,     ///< without the protocol's mark, or of another frame version
   corrupt,     ///< the checksum disagrees
   unreadable,  ///< the body is not the message of its kind; also a short Hello, or a motion without position
-  non_finite,  ///< a number in it is not finite, a vector has more than six rows or a port more than 16 numbers
+  non_finite,  ///< a number in it is not finite, a vector has more than six rows or more than 16 numbers of a
+               ///< server-side law
 };
 inline constexpr std::size_t kMalformedReasons = 6;
 
@@ -35,7 +36,9 @@ inline constexpr std::size_t kMalformedReasons = 6;
 ///
 ///     'F' 'B' | frame version 1 | kind 1..6, the index in Message + 1 | CRC-32 of kind and body, little-endian | body
 ///
-/// The checksum (zlib's) is ours because UDP's is rewritten by every relay on the way.
+/// The checksum (zlib's) is ours because UDP's is rewritten by every relay on the way. The frame version is not the
+/// protocol's, which a Hello names: it stays as it is, so that programs of different protocol versions can read each
+/// other's Hello and Refusal.
 ///
 /// Real time: memory is reused; after construction, encoding and decoding allocate nothing. (Decoding a foreign
 /// datagram with a valid frame may allocate up to its 1200 bytes.) Not thread-safe.

@@ -15,7 +15,7 @@ namespace forcebound::wire {
 
 using time::Nanoseconds;
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 /// Bound on times on the wire (73 years from zero), so that differences and sums never overflow.
 inline constexpr Nanoseconds kTimeMost{std::int64_t{1} << 61};
@@ -31,11 +31,12 @@ struct Hello {
   double force_N_max = 0;     ///< the device's largest force
   std::string_view scene{};   ///< requested scene; empty: the server's default
   Nanoseconds client_time{0};
-  Nanoseconds round_trip{0};  ///< measured by the client from a refusal `round_trip_wanted`; 0: not measured
-  std::string_view port{};    ///< the law whose server-side half is requested; empty: none
+  Nanoseconds round_trip{0};      ///< measured by the client from a refusal `round_trip_wanted`; 0: not measured
+  std::string_view server_law{};  ///< the law whose server-side law is requested, by name; empty: none
 };
 
-/// Server to client: the Hello is accepted, and a session begins.
+/// Server to client: the Hello is accepted, and a session begins. Sent again for each copy of that Hello; the same
+/// nonce always gets the same session, as long as that lives.
 struct Welcome {
   std::uint64_t client_nonce = 0;  ///< of the Hello
   std::uint64_t session = 0;       ///< its number, in every further message; unguessable
@@ -52,7 +53,7 @@ enum class RefusalReason : std::uint8_t {
   server_full,
   unknown_session,    ///< the answer to a motion of an unknown session: the server restarted, or closed it
   round_trip_wanted,  ///< the scene's accuracy depends on it: send Hello again with the round trip from the echoed time
-  unknown_port,       ///< the server has no half of that law
+  unknown_server_law,  ///< the server has no server-side law for that law
 };
 
 struct Refusal {
@@ -61,15 +62,17 @@ struct Refusal {
   RefusalReason reason = RefusalReason::unspecified;
   std::string_view text{};     ///< what is refused, and what would be accepted
   Nanoseconds client_time{0};  ///< of the Hello, echoed
+  /// That the server speaks, of a version_mismatch; 0: not said, by version 1.
+  std::uint32_t protocol_version = 0;
 };
 
 /// Client to server, each tick.
 struct MotionSample {
   std::uint64_t session = 0;
-  std::uint64_t sequence = 0;   ///< 1, 2, 3, ... per client process, across sessions
-  Nanoseconds device_time{0};   ///< client's clock at the reading
-  control::Vector position{};   ///< [m], scene frame, dof rows
-  control::PortNumbers port{};  ///< from the law's half at the device
+  std::uint64_t sequence = 0;                      ///< 1, 2, 3, ... per client process, across sessions
+  Nanoseconds device_time{0};                      ///< client's clock at the reading
+  control::Vector position{};                      ///< [m], scene frame, dof rows
+  control::ServerLawNumbers server_law_numbers{};  ///< from the law at the device to the server-side law
 };
 
 /// Server to client: the answer to one motion.
@@ -94,7 +97,7 @@ struct EnvironmentForce {
   double texture_N = 0;
   control::Vector texture_wave{};
   control::Vector texture_across{};
-  control::PortNumbers port{};  ///< from the law's half at the server
+  control::ServerLawNumbers server_law_numbers{};  ///< from the server-side law to the law at the device
 };
 
 /// Either way: this session ends. The server's answer carries its final counts.

@@ -57,7 +57,7 @@ void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
   to.set_sequence(from.sequence);
   to.set_device_time_ns(from.device_time.count());
   add_rows(from.position, to.mutable_position_m());
-  add_rows(from.port, to.mutable_port());
+  add_rows(from.server_law_numbers, to.mutable_server_law_numbers());
 }
 
 Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
@@ -66,7 +66,7 @@ Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
   to.sequence = from.sequence();
   taker.time(from.device_time_ns(), "device_time_ns", to.device_time);
   taker.rows(from.position_m(), "position_m", to.position);
-  taker.rows(from.port(), "port", to.port);
+  taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
   return taker.flaws();
 }
 
@@ -89,7 +89,7 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   to.set_texture_n(from.texture_N);
   add_rows(from.texture_wave, to.mutable_texture_wave_rad_per_m());
   add_rows(from.texture_across, to.mutable_texture_across_rad_per_m());
-  add_rows(from.port, to.mutable_port());
+  add_rows(from.server_law_numbers, to.mutable_server_law_numbers());
 }
 
 Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
@@ -111,7 +111,7 @@ Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
   taker.number(from.texture_n(), to.texture_N);
   taker.rows(from.texture_wave_rad_per_m(), "texture_wave_rad_per_m", to.texture_wave);
   taker.rows(from.texture_across_rad_per_m(), "texture_across_rad_per_m", to.texture_across);
-  taker.rows(from.port(), "port", to.port);
+  taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
   return taker.flaws();
 }
 

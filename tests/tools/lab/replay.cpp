@@ -130,7 +130,7 @@ void write_number(std::string& line, double value) {
 std::unique_ptr<control::PassivityLaw> checked_law(const ReplayOptions& options, const DeviceFacts& facts) {
   try {
     if (options.laws.find(options.law).make_server_side) {
-      refuse_option("law '", options.law, "' has a half at the server, and rows have no server: it cannot be replayed");
+      refuse_option("law '", options.law, "' has a server-side law, and rows have no server: it cannot be replayed");
     }
     return options.laws.make(options.law, facts, options.law_options);
   } catch (const std::invalid_argument& error) {

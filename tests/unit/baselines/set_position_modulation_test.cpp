@@ -17,7 +17,7 @@ using test::TwoPortLoop;
 constexpr const char* kLaw = "pspm";
 constexpr double kSpring_N_per_m = 30e3;  // half of 2b/T
 
-control::PortNumbers said(double energy_J, double place_m) {
+control::ServerLawNumbers said(double energy_J, double place_m) {
   return test::saying(energy_J, Vector::Constant(1, place_m));
 }
 
@@ -70,9 +70,9 @@ TEST(SetPositionModulation, SendsWhatIsBeyondTheCeilingAndGetsItBackOnce) {
   const Vector x = Vector::Constant(1, 0.5);
   double back_J = 0;
   for (const double sent_J : {10.0, 12.0, 11.0, 12.0}) {
-    EXPECT_EQ(
-        server_side->place({.position = x, .numbers = control::PortNumbers::Constant(1, sent_J), .interval_s = 1e-3}),
-        x);
+    EXPECT_EQ(server_side->place(
+                  {.position = x, .numbers = control::ServerLawNumbers::Constant(1, sent_J), .interval_s = 1e-3}),
+              x);
     back_J = server_side->answer(Vector::Zero(1)).numbers[0];
   }
   EXPECT_EQ(back_J, 2) << "of what was sent since it began";

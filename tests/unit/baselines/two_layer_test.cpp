@@ -66,7 +66,7 @@ TEST(TwoLayer, SendsAShareOfItsTankAndKeepsTheRest) {
 TEST(TwoLayer, TheServersPlaceGoesNoDeeperThanItsTankPaysAndCatchesUp) {
   const auto server_side = shipped_laws().make_server_side(kLaw, 1);
   const auto place_at = [&](double x_m, double sent_J) {
-    control::PortNumbers numbers(2);
+    control::ServerLawNumbers numbers(2);
     numbers << sent_J, 0.0;
     return server_side->place({.position = Vector::Constant(1, x_m), .numbers = numbers, .interval_s = 1e-3})[0];
   };

@@ -47,7 +47,7 @@ TEST(TwoPortPassivity, DoesNotActBelowTheVelocityFloor) {
   EXPECT_EQ(loop.step(1e-4, 5), 5);
 }
 
-// The server's half gives the environment no more than the device took in, whatever it asks and answers.
+// The server-side law gives the environment no more than the device took in, whatever it asks and answers.
 TEST(TwoPortPassivity, TheServersHalfNeverGivesMoreThanTheDeviceTookIn) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -65,7 +65,7 @@ TEST(TwoPortPassivity, TheServersHalfNeverGivesMoreThanTheDeviceTookIn) {
       device += step;
       taken_in_J += std::max(0.0, 1e-4 * normal(random));
       const Vector next = server_side->place({.position = device,
-                                              .numbers = control::PortNumbers::Constant(1, taken_in_J),
+                                              .numbers = control::ServerLawNumbers::Constant(1, taken_in_J),
                                               .interval_s = i > 0 ? 1e-3 : 0});
       if (i == 0) {
         taken_in_J = base_J;

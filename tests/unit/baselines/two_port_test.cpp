@@ -40,13 +40,13 @@ TEST(RemoteSum, StaysANumber) {
   EXPECT_EQ(sum.hear(kMost), kMost);
 }
 
-/// Checks for every law with a half at the server.
+/// Checks for every law with a server-side law.
 class TwoPortLaws : public testing::TestWithParam<std::string> {};
 
 TEST_P(TwoPortLaws, AreAskedForByTheirNameAtTheServer) {
   const auto law = shipped_laws().make(GetParam(), test::ideal_device(2));
   EXPECT_EQ(law->name(), GetParam());
-  EXPECT_EQ(law->port(), GetParam());
+  EXPECT_EQ(law->server_law(), GetParam());
   EXPECT_NE(shipped_laws().make_server_side(GetParam(), 2), nullptr);
 }
 
@@ -77,10 +77,10 @@ TEST_P(TwoPortLaws, GainNothingAgainFromAServerThatRestarted) {
   EXPECT_NEAR(loop.energy_J() - before_J, 1e-3, 1e-15) << "the new server's energy counts from zero";
 }
 
-TEST_P(TwoPortLaws, HaveAHalfThatGivesNothingForWhatCameBeforeItBegan) {
+TEST_P(TwoPortLaws, HaveAServerSideLawThatGivesNothingForWhatCameBeforeItBegan) {
   const auto server_side = shipped_laws().make_server_side(GetParam(), 1);
   const Vector x = Vector::Zero(1);
-  control::PortNumbers numbers = control::PortNumbers::Constant(6, 1e3);
+  control::ServerLawNumbers numbers = control::ServerLawNumbers::Constant(6, 1e3);
   for (int i = 0; i < 5; ++i) {
     (void)server_side->place({.position = x, .numbers = numbers, .interval_s = i > 0 ? 1e-3 : 0});
     const auto said = server_side->answer(Vector::Zero(1));
@@ -101,8 +101,8 @@ TEST_P(TwoPortLaws, StayFiniteAndWithinTheLargestForceForHardNumbers) {
   for (int i = 0; i < 20'000; ++i) {
     const Vector x = i % 3 == 0 ? Vector(Vector::Constant(3, 1e-3 * static_cast<double>(random() % 10)))
                                 : Vector(Vector::NullaryExpr(3, any));
-    const control::PortNumbers numbers =
-        control::PortNumbers::NullaryExpr(static_cast<Eigen::Index>(random() % 17), any);
+    const control::ServerLawNumbers numbers =
+        control::ServerLawNumbers::NullaryExpr(static_cast<Eigen::Index>(random() % 17), any);
     ASSERT_TRUE(finite_place(server_side->place({.position = x, .numbers = numbers, .interval_s = std::abs(any())})));
     const auto said = server_side->answer(Vector::NullaryExpr(3, any));
     ASSERT_TRUE(said.force.allFinite() && said.numbers.allFinite()) << i << ": " << said.numbers.transpose();

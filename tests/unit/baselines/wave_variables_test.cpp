@@ -23,9 +23,9 @@ TEST(WaveVariables, FeelsTheWaveImpedanceWhereNothingComesBack) {
   loop.step(0, 0);
   for (int i = 1; i < 20; ++i) EXPECT_NEAR(loop.step(1e-4 * i, -7), -kImpedance_N_s_per_m * 0.1, 1e-12);
   // u = (b_w v + F)/sqrt(2 b_w) with F = b_w v: all that is taken goes out, u^2/2 = F v.
-  const control::PortNumbers before = loop.law().outgoing();
+  const control::ServerLawNumbers before = loop.law().outgoing();
   loop.step(20e-4, 0);
-  const control::PortNumbers after = loop.law().outgoing();
+  const control::ServerLawNumbers after = loop.law().outgoing();
   EXPECT_NEAR(after[kEnergy + 1] - before[kEnergy + 1], kRoot * 0.1 * 1e-3, 1e-15);
   EXPECT_NEAR(after[kEnergy] - before[kEnergy], kImpedance_N_s_per_m * 0.01 * 1e-3, 1e-15);
 }
@@ -36,8 +36,8 @@ TEST(WaveVariables, CodesAndDecodesForceAndVelocityWithoutLoss) {
   std::normal_distribution<double> normal;
   double x_m = 0;
   double force_N = loop.step(x_m, 0);
-  control::PortNumbers before = loop.law().outgoing();
-  control::PortNumbers back = test::saying(0, Vector::Zero(1));
+  control::ServerLawNumbers before = loop.law().outgoing();
+  control::ServerLawNumbers back = test::saying(0, Vector::Zero(1));
   for (int i = 0; i < 1000; ++i) {
     const double v_m_per_s = 0.05 * normal(random);
     const double w = 0.5 * normal(random);
@@ -48,7 +48,7 @@ TEST(WaveVariables, CodesAndDecodesForceAndVelocityWithoutLoss) {
     const double held_N = force_N;
     force_N = loop.step(x_m, 0);
     EXPECT_NEAR(-force_N, kImpedance_N_s_per_m * v_m_per_s - kRoot * w, 1e-9);
-    const control::PortNumbers after = loop.law().outgoing();
+    const control::ServerLawNumbers after = loop.law().outgoing();
     if (i > 0) {
       const double u = (after[kEnergy + 1] - before[kEnergy + 1]) / 1e-3;
       EXPECT_NEAR(u, (kImpedance_N_s_per_m * v_m_per_s - held_N) / kRoot, 1e-7);
@@ -79,7 +79,7 @@ TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
       std::mt19937_64 random(23);
       std::normal_distribution<double> normal;
       TwoPortLoop loop(kLaw, {}, test::nothing_there());
-      std::deque<control::PortNumbers> way;
+      std::deque<control::ServerLawNumbers> way;
       double x_m = 0;
       double force_N = 0;
       double passivity_J = 0;
@@ -92,7 +92,7 @@ TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
         x_m += d;
         force_N = loop.step(x_m, 0);
         most_N = std::max(most_N, std::abs(force_N));
-        const control::PortNumbers sums = loop.law().outgoing();
+        const control::ServerLawNumbers sums = loop.law().outgoing();
         if (sums.rows() > kEnergy) way.emplace_back(sums.tail(2));
         if (way.size() <= delay_ticks) continue;
         const bool lost = !constant && random() % 5 == 0;

@@ -23,14 +23,14 @@ std::string refusal_of(const std::string& bytes) {
 TEST(RecordingCodec, KeepsMotionsWithNumbersThatAreNotFinite) {
   wire::MotionSample motion{.session = 1, .sequence = 2, .device_time = Nanoseconds{3}};
   motion.position = control::Vector::Constant(6, std::numeric_limits<double>::infinity());
-  motion.port = control::PortNumbers::Constant(16, 0.5);
-  wire::MotionSample back{.session = 9, .port = control::PortNumbers::Ones(3)};
+  motion.server_law_numbers = control::ServerLawNumbers::Constant(16, 0.5);
+  wire::MotionSample back{.session = 9, .server_law_numbers = control::ServerLawNumbers::Ones(3)};
   decode(encode(motion), back);
   EXPECT_EQ(back.session, 1U);
   EXPECT_EQ(back.sequence, 2U);
   EXPECT_EQ(back.device_time, Nanoseconds{3});
   EXPECT_EQ(back.position, motion.position);
-  EXPECT_EQ(back.port, motion.port);
+  EXPECT_EQ(back.server_law_numbers, motion.server_law_numbers);
 }
 
 TEST(RecordingCodec, NamesATimeOutOfRange) {

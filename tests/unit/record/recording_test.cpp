@@ -130,13 +130,13 @@ TEST(Recording, KeepsEveryFieldOfATickAndAForce) {
 TEST(Recording, OfAServerKeepsMotionAndForce) {
   const TemporaryFile file("server.mcap");
   RecordingWriter writer(file.path(), test::sample_info());
-  writer.write(MotionRecord{Nanoseconds{123},
-                            {7, 8, Nanoseconds{9}, vector_of({1.5, -2}), control::PortNumbers::Constant(16, 0.5)}});
+  writer.write(MotionRecord{
+      Nanoseconds{123}, {7, 8, Nanoseconds{9}, vector_of({1.5, -2}), control::ServerLawNumbers::Constant(16, 0.5)}});
   SentForceRecord force;
   force.force.session = 7;
   force.force.force = vector_of({0.25});
   force.force.server_send_time = Nanoseconds{456};
-  force.force.port = control::PortNumbers::Constant(2, -0.25);
+  force.force.server_law_numbers = control::ServerLawNumbers::Constant(2, -0.25);
   writer.write(force);
   writer.finish({});
   Collector read;
@@ -145,11 +145,11 @@ TEST(Recording, OfAServerKeepsMotionAndForce) {
   EXPECT_EQ(read.motions[0].receive_time, Nanoseconds{123});
   EXPECT_EQ(read.motions[0].motion.sequence, 8U);
   EXPECT_EQ(read.motions[0].motion.position, vector_of({1.5, -2}));
-  EXPECT_EQ(read.motions[0].motion.port, control::PortNumbers::Constant(16, 0.5));
+  EXPECT_EQ(read.motions[0].motion.server_law_numbers, control::ServerLawNumbers::Constant(16, 0.5));
   ASSERT_EQ(read.sent.size(), 1U);
   EXPECT_EQ(read.sent[0].force.session, 7U);
   EXPECT_EQ(read.sent[0].force.force, vector_of({0.25}));
-  EXPECT_EQ(read.sent[0].force.port, control::PortNumbers::Constant(2, -0.25));
+  EXPECT_EQ(read.sent[0].force.server_law_numbers, control::ServerLawNumbers::Constant(2, -0.25));
 }
 
 TEST(Recording, OfAKilledProcessLacksAtMostTheLastSecond) {

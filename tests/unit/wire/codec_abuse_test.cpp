@@ -109,8 +109,9 @@ TEST(CodecAbuse, MoreThanSixRowsAreRefused) {
 
 TEST(CodecAbuse, MoreThanSixteenNumbersOfALawAreRefused) {
   Codec codec;
-  for (const Message& message : {Message{MotionSample{.position = vector_of({1}), .port = port_numbers(16)}},
-                                 Message{EnvironmentForce{.port = port_numbers(16)}}}) {
+  for (const Message& message :
+       {Message{MotionSample{.position = vector_of({1}), .server_law_numbers = server_law_numbers(16)}},
+        Message{EnvironmentForce{.server_law_numbers = server_law_numbers(16)}}}) {
     const Bytes body = body_of(copy(codec.encode(message)));
     Bytes twice = body;
     twice.insert(twice.end(), body.begin(), body.end());
@@ -130,8 +131,9 @@ TEST(CodecAbuse, NonFiniteNumbersAreRefusedInEveryField) {
     expect_refused(Hello{.period_s = bad});
     expect_refused(Hello{.force_N_max = bad});
     expect_refused(MotionSample{.position = vector_of({0, bad})});
-    expect_refused(MotionSample{.position = vector_of({0}), .port = control::PortNumbers::Constant(3, bad)});
-    expect_refused(EnvironmentForce{.port = control::PortNumbers::Constant(1, bad)});
+    expect_refused(
+        MotionSample{.position = vector_of({0}), .server_law_numbers = control::ServerLawNumbers::Constant(3, bad)});
+    expect_refused(EnvironmentForce{.server_law_numbers = control::ServerLawNumbers::Constant(1, bad)});
     expect_refused(EnvironmentForce{.force = vector_of({bad})});
     expect_refused(EnvironmentForce{.position = vector_of({bad, 0})});
     expect_refused(EnvironmentForce{.contact_normal = vector_of({0, 0, bad})});
@@ -191,7 +193,7 @@ TEST(CodecAbuse, RandomBytesAreHarmless) {
     if (const auto* message = std::get_if<Message>(&decoded)) {
       ++messages;
       if (const auto* motion = std::get_if<MotionSample>(message)) {
-        EXPECT_TRUE(motion->position.allFinite() && motion->port.allFinite());
+        EXPECT_TRUE(motion->position.allFinite() && motion->server_law_numbers.allFinite());
       }
     }
   }
@@ -214,7 +216,7 @@ TEST(CodecAbuse, RealBodiesWithChangedBytesAreHarmless) {
         ++messages;
         if (const auto* force = std::get_if<EnvironmentForce>(decoded_message)) {
           EXPECT_TRUE(force->force.allFinite() && force->position.allFinite() && force->contact_normal.allFinite());
-          EXPECT_TRUE(force->port.allFinite());
+          EXPECT_TRUE(force->server_law_numbers.allFinite());
           EXPECT_TRUE(std::isfinite(force->penetration_m));
         }
       }

@@ -50,8 +50,8 @@ control::Vector any_vector(int rows_min) {
   return v;
 }
 
-control::PortNumbers any_port() {
-  control::PortNumbers numbers(*rc::gen::inRange(0, 17));
+control::ServerLawNumbers any_server_law_numbers() {
+  control::ServerLawNumbers numbers(*rc::gen::inRange(0, 17));
   for (Eigen::Index i = 0; i < numbers.rows(); ++i) numbers[i] = *finite_number();
   return numbers;
 }
@@ -82,6 +82,59 @@ TEST(Codec, KeepsItsBytes) {
             "2210000000000000d03f00000000000000c0");
 }
 
+/// Hex digits as bytes, with zeros up to that length.
+std::vector<std::byte> bytes_of(std::string_view digits, std::size_t bytes) {
+  std::vector<std::byte> result(bytes);
+  for (std::size_t i = 0; 2 * i < digits.size(); ++i) {
+    result[i] = std::byte(std::stoi(std::string(digits.substr(2 * i, 2)), nullptr, 16));
+  }
+  return result;
+}
+
+// The next two are datagrams of a program of version 1: each end must understand why it is refused, so no version may
+// change the frame, a Hello's length and fields 1, 2 and 8, or a Refusal's fields 1 to 6.
+TEST(Codec, ReadsAHelloOfVersion1) {
+  const auto hello = bytes_of(
+      "464201016f44c2a0080111efcdab8967452301180322046f6d6e6929fca9f1d24d62503f316666666666660a403a06737068657265"
+      "40f4ffffffffffffffff014880dac4095204776176657ae208",
+      1200);
+  Codec codec;
+  const auto read = std::get<Hello>(std::get<Message>(codec.decode(hello)));
+  EXPECT_EQ(read.protocol_version, 1u);
+  EXPECT_EQ(read.client_nonce, 0x0123456789abcdefu);
+  EXPECT_EQ(read.device, "omni");
+  EXPECT_EQ(read.scene, "sphere");
+  EXPECT_EQ(read.server_law, "wave");
+}
+
+TEST(Codec, ReadsARefusalOfVersion1ThatDoesNotSayItsVersion) {
+  const auto refusal = bytes_of(
+      "464201035715bd0b09efcdab896745230118012233746869732073657276657220737065616b732070726f746f636f6c2076657273696f6e"
+      "20312c2074686520636c69656e742032",
+      72);
+  Codec codec;
+  const auto read = std::get<Refusal>(std::get<Message>(codec.decode(refusal)));
+  EXPECT_EQ(read.client_nonce, 0x0123456789abcdefu);
+  EXPECT_EQ(read.reason, RefusalReason::version_mismatch);
+  EXPECT_EQ(read.text, "this server speaks protocol version 1, the client 2");
+  EXPECT_EQ(read.protocol_version, 0u);
+}
+
+// What a program of version 1 reads: its fields 1, 3 and 4, before the new one.
+TEST(Codec, KeepsTheBytesOfARefusalThatTellsAnotherVersionWhy) {
+  Codec codec;
+  EXPECT_EQ(hex(codec.encode(Refusal{.client_nonce = 0x0123456789abcdef,
+                                     .reason = RefusalReason::version_mismatch,
+                                     .text = "why",
+                                     .protocol_version = 2})),
+            "46420103"
+            "e71a1c31"
+            "09efcdab8967452301"
+            "1801"
+            "2203776879"
+            "3002");
+}
+
 TEST(Codec, NumbersItsKindsAsTheyStandInMessage) {
   Codec codec;
   const auto messages = one_of_each();
@@ -94,7 +147,7 @@ TEST(Codec, NumbersItsKindsAsTheyStandInMessage) {
 TEST(Codec, GivesHelloBack) {
   Codec codec;
   const auto back = round_trip(codec, std::get<Hello>(one_of_each()[0]));
-  EXPECT_EQ(back.protocol_version, 1u);
+  EXPECT_EQ(back.protocol_version, 2u);
   EXPECT_EQ(back.client_nonce, 0x0123456789abcdefu);
   EXPECT_EQ(back.degrees_of_freedom, 3u);
   EXPECT_EQ(back.device, "omni");
@@ -103,7 +156,7 @@ TEST(Codec, GivesHelloBack) {
   EXPECT_EQ(back.scene, "sphere");
   EXPECT_EQ(back.client_time, Nanoseconds{-12});
   EXPECT_EQ(back.round_trip, Nanoseconds{20000000});
-  EXPECT_EQ(back.port, "wave");
+  EXPECT_EQ(back.server_law, "wave");
 }
 
 TEST(Codec, GivesWelcomeBack) {
@@ -121,7 +174,7 @@ TEST(Codec, GivesEveryRefusalBack) {
   for (const auto reason :
        {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
         RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full, RefusalReason::unknown_session,
-        RefusalReason::round_trip_wanted, RefusalReason::unknown_port}) {
+        RefusalReason::round_trip_wanted, RefusalReason::unknown_server_law}) {
     const auto back = round_trip(
         codec,
         Refusal{.client_nonce = 1, .session = 2, .reason = reason, .text = "why", .client_time = Nanoseconds{-12}});
@@ -136,13 +189,13 @@ TEST(Codec, GivesEveryRefusalBack) {
 TEST(Codec, GivesAnyMotionBackBitForBit) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_port()};
+    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers()};
     const MotionSample back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
     RC_ASSERT(back.device_time == sent.device_time);
     expect_same(back.position, sent.position);
-    expect_same(back.port, sent.port);
+    expect_same(back.server_law_numbers, sent.server_law_numbers);
   }));
 }
 
@@ -166,7 +219,7 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
                                 .texture_N = *finite_number(),
                                 .texture_wave = any_vector(0),
                                 .texture_across = any_vector(0),
-                                .port = any_port()};
+                                .server_law_numbers = any_server_law_numbers()};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -178,7 +231,7 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
     RC_ASSERT(back.texture_N == sent.texture_N);
     expect_same(back.texture_wave, sent.texture_wave);
     expect_same(back.texture_across, sent.texture_across);
-    expect_same(back.port, sent.port);
+    expect_same(back.server_law_numbers, sent.server_law_numbers);
     RC_ASSERT(back.penetration_m == sent.penetration_m);
     RC_ASSERT(back.server_receive_time == sent.server_receive_time);
     RC_ASSERT(back.server_send_time == sent.server_send_time);
@@ -218,7 +271,7 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
                               .scene = endless,
                               .client_time = kTimeMost,
                               .round_trip = -kTimeMost,
-                              .port = endless})
+                              .server_law = endless})
                 .size(),
             kFrameBytesMax);
   EXPECT_LE(
@@ -240,7 +293,7 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
 TEST(Codec, RefusingASessionTakesLessThanTheMotionThatNamedIt) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1), any_port()};
+    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers()};
     const std::size_t question = codec.encode(motion).size();
     RC_ASSERT(codec.encode(Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}).size() <
               question);
@@ -267,9 +320,9 @@ TEST(Codec, SaysTheMostThatAnyHalvesOfALawCanSayInOneFrame) {
                               .texture_N = 1,
                               .texture_wave = six,
                               .texture_across = six,
-                              .port = port_numbers(16)};
+                              .server_law_numbers = server_law_numbers(16)};
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
-  EXPECT_EQ(round_trip(codec, most).port, most.port);
+  EXPECT_EQ(round_trip(codec, most).server_law_numbers, most.server_law_numbers);
 }
 
 TEST(Codec, CutsTextBetweenCharacters) {

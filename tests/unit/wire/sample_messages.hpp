@@ -9,13 +9,13 @@ namespace forcebound::wire {
 
 using test::vector_of;
 
-inline control::PortNumbers port_numbers(int count, double first = 0.5) {
-  return control::PortNumbers::LinSpaced(count, first, first + count - 1);
+inline control::ServerLawNumbers server_law_numbers(int count, double first = 0.5) {
+  return control::ServerLawNumbers::LinSpaced(count, first, first + count - 1);
 }
 
 /// One of each kind, every field set.
 inline std::array<Message, 6> one_of_each() {
-  return {Hello{.protocol_version = 1,
+  return {Hello{.protocol_version = 2,
                 .client_nonce = 0x0123456789abcdef,
                 .degrees_of_freedom = 3,
                 .device = "omni",
@@ -24,7 +24,7 @@ inline std::array<Message, 6> one_of_each() {
                 .scene = "sphere",
                 .client_time = Nanoseconds{-12},
                 .round_trip = Nanoseconds{20000000},
-                .port = "wave"},
+                .server_law = "wave"},
           Welcome{.client_nonce = 0x0123456789abcdef,
                   .session = 0xfedcba9876543210,
                   .scene_hash = 77,
@@ -34,12 +34,13 @@ inline std::array<Message, 6> one_of_each() {
                   .session = 5,
                   .reason = RefusalReason::unknown_scene,
                   .text = "no scene 'spere'",
-                  .client_time = Nanoseconds{-12}},
+                  .client_time = Nanoseconds{-12},
+                  .protocol_version = 2},
           MotionSample{.session = 0xfedcba9876543210,
                        .sequence = 1000,
                        .device_time = Nanoseconds{123456789},
                        .position = vector_of({0.01, -0.02, 0.03}),
-                       .port = port_numbers(16)},
+                       .server_law_numbers = server_law_numbers(16)},
           EnvironmentForce{.session = 0xfedcba9876543210,
                            .sequence = 999,
                            .motion_sequence = 1000,
@@ -57,7 +58,7 @@ inline std::array<Message, 6> one_of_each() {
                            .texture_N = 0.4,
                            .texture_wave = vector_of({3000, 0, 0}),
                            .texture_across = vector_of({0, 3000, 0}),
-                           .port = port_numbers(16, -3)},
+                           .server_law_numbers = server_law_numbers(16, -3)},
           Bye{.session = 0xfedcba9876543210,
               .motions_received = 990,
               .motions_duplicated = 3,

@@ -86,7 +86,7 @@ wire::Hello Connection::hello(Nanoseconds now) const noexcept {
           .scene = facts_.scene,
           .client_time = now,
           .round_trip = round_trip_,
-          .port = facts_.port};
+          .server_law = facts_.server_law};
 }
 
 }  // namespace forcebound::client

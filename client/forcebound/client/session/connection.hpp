@@ -23,8 +23,8 @@ class Connection {
  public:
   struct Facts {
     std::string device;
-    std::string scene;   ///< requested; empty: the server's default
-    std::string port{};  ///< of the law, empty: it needs no server-side law
+    std::string scene;         ///< requested; empty: the server's default
+    std::string server_law{};  ///< that the law needs; empty: none
     int degrees_of_freedom = 1;
     double period_s = 1e-3;
     double force_N_max = 0;

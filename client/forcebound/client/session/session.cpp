@@ -7,6 +7,7 @@
 #include "forcebound/client/session/texture.hpp"
 #include "forcebound/control/assertion.hpp"
 #include "forcebound/text/printable.hpp"
+#include "forcebound/wire/version_mismatch.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -23,10 +24,10 @@ constexpr Eigen::Index kTranslationsMax = 3;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 Connection::Facts connection_facts(const control::DeviceFacts& device, const std::string& scene,
-                                   std::string_view port) {
+                                   std::string_view server_law) {
   return {.device = device.name,
           .scene = scene,
-          .port = std::string(port),
+          .server_law = std::string(server_law),
           .degrees_of_freedom = device.degrees_of_freedom(),
           .period_s = device.period_s,
           .force_N_max = device.force_N_max};
@@ -72,7 +73,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       controller_(device.facts(), std::move(law)),
       choosing_(time::from_seconds(device.facts().period_s)),
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
-      connection_(connection_facts(device.facts(), options_.scene, controller_.law().port()),
+      connection_(connection_facts(device.facts(), options_.scene, controller_.law().server_law()),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().degrees_of_freedom()),
       blackouts_(options_.policy.hold) {
@@ -180,7 +181,7 @@ std::uint64_t Session::send_motion(const Vector& position, Nanoseconds read_at) 
                                   .sequence = sequence,
                                   .device_time = read_at,
                                   .position = position,
-                                  .port = law().outgoing()};
+                                  .server_law_numbers = law().outgoing()};
   if (!send(motion)) forces_.note_not_sent();
   return sequence;
 }
@@ -244,12 +245,23 @@ void Session::receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nan
       tell(Event::Kind::session_unknown, now, refusal.text);
       break;
     case Connection::Refused::hello:
-      refused_ = true;
-      tell(Event::Kind::refused, now, refusal.text);
+      ++counts_.refusals;
+      tell_refused(refusal, now);
       break;
     case Connection::Refused::for_now:
       break;
   }
+}
+
+void Session::tell_refused(const wire::Refusal& refusal, Nanoseconds now) noexcept {
+  // Version 1 did not say which it is, nor what to do.
+  const std::uint32_t version = std::max(refusal.protocol_version, 1U);
+  if (refusal.reason != wire::RefusalReason::version_mismatch || version == wire::kProtocolVersion) {
+    tell(Event::Kind::refused, now, refusal.text);
+    return;
+  }
+  const wire::VersionMismatch mismatch(version, wire::kProtocolVersion);
+  tell(Event::Kind::refused, now, mismatch.text());
 }
 
 void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept {
@@ -257,7 +269,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
     case ForceStream::Verdict::newest:
       silent_since_ = now;
       blackouts_.on_force(now, forces_.progress());
-      controller_.hear(force.port);
+      controller_.hear(force.server_law_numbers);
       [[fallthrough]];
     case ForceStream::Verdict::reordered:
       note_news(now);
@@ -385,6 +397,7 @@ record::RunTotals Session::totals() const {
   totals.simulated = simulated_;
   totals.malformed = counts_.malformed;
   totals.foreign_session = counts_.foreign_session;
+  totals.refusals = counts_.refusals;
   totals.send_failures = counts_.send_failures;
   totals.held_too_long = counts_.held_too_long;
   totals.released_by_device = counts_.released_by_device;

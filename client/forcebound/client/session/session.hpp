@@ -63,7 +63,7 @@ class Session {
 
   [[nodiscard]] SessionState state() const noexcept { return connection_.state(); }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_; }
-  [[nodiscard]] bool refused() const noexcept { return refused_; }
+  [[nodiscard]] bool refused() const noexcept { return counts_.refusals > 0; }
   [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
 
   /// Totals so far; forces and motions on their way count as lost. Allocates.
@@ -90,6 +90,7 @@ class Session {
   /// Events that Session counts itself, for the totals.
   struct Counts {
     std::uint64_t foreign_session = 0;
+    std::uint64_t refusals = 0;
     std::array<std::uint64_t, wire::kMalformedReasons> malformed{};
     std::uint64_t send_failures = 0;
     std::uint64_t held_too_long = 0;
@@ -102,6 +103,7 @@ class Session {
   void receive_all(Nanoseconds now) noexcept;
   void receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
+  void tell_refused(const wire::Refusal& refusal, Nanoseconds now) noexcept;
   void receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void note_news(Nanoseconds now) noexcept;
@@ -142,7 +144,6 @@ class Session {
   int answers_without_news_ = 0;
   Nanoseconds last_news_{0};
   Nanoseconds now_{0};
-  bool refused_ = false;
   Counts counts_;
   // They hold all that a Welcome can carry, so that the tick does not allocate.
   std::string scene_;

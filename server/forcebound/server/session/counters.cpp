@@ -34,6 +34,7 @@ std::string ServerCounters::text() const {
               {{"ended by the client", sessions_ended},
                {"closed as idle", sessions_idle},
                {"hellos refused", hellos_refused},
+               {"of them of another protocol version", hellos_of_other_versions},
                {"hellos before their scene was compiled", hellos_too_early},
                {"hellos without a round trip", hellos_to_measure},
                {"hellos repeated", hellos_repeated},

@@ -23,6 +23,7 @@ struct ServerCounters {
   std::uint64_t hellos_too_early = 0;   ///< for a scene still being compiled: the client repeats it
   std::uint64_t hellos_to_measure = 0;  ///< without the round trip that the scene needs: the client repeats it
   std::uint64_t hellos_refused = 0;
+  std::uint64_t hellos_of_other_versions = 0;  ///< of the refused: by clients that speak another protocol version
   std::uint64_t hellos_over_rate = 0;
   std::uint64_t byes_repeated = 0;
   std::uint64_t byes_unknown = 0;

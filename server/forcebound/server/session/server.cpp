@@ -188,7 +188,7 @@ Vector Server::ServerSide::place(const wire::MotionSample& motion) noexcept {
   const Nanoseconds interval = motion.device_time - answered.value_or(motion.device_time);
   answered = motion.device_time;
   Vector at = law->place({.position = motion.position,
-                          .numbers = motion.port,
+                          .numbers = motion.server_law_numbers,
                           .interval_s = time::to_seconds(std::max(interval, Nanoseconds::zero()))});
   // No environment, least of all a shared one, may receive a position that is not finite.
   const bool sound = at.rows() == motion.position.rows() && at.allFinite();
@@ -237,7 +237,7 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
                                      .texture_N = response.texture_N,
                                      .texture_wave = response.texture_wave,
                                      .texture_across = response.texture_across,
-                                     .port = said.numbers};
+                                     .server_law_numbers = said.numbers};
   for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;

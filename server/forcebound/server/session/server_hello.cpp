@@ -7,6 +7,7 @@
 
 #include "forcebound/server/session/server.hpp"
 #include "forcebound/text/printable.hpp"
+#include "forcebound/wire/version_mismatch.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -34,17 +35,12 @@ MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) 
 // Burst: one second's worth of motion may arrive at once after a network delay.
 int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
 
-std::string refusal_of_version(std::uint32_t version) {
-  return "this server speaks protocol version " + std::to_string(wire::kProtocolVersion) + ", the client " +
-         std::to_string(version);
-}
-
-std::string refusal_of_port(const control::LawRegistry& laws, std::string_view port) {
+std::string refusal_of_server_law(const control::LawRegistry& laws, std::string_view law) {
   std::string known;
   for (const std::string& name : laws.names()) {
     if (laws.find(name).make_server_side) known += (known.empty() ? "" : ", ") + name;
   }
-  return "this server has no server-side law '" + printable(port) + "'" +
+  return "this server has no server-side law '" + printable(law) + "'" +
          (known.empty() ? " (known: none)" : " (known: " + known + ")");
 }
 
@@ -79,7 +75,9 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     return;
   }
   if (hello.protocol_version != wire::kProtocolVersion) {
-    refuse(hello, from, {RefusalReason::version_mismatch, refusal_of_version(hello.protocol_version)});
+    ++counters_.hellos_of_other_versions;
+    const wire::VersionMismatch mismatch(wire::kProtocolVersion, hello.protocol_version);
+    refuse(hello, from, {RefusalReason::version_mismatch, std::string(mismatch.text())});
     return;
   }
   auto wanted = environments_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
@@ -128,7 +126,9 @@ void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentK
 
 void Server::refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused) {
   ++counters_.hellos_refused;
-  send(wire::Refusal{.client_nonce = hello.client_nonce, .reason = refused.reason, .text = refused.text}, from);
+  wire::Refusal refusal{.client_nonce = hello.client_nonce, .reason = refused.reason, .text = refused.text};
+  if (refused.reason == RefusalReason::version_mismatch) refusal.protocol_version = wire::kProtocolVersion;
+  send(refusal, from);
   observer_.on_refused(from, refused.text);
 }
 
@@ -137,8 +137,9 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
   if (!kind.accepts(hello.degrees_of_freedom)) {
     return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(kind, hello)};
   }
-  if (!hello.port.empty() && !options_.laws.make_server_side(hello.port, static_cast<int>(hello.degrees_of_freedom))) {
-    return Refused{RefusalReason::unknown_port, refusal_of_port(options_.laws, hello.port)};
+  if (!hello.server_law.empty() &&
+      !options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))) {
+    return Refused{RefusalReason::unknown_server_law, refusal_of_server_law(options_.laws, hello.server_law)};
   }
   if (is_full(kind) && !evict_unproven(now, &kind)) {
     return Refused{RefusalReason::server_full, "all " + std::to_string(kind.sessions_max) +
@@ -201,7 +202,8 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
       .nonce = hello.client_nonce,
       .kind = std::move(kind),
       .made = std::move(made),
-      .server_side = {.law = options_.laws.make_server_side(hello.port, static_cast<int>(hello.degrees_of_freedom))},
+      .server_side = {.law =
+                          options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))},
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
   session.arrivals.counts.session = id;

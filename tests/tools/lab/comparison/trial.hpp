@@ -30,7 +30,7 @@ struct Trial {
 [[nodiscard]] Trial run_trial(const TrialSetup& setup);
 
 /// Time of the law itself per tick [ns], over the motion and the requests of a trial. Not a number for a device that is
-/// not Cartesian, and for a law with a half at the server, whose messages are not recorded.
+/// not Cartesian, and for a law with a server-side law, whose messages are not recorded.
 /// @param clock the system's clock
 [[nodiscard]] double work_ns(const TrialSetup& setup, const time::Clock& clock);
 

@@ -36,9 +36,9 @@ TEST_F(ConnectionTest, SendsHellosWithGrowingPauses) {
 }
 
 TEST_F(ConnectionTest, RequestsTheServerSideLawInItsHello) {
-  EXPECT_EQ(connection.hello(0ms).port, "");
-  Connection with_port({.device = "wall-1dof", .scene = "wall", .port = "wave"}, 1);
-  EXPECT_EQ(with_port.hello(0ms).port, "wave");
+  EXPECT_EQ(connection.hello(0ms).server_law, "");
+  Connection with_server_law({.device = "wall-1dof", .scene = "wall", .server_law = "wave"}, 1);
+  EXPECT_EQ(with_server_law.hello(0ms).server_law, "wave");
 }
 
 TEST_F(ConnectionTest, BeginsASessionOnceHoweverOftenWelcomed) {

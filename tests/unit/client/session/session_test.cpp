@@ -169,6 +169,26 @@ TEST_F(SessionTest, GetsAnotherSessionFromAServerThatRestarted) {
   EXPECT_EQ(session.totals().reconnects, 1U);
 }
 
+TEST_F(SessionTest, SaysWhichEndToUpdateWhenTheServerSpeaksAnotherVersion) {
+  tick();
+  wire::Refusal refusal{.client_nonce = sent<wire::Hello>().at(0).client_nonce,
+                        .reason = wire::RefusalReason::version_mismatch,
+                        .text = "this server speaks protocol version 1, the client 2"};
+  arrive(refusal);  // version 1 says its version in the text alone
+  tick();
+  EXPECT_EQ(events.kinds, (std::vector{Event::Kind::refused}));
+  EXPECT_EQ(events.words, "the server speaks protocol version 1, the client version 2: update the server");
+  EXPECT_TRUE(session.refused());
+  EXPECT_EQ(session.state(), SessionState::connecting);
+
+  refusal.protocol_version = 3;
+  arrive(refusal);
+  tick();
+  EXPECT_EQ(events.words, "the server speaks protocol version 3, the client version 2: update the client");
+  EXPECT_EQ(session.totals().refusals, 2U);
+  EXPECT_EQ(device.applied.norm(), 0);
+}
+
 TEST_F(SessionTest, ReplacesControlCharactersInTheServersText) {
   tick();
   const auto hellos = sent<wire::Hello>();

@@ -97,14 +97,24 @@ TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheClientsRoundTrip) {
   EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[0], -1, 1e-12);
 }
 
-TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
+TEST_F(ServerTest, RefusesOtherProtocolVersionsSayingWhichItSpeaksAndWhatToUpdate) {
   auto question = hello(9);
-  question.protocol_version = 2;
+  question.protocol_version = 1;
   arrive(question);
-  const auto refusal = only_answer<wire::Refusal>();
-  EXPECT_EQ(refusal.client_nonce, 9u);
-  EXPECT_EQ(refusal.reason, wire::RefusalReason::version_mismatch);
-  EXPECT_EQ(refusal.text, "this server speaks protocol version 1, the client 2");
+  const auto older = only_answer<wire::Refusal>();
+  EXPECT_EQ(older.client_nonce, 9u);
+  EXPECT_EQ(older.reason, wire::RefusalReason::version_mismatch);
+  EXPECT_EQ(older.protocol_version, 2u);
+  EXPECT_EQ(older.text, "the server speaks protocol version 2, the client version 1: update the client");
+
+  question.protocol_version = 3;
+  arrive(question);
+  EXPECT_EQ(only_answer<wire::Refusal>().text,
+            "the server speaks protocol version 2, the client version 3: update the server");
+  EXPECT_EQ(server->sessions(), 0U);
+  EXPECT_EQ(server->counters().hellos_of_other_versions, 2u);
+  EXPECT_EQ(server->counters().hellos_refused, 2u);
+  EXPECT_THAT(server->counters().text(), HasSubstr("2 hellos refused, 2 of them of another protocol version"));
 }
 
 TEST_F(ServerTest, RefusesAnUnknownSceneAndListsTheKnown) {

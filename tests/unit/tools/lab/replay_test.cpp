@@ -60,15 +60,15 @@ class NoServerSideLaw final : public control::ServerSideLaw {
   Said answer(const control::Vector& force_N) noexcept override { return {force_N, {}}; }
 };
 
-TEST(Replay, RefusesALawThatHasAHalfAtTheServer) {
+TEST(Replay, RefusesALawThatHasAServerSideLaw) {
   ReplayOptions options = wall_options();
   options.law = "split";
   options.laws.add({.name = "split",
-                    .summary = "has two halves",
+                    .summary = "needs a server",
                     .make = options.laws.find("none").make,
                     .make_server_side = [](int) { return std::make_unique<NoServerSideLaw>(); }});
   EXPECT_EQ(refusal(options, "time_s,x0_m,fe0_N\n0,0,0\n"),
-            "--law: law 'split' has a half at the server, and rows have no server: it cannot be replayed");
+            "--law: law 'split' has a server-side law, and rows have no server: it cannot be replayed");
 }
 
 TEST(Replay, HandsParametersToTheLaw) {

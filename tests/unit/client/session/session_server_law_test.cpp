@@ -2,41 +2,41 @@
 
 #include "forcebound/client/session/session.hpp"
 #include "tests/support/allocation_guard.hpp"
-#include "tests/support/port_law.hpp"
+#include "tests/support/counting_law.hpp"
 #include "tests/unit/client/session/session_fixture.hpp"
 
 namespace forcebound::client {
 namespace {
 
-struct WithPortLog {
-  test::PortLog log;
+struct WithCountLog {
+  test::CountLog log;
 };
 
-class SessionWithServerSideLaw : private WithPortLog, public SessionTest {
+class SessionWithServerSideLaw : private WithCountLog, public SessionTest {
  protected:
-  SessionWithServerSideLaw() : SessionTest("port", test::laws_with_port(log)) {}
+  SessionWithServerSideLaw() : SessionTest("counting", test::laws_with_counting(log)) {}
 
   wire::EnvironmentForce saying(const wire::MotionSample& motion, double number) {
     wire::EnvironmentForce force = answer(motion, -1);
-    force.port = control::PortNumbers::Constant(2, number);
+    force.server_law_numbers = control::ServerLawNumbers::Constant(2, number);
     return force;
   }
-  [[nodiscard]] const test::PortLog& heard() const { return log; }
+  [[nodiscard]] const test::CountLog& heard() const { return log; }
 };
 
 TEST_F(SessionWithServerSideLaw, RequestsItAndSendsItEachMotionWithTheStateOfTheTickBefore) {
   tick();
   const auto hellos = sent<wire::Hello>();
   ASSERT_EQ(hellos.size(), 1U);
-  EXPECT_EQ(hellos[0].port, "port");
+  EXPECT_EQ(hellos[0].server_law, "counting");
   arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession});
   tick();
   tick();
   tick();
   const auto motions = sent<wire::MotionSample>();
   ASSERT_EQ(motions.size(), 2U);
-  EXPECT_EQ(motions[0].port, control::PortNumbers::Constant(1, 2));
-  EXPECT_EQ(motions[1].port, control::PortNumbers::Constant(1, 3));
+  EXPECT_EQ(motions[0].server_law_numbers, control::ServerLawNumbers::Constant(1, 2));
+  EXPECT_EQ(motions[1].server_law_numbers, control::ServerLawNumbers::Constant(1, 3));
 }
 
 TEST_F(SessionWithServerSideLaw, ReceivesOnlyItsDataOfTheNewestForce) {
@@ -64,7 +64,7 @@ TEST_F(SessionWithServerSideLaw, LearnsThatAnotherServerSideLawBeginsWithEachSes
   tick();
   const auto hellos = sent<wire::Hello>();
   ASSERT_EQ(hellos.size(), 1U);
-  EXPECT_EQ(hellos[0].port, "port");
+  EXPECT_EQ(hellos[0].server_law, "counting");
   arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
   arrive(wire::Welcome{.client_nonce = hellos[0].client_nonce, .session = kSession + 1});
   tick();

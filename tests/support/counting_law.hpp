@@ -10,8 +10,8 @@
 
 namespace forcebound::test {
 
-/// What the two halves of a PortLaw received from each other.
-struct PortLog {
+/// What a CountingLaw and its server-side law received from each other.
+struct CountLog {
   std::vector<double> ticks_heard;             ///< at the server: number of ticks of the device
   std::vector<double> intervals_s;             ///< at the server
   std::vector<double> answers_heard;           ///< at the device: number of the server's answers in this session
@@ -19,17 +19,17 @@ struct PortLog {
   std::vector<std::size_t> server_side_began;  ///< the device's count at each start
 };
 
-/// A law without a bound whose halves exchange counts; its server's half asks the scene `kShift_m` beyond the device
-/// and doubles the force.
-class PortLaw final : public control::PassivityLaw {
+/// A law without a bound that exchanges counts with its server-side law, which asks the scene `kShift_m` beyond the
+/// device and doubles the force.
+class CountingLaw final : public control::PassivityLaw {
  public:
   static constexpr double kShift_m = 1e-3;
 
-  PortLaw(const control::DeviceFacts& facts, PortLog& log)
+  CountingLaw(const control::DeviceFacts& facts, CountLog& log)
       : none_(facts.degrees_of_freedom(), facts.period_s), log_(log) {}
 
-  [[nodiscard]] std::string_view name() const noexcept override { return "port"; }
-  [[nodiscard]] std::string_view port() const noexcept override { return "port"; }
+  [[nodiscard]] std::string_view name() const noexcept override { return "counting"; }
+  [[nodiscard]] std::string_view server_law() const noexcept override { return "counting"; }
   void credit(const control::Motion& motion) noexcept override {
     ++ticks_;
     none_.credit(motion);
@@ -38,10 +38,10 @@ class PortLaw final : public control::PassivityLaw {
   [[nodiscard]] control::Vector bound(const control::Vector& request_N) noexcept override { return request_N; }
   void commit(const control::Vector& force_N) noexcept override { none_.commit(force_N); }
   [[nodiscard]] double energy_J() const noexcept override { return none_.energy_J(); }
-  [[nodiscard]] control::PortNumbers outgoing() const noexcept override {
-    return control::PortNumbers::Constant(1, ticks_);
+  [[nodiscard]] control::ServerLawNumbers outgoing() const noexcept override {
+    return control::ServerLawNumbers::Constant(1, ticks_);
   }
-  void incoming(const control::PortNumbers& numbers) noexcept override {
+  void incoming(const control::ServerLawNumbers& numbers) noexcept override {
     if (numbers.rows() != 2) return;
     log_.answers_heard.push_back(numbers[0]);
     log_.ticks_heard_of.push_back(numbers[1]);
@@ -50,45 +50,45 @@ class PortLaw final : public control::PassivityLaw {
 
  private:
   control::TransparentLaw none_;
-  PortLog& log_;
+  CountLog& log_;
   double ticks_ = 0;
 };
 
-class PortServerSideLaw final : public control::ServerSideLaw {
+class CountingServerSideLaw final : public control::ServerSideLaw {
  public:
-  explicit PortServerSideLaw(PortLog& log) : log_(log) {}
+  explicit CountingServerSideLaw(CountLog& log) : log_(log) {}
 
   [[nodiscard]] control::Vector place(const Heard& heard) noexcept override {
     if (heard.numbers.rows() > 0) ticks_ = heard.numbers[0];
     log_.ticks_heard.push_back(ticks_);
     log_.intervals_s.push_back(heard.interval_s);
-    return heard.position + control::Vector::Constant(heard.position.rows(), PortLaw::kShift_m);
+    return heard.position + control::Vector::Constant(heard.position.rows(), CountingLaw::kShift_m);
   }
   [[nodiscard]] Said answer(const control::Vector& force_N) noexcept override {
-    control::PortNumbers numbers(2);
+    control::ServerLawNumbers numbers(2);
     numbers << ++answers_, ticks_;
     return {.force = 2 * force_N, .numbers = numbers};
   }
 
  private:
-  PortLog& log_;
+  CountLog& log_;
   double ticks_ = 0;
   double answers_ = 0;
 };
 
-/// The shipped laws and "port". The log must outlive the laws made, and holds some hundreds of thousands of ticks
+/// The shipped laws and "counting". The log must outlive the laws made, and holds some hundreds of thousands of ticks
 /// before it allocates.
-inline control::LawRegistry laws_with_port(PortLog& log) {
+inline control::LawRegistry laws_with_counting(CountLog& log) {
   constexpr std::size_t kTicks = 100'000;
   for (auto* numbers : {&log.ticks_heard, &log.intervals_s, &log.answers_heard, &log.ticks_heard_of})
     numbers->reserve(kTicks);
   log.server_side_began.reserve(100);
   control::LawRegistry laws = baselines::shipped_laws();
-  laws.add({.name = "port",
+  laws.add({.name = "counting",
             .summary = "exchanges counts",
             .make = [&log](const control::DeviceFacts& facts,
-                           const control::LawOptions&) { return std::make_unique<PortLaw>(facts, log); },
-            .make_server_side = [&log](int) { return std::make_unique<PortServerSideLaw>(log); }});
+                           const control::LawOptions&) { return std::make_unique<CountingLaw>(facts, log); },
+            .make_server_side = [&log](int) { return std::make_unique<CountingServerSideLaw>(log); }});
   return laws;
 }
 

@@ -6,7 +6,7 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
-#include "tests/support/port_law.hpp"
+#include "tests/support/counting_law.hpp"
 #include "tests/tools/netem/netem_parameters.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
@@ -15,22 +15,22 @@ namespace {
 
 using namespace std::chrono_literals;
 
-ClosedLoop::Settings with_port(test::PortLog& log, const std::string& netem) {
+ClosedLoop::Settings with_counting(test::CountLog& log, const std::string& netem) {
   const auto parameters = netem::parse_netem(netem);
   return {.device = device::load_device("wall-1dof"),
           .hand = "press",
-          .law = "port",
+          .law = "counting",
           .scene = server::load_scene("wall"),
           .network = {.up = parameters, .down = parameters, .trace = {}, .seed = 5},
-          .laws = std::make_shared<const control::LawRegistry>(test::laws_with_port(log))};
+          .laws = std::make_shared<const control::LawRegistry>(test::laws_with_counting(log))};
 }
 
 bool rises(const std::vector<double>& numbers) { return std::ranges::is_sorted(numbers, std::less_equal<>()); }
 
-//   law's half at the device ==( late, lost, doubled, reordered )== law's half at the server
-TEST(Port, CarriesNumbersBothWaysAndNeverOldOnesAfterNewOnes) {
-  test::PortLog log;
-  ClosedLoop loop(with_port(log, "delay 5ms 3ms loss 10% duplicate 10%"));
+//   law at the device ==( late, lost, doubled, reordered )== server-side law
+TEST(ServerSideLaw, ExchangesNumbersBothWaysAndNeverOldOnesAfterNewOnes) {
+  test::CountLog log;
+  ClosedLoop loop(with_counting(log, "delay 5ms 3ms loss 10% duplicate 10%"));
   loop.run(5s);
   EXPECT_GT(log.ticks_heard.size(), 2000U);
   EXPECT_GT(log.answers_heard.size(), 1500U);
@@ -45,9 +45,9 @@ TEST(Port, CarriesNumbersBothWaysAndNeverOldOnesAfterNewOnes) {
   EXPECT_NEAR(time_s, 5, 0.05) << "intervals span the motions that were lost";
 }
 
-TEST(Port, BeginsAnewWithTheServerThatRestarts) {
-  test::PortLog log;
-  ClosedLoop loop(with_port(log, "delay 2ms loss 5%"));
+TEST(ServerSideLaw, BeginsAnewWithTheServerThatRestarts) {
+  test::CountLog log;
+  ClosedLoop loop(with_counting(log, "delay 2ms loss 5%"));
   loop.run(2s);
   ASSERT_EQ(log.server_side_began.size(), 1U);
   ASSERT_GT(log.answers_heard.back(), 1500);
@@ -61,7 +61,7 @@ TEST(Port, BeginsAnewWithTheServerThatRestarts) {
   ASSERT_GT(since.size(), 500U);
   EXPECT_LT(since.front(), 5);
   EXPECT_TRUE(rises(since));
-  EXPECT_NEAR(log.ticks_heard.back(), 3100, 10) << "the device's half goes on counting";
+  EXPECT_NEAR(log.ticks_heard.back(), 3100, 10) << "the law at the device goes on counting";
 }
 
 }  // namespace

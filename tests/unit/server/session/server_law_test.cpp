@@ -1,57 +1,57 @@
 #include <vector>
 
 #include "tests/support/allocation_guard.hpp"
-#include "tests/support/port_law.hpp"
+#include "tests/support/counting_law.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
 namespace forcebound::server {
 namespace {
 
-using test::PortLaw;
+using test::CountingLaw;
 using testing::ElementsAre;
 
-/// A server with a server-side law "port".
-class ServerPort : public ServerFixture {
+/// A server with a server-side law "counting".
+class ServerWithServerLaws : public ServerFixture {
  protected:
   void SetUp() override {
     ServerOptions options;
-    options.laws = test::laws_with_port(log);
+    options.laws = test::laws_with_counting(log);
     start(options);
   }
 
-  static wire::Hello hello_with(std::string_view port, std::uint64_t nonce = 1) {
+  static wire::Hello hello_with(std::string_view server_law, std::uint64_t nonce = 1) {
     wire::Hello question = hello(nonce);
-    question.port = port;
+    question.server_law = server_law;
     return question;
   }
 
-  std::uint64_t join_with_port(std::uint64_t nonce = 1) {
-    arrive(hello_with("port", nonce));
+  std::uint64_t join_with_counting(std::uint64_t nonce = 1) {
+    arrive(hello_with("counting", nonce));
     return only_answer<wire::Welcome>().session;
   }
 
   static wire::MotionSample saying(wire::MotionSample motion, double number) {
-    motion.port = control::PortNumbers::Constant(1, number);
+    motion.server_law_numbers = control::ServerLawNumbers::Constant(1, number);
     return motion;
   }
 
-  test::PortLog log;
+  test::CountLog log;
 };
 
-TEST_F(ServerPort, EvaluatesTheSceneAtTheServerSideLawsPositionAndSendsItsForce) {
-  const auto session = join_with_port();
+TEST_F(ServerWithServerLaws, EvaluatesTheSceneAtTheServerSideLawsPositionAndSendsItsForce) {
+  const auto session = join_with_counting();
   arrive(saying(motion(session, 5, 0.002), 77));
   const auto force = only_answer<wire::EnvironmentForce>();
-  EXPECT_NEAR(force.position[0], 0.002 + PortLaw::kShift_m, 1e-15);
+  EXPECT_NEAR(force.position[0], 0.002 + CountingLaw::kShift_m, 1e-15);
   EXPECT_NEAR(force.force[0], 2 * -50'000 * 0.003, 1e-9);
   EXPECT_NEAR(force.penetration_m, 0.003, 1e-15);
-  ASSERT_EQ(force.port.rows(), 2);
-  EXPECT_EQ(force.port[0], 1);
-  EXPECT_EQ(force.port[1], 77);
+  ASSERT_EQ(force.server_law_numbers.rows(), 2);
+  EXPECT_EQ(force.server_law_numbers[0], 1);
+  EXPECT_EQ(force.server_law_numbers[1], 77);
 }
 
-TEST_F(ServerPort, TellsTheServerSideLawTheDevicesTimeSinceTheMotionAnsweredBefore) {
-  const auto session = join_with_port();
+TEST_F(ServerWithServerLaws, TellsTheServerSideLawTheDevicesTimeSinceTheMotionAnsweredBefore) {
+  const auto session = join_with_counting();
   for (const std::uint64_t sequence : {5U, 6U, 9U, 9U, 8U, 10U}) arrive(motion(session, sequence));
   auto back_in_time = motion(session, 11);
   back_in_time.device_time = milliseconds{3};
@@ -59,8 +59,8 @@ TEST_F(ServerPort, TellsTheServerSideLawTheDevicesTimeSinceTheMotionAnsweredBefo
   EXPECT_THAT(log.intervals_s, ElementsAre(0, 1e-3, 3e-3, 1e-3, 0));
 }
 
-TEST_F(ServerPort, DoesNotReceiveSupersededMotions) {
-  const auto session = join_with_port();
+TEST_F(ServerWithServerLaws, DoesNotReceiveSupersededMotions) {
+  const auto session = join_with_counting();
   wire::Codec client;
   for (const std::uint64_t sequence : {1U, 2U, 3U}) {
     server->take_in(client.encode(saying(motion(session, sequence), static_cast<double>(sequence))), address(1),
@@ -70,33 +70,33 @@ TEST_F(ServerPort, DoesNotReceiveSupersededMotions) {
   EXPECT_THAT(log.ticks_heard, ElementsAre(3));
 }
 
-TEST_F(ServerPort, GivesEachSessionAServerSideLawOfItsOwn) {
-  const auto one = join_with_port(1);
-  const auto other = join_with_port(2);
+TEST_F(ServerWithServerLaws, GivesEachSessionAServerSideLawOfItsOwn) {
+  const auto one = join_with_counting(1);
+  const auto other = join_with_counting(2);
   arrive(saying(motion(one, 1), 10));
   arrive(motion(one, 2));
   (void)answers();
   arrive(motion(other, 1));
-  EXPECT_EQ(only_answer<wire::EnvironmentForce>().port[0], 1);
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().server_law_numbers[0], 1);
   arrive(motion(one, 3));
-  EXPECT_EQ(only_answer<wire::EnvironmentForce>().port[0], 3);
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().server_law_numbers[0], 3);
 }
 
-TEST_F(ServerPort, SendsNoNumbersToAClientWithoutAServerSideLaw) {
+TEST_F(ServerWithServerLaws, SendsNoNumbersToAClientWithoutAServerSideLaw) {
   const auto session = join();
   arrive(saying(motion(session, 1, 0.002), 77));
   const auto force = only_answer<wire::EnvironmentForce>();
-  EXPECT_EQ(force.port.rows(), 0);
+  EXPECT_EQ(force.server_law_numbers.rows(), 0);
   EXPECT_EQ(force.position, vector_of({0.002}));
   EXPECT_EQ(force.force, vector_of({-100}));
 }
 
-TEST_F(ServerPort, RefusesAPortThatItDoesNotHaveAndListsThoseItHas) {
-  arrive(hello_with("prot"));
+TEST_F(ServerWithServerLaws, RefusesAServerSideLawThatItDoesNotHaveAndListsThoseItHas) {
+  arrive(hello_with("cuonting"));
   const auto refusal = only_answer<wire::Refusal>();
-  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_port);
-  EXPECT_THAT(std::string(refusal.text), testing::StartsWith("this server has no server-side law 'prot' (known: "));
-  EXPECT_THAT(std::string(refusal.text), testing::EndsWith("port)"));
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_server_law);
+  EXPECT_THAT(std::string(refusal.text), testing::StartsWith("this server has no server-side law 'cuonting' (known: "));
+  EXPECT_THAT(std::string(refusal.text), testing::EndsWith("counting)"));
   EXPECT_EQ(server->sessions(), 0U);
   ServerOptions options;
   options.laws = control::force_bounding_laws();
@@ -105,9 +105,9 @@ TEST_F(ServerPort, RefusesAPortThatItDoesNotHaveAndListsThoseItHas) {
   EXPECT_EQ(only_answer<wire::Refusal>().text, "this server has no server-side law 'fba-less' (known: none)");
 }
 
-TEST_F(ServerPort, DoesNotAllocate) {
+TEST_F(ServerWithServerLaws, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  const auto session = join_with_port();
+  const auto session = join_with_counting();
   link.keep = false;
   const test::AllocationGuard guard;
   for (std::uint64_t i = 1; i <= 100; ++i) arrive(saying(motion(session, i), static_cast<double>(i)));
@@ -124,7 +124,7 @@ class BrokenServerSideLaw final : public control::ServerSideLaw {
   }
 };
 
-TEST_F(ServerPort, AServerSideLawThatIsNotFiniteDoesNotReachTheScene) {
+TEST_F(ServerWithServerLaws, AServerSideLawThatIsNotFiniteDoesNotReachTheScene) {
   ServerOptions options;
   options.laws.add({.name = "broken",
                     .summary = "divides by zero",
