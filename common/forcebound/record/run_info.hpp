@@ -118,10 +118,11 @@ struct MotionFates {
 KeyValues to_key_values(const RunInfo& info);
 KeyValues to_key_values(const RunTotals& totals);
 
-/// Fields that are absent keep their default; unknown ones are ignored: an older or newer program wrote them.
+/// Fields that are absent keep their default; unknown ones are ignored: an older or newer program wrote them. Fields
+/// that were renamed are read by their earlier names as well.
 /// @throws std::invalid_argument naming the field if its value is not a number where one belongs.
 RunInfo run_info_from(const KeyValues& values);
-RunTotals run_totals_from(const KeyValues& values);
+RunTotals run_totals_from(const KeyValues& recorded);
 
 /// The fault counts, each with its name in the summary and its meaning.
 struct Fault {

@@ -30,10 +30,13 @@ namespace forcebound::lab {
   return least_P_J >= -kRounding_J ? "0" : text::rounded(1e3 * least_P_J);
 }
 
-/// A run's least P [mJ], in red where that makes it not passive.
+/// A run's least P [mJ], in red where that makes it not passive. Summaries of version 1 have no verdict, but say
+/// whether P is ok.
 [[nodiscard]] inline text::Table::Cell least_P_cell(const nlohmann::ordered_json& summary) {
   const double least_P_J = number_at(summary, "/passivity/minimum_J");
-  const bool alarm = summary.contains("verdict") && summary.at("verdict") == "not passive";
+  const nlohmann::ordered_json::json_pointer ok("/passivity/ok");
+  const bool alarm = summary.contains("verdict") ? summary.at("verdict") == "not passive"
+                                                 : summary.contains(ok) && summary.at(ok) == false;
   return {millijoules(least_P_J), alarm ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <functional>
 
+#include "tests/support/source_folder.hpp"
+
 namespace forcebound::device {
 namespace {
 
@@ -74,6 +76,20 @@ TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
   EXPECT_EQ(device.facts.hold_s_max, 0.003);
   EXPECT_FALSE(device.facts.releases);
   EXPECT_EQ(device.facts.latency_s, 1e-4);
+}
+
+TEST(LoadDevice, ReadsFilesOfVersion1WithEveryKey) {
+  const auto folder = forcebound::test::source_folder() / "tests/support/version_1/devices";
+  const DeviceDescription arm = load_device((folder / "arm.toml").string());
+  EXPECT_EQ(arm.facts.name, "arm");
+  EXPECT_EQ(arm.facts.friction[2], 0.004);
+  EXPECT_EQ(arm.facts.actuator_step[0], 0.0001);
+  ASSERT_TRUE(arm.arm);
+  EXPECT_EQ(arm.arm->origin_reach_m, 0.16);
+  const DeviceDescription cartesian = load_device((folder / "cartesian.toml").string());
+  EXPECT_EQ(cartesian.facts.damping(0, 1), 1);
+  EXPECT_EQ(cartesian.facts.period_s, 0.0005);
+  EXPECT_FALSE(cartesian.facts.releases);
 }
 
 TEST(ParseDevice, RefusalNamesFileLineDeviceKeyAndValue) {

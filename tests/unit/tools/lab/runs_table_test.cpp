@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/tools/lab/summary_cells.hpp"
+
 namespace forcebound::lab {
 namespace {
 
@@ -43,6 +45,12 @@ TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
               ElementsAre("a.json", "fba-less", "-", "0.1235", "299", "-"));
   EXPECT_THAT(words_of_line(comparison_table({{"a.json", Json::object()}}), 2),
               ElementsAre("a.json", "-", "-", "-", "-", "-"));
+}
+
+// Its summaries said whether P was ok, but had no verdict.
+TEST(ComparisonTable, MarksARunOfVersion1ThatWasNotPassive) {
+  EXPECT_EQ(least_P_cell(summary_of("none", -1.25)).mark, text::Table::Mark::alarm);
+  EXPECT_EQ(least_P_cell(summary_of("none", 0.0)).mark, text::Table::Mark::none);
 }
 
 TEST(ComparisonTable, HasAUnitOverEachNumber) {
