@@ -26,7 +26,7 @@ std::unique_ptr<Client> record_run(const std::string& file) {
   return client;
 }
 
-TEST(ARecording, GivesTheClientsSummaryAgainByteForByteAndItsFigures) {
+TEST(ARecording, GivesTheClientsSummaryAgainByteForByteAndItsFigure) {
   const TemporaryFolder folder;
   const std::string recording = folder.file("run.mcap");
   const auto client = record_run(recording);
@@ -37,15 +37,10 @@ TEST(ARecording, GivesTheClientsSummaryAgainByteForByteAndItsFigures) {
   EXPECT_EQ(content(folder.file("report.json")), client->summary_text());
   EXPECT_THAT(report.out, StartsWith(client->out()));
 
-  int figures = 0;
-  for (const auto& figure : std::filesystem::directory_iterator(folder.file("figures"))) {
-    ++figures;
-    const std::string bytes = content(figure.path());
-    EXPECT_THAT(bytes, StartsWith("\x89PNG\r\n\x1a\n")) << figure.path();
-    EXPECT_GT(bytes.size(), 10'000U) << figure.path();
-    EXPECT_THAT(report.out, HasSubstr("figure " + figure.path().string()));
-  }
-  EXPECT_EQ(figures, 4);
+  const std::string figure = folder.file("figures/run.png");
+  EXPECT_THAT(content(figure), StartsWith("\x89PNG\r\n\x1a\n"));
+  EXPECT_GT(content(figure).size(), 10'000U);
+  EXPECT_THAT(report.out, HasSubstr("figure " + figure));
 }
 
 TEST(ARecording, GivesEveryTickToTheOfficialReader) {

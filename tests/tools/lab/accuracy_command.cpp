@@ -16,6 +16,7 @@
 #include "tests/tools/lab/accuracy/levels_text.hpp"
 #include "tests/tools/lab/accuracy/recommendation.hpp"
 #include "tests/tools/lab/accuracy/round_trips.hpp"
+#include "tests/tools/lab/accuracy/study_figure.hpp"
 #include "tests/tools/lab/accuracy/study_markdown.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/tools/lab/commands.hpp"
@@ -116,24 +117,39 @@ Study study_of(const AccuracyOptions& options) {
   return study;
 }
 
-void accuracy(const AccuracyOptions& options) {
+nlohmann::ordered_json carried_out(const AccuracyOptions& options) {
   Progress progress;
   const StudyResult result = carry_out(study_of(options), time::SteadyClock(),
                                        [&](double done) { progress.tell(done, "running the settings"); });
   progress.clear();
   std::printf("%s\n%s", to_text(result).c_str(),
               text::wrapped(recommendation(result, options.budget_us) + what_does_not_matter(result), 2).c_str());
-  if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
+  if (!options.levels.empty()) text::write_file(options.levels, levels_text(result));
+  return to_json(result);
+}
+
+/// What --json wrote of an earlier study.
+nlohmann::ordered_json read_study(const std::string& file) {
+  auto study = nlohmann::ordered_json::parse(text::read_file(file), nullptr, false);
+  if (!study.is_object() || !study.contains("settings")) {
+    throw std::runtime_error(file + ": not a study; expected the output of --json");
+  }
+  return study;
+}
+
+bool is_written(const std::string& scene) { return scene.ends_with(".json"); }
+
+void accuracy(const AccuracyOptions& options) {
+  const auto study = is_written(options.scene) ? read_study(options.scene) : carried_out(options);
+  if (!options.json.empty()) text::write_file(options.json, study.dump(2) + '\n');
   if (!options.readme.empty()) {
     text::write_file(options.readme,
-                     with_between_marks(text::read_file(options.readme), kAccuracyMarks, to_markdown(to_json(result))));
+                     with_between_marks(text::read_file(options.readme), kAccuracyMarks, to_markdown(study)));
   }
-  if (!options.levels.empty()) text::write_file(options.levels, levels_text(result));
   if (options.figures.empty()) return;
   std::filesystem::create_directories(options.figures);
-  const auto png = std::filesystem::path(options.figures) / "accuracy.png";
-  draw(result, "Error at the device over the time of a step", png);
-  std::printf("\nFigure: %s\n", png.c_str());
+  const auto drawn = draw(study_figure(study), std::filesystem::path(options.figures) / "accuracy.png");
+  std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
 std::string footer() {
@@ -180,7 +196,11 @@ void add_accuracy(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "accuracy", "Error of a scene's force at the device over the time that its settings cost, behind networks");
   command->footer(footer());
-  command->add_option("SCENE", options->scene, "name or FILE.toml")->required()->check(known_scene());
+  command
+      ->add_option("SCENE", options->scene,
+                   "name or FILE.toml; or FILE.json that --json wrote: then nothing is run, only written")
+      ->required()
+      ->check(known_scene());
   command
       ->add_option("--sweep", options->sweep,
                    "a key of the scene and its values, from coarse to fine or back: "

@@ -1,13 +1,16 @@
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/bench/collect.hpp"
-#include "tests/tools/lab/bench/ratios_figure.hpp"
 #include "tests/tools/lab/bench/results.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -20,11 +23,15 @@ struct BenchOptions {
 };
 
 void run(const BenchOptions& options) {
+  if (!options.figure.empty() && std::filesystem::path(options.figure).replace_extension(".csv") == options.csv) {
+    throw std::invalid_argument("--csv " + options.csv + " is where the data of --figure " + options.figure +
+                                " go; give one of them another name");
+  }
   const BenchResults results =
       options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
   std::cout << to_table(results) << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
-  if (!options.figure.empty()) draw_ratios(results, options.figure);
+  if (!options.figure.empty()) draw({.script = "ratios", .csv = ratios_csv(results)}, options.figure);
   if (!options.readme.empty()) {
     text::write_file(options.readme,
                      with_between_marks(text::read_file(options.readme), kBenchMarks, to_markdown(results)));
@@ -38,7 +45,9 @@ void add_bench(CLI::App& app) {
   CLI::App* command = app.add_subcommand("bench", "Print the table of ratios from deploy/bench's measurements");
   command->add_option("RESULTS", options->from, "the folder that its tools wrote to, or FILE.csv")->required();
   command->add_option("--csv", options->csv, "write the results to this file")->type_name("FILE.csv");
-  command->add_option("--figure", options->figure, "draw the ratios into this file")->type_name("FILE.png");
+  command->add_option("--figure", options->figure, "draw the ratios into this file")
+      ->check(png_file())
+      ->type_name("FILE.png");
   command->add_option("--readme", options->readme, "put the results between the marks of this file")
       ->type_name("PAGE.md");
   command->footer("Example:\n  forcebound-lab bench deploy/bench-results.csv");

@@ -15,6 +15,7 @@
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
 #include "tests/tools/lab/comparison/comparison_run.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
 #include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/progress.hpp"
 
@@ -29,6 +30,7 @@ struct CompareOptions {
   std::vector<double> stiffnesses_N_per_m{2e3, 10e3, 50e3};
   std::vector<double> delays_ms{0, 1, 10, 50};
   bool no_limits = false;
+  std::string from;
   std::uint64_t seeds = 1;
   std::uint64_t seed = 1;
   int effort = 16;
@@ -63,11 +65,7 @@ ComparisonSettings settings_of(const CompareOptions& options) {
   return settings;
 }
 
-void compare(const CompareOptions& options) {
-  // Check that files can be written before minutes of work.
-  for (const std::string& file : {options.csv, options.json}) {
-    if (!file.empty()) text::write_file(file, "");
-  }
+nlohmann::ordered_json run_standings(const CompareOptions& options) {
   Progress progress;
   const ComparisonResult result =
       run_comparison(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
@@ -75,9 +73,25 @@ void compare(const CompareOptions& options) {
                       std::to_string(done) + " of " + std::to_string(all) + " steps");
       });
   progress.clear();
-  const auto told = standings(result);
-  std::fputs(to_text(told).c_str(), stdout);
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(result));
+  return standings(result);
+}
+
+nlohmann::ordered_json read_standings(const std::string& file) {
+  auto standings = nlohmann::ordered_json::parse(text::read_file(file), nullptr, false);
+  if (!standings.is_object() || !standings.contains("laws")) {
+    throw std::runtime_error(file + ": not a comparison's standings; expected the output of --json");
+  }
+  return standings;
+}
+
+void compare(const CompareOptions& options) {
+  // Check that files can be written before minutes of work.
+  for (const std::string& file : {options.csv, options.json}) {
+    if (!file.empty()) text::write_file(file, "");
+  }
+  const auto told = options.from.empty() ? run_standings(options) : read_standings(options.from);
+  std::fputs(to_text(told).c_str(), stdout);
   if (!options.json.empty()) text::write_file(options.json, told.dump(2) + '\n');
   if (!options.readme.empty()) {
     text::write_file(options.readme,
@@ -86,11 +100,10 @@ void compare(const CompareOptions& options) {
   if (options.figures.empty()) return;
   const std::filesystem::path directory(options.figures);
   std::filesystem::create_directories(directory);
-  draw_comparison(told, directory / "comparison.png");
-  std::printf("\nFigures:\n  %s\n", (directory / "comparison.png").c_str());
+  const auto comparison = draw({.script = "comparison", .csv = comparison_csv(told)}, directory / "comparison.png");
+  std::printf("\nFigures:\n  %s\n", comparison.c_str());
   if (told.at("limits").empty()) return;
-  draw_limits(told, directory / "limits.png");
-  std::printf("  %s\n", (directory / "limits.png").c_str());
+  std::printf("  %s\n", draw({.script = "limits", .csv = limits_csv(told)}, directory / "limits.png").c_str());
 }
 
 }  // namespace
@@ -147,8 +160,15 @@ void add_compare(CLI::App& app) {
       ->check(program::whole_within(1, 10000))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--csv", options->csv, "write a row for each run to this file")->type_name("FILE.csv");
-  command->add_option("--json", options->json, "write the standings to this file")->type_name("FILE.json");
+  CLI::Option* const from =
+      command->add_option("--from", options->from, "print and draw the standings that --json wrote, without any run")
+          ->type_name("FILE.json");
+  command->add_option("--csv", options->csv, "write a row for each run to this file")
+      ->excludes(from)
+      ->type_name("FILE.csv");
+  command->add_option("--json", options->json, "write the standings to this file")
+      ->excludes(from)
+      ->type_name("FILE.json");
   command->add_option("--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
   command->add_option("--figures", options->figures, "draw into this folder")->type_name("FOLDER");
   command->callback([options] { compare(*options); });

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/tools/lab/experiment.hpp"
-#include "tests/tools/lab/laws_figure.hpp"
+#include "tests/tools/lab/figures/laws_figure.hpp"
 
 namespace forcebound::lab {
 

@@ -1,5 +1,7 @@
 #include "tests/tools/lab/option_checks.hpp"
 
+#include <stdexcept>
+
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
@@ -26,6 +28,12 @@ CLI::Validator known_scene() {
 CLI::Validator known_network() {
   return program::accepted_by([](const std::string& words) {
     if (!words.starts_with(kTraceWord)) (void)network_of(words);
+  });
+}
+
+CLI::Validator png_file() {
+  return program::accepted_by([](const std::string& file) {
+    if (!file.ends_with(".png")) throw std::invalid_argument("a figure is a FILE.png, got '" + file + "'");
   });
 }
 

@@ -13,5 +13,7 @@ CLI::Validator known_device();
 CLI::Validator known_scene();
 /// none, netem's words, or trace:FILE.
 CLI::Validator known_network();
+/// FILE.png: a figure's data and script stand beside it, with other extensions.
+CLI::Validator png_file();
 
 }  // namespace forcebound::lab

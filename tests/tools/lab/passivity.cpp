@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/figure.hpp"
 #include "tests/tools/lab/summary_cells.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/sim/draw.hpp"
@@ -125,35 +123,6 @@ std::string passivity_csv(const std::vector<PassivityResult>& results) {
                std::to_string(seed)});
   }
   return table.to_csv();
-}
-
-void draw_passivity(const std::filesystem::path& png, const std::vector<PassivityResult>& results) {
-  Figure figure{.title = "Energy that the laws leak on a real device",
-                .subtitle = "most energy that an adversary extracted; thin: exact ticks, thick: 20 % of them late",
-                .x_label = "latency from reading to actuator [us]"};
-  for (const double encoder_m : kEncoders_m) {
-    char title[64];
-    std::snprintf(title, sizeof title, encoder_m > 0 ? "Encoder of %.0f um" : "Ideal encoder", encoder_m * 1e6);
-    Panel panel{.title = title,
-                .y_label = "-P [J]",
-                .references = {{kGuarantee_J, "passive"}},
-                .y_min = kGuarantee_J / 10,
-                .y_max = 1e4,
-                .y_log = true};
-    for (const std::string& law : control::force_bounding_laws().names()) {
-      for (const bool late_ticks : {false, true}) {
-        Series series{.label = late_ticks ? "" : law, .colour = colour::of_law(law), .width = late_ticks ? 3.2 : 1.6};
-        for (const double latency_s : kLatencies_s) {
-          const double worst = worst_J(results, {law, encoder_m, late_ticks, latency_s, {}});
-          series.x.push_back(latency_s * 1e6);
-          series.y.push_back(std::max(-worst, 0.3 * kGuarantee_J));
-        }
-        panel.series.push_back(std::move(series));
-      }
-    }
-    figure.panels.push_back(std::move(panel));
-  }
-  draw(figure, png);
 }
 
 }  // namespace forcebound::lab

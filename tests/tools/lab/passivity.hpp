@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -42,11 +41,7 @@ struct PassivitySettings {
 /// The worst over all adversaries, a block for each law.
 [[nodiscard]] std::string passivity_table(const std::vector<PassivityResult>& results, text::Colour colour);
 
-/// A row for each result: law,encoder_m,late_share,latency_s,adversary,least_P_J,seed.
+/// A row for each result, the data of leaks.gnuplot: law,encoder_m,late_share,latency_s,adversary,least_P_J,seed.
 [[nodiscard]] std::string passivity_csv(const std::vector<PassivityResult>& results);
-
-/// The worst over all adversaries, over the latency: a panel for each encoder.
-/// @throws std::runtime_error as `draw` does.
-void draw_passivity(const std::filesystem::path& png, const std::vector<PassivityResult>& results);
 
 }  // namespace forcebound::lab

@@ -10,6 +10,8 @@
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/passivity.hpp"
 #include "tests/tools/lab/progress.hpp"
 
@@ -63,7 +65,7 @@ void run(const PassivityOptions& options) {
   const auto results = run_all(options.settings);
   std::cout << passivity_table(results, text::colour_for(STDOUT_FILENO)) << std::flush << costs() << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, passivity_csv(results));
-  if (!options.figure.empty()) draw_passivity(options.figure, results);
+  if (!options.figure.empty()) draw({.script = "leaks", .csv = passivity_csv(results)}, options.figure);
 }
 
 }  // namespace
@@ -88,6 +90,7 @@ void add_passivity(CLI::App& app) {
   command->add_option("--csv", options->csv, "write every condition to this file, adversary by adversary")
       ->type_name("FILE.csv");
   command->add_option("--figure", options->figure, "draw the leaks over the latency into this file")
+      ->check(png_file())
       ->type_name("FILE.png");
   command->footer("Example:\n  forcebound-lab passivity --seeds 1 --seconds 2 --figure leaks.png");
   command->callback([options] { run(*options); });

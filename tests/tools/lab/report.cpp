@@ -10,7 +10,7 @@
 #include "forcebound/record/summary.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/run_figures.hpp"
+#include "tests/tools/lab/figures/run_figure.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -21,31 +21,31 @@ struct ReportOptions {
   std::string json;
 };
 
-/// Reads a recording into its summary and its figures in one pass.
+/// Reads a recording into its summary and its figure in one pass.
 class Report final : public record::RecordingSink {
  public:
   void on_start(const record::RunInfo& info) override {
     summary_.emplace(info);
-    figures_.emplace(info);
+    figure_.emplace(info);
   }
   void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
   void on_tick(const record::TickRecord& tick) noexcept override {
     summary_->on_tick(tick);
-    figures_->on_tick(tick);
+    figure_->on_tick(tick);
     any_tick_ = true;
   }
   void on_force(const record::ForceRecord& force) noexcept override {
     summary_->on_force(force);
-    figures_->on_force(force);
+    figure_->on_force(force);
   }
 
   [[nodiscard]] const record::Summary& summary() const { return *summary_; }
-  [[nodiscard]] const RunFigures& figures() const { return *figures_; }
+  [[nodiscard]] const RunFigure& figure() const { return *figure_; }
   [[nodiscard]] bool any_tick() const { return any_tick_; }
 
  private:
   std::optional<record::Summary> summary_;
-  std::optional<RunFigures> figures_;
+  std::optional<RunFigure> figure_;
   bool any_tick_ = false;
 };
 
@@ -63,18 +63,17 @@ void run(const ReportOptions& options) {
     text::write_file(options.json, report->summary().to_json());
   }
   if (options.figures.empty()) return;
-  for (const auto& file : report->figures().draw_into(options.figures)) {
-    (options.json == "-" ? std::cerr : std::cout) << "figure " << file.string() << '\n';
-  }
+  const auto drawn = report->figure().draw_into(options.figures);
+  (options.json == "-" ? std::cerr : std::cout) << "figure " << drawn.string() << '\n';
 }
 
 }  // namespace
 
 void add_report(CLI::App& app) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw its figures");
+  CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw it");
   report->add_option("RECORDING", options->recording, "FILE.mcap that a client's --record wrote")->required();
-  report->add_option("--figures", options->figures, "draw motion, force, energy and timing into this folder")
+  report->add_option("--figures", options->figures, "draw motion, force, energy and timing into run.png in this folder")
       ->type_name("FOLDER");
   report->add_option("--json", options->json, "write the summary to this file; -: to stdout, instead of the text")
       ->type_name("FILE.json");

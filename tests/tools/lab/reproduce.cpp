@@ -19,7 +19,7 @@
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
-#include "tests/tools/lab/laws_figure.hpp"
+#include "tests/tools/lab/figures/laws_figure.hpp"
 #include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/summary_cells.hpp"
 
@@ -143,7 +143,7 @@ void add_reproduce(CLI::App& app) {
       ->type_name("FILE.json");
   command
       ->add_option("--figures", options->figures,
-                   "draw position, force, energy and displayed stiffness into this folder")
+                   "draw penetration, force, energy and displayed stiffness into this folder")
       ->type_name("FOLDER");
   command->footer("Example:\n  forcebound-lab reproduce sphere --figures out");
   command->callback([options] { reproduce(*options); });

@@ -8,7 +8,8 @@
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/summary.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/laws_figure.hpp"
+#include "tests/tools/lab/figures/laws_figure.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/runs_table.hpp"
 
 namespace forcebound::lab {
@@ -81,6 +82,7 @@ void add_table(CLI::App& app) {
   command->add_option("RUN", options->runs, "FILE.mcap that --record wrote, or FILE.json that --summary wrote")
       ->required();
   command->add_option("--figure", options->figure, "draw depth, force, passivity and stiffness of the recordings here")
+      ->check(png_file())
       ->type_name("FILE.png");
   command->footer("Example:\n  forcebound-lab table less.mcap more.mcap --figure both.png");
   command->callback([options] { print_table(*options); });

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "forcebound/text/terminal.hpp"
-#include "tests/tools/lab/laws_figure.hpp"
+#include "tests/tools/lab/figures/laws_figure.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {

@@ -92,6 +92,7 @@ void add_trials(CLI::App& app) {
       ->type_name("FILE.json");
   command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE.json");
   command->add_option("--figure", options->figure, "draw the laws over each other into this file")
+      ->check(png_file())
       ->type_name("FILE.png");
   command->footer(
       "Server, client, device and hand are those of the programs; the clock and the network are simulated, and ticks "

@@ -24,8 +24,8 @@ bool is_passive(const Json& behind) {
   return behind.at("passivity_minimum_J").get<double>() >= -StudiedSetting::kRounding_J;
 }
 
-/// Of those that worked, and of a session's settings stayed passive, the one with the least error; the number of
-/// settings if none did.
+}  // namespace
+
 std::size_t best_behind(const Json& study, std::size_t network) {
   const Json& settings = study.at("settings");
   const bool of_session = study.value("same_scene", false);
@@ -41,8 +41,6 @@ std::size_t best_behind(const Json& study, std::size_t network) {
   }
   return best;
 }
-
-}  // namespace
 
 std::string to_markdown(const Json& study) {
   const Json& settings = study.at("settings");

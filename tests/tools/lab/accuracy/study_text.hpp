@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -17,9 +16,5 @@ std::string to_text(const StudyResult& result);
 std::string what_does_not_matter(const StudyResult& result);
 
 nlohmann::ordered_json to_json(const StudyResult& result);
-
-/// The error at the device over the time of a step, a curve for each round trip, its best point marked; and the parts
-/// of the error behind the nearest and the farthest network.
-void draw(const StudyResult& result, const std::string& title, const std::filesystem::path& png);
 
 }  // namespace forcebound::lab

@@ -43,6 +43,9 @@ void for_each(const BenchResults& results, BenchRow::Kind kind, Show show) {
   }
 }
 
+/// Of a wanted "<= 1.25" the number.
+std::string bound_of(const BenchRow& row) { return row.wanted.substr(row.wanted.find(' ') + 1); }
+
 /// What was measured, and under which conditions.
 std::string subject(const BenchRow& row) {
   return row.what + " [" + row.unit + "]" + (row.conditions.empty() ? "" : "; " + row.conditions);
@@ -56,7 +59,7 @@ text::Table::Cell ratio_cell(const BenchRow& row) {
 
 bool BenchRow::fine() const {
   if (wanted.empty() || ratio.empty()) return true;
-  const double bound = std::strtod(wanted.c_str() + 2, nullptr);
+  const double bound = std::strtod(bound_of(*this).c_str(), nullptr);
   const double value = std::strtod(ratio.c_str(), nullptr);
   return wanted.starts_with(">=") ? value >= bound : value <= bound;
 }
@@ -162,6 +165,15 @@ BenchResults parse_bench_csv(std::string_view csv) {
   }
   if (!headed) throw std::runtime_error("no results");
   return results;
+}
+
+std::string ratios_csv(const BenchResults& results) {
+  text::Table table({{"what"}, {"yardstick"}, {"conditions"}, {"ratio"}, {"bound"}, {"missed"}});
+  for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
+    table.add({row.what, row.yardstick, or_dash(row.conditions), row.ratio, row.wanted.empty() ? "0" : bound_of(row),
+               row.fine() ? "0" : "1"});
+  });
+  return table.to_csv();
 }
 
 std::string to_table(const BenchResults& results, text::Colour colour) {

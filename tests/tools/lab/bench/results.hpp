@@ -57,6 +57,9 @@ struct BenchResults {
 /// @throws std::runtime_error with the line that is not in to_csv's format
 [[nodiscard]] BenchResults parse_bench_csv(std::string_view csv);
 
+/// The data of ratios.gnuplot: a row for each ratio. "-": no conditions; bound 0: none is required.
+[[nodiscard]] std::string ratios_csv(const BenchResults& results);
+
 /// For a terminal.
 [[nodiscard]] std::string to_table(const BenchResults& results, text::Colour colour = text::Colour::none);
 

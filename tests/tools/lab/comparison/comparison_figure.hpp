@@ -1,16 +1,18 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 namespace forcebound::lab {
 
-/// Stability against transparency, a panel for each of up to three networks: a point for each law, a ring around those
-/// that no other beats, a cross for those whose contacts mostly do not come to rest or that are not passive.
-void draw_comparison(const nlohmann::ordered_json& standings, const std::filesystem::path& png);
+/// The data of comparison.gnuplot: stability against transparency, a row for each network and law that played through
+/// it. Unbeaten is a law whose contacts rest, and which is passive, if no other such law has both less restlessness and
+/// more stiffness.
+/// @param standings as `standings` made them
+[[nodiscard]] std::string comparison_csv(const nlohmann::ordered_json& standings);
 
-/// The stiffest wall that comes to rest over the delay, a panel for each hand and a curve for each law, beside
-/// theory's.
-void draw_limits(const nlohmann::ordered_json& standings, const std::filesystem::path& png);
+/// The data of limits.gnuplot: the stiffest wall that comes to rest, a row for each hand, delay and law; and theory's,
+/// named by their formulas. 0: not even the softest wall that was tried.
+[[nodiscard]] std::string limits_csv(const nlohmann::ordered_json& standings);
 
 }  // namespace forcebound::lab

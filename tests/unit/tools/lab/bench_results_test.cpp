@@ -7,8 +7,6 @@
 #include "forcebound/text/file.hpp"
 #include "tests/support/source_folder.hpp"
 #include "tests/tools/lab/bench/collect.hpp"
-#include "tests/tools/lab/bench/ratios_figure.hpp"
-#include "tests/unit/record/sample_run.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -94,13 +92,6 @@ TEST(Marks, AreNeededOnceEach) {
   EXPECT_THROW(
       static_cast<void>(between_marks(std::string(kBenchMarks.end) + std::string(kBenchMarks.begin), kBenchMarks)),
       std::runtime_error);
-}
-
-TEST(RatiosFigure, IsDrawn) {
-  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
-  const record::test::TemporaryFile png("ratios.png");
-  draw_ratios(sample(), png.path());
-  EXPECT_THAT(text::read_file(png.path()), testing::StartsWith("\x89PNG"));
 }
 
 TEST(Collect, NamesWhatIsMissing) {

@@ -1,78 +1,91 @@
+#include "tests/tools/lab/figures/envelope.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "tests/support/allocation_guard.hpp"
-#include "tests/tools/lab/figure.hpp"
 
 namespace forcebound::lab {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Envelope, KeepsAShortCurveAsItIs) {
-  Envelope envelope;
-  for (int i = 0; i < 1000; ++i) envelope.add(i, i % 7);
-  const Series series = envelope.series("a", colour::kApplied);
-  ASSERT_EQ(series.x.size(), 1000U);
+TEST(Envelope, KeepsShortCurvesAsTheyAre) {
+  Envelope envelope(2);
+  for (int i = 0; i < 1000; ++i) envelope.add(i, std::array<double, 2>{static_cast<double>(i % 7), -0.5 * i});
+  const auto points = envelope.points();
+  ASSERT_EQ(points.size(), 1000U);
   for (std::size_t i = 0; i < 1000; ++i) {
-    EXPECT_EQ(series.x[i], static_cast<double>(i));
-    EXPECT_EQ(series.y[i], static_cast<double>(i % 7));
+    EXPECT_EQ(points[i].x, static_cast<double>(i));
+    EXPECT_EQ(points[i].y[0], static_cast<double>(i % 7));
+    EXPECT_EQ(points[i].y[1], -0.5 * static_cast<double>(i));
   }
 }
 
 TEST(Envelope, ThinsAMillionPointsAndLosesNoSpike) {
-  Envelope envelope;
+  Envelope envelope(2);
   for (int i = 0; i < 1'000'000; ++i) {
     const double spike = i == 123'456 ? 50 : (i == 777'777 ? -60 : 0);
-    envelope.add(i, std::sin(i * 1e-4) + spike);
+    envelope.add(i, std::array{0.0, std::sin(i * 1e-4) + spike});
   }
-  const Series series = envelope.series("a", colour::kApplied);
-  EXPECT_LE(series.x.size(), 8000U);
-  EXPECT_GE(series.x.size(), 2000U);
-  EXPECT_TRUE(std::is_sorted(series.x.begin(), series.x.end()));
-  EXPECT_GT(*std::max_element(series.y.begin(), series.y.end()), 49);
-  EXPECT_LT(*std::min_element(series.y.begin(), series.y.end()), -59);
+  const auto points = envelope.points();
+  EXPECT_LE(points.size(), 6000U);
+  EXPECT_GE(points.size(), 2000U);
+  EXPECT_TRUE(std::ranges::is_sorted(points, {}, &Envelope::Point::x));
+  const auto of_second = [](const Envelope::Point& point) { return point.y[1]; };
+  EXPECT_GT(std::ranges::max(points, {}, of_second).y[1], 49);
+  EXPECT_LT(std::ranges::min(points, {}, of_second).y[1], -59);
 }
 
-TEST(Envelope, NeverJoinsWhatAGapParts) {
-  Envelope envelope;
+TEST(Envelope, KeepsAnEdgesDirectionWithinAColumn) {
+  Envelope envelope(1);
+  for (int i = 0; i < 4000; ++i) envelope.add(i, std::array<double, 1>{static_cast<double>(i)});
+  EXPECT_TRUE(std::ranges::is_sorted(envelope.points(), {}, [](const auto& point) { return point.y[0]; }));
+}
+
+TEST(Envelope, NeverJoinsWhatAGapPartsWhateverTheOtherCurveDoes) {
+  Envelope envelope(2);
   constexpr int kLength = 300;  // contact and none by turns, each contact at another height
   for (int i = 0; i < 60'000; ++i) {
     const int contact = i / kLength;
-    envelope.add(i, contact % 2 == 0 ? contact : kNone);
+    envelope.add(i, std::array{contact % 2 == 0 ? contact : kNone, std::sin(i)});
   }
-  const Series series = envelope.series("a", colour::kApplied);
-  for (std::size_t i = 1; i < series.y.size(); ++i) {
-    if (std::isnan(series.y[i]) || std::isnan(series.y[i - 1])) continue;
-    EXPECT_EQ(series.y[i], series.y[i - 1]) << "at " << series.x[i];
+  const auto points = envelope.points();
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    EXPECT_FALSE(std::isnan(points[i].y[1]));
+    if (std::isnan(points[i].y[0]) || std::isnan(points[i - 1].y[0])) continue;
+    EXPECT_EQ(points[i].y[0], points[i - 1].y[0]) << "at " << points[i].x;
   }
 }
 
 TEST(Envelope, FindsRoomForACurveOfGapsAlone) {
-  Envelope envelope;
-  for (int i = 0; i < 100'000; ++i) envelope.add(i, i % 2 == 0 ? 1 : kNone);
-  EXPECT_LE(envelope.series("a", colour::kApplied).x.size(), 12'000U);
+  Envelope envelope(1);
+  for (int i = 0; i < 100'000; ++i) envelope.add(i, std::array{i % 2 == 0 ? 1 : kNone});
+  EXPECT_LE(envelope.points().size(), 6000U);
 }
 
-TEST(Envelope, BreaksTheCurveWhereAValueIsMissing) {
-  Envelope envelope;
-  envelope.add(0, 1);
-  envelope.add(1, kNone);
-  envelope.add(2, kNone);
-  envelope.add(3, 4);
-  const Series series = envelope.series("a", colour::kApplied);
-  ASSERT_EQ(series.y.size(), 3U);
-  EXPECT_TRUE(std::isnan(series.y[1]));
+TEST(Envelope, InterruptsTheCurveWhereAValueIsMissing) {
+  Envelope envelope(1);
+  for (const auto& [x, y] : {std::array{0.0, 1.0}, {1.0, kNone}, {2.0, kNone}, {3.0, 4.0}}) {
+    envelope.add(x, std::array{y});
+  }
+  const auto points = envelope.points();
+  ASSERT_EQ(points.size(), 4U);
+  EXPECT_EQ(points[0].y[0], 1);
+  EXPECT_TRUE(std::isnan(points[1].y[0]));
+  EXPECT_TRUE(std::isnan(points[2].y[0]));
+  EXPECT_EQ(points[3].y[0], 4);
 }
 
 TEST(Envelope, AddDoesNotAllocate) {
   if (!time::kCountsHeapOperations) GTEST_SKIP() << "allocations are not counted under sanitizers";
-  Envelope envelope;
+  Envelope envelope(2);
   const auto before = time::heap_operations_of_this_thread();
-  for (int i = 0; i < 100'000; ++i) envelope.add(i, i % 100 == 0 ? kNone : i % 13);
+  for (int i = 0; i < 100'000; ++i) envelope.add(i, std::array{i % 100 == 0 ? kNone : i % 13, 1.0});
   EXPECT_EQ(time::heap_operations_of_this_thread(), before);
 }
 

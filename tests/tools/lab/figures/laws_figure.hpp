@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "forcebound/record/displayed_stiffness.hpp"
-#include "forcebound/record/histogram.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/tick_record.hpp"
-#include "tests/tools/lab/figure.hpp"
+#include "tests/tools/lab/figures/envelope.hpp"
 
 namespace forcebound::lab {
 
-/// Runs of several laws over each other: penetration, force, passivity and displayed stiffness over time.
+/// Runs of several laws over each other: penetration, force, passivity and displayed stiffness over time
+/// (laws.gnuplot).
 class LawsFigure {
  public:
   LawsFigure() = default;
@@ -26,11 +26,14 @@ class LawsFigure {
   }
   [[nodiscard]] const std::string& title() const noexcept { return title_; }
 
-  /// A curve in each panel, from the first tick on; the sink stays valid as long as the figure.
+  /// Adds a law, with time from its first tick; the sink stays valid as long as the figure.
   record::TickSink& add_law(const std::string& law);
 
-  /// @throws std::runtime_error as `draw` does.
-  void draw_to(const std::filesystem::path& png) const;
+  /// law,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm: a row for each point of each law.
+  [[nodiscard]] std::string to_csv() const;
+
+  /// @returns and throws as `draw` does.
+  std::filesystem::path draw_to(const std::filesystem::path& png) const;
 
   /// Draws into a file that is named after the title, in a directory that is created if need be.
   [[nodiscard]] std::filesystem::path draw_into(const std::filesystem::path& directory) const;
@@ -44,9 +47,7 @@ class LawsFigure {
     std::string law;
     std::optional<record::Nanoseconds> start;
     record::DisplayedStiffness displayed{record::RunInfo{}.stiffness_depth_m_min};
-    double penetration_mm_max = 0;
-    Envelope penetration_mm, force_N, audit_mJ, stiffness_N_per_mm;
-    record::Histogram stiffness_mN_per_mm;
+    Envelope envelope{4};
   };
 
   std::string title_;

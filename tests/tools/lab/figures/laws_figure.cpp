@@ -1,0 +1,59 @@
+#include "tests/tools/lab/figures/laws_figure.hpp"
+
+#include <array>
+#include <limits>
+
+#include "forcebound/text/table.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr double kNoContact = std::numeric_limits<double>::quiet_NaN();
+
+std::string file_name(const std::string& title) {
+  std::string name;
+  for (const char c : title) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (plain) {
+      name += c;
+    } else if (!name.empty() && name.back() != '-') {
+      name += '-';
+    }
+  }
+  return name + ".png";
+}
+
+}  // namespace
+
+void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
+  if (!start) start = tick.time;
+  const auto stiffness_N_per_m = displayed.on_tick(tick);
+  envelope.add(time::to_seconds(tick.time - *start),
+               std::array{tick.penetration_m > 0 ? 1e3 * tick.penetration_m : kNoContact, tick.applied.norm(),
+                          1e3 * tick.audit_J, stiffness_N_per_m ? 1e-3 * *stiffness_N_per_m : kNoContact});
+}
+
+record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
+
+std::string LawsFigure::to_csv() const {
+  text::Table table({{"law"}, {"time_s"}, {"penetration_mm"}, {"force_N"}, {"P_mJ"}, {"stiffness_N_per_mm"}});
+  for (const Curves& curves : laws_) {
+    for (const auto& [time_s, y] : curves.envelope.points()) {
+      table.add({curves.law, figure_number(time_s), figure_number(y[0]), figure_number(y[1]), figure_number(y[2]),
+                 figure_number(y[3])});
+    }
+  }
+  return table.to_csv();
+}
+
+std::filesystem::path LawsFigure::draw_to(const std::filesystem::path& png) const {
+  return draw({.script = "laws", .csv = to_csv(), .title = title_, .subtitle = subtitle_}, png);
+}
+
+std::filesystem::path LawsFigure::draw_into(const std::filesystem::path& directory) const {
+  std::filesystem::create_directories(directory);
+  return draw_to(directory / file_name(title_));
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,87 @@
+#include "tests/tools/lab/figures/run_figure.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "forcebound/text/table.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+
+namespace forcebound::lab {
+
+void RunFigure::on_tick(const record::TickRecord& tick) noexcept {
+  const bool first = !start_;
+  if (first) start_ = tick.time;
+  if (tick.time - arrival_ > info_.hold) round_trip_ms_ = kNone;  // a blackout is a gap, not a line
+  arrived_ = false;
+  const auto stiffness_N_per_m = displayed_.on_tick(tick);
+  std::array<double, kCurves> y{};
+  const auto axes = std::span(y).first<control::kDofMax>();
+  std::ranges::fill(axes, kNone);
+  for (Eigen::Index axis = 0; axis < tick.position.size(); ++axis) {
+    axes[static_cast<std::size_t>(axis)] = 1e3 * tick.position[axis];
+  }
+  const std::array others{1e3 * std::max(tick.penetration_m, 0.0),
+                          tick.request.norm(),
+                          tick.applied.norm(),
+                          stiffness_N_per_m ? 1e-3 * *stiffness_N_per_m : kNone,
+                          1e3 * tick.audit_J,
+                          1e3 * tick.energy_J,
+                          round_trip_ms_,
+                          tick.force_sequence != 0 ? 1e3 * time::to_seconds(tick.force_age) : kNone,
+                          first ? kNone : 1e3 * time::to_seconds(tick.interval),
+                          1e3 * time::to_seconds(tick.latency)};
+  static_assert(control::kDofMax + others.size() == kCurves);
+  std::ranges::copy(others, y.begin() + control::kDofMax);
+  envelope_.add(time::to_seconds(tick.time - *start_), y);
+}
+
+void RunFigure::on_force(const record::ForceRecord& force) noexcept {
+  const double round_trip_ms = 1e3 * time::to_seconds(force.round_trip);
+  round_trip_ms_ = arrived_ ? std::max(round_trip_ms_, round_trip_ms) : round_trip_ms;
+  arrived_ = true;
+  arrival_ = force.receive_time;
+}
+
+std::string RunFigure::to_csv() const {
+  text::Table table({{"time_s"},
+                     {"x_mm"},
+                     {"y_mm"},
+                     {"z_mm"},
+                     {"x_mrad"},
+                     {"y_mrad"},
+                     {"z_mrad"},
+                     {"penetration_mm"},
+                     {"requested_N"},
+                     {"applied_N"},
+                     {"stiffness_N_per_mm"},
+                     {"P_mJ"},
+                     {"ledger_mJ"},
+                     {"round_trip_ms"},
+                     {"force_age_ms"},
+                     {"period_ms"},
+                     {"latency_ms"}});
+  for (const auto& [time_s, y] : envelope_.points()) {
+    std::vector<text::Table::Cell> row{figure_number(time_s)};
+    for (const double value : y) row.emplace_back(figure_number(value));
+    table.add(std::move(row));
+  }
+  return table.to_csv();
+}
+
+std::filesystem::path RunFigure::draw_into(const std::filesystem::path& directory) const {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (!std::filesystem::is_directory(directory)) {
+    throw std::runtime_error("cannot create the directory '" + directory.string() +
+                             "' for figures: " + (error ? error.message() : "a file has that name"));
+  }
+  return draw({.script = "run",
+               .csv = to_csv(),
+               .title = info_.law + (info_.scene.empty() ? "" : " on " + info_.scene),
+               .subtitle = info_.device + ", " + info_.operator_name +
+                           (info_.network.empty() ? "" : ", network: " + info_.network)},
+              directory / "run.png");
+}
+
+}  // namespace forcebound::lab

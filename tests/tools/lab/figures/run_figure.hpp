@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "forcebound/record/displayed_stiffness.hpp"
+#include "forcebound/record/run_info.hpp"
+#include "forcebound/record/tick_record.hpp"
+#include "tests/tools/lab/figures/envelope.hpp"
+
+namespace forcebound::lab {
+
+/// One run: motion, force, energy and timing below each other (run.gnuplot), in bounded memory.
+class RunFigure final : public record::TickSink {
+ public:
+  explicit RunFigure(const record::RunInfo& info) : info_(info), displayed_(info.stiffness_depth_m_min) {}
+
+  void on_tick(const record::TickRecord& tick) noexcept override;
+  void on_force(const record::ForceRecord& force) noexcept override;
+
+  /// A row for each point: time_s and the columns that run.gnuplot draws. Axes that the device lacks are nan.
+  [[nodiscard]] std::string to_csv() const;
+
+  /// Draws run.png into a directory, which is created if need be.
+  /// @returns and throws as `draw` does.
+  [[nodiscard]] std::filesystem::path draw_into(const std::filesystem::path& directory) const;
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  static constexpr std::size_t kCurves = 16;
+
+  record::RunInfo info_;
+  std::optional<record::Nanoseconds> start_;
+  record::DisplayedStiffness displayed_;
+  record::Nanoseconds arrival_{0};  ///< of the last force
+  double round_trip_ms_ = kNone;    ///< longest of the forces since the last tick, or of the last force before
+  bool arrived_ = false;            ///< since the last tick
+  Envelope envelope_{kCurves};
+};
+
+}  // namespace forcebound::lab

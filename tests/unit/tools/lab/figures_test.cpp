@@ -1,0 +1,225 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/lines.hpp"
+#include "tests/support/source_folder.hpp"
+#include "tests/tools/lab/accuracy/study_figure.hpp"
+#include "tests/tools/lab/bench/results.hpp"
+#include "tests/tools/lab/comparison/comparison_figure.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/figures/laws_figure.hpp"
+#include "tests/tools/lab/figures/run_figure.hpp"
+#include "tests/tools/lab/passivity.hpp"
+#include "tests/tools/temporary_folder.hpp"
+#include "tests/unit/record/sample_run.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using test::TemporaryFolder;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+using ::testing::ThrowsMessage;
+
+bool has_gnuplot() { return std::system("gnuplot --version > /dev/null 2>&1") == 0; }
+
+Json committed(const std::string& file) {
+  return Json::parse(text::read_file((test::source_folder() / "deploy" / file).string()));
+}
+
+LawsFigure two_laws(const std::string& title) {
+  LawsFigure figure(title, "K_1 {x}^2 %s \\ 'quoted'");
+  for (const char* const law : {"none", "fba-exact"}) {
+    record::test::play_sample_run(figure.add_law(law), 500);
+  }
+  return figure;
+}
+
+std::size_t lines_with(const std::string& csv, std::string_view part) {
+  std::size_t count = 0;
+  for (const auto line : text::split(csv, '\n')) count += line.find(part) != std::string_view::npos ? 1U : 0U;
+  return count;
+}
+
+struct Png {
+  int width;
+  int height;
+};
+
+Png size_of(const std::filesystem::path& file) {
+  const std::string bytes = text::read_file(file.string());
+  EXPECT_THAT(bytes, StartsWith("\x89PNG\r\n\x1a\n"));
+  if (bytes.size() < 24) return {};
+  const auto number = [&](std::size_t at) {
+    return static_cast<unsigned char>(bytes[at]) * 256 + static_cast<unsigned char>(bytes[at + 1]);
+  };
+  return {number(18), number(22)};
+}
+
+// Each figure that is committed or that a command draws, from real data where there are any.
+std::vector<Figure> every_figure() {
+  const Json comparison = committed("comparison-results.json");
+  const BenchResults bench =
+      parse_bench_csv(text::read_file((test::source_folder() / "deploy/bench-results.csv").string()));
+  std::vector<PassivityResult> leaks;
+  for (const PassivityCondition& condition : passivity_conditions()) {
+    leaks.push_back({.condition = condition, .least_P_J = -1e-4 * condition.latency_s});
+  }
+  RunFigure run(record::test::sample_info());
+  record::test::play_sample_run(run, 5000);
+  return {{.script = "comparison", .csv = comparison_csv(comparison)},
+          {.script = "limits", .csv = limits_csv(comparison)},
+          study_figure(committed("accuracy-results.json")),
+          {.script = "ratios", .csv = ratios_csv(bench)},
+          {.script = "leaks", .csv = passivity_csv(leaks)},
+          {.script = "laws", .csv = two_laws("").to_csv(), .title = "two laws"},
+          {.script = "run", .csv = run.to_csv(), .title = "run"}};
+}
+
+TEST(Figures, AreDrawnWithoutAWarning) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  for (const Figure& figure : every_figure()) {
+    SCOPED_TRACE(figure.script);
+    const TemporaryFolder folder;
+    const auto png = folder.path() / (figure.script + ".png");
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(draw(figure, png), png);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    const Png size = size_of(png);
+    EXPECT_EQ(size.width, 1000);
+    EXPECT_GT(size.height, 500);
+  }
+}
+
+TEST(Figures, LeaveDataAndAScriptThatDrawsThemAgain) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const TemporaryFolder folder;
+  const auto png = folder.path() / "two laws.png";
+  draw({.script = "laws", .csv = two_laws("").to_csv(), .title = "title"}, png);
+  const std::string drawn = text::read_file(png.string());
+  std::filesystem::remove(png);
+  ASSERT_TRUE(std::filesystem::exists(folder.path() / "two laws.csv"));
+  const std::string again = "cd '" + folder.path().string() + "' && gnuplot 'two laws.gnuplot'";
+  EXPECT_EQ(std::system(again.c_str()), 0);
+  EXPECT_EQ(text::read_file(png.string()), drawn);
+}
+
+TEST(Figures, MayHaveAnyNameAndTitle) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const TemporaryFolder folder;
+  const auto odd = folder.path() / "it's $HOME; \"quoted\"";
+  std::filesystem::create_directory(odd);
+  EXPECT_EQ(size_of(two_laws("it's \"applied\" $x\n%s").draw_to(odd / "-'a' $b.png")).width, 1000);
+}
+
+TEST(Figures, ThatCannotBeWrittenAreRefusedByName) {
+  EXPECT_THAT([] { two_laws("").draw_to("/nowhere/figure.png"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/figure.csv")));
+}
+
+TEST(Figures, SayWhatGnuplotCannotRead) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const TemporaryFolder folder;
+  EXPECT_THAT([&] { draw({.script = "ratios", .csv = "what,ever\n"}, folder.path() / "bad.png"); },
+              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("bad.png"), HasSubstr("gnuplot"))));
+}
+
+TEST(Figures, WithoutGnuplotLeaveDataAndScriptAndNameThePackageToInstall) {
+  const TemporaryFolder folder;
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  testing::internal::CaptureStderr();
+  const auto left = two_laws("").draw_to(folder.path() / "laws.png");
+  const std::string said = testing::internal::GetCapturedStderr();
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(left, folder.path() / "laws.gnuplot");
+  EXPECT_THAT(said, AllOf(HasSubstr("not installed"), HasSubstr("gnuplot-nox"), HasSubstr(left.string())));
+  EXPECT_TRUE(std::filesystem::exists(left));
+  EXPECT_GT(std::filesystem::file_size(folder.path() / "laws.csv"), 1000U);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "laws.png"));
+}
+
+TEST(ComparisonFigure, HasEveryLawBehindEveryNetwork) {
+  const Json all = committed("comparison-results.json");
+  const std::string csv = comparison_csv(all);
+  for (const Json& law : all.at("laws")) {
+    const std::string name = law.at("law");
+    EXPECT_EQ(lines_with(csv, "," + name + ","), all.at("networks").size()) << name;
+  }
+}
+
+TEST(ComparisonFigure, CallsUnbeatenWhatRestsAndIsPassiveAlone) {
+  const auto behind = [](double ripple, double shown, double calm, double least_P_J) {
+    return Json::array({{{"ripple", ripple}, {"shown", shown}, {"calm", calm}, {"least_P_J", least_P_J}}});
+  };
+  const Json standings{{"networks", {"none"}},
+                       {"laws",
+                        {{{"law", "best"}, {"behind", behind(0.1, 0.9, 1, 0)}},
+                         {{"law", "worse"}, {"behind", behind(0.2, 0.8, 1, 0)}},
+                         {{"law", "leaks"}, {"behind", behind(0.01, 1, 1, -0.1)}},
+                         {{"law", "rings"}, {"behind", behind(0.01, 1, 0.4, 0)}},
+                         {{"law", "refused"}, {"behind", behind(NAN, NAN, 0, 0)}}}}};
+  EXPECT_EQ(comparison_csv(standings),
+            "network,law,displayed_over_requested,restlessness,rests_and_passive,unbeaten\n"
+            "none,best,0.9,0.1,1,1\n"
+            "none,worse,0.8,0.2,1,0\n"
+            "none,leaks,1,0.01,0,0\n"
+            "none,rings,1,0.01,0,0\n");
+}
+
+TEST(LimitsFigure, HasEveryLawAndTheoryUnderEachHandAtEachDelay) {
+  const Json all = committed("comparison-results.json");
+  const std::string csv = limits_csv(all);
+  const std::size_t places = all.at("hands").size() * all.at("limits").size();
+  for (const Json& law : all.at("laws")) {
+    const std::string name = law.at("law");
+    EXPECT_EQ(lines_with(csv, "," + name + ","), places) << name;
+  }
+  EXPECT_EQ(lines_with(csv, ",2b/T,60"), places);
+  EXPECT_THAT(csv, HasSubstr("light,1,b/(T/2 + 2t),12\n"));
+}
+
+TEST(AccuracyFigure, HasEverySettingBehindEachNetworkAndMarksTheLeastErrorOnce) {
+  const Json study = committed("accuracy-results.json");
+  const Figure figure = study_figure(study);
+  const std::size_t networks = study.at("settings").at(0).at("behind").size();
+  EXPECT_EQ(lines_with(figure.csv, "[ 9 9 3 ],"), networks);
+  EXPECT_THAT(figure.subtitle, HasSubstr("tissue.pad.shape.cells"));
+  std::size_t marked = 0;
+  for (const auto line : text::split(figure.csv, '\n')) {
+    const auto cells = text::split(line, ',');
+    marked += cells.size() > 8 && cells[8] == "1" ? 1U : 0U;
+  }
+  EXPECT_EQ(marked, networks);
+}
+
+TEST(RatiosFigure, HasEachRatioWithItsBoundAndNoGrowth) {
+  BenchResults results;
+  results.rows = {ratio_row("round trip", "us", 30, "sockperf", 25, "<= 1.25"),
+                  ratio_row("most clients", "clients", 400, "echo", 800, ">= 0.7"),
+                  ratio_row("law", "us", 0.1, "no law", 0.1), growth_row("law", "degrees of freedom", 0.7)};
+  EXPECT_EQ(ratios_csv(results),
+            "what,yardstick,conditions,ratio,bound,missed\n"
+            "round trip,sockperf,-,1.2,1.25,0\n"
+            "most clients,echo,-,0.5,0.7,1\n"
+            "law,no law,-,1,0,0\n");
+}
+
+TEST(LawsFigure, HasAllTicksOfAShortRun) {
+  const std::string csv = two_laws("").to_csv();
+  EXPECT_THAT(csv, StartsWith("law,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm\nnone,0,"));
+  EXPECT_EQ(lines_with(csv, "none,"), 500U);
+  EXPECT_EQ(lines_with(csv, "fba-exact,"), 500U);
+}
+
+}  // namespace
+}  // namespace forcebound::lab
