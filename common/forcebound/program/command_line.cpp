@@ -1,5 +1,6 @@
 #include "forcebound/program/command_line.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cstdio>

@@ -1,12 +1,18 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+// Reading <CLI/CLI.hpp> takes longer than all that most sources do: it is left to those that add options.
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
 
 /// What the command lines of all programs have in common: the look of --help, the wording of errors, and exit codes.
 namespace forcebound::program {

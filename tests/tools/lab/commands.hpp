@@ -1,6 +1,8 @@
 #pragma once
 
-#include <CLI/App.hpp>
+namespace CLI {
+class App;
+}
 
 /// Each experiment of forcebound-lab: one function, in a file of its own, that adds a subcommand to the program. What a
 /// subcommand throws becomes one line on stderr: exit code 2 for std::invalid_argument, 1 for anything else.

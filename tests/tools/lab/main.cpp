@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "forcebound/program/command_line.hpp"
 #include "tests/tools/lab/commands.hpp"
 

@@ -1,5 +1,6 @@
 #include "tests/tools/lab/option_checks.hpp"
 
+#include <CLI/CLI.hpp>
 #include <stdexcept>
 
 #include "forcebound/baselines/baselines.hpp"

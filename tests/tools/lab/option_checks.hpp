@@ -1,6 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class Validator;
+}
 
 /// Checks of options that several commands of the lab have.
 namespace forcebound::lab {

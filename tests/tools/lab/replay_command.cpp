@@ -1,5 +1,6 @@
 #include "tests/tools/lab/commands.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <fstream>
 #include <iostream>

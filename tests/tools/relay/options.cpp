@@ -1,5 +1,6 @@
 #include "tests/tools/relay/options.hpp"
 
+#include <CLI/CLI.hpp>
 #include <string_view>
 
 #include "forcebound/program/command_line.hpp"

@@ -1,5 +1,6 @@
 #include "forcebound/client/app/options.hpp"
 
+#include <CLI/CLI.hpp>
 #include <random>
 #include <string_view>
 

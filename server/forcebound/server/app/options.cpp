@@ -1,5 +1,7 @@
 #include "forcebound/server/app/options.hpp"
 
+#include <CLI/CLI.hpp>
+
 #include "forcebound/program/command_line.hpp"
 
 namespace forcebound::server {
