@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/hard_cases/bounding_laws.hpp"
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/published_law_checks.hpp"
+#include "tests/support/special_numbers.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound {
@@ -16,11 +17,10 @@ namespace {
 
 using control::Matrix;
 using control::Vector;
+using test::kInfinity;
+using test::kNaN;
+using test::kPeriod_s;
 using test::LawLoop;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPeriod_s = 1e-3;
 
 // What no clock can have measured.
 constexpr std::array kImpossible{0.0, -0.0, -1e-300, -1e-3, -3600.0, 1e7, 1e300, kInfinity, -kInfinity, kNaN};

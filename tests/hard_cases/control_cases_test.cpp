@@ -12,14 +12,17 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/load_device.hpp"
+#include "tests/support/ideal_device.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kDamping_N_s_per_m = 30;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kDamping_N_s_per_m;
+using test::kInfinity;
+using test::kNaN;
+using test::kPeriod_s;
+
 constexpr int kMany = FORCEBOUND_CONTROL_TICKS;
 
 DeviceFacts facts(const Matrix& damping, double encoder_step = 0) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <random>
 
 #include "forcebound/scene/geometry/distance_field.hpp"
@@ -14,23 +13,20 @@
 #include "tests/support/follower.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/shape_client.hpp"
+#include "tests/support/special_numbers.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
 namespace {
 
 using test::Follower;
+using test::kInfinity;
+using test::kNaN;
 using test::ShapeClient;
+using test::shared_mesh;
 using test::Soup;
 using test::spring_force;
 using testing::StartsWith;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::shared_ptr<const scene::TriangleMesh> shared(const Soup& soup, const scene::MeshPlacement& placement = {}) {
-  return std::make_shared<const scene::TriangleMesh>(soup.mesh("test.obj", placement));
-}
 
 /// Slides over the square [-0.9, 0.9]^2 of a plane that `motion` has turned, through its middle, and expects the plane.
 void expect_a_plane(Follower& follower, const Eigen::Isometry3d& motion, double depth_m) {
@@ -109,7 +105,7 @@ TEST(HardCase22, OneSidedContactWorksWhateverTheMeshIs) {
   fins.vertices.emplace_back(2, 2, -2);
   fins.triangles.push_back({0, 1, 8});
   for (const Soup& soup : {disagreeing, open, fins}) {
-    const auto mesh = shared(soup);
+    const auto mesh = shared_mesh(soup);
     SCOPED_TRACE(scene::to_text(mesh->report()));
     EXPECT_FALSE(mesh->report().closed());
     ShapeClient client(scene::make_mesh(mesh));
@@ -248,7 +244,7 @@ TEST(HardCase27, TheCentreOfASphereHasTheLastValidNormalFlagged) {
   expect_old_normal(scene::make_sphere({0.1, 0, 0}, 0.02), {0.1, 0, 0});
   expect_old_normal(scene::make_cavity({0.1, 0, 0}, 0.02), {0.1, 0, 0});
   // A grid whose middle is the middle of a cell, with an odd number of steps.
-  expect_old_normal(scene::make_distance_field(shared(test::block({0.02, 0.02, 0.02})), {.spacing_m = 0.04 / 21}),
+  expect_old_normal(scene::make_distance_field(shared_mesh(test::block({0.02, 0.02, 0.02})), {.spacing_m = 0.04 / 21}),
                     {0, 0, 0});
 }
 
@@ -282,8 +278,8 @@ TEST(HardCase29, NaNInAMeshIsRefusedAndInAQueryHarmsNobodyElse) {
     soup.vertices[5].z() = bad;
     EXPECT_THAT([&] { (void)soup.mesh("cube.off"); },
                 testing::ThrowsMessage<scene::GeometryError>("cube.off: vertex 5 is not finite"));
-    ShapeClient mesh(scene::make_mesh(shared(test::block({1, 1, 1})), {.reach_m = 1}));
-    ShapeClient field(scene::make_distance_field(shared(test::block({1, 1, 1})), {.spacing_m = 0.2}));
+    ShapeClient mesh(scene::make_mesh(shared_mesh(test::block({1, 1, 1})), {.reach_m = 1}));
+    ShapeClient field(scene::make_distance_field(shared_mesh(test::block({1, 1, 1})), {.spacing_m = 0.2}));
     for (ShapeClient* client : {&mesh, &field}) {
       (void)client->at({0.1, 0.2, 1.1});
       const scene::SurfacePoint before = client->at({0.1, 0.2, 0.9});

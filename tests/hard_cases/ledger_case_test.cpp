@@ -7,15 +7,15 @@
 
 #include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/less_conservative_law.hpp"
+#include "tests/support/ideal_device.hpp"
 
 namespace forcebound::control {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kDamping_N_s_per_m = 30;
-constexpr std::size_t kPlaces = 4096;
+using test::kDamping_N_s_per_m;
+using test::kPeriod_s;
 
-DeviceFacts facts() {
+DeviceFacts ledger_facts() {
   DeviceFacts facts;
   facts.name = "ledger";
   facts.period_s = facts.hold_s_max = kPeriod_s;
@@ -28,6 +28,7 @@ DeviceFacts facts() {
 /// Trembles within a micrometre under a force that is bounded now and then, and is saved and resumed half-way.
 template <typename Law>
 void expect_exact_ledger(Law law) {
+  constexpr std::size_t kPlaces = 4096;
   std::mt19937_64 random(5);
   std::array<double, kPlaces> places{};
   std::array<double, kPlaces> requests{};
@@ -35,7 +36,7 @@ void expect_exact_ledger(Law law) {
     places[i] = 1e-6 * static_cast<double>(random() % 1000) / 1000;
     requests[i] = static_cast<double>(random() % 1000) / 500 - 1;
   }
-  const Damping damping = Damping::from_matrix(facts().damping);
+  const Damping damping = Damping::from_matrix(ledger_facts().damping);
   Motion motion{.interval_s = kPeriod_s,
                 .position = Vector::Zero(1),
                 .joint = Vector::Zero(1),
@@ -71,7 +72,7 @@ TEST(HardCase05, LedgerOfTheLessConservativeLawIsExactAfterManyTicks) {
 }
 
 TEST(HardCase05, LedgerOfTheExactLawIsExactAfterManyTicks) {
-  expect_exact_ledger(ExactLaw(facts(), EnergyMemory::full));
+  expect_exact_ledger(ExactLaw(ledger_facts(), EnergyMemory::full));
 }
 
 }  // namespace

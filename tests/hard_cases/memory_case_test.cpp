@@ -8,12 +8,14 @@
 #include <random>
 
 #include "forcebound/control/more_conservative_law.hpp"
+#include "tests/support/ideal_device.hpp"
 
 namespace forcebound::control {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kDamping_N_s_per_m = 30;
+using test::kDamping_N_s_per_m;
+using test::kPeriod_s;
+
 constexpr long double kB_N_per_m = static_cast<long double>(kDamping_N_s_per_m) / kPeriod_s;
 
 /// A_n = R + xi d'B d - f'd, with a share of the energy reserved by the last force [Kim 2015, eq. 24-34].

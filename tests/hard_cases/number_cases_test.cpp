@@ -9,15 +9,15 @@
 #include "forcebound/device/load_device.hpp"
 #include "tests/hard_cases/bounding_laws.hpp"
 #include "tests/support/published_law_checks.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
+using test::kInfinity;
+using test::kNaN;
 using test::LawLoop;
 using test::to_vector;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// b = Q diag(1e6, 1e-6) Q' with Q turned by 45 degrees: condition number 1e12, to the bit symmetric.
 Matrix nearly_singular() { return test::to_matrix({{5e5 + 5e-7, 5e5 - 5e-7}, {5e5 - 5e-7, 5e5 + 5e-7}}); }

@@ -20,7 +20,7 @@ namespace {
 
 using test::vector_of;
 
-constexpr double kStiffness_N_per_m = 1000;
+constexpr double kPlane_N_per_m = 1000;
 
 std::string plane_object(const std::string& name, const std::string& normal) {
   return "[[object]]\nname = '" + name + "'\nshape = { kind = 'half_space', through_m = [0, 0, 0], normal = " + normal +
@@ -60,7 +60,7 @@ TEST(HardCase24, ForceInAConcaveCornerIsContinuous) {
   scene::Point last = corner({0.003, 0, 0});
   for (double angle = 0; angle < 2 * std::numbers::pi; angle += kStep_m / 0.003) {
     const scene::Point force = corner({0.003 * std::cos(angle), 0, 0.003 * std::sin(angle)});
-    ASSERT_LE((force - last).norm(), 1.01 * kStiffness_N_per_m * kStep_m) << angle;
+    ASSERT_LE((force - last).norm(), 1.01 * kPlane_N_per_m * kStep_m) << angle;
     last = force;
   }
 }
@@ -77,9 +77,9 @@ TEST(HardCase24, PlanesATenthOfADegreeApartAddTheirForcesWithoutChatter) {
     // Two springs, each as deep as its own plane says.
     const double left_m = 0.001 * std::cos(half) + x * std::sin(half);
     const double right_m = 0.001 * std::cos(half) - x * std::sin(half);
-    ASSERT_NEAR(force.z(), kStiffness_N_per_m * (left_m + right_m) * std::cos(half), 1e-9) << x;
-    ASSERT_NEAR(force.x(), kStiffness_N_per_m * (right_m - left_m) * std::sin(half), 1e-9) << x;
-    ASSERT_LE((force - last).norm(), 2.01 * kStiffness_N_per_m * kStep_m) << x;
+    ASSERT_NEAR(force.z(), kPlane_N_per_m * (left_m + right_m) * std::cos(half), 1e-9) << x;
+    ASSERT_NEAR(force.x(), kPlane_N_per_m * (right_m - left_m) * std::sin(half), 1e-9) << x;
+    ASSERT_LE((force - last).norm(), 2.01 * kPlane_N_per_m * kStep_m) << x;
     last = force;
   }
 }

@@ -12,12 +12,11 @@
 namespace forcebound::server {
 namespace {
 
+using test::kThickTop_m;
 using test::tetrahedra_of;
 
-constexpr double kTop_m = 0.03;
-
 LinearTissue tissue_of(const ElasticMaterial& material) {
-  TetrahedralMesh mesh(tetrahedra_of({.cubes = {6, 6, 3}, .cube_m = 0.01}));
+  TetrahedralMesh mesh(tetrahedra_of(test::kThickBlock));
   const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
   return {std::move(mesh), material, held};
 }
@@ -29,13 +28,13 @@ void press(const TissueModel& model, double depth_m, const Look& look) {
   TissueState state{};
   for (int n = 0; n <= kSteps; ++n) {
     const double share = 1 - std::abs(2.0 * n / kSteps - 1);
-    const double z_m = kTop_m + model.options().radius_m + 0.0005 - (depth_m + 0.0005) * share;
+    const double z_m = kThickTop_m + model.options().radius_m + 0.0005 - (depth_m + 0.0005) * share;
     look(model.step(state, {0.0312, 0.0291, z_m}));
   }
 }
 
 TEST(HardCase31, MoreContactsThanTheTissueHoldsAreCountedAndTheDeepestStillPush) {
-  const LinearTissue tissue = tissue_of({.young_Pa = 5000, .poisson = 0.4});
+  const LinearTissue tissue = tissue_of(test::kSoft);
   for (const int contacts_max : {1, 2, 4, 16}) {
     SCOPED_TRACE(contacts_max);
     int left_out = 0;
@@ -122,19 +121,19 @@ TEST(HardCase37, NearlyIncompressibleTissueReportsThatItLocks) {
 }
 
 TEST(HardCase38, AnExhaustedBudgetReportsTheLastIterateAndItsResidual) {
-  const LinearTissue tissue = tissue_of({.young_Pa = 5000, .poisson = 0.4});
+  const LinearTissue tissue = tissue_of(test::kSoft);
   for (const int iterations : {1, 2, 3}) {
     SCOPED_TRACE(iterations);
     const TissueModel model(tissue, {.radius_m = 0.01, .contacts_max = 16, .iterations_max = iterations});
     TissueState state{};
-    TissueResult result = model.step(state, {0.0312, 0.0291, kTop_m + 0.006});
+    TissueResult result = model.step(state, {0.0312, 0.0291, kThickTop_m + 0.006});
     EXPECT_EQ(result.iterations, iterations);
     EXPECT_FALSE(result.converged);
     EXPECT_GT(result.residual_m, 1e-7);
     EXPECT_TRUE(result.force_N.allFinite());
     EXPECT_GT(result.force_N.z(), 0);
     // The last iterate is kept: the next steps continue from there.
-    for (int n = 0; n < 20; ++n) result = model.step(state, {0.0312, 0.0291, kTop_m + 0.006});
+    for (int n = 0; n < 20; ++n) result = model.step(state, {0.0312, 0.0291, kThickTop_m + 0.006});
     EXPECT_TRUE(result.converged);
     EXPECT_LT(result.residual_m, 1e-7);
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -8,12 +7,13 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/ideal_device.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::test {
 
 struct LawLoopSetting {
-  double period_s = 1e-3;
-  double force_N_max = std::numeric_limits<double>::infinity();
+  double period_s = kPeriod_s;
+  double force_N_max = kInfinity;
   double actuator_step_N = 0;
   control::LawParameters parameters{};
 };
@@ -71,6 +71,11 @@ class LawLoop {
   control::Matrix unit_;
   control::PassivityController controller_;
 };
+
+/// A law on one axis of the paper's device.
+inline LawLoop one_axis(std::string_view law, const control::LawParameters& parameters = {}) {
+  return LawLoop(law, control::Matrix::Constant(1, 1, kDamping_N_s_per_m), {.parameters = parameters});
+}
 
 inline control::Vector to_vector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <string>
@@ -50,6 +51,11 @@ struct Soup {
     triangles.push_back({a, c, d});
   }
 };
+
+inline std::shared_ptr<const scene::TriangleMesh> shared_mesh(const Soup& soup,
+                                                              const scene::MeshPlacement& placement = {}) {
+  return std::make_shared<const scene::TriangleMesh>(soup.mesh("test.obj", placement));
+}
 
 /// The square [-half, half]^2 at z = 0, facing +z, as rows * rows quads.
 inline Soup square(double half, std::uint32_t rows) {

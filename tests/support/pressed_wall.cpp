@@ -9,11 +9,9 @@
 namespace forcebound::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kDamping_N_s_per_m = 30;
 constexpr double kMass_kg = 0.1;
 constexpr double kHandDamping_N_s_per_m = 2;
-constexpr double kForceMax_N = 30;
+constexpr double kLargestForce_N = 30;
 constexpr double kSpeed_m_per_s = 0.05;
 constexpr double kStart_m = -2e-3;
 constexpr double kTarget_m = 10e-3;
@@ -79,14 +77,14 @@ class Motion {
 
 PressedWallResult press(const PressedWall& setting) {
   LawLoop loop(setting.law, control::Matrix::Constant(1, 1, kDamping_N_s_per_m),
-               {.period_s = kPeriod_s, .force_N_max = kForceMax_N, .parameters = setting.parameters});
+               {.period_s = kPeriod_s, .force_N_max = kLargestForce_N, .parameters = setting.parameters});
   Motion motion(setting);
   std::deque<double> asked(static_cast<std::size_t>(setting.late_ticks), kStart_m);
   PressedWallResult result;
   double depth_m = 0;
   double force_sum_N = 0;
-  double least_N = kForceMax_N;
-  double most_N = -kForceMax_N;
+  double least_N = kLargestForce_N;
+  double most_N = -kLargestForce_N;
   for (int tick = 0; tick < kTicks; ++tick) {
     const double step_m = setting.encoder_m;
     const double read_m = step_m > 0 ? step_m * std::round(motion.at_m() / step_m) : motion.at_m();

@@ -3,9 +3,12 @@
 #include <array>
 #include <cstddef>
 
+#include "forcebound/server/dynamics/tissue/elasticity.hpp"
 #include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
 
 namespace forcebound::test {
+
+inline constexpr server::ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
 
 /// A block of cubes of one size.
 struct BlockOfCubes {
@@ -17,6 +20,12 @@ struct BlockOfCubes {
     return at[0] + (cubes[0] + 1) * (at[1] + (cubes[1] + 1) * at[2]);
   }
 };
+
+/// On a bed at z = 0.
+inline const BlockOfCubes kThinBlock{.cubes = {4, 4, 2}, .cube_m = 0.01};
+inline const BlockOfCubes kThickBlock{.cubes = {6, 6, 3}, .cube_m = 0.01};
+inline constexpr double kThinTop_m = 0.02;
+inline constexpr double kThickTop_m = 0.03;
 
 inline server::TetrahedralSoup tetrahedra_of(const BlockOfCubes& block) {
   const auto& [x, y, z] = block.cubes;

@@ -15,7 +15,7 @@ using test::LawLoop;
 using test::to_matrix;
 using test::to_vector;
 
-constexpr const char* kLaw = "aol";
+constexpr const char* kAdjustingOutputLimiter = "aol";
 
 TEST(AdjustingOutputLimiter, IsTheLessConservativeLawInOneDegreeOfFreedom) {
   for (const bool damping_changes : {false, true}) {
@@ -24,7 +24,7 @@ TEST(AdjustingOutputLimiter, IsTheLessConservativeLawInOneDegreeOfFreedom) {
       const auto ticks = test::random_ticks(
           {.seed = seed, .degrees_of_freedom = 1, .damping_changes = damping_changes, .motion_m = 1e-4});
       const Matrix damping = to_matrix(ticks.front().damping_N_s_per_m);
-      LawLoop aol(kLaw, damping, {.force_N_max = 15});
+      LawLoop aol(kAdjustingOutputLimiter, damping, {.force_N_max = 15});
       LawLoop less("fba-less", damping, {.force_N_max = 15});
       int bounded = 0;
       for (const test::ReferenceTick& tick : ticks) {
@@ -42,7 +42,7 @@ TEST(AdjustingOutputLimiter, IsTheLessConservativeLawInOneDegreeOfFreedom) {
 
 TEST(AdjustingOutputLimiter, BendsTheDirectionInThree) {
   // Only x has moved, so only x has anything to spend.
-  LawLoop loop(kLaw, 30 * Matrix::Identity(3, 3));
+  LawLoop loop(kAdjustingOutputLimiter, 30 * Matrix::Identity(3, 3));
   loop.tick(to_vector({0, 0, 0}), to_vector({0, 0, 0}));
   const Vector force = loop.tick(to_vector({1e-4, 0, 1e-5}), to_vector({-10, -10, -10}));
   const double stiffness_N_per_m = 2 * 30 / 1e-3;  // |f| = 2 sqrt(B B d^2)
@@ -54,7 +54,7 @@ TEST(AdjustingOutputLimiter, BendsTheDirectionInThree) {
 TEST(AdjustingOutputLimiter, BoundsEachAxisAsIfItWereAlone) {
   const auto ticks = test::random_ticks({.seed = 4, .degrees_of_freedom = 3, .motion_m = 1e-4});
   const Matrix damping = to_matrix({{4, 0, 0}, {0, 15, 0}, {0, 0, 30}});
-  LawLoop together(kLaw, damping);
+  LawLoop together(kAdjustingOutputLimiter, damping);
   std::vector<LawLoop> alone;
   for (Eigen::Index i = 0; i < 3; ++i) alone.emplace_back("fba-less", damping.block(i, i, 1, 1));
   for (const test::ReferenceTick& tick : ticks) {
@@ -68,7 +68,7 @@ TEST(AdjustingOutputLimiter, BoundsEachAxisAsIfItWereAlone) {
 
 TEST(AdjustingOutputLimiter, CreditsCoupledAxesNoMoreThanTheDeviceDissipates) {
   // Eigenvalues 10 and 30 along the diagonals: of a motion along the first, all is credited.
-  LawLoop loop(kLaw, to_matrix({{20, 10}, {10, 20}}));
+  LawLoop loop(kAdjustingOutputLimiter, to_matrix({{20, 10}, {10, 20}}));
   loop.tick(to_vector({0, 0}), to_vector({0, 0}));
   loop.tick(to_vector({1e-3, -1e-3}), to_vector({0, 0}));
   EXPECT_NEAR(loop.energy_J(), 10 * 2e-6 / 1e-3, 1e-12);
@@ -77,14 +77,16 @@ TEST(AdjustingOutputLimiter, CreditsCoupledAxesNoMoreThanTheDeviceDissipates) {
 }
 
 TEST(AdjustingOutputLimiter, IsPassiveAgainstAnyAdversary) {
-  test::expect_passive_against_any_adversary(kLaw);
-  test::expect_passive_against_any_adversary(kLaw, {.force_N_max = 5, .actuator_step_N = 0.01});
+  test::expect_passive_against_any_adversary(kAdjustingOutputLimiter);
+  test::expect_passive_against_any_adversary(kAdjustingOutputLimiter, {.force_N_max = 5, .actuator_step_N = 0.01});
 }
 
-TEST(AdjustingOutputLimiter, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
+TEST(AdjustingOutputLimiter, StaysFiniteForHardRequests) {
+  test::expect_finite_for_hard_requests(kAdjustingOutputLimiter);
+}
 
 TEST(AdjustingOutputLimiter, ChargesTheWorstCaseForUnusableReadings) {
-  LawLoop aol(kLaw, to_matrix({{30}}));
+  LawLoop aol(kAdjustingOutputLimiter, to_matrix({{30}}));
   LawLoop less("fba-less", to_matrix({{30}}));
   for (int i = 0; i < 400; ++i) {
     const double interval_s = i % 17 == 0 ? -1.0 : i % 11 == 0 ? 4e-3 : 1e-3;
@@ -100,10 +102,12 @@ TEST(AdjustingOutputLimiter, RefusesWhatItCannotWorkWith) {
   const control::LawRegistry laws = shipped_laws();
   control::DeviceFacts facts;
   facts.damping = Matrix::Identity(3, 3);
-  EXPECT_THROW((void)laws.make(kLaw, facts, {.parameters = {{"c1_T_per_b", 1}}}), std::invalid_argument);
+  EXPECT_THROW((void)laws.make(kAdjustingOutputLimiter, facts, {.parameters = {{"c1_T_per_b", 1}}}),
+               std::invalid_argument);
   facts.period_s = 0;
-  EXPECT_THROW((void)laws.make(kLaw, facts), std::invalid_argument);
-  EXPECT_THROW((void)laws.make(kLaw, control::DeviceFacts{}), std::invalid_argument) << "no degree of freedom";
+  EXPECT_THROW((void)laws.make(kAdjustingOutputLimiter, facts), std::invalid_argument);
+  EXPECT_THROW((void)laws.make(kAdjustingOutputLimiter, control::DeviceFacts{}), std::invalid_argument)
+      << "no degree of freedom";
 }
 
 }  // namespace

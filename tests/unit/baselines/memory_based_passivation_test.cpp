@@ -11,8 +11,7 @@ namespace forcebound::baselines {
 namespace {
 
 using test::LawLoop;
-
-LawLoop one_axis() { return LawLoop("mbpa", Matrix::Constant(1, 1, 30)); }
+using test::one_axis;
 
 /// A wall at x >= 0, to `depth_m` and back in steps of `step_m`; what it took less what it gave [J].
 double press_and_release(LawLoop& loop, double depth_m, double step_m, double stiffness_N_per_m) {
@@ -32,7 +31,7 @@ double press_and_release(LawLoop& loop, double depth_m, double step_m, double st
 }
 
 TEST(MemoryBasedPassivation, GivesWhatIsAskedForWhilePressing) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("mbpa");
   loop.tick(0.0, 0.0);
   for (int i = 1; i <= 2000; ++i) {
     const double request_N = -1 - 1e3 * std::abs(std::sin(i * 0.1));
@@ -43,7 +42,7 @@ TEST(MemoryBasedPassivation, GivesWhatIsAskedForWhilePressing) {
 TEST(MemoryBasedPassivation, ReturnsNoMoreThanPressingStoredButForTheStepOfTheTurn) {
   for (const double stiffness_N_per_m : {1e3, 150e3, 1e7}) {
     for (const double step_m : {1e-6, 2e-5, 1e-4}) {
-      LawLoop loop = one_axis();
+      LawLoop loop = one_axis("mbpa");
       for (int cycle = 0; cycle < 3; ++cycle) {
         const double kept_J = press_and_release(loop, 1e-3, step_m, stiffness_N_per_m);
         const double turn_J = stiffness_N_per_m * step_m * step_m;  // of the one step that reverses
@@ -56,7 +55,7 @@ TEST(MemoryBasedPassivation, ReturnsNoMoreThanPressingStoredButForTheStepOfTheTu
 TEST(MemoryBasedPassivation, ReleasesAlongThePathOfPressing) {
   constexpr double kStiffness_N_per_m = 1e4;
   constexpr double kStep_m = 1e-5;
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("mbpa");
   loop.tick(0.0, 0.0);
   for (int i = 1; i <= 100; ++i) loop.tick(i * kStep_m, -kStiffness_N_per_m * i * kStep_m);
   for (int i = 99; i >= 1; --i) {
@@ -69,7 +68,7 @@ TEST(MemoryBasedPassivation, ReleasesAlongThePathOfPressing) {
 TEST(MemoryBasedPassivation, GoesOnAtRestAsBefore) {
   constexpr double kStiffness_N_per_m = 1e4;
   constexpr double kStep_m = 1e-5;
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("mbpa");
   loop.tick(0.0, 0.0);
   const auto wall = [&](int steps) { return loop.tick(steps * kStep_m, -kStiffness_N_per_m * steps * kStep_m); };
   for (int i = 1; i <= 50; ++i) {
@@ -81,7 +80,7 @@ TEST(MemoryBasedPassivation, GoesOnAtRestAsBefore) {
 }
 
 TEST(MemoryBasedPassivation, ReturnsNoEnergyThatPressingDidNotStore) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("mbpa");
   loop.tick(0.0, 0.0);
   for (int i = 1; i <= 100; ++i) EXPECT_EQ(loop.tick(i * 1e-5, 5.0), 0.0) << "pushed along, from the beginning";
 }
@@ -92,7 +91,7 @@ TEST(MemoryBasedPassivation, StaysWithinOneStepOfWhatItStoredOnRandomMotion) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
-    LawLoop loop = one_axis();
+    LawLoop loop = one_axis("mbpa");
     double at_m = 0;
     double step_m = 0;
     double force_N = loop.tick(at_m, 0.0);
@@ -111,7 +110,7 @@ TEST(MemoryBasedPassivation, StaysWithinOneStepOfWhatItStoredOnRandomMotion) {
 }
 
 TEST(MemoryBasedPassivation, ForgetsOnlyEnergyWhereThePathIsLongerThanItsMemory) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("mbpa");
   EXPECT_GE(press_and_release(loop, 5e-2, 1e-6, 1e3), 0.0);
   double force_N = 0;
   loop.tick(0.0, 0.0);
@@ -149,7 +148,7 @@ TEST(MemoryBasedPassivation, ReturnsLessOfAStiffWallThanIfNothingWereBounded) {
 }
 
 TEST(MemoryBasedPassivation, HasNoPathAfterALostReading) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("mbpa");
   for (int i = 0; i <= 10; ++i) loop.tick(i * 1e-4, -5.0);
   EXPECT_EQ(loop.tick(std::nan(""), -5.0), 0.0);
   EXPECT_EQ(loop.tick(9e-4, -5.0), 0.0);
@@ -159,7 +158,7 @@ TEST(MemoryBasedPassivation, HasNoPathAfterALostReading) {
 
 TEST(MemoryBasedPassivation, HasNoPathAfterAnIntervalThatNoClockMeasured) {
   for (const double interval_s : {0.0, -1e-3, 1e308, std::nan("")}) {
-    LawLoop loop = one_axis();
+    LawLoop loop = one_axis("mbpa");
     for (int i = 0; i <= 10; ++i) loop.tick(i * 1e-4, -5.0);
     loop.set_interval(interval_s);
     EXPECT_EQ(loop.tick(9e-4, -5.0), 0.0) << interval_s;

@@ -14,7 +14,7 @@ namespace {
 
 using test::TwoPortLoop;
 
-constexpr const char* kLaw = "pspm";
+constexpr const char* kSetPositionModulation = "pspm";
 constexpr double kSpring_N_per_m = 30e3;  // half of 2b/T
 
 control::ServerLawNumbers said(double energy_J, double place_m) {
@@ -23,7 +23,7 @@ control::ServerLawNumbers said(double energy_J, double place_m) {
 
 TEST(SetPositionModulation, ReachesAsFarAsTheEnergyPays) {
   for (const double toward : {1.0, -1.0}) {
-    TwoPortLoop loop(kLaw, {}, test::nothing_there());
+    TwoPortLoop loop(kSetPositionModulation, {}, test::nothing_there());
     loop.step(0, 0);
     loop.controller().hear(said(2e-3, 0.01 * toward));
     const double reach_m = std::sqrt(2 * 2e-3 / kSpring_N_per_m);
@@ -33,7 +33,7 @@ TEST(SetPositionModulation, ReachesAsFarAsTheEnergyPays) {
 }
 
 TEST(SetPositionModulation, IsTheSpringThatIsAskedForWhileEnergyLasts) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kSetPositionModulation, {}, test::nothing_there());
   loop.step(0, 0);
   loop.controller().hear(said(2e-3, 1e-4));
   // y = x_s + f_e/Kp
@@ -42,7 +42,7 @@ TEST(SetPositionModulation, IsTheSpringThatIsAskedForWhileEnergyLasts) {
 }
 
 TEST(SetPositionModulation, GainsFromMotionWhatTheDeviceMustHaveDissipated) {
-  TwoPortLoop loop(kLaw, {.parameters = {{"damping_share", 0.5}}}, test::nothing_there());
+  TwoPortLoop loop(kSetPositionModulation, {.parameters = {{"damping_share", 0.5}}}, test::nothing_there());
   loop.step(0, 0);
   loop.controller().hear(said(0, 0));
   loop.step(0, 0);
@@ -54,19 +54,19 @@ TEST(SetPositionModulation, GainsFromMotionWhatTheDeviceMustHaveDissipated) {
 }
 
 TEST(SetPositionModulation, IsFreeBeforeTheServerHasSpoken) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kSetPositionModulation, {}, test::nothing_there());
   for (int i = 0; i < 100; ++i) ASSERT_EQ(loop.step(1e-4 * i, -3), 0);
 }
 
 TEST(SetPositionModulation, SendsWhatIsBeyondTheCeilingAndGetsItBackOnce) {
-  TwoPortLoop loop(kLaw, {.parameters = {{"energy_J_max", 1e-3}}}, test::nothing_there());
+  TwoPortLoop loop(kSetPositionModulation, {.parameters = {{"energy_J_max", 1e-3}}}, test::nothing_there());
   loop.step(0, 0);
   loop.controller().hear(said(5e-3, 0));
   loop.step(0, 0);
   EXPECT_NEAR(loop.energy_J(), 1e-3, 1e-15);
   EXPECT_NEAR(loop.law().outgoing()[0], 4e-3, 1e-15);
 
-  const auto server_side = shipped_laws().make_server_side(kLaw, 1);
+  const auto server_side = shipped_laws().make_server_side(kSetPositionModulation, 1);
   const Vector x = Vector::Constant(1, 0.5);
   double back_J = 0;
   for (const double sent_J : {10.0, 12.0, 11.0, 12.0}) {
@@ -86,7 +86,8 @@ TEST(SetPositionModulation, IsPassiveAgainstAnyMotionAndAnySetPosition) {
   for (const int dof : {1, 3}) {
     for (const double spring_N_per_m : {100.0, 30e3, 60e3}) {
       SCOPED_TRACE(testing::Message() << dof << " axes, Kp " << spring_N_per_m);
-      TwoPortLoop loop(kLaw, {.degrees_of_freedom = dof, .parameters = {{"spring_N_per_m", spring_N_per_m}}},
+      TwoPortLoop loop(kSetPositionModulation,
+                       {.degrees_of_freedom = dof, .parameters = {{"spring_N_per_m", spring_N_per_m}}},
                        test::nothing_there());
       const auto any = [&](double size) {
         return Vector(Vector::NullaryExpr(dof, [&] { return size * normal(random); }));
@@ -115,7 +116,8 @@ TEST(SetPositionModulation, IsPassiveAgainstAnyMotionAndAnySetPosition) {
 
 TEST(SetPositionModulation, RefusesASpringThatTheHoldWouldMakeActive) {
   const auto refusal = [](double spring_N_per_m) {
-    return shipped_laws().refusal(kLaw, test::ideal_device(1), {.parameters = {{"spring_N_per_m", spring_N_per_m}}});
+    return shipped_laws().refusal(kSetPositionModulation, test::ideal_device(1),
+                                  {.parameters = {{"spring_N_per_m", spring_N_per_m}}});
   };
   EXPECT_EQ(refusal(60e3), "");
   EXPECT_THAT(refusal(61e3), testing::HasSubstr("spring_N_per_m must be at most 2b/T = 60000 N/m on device 'ideal' (b "

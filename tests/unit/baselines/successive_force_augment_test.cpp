@@ -3,34 +3,34 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/pressed_wall.hpp"
 #include "tests/support/published_law_checks.hpp"
 
 namespace forcebound::baselines {
 namespace {
 
+using test::kB_N_per_m;
 using test::LawLoop;
+using test::one_axis;
 
-constexpr double kSpring_N_per_m = 30e3;  // b / T
 constexpr double kWall_N_per_m = 150e3;
-constexpr double kIncrement_N = kSpring_N_per_m * 2e-7;
-
-LawLoop one_axis() { return LawLoop("sfa", Matrix::Constant(1, 1, 30)); }
+constexpr double kIncrement_N = kB_N_per_m * 2e-7;
 
 double wall_N(double depth_m) { return -kWall_N_per_m * std::max(0.0, depth_m); }
 
 TEST(SuccessiveForceAugment, BeginsWithASpringOfDampingOverPeriod) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("sfa");
   loop.tick(0.0, 0.0);
-  EXPECT_NEAR(loop.tick(1e-4, wall_N(1e-4)), -kSpring_N_per_m * 1e-4, 1e-9);
+  EXPECT_NEAR(loop.tick(1e-4, wall_N(1e-4)), -kB_N_per_m * 1e-4, 1e-9);
 }
 
 TEST(SuccessiveForceAugment, GrowsByTheIncrementUntilTheWallIsShown) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("sfa");
   constexpr double kDepth_m = 1e-4;
   loop.tick(0.0, 0.0);
   double force_N = loop.tick(kDepth_m, wall_N(kDepth_m));
-  const int ticks = static_cast<int>(std::ceil((kWall_N_per_m - kSpring_N_per_m) * kDepth_m / kIncrement_N - 1e-6));
+  const int ticks = static_cast<int>(std::ceil((kWall_N_per_m - kB_N_per_m) * kDepth_m / kIncrement_N - 1e-6));
   for (int i = 1; i < ticks; ++i) {
     const double next_N = loop.tick(kDepth_m, wall_N(kDepth_m));
     ASSERT_NEAR(next_N, force_N - kIncrement_N, 1e-9);
@@ -41,7 +41,7 @@ TEST(SuccessiveForceAugment, GrowsByTheIncrementUntilTheWallIsShown) {
 }
 
 TEST(SuccessiveForceAugment, ReleasesAlongTheSpringAndReturnsMoreThanWasStored) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("sfa");
   constexpr double kDepth_m = 2e-4;
   constexpr double kStep_m = 2e-5;  // 20 mm/s: a release
   loop.tick(0.0, 0.0);
@@ -58,18 +58,18 @@ TEST(SuccessiveForceAugment, ReleasesAlongTheSpringAndReturnsMoreThanWasStored) 
   EXPECT_EQ(force_N, wall_N(kDepth_m));
   for (int i = 1; i <= 9; ++i) {
     move(kDepth_m - i * kStep_m);
-    ASSERT_NEAR(force_N, wall_N(kDepth_m) + kSpring_N_per_m * i * kStep_m, 1e-9) << i;
+    ASSERT_NEAR(force_N, wall_N(kDepth_m) + kB_N_per_m * i * kStep_m, 1e-9) << i;
   }
   move(0.0);
   EXPECT_EQ(force_N, 0.0) << "and it is zero outside";
   // Pressed in one step from outside it stored nothing; it returned the area below the line, each force held a step.
   double returned_J = 0;
-  for (int i = 0; i <= 9; ++i) returned_J += (30 - kSpring_N_per_m * i * kStep_m) * kStep_m;
+  for (int i = 0; i <= 9; ++i) returned_J += (30 - kB_N_per_m * i * kStep_m) * kStep_m;
   EXPECT_NEAR(kept_J, -returned_J, 1e-12);
 }
 
 TEST(SuccessiveForceAugment, ShowsASoftWallAsItIs) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("sfa");
   loop.tick(0.0, 0.0);
   for (int i = 1; i <= 1000; ++i) {
     const double request_N = -1e3 * i * 1e-5;
@@ -85,7 +85,7 @@ TEST(SuccessiveForceAugment, NeverGivesMoreThanTheLargestForce) {
 }
 
 TEST(SuccessiveForceAugment, BeginsAgainWithEachContact) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("sfa");
   for (int contact = 0; contact < 2; ++contact) {
     loop.tick(0.0, 0.0);
     EXPECT_NEAR(loop.tick(1e-4, wall_N(1e-4)), -3.0, 1e-9);
@@ -115,12 +115,12 @@ TEST(SuccessiveForceAugment, ShowsItThroughAnEncoderAndWithLateAnswersToo) {
   for (const int late_ticks : {1, 2}) {
     const auto result = test::press({.law = "sfa", .late_ticks = late_ticks, .encoder_m = 15e-6});
     EXPECT_NEAR(result.shown_N_per_m, kWall_N_per_m, 0.06 * kWall_N_per_m) << late_ticks;
-    EXPECT_LT(result.ripple_N, 1.01 * kSpring_N_per_m * 15e-6) << "a step of the spring";
+    EXPECT_LT(result.ripple_N, 1.01 * kB_N_per_m * 15e-6) << "a step of the spring";
   }
 }
 
 TEST(SuccessiveForceAugment, HasNoContactAfterALostReading) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis("sfa");
   loop.tick(0.0, 0.0);
   for (int i = 0; i < 3000; ++i) loop.tick(1e-4, wall_N(1e-4));
   EXPECT_EQ(loop.tick(std::nan(""), -5.0), 0.0);
@@ -129,8 +129,8 @@ TEST(SuccessiveForceAugment, HasNoContactAfterALostReading) {
 }
 
 TEST(SuccessiveForceAugment, WorksWithAClockThatStandsStill) {
-  LawLoop late = one_axis();
-  LawLoop punctual = one_axis();
+  LawLoop late = one_axis("sfa");
+  LawLoop punctual = one_axis("sfa");
   for (const double interval_s : {1e-3, 0.0, -1.0, 1e300, std::nan(""), 5e-3, 1e-3}) {
     late.set_interval(interval_s);
     EXPECT_EQ(late.tick(1e-4, -1.0), punctual.tick(1e-4, -1.0)) << interval_s;

@@ -15,24 +15,21 @@
 namespace forcebound::baselines {
 namespace {
 
+using test::kDamping_N_s_per_m;
+using test::kPeriod_s;
 using test::LawLoop;
+using test::one_axis;
 using test::to_matrix;
 using test::to_vector;
 
-constexpr double kDamping = 30;  // N s/m
-constexpr double kPeriod_s = 1e-3;
-constexpr const char* kLaw = "tdpa";
-
-LawLoop one_axis(const control::LawParameters& parameters = {}) {
-  return LawLoop(kLaw, Matrix::Constant(1, 1, kDamping), {.parameters = parameters});
-}
+constexpr const char* kTimeDomainPassivity = "tdpa";
 
 const control::LawParameters kAnyDamping{{"alpha_max_per_b", 1e3}};
 const control::LawParameters k2002{{"variant", 2002}, {"alpha_max_per_b", 1e3}};
 
 TEST(TimeDomainPassivity, DoesNotDampAnEnvironmentThatTakesInMoreThanItReturns) {
   for (const double year : {2002.0, 2004.0}) {
-    LawLoop loop = one_axis({{"variant", year}});
+    LawLoop loop = one_axis(kTimeDomainPassivity, {{"variant", year}});
     for (int i = 0; i <= 1000; ++i) {
       const double depth_m = i * 1e-5;
       ASSERT_EQ(loop.tick(depth_m, -1000 * depth_m), -1000 * depth_m) << year << ", " << i;
@@ -42,7 +39,7 @@ TEST(TimeDomainPassivity, DoesNotDampAnEnvironmentThatTakesInMoreThanItReturns) 
 }
 
 TEST(TimeDomainPassivity, ObservesExactlyWhatAHeldForceTook) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis(kTimeDomainPassivity);
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, -2.0), -2.0);
   ASSERT_EQ(loop.tick(4e-3, -1.0), -1.0);
@@ -50,7 +47,7 @@ TEST(TimeDomainPassivity, ObservesExactlyWhatAHeldForceTook) {
 }
 
 TEST(TimeDomainPassivity, Of2002ObservesTheStepBeforeTheForce) {
-  LawLoop loop = one_axis({{"variant", 2002}});
+  LawLoop loop = one_axis(kTimeDomainPassivity, {{"variant", 2002}});
   loop.tick(0.0, 0.0);
   loop.tick(1e-3, -2.0);
   loop.tick(4e-3, -1.0);
@@ -60,14 +57,14 @@ TEST(TimeDomainPassivity, Of2002ObservesTheStepBeforeTheForce) {
 TEST(TimeDomainPassivity, GivesNothingToAMotionThatGoesOn) {
   // An active environment pushes along the motion; the damper takes all of it from the next step of the same speed.
   for (const control::LawParameters& parameters : {kAnyDamping, k2002}) {
-    LawLoop loop = one_axis(parameters);
+    LawLoop loop = one_axis(kTimeDomainPassivity, parameters);
     for (int i = 0; i <= 100; ++i) loop.tick(i * 1e-4, i < 2 ? 0.0 : 3.0);
     EXPECT_NEAR(loop.energy_J(), 0.0, 1e-15);
   }
 }
 
 TEST(TimeDomainPassivity, DampsTheMissingEnergy) {
-  LawLoop loop = one_axis(kAnyDamping);
+  LawLoop loop = one_axis(kTimeDomainPassivity, kAnyDamping);
   loop.tick(0.0, 0.0);
   loop.tick(0.0, 5.0);  // stands still: nothing to damp with
   const double force_N = loop.tick(1e-3, 5.0);
@@ -80,16 +77,16 @@ TEST(TimeDomainPassivity, DampsTheMissingEnergy) {
 
 TEST(TimeDomainPassivity, AddsNoMoreDampingThanItMay) {
   for (const double share : {0.0, 0.5, 1.0}) {
-    LawLoop loop = one_axis({{"alpha_max_per_b", share}});
+    LawLoop loop = one_axis(kTimeDomainPassivity, {{"alpha_max_per_b", share}});
     loop.tick(0.0, 0.0);
     loop.tick(0.0, 1e3);
-    EXPECT_NEAR(loop.tick(1e-4, 1e3), 1e3 - share * kDamping * 1e-4 / kPeriod_s, 1e-9) << share;
+    EXPECT_NEAR(loop.tick(1e-4, 1e3), 1e3 - share * kDamping_N_s_per_m * 1e-4 / kPeriod_s, 1e-9) << share;
   }
 }
 
 TEST(TimeDomainPassivity, DampsNothingBelowTheFloor) {
   const control::LawParameters parameters{{"velocity_floor_m_per_s", 0.01}};
-  LawLoop loop = one_axis(parameters);
+  LawLoop loop = one_axis(kTimeDomainPassivity, parameters);
   loop.tick(0.0, 0.0);
   EXPECT_EQ(loop.tick(0.9e-5, 5.0), 5.0);
   EXPECT_LT(loop.tick(2.1e-5, 5.0), 5.0);
@@ -99,7 +96,9 @@ TEST(TimeDomainPassivity, HasAFloorThatAnEncodersStepPasses) {
   control::DeviceFacts facts;
   facts.damping = Matrix::Identity(1, 1);
   facts.encoder_step = Vector::Constant(1, 15e-6);
-  const auto floor = [&] { return shipped_laws().parameters(kLaw, facts).at("velocity_floor_m_per_s"); };
+  const auto floor = [&] {
+    return shipped_laws().parameters(kTimeDomainPassivity, facts).at("velocity_floor_m_per_s");
+  };
   EXPECT_DOUBLE_EQ(floor(), 0.5 * 15e-6 / kPeriod_s);
   facts.cartesian = false;
   EXPECT_EQ(floor(), 0.0) << "a joint's step is no speed of the tip";
@@ -110,7 +109,7 @@ TEST(TimeDomainPassivity, DampsAlongTheForceOrAlongTheMotion) {
   const Vector push = to_vector({4, 0, 0});
   const Vector step = to_vector({1e-3, 0, 1e-3});
   const auto force = [&](double weighting) {
-    LawLoop loop(kLaw, damping, {.parameters = {{"weighting", weighting}, {"alpha_max_per_b", 1e3}}});
+    LawLoop loop(kTimeDomainPassivity, damping, {.parameters = {{"weighting", weighting}, {"alpha_max_per_b", 1e3}}});
     loop.tick(0 * step, 0 * push);
     return loop.tick(step, push);
   };
@@ -122,7 +121,7 @@ TEST(TimeDomainPassivity, DampsAlongTheForceOrAlongTheMotion) {
 }
 
 TEST(TimeDomainPassivity, ObservesTranslationAndRotationApart) {
-  LawLoop loop(kLaw, Matrix::Identity(6, 6), {.parameters = kAnyDamping});
+  LawLoop loop(kTimeDomainPassivity, Matrix::Identity(6, 6), {.parameters = kAnyDamping});
   Vector position = Vector::Zero(6);
   loop.tick(position, Vector::Zero(6));
   Vector step = Vector::Constant(6, 1e-3);
@@ -138,8 +137,8 @@ TEST(TimeDomainPassivity, IsNotPassiveAgainstAnAdversary) {
   // Not passive: a force that begins at standstill extracts energy.
   for (const double weighting : {0.0, 1.0}) {
     for (const double year : {2002.0, 2004.0}) {
-      LawLoop loop = one_axis({{"variant", year}, {"weighting", weighting}});
-      const Matrix damping = Matrix::Constant(1, 1, kDamping);
+      LawLoop loop = one_axis(kTimeDomainPassivity, {{"variant", year}, {"weighting", weighting}});
+      const Matrix damping = Matrix::Constant(1, 1, kDamping_N_s_per_m);
       const test::Extraction result =
           test::play({.dampings = [&](int) { return damping; },
                       .law = [&](const auto& x, const auto& f, const auto&) { return loop.tick(x, f); }});
@@ -150,33 +149,35 @@ TEST(TimeDomainPassivity, IsNotPassiveAgainstAnAdversary) {
 
 TEST(TimeDomainPassivity, StopsWhatAWallTooStiffWouldDo) {
   const test::PressedWallResult without = test::press({.law = "none", .stiffness_N_per_m = 8e4, .hand_N_per_m = 2000});
-  const test::PressedWallResult with = test::press({.law = kLaw, .stiffness_N_per_m = 8e4, .hand_N_per_m = 2000});
+  const test::PressedWallResult with =
+      test::press({.law = kTimeDomainPassivity, .stiffness_N_per_m = 8e4, .hand_N_per_m = 2000});
   EXPECT_LT(with.ripple_N, 0.5 * without.ripple_N);
   EXPECT_GT(with.least_P_J, 0.01 * without.least_P_J);
 }
 
-TEST(TimeDomainPassivity, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
+TEST(TimeDomainPassivity, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kTimeDomainPassivity); }
 
 TEST(TimeDomainPassivity, ChargesTheWorstOfWhatNobodySaw) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis(kTimeDomainPassivity);
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, -3.0), -3.0);
   EXPECT_EQ(loop.tick(std::nan(""), -3.0), 0.0);
-  EXPECT_NEAR(loop.energy_J(), -9.0 / (4 * kDamping / kPeriod_s), 1e-15);
+  EXPECT_NEAR(loop.energy_J(), -9.0 / (4 * kDamping_N_s_per_m / kPeriod_s), 1e-15);
   loop.tick(5e-3, -3.0);
   loop.tick(6e-3, -3.0);
-  EXPECT_NEAR(loop.energy_J(), 3e-3 - 9.0 / (4 * kDamping / kPeriod_s), 1e-15);
+  EXPECT_NEAR(loop.energy_J(), 3e-3 - 9.0 / (4 * kDamping_N_s_per_m / kPeriod_s), 1e-15);
 }
 
-std::string refusal_of(const control::LawParameters& parameters) {
-  return shipped_laws().refusal(kLaw, test::ideal_device(1), {.parameters = parameters});
+std::string refusal_of_choices(const control::LawParameters& parameters) {
+  return shipped_laws().refusal(kTimeDomainPassivity, test::ideal_device(1), {.parameters = parameters});
 }
 
 TEST(TimeDomainPassivity, RefusesChoicesThatItDoesNotHave) {
-  EXPECT_EQ(refusal_of({{"variant", 2003}}), "law 'tdpa': variant must be 2002 or 2004, got 2003");
-  EXPECT_EQ(refusal_of({{"weighting", 2}}), "law 'tdpa': weighting must be 0 or 1, got 2");
-  EXPECT_EQ(refusal_of({{"alpha_max_per_b", -1}}), "law 'tdpa': alpha_max_per_b must be 0 to 1000, got -1");
-  EXPECT_EQ(refusal_of({{"velocity_floor_m_per_s", -1}}), "law 'tdpa': velocity_floor_m_per_s must be >= 0, got -1");
+  EXPECT_EQ(refusal_of_choices({{"variant", 2003}}), "law 'tdpa': variant must be 2002 or 2004, got 2003");
+  EXPECT_EQ(refusal_of_choices({{"weighting", 2}}), "law 'tdpa': weighting must be 0 or 1, got 2");
+  EXPECT_EQ(refusal_of_choices({{"alpha_max_per_b", -1}}), "law 'tdpa': alpha_max_per_b must be 0 to 1000, got -1");
+  EXPECT_EQ(refusal_of_choices({{"velocity_floor_m_per_s", -1}}),
+            "law 'tdpa': velocity_floor_m_per_s must be >= 0, got -1");
 }
 
 }  // namespace

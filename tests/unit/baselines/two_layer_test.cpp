@@ -12,11 +12,11 @@ namespace {
 
 using test::TwoPortLoop;
 
-constexpr const char* kLaw = "tla";
+constexpr const char* kTwoLayer = "tla";
 
 /// A tank that neither sends nor is filled, so that a test sets its level.
 TwoPortLoop alone() {
-  return TwoPortLoop(kLaw, {.parameters = {{"beta", 0}, {"filling_N_s_per_m", 0}}}, test::nothing_there());
+  return TwoPortLoop(kTwoLayer, {.parameters = {{"beta", 0}, {"filling_N_s_per_m", 0}}}, test::nothing_there());
 }
 
 TEST(TwoLayer, GivesNoForceFromAnEmptyTank) {
@@ -40,7 +40,7 @@ TEST(TwoLayer, GivesAllThatTheTankHoldsAndNoMore) {
 }
 
 TEST(TwoLayer, FillsTheTankWithDampingUpToTheLevelDesired) {
-  TwoPortLoop loop(kLaw, {.parameters = {{"beta", 0}, {"desired_J", 1e-3}}}, test::nothing_there());
+  TwoPortLoop loop(kTwoLayer, {.parameters = {{"beta", 0}, {"desired_J", 1e-3}}}, test::nothing_there());
   EXPECT_EQ(loop.step(0, 0), 0);
   EXPECT_NEAR(loop.step(1e-4, 0), -30 * 0.1, 1e-12) << "an empty tank asks for b";
   double before_J = loop.energy_J();
@@ -53,7 +53,7 @@ TEST(TwoLayer, FillsTheTankWithDampingUpToTheLevelDesired) {
 }
 
 TEST(TwoLayer, SendsAShareOfItsTankAndKeepsTheRest) {
-  TwoPortLoop loop(kLaw, {.parameters = {{"beta", 0.25}, {"filling_N_s_per_m", 0}}}, test::nothing_there());
+  TwoPortLoop loop(kTwoLayer, {.parameters = {{"beta", 0.25}, {"filling_N_s_per_m", 0}}}, test::nothing_there());
   loop.step(0, 0);
   loop.controller().hear(test::saying(1e-3, Vector()));
   for (int i = 0; i < 3; ++i) {
@@ -64,7 +64,7 @@ TEST(TwoLayer, SendsAShareOfItsTankAndKeepsTheRest) {
 }
 
 TEST(TwoLayer, TheServersPlaceGoesNoDeeperThanItsTankPaysAndCatchesUp) {
-  const auto server_side = shipped_laws().make_server_side(kLaw, 1);
+  const auto server_side = shipped_laws().make_server_side(kTwoLayer, 1);
   const auto place_at = [&](double x_m, double sent_J) {
     control::ServerLawNumbers numbers(2);
     numbers << sent_J, 0.0;

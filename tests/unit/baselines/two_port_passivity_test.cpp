@@ -13,10 +13,10 @@ namespace {
 
 using test::TwoPortLoop;
 
-constexpr const char* kLaw = "tdpa-2port";
+constexpr const char* kTwoPortPassivity = "tdpa-2port";
 
 TEST(TwoPortPassivity, DampsJustWhatTheServerHasNotTakenIn) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kTwoPortPassivity, {}, test::nothing_there());
   // 0.1 m/s is 1e-4 m a tick: a force of 1 N along it gives 0.1 mJ a tick.
   loop.step(0, 0);
   EXPECT_NEAR(loop.step(1e-4, 1), 0, 1e-12) << "nothing was taken in, so nothing may flow";
@@ -29,20 +29,20 @@ TEST(TwoPortPassivity, DampsJustWhatTheServerHasNotTakenIn) {
 
 TEST(TwoPortPassivity, AddsNoMoreDampingThanAlphaMax) {
   for (const double alpha_max : {0.0, 0.5, 1.0}) {
-    TwoPortLoop loop(kLaw, {.parameters = {{"alpha_max_per_b", alpha_max}}}, test::nothing_there());
+    TwoPortLoop loop(kTwoPortPassivity, {.parameters = {{"alpha_max_per_b", alpha_max}}}, test::nothing_there());
     loop.step(0, 0);
     EXPECT_NEAR(loop.step(1e-4, 5), 5 - alpha_max * 30 * 0.1, 1e-12);
   }
 }
 
 TEST(TwoPortPassivity, LeavesAForceAloneThatTakesEnergy) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kTwoPortPassivity, {}, test::nothing_there());
   for (int i = 0; i < 100; ++i) ASSERT_EQ(loop.step(1e-5 * i, -2), -2);
   EXPECT_NEAR(loop.law().outgoing()[0], 99e-5 * 2, 1e-12) << "which travels to the server";
 }
 
 TEST(TwoPortPassivity, DoesNotActBelowTheVelocityFloor) {
-  TwoPortLoop loop(kLaw, {.parameters = {{"velocity_floor_m_per_s", 0.2}}}, test::nothing_there());
+  TwoPortLoop loop(kTwoPortPassivity, {.parameters = {{"velocity_floor_m_per_s", 0.2}}}, test::nothing_there());
   loop.step(0, 0);
   EXPECT_EQ(loop.step(1e-4, 5), 5);
 }
@@ -52,7 +52,7 @@ TEST(TwoPortPassivity, TheServersHalfNeverGivesMoreThanTheDeviceTookIn) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   for (const int dof : {1, 3}) {
-    const auto server_side = shipped_laws().make_server_side(kLaw, dof);
+    const auto server_side = shipped_laws().make_server_side(kTwoPortPassivity, dof);
     double taken_in_J = 5;  // from before
     const double base_J = taken_in_J;
     double given_J = 0;
@@ -84,7 +84,7 @@ TEST(TwoPortPassivity, TheServersHalfNeverGivesMoreThanTheDeviceTookIn) {
 }
 
 double drift_m(std::size_t delay_ticks) {
-  TwoPortLoop loop(kLaw, {.delay_ticks = delay_ticks}, test::wall_of(5000));
+  TwoPortLoop loop(kTwoPortPassivity, {.delay_ticks = delay_ticks}, test::wall_of(5000));
   double position_m = 0;
   for (int i = 0; i < 4000; ++i) {
     position_m = 3e-3 * std::sin(4e-3 * M_PI * i) - 1e-3;

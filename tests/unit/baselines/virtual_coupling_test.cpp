@@ -2,21 +2,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/pressed_wall.hpp"
 #include "tests/support/published_law_checks.hpp"
 
 namespace forcebound::baselines {
 namespace {
 
+using test::kPeriod_s;
 using test::LawLoop;
-
-constexpr double kPeriod_s = 1e-3;
 
 control::DeviceFacts device(int degrees_of_freedom) {
   control::DeviceFacts facts;
@@ -26,34 +25,34 @@ control::DeviceFacts device(int degrees_of_freedom) {
   return facts;
 }
 
-std::string refusal(const control::DeviceFacts& facts, const control::LawParameters& chosen = {}) {
+std::string refusal_on(const control::DeviceFacts& facts, const control::LawParameters& chosen = {}) {
   return shipped_laws().refusal("vc", facts, {.parameters = chosen});
 }
 
 TEST(VirtualCoupling, RefusesACouplingThatTheDampingDoesNotCoverWithTheNumbers) {
-  EXPECT_EQ(refusal(device(1), {{"coupling_N_per_m", 54e3}, {"coupling_damping_N_s_per_m", 3}}),
+  EXPECT_EQ(refusal_on(device(1), {{"coupling_N_per_m", 54e3}, {"coupling_damping_N_s_per_m", 3}}),
             "law 'vc': device 'bench' has a damping of 30 N s/m; a coupling of 54000 N/m and 3 N s/m at a period of "
             "0.001 s needs more than Kc T/2 + |Bc| = 30 N s/m");
-  EXPECT_EQ(refusal(device(1), {{"coupling_N_per_m", 53.99e3}, {"coupling_damping_N_s_per_m", 3}}), "");
+  EXPECT_EQ(refusal_on(device(1), {{"coupling_N_per_m", 53.99e3}, {"coupling_damping_N_s_per_m", 3}}), "");
 }
 
 TEST(VirtualCoupling, UsesTheDirectionWithTheLeastDamping) {
   control::DeviceFacts facts = device(3);
   facts.damping(1, 1) = 10;
-  EXPECT_EQ(refusal(facts), "");
+  EXPECT_EQ(refusal_on(facts), "");
   EXPECT_DOUBLE_EQ(shipped_laws().parameters("vc", facts).at("coupling_N_per_m"), 0.9 * 2 * 10 / kPeriod_s);
-  EXPECT_THAT(refusal(facts, {{"coupling_N_per_m", 20e3}}), testing::HasSubstr("has a damping of 10 N s/m"));
+  EXPECT_THAT(refusal_on(facts, {{"coupling_N_per_m", 20e3}}), testing::HasSubstr("has a damping of 10 N s/m"));
 }
 
 TEST(VirtualCoupling, RefusesADeviceWhoseDampingChangesWithTheConfiguration) {
   control::DeviceFacts facts = device(3);
   facts.cartesian = false;
-  EXPECT_THAT(refusal(facts), testing::HasSubstr("device 'bench' is an arm"));
+  EXPECT_THAT(refusal_on(facts), testing::HasSubstr("device 'bench' is an arm"));
 }
 
 TEST(VirtualCoupling, RefusesInvalidCouplings) {
-  EXPECT_THAT(refusal(device(1), {{"coupling_N_per_m", 0}}), testing::HasSubstr("coupling_N_per_m must be"));
-  EXPECT_THAT(refusal(device(1), {{"tool_mass_kg", -1}}), testing::HasSubstr("tool_mass_kg must be"));
+  EXPECT_THAT(refusal_on(device(1), {{"coupling_N_per_m", 0}}), testing::HasSubstr("coupling_N_per_m must be"));
+  EXPECT_THAT(refusal_on(device(1), {{"tool_mass_kg", -1}}), testing::HasSubstr("tool_mass_kg must be"));
 }
 
 /// One axis, and the tool's own state once more.

@@ -12,14 +12,14 @@ namespace {
 
 using test::TwoPortLoop;
 
-constexpr const char* kLaw = "wave";
+constexpr const char* kWaveVariables = "wave";
 constexpr double kImpedance_N_s_per_m = 15;
 constexpr Eigen::Index kEnergy = 4;  // of what the device says; its integral follows
 
 const double kRoot = std::sqrt(2 * kImpedance_N_s_per_m);
 
 TEST(WaveVariables, FeelsTheWaveImpedanceWhereNothingComesBack) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kWaveVariables, {}, test::nothing_there());
   loop.step(0, 0);
   for (int i = 1; i < 20; ++i) EXPECT_NEAR(loop.step(1e-4 * i, -7), -kImpedance_N_s_per_m * 0.1, 1e-12);
   // u = (b_w v + F)/sqrt(2 b_w) with F = b_w v: all that is taken goes out, u^2/2 = F v.
@@ -31,7 +31,7 @@ TEST(WaveVariables, FeelsTheWaveImpedanceWhereNothingComesBack) {
 }
 
 TEST(WaveVariables, CodesAndDecodesForceAndVelocityWithoutLoss) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kWaveVariables, {}, test::nothing_there());
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   double x_m = 0;
@@ -58,7 +58,7 @@ TEST(WaveVariables, CodesAndDecodesForceAndVelocityWithoutLoss) {
 }
 
 TEST(WaveVariables, TakesEachSampleOnceAndWhatWasLostWithTheNext) {
-  TwoPortLoop loop(kLaw, {}, test::nothing_there());
+  TwoPortLoop loop(kWaveVariables, {}, test::nothing_there());
   loop.step(0, 0);
   const auto wave = [](int samples) { return test::saying(0.5e-3 * samples, Vector::Constant(1, 1e-3 * samples)); };
   loop.controller().hear(wave(1));  // w = 1 for a tick
@@ -78,7 +78,7 @@ TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
       SCOPED_TRACE(testing::Message() << delay_ticks << " ticks, " << (constant ? "constant" : "with loss"));
       std::mt19937_64 random(23);
       std::normal_distribution<double> normal;
-      TwoPortLoop loop(kLaw, {}, test::nothing_there());
+      TwoPortLoop loop(kWaveVariables, {}, test::nothing_there());
       std::deque<control::ServerLawNumbers> way;
       double x_m = 0;
       double force_N = 0;
@@ -108,7 +108,7 @@ TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
 
 TEST(WaveVariables, TheToolAtTheServerGoesWhereTheDeviceGoesAndDoesNotDrift) {
   for (const std::size_t delay_ticks : {0U, 20U}) {
-    TwoPortLoop loop(kLaw, {.delay_ticks = delay_ticks}, test::nothing_there());
+    TwoPortLoop loop(kWaveVariables, {.delay_ticks = delay_ticks}, test::nothing_there());
     for (int i = 0; i <= 4000; ++i) loop.tick(0.02 * std::sin(2e-3 * M_PI * i));
     for (int i = 0; i < 1000; ++i) loop.tick(0);
     EXPECT_NEAR(loop.place()[0], 0, 1e-3) << delay_ticks;
@@ -117,7 +117,7 @@ TEST(WaveVariables, TheToolAtTheServerGoesWhereTheDeviceGoesAndDoesNotDrift) {
 
 TEST(WaveVariables, HoldTheForceOfAWallWhileTheDeviceStands) {
   for (const std::size_t delay_ticks : {0U, 20U}) {
-    TwoPortLoop loop(kLaw, {.delay_ticks = delay_ticks}, test::wall_of(2000));
+    TwoPortLoop loop(kWaveVariables, {.delay_ticks = delay_ticks}, test::wall_of(2000));
     for (int i = 0; i <= 500; ++i) loop.tick(-1e-3 + 1e-5 * i);
     double force_N = 0;
     for (int i = 0; i < 4000; ++i) force_N = loop.tick(4e-3);

@@ -12,16 +12,16 @@
 
 #include "tests/support/law_loop.hpp"
 #include "tests/support/published_law_checks.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
+using test::kNaN;
 using test::to_matrix;
 using test::to_vector;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string refusal_of(const Matrix& b) {
+std::string refusal_of_damping(const Matrix& b) {
   try {
     (void)Damping::from_matrix(b);
   } catch (const std::invalid_argument& error) {
@@ -69,22 +69,24 @@ TEST(Damping, AcceptsConditionNumber1e12) {
 }
 
 TEST(Damping, RefusesWhatIsNoPositiveDefiniteMatrix) {
-  EXPECT_THAT(refusal_of(Matrix(0, 0)), testing::HasSubstr("it has no rows"));
-  EXPECT_THAT(refusal_of(Matrix::Identity(2, 3)), testing::HasSubstr("it is not square"));
-  EXPECT_THAT(refusal_of(to_matrix({{kNaN}})), testing::HasSubstr("it is not finite"));
-  EXPECT_THAT(refusal_of(to_matrix({{std::numeric_limits<double>::infinity()}})), testing::HasSubstr("not finite"));
-  EXPECT_THAT(refusal_of(to_matrix({{1, 0.5}, {0.4, 1}})), testing::HasSubstr("it is not symmetric"));
-  EXPECT_THAT(refusal_of(to_matrix({{0}})), testing::HasSubstr("it is not positive definite"));
-  EXPECT_THAT(refusal_of(to_matrix({{-1}})), testing::HasSubstr("it is not positive definite"));
-  EXPECT_THAT(refusal_of(to_matrix({{1, 1}, {1, 1}})), testing::HasSubstr("it is not positive definite"));
+  EXPECT_THAT(refusal_of_damping(Matrix(0, 0)), testing::HasSubstr("it has no rows"));
+  EXPECT_THAT(refusal_of_damping(Matrix::Identity(2, 3)), testing::HasSubstr("it is not square"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{kNaN}})), testing::HasSubstr("it is not finite"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{std::numeric_limits<double>::infinity()}})),
+              testing::HasSubstr("not finite"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{1, 0.5}, {0.4, 1}})), testing::HasSubstr("it is not symmetric"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{0}})), testing::HasSubstr("it is not positive definite"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{-1}})), testing::HasSubstr("it is not positive definite"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{1, 1}, {1, 1}})), testing::HasSubstr("it is not positive definite"));
 }
 
 TEST(Damping, RefusesAMatrixThatRoundingMadeIndefinite) {
-  EXPECT_THAT(refusal_of(to_matrix({{1, 1}, {1, 1 - 1e-15}})), testing::HasSubstr("it is not positive definite"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{1, 1}, {1, 1 - 1e-15}})),
+              testing::HasSubstr("it is not positive definite"));
 }
 
 TEST(Damping, NamesTheMatrixItRefuses) {
-  EXPECT_THAT(refusal_of(to_matrix({{1, 2}, {2, 1}})), testing::HasSubstr("got [1,2;2,1]"));
+  EXPECT_THAT(refusal_of_damping(to_matrix({{1, 2}, {2, 1}})), testing::HasSubstr("got [1,2;2,1]"));
 }
 
 TEST(Damping, OfAnArmIsItsJointDampingSeenAtTheTip) {

@@ -4,18 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/less_conservative_law.hpp"
+#include "tests/support/ideal_device.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
+using test::kPeriod_s;
 
 /// What is drawn once for a game.
 struct Game {

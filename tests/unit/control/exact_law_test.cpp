@@ -4,18 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <stdexcept>
 
 #include "forcebound/control/less_conservative_law.hpp"
 #include "forcebound/control/passivity_controller.hpp"
+#include "tests/support/ideal_device.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
+using test::kPeriod_s;
 
 /// The published laws' world: ideal encoder, no friction, no latency, held for the period.
 DeviceFacts ideal(const Vector& damping) {

@@ -8,17 +8,18 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/law_loop.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
+using test::kInfinity;
+using test::kNaN;
+using test::kPeriod_s;
 using test::to_matrix;
 using test::to_vector;
-
-constexpr double kPeriod_s = 1e-3;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// b = [4 2; 2 10], so that f = (4, 5) has f'b^-1 f = 5.
 class HeldForceTest : public testing::Test {

@@ -13,7 +13,7 @@
 namespace forcebound::control {
 namespace {
 
-DeviceFacts one_axis() {
+DeviceFacts one_axis_facts() {
   DeviceFacts facts;
   facts.damping = Matrix::Identity(1, 1);
   return facts;
@@ -26,20 +26,20 @@ std::unique_ptr<PassivityLaw> make_transparent(const DeviceFacts& facts, const L
 TEST(LawRegistry, KnowsThePublishedLaws) {
   const LawRegistry laws = published_laws();
   EXPECT_THAT(laws.names(), testing::ElementsAre("none", "fba-less", "fba-more"));
-  for (const auto& name : laws.names()) EXPECT_EQ(laws.make(name, one_axis())->name(), name);
+  for (const auto& name : laws.names()) EXPECT_EQ(laws.make(name, one_axis_facts())->name(), name);
 }
 
 TEST(LawRegistry, ShipsTheExactLawBesideThePublishedOnes) {
   const LawRegistry laws = force_bounding_laws();
   EXPECT_THAT(laws.names(), testing::ElementsAre("none", "fba-less", "fba-more", "fba-exact"));
-  DeviceFacts facts = one_axis();
+  DeviceFacts facts = one_axis_facts();
   facts.friction = facts.encoder_step = Vector::Zero(1);
   EXPECT_EQ(laws.make("fba-exact", facts)->name(), "fba-exact");
 }
 
 TEST(LawRegistry, NamesTheKnownLawsWhenItRefusesOne) {
   try {
-    (void)published_laws().make("fba-lesss", one_axis());
+    (void)published_laws().make("fba-lesss", one_axis_facts());
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "unknown law 'fba-lesss' (known: none, fba-less, fba-more)");
@@ -47,7 +47,7 @@ TEST(LawRegistry, NamesTheKnownLawsWhenItRefusesOne) {
 }
 
 TEST(LawRegistry, PassesOnWhatALawRefusesAboutTheDevice) {
-  DeviceFacts facts = one_axis();
+  DeviceFacts facts = one_axis_facts();
   facts.period_s = 0;
   for (const auto& name : published_laws().names()) {
     EXPECT_THROW((void)published_laws().make(name, facts), std::invalid_argument) << name;
@@ -56,7 +56,7 @@ TEST(LawRegistry, PassesOnWhatALawRefusesAboutTheDevice) {
 
 TEST(LawRegistry, SaysWhyItWouldRefuseADevice) {
   const LawRegistry laws = published_laws();
-  DeviceFacts facts = one_axis();
+  DeviceFacts facts = one_axis_facts();
   EXPECT_EQ(laws.refusal("none", facts), "");
   facts.period_s = 0;
   EXPECT_THAT(laws.refusal("none", facts), testing::HasSubstr("period"));
@@ -66,7 +66,7 @@ TEST(LawRegistry, SaysWhyItWouldRefuseADevice) {
 TEST(LawRegistry, TakesALawOfOnesOwn) {
   LawRegistry laws = published_laws();
   laws.add({.name = "mine", .summary = "does nothing at all", .make = make_transparent});
-  EXPECT_EQ(laws.make("mine", one_axis())->name(), "none");
+  EXPECT_EQ(laws.make("mine", one_axis_facts())->name(), "none");
   EXPECT_THAT(laws.names(), testing::Contains("mine"));
   EXPECT_THAT(published_laws().names(), testing::Not(testing::Contains("mine"))) << "a registry is a value";
 }
@@ -105,9 +105,9 @@ LawRegistry with_parameters() {
   return laws;
 }
 
-std::string refusal_of(const LawParameters& chosen) {
+std::string refusal_of_parameters(const LawParameters& chosen) {
   try {
-    (void)with_parameters().make("tuned", one_axis(), {.parameters = chosen});
+    (void)with_parameters().make("tuned", one_axis_facts(), {.parameters = chosen});
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -116,15 +116,15 @@ std::string refusal_of(const LawParameters& chosen) {
 
 TEST(LawRegistry, CompletesParametersFromTheDevice) {
   const LawParameters expected{{"gain", 1.0}, {"year", 2002.0}};
-  EXPECT_EQ(with_parameters().parameters("tuned", one_axis(), {{"year", 2002}}), expected);
+  EXPECT_EQ(with_parameters().parameters("tuned", one_axis_facts(), {{"year", 2002}}), expected);
 }
 
 TEST(LawRegistry, SaysWhatAParameterMayBe) {
-  EXPECT_EQ(refusal_of({{"gain", 3}}), "law 'tuned': gain must be 0.5 to 2, got 3");
-  EXPECT_EQ(refusal_of({{"gain", std::nan("")}}), "law 'tuned': gain must be 0.5 to 2, got nan");
-  EXPECT_EQ(refusal_of({{"year", 2003}}), "law 'tuned': year must be 2002 or 2004, got 2003");
-  EXPECT_EQ(refusal_of({{"gian", 1}}), "law 'tuned' has no parameter 'gian' (known: gain, year)");
-  EXPECT_EQ(refusal_of({{"gain", 2}}), "accepted");
+  EXPECT_EQ(refusal_of_parameters({{"gain", 3}}), "law 'tuned': gain must be 0.5 to 2, got 3");
+  EXPECT_EQ(refusal_of_parameters({{"gain", std::nan("")}}), "law 'tuned': gain must be 0.5 to 2, got nan");
+  EXPECT_EQ(refusal_of_parameters({{"year", 2003}}), "law 'tuned': year must be 2002 or 2004, got 2003");
+  EXPECT_EQ(refusal_of_parameters({{"gian", 1}}), "law 'tuned' has no parameter 'gian' (known: gain, year)");
+  EXPECT_EQ(refusal_of_parameters({{"gain", 2}}), "accepted");
 }
 
 TEST(LawRegistry, TellsAllOfALaw) {
@@ -136,7 +136,7 @@ TEST(LawRegistry, TellsAllOfALaw) {
 }
 
 TEST(LawRegistry, TellsWhatALawWouldDoWithADevice) {
-  DeviceFacts facts = one_axis();
+  DeviceFacts facts = one_axis_facts();
   facts.name = "bench";
   const LawRegistry laws = with_parameters();
   EXPECT_EQ(laws.help("tuned", facts), laws.help("tuned") + "\nStandard values on 'bench':\n  gain  1\n  year  2004\n");

@@ -2,17 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/law_loop.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
+using test::kInfinity;
+using test::kNaN;
+using test::kPeriod_s;
 using test::to_matrix;
 using test::to_vector;
-
-constexpr double kPeriod_s = 1e-3;
 
 class LedgerTest : public testing::Test {
  protected:
@@ -90,8 +91,6 @@ TEST_F(LedgerTest, CreditsNothingForAMotionAcrossALoss) {
 }
 
 TEST_F(LedgerTest, CreditsNothingAndChargesAPeriodForAnIntervalThatNoClockMeasured) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   credit({0, 0});
   credit({1e-3, 1e-3});
   double expected_J = 18e-6 / kPeriod_s;

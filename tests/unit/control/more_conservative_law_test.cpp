@@ -6,20 +6,20 @@
 #include <cmath>
 #include <utility>
 
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/published_law_checks.hpp"
 
 namespace forcebound::control {
 namespace {
 
+using test::kB_N_per_m;
+using test::kDamping_N_s_per_m;
 using test::LawLoop;
+using test::one_axis;
 using test::to_matrix;
 using test::to_vector;
 
-constexpr double kDamping = 30;             // N s/m
-constexpr double kB_N_per_m = 30.0 / 1e-3;  // b / T
-constexpr const char* kLaw = "fba-more";
-
-LawLoop one_axis() { return LawLoop(kLaw, Matrix::Constant(1, 1, kDamping)); }
+constexpr const char* kMoreConservative = "fba-more";
 
 /// Free motion towards a wall that begins exactly at a reading.
 void approach(LawLoop& loop) {
@@ -30,7 +30,7 @@ TEST(MoreConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
   for (const int degrees_of_freedom : {1, 2, 3, 4, 5, 6}) {
     for (const bool damping_changes : {false, true}) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        test::expect_agreement(kLaw, test::more_conservative_reference,
+        test::expect_agreement(kMoreConservative, test::more_conservative_reference,
                                {.seed = seed,
                                 .degrees_of_freedom = degrees_of_freedom,
                                 .damping_changes = damping_changes,
@@ -41,18 +41,20 @@ TEST(MoreConservativeLaw, AgreesWithTheReferenceOnRandomRuns) {
   }
 }
 
-TEST(MoreConservativeLaw, IsPassiveAgainstAnyAdversary) { test::expect_passive_against_any_adversary(kLaw); }
+TEST(MoreConservativeLaw, IsPassiveAgainstAnyAdversary) {
+  test::expect_passive_against_any_adversary(kMoreConservative);
+}
 
-TEST(MoreConservativeLaw, NeverChangesTheDirection) { test::expect_direction_kept(kLaw); }
+TEST(MoreConservativeLaw, NeverChangesTheDirection) { test::expect_direction_kept(kMoreConservative); }
 
-TEST(MoreConservativeLaw, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kLaw); }
+TEST(MoreConservativeLaw, StaysFiniteForHardRequests) { test::expect_finite_for_hard_requests(kMoreConservative); }
 
 TEST(MoreConservativeLaw, ShowsAtMostTwiceDampingOverPeriod) {
   for (const double stiffness_N_per_m : {1e2, 1e4, 5e4, 6e4, 8e4, 1.5e5, 1e9}) {
     SCOPED_TRACE(stiffness_N_per_m);
-    LawLoop loop = one_axis();
+    LawLoop loop = one_axis(kMoreConservative);
     approach(loop);
-    const double shown_N_per_m = std::min(stiffness_N_per_m, 2 * kDamping / 1e-3);
+    const double shown_N_per_m = std::min(stiffness_N_per_m, 2 * kDamping_N_s_per_m / 1e-3);
     for (int i = 1; i <= 2000; ++i) {
       // In to 1 mm, back to 0.2 mm and in again, at no steady speed.
       const double depth_m = 6e-4 - 4e-4 * std::cos(i * 0.02) - 2e-4 * std::exp(-i * 0.01);
@@ -63,7 +65,7 @@ TEST(MoreConservativeLaw, ShowsAtMostTwiceDampingOverPeriod) {
 }
 
 TEST(MoreConservativeLaw, IsTransparentWhereverTheRequestNeverNeedsMoreThanThereIs) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis(kMoreConservative);
   approach(loop);
   for (int i = 1; i < 5000; ++i) {
     const double depth_m = 5e-3 * (1.1 + std::sin(i * 0.01)) * std::min(1.0, i * 1e-3);
@@ -74,7 +76,7 @@ TEST(MoreConservativeLaw, IsTransparentWhereverTheRequestNeverNeedsMoreThanThere
 
 TEST(MoreConservativeLaw, CreditsOfASoftWallOnlyTheShareItNeeds) {
   for (const double stiffness_N_per_m : {1e3, 1e4, 3e4, 5e4}) {
-    LawLoop loop = one_axis();
+    LawLoop loop = one_axis(kMoreConservative);
     approach(loop);
     for (int i = 1; i <= 20000; ++i) loop.tick(i * 1e-6, -stiffness_N_per_m * i * 1e-6);
     const double share = stiffness_N_per_m / (2 * kB_N_per_m);
@@ -83,7 +85,7 @@ TEST(MoreConservativeLaw, CreditsOfASoftWallOnlyTheShareItNeeds) {
 }
 
 TEST(MoreConservativeLaw, ForgetsFreeSpace) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis(kMoreConservative);
   for (int i = 0; i <= 1000; ++i) loop.tick(i * 1e-3, 0.0);
   loop.tick(1.0, 0.0);
   EXPECT_EQ(loop.energy_J(), 0.0);
@@ -93,7 +95,7 @@ TEST(MoreConservativeLaw, ForgetsFreeSpace) {
 }
 
 TEST(MoreConservativeLaw, RemembersWhatAForceReserved) {
-  LawLoop loop = one_axis();
+  LawLoop loop = one_axis(kMoreConservative);
   loop.tick(0.0, 0.0);
   EXPECT_EQ(loop.tick(1e-4, -1.0), -1.0);
   const double available_J = kB_N_per_m * 1e-8;
@@ -105,7 +107,7 @@ TEST(MoreConservativeLaw, RemembersWhatAForceReserved) {
 
 TEST(MoreConservativeLaw, HasNothingLeftAfterTheMotionThatTakesMost) {
   // Numbers that a double holds exactly: A is exactly zero, not nearly.
-  LawLoop loop(kLaw, Matrix::Constant(1, 1, 1.0), {.period_s = std::exp2(-10)});
+  LawLoop loop(kMoreConservative, Matrix::Constant(1, 1, 1.0), {.period_s = std::exp2(-10)});
   loop.tick(0.0, 0.0);
   EXPECT_EQ(loop.tick(std::exp2(-10), 2.0), 2.0);
   EXPECT_EQ(loop.xi(), 1.0);
@@ -170,7 +172,7 @@ TEST(MoreConservativeLaw, HasNothingToSpendAfterAnIntervalThatNoClockMeasured) {
 
 TEST(MoreConservativeLaw, SurvivesAShareNextToNothingForAMillionTicks) {
   for (const auto& [request_N, ticks] : {std::pair{1e-140, 1000}, {1.1e-150, 1'000'000}}) {
-    LawLoop loop = one_axis();
+    LawLoop loop = one_axis(kMoreConservative);
     loop.tick(0.0, 0.0);
     loop.tick(1e-4, request_N);
     const double available_J = loop.energy_J();
@@ -187,7 +189,7 @@ TEST(MoreConservativeLaw, SurvivesAShareNextToNothingForAMillionTicks) {
 TEST(MoreConservativeLaw, IsPassiveWithConditionNumber1e12) {
   // Long axis 1e6, short one 1e-6, 45 degrees off the axes; 0.5 (1e6 + 1e-6) is exact enough to keep the ratio.
   const Matrix damping = to_matrix({{5e5 + 5e-7, 5e5 - 5e-7}, {5e5 - 5e-7, 5e5 + 5e-7}});
-  for (const char* name : {"fba-less", kLaw}) {
+  for (const char* name : {"fba-less", kMoreConservative}) {
     LawLoop loop(name, damping);
     const test::Extraction result =
         test::play({.seed = 3,

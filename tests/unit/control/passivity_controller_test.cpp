@@ -13,18 +13,19 @@
 #include <utility>
 
 #include "forcebound/control/law_registry.hpp"
+#include "tests/support/ideal_device.hpp"
 #include "tests/support/published_law_checks.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
+using test::kB_N_per_m;
+using test::kDamping_N_s_per_m;
+using test::kNaN;
 using test::LawLoop;
 using test::to_matrix;
 using test::to_vector;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDamping = 30;
-constexpr double kB_N_per_m = 30.0 / 1e-3;
 
 DeviceFacts three_axes() {
   DeviceFacts facts;
@@ -35,7 +36,7 @@ DeviceFacts three_axes() {
   return facts;
 }
 
-std::string refusal_of(const DeviceFacts& facts) {
+std::string refusal_of_device(const DeviceFacts& facts) {
   try {
     const PassivityController controller(facts, published_laws().make("none", facts));
   } catch (const std::invalid_argument& error) {
@@ -106,7 +107,7 @@ TEST(PassivityController, TakesARequestThatIsNotFiniteForNoForce) {
 }
 
 TEST(PassivityController, ChargesALostReadingItsWorstCaseAndRecovers) {
-  LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping));
+  LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping_N_s_per_m));
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, 20.0), 20.0);
   const double saved_J = kB_N_per_m * 1e-6;
@@ -122,7 +123,7 @@ TEST(PassivityController, ChargesALostReadingItsWorstCaseAndRecovers) {
 }
 
 TEST(PassivityController, ForgetsUnderTheMoreConservativeLawAtALostReadingAndRecovers) {
-  LawLoop loop("fba-more", Matrix::Constant(1, 1, kDamping));
+  LawLoop loop("fba-more", Matrix::Constant(1, 1, kDamping_N_s_per_m));
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, 20.0), 20.0);
   EXPECT_EQ(loop.tick(kNaN, 20.0), 0.0);
@@ -191,7 +192,7 @@ TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
 }
 
 TEST(PassivityController, ChargesTheRoundedForce) {
-  LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping), {.actuator_step_N = 0.25});
+  LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping_N_s_per_m), {.actuator_step_N = 0.25});
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, 0.99), 0.75);
   loop.tick(2e-3, 0.0);
@@ -328,14 +329,14 @@ TEST(PassivityController, RefusesToWorkWithoutALaw) {
 TEST(PassivityController, RefusesFactsThatMakeNoSense) {
   DeviceFacts facts = three_axes();
   facts.actuator_step = Vector::Zero(2);
-  EXPECT_EQ(refusal_of(facts), "device 'three axes': actuator step must have 3 rows, got 2");
+  EXPECT_EQ(refusal_of_device(facts), "device 'three axes': actuator step must have 3 rows, got 2");
   facts = three_axes();
   facts.actuator_step[1] = -0.5;
-  EXPECT_THAT(refusal_of(facts), testing::HasSubstr("actuator step must be >= 0, got"));
+  EXPECT_THAT(refusal_of_device(facts), testing::HasSubstr("actuator step must be >= 0, got"));
   for (const double force_N_max : {-1.0, kNaN}) {
     facts = three_axes();
     facts.force_N_max = force_N_max;
-    EXPECT_THAT(refusal_of(facts), testing::HasSubstr("largest force must be >= 0 N, got"));
+    EXPECT_THAT(refusal_of_device(facts), testing::HasSubstr("largest force must be >= 0 N, got"));
   }
 }
 

@@ -2,19 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/law_loop.hpp"
 #include "tests/support/published_law_checks.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::control {
 namespace {
 
 using test::AllocationGuard;
+using test::kNaN;
 using test::LawLoop;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void expect_tick_without_heap(const char* law, int degrees_of_freedom, const LawParameters& parameters = {}) {
   SCOPED_TRACE(testing::Message() << law << ", " << degrees_of_freedom << " degrees of freedom");

@@ -19,7 +19,7 @@ DeviceFamily fakes() {
           .make = [](const DeviceRequest&) { return std::make_unique<test::FakeDevice>(2); }};
 }
 
-std::string refusal_of(const DeviceFamily& family) {
+std::string refusal_of_family(const DeviceFamily& family) {
   DeviceRegistry devices = DeviceRegistry::standard();
   try {
     devices.add(family);
@@ -78,19 +78,19 @@ TEST(DeviceRegistry, UnknownDeviceIsRefusedWithTheKnownNames) {
 }
 
 TEST(DeviceRegistry, RefusesAnIncompleteOrConflictingFamily) {
-  EXPECT_EQ(refusal_of(fakes()), "");
+  EXPECT_EQ(refusal_of_family(fakes()), "");
   DeviceFamily nameless = fakes();
   nameless.name.clear();
-  EXPECT_EQ(refusal_of(nameless), "device family '' must have a name");
+  EXPECT_EQ(refusal_of_family(nameless), "device family '' must have a name");
   DeviceFamily unmade = fakes();
   unmade.make = nullptr;
-  EXPECT_EQ(refusal_of(unmade), "device family 'fakes' must have functions for facts and to make a device");
+  EXPECT_EQ(refusal_of_family(unmade), "device family 'fakes' must have functions for facts and to make a device");
   DeviceFamily twice = fakes();
   twice.names.emplace_back("omni");
-  EXPECT_EQ(refusal_of(twice), "device family 'fakes' has a device 'omni', which is already registered");
+  EXPECT_EQ(refusal_of_family(twice), "device family 'fakes' has a device 'omni', which is already registered");
   DeviceFamily files = fakes();
   files.takes_files = true;
-  EXPECT_EQ(refusal_of(files), "device family 'fakes' takes files, but another family already does");
+  EXPECT_EQ(refusal_of_family(files), "device family 'fakes' takes files, but another family already does");
 }
 
 TEST(HapticDevice, ReadingIsUsableOnlyIfOkFiniteAndOfTheRightSize) {

@@ -23,7 +23,7 @@ std::string refusal(const std::function<void()>& attempt) {
   return "accepted";
 }
 
-std::string refusal_of(const std::string& text) {
+std::string refusal_of_file(const std::string& text) {
   return refusal([&] { (void)parse_device(text, "devices/mine.toml"); });
 }
 
@@ -93,18 +93,18 @@ TEST(LoadDevice, ReadsFilesOfVersion1WithEveryKey) {
 }
 
 TEST(ParseDevice, RefusalNamesFileLineDeviceKeyAndValue) {
-  EXPECT_EQ(refusal_of("kind = 'cartesian'\ndegrees_of_freedom = 1\nmass_kg = 1\n\ndamping_N_s_per_m = -2\n"),
+  EXPECT_EQ(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 1\nmass_kg = 1\n\ndamping_N_s_per_m = -2\n"),
             "devices/mine.toml:5: device 'mine': damping_N_s_per_m must be > 0, got -2");
 }
 
 TEST(ParseDevice, SuggestsTheNearestKeyForAnUnknownOne) {
-  EXPECT_THAT(refusal_of(std::string(kPoint) + "frcition_N = 1\n"),
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "frcition_N = 1\n"),
               HasSubstr("devices/mine.toml:6: device 'mine': unknown key 'frcition_N', did you mean 'friction_N'?"));
-  EXPECT_THAT(refusal_of(std::string(kPoint) + "latency = 1\n"), HasSubstr("did you mean 'latency_s'?"));
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "latency = 1\n"), HasSubstr("did you mean 'latency_s'?"));
 }
 
 TEST(ParseDevice, RefusesImpossibleDevices) {
-  const auto with = [](const std::string& line) { return refusal_of(kPoint + line); };
+  const auto with = [](const std::string& line) { return refusal_of_file(kPoint + line); };
   EXPECT_THAT(with("friction_N = [0, -1]\n"),
               HasSubstr("mine.toml:6: device 'mine': friction_N[1] must be >= 0, got -1"));
   EXPECT_THAT(with("friction_N = [0]\n"), HasSubstr("friction_N must have 2 numbers, got 1"));
@@ -120,20 +120,20 @@ TEST(ParseDevice, RefusesImpossibleDevices) {
 
 TEST(ParseDevice, RefusesDampingThatIsNotPositiveDefinite) {
   const std::string head = "kind = 'cartesian'\ndegrees_of_freedom = 2\nmass_kg = 1\nforce_N_max = 3\n";
-  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 2], [2, 1]]\n"),
+  EXPECT_THAT(refusal_of_file(head + "damping_N_s_per_m = [[1, 2], [2, 1]]\n"),
               HasSubstr("mine.toml:5: device 'mine': damping_N_s_per_m must be symmetric and positive definite, got "));
-  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 0.5], [0, 1]]\n"), HasSubstr("symmetric"));
-  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 0]]\n"), HasSubstr("must be 2 rows"));
-  EXPECT_THAT(refusal_of(head + "damping_N_s_per_m = [[1, 0], 2]\n"), HasSubstr("must be a list of rows"));
+  EXPECT_THAT(refusal_of_file(head + "damping_N_s_per_m = [[1, 0.5], [0, 1]]\n"), HasSubstr("symmetric"));
+  EXPECT_THAT(refusal_of_file(head + "damping_N_s_per_m = [[1, 0]]\n"), HasSubstr("must be 2 rows"));
+  EXPECT_THAT(refusal_of_file(head + "damping_N_s_per_m = [[1, 0], 2]\n"), HasSubstr("must be a list of rows"));
 }
 
 TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
-  EXPECT_EQ(refusal_of(""), "devices/mine.toml:1: device 'mine': 'kind' is missing");
-  EXPECT_THAT(refusal_of("kind = 'delta'\n"), HasSubstr("kind must be \"cartesian\" or \"arm\", got 'delta'"));
-  EXPECT_THAT(refusal_of("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
+  EXPECT_EQ(refusal_of_file(""), "devices/mine.toml:1: device 'mine': 'kind' is missing");
+  EXPECT_THAT(refusal_of_file("kind = 'delta'\n"), HasSubstr("kind must be \"cartesian\" or \"arm\", got 'delta'"));
+  EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
               HasSubstr("degrees_of_freedom must be a whole number from 1 to 6, got 7"));
-  EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));
-  EXPECT_THAT(refusal_of("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
+  EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));
+  EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
 }
 

@@ -10,18 +10,18 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = ForceStream::Verdict;
 
-constexpr std::uint64_t kSession = 77;
+constexpr std::uint64_t kStreamSession = 77;
 
 class ForceStreamTest : public ::testing::Test {
  protected:
   ForceStreamTest() {
-    stream.begin_session(kSession);
+    stream.begin_session(kStreamSession);
     for (int i = 1; i <= 10; ++i) stream.note_sent(i * 1ms);
   }
 
   static wire::EnvironmentForce answer(std::uint64_t sequence, std::uint64_t motion) {
     wire::EnvironmentForce force;
-    force.session = kSession;
+    force.session = kStreamSession;
     force.sequence = sequence;
     force.motion_sequence = motion;
     force.motion_device_time = static_cast<int>(motion) * 1ms;
@@ -55,8 +55,8 @@ TEST_F(ForceStreamTest, CountsAboveTheMotionsSentAreImplausible) {
   EXPECT_EQ(accept(heard_too_much), Verdict::implausible);
   EXPECT_EQ(accept(answer(kMost, 3)), Verdict::implausible);
   EXPECT_EQ(accept(answer(1, 3)), Verdict::newest);
-  EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = kMost, .forces_sent = 1}));
-  EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 10, .forces_sent = kMost}));
+  EXPECT_TRUE(stream.accept(wire::Bye{.session = kStreamSession, .motions_received = kMost, .forces_sent = 1}));
+  EXPECT_TRUE(stream.accept(wire::Bye{.session = kStreamSession, .motions_received = 10, .forces_sent = kMost}));
   EXPECT_EQ(counts().lost_up, 7U);
   EXPECT_EQ(counts().lost_down, 0U);
   EXPECT_EQ(counts().implausible, 4U);
@@ -71,7 +71,7 @@ TEST_F(ForceStreamTest, DropsCopies) {
 
 TEST_F(ForceStreamTest, DropsForcesOfAnotherSession) {
   auto force = answer(1, 3);
-  force.session = kSession + 1;
+  force.session = kStreamSession + 1;
   EXPECT_EQ(accept(force), Verdict::foreign);
   EXPECT_FALSE(stream.newest());
 }
@@ -120,11 +120,11 @@ TEST_F(ForceStreamTest, CountsLossesByDirection) {
 }
 
 TEST_F(ForceStreamTest, TakesTheServersFinalCountsInAnyOrder) {
-  ASSERT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 9, .forces_sent = 9}));
+  ASSERT_TRUE(stream.accept(wire::Bye{.session = kStreamSession, .motions_received = 9, .forces_sent = 9}));
   accept(answer(1, 3));
   EXPECT_EQ(counts().lost_up, 1U);
   EXPECT_EQ(counts().lost_down, 8U);
-  EXPECT_FALSE(stream.accept(wire::Bye{.session = kSession + 1, .motions_received = 10}));
+  EXPECT_FALSE(stream.accept(wire::Bye{.session = kStreamSession + 1, .motions_received = 10}));
 }
 
 TEST_F(ForceStreamTest, AServerThatAnsweredMoreThanItReceivedIsImplausible) {
@@ -132,7 +132,7 @@ TEST_F(ForceStreamTest, AServerThatAnsweredMoreThanItReceivedIsImplausible) {
   force.motions_received = 2;
   EXPECT_EQ(accept(force), Verdict::implausible);
   EXPECT_EQ(accept(answer(0, 5)), Verdict::implausible) << "its forces count from one";
-  EXPECT_TRUE(stream.accept(wire::Bye{.session = kSession, .motions_received = 2, .forces_sent = 3}));
+  EXPECT_TRUE(stream.accept(wire::Bye{.session = kStreamSession, .motions_received = 2, .forces_sent = 3}));
   EXPECT_EQ(counts().implausible, 3U);
   EXPECT_EQ(counts().lost_up, 10U);
 }
@@ -177,11 +177,11 @@ TEST_F(ForceStreamTest, LongestDelayIsTheRoundTripPlusTheLateness) {
   ASSERT_EQ(stream.accept(answer(1, 3), 7ms), Verdict::newest);
   ASSERT_EQ(stream.accept(answer(2, 4), 6ms), Verdict::newest);
   EXPECT_EQ(stream.longest_delay(1ms), 4ms);
-  ASSERT_TRUE(
-      stream.accept(wire::Bye{.session = kSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 3}));
+  ASSERT_TRUE(stream.accept(
+      wire::Bye{.session = kStreamSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 3}));
   EXPECT_EQ(stream.longest_delay(1ms), 7ms);
-  ASSERT_TRUE(
-      stream.accept(wire::Bye{.session = kSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 11}));
+  ASSERT_TRUE(stream.accept(
+      wire::Bye{.session = kStreamSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 11}));
   EXPECT_EQ(stream.longest_delay(1ms), 7ms) << "no motion can be behind so many";
   EXPECT_EQ(counts().implausible, 1U);
 }
@@ -190,12 +190,12 @@ TEST_F(ForceStreamTest, KeepsCountingOverSessions) {
   auto force = answer(1, 10);
   force.motions_received = 9;
   accept(force);
-  stream.begin_session(kSession + 1);
+  stream.begin_session(kStreamSession + 1);
   EXPECT_EQ(counts().lost_up, 1U);
   EXPECT_EQ(stream.note_sent(11ms), 11U) << "motions keep their numbers";
   EXPECT_EQ(stream.newest()->motion_sequence, 10U) << "the force fades by its age, it does not jump";
   auto next = answer(1, 11);
-  next.session = kSession + 1;
+  next.session = kStreamSession + 1;
   next.motions_received = 1;
   EXPECT_EQ(accept(next), Verdict::newest) << "a new session's forces are numbered from 1 again";
   EXPECT_EQ(counts().sent, 11U);

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string refusal_of(const std::string& specification, int dof = 3) {
+std::string refusal_of_hand(const std::string& specification, int dof = 3) {
   try {
     (void)make_operator(specification, dof);
   } catch (const std::exception& error) {
@@ -100,21 +100,21 @@ TEST(MakeOperator, WorksForOneToSixDegreesOfFreedom) {
 }
 
 TEST(MakeOperator, RefusalsNameTheErrorAndTheAcceptedValues) {
-  EXPECT_THAT(refusal_of("pres"), HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, stroke, "
+  EXPECT_THAT(refusal_of_hand("pres"), HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, stroke, "
                                             "trace-circle, trace-sphere, wave, replay:FILE.csv)"));
-  EXPECT_THAT(refusal_of("press:dept_m=1"), HasSubstr("operator 'press': unknown key 'dept_m' (known: "));
-  EXPECT_THAT(refusal_of("press:stifness_N_per_m=1"), HasSubstr("did you mean 'stiffness_N_per_m'?"));
-  EXPECT_EQ(refusal_of("press:to_m"), "operator 'press': expected key=value, got 'to_m'");
-  EXPECT_EQ(refusal_of("press:to_m=deep"), "operator 'press': to_m must be a finite number, got 'deep'");
-  EXPECT_EQ(refusal_of("press:to_m=nan"), "operator 'press': to_m must be a finite number, got 'nan'");
-  EXPECT_EQ(refusal_of("press:to_m=1,to_m=2"), "operator 'press': to_m is given twice");
-  EXPECT_EQ(refusal_of("press:mass_kg=-1"), "operator 'press': mass_kg must be >= 0, got -1");
-  EXPECT_EQ(refusal_of("press:approach_s=0"), "operator 'press': approach_s must be > 0, got 0");
-  EXPECT_EQ(refusal_of("press:axis=3"), "operator 'press': axis must be a whole number from 0 to 2, got 3");
-  EXPECT_EQ(refusal_of("stroke", 2), "operator 'stroke': needs 3 degrees of freedom, has 2");
-  EXPECT_EQ(refusal_of("trace-circle", 1), "operator 'trace-circle': needs 2 degrees of freedom, has 1");
-  EXPECT_EQ(refusal_of("replay:"), "operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
-  EXPECT_EQ(refusal_of("replay:no/such.csv,scale=1"), "no/such.csv: cannot be read: No such file or directory");
+  EXPECT_THAT(refusal_of_hand("press:dept_m=1"), HasSubstr("operator 'press': unknown key 'dept_m' (known: "));
+  EXPECT_THAT(refusal_of_hand("press:stifness_N_per_m=1"), HasSubstr("did you mean 'stiffness_N_per_m'?"));
+  EXPECT_EQ(refusal_of_hand("press:to_m"), "operator 'press': expected key=value, got 'to_m'");
+  EXPECT_EQ(refusal_of_hand("press:to_m=deep"), "operator 'press': to_m must be a finite number, got 'deep'");
+  EXPECT_EQ(refusal_of_hand("press:to_m=nan"), "operator 'press': to_m must be a finite number, got 'nan'");
+  EXPECT_EQ(refusal_of_hand("press:to_m=1,to_m=2"), "operator 'press': to_m is given twice");
+  EXPECT_EQ(refusal_of_hand("press:mass_kg=-1"), "operator 'press': mass_kg must be >= 0, got -1");
+  EXPECT_EQ(refusal_of_hand("press:approach_s=0"), "operator 'press': approach_s must be > 0, got 0");
+  EXPECT_EQ(refusal_of_hand("press:axis=3"), "operator 'press': axis must be a whole number from 0 to 2, got 3");
+  EXPECT_EQ(refusal_of_hand("stroke", 2), "operator 'stroke': needs 3 degrees of freedom, has 2");
+  EXPECT_EQ(refusal_of_hand("trace-circle", 1), "operator 'trace-circle': needs 2 degrees of freedom, has 1");
+  EXPECT_EQ(refusal_of_hand("replay:"), "operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
+  EXPECT_EQ(refusal_of_hand("replay:no/such.csv,scale=1"), "no/such.csv: cannot be read: No such file or directory");
 }
 
 TEST(MakeOperator, HelpNamesEveryOperatorWithItsKeys) {

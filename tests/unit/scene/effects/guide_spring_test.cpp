@@ -9,11 +9,12 @@
 #include "forcebound/scene/effects/spring_to_point.hpp"
 #include "tests/support/field_checks.hpp"
 #include "tests/support/random_points.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::scene {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 
 struct Spring {
   double damping_N_s_per_m = 0;

@@ -6,11 +6,12 @@
 
 #include "tests/support/field_checks.hpp"
 #include "tests/support/random_points.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::scene {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 
 struct Room {
   double radius_m = kInfinity;

@@ -14,11 +14,9 @@
 namespace forcebound::scene {
 namespace {
 
-constexpr unsigned kSeed = 7;
+using test::shared_mesh;
 
-std::shared_ptr<const TriangleMesh> shared(const test::Soup& soup) {
-  return std::make_shared<const TriangleMesh>(soup.mesh());
-}
+constexpr unsigned kPointsSeed = 7;
 
 /// Points in a box three times as large as the mesh.
 class RandomPoints {
@@ -31,7 +29,7 @@ class RandomPoints {
   }
 
  private:
-  std::mt19937 random_{kSeed};
+  std::mt19937 random_{kPointsSeed};
   Point reach_m_;
 };
 
@@ -47,7 +45,7 @@ bool passes_an_outline(const Bvh& bvh, const Segment& segment) {
 }
 
 void expect_what_embree_finds(const std::shared_ptr<const TriangleMesh>& mesh, int questions) {
-  SCOPED_TRACE(mesh->name() + ", seed " + std::to_string(kSeed));
+  SCOPED_TRACE(mesh->name() + ", seed " + std::to_string(kPointsSeed));
   const Bvh bvh(mesh);
   const test::EmbreeScene embree(*mesh);
   RandomPoints points(*mesh);
@@ -80,14 +78,14 @@ TEST(Bvh, FindsWhatEmbreeFindsOnARealMesh) {
 }
 
 TEST(Bvh, FindsWhatEmbreeFindsOnMadeMeshes) {
-  expect_what_embree_finds(shared(test::ball(1, 60)), 10000);
-  expect_what_embree_finds(shared(test::block({1, 2, 3}).moved(test::askew())), 10000);
-  expect_what_embree_finds(shared(test::square(1, 40).add(test::ball(0.4, 20))), 10000);
-  expect_what_embree_finds(shared(test::block({1, 1, 1e-4})), 10000);
+  expect_what_embree_finds(shared_mesh(test::ball(1, 60)), 10000);
+  expect_what_embree_finds(shared_mesh(test::block({1, 2, 3}).moved(test::askew())), 10000);
+  expect_what_embree_finds(shared_mesh(test::square(1, 40).add(test::ball(0.4, 20))), 10000);
+  expect_what_embree_finds(shared_mesh(test::block({1, 1, 1e-4})), 10000);
 }
 
 TEST(Bvh, AgreesWithASearchOverAllTriangles) {
-  const auto mesh = shared(test::ball(1, 16).moved(test::askew()));
+  const auto mesh = shared_mesh(test::ball(1, 16).moved(test::askew()));
   const Bvh bvh(mesh);
   RandomPoints points(*mesh);
   for (int i = 0; i < 2000; ++i) {
@@ -114,7 +112,7 @@ TEST(Bvh, AgreesWithASearchOverAllTriangles) {
 
 TEST(Bvh, LetsNoSegmentThroughSharedEdgesAndVertices) {
   const test::Soup soup = test::ball(1, 24).moved(test::askew());
-  const auto mesh = shared(soup);
+  const auto mesh = shared_mesh(soup);
   const Bvh bvh(mesh);
   for (std::size_t t = 0; t < mesh->triangles().size(); ++t) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -129,7 +127,7 @@ TEST(Bvh, LetsNoSegmentThroughSharedEdgesAndVertices) {
 }
 
 TEST(Bvh, MeetsASegmentAtItsEndsAndInTheSidesOfBoxes) {
-  const Bvh bvh(shared(test::square(1, 8)));
+  const Bvh bvh(shared_mesh(test::square(1, 8)));
   EXPECT_EQ(bvh.first_hit({{0.3, 0.2, 1}, {0, 0, -1}})->share, 1);
   EXPECT_EQ(bvh.first_hit({{0.3, 0.2, 0}, {0, 0, 1}})->share, 0);
   EXPECT_EQ(bvh.first_hit({{0.25, -0.5, 1}, {0, 0, -2}})->share, 0.5);
@@ -145,14 +143,14 @@ TEST(Bvh, HoldsMeshesWhoseTrianglesLieOnTopOfEachOther) {
     one.vertices[0].z() = 1e-9 * i;
     soup.add(one);
   }
-  const Bvh bvh(shared(soup));
+  const Bvh bvh(shared_mesh(soup));
   EXPECT_EQ(bvh.order().size(), bvh.mesh().triangles().size());
   EXPECT_TRUE(bvh.first_hit({{0.1, 0.2, 1}, {0, 0, -2}}));
 }
 
 TEST(Bvh, AnswersDoNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  const Bvh bvh(shared(test::ball(1, 30)));
+  const Bvh bvh(shared_mesh(test::ball(1, 30)));
   std::size_t found = 0;
   const test::AllocationGuard guard;
   found += bvh.first_hit({{2, 0.1, 0.2}, {-4, 0, 0}}) ? 1 : 0;

@@ -9,22 +9,19 @@
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/shape_client.hpp"
+#include "tests/support/special_numbers.hpp"
 
 namespace forcebound::scene {
 namespace {
 
+using test::kNaN;
 using test::ShapeClient;
+using test::shared_mesh;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::shared_ptr<const TriangleMesh> shared(const test::Soup& soup, const MeshPlacement& placement = {}) {
-  return std::make_shared<const TriangleMesh>(soup.mesh("test.obj", placement));
-}
-
 TEST(DistanceField, IsExactOverAPlaneFace) {
-  ShapeClient client(make_distance_field(shared(test::block({1, 1, 1}), {.offset_m = {10, 0, 0}}),
+  ShapeClient client(make_distance_field(shared_mesh(test::block({1, 1, 1}), {.offset_m = {10, 0, 0}}),
                                          {.spacing_m = 0.07, .reach_m = 0.2}));
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -38,7 +35,7 @@ TEST(DistanceField, IsExactOverAPlaneFace) {
 
 TEST(DistanceField, IsThatOfABallToTheSquareOfTheSpacing) {
   constexpr double kSpacing_m = 0.1;
-  ShapeClient client(make_distance_field(shared(test::ball(1, 40)), {.spacing_m = kSpacing_m, .reach_m = 0.3}));
+  ShapeClient client(make_distance_field(shared_mesh(test::ball(1, 40)), {.spacing_m = kSpacing_m, .reach_m = 0.3}));
   const double facets_m = 1 - std::cos(std::numbers::pi / 40);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -54,7 +51,7 @@ TEST(DistanceField, IsThatOfABallToTheSquareOfTheSpacing) {
 
 TEST(DistanceField, HasNoBumpsBetweenItsCells) {
   constexpr double kSpacing_m = 0.1;
-  ShapeClient client(make_distance_field(shared(test::ball(1, 60)), {.spacing_m = kSpacing_m}));
+  ShapeClient client(make_distance_field(shared_mesh(test::ball(1, 60)), {.spacing_m = kSpacing_m}));
   Point before = client.at({0.8, 0, 0.01}).normal;
   for (int i = 1; i < 20000; ++i) {
     const SurfacePoint found = client.at({0.8 * std::cos(1e-4 * i), 0.8 * std::sin(1e-4 * i), 0.01});
@@ -65,7 +62,7 @@ TEST(DistanceField, HasNoBumpsBetweenItsCells) {
 
 TEST(DistanceField, KeepsTheLastNormalInTheVeryMiddle) {
   // An odd number of steps from side to side, so that the middle of the ball is the middle of a cell.
-  ShapeClient client(make_distance_field(shared(test::block({1, 1, 1})), {.spacing_m = 2.0 / 21}));
+  ShapeClient client(make_distance_field(shared_mesh(test::block({1, 1, 1})), {.spacing_m = 2.0 / 21}));
   const SurfacePoint before = client.at({0.3, 0.1, 0});
   EXPECT_FALSE(before.normal_is_old);
   const SurfacePoint middle = client.at({0, 0, 0});
@@ -75,7 +72,7 @@ TEST(DistanceField, KeepsTheLastNormalInTheVeryMiddle) {
 }
 
 TEST(DistanceField, HasNoContactOutsideOfItsGridNorWithoutAPlace) {
-  ShapeClient client(make_distance_field(shared(test::block({1, 1, 1})), {.spacing_m = 0.25, .reach_m = 0.5}));
+  ShapeClient client(make_distance_field(shared_mesh(test::block({1, 1, 1})), {.spacing_m = 0.25, .reach_m = 0.5}));
   EXPECT_NEAR(client.at({0, 0, 1.5}).penetration_m, -0.5, 1e-12);
   for (const double bad : {5.0, -5.0, 1e300, -1e300, kNaN, std::numeric_limits<double>::infinity()}) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -90,7 +87,7 @@ TEST(DistanceField, HasNoContactOutsideOfItsGridNorWithoutAPlace) {
 
 TEST(DistanceField, RefusesWhatHasNoInsideAndWhatDoesNotFit) {
   const auto refused = [](const test::Soup& soup, const DistanceFieldOptions& options) {
-    return [=] { (void)make_distance_field(shared(soup), options); };
+    return [=] { (void)make_distance_field(shared_mesh(soup), options); };
   };
   const auto block = test::block({1, 1, 1});
   EXPECT_THAT(refused(test::square(1, 2), {.spacing_m = 0.1}),
@@ -108,7 +105,7 @@ TEST(DistanceField, RefusesWhatHasNoInsideAndWhatDoesNotFit) {
 
 TEST(DistanceField, NearestDoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  ShapeClient client(make_distance_field(shared(test::block({1, 1, 1})), {.spacing_m = 0.25}));
+  ShapeClient client(make_distance_field(shared_mesh(test::block({1, 1, 1})), {.spacing_m = 0.25}));
   const test::AllocationGuard guard;
   EXPECT_GT(client.at({0.1, 0.2, 0.9}).penetration_m, 0);
   EXPECT_EQ(guard.heap_operations(), 0U);

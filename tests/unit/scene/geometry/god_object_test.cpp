@@ -11,6 +11,7 @@
 #include "forcebound/scene/geometry/mesh_file.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/follower.hpp"
+#include "tests/support/special_numbers.hpp"
 #include "tests/support/winding.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
@@ -18,12 +19,11 @@ namespace forcebound::scene {
 namespace {
 
 using test::Follower;
+using test::kNaN;
 using test::spring_force;
 
 static_assert(std::is_trivially_copyable_v<Proxy> && std::is_trivially_default_constructible_v<Proxy>);
 static_assert(sizeof(Proxy) % 8 == 0 && alignof(Proxy) <= 8);
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(GodObject, IsAtItsGoalWhereNothingIsInTheWay) {
   Follower follower(test::ball(1, 20));

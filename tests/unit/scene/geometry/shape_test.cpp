@@ -6,8 +6,12 @@
 #include <array>
 #include <limits>
 
+#include "tests/support/shape_checks.hpp"
+
 namespace forcebound::scene {
 namespace {
+
+using test::expect_surface;
 
 const Point kLast = Point(0, 0.6, 0.8);
 
@@ -16,12 +20,6 @@ struct Kept {
   std::array<double, 3> numbers{0, 0.6, 0.8};
   operator std::byte*() { return reinterpret_cast<std::byte*>(numbers.data()); }  // NOLINT: for the tests below
 };
-
-void expect_surface(const SurfacePoint& found, const Point& normal, double penetration_m) {
-  EXPECT_LT((found.normal - normal).norm(), 1e-15) << "normal [" << found.normal.transpose() << "]";
-  EXPECT_NEAR(found.penetration_m, penetration_m, 1e-15);
-  EXPECT_FALSE(found.normal_is_old);
-}
 
 TEST(HalfSpace, FillsBelowItsPlane) {
   const auto shape = make_half_space({0, 0, 0.01}, {0, 0, 5});

@@ -13,7 +13,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::string refusal_of(const std::string& bodies) {
+std::string refusal_of_bodies(const std::string& bodies) {
   try {
     (void)parse_scene("[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n" + bodies, "x.toml");
     return "no error";
@@ -24,9 +24,10 @@ std::string refusal_of(const std::string& bodies) {
 
 TEST(BodyParserWithoutMuJoCo, RefusesEveryBodyAndSaysWhatToInstall) {
   EXPECT_FALSE(has_bodies());
-  EXPECT_THAT(refusal_of("[[body]]\nname = 'peg'\nmass_kg = 1\n"),
+  EXPECT_THAT(refusal_of_bodies("[[body]]\nname = 'peg'\nmass_kg = 1\n"),
               AllOf(StartsWith("x.toml:5: "), HasSubstr("MuJoCo"), HasSubstr("libmujoco-dev")));
-  EXPECT_THAT(refusal_of("\n[bodies]\ntimestep_s = 0.001\n"), AllOf(StartsWith("x.toml:6: "), HasSubstr("MuJoCo")));
+  EXPECT_THAT(refusal_of_bodies("\n[bodies]\ntimestep_s = 0.001\n"),
+              AllOf(StartsWith("x.toml:6: "), HasSubstr("MuJoCo")));
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ std::string point_text(const std::string& first, const std::string& others, int 
   return text + "]";
 }
 
-std::shared_ptr<const scene::Scene> scene_of(const std::string& field, int axes) {
+std::shared_ptr<const scene::Scene> scene_of_field(const std::string& field, int axes) {
   const std::string parameters =
       replaced(replaced(kFields.at(field), "ZERO", point_text("0", "0", axes)), "ONE", point_text("1", "0.5", axes));
   return parse_scene("[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = " + std::to_string(axes) +
@@ -59,7 +59,7 @@ class EveryField : public testing::TestWithParam<std::string> {};
 TEST_P(EveryField, IsFiniteOnAnyAxesFromItsCentreToFarAway) {
   for (int axes = 1; axes <= 3; ++axes) {
     const auto device = static_cast<std::uint32_t>(axes == 3 ? 6 : axes);
-    scene::SceneState state(scene_of(GetParam(), axes), device);
+    scene::SceneState state(scene_of_field(GetParam(), axes), device);
     milliseconds now{0};
     for (const double far_m : {0.0, 0.0, 1e-300, 1e-9, 0.01, -0.3, 0.7, 1e3, -1e6, 1e9, 0.0}) {
       control::Vector position = control::Vector::Zero(device);
@@ -78,7 +78,7 @@ TEST_P(EveryField, IsFeltAlongTheAxesOfAScene) {
   for (int axes = 1; axes <= 3; ++axes) {
     // On one axis every place lies on every line along it.
     if (axes == 1 && GetParam() == "spring_to_line") continue;
-    scene::SceneState state(scene_of(GetParam(), axes), static_cast<std::uint32_t>(axes));
+    scene::SceneState state(scene_of_field(GetParam(), axes), static_cast<std::uint32_t>(axes));
     double felt_N = 0;
     for (int i = 0; i < 10; ++i) {
       const control::Vector position = 0.3 * i * control::Vector::Unit(axes, axes - 1);

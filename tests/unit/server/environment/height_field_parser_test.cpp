@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 const test::TemporaryFolder kFolder;
 
-std::shared_ptr<const scene::Scene> scene_with(const std::string& heights) {
+std::shared_ptr<const scene::Scene> hill_scene(const std::string& heights) {
   return parse_scene(
       "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n[[object]]\nname = 'hill'\n"
       "effects = ['surface']\n[object.surface]\nstiffness_N_per_m = 100\n[object.shape]\n"
@@ -29,7 +29,7 @@ std::shared_ptr<const scene::Scene> scene_with(const std::string& heights) {
 
 std::string height_field_error(const std::string& heights) {
   try {
-    (void)scene_with(heights);
+    (void)hill_scene(heights);
   } catch (const SceneError& error) {
     return error.what();
   }
@@ -46,7 +46,7 @@ double force_N_at(const std::shared_ptr<const scene::Scene>& scene, double x, do
 }
 
 TEST(HeightFieldParser, RowsFollowEachOtherAlongY) {
-  const auto scene = scene_with("heights_m = [[0, 0, 0], [0.02, 0.02, 0.02]]");
+  const auto scene = hill_scene("heights_m = [[0, 0, 0], [0.02, 0.02, 0.02]]");
   EXPECT_EQ(force_N_at(scene, 0.1, 0.0999, 0.0201), 0);
   EXPECT_GT(force_N_at(scene, 0.1, 0.0999, 0.0199), 0);
   EXPECT_EQ(force_N_at(scene, 0.1, 0.0001, 0.0199), 0);
@@ -54,8 +54,8 @@ TEST(HeightFieldParser, RowsFollowEachOtherAlongY) {
 
 TEST(HeightFieldParser, ReadsATableBesideTheScene) {
   ASSERT_EQ(error_of_file("0, 0,0\r\n0.02,\t2e-2,0.02\n\n"), "no error");
-  const auto from_file = scene_with("file = 'hill.csv'");
-  const auto written = scene_with("heights_m = [[0, 0, 0], [0.02, 0.02, 0.02]]");
+  const auto from_file = hill_scene("file = 'hill.csv'");
+  const auto written = hill_scene("heights_m = [[0, 0, 0], [0.02, 0.02, 0.02]]");
   for (const double y : {0.02, 0.05, 0.07}) {
     EXPECT_GT(force_N_at(written, 0.1, y, -0.001), 0);
     EXPECT_EQ(force_N_at(from_file, 0.1, y, -0.001), force_N_at(written, 0.1, y, -0.001));
@@ -93,7 +93,7 @@ TEST(HeightFieldParser, NeedsOneOfHeightsAndFile) {
 }
 
 TEST(HeightFieldParser, DistinguishesReliefsInOnePlace) {
-  const auto text = [](const std::string& heights) { return scene_with(heights)->objects().front().shape_text; };
+  const auto text = [](const std::string& heights) { return hill_scene(heights)->objects().front().shape_text; };
   EXPECT_THAT(text("heights_m = [[0, 0.5], [0, -0.25], [0, 0]]"), HasSubstr("heights_m 2 x 3 from -0.25 to 0.5"));
   EXPECT_NE(text("heights_m = [[0, 1], [0, 0]]"), text("heights_m = [[0, 0], [1, 0]]"));
 }

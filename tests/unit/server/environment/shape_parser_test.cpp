@@ -10,15 +10,15 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string scene_with(const std::string& shape, int degrees_of_freedom) {
+std::string scene_text(const std::string& shape, int degrees_of_freedom) {
   return "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = " + std::to_string(degrees_of_freedom) +
          "\n[[object]]\nname = 'thing'\neffects = ['surface']\nshape = { " + shape +
          " }\nsurface = { stiffness_N_per_m = 1 }\n";
 }
 
-std::string error_of(const std::string& shape, int degrees_of_freedom = 3) {
+std::string shape_error(const std::string& shape, int degrees_of_freedom = 3) {
   try {
-    (void)parse_scene(scene_with(shape, degrees_of_freedom), "x.toml");
+    (void)parse_scene(scene_text(shape, degrees_of_freedom), "x.toml");
   } catch (const SceneError& error) {
     return error.what();
   }
@@ -36,46 +36,48 @@ TEST(ShapeParser, ReadsEveryShapeInSpace) {
         "minor_radius_m = 1",
         "kind = 'height_field', origin_m = [0, 0, 0], spacing_m = 1, heights_m = [[0, 0], "
         "[0, 0]]"}) {
-    EXPECT_EQ(error_of(shape), "no error");
+    EXPECT_EQ(shape_error(shape), "no error");
   }
 }
 
 TEST(ShapeParser, CapsuleAndCylinderLieInAPlaneToo) {
-  EXPECT_EQ(error_of("kind = 'capsule', from_m = [0, 0], to_m = [0, 1], radius_m = 1", 2), "no error");
-  EXPECT_EQ(error_of("kind = 'cylinder', from_m = [0, 0], to_m = [0, 1], radius_m = 1", 2), "no error");
+  EXPECT_EQ(shape_error("kind = 'capsule', from_m = [0, 0], to_m = [0, 1], radius_m = 1", 2), "no error");
+  EXPECT_EQ(shape_error("kind = 'cylinder', from_m = [0, 0], to_m = [0, 1], radius_m = 1", 2), "no error");
 }
 
 TEST(ShapeParser, RefusesShapesThatNeedMoreAxes) {
   EXPECT_EQ(
-      error_of("kind = 'capsule', from_m = [0], to_m = [1], radius_m = 1", 1),
+      shape_error("kind = 'capsule', from_m = [0], to_m = [1], radius_m = 1", 1),
       "x.toml:8: object 'thing', shape: a capsule needs a scene of at least 2 degrees of freedom, this one has 1");
-  EXPECT_THAT(error_of("kind = 'cylinder', from_m = [0], to_m = [1], radius_m = 1", 1), HasSubstr("at least 2"));
-  EXPECT_THAT(error_of("kind = 'torus', center_m = [0, 0], axis = [0, 1], major_radius_m = 2, minor_radius_m = 1", 2),
-              HasSubstr("a torus needs a scene of at least 3 degrees of freedom, this one has 2"));
-  EXPECT_THAT(error_of("kind = 'height_field', origin_m = [0, 0], spacing_m = 1, heights_m = [[0, 0], [0, 0]]", 2),
+  EXPECT_THAT(shape_error("kind = 'cylinder', from_m = [0], to_m = [1], radius_m = 1", 1), HasSubstr("at least 2"));
+  EXPECT_THAT(
+      shape_error("kind = 'torus', center_m = [0, 0], axis = [0, 1], major_radius_m = 2, minor_radius_m = 1", 2),
+      HasSubstr("a torus needs a scene of at least 3 degrees of freedom, this one has 2"));
+  EXPECT_THAT(shape_error("kind = 'height_field', origin_m = [0, 0], spacing_m = 1, heights_m = [[0, 0], [0, 0]]", 2),
               HasSubstr("a height_field needs a scene of at least 3 degrees of freedom, this one has 2"));
 }
 
 TEST(ShapeParser, RefusesAStraightOfOnePoint) {
-  EXPECT_EQ(error_of("kind = 'capsule', from_m = [0, 1, 2], to_m = [0, 1, 2], radius_m = 1"),
+  EXPECT_EQ(shape_error("kind = 'capsule', from_m = [0, 1, 2], to_m = [0, 1, 2], radius_m = 1"),
             "x.toml:8: object 'thing', shape: to_m must differ from from_m, got [0, 1, 2]");
-  EXPECT_THAT(error_of("kind = 'cylinder', from_m = [0, 1, 2], to_m = [0, 1, 2], radius_m = 1"),
+  EXPECT_THAT(shape_error("kind = 'cylinder', from_m = [0, 1, 2], to_m = [0, 1, 2], radius_m = 1"),
               HasSubstr("to_m must differ from from_m"));
 }
 
 TEST(ShapeParser, RefusesATorusWithoutAHoleOrAxis) {
-  EXPECT_EQ(error_of("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 1], major_radius_m = 1, minor_radius_m = 1"),
-            "x.toml:8: object 'thing', shape: minor_radius_m must be < major_radius_m, got 1");
+  EXPECT_EQ(
+      shape_error("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 1], major_radius_m = 1, minor_radius_m = 1"),
+      "x.toml:8: object 'thing', shape: minor_radius_m must be < major_radius_m, got 1");
   EXPECT_THAT(
-      error_of("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 0], major_radius_m = 2, minor_radius_m = 1"),
+      shape_error("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 0], major_radius_m = 2, minor_radius_m = 1"),
       HasSubstr("axis must not be zero"));
   EXPECT_THAT(
-      error_of("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 1], major_radius_m = -2, minor_radius_m = 1"),
+      shape_error("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 1], major_radius_m = -2, minor_radius_m = 1"),
       HasSubstr("major_radius_m must be > 0, got -2"));
 }
 
 TEST(ShapeParser, SuggestsTheNearestKind) {
-  EXPECT_THAT(error_of("kind = 'capsul'"), HasSubstr("unknown kind 'capsul', did you mean 'capsule'?"));
+  EXPECT_THAT(shape_error("kind = 'capsul'"), HasSubstr("unknown kind 'capsul', did you mean 'capsule'?"));
 }
 
 }  // namespace

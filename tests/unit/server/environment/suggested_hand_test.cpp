@@ -24,7 +24,8 @@ std::shared_ptr<const scene::Scene> scene_of(const std::string& rest, const std:
                      "s.toml");
 }
 
-std::shared_ptr<const scene::Scene> scene_with(const std::string& shape, const std::string& degrees_of_freedom = "3") {
+std::shared_ptr<const scene::Scene> scene_with_object(const std::string& shape,
+                                                      const std::string& degrees_of_freedom = "3") {
   return scene_of("[[object]]\nname = 'it'\neffects = ['surface']\nsurface = { stiffness_N_per_m = 100 }\nshape = { " +
                       shape + " }\n",
                   degrees_of_freedom);
@@ -60,13 +61,14 @@ TEST(SuggestedHand, OfEverySceneThatShipsStartsOutsideAndFeelsSomething) {
 
 TEST(SuggestedHand, FollowsWhereTheSurfaceIs) {
   const std::string sphere = "kind = 'sphere', radius_m = 0.01, center_m = ";
-  EXPECT_EQ(suggested_hand(scene_with(sphere + "[0.02, -0.03, 0.04]")).hand,
+  EXPECT_EQ(suggested_hand(scene_with_object(sphere + "[0.02, -0.03, 0.04]")).hand,
             "stroke:offset_x_m=0.02,offset_y_m=-0.03,offset_z_m=0.05,depth_m=0.004,length_m=0.01");
-  EXPECT_EQ(suggested_hand(scene_with("kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, 1]")).hand,
+  EXPECT_EQ(suggested_hand(scene_with_object("kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, 1]")).hand,
             "stroke");
-  EXPECT_EQ(suggested_hand(scene_with("kind = 'half_space', through_m = [0.02, 0, 0], normal = [-1, 0, 0]")).hand,
-            "press:from_m=0.01,to_m=0.03,stiffness_N_per_m=300");
-  EXPECT_EQ(suggested_hand(scene_with("kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, -1]")).hand,
+  EXPECT_EQ(
+      suggested_hand(scene_with_object("kind = 'half_space', through_m = [0.02, 0, 0], normal = [-1, 0, 0]")).hand,
+      "press:from_m=0.01,to_m=0.03,stiffness_N_per_m=300");
+  EXPECT_EQ(suggested_hand(scene_with_object("kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, -1]")).hand,
             "press:axis=2,from_m=-0.01,to_m=0.01,stiffness_N_per_m=300")
       << "a ceiling";
 }
@@ -80,19 +82,19 @@ TEST(SuggestedHand, IsOneThatTouchesWhateverTheShapeAndAxes) {
         "kind = 'capsule', from_m = [0, 0, -0.08], to_m = [0, 0, -0.02], radius_m = 0.02",
         "kind = 'height_field', origin_m = [0, 0, 0], spacing_m = 0.02, heights_m = [[0, 0.01], [0.02, 0]]"}) {
     SCOPED_TRACE(shape);
-    expect_touches(scene_with(shape));
+    expect_touches(scene_with_object(shape));
   }
-  expect_touches(scene_with("kind = 'cavity', center_m = [0.01, 0], radius_m = 0.03", "2"));
-  expect_touches(scene_with("kind = 'sphere', center_m = [0.05, 0], radius_m = 0.02", "2"));
-  expect_touches(scene_with("kind = 'half_space', through_m = [-0.03], normal = [1]", "'any'"));
-  expect_touches(scene_with("kind = 'sphere', center_m = [0.06], radius_m = 0.01", "1"));
+  expect_touches(scene_with_object("kind = 'cavity', center_m = [0.01, 0], radius_m = 0.03", "2"));
+  expect_touches(scene_with_object("kind = 'sphere', center_m = [0.05, 0], radius_m = 0.02", "2"));
+  expect_touches(scene_with_object("kind = 'half_space', through_m = [-0.03], normal = [1]", "'any'"));
+  expect_touches(scene_with_object("kind = 'sphere', center_m = [0.06], radius_m = 0.01", "1"));
 }
 
 TEST(SuggestedHand, OfAMeshIsOverItsTop) {
   const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
-  const auto scene = scene_with("kind = 'mesh', file = '" + file->string() +
-                                "', scale = 0.05, rotation_deg = [90, 0, 0], offset_m = [0.02, 0, 0.01]");
+  const auto scene = scene_with_object("kind = 'mesh', file = '" + file->string() +
+                                       "', scale = 0.05, rotation_deg = [90, 0, 0], offset_m = [0.02, 0, 0.01]");
   EXPECT_THAT(suggested_hand(scene).hand, StartsWith("stroke:offset_x_m=0.0"));
   expect_touches(scene);
 }
@@ -140,7 +142,7 @@ TEST(TryHand, WithinAnObjectThatDoesNotPushStartsNowhere) {
 }
 
 TEST(TryHand, DistinguishesAStartInsideFromATouch) {
-  const auto scene = scene_with("kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.03");
+  const auto scene = scene_with_object("kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.03");
   EXPECT_TRUE(try_hand(scene, {.device = "omni", .hand = "wave"}).starts_inside);
   const HandTrial above = try_hand(scene, {.device = "omni", .hand = "stroke:offset_z_m=0.03"});
   EXPECT_FALSE(above.starts_inside);

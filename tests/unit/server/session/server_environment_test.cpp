@@ -4,11 +4,13 @@
 #include <stdexcept>
 
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/special_numbers.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
 namespace forcebound::server {
 namespace {
 
+using test::kNaN;
 using testing::ElementsAre;
 using testing::HasSubstr;
 

@@ -17,7 +17,7 @@ struct Moments {
   double most_ms = std::numeric_limits<double>::lowest();
 };
 
-Moments measure(const char* words) {
+Moments measure_delays(const char* words) {
   constexpr int kPackets = 1'000'000;
   Random random(7);
   DelayDistribution distribution(parse_netem(words).delay, random);
@@ -37,13 +37,13 @@ Moments measure(const char* words) {
 }
 
 TEST(DelayDistribution, WithoutJitterIsConstant) {
-  const Moments moments = measure("delay 50ms");
+  const Moments moments = measure_delays("delay 50ms");
   EXPECT_EQ(moments.least_ms, 50);
   EXPECT_EQ(moments.most_ms, 50);
 }
 
 TEST(DelayDistribution, JitterWithoutDistributionIsUniform) {
-  const Moments moments = measure("delay 50ms 10ms");
+  const Moments moments = measure_delays("delay 50ms 10ms");
   EXPECT_NEAR(moments.least_ms, 40, 0.001);
   EXPECT_NEAR(moments.most_ms, 60, 0.001);
   EXPECT_GE(moments.least_ms, 40);
@@ -53,23 +53,23 @@ TEST(DelayDistribution, JitterWithoutDistributionIsUniform) {
 }
 
 TEST(DelayDistribution, UniformJitterOfManySecondsKeepsItsWidth) {
-  const Moments moments = measure("delay 60s 50s");
+  const Moments moments = measure_delays("delay 60s 50s");
   EXPECT_NEAR(moments.least_ms, 10'000, 10);
   EXPECT_NEAR(moments.most_ms, 110'000, 10);
   EXPECT_NEAR(moments.deviation_ms, 50'000 / std::sqrt(3), 50);
 }
 
-TEST(DelayDistribution, MayBeNegative) { EXPECT_LT(measure("delay 1ms 10ms").least_ms, -8.9); }
+TEST(DelayDistribution, MayBeNegative) { EXPECT_LT(measure_delays("delay 1ms 10ms").least_ms, -8.9); }
 
 TEST(DelayDistribution, NormalHasItsMeanAndItsSigma) {
-  const Moments moments = measure("delay 50ms 10ms distribution normal");
+  const Moments moments = measure_delays("delay 50ms 10ms distribution normal");
   EXPECT_NEAR(moments.mean_ms, 50, 0.05);
   EXPECT_NEAR(moments.deviation_ms, 10, 0.05);
   EXPECT_NEAR(moments.least_ms, 10, 0.001);  // clamped at four sigma
 }
 
 TEST(DelayDistribution, ParetoHasItsShortestDelayAndALongTail) {
-  const Moments moments = measure("delay 50ms 9ms distribution pareto");
+  const Moments moments = measure_delays("delay 50ms 9ms distribution pareto");
   EXPECT_NEAR(moments.least_ms, 50 - 9 * 2.0 / 3, 0.002);
   EXPECT_NEAR(moments.most_ms, 50 + 9 * 4, 0.002);
 }

@@ -13,11 +13,11 @@
 namespace forcebound::server {
 namespace {
 
-const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
+using test::kSoft;
 
 class Block {
  public:
-  Block() : mesh_(test::tetrahedra_of({.cubes = {4, 4, 2}, .cube_m = 0.01})), elasticity_(mesh_, kSoft) {}
+  Block() : mesh_(test::tetrahedra_of(test::kThinBlock)), elasticity_(mesh_, kSoft) {}
 
   [[nodiscard]] const CorotationalElasticity& elasticity() const { return elasticity_; }
 

@@ -19,11 +19,11 @@
 namespace forcebound::server {
 namespace {
 
+using test::kSoft;
+using test::kThinTop_m;
 using Felt = test::FeltTissue;
 
-const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
-constexpr double kRadius_m = 0.008;
-constexpr double kTop_m = 0.02;
+constexpr double kProbeRadius_m = 0.008;
 
 CorotationalOptions patient(double radius_m) {
   return {.radius_m = radius_m, .iterations_max = 60, .linear_iterations_max = 400, .tolerance = 1e-7};
@@ -38,12 +38,12 @@ CorotationalTissue tissue_of(const TetrahedralSoup& soup, const CorotationalOpti
 
 /// 40 x 40 x 20 mm, on a bed.
 CorotationalTissue pad(const CorotationalOptions& options) {
-  return tissue_of(test::tetrahedra_of({.cubes = {4, 4, 2}, .cube_m = 0.01}), options);
+  return tissue_of(test::tetrahedra_of(test::kThinBlock), options);
 }
 
 /// The sphere's centre, at a depth.
-scene::Point over(double x_m, double y_m, double depth_m, double radius_m = kRadius_m) {
-  return {x_m, y_m, kTop_m + radius_m - depth_m};
+scene::Point over(double x_m, double y_m, double depth_m, double radius_m = kProbeRadius_m) {
+  return {x_m, y_m, kThinTop_m + radius_m - depth_m};
 }
 
 TEST(CorotationalSphere, BarelyPressedIsFeltAsBesideLinearTissue) {
@@ -68,10 +68,10 @@ TEST(CorotationalSphere, BarelyPressedIsFeltAsBesideLinearTissue) {
 
 double pressed_N(const CorotationalOptions& options, std::size_t fineness) {
   const test::BlockOfCubes block{.cubes = {2 * fineness, 2 * fineness, fineness},
-                                 .cube_m = kTop_m / static_cast<double>(fineness)};
+                                 .cube_m = kThinTop_m / static_cast<double>(fineness)};
   const CorotationalTissue tissue = tissue_of(test::tetrahedra_of(block), options);
   Felt felt(tissue);
-  const scene::Point middle(0.02, 0.02, kTop_m + options.radius_m);
+  const scene::Point middle(0.02, 0.02, kThinTop_m + options.radius_m);
   const TissueResult result = felt.go(middle + scene::Point(0, 0, 1e-4), middle - scene::Point(0, 0, 0.003), 1);
   EXPECT_TRUE(result.converged) << result.residual_m << " m after " << result.iterations;
   return result.force_N.z();
@@ -98,7 +98,7 @@ TEST(CorotationalSphere, ForceHasALimitAsCellsGetSmallerWhereThatOfAPointHasNone
 }
 
 TEST(CorotationalSphere, ForceIsHowSteeplyTheEnergyFalls) {
-  const CorotationalTissue tissue = pad(patient(kRadius_m));
+  const CorotationalTissue tissue = pad(patient(kProbeRadius_m));
   Felt felt(tissue);
   const scene::Point at_m = over(0.0187, 0.0224, 0.004);
   static_cast<void>(felt.go(at_m + scene::Point(0, 0, 0.005), at_m, 5));
@@ -114,13 +114,13 @@ TEST(CorotationalSphere, ForceIsHowSteeplyTheEnergyFalls) {
 TEST(CorotationalSphere, TurnsAndMovesWithTheTissue) {
   const Eigen::Isometry3d turned =
       Eigen::Translation3d(0.3, -0.1, 0.2) * Eigen::AngleAxisd(1.1, scene::Point(1, 2, -2).normalized());
-  TetrahedralSoup soup = test::tetrahedra_of({.cubes = {4, 4, 2}, .cube_m = 0.01});
-  const CorotationalTissue upright = tissue_of(soup, patient(kRadius_m));
+  TetrahedralSoup soup = test::tetrahedra_of(test::kThinBlock);
+  const CorotationalTissue upright = tissue_of(soup, patient(kProbeRadius_m));
   for (scene::Point& node : soup.nodes) node = turned * node;
   TetrahedralMesh mesh(soup);
   const std::vector<int> held = nodes_below(mesh, turned.translation() + 1e-9 * turned.linear() * scene::Point::UnitZ(),
                                             turned.linear() * scene::Point::UnitZ());
-  const CorotationalTissue tilted(std::move(mesh), kSoft, held, patient(kRadius_m));
+  const CorotationalTissue tilted(std::move(mesh), kSoft, held, patient(kProbeRadius_m));
   Felt one(upright);
   Felt other(tilted);
   for (const double depth_m : {-0.001, 0.002, 0.006}) {
@@ -154,8 +154,8 @@ std::vector<double> rounds_J(const CorotationalTissue& tissue, int steps, double
 }
 
 TEST(CorotationalSphere, NoRoundOfPressingSlidingAndReleasingGivesTheHandEnergy) {
-  const CorotationalTissue usual = pad({.radius_m = kRadius_m});
-  const CorotationalTissue lagging = pad({.radius_m = kRadius_m, .iterations_max = 1, .linear_iterations_max = 5});
+  const CorotationalTissue usual = pad({.radius_m = kProbeRadius_m});
+  const CorotationalTissue lagging = pad({.radius_m = kProbeRadius_m, .iterations_max = 1, .linear_iterations_max = 5});
   for (const CorotationalTissue* tissue : {&usual, &lagging}) {
     double peak_J = 0;
     const std::vector<double> after_J = rounds_J(*tissue, 300, peak_J);
@@ -274,7 +274,7 @@ TEST(CorotationalSphere, IsFeltInTheMiddleOfATriangleThatIsLargeBesideIt) {
 }
 
 TEST(CorotationalSphere, TwoPressTheSameTissueAlike) {
-  const CorotationalTissue tissue = pad(patient(kRadius_m));
+  const CorotationalTissue tissue = pad(patient(kProbeRadius_m));
   CorotationalTissueWorld world(tissue, 2);
   while (world.join() >= 0) continue;
   // Cells of six tetrahedra are their own mirror image in the plane x = y.
@@ -330,7 +330,7 @@ TEST(CorotationalSphere, WildLeapsOfTwoProbesOnAThinSheetStayBoundedAndLeaveNoth
 
 TEST(CorotationalSphere, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  const CorotationalTissue tissue = pad({.radius_m = kRadius_m});
+  const CorotationalTissue tissue = pad({.radius_m = kProbeRadius_m});
   CorotationalTissueWorld world(tissue, 2);
   const test::AllocationGuard guard;
   while (world.join() >= 0) continue;
@@ -344,8 +344,8 @@ TEST(CorotationalSphere, DoesNotAllocate) {
 
 TEST(CorotationalSphere, RefusesASkinThatIsTooStiffAndAnInvalidRadius) {
   EXPECT_THROW(pad({.radius_m = -1}), std::invalid_argument);
-  EXPECT_THROW(pad({.radius_m = kRadius_m, .contact_stiffness_Pa_per_m = 1e9}), std::invalid_argument);
-  EXPECT_THROW(pad({.radius_m = kRadius_m, .contact_stiffness_Pa_per_m = -1}), std::invalid_argument);
+  EXPECT_THROW(pad({.radius_m = kProbeRadius_m, .contact_stiffness_Pa_per_m = 1e9}), std::invalid_argument);
+  EXPECT_THROW(pad({.radius_m = kProbeRadius_m, .contact_stiffness_Pa_per_m = -1}), std::invalid_argument);
   EXPECT_THROW(pad({.radius_m = 1e-5}), std::runtime_error);
 }
 

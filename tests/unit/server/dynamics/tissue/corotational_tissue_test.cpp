@@ -18,14 +18,14 @@
 namespace forcebound::server {
 namespace {
 
+using test::kSoft;
 using test::tetrahedra_of;
 using Felt = test::FeltTissue;
 
-const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
 const CorotationalOptions kPatient{.iterations_max = 60, .linear_iterations_max = 400, .tolerance = 1e-6};
 
 CorotationalTissue block_tissue(const CorotationalOptions& options) {
-  TetrahedralMesh mesh(tetrahedra_of({.cubes = {4, 4, 2}, .cube_m = 0.01}));
+  TetrahedralMesh mesh(tetrahedra_of(test::kThinBlock));
   const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
   return {std::move(mesh), kSoft, held, options};
 }

@@ -11,16 +11,19 @@
 namespace forcebound::server {
 namespace {
 
-constexpr double kTop_m = 0.02;
-constexpr double kContact_N_per_m = 500;
-const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.3};
-const test::BlockOfCubes kBlock{.cubes = {4, 4, 2}, .cube_m = 0.01};
-const std::array<scene::Point, 2> kBeside_m{scene::Point(0.0143, 0.0232, kTop_m), scene::Point(0.0281, 0.0177, kTop_m)};
+using test::kThinBlock;
+using test::kThinTop_m;
+using test::tetrahedra_of;
 
-CorotationalTissue block_tissue() {
-  TetrahedralMesh mesh(test::tetrahedra_of(kBlock));
+constexpr double kContact_N_per_m = 500;
+const ElasticMaterial kCompressible{.young_Pa = 5000, .poisson = 0.3};
+const std::array<scene::Point, 2> kBesideOnTop_m{scene::Point(0.0143, 0.0232, kThinTop_m),
+                                                 scene::Point(0.0281, 0.0177, kThinTop_m)};
+
+CorotationalTissue compressible_block() {
+  TetrahedralMesh mesh(tetrahedra_of(kThinBlock));
   const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
-  return {std::move(mesh), kSoft, held, {.contact_stiffness_N_per_m = kContact_N_per_m, .tolerance = 1e-7}};
+  return {std::move(mesh), kCompressible, held, {.contact_stiffness_N_per_m = kContact_N_per_m, .tolerance = 1e-7}};
 }
 
 template <typename World>
@@ -35,16 +38,17 @@ void press(World& world, double depth_m) {
   while (world.join() >= 0) continue;
   for (int n = 0; n <= 50; ++n) {
     const scene::Point at_m(0, 0, 0.004 - (0.004 + depth_m) * std::min(1.0, n / 40.0));
-    for (int seat = 0; seat < 2; ++seat) move(world, seat, kBeside_m[static_cast<std::size_t>(seat)] + at_m);
+    for (int seat = 0; seat < 2; ++seat) move(world, seat, kBesideOnTop_m[static_cast<std::size_t>(seat)] + at_m);
   }
 }
 
 TEST(CorotationalTissueWorld, TwoProbesBarelyPressedFeelWhatTheyFeelOfLinearTissue) {
-  const CorotationalTissue tissue = block_tissue();
+  const CorotationalTissue tissue = compressible_block();
   CorotationalTissueWorld world(tissue, 2);
-  TetrahedralMesh mesh(test::tetrahedra_of(kBlock));
+  TetrahedralMesh mesh(tetrahedra_of(kThinBlock));
   const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
-  const TissueModel model(LinearTissue(std::move(mesh), kSoft, held), {.contact_stiffness_N_per_m = kContact_N_per_m});
+  const TissueModel model(LinearTissue(std::move(mesh), kCompressible, held),
+                          {.contact_stiffness_N_per_m = kContact_N_per_m});
   LinearTissueWorld linear(model, 2);
   press(world, 2e-5);
   press(linear, 2e-5);
@@ -57,18 +61,18 @@ TEST(CorotationalTissueWorld, TwoProbesBarelyPressedFeelWhatTheyFeelOfLinearTiss
 }
 
 TEST(CorotationalTissueWorld, OnePressedBesideTheOtherIsFeltUntilItLeaves) {
-  const CorotationalTissue tissue = block_tissue();
+  const CorotationalTissue tissue = compressible_block();
   CorotationalTissueWorld both(tissue, 2);
   press(both, 0.005);
   const scene::Point beside_N = both.seat(1).result.force_N;
   both.leave(0);
-  const scene::Point at_m = kBeside_m[1] - scene::Point(0, 0, 0.005);
+  const scene::Point at_m = kBesideOnTop_m[1] - scene::Point(0, 0, 0.005);
   for (int n = 0; n < 10; ++n) move(both, 1, at_m);
   CorotationalTissueWorld alone(tissue, 2);
   static_cast<void>(alone.join());
   static_cast<void>(alone.join());
   for (int n = 0; n <= 50; ++n) {
-    move(alone, 1, kBeside_m[1] + scene::Point(0, 0, 0.004 - 0.009 * std::min(1.0, n / 40.0)));
+    move(alone, 1, kBesideOnTop_m[1] + scene::Point(0, 0, 0.004 - 0.009 * std::min(1.0, n / 40.0)));
   }
   const scene::Point alone_N = alone.seat(1).result.force_N;
   EXPECT_GT((beside_N - alone_N).norm(), 0.02 * alone_N.norm());
@@ -76,7 +80,7 @@ TEST(CorotationalTissueWorld, OnePressedBesideTheOtherIsFeltUntilItLeaves) {
 }
 
 TEST(CorotationalTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherFeelsOfItsOwn) {
-  const CorotationalTissue tissue = block_tissue();
+  const CorotationalTissue tissue = compressible_block();
   CorotationalTissueWorld world(tissue, 2);
   press(world, 0.005);
   constexpr double kStep_m = 1e-5;
@@ -85,8 +89,9 @@ TEST(CorotationalTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherF
     for (const std::size_t side : {0U, 1U}) {
       const scene::Point step_m(0, 0, side == 0 ? -kStep_m : kStep_m);
       for (int n = 0; n < 30; ++n) {
-        move(world, static_cast<int>(moved), kBeside_m[moved] + step_m - scene::Point(0, 0, 0.005));
-        force_N[side] = move(world, static_cast<int>(felt), kBeside_m[felt] - scene::Point(0, 0, 0.005)).force_N.z();
+        move(world, static_cast<int>(moved), kBesideOnTop_m[moved] + step_m - scene::Point(0, 0, 0.005));
+        force_N[side] =
+            move(world, static_cast<int>(felt), kBesideOnTop_m[felt] - scene::Point(0, 0, 0.005)).force_N.z();
       }
     }
     return (force_N[1] - force_N[0]) / (2 * kStep_m);
@@ -98,7 +103,7 @@ TEST(CorotationalTissueWorld, WhatOneFeelsOfTheOthersDisplacementIsWhatTheOtherF
 }
 
 TEST(CorotationalTissueWorld, ReturnsNoMoreEnergyToTwoHandsThanTheyGave) {
-  const CorotationalTissue tissue = block_tissue();
+  const CorotationalTissue tissue = compressible_block();
   CorotationalTissueWorld world(tissue, 2);
   while (world.join() >= 0) continue;
   std::array<scene::Point, 2> before_m{scene::Point::Zero(), scene::Point::Zero()};
@@ -109,8 +114,9 @@ TEST(CorotationalTissueWorld, ReturnsNoMoreEnergyToTwoHandsThanTheyGave) {
   for (int n = 0; n <= kSteps; ++n) {
     for (const std::size_t seat : {0U, 1U}) {
       const double angle = 2 * std::numbers::pi * n / kSteps - 0.4 * static_cast<double>(seat);
-      const scene::Point at_m = kBeside_m[seat] + scene::Point(0.004 * std::sin(angle), 0.003 * std::sin(2 * angle),
-                                                               0.002 - 0.008 * 0.5 * (1 - std::cos(angle)));
+      const scene::Point at_m =
+          kBesideOnTop_m[seat] + scene::Point(0.004 * std::sin(angle), 0.003 * std::sin(2 * angle),
+                                              0.002 - 0.008 * 0.5 * (1 - std::cos(angle)));
       const TissueResult& result = move(world, static_cast<int>(seat), at_m);
       EXPECT_TRUE(result.finite);
       if (n > 0) work_J -= 0.5 * (result.force_N + before_N[seat]).dot(at_m - before_m[seat]);
@@ -127,7 +133,7 @@ TEST(CorotationalTissueWorld, ReturnsNoMoreEnergyToTwoHandsThanTheyGave) {
 
 TEST(CorotationalTissueWorld, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  const CorotationalTissue tissue = block_tissue();
+  const CorotationalTissue tissue = compressible_block();
   CorotationalTissueWorld world(tissue, 2);
   const test::AllocationGuard guard;
   press(world, 0.005);

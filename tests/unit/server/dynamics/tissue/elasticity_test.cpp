@@ -14,7 +14,7 @@
 namespace forcebound::server {
 namespace {
 
-const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
+using test::kSoft;
 
 /// A block whose inner nodes lie anywhere, so that no two tetrahedra are alike.
 TetrahedralMesh irregular_block() {

@@ -16,15 +16,13 @@
 namespace forcebound::server {
 namespace {
 
-using test::BlockOfCubes;
+using test::kSoft;
+using test::kThickBlock;
+using test::kThickTop_m;
 using test::tetrahedra_of;
 
-const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
-const BlockOfCubes kBlock{.cubes = {6, 6, 3}, .cube_m = 0.01};
-constexpr double kTop_m = 0.03;
-
 TissueModel block_model(const ProbeOptions& options) {
-  TetrahedralMesh mesh(tetrahedra_of(kBlock));
+  TetrahedralMesh mesh(tetrahedra_of(kThickBlock));
   const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
   return {LinearTissue(std::move(mesh), kSoft, held), options};
 }
@@ -71,8 +69,8 @@ TEST(TissueModel, PushesOutwardAndMoreTheDeeper) {
     double last_N = 0;
     for (int n = 1; n <= 10; ++n) {
       const double depth_m = 0.0005 * n;
-      const TissueResult result = go(model, state, {0.032, 0.031, kTop_m + options.radius_m - depth_m + 0.0005},
-                                     {0.032, 0.031, kTop_m + options.radius_m - depth_m}, 5);
+      const TissueResult result = go(model, state, {0.032, 0.031, kThickTop_m + options.radius_m - depth_m + 0.0005},
+                                     {0.032, 0.031, kThickTop_m + options.radius_m - depth_m}, 5);
       EXPECT_GT(result.force_N.z(), last_N);
       EXPECT_NEAR(result.depth_m, depth_m, options.radius_m / 24 + 1e-12);
       EXPECT_GT(result.normal.z(), 0.8);
@@ -94,7 +92,7 @@ TEST(TissueModel, ASphereOnOneNodeFeelsThatNodesCompliance) {
   const TissueModel model = block_model({.radius_m = 0.01, .contact_stiffness_N_per_m = 1e4});
   const LinearTissue& tissue = model.tissue();
   int node = 0;
-  while ((tissue.surface().nodes_m()[node] - scene::Point(0.03, 0.03, kTop_m)).norm() > 1e-9) ++node;
+  while ((tissue.surface().nodes_m()[node] - scene::Point(0.03, 0.03, kThickTop_m)).norm() > 1e-9) ++node;
   TissueState state{};
   constexpr double kDepth_m = 1e-5;
   const TissueResult result = go(model, state, {0.03, 0.03, 0.041}, {0.03, 0.03, 0.04 - kDepth_m}, 20);
@@ -109,7 +107,7 @@ TEST(TissueModel, ForceIsTheGradientOfItsEnergy) {
     SCOPED_TRACE(options.radius_m);
     const TissueModel model = block_model(options);
     TissueState state{};
-    const scene::Point at(0.0243, 0.0332, kTop_m + options.radius_m - 0.004);
+    const scene::Point at(0.0243, 0.0332, kThickTop_m + options.radius_m - 0.004);
     const TissueResult result = go(model, state, at + scene::Point(0.002, 0.001, 0.006), at, 60);
     scene::Point gradient;
     for (int axis = 0; axis < 3; ++axis) {
@@ -162,7 +160,7 @@ Loop go_round(const TissueModel& model, double depth_m, int steps) {
   for (int n = 0; n <= steps; ++n) {
     const double angle = 2 * std::numbers::pi * n / steps;
     const scene::Point at(0.0213 + 0.015 * std::sin(angle), 0.0334 + 0.004 * std::sin(2 * angle),
-                          kTop_m + radius_m + 0.002 - (depth_m + 0.002) * 0.5 * (1 - std::cos(angle)));
+                          kThickTop_m + radius_m + 0.002 - (depth_m + 0.002) * 0.5 * (1 - std::cos(angle)));
     const TissueResult result = model.step(state, at);
     EXPECT_EQ(result.contacts_left_out, 0);
     if (n > 0) loop.work_J -= 0.5 * (result.force_N + last.force_N).dot(at - before);
@@ -235,14 +233,14 @@ TEST(TissueModel, AStateThatStartsInsideIsPushedOutWhereTheSurfaceIsNearest) {
   for (const ProbeOptions& options : probes()) {
     const TissueModel model = block_model(options);
     TissueState state{};
-    const TissueResult result = model.step(state, {0.0312, 0.0284, kTop_m - 0.002});
+    const TissueResult result = model.step(state, {0.0312, 0.0284, kThickTop_m - 0.002});
     EXPECT_GT(result.normal.z(), 0.9);
     EXPECT_GT(result.contacts, 0);
   }
 }
 
 TEST(TissueModel, ReportsContactsBeyondItsCapacity) {
-  const scene::Point at(0.031, 0.029, kTop_m + 0.02 - 0.004);
+  const scene::Point at(0.031, 0.029, kThickTop_m + 0.02 - 0.004);
   TissueState state{};
   const TissueResult whole =
       go(block_model({.radius_m = 0.02, .contacts_max = 16}), state, at + scene::Point(0, 0, 0.005), at, 50);
@@ -260,7 +258,7 @@ TEST(TissueModel, ReportsContactsBeyondItsCapacity) {
 }
 
 TEST(TissueModel, ReportsTheResidualOfAnExhaustedBudget) {
-  const scene::Point at(0.031, 0.029, kTop_m + 0.01 - 0.004);
+  const scene::Point at(0.031, 0.029, kThickTop_m + 0.01 - 0.004);
   double last_J = 0;
   for (const int iterations : {1, 2, 4, 40}) {
     TissueState state{};
@@ -279,7 +277,7 @@ TEST(TissueModel, LeavesItsStateAloneWhereThePositionIsNotFinite) {
   for (const ProbeOptions& options : probes()) {
     const TissueModel model = block_model(options);
     TissueState state{};
-    static_cast<void>(model.step(state, {0.03, 0.03, kTop_m - 0.001}));
+    static_cast<void>(model.step(state, {0.03, 0.03, kThickTop_m - 0.001}));
     const TissueState before = state;
     for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity()}) {
       const TissueResult result = model.step(state, {0.03, wrong, 0.02});

@@ -16,17 +16,16 @@
 namespace forcebound::server {
 namespace {
 
+using test::kThickTop_m;
 using testing::Contains;
 using testing::HasSubstr;
-
-constexpr double kTop_m = 0.03;
 
 const ProbeOptions kTied{.contact_stiffness_N_per_m = 1e3};
 
 TissueDescription block_description() {
-  TetrahedralMesh mesh(test::tetrahedra_of({.cubes = {6, 6, 3}, .cube_m = 0.01}));
+  TetrahedralMesh mesh(test::tetrahedra_of(test::kThickBlock));
   std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
-  return {.mesh = std::move(mesh), .material = {.young_Pa = 5000, .poisson = 0.4}, .held_nodes = std::move(held)};
+  return {.mesh = std::move(mesh), .material = test::kSoft, .held_nodes = std::move(held)};
 }
 
 TissueDynamicModel block(const ProbeOptions& probe, bool large_motion = false) {
@@ -61,7 +60,7 @@ TEST(TissueDynamicModel, IsFeltWhereItsFactsSaySurfaceIs) {
   for (const TissueDynamicModel& dynamic_model : blocks()) {
     SCOPED_TRACE(law);
     const scene::Point surface_m = dynamic_model.facts().on_surface_m;
-    EXPECT_LT((surface_m - scene::Point(0.03, 0.03, kTop_m + radius_m[law++])).norm(), 1e-9);
+    EXPECT_LT((surface_m - scene::Point(0.03, 0.03, kThickTop_m + radius_m[law++])).norm(), 1e-9);
     const auto state = dynamic_model.make_state(1);
     const int seat = state->join();
     EXPECT_EQ(state->touch(seat).force_N, scene::Point::Zero());
@@ -85,7 +84,7 @@ TEST(TissueDynamicModel, TimeDoesNotMatter) {
     const int slow_seat = slow->join();
     const int fast_seat = fast->join();
     for (int n = 0; n <= 20; ++n) {
-      const scene::Point at_m(0.03, 0.031, kTop_m + 0.012 - 0.001 * n);
+      const scene::Point at_m(0.03, 0.031, kThickTop_m + 0.012 - 0.001 * n);
       slow->move(slow_seat, at_m, scene::Point(0, 0, -1));
       slow->advance(1);
       fast->move(fast_seat, at_m, scene::Point(0, 0, -1000));
@@ -243,7 +242,7 @@ TEST(TissueDynamicModel, TheLiverPushesBack) {
     std::vector<int> held = nodes_below(mesh, {0, 0, 0}, scene::Point::UnitZ());
     ASSERT_FALSE(held.empty());
     const TissueDynamicModel dynamic_model({.mesh = std::move(mesh),
-                                            .material = {.young_Pa = 5000, .poisson = 0.4},
+                                            .material = test::kSoft,
                                             .held_nodes = std::move(held),
                                             .probe = kTied,
                                             .large_motion = large_motion});

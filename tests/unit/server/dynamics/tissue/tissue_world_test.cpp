@@ -17,19 +17,20 @@
 namespace forcebound::server {
 namespace {
 
-constexpr double kTop_m = 0.03;
+using test::kThickTop_m;
+
 constexpr double kYield_m_per_N = 1e-4;
 
-TissueModel block_model(double radius_m) {
-  TetrahedralMesh mesh(test::tetrahedra_of({.cubes = {6, 6, 3}, .cube_m = 0.01}));
+TissueModel block_with(double radius_m) {
+  TetrahedralMesh mesh(test::tetrahedra_of(test::kThickBlock));
   const std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
-  return {LinearTissue(std::move(mesh), {.young_Pa = 5000, .poisson = 0.4}, held),
+  return {LinearTissue(std::move(mesh), test::kSoft, held),
           {.radius_m = radius_m, .contact_stiffness_N_per_m = 1 / kYield_m_per_N, .contacts_max = 16}};
 }
 
 std::vector<TissueModel> models() {
   std::vector<TissueModel> all;
-  for (const double radius_m : {0.0, 0.005, 0.01}) all.push_back(block_model(radius_m));
+  for (const double radius_m : {0.0, 0.005, 0.01}) all.push_back(block_with(radius_m));
   return all;
 }
 
@@ -62,8 +63,8 @@ class Two {
   double radius_m_;
 };
 
-const std::array<scene::Point, 2> kBeside_m{scene::Point(0.0243, 0.0332, kTop_m - 0.004),
-                                            scene::Point(0.0381, 0.0277, kTop_m - 0.003)};
+const std::array<scene::Point, 2> kBeside_m{scene::Point(0.0243, 0.0332, kThickTop_m - 0.004),
+                                            scene::Point(0.0381, 0.0277, kThickTop_m - 0.003)};
 
 struct Row {
   SurfacePlace place;
@@ -182,8 +183,8 @@ TEST(LinearTissueWorld, ASeatWithoutContactChangesNothing) {
     LinearTissueWorld alone(model, 1);
     const int seat = alone.join();
     for (int n = 0; n < 60; ++n) {
-      const scene::Point tip_m(0.02 + 2e-4 * n, 0.031, kTop_m + 0.002 - 1e-4 * n);
-      two.move(1, {0.04, 0.03, kTop_m + 0.02});
+      const scene::Point tip_m(0.02 + 2e-4 * n, 0.031, kThickTop_m + 0.002 - 1e-4 * n);
+      two.move(1, {0.04, 0.03, kThickTop_m + 0.02});
       alone.move(seat, tip_m + model.options().radius_m * scene::Point::UnitZ(), scene::Point::Zero());
       EXPECT_EQ(two.move(0, tip_m).force_N, alone.touch(seat).force_N);
     }
@@ -213,10 +214,10 @@ TEST(LinearTissueWorld, APlaceMovedAwayByAnotherProbeHasNoForceUntilThatLeaves) 
     SCOPED_TRACE(model.options().radius_m);
     const double beside_m = 0.004 + 0.5 * model.options().radius_m;
     Two two(model);
-    const scene::Point pressed_m(0.03, 0.03, kTop_m - 0.008);
+    const scene::Point pressed_m(0.03, 0.03, kThickTop_m - 0.008);
     for (int n = 0; n <= 40; ++n) two.move(0, pressed_m + scene::Point(0, 0, 0.01 * (1 - n / 40.0)));
     // Below the surface at rest, above it as it is.
-    const scene::Point hover_m(0.03 + beside_m, 0.03, kTop_m - 0.001);
+    const scene::Point hover_m(0.03 + beside_m, 0.03, kThickTop_m - 0.001);
     for (int n = 0; n <= 40; ++n) {
       const TissueResult& hovering = two.move(1, hover_m + scene::Point(0, 0, 0.005 * (1 - n / 40.0)));
       EXPECT_EQ(hovering.contacts, 0);
@@ -250,7 +251,7 @@ Work go_round(const TissueModel& model, int steps) {
       const double angle = 2 * std::numbers::pi * n / steps - (seat == 0 ? 0 : 0.4);
       const double depth_m = 0.002 - 0.005 * 0.5 * (1 - std::cos(angle));
       const scene::Point tip_m(0.022 + 0.016 * static_cast<double>(seat) + 0.006 * std::sin(angle),
-                               0.033 + 0.004 * std::sin(2 * angle), kTop_m + depth_m);
+                               0.033 + 0.004 * std::sin(2 * angle), kThickTop_m + depth_m);
       const TissueResult& result = two.move(static_cast<int>(seat), tip_m);
       EXPECT_EQ(result.contacts_left_out, 0);
       if (n > 0) work.by_hands_J -= 0.5 * (result.force_N + before_N[seat]).dot(tip_m - before_m[seat]);
@@ -281,7 +282,7 @@ TEST(LinearTissueWorld, ThreeRandomHandsExtractNoMoreEnergyThanIsStored) {
     while (world.join() >= 0) continue;
     std::mt19937_64 random(7);
     std::uniform_real_distribution<double> aside_m(-0.01, 0.07);
-    std::uniform_real_distribution<double> height_m(kTop_m - 0.006, kTop_m + 0.01);
+    std::uniform_real_distribution<double> height_m(kThickTop_m - 0.006, kThickTop_m + 0.01);
     std::array<scene::Point, 3> at_m{scene::Point(0.01, 0.03, 0.06), scene::Point(0.03, 0.03, 0.06),
                                      scene::Point(0.05, 0.03, 0.06)};
     std::array<scene::Point, 3> target_m = at_m;
@@ -314,7 +315,7 @@ constexpr int kCrowd = 16;
 /// Sixteen points, four by four, each with a depth of its own.
 scene::Point in_crowd_m(int seat) {
   const int row = seat / 4;
-  return {0.0113 + 0.0121 * (seat % 4), 0.0127 + 0.0117 * row, kTop_m - 0.0015 - 0.0001 * (seat % 5)};
+  return {0.0113 + 0.0121 * (seat % 4), 0.0127 + 0.0117 * row, kThickTop_m - 0.0015 - 0.0001 * (seat % 5)};
 }
 
 /// All come down, then move by turns, each in the same order or in another, until nothing changes.
@@ -329,7 +330,7 @@ std::unique_ptr<LinearTissueWorld> crowd_on(const TissueModel& model, const std:
 }
 
 TEST(LinearTissueWorld, SixteenPointsAreAllFeltWhateverTheirOrder) {
-  const TissueModel model = block_model(0);
+  const TissueModel model = block_with(0);
   const auto forth = crowd_on(model, [](int k) { return k; });
   const auto back = crowd_on(model, [](int k) { return kCrowd - 1 - k; });
   const auto mixed = crowd_on(model, [](int k) { return (7 * k + 3) % kCrowd; });
@@ -346,7 +347,7 @@ TEST(LinearTissueWorld, SixteenPointsAreAllFeltWhateverTheirOrder) {
 
 // Which is reciprocal, its matrix being symmetric.
 TEST(LinearTissueWorld, SixteenPointsFeelWhatOneSolveOfAllTheirContactsGives) {
-  const TissueModel model = block_model(0);
+  const TissueModel model = block_with(0);
   const auto world = crowd_on(model, [](int k) { return k; });
   const auto together_N = solved_together(model, rows_of(model, *world, kCrowd));
   ASSERT_EQ(together_N.size(), static_cast<std::size_t>(kCrowd));
