@@ -13,7 +13,8 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 # Two thirds of compiling a source is reading the headers of Eigen and the standard library; several sources compiled as one
-# read them once. OFF finds missing includes that another source of the same unit provided.
+# read them once. OFF finds missing includes that another source of the same unit provided; in tests, only together with
+# CMAKE_DISABLE_PRECOMPILE_HEADERS.
 option(FORCEBOUND_UNITY "Compile several sources of a library or test together" ${PROJECT_IS_TOP_LEVEL})
 
 # forcebound_compile_together(TARGET): if FORCEBOUND_UNITY is set.

@@ -10,8 +10,7 @@ function(forcebound_wants label result)
   set(${result} ${wanted} PARENT_SCOPE)
 endfunction()
 
-# Precompiled headers that nearly every test uses, for tests whose sources are compiled one by one. No headers of ours:
-# a change of one would compile everything again.
+# Precompiled headers that nearly every test uses. No headers of ours: a change of one would compile everything again.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "// A target needs a source.\n")
 add_library(forcebound_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
 target_link_libraries(forcebound_test_headers PRIVATE forcebound_options Eigen3::Eigen GTest::gmock)
@@ -20,14 +19,13 @@ target_precompile_headers(forcebound_test_headers PRIVATE
   <gtest/gtest.h>)
 
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
-#                 [TOGETHER] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder. It
-# is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
-# TOGETHER: no two of its sources use one name for different things, so that several may be compiled as one; otherwise
-# each is compiled by itself, with precompiled headers.
+#                 [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder.
+# It is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
+# Its sources are compiled together, so none of them may use another's name for something else.
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
 # --long is given; `threads` and `process` run it under ThreadSanitizer as well.
 function(forcebound_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL;TOGETHER" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
@@ -38,11 +36,8 @@ function(forcebound_test name)
     file(GLOB_RECURSE arg_SOURCES CONFIGURE_DEPENDS ${arg_FOLDER}/*.cpp)
   endif()
   add_executable(${name} ${arg_SOURCES})
-  if(arg_TOGETHER)
-    forcebound_compile_together(${name})
-  else()
-    target_precompile_headers(${name} REUSE_FROM forcebound_test_headers)
-  endif()
+  forcebound_compile_together(${name})
+  target_precompile_headers(${name} REUSE_FROM forcebound_test_headers)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_test_support GTest::gmock_main forcebound_options)
   forcebound_wants("${arg_LABELS}" wanted)
