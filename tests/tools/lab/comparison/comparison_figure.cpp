@@ -39,6 +39,7 @@ std::vector<Standing> standings_behind(const Json& laws, std::size_t network) {
 
 std::vector<std::size_t> unbeaten(const std::vector<Standing>& all) {
   std::vector<Trade> trades;
+  trades.reserve(all.size());
   for (const Standing& standing : all) {
     // A wall shown stiffer than it is counts as 1.
     trades.push_back(
