@@ -8,6 +8,19 @@
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::config {
+namespace {
+
+std::string not_a_table(const std::string& kind) { return kind + " must be a table, [[" + kind + "]]"; }
+
+/// "object 'wall'".
+std::string named(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
+
+std::string named_twice(const std::string& one, const std::string& other, const std::string& name) {
+  const std::string both = one == other ? "two [[" + one + "]]" : "[[" + one + "]] and [[" + other + "]]";
+  return both + " are named '" + name + "'";
+}
+
+}  // namespace
 
 const Node* CheckedTable::find(std::string_view key) {
   if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
@@ -185,18 +198,14 @@ void CheckedTable::each(const std::string& kind,
                         const std::function<void(CheckedTable& part, const std::string& name)>& read) {
   if (find(kind) == nullptr) return;
   for (const Node& node : list(kind)) {
-    if (node.as<Node::Table>() == nullptr) fail(node, kind + " must be a table, [[" + kind + "]]");
+    if (node.as<Node::Table>() == nullptr) fail(node, not_a_table(kind));
     static const std::vector<Parameter> kName{TextParameter{.key = "name", .form = TextParameter::Form::name}};
     const std::string name = CheckedTable(node, file_, kind).given(kName).text("name");
-    CheckedTable part(node, file_, kind + " '" + name + "'");
+    CheckedTable part(node, file_, named(kind, name));
     (void)part.find("name");
     read(part, name);
     const auto known = std::ranges::find(named_, name, &Named::name);
-    if (known != named_.end()) {
-      const std::string both =
-          known->kind == kind ? "two [[" + kind + "]]" : "[[" + known->kind + "]] and [[" + kind + "]]";
-      fail(node, both + " are named '" + name + "'");
-    }
+    if (known != named_.end()) fail(node, named_twice(known->kind, kind, name));
     named_.push_back({kind, name});
   }
 }
@@ -204,7 +213,7 @@ void CheckedTable::each(const std::string& kind,
 void CheckedTable::refuse_unknown_keys(const std::string& refusal) const {
   for (const auto& [name, node] : *table_.as<Node::Table>()) {
     if (std::ranges::find(known_, name) != known_.end()) continue;
-    fail(node, refusal + " '" + name + "'" + text::suggestion(name, known_));
+    fail(node, named(refusal, name) + text::suggestion(name, known_));
   }
 }
 
