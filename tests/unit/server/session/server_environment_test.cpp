@@ -14,8 +14,6 @@ using test::kNaN;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// Returns the responses set by the test, and records its inputs.
 struct Script {
   Response response{.force = vector_of({1})};
