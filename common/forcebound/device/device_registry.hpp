@@ -50,7 +50,7 @@ class DeviceRegistry {
   /// The request with every empty field filled in for which a family has a default.
   [[nodiscard]] DeviceRequest completed(DeviceRequest request) const;
 
-  /// @throws std::runtime_error naming the known devices, or about the file.
+  /// @throws std::invalid_argument naming the known devices; std::runtime_error about the file.
   [[nodiscard]] control::DeviceFacts facts(const std::string& name_or_file) const;
 
   /// @param request completed.

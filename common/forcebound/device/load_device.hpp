@@ -29,7 +29,8 @@ namespace forcebound::device {
 [[nodiscard]] bool names_a_file(std::string_view name_or_file) noexcept;
 
 /// A shipped device by its name, or any other by its file.
-/// @throws std::runtime_error as parse_device; or if there is no such device (listing the known ones) or file.
+/// @throws std::invalid_argument listing the known devices if there is none of that name; std::runtime_error as
+/// parse_device, or if there is no such file.
 [[nodiscard]] DeviceDescription load_device(const std::string& name_or_file);
 
 /// The names of the shipped devices.

@@ -68,7 +68,7 @@ TEST(DeviceRegistry, UnknownDeviceIsRefusedWithTheKnownNames) {
   try {
     (void)devices.make({.device = "stil", .hand = ""});
     FAIL();
-  } catch (const std::runtime_error& error) {
+  } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(
         error.what(),
         "unknown device 'stil', did you mean 'still'? (known: cartesian-2dof, cartesian-3dof, omni, wall-1dof, "

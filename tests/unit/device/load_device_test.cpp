@@ -17,7 +17,7 @@ using testing::HasSubstr;
 std::string refusal(const std::function<void()>& attempt) {
   try {
     attempt();
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     return error.what();
   }
   return "accepted";
