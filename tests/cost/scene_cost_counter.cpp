@@ -22,6 +22,7 @@ namespace {
 scene::Registry registry(const std::string& which) {
   if (which == "only") {
     scene::Registry only;
+    only.add(scene::sphere_shape());
     only.add(scene::surface_effect());
     return only;
   }

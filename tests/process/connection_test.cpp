@@ -116,7 +116,7 @@ TEST(AServer, RefusesAnotherProtocolVersionNamingBoth) {
   const auto& refusal = std::get<wire::Refusal>(*answer);
   EXPECT_EQ(refusal.reason, wire::RefusalReason::version_mismatch);
   EXPECT_EQ(refusal.client_nonce, 7U);
-  EXPECT_EQ(refusal.text, "this server speaks protocol version 1, the client 99");
+  EXPECT_EQ(refusal.text, "the server speaks protocol version 2, the client version 99: update the server");
 }
 
 TEST(AnAddressInUse, IsNamedByServerAndRelay) {

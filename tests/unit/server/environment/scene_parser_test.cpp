@@ -127,8 +127,8 @@ TEST(ParseScene, MissingKeysAreNamed) {
       "a misspelling of it?");
   EXPECT_EQ(
       error_of(with("stiffness_N_per_m", "stiffness")),
-      "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' meant "
-      "to be it?");
+      "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' a "
+      "misspelling of it?");
   EXPECT_EQ(error_of(with("name = \"wall\"\nshape", "shape")), "scenes/wall.toml:6: object: 'name' is missing");
   EXPECT_EQ(error_of(with("effects = [\"surface\"]", "")), "scenes/wall.toml:6: object 'wall': 'effects' is missing");
   EXPECT_THAT(error_of(with("[\"surface\"]", "[]")),
