@@ -85,6 +85,8 @@ LoadResult Load::run(std::size_t clients) {
     for (Nanoseconds time = now(); time < due(i); time = now()) wait(due(i));
     const auto first = static_cast<std::size_t>(i) % clients;
     const Nanoseconds time = now();
+    const LoadGenerator::Tally& tally = load_generator_.tally();
+    given_up_ = tally.sent - std::min(tally.sent, tally.answered);
     // If late, sends all motions due at once, up to the last client of a socket.
     do {
       const auto client = static_cast<std::size_t>(i) % clients;
@@ -145,7 +147,8 @@ void Load::rest(Nanoseconds until) {
 
 void Load::wait(Nanoseconds until) {
   using Waiting = LoadOptions::Waiting;
-  const bool answer_missing = load_generator_.tally().answered < load_generator_.tally().sent;
+  const LoadGenerator::Tally& tally = load_generator_.tally();
+  const bool answer_missing = tally.answered + given_up_ < tally.sent;
   const bool asleep = options_.waiting == Waiting::asleep || (options_.waiting == Waiting::ping_pong && answer_missing);
   // With an answer to wait for on one socket, one call sleeps and receives, as sockperf's does.
   if (asleep && answer_missing && lines_.size() == 1) return take_in(lines_.front().batch.wait_for_some());

@@ -125,10 +125,9 @@ TEST(ParseScene, MissingKeysAreNamed) {
       error_of(with("stiffness_N_per_m", "stifness_N_per_m")),
       "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stifness_N_per_m' "
       "a misspelling of it?");
-  EXPECT_EQ(
-      error_of(with("stiffness_N_per_m", "stiffness")),
-      "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' a "
-      "misspelling of it?");
+  EXPECT_EQ(error_of(with("stiffness_N_per_m", "stiffness")),
+            "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' a "
+            "misspelling of it?");
   EXPECT_EQ(error_of(with("name = \"wall\"\nshape", "shape")), "scenes/wall.toml:6: object: 'name' is missing");
   EXPECT_EQ(error_of(with("effects = [\"surface\"]", "")), "scenes/wall.toml:6: object 'wall': 'effects' is missing");
   EXPECT_THAT(error_of(with("[\"surface\"]", "[]")),
