@@ -7,6 +7,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/load_device.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/file.hpp"
@@ -141,6 +142,10 @@ nlohmann::ordered_json read_study(const std::string& file) {
 bool is_written(const std::string& scene) { return scene.ends_with(".json"); }
 
 void accuracy(const AccuracyOptions& options) {
+  if (is_written(options.scene) && !(options.sweep.empty() && options.fixed.empty() && options.levels.empty())) {
+    throw std::invalid_argument(options.scene +
+                                " is a study that was carried out: --sweep, --set and --levels need a scene");
+  }
   const auto study = is_written(options.scene) ? read_study(options.scene) : carried_out(options);
   if (!options.json.empty()) text::write_file(options.json, study.dump(2) + '\n');
   if (!options.readme.empty()) {
@@ -201,7 +206,9 @@ void add_accuracy(CLI::App& app) {
       ->add_option("SCENE", options->scene,
                    "name or FILE.toml; or FILE.json that --json wrote: then nothing is run, only written")
       ->required()
-      ->check(known_scene());
+      ->check(program::accepted_by([](const std::string& scene) {
+        if (!is_written(scene) && !device::names_a_file(scene)) (void)server::scene_source(scene);
+      }));
   command
       ->add_option("--sweep", options->sweep,
                    "a key of the scene and its values, from coarse to fine or back: "

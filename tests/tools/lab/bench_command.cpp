@@ -23,10 +23,7 @@ struct BenchOptions {
 };
 
 void run(const BenchOptions& options) {
-  if (!options.figure.empty() && std::filesystem::path(options.figure).replace_extension(".csv") == options.csv) {
-    throw std::invalid_argument("--csv " + options.csv + " is where the data of --figure " + options.figure +
-                                " go; give one of them another name");
-  }
+  if (!options.figure.empty()) expect_apart(options.figure, {options.from, options.csv, options.readme});
   const BenchResults results =
       options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
   std::cout << to_table(results) << std::flush;
@@ -45,7 +42,9 @@ void add_bench(CLI::App& app) {
   CLI::App* command = app.add_subcommand("bench", "Print the table of ratios from deploy/bench's measurements");
   command->add_option("RESULTS", options->from, "the folder that its tools wrote to, or FILE.csv")->required();
   command->add_option("--csv", options->csv, "write the results to this file")->type_name("FILE.csv");
-  command->add_option("--figure", options->figure, "draw the ratios into this file")
+  command
+      ->add_option("--figure", options->figure,
+                   "draw the ratios into this file; data and script go beside it, as .csv and .gnuplot")
       ->check(png_file())
       ->type_name("FILE.png");
   command->add_option("--readme", options->readme, "put the results between the marks of this file")

@@ -87,6 +87,11 @@ nlohmann::ordered_json read_standings(const std::string& file) {
 }
 
 void compare(const CompareOptions& options) {
+  if (!options.figures.empty()) {
+    for (const char* const figure : {"comparison.png", "limits.png"}) {
+      expect_apart(std::filesystem::path(options.figures) / figure, {options.csv, options.json, options.from});
+    }
+  }
   // Check that files can be written before minutes of work.
   for (const std::string& file : {options.csv, options.json}) {
     if (!file.empty()) text::write_file(file, "");

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -96,6 +97,10 @@ void run(const ReplayArguments& arguments) {
   const ReplayOptions options = options_of(arguments);
   std::ifstream input_file;
   std::ofstream output_file;
+  if (arguments.input != "-" &&
+      std::filesystem::weakly_canonical(arguments.input) == std::filesystem::weakly_canonical(arguments.output)) {
+    throw std::invalid_argument("--output " + arguments.output + " would replace --input");
+  }
   if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "cannot be read");
   if (arguments.output != "-") output_file = opened<std::ofstream>(arguments.output, "cannot be written");
   const ReplayInput input =

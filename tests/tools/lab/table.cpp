@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,13 +26,16 @@ struct TableOptions {
 /// Passes a recording to its summary and to the figure.
 class RunReader final : public record::RecordingSink {
  public:
-  explicit RunReader(LawsFigure& figure) : figure_(figure) {}
+  RunReader(LawsFigure& figure, std::string file) : figure_(figure), file_(std::move(file)) {}
 
   void on_start(const record::RunInfo& info) override {
     summary_.emplace(info);
-    figure_.set_title("The laws compared" + (info.scene.empty() ? "" : " on " + info.scene),
-                      info.device + ", " + info.operator_name);
-    curves_ = &figure_.add_law(info.law);
+    const std::string title = "The laws compared" + (info.scene.empty() ? "" : " on " + info.scene);
+    const std::string subtitle = info.device + ", " + info.operator_name;
+    const bool first = figure_.title().empty();
+    figure_.set_title(first || figure_.title() == title ? title : "The laws compared",
+                      first || figure_.subtitle() == subtitle ? subtitle : "several devices or hands");
+    curves_ = &figure_.add_run(info.law, file_);
   }
   void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
   void on_tick(const record::TickRecord& tick) noexcept override {
@@ -46,13 +50,14 @@ class RunReader final : public record::RecordingSink {
 
  private:
   LawsFigure& figure_;
+  std::string file_;
   record::TickSink* curves_ = nullptr;
   std::optional<record::Summary> summary_;
   bool any_tick_ = false;
 };
 
 Json read_run(const std::string& file, LawsFigure& figure) {
-  RunReader run(figure);
+  RunReader run(figure, std::filesystem::path(file).filename().string());
   record::read_recording(file, run);
   if (!run.any_tick()) {
     throw std::runtime_error(file + ": no message on topic /tick; a client's recording is needed");
@@ -81,7 +86,11 @@ void add_table(CLI::App& app) {
   CLI::App* command = app.add_subcommand("table", "Print runs side by side, and draw them over each other");
   command->add_option("RUN", options->runs, "FILE.mcap that --record wrote, or FILE.json that --summary wrote")
       ->required();
-  command->add_option("--figure", options->figure, "draw depth, force, passivity and stiffness of the recordings here")
+  command
+      ->add_option(
+          "--figure", options->figure,
+          "draw depth, force, passivity and stiffness of the recordings here; data and script go beside it, as .csv "
+          "and .gnuplot")
       ->check(png_file())
       ->type_name("FILE.png");
   command->footer("Example:\n  forcebound-lab table less.mcap more.mcap --figure both.png");

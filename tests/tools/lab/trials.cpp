@@ -70,7 +70,7 @@ std::vector<Trial> play_trials(const TrialsSettings& settings, LawsFigure* figur
     RingingMeter ringing;
     PushMeter push;
     std::vector<record::TickSink*> sinks{&ringing, &push};
-    if (figure != nullptr) sinks.push_back(&figure->add_law(law));
+    if (figure != nullptr) sinks.push_back(&figure->add_run(law));
     sim::ClosedLoop loop(std::move(run), sinks);
     push.velocity_of = [&loop] { return loop.device().truth().velocity; };
     const time::Nanoseconds end = time::from_seconds(settings.duration_s);

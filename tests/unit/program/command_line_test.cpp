@@ -100,6 +100,7 @@ TEST(CommandLine, SaysInItsOwnWordsWhatWouldBeAccepted) {
   EXPECT_EQ(wrong_use_of({"--seed", "1.5"}), "--seed: must be a whole number from 1 to 9, got '1.5'");
   EXPECT_EQ(wrong_use_of({"--seed", "-1"}), "--seed: must be a whole number from 1 to 9, got '-1'");
   EXPECT_EQ(wrong_use_of({"--seed"}), "--seed needs a value");
+  EXPECT_EQ(wrong_use_of({"--seed", "1", "--seed", "2"}), "--seed is given more than once");
   EXPECT_EQ(wrong_use_of({"--sed", "1"}), "unknown option '--sed', did you mean '--seed'?");
   EXPECT_EQ(wrong_use_of({"tabel"}), "unknown command 'tabel', did you mean 'table'? (known: table)");
   EXPECT_EQ(wrong_use_of({"table"}, "example table"), "RUN is required");

@@ -248,7 +248,8 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(scene.facts().hash));
   std::string text = "scene '" + scene.facts().name + "' (hash " + hash + "): " + scene.facts().description + "\n";
-  text += "devices: " + scene.accepted_degrees_of_freedom() + " degrees of freedom\n";
+  text += "devices: " + scene.accepted_degrees_of_freedom() + " degree" +
+          (scene.facts().degrees_of_freedom == 1 ? "" : "s") + " of freedom\n";
   text += "motion:       " +
           cost_text(kMotion_ns, facts.calibration ? std::optional(facts.calibration->motion) : std::nullopt) +
           ", besides the parts below\n";

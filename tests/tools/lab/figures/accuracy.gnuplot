@@ -38,7 +38,8 @@ eval(key_above)
 set logscale y
 set yrange [least / 1.3:most * 1.3]
 set ytics ()
-do for [power = -4:5] { set for [digit in '1 2 5'] ytics add (digit * 10.**power) }
+set format y '%g'
+do for [power = -4:5] { set for [digit in (most > 1e4 * least ? '1' : '1 2 5')] ytics add (digit * 10.**power) }
 set ylabel 'E_dev [%]'
 plot for [t = 1:words(trips)] data using (x(strcol('setting'))):(error_of('error', t, 0)): \
         xticlabels(strcol('setting')."\n".step_time(column('step_us'))) with linespoints pointtype 7 pointsize 0.9 \
@@ -55,6 +56,7 @@ plot for [t = 1:words(trips)] data using (x(strcol('setting'))):(error_of('error
 unset label 1; unset label 2
 unset logscale y
 set autoscale y
+set format y
 set ytics autofreq
 set ylabel 'part of E_dev [%]'
 set style fill solid noborder

@@ -16,7 +16,7 @@ set output name.'.png'
 line(network) = (place_of(networks, network) - (words(networks) + 1) / 2.) * 0.8 / words(networks)
 y(law, network) = place_of(laws, law) + line(network)
 # Zero has no place on a logarithmic axis.
-inside(value, least) = value < least ? least : value
+inside(value, least) = value < least ? least : value > highest ? highest : value
 of(network) = strcol('network') eq network
 mark(sound) = sound > 0 ? 7 : 2
 
@@ -44,6 +44,7 @@ do for [panel = 1:2] {
   if (panel == 1) {
     quantity = 'displayed_over_requested'
     least = 0.005
+    highest = 1.2
     set xrange [0.004:1.3]
     set xtics ('≤ 0.5 %%' 0.005, '2 %%' 0.02, '5 %%' 0.05, '10 %%' 0.1, '20 %%' 0.2, '50 %%' 0.5, '100 %%' 1)
     set xlabel 'displayed over requested stiffness'
@@ -54,6 +55,7 @@ do for [panel = 1:2] {
   } else {
     quantity = 'restlessness'
     least = 0.01
+    highest = 3.7
     set xrange [0.008:4]
     set xtics ('≤ 0.01' 0.01, '0.05' 0.05, '0.1' 0.1, '0.2' 0.2, '0.5' 0.5, '1' 1, '2' 2)
     set xlabel "restlessness: the force's deviation over its mean"

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -24,6 +25,38 @@ std::string_view embedded_script(std::string_view name) {
   return script->text;
 }
 
+// What draws `png` writes beside it.
+std::filesystem::path data_of(std::filesystem::path png) { return png.replace_extension(".csv"); }
+std::filesystem::path script_of(std::filesystem::path png) { return png.replace_extension(".gnuplot"); }
+
+/// Puts a file aside as long as another may take its place.
+class SetAside {
+ public:
+  explicit SetAside(const std::filesystem::path& file) : file_(file), aside_(file.string() + ".before") {
+    if (std::filesystem::exists(file_)) std::filesystem::rename(file_, aside_);
+  }
+  ~SetAside() {
+    std::error_code ignored;
+    if (kept_) {
+      std::filesystem::remove(aside_, ignored);
+    } else {
+      std::filesystem::remove(file_, ignored);
+      std::filesystem::rename(aside_, file_, ignored);
+    }
+  }
+  SetAside(const SetAside&) = delete;
+  SetAside& operator=(const SetAside&) = delete;
+  SetAside(SetAside&&) = delete;
+  SetAside& operator=(SetAside&&) = delete;
+
+  void keep_the_new() noexcept { kept_ = true; }
+
+ private:
+  std::filesystem::path file_;
+  std::filesystem::path aside_;
+  bool kept_ = false;
+};
+
 /// In single quotes, in which `quote` stands for a quote.
 std::string quoted(std::string_view text, std::string_view quote) {
   std::string out = "'";
@@ -37,7 +70,7 @@ std::string quoted(std::string_view text, std::string_view quote) {
   return out + "'";
 }
 
-std::string script_of(const Figure& figure, const std::string& name) {
+std::string script_text(const Figure& figure, const std::string& name) {
   const auto gnuplot_string = [](std::string_view text) { return quoted(text, "''"); };
   return "# Draws a figure of forcebound-lab from the CSV file beside it.\nname = " + gnuplot_string(name) +
          "\ntitle = " + gnuplot_string(figure.title) + "\nsubtitle = " + gnuplot_string(figure.subtitle) + "\n\n" +
@@ -53,7 +86,7 @@ GnuplotResult run_gnuplot(const std::filesystem::path& script) {
   const std::filesystem::path folder = script.has_parent_path() ? script.parent_path() : ".";
   const auto shell_word = [](const std::filesystem::path& path) { return quoted(path.string(), "'\\''"); };
   const std::string command =
-      "cd -- " + shell_word(folder) + " && gnuplot " + shell_word("./" + script.filename().string()) + " 2>&1";
+      "cd -- " + shell_word(folder) + " && gnuplot -d " + shell_word("./" + script.filename().string()) + " 2>&1";
   FILE* const pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("cannot start a shell for gnuplot");
   GnuplotResult result{};
@@ -67,23 +100,34 @@ GnuplotResult run_gnuplot(const std::filesystem::path& script) {
 
 std::filesystem::path draw(const Figure& figure, const std::filesystem::path& png) {
   constexpr int kCommandNotFound = 127;
-  const auto script = std::filesystem::path(png).replace_extension(".gnuplot");
-  text::write_file(std::filesystem::path(png).replace_extension(".csv"), figure.csv);
-  text::write_file(script, script_of(figure, png.stem().string()));
-  text::write_file(png, "");
+  const auto script = script_of(png);
+  text::write_file(data_of(png), figure.csv);
+  text::write_file(script, script_text(figure, png.stem().string()));
+  SetAside before(png);
   GnuplotResult result = run_gnuplot(script);
   if (WIFEXITED(result.status) && WEXITSTATUS(result.status) == kCommandNotFound) {
-    std::filesystem::remove(png);
     std::cerr << "note: " << png.string() << " is not drawn, since gnuplot is not installed (Debian: apt-get install "
               << "gnuplot-nox); its data and script are there: gnuplot " << script.string() << '\n';
     return script;
   }
-  if (result.status != 0 || std::filesystem::file_size(png) == 0) {
+  if (result.status != 0 || !std::filesystem::exists(png) || std::filesystem::file_size(png) == 0) {
     std::ranges::replace(result.said, '\n', ' ');
     throw std::runtime_error("gnuplot could not draw '" + png.string() + "': " + result.said);
   }
+  before.keep_the_new();
   std::cerr << result.said;  // its warnings
   return png;
+}
+
+void expect_apart(const std::filesystem::path& png, std::initializer_list<std::string> files) {
+  for (const std::string& file : files) {
+    for (const auto& written : {png, data_of(png), script_of(png)}) {
+      if (file.empty() || std::filesystem::weakly_canonical(file) != std::filesystem::weakly_canonical(written))
+        continue;
+      throw std::invalid_argument("the figure " + png.string() + " would replace " + file +
+                                  ": its data and script go beside it; give one of them another name");
+    }
+  }
 }
 
 std::string figure_number(double value) { return std::isfinite(value) ? text::rounded(value, 6) : "nan"; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 
 namespace forcebound::lab {
@@ -8,7 +9,7 @@ namespace forcebound::lab {
 /// What a figure is drawn from.
 struct Figure {
   std::string script;      ///< NAME.gnuplot of this folder, without the extension
-  std::string csv;         ///< its data; the script's head says which columns
+  std::string csv;         ///< its data, as the script reads them
   std::string title{};     ///< empty: the script's own
   std::string subtitle{};  ///< the same
 };
@@ -17,9 +18,14 @@ struct Figure {
 /// wants to change it: `gnuplot FIGURE.gnuplot` in that folder draws it again.
 ///
 /// @param png the picture, FIGURE.png
-/// @returns the picture; without gnuplot, which is said on stderr, the script
-/// @throws std::runtime_error naming the file that cannot be written, or saying what gnuplot said
+/// @returns the picture; without gnuplot the script, with a note on stderr
+/// @throws std::runtime_error naming the file that cannot be written, or with gnuplot's error; the picture that was
+/// there before stays then
 std::filesystem::path draw(const Figure& figure, const std::filesystem::path& png);
+
+/// Checks that drawing into `png` replaces none of these files. Empty names are no files.
+/// @throws std::invalid_argument naming the file
+void expect_apart(const std::filesystem::path& png, std::initializer_list<std::string> files);
 
 /// A number of a figure's data: six significant digits, or "nan", which interrupts a curve.
 [[nodiscard]] std::string figure_number(double value);

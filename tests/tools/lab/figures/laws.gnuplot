@@ -1,19 +1,22 @@
-# Runs of several laws over each other. The program sets title and subtitle.
+# Several runs over each other. A run's name begins with its law. The program sets title and subtitle.
 quantities = 'penetration_mm force_N P_mJ stiffness_N_per_mm'
-# The laws that have values of each.
+# The runs that have values of each.
 array shown[4] = ['', '', '', '']
-with_law(list, quantity) = strcol(quantity) eq 'nan' ? list : with_item(list, strcol('law'))
+with_run(list, quantity) = strcol(quantity) eq 'nan' ? list : with_item(list, strcol('run'))
+law_of(run) = word(run, 1)
+# Which run of its law it is: 1 for the first.
+turn_of(list, run) = sum [i = 1:place_of(list, run)] (law_of(word(list, i)) eq law_of(run))
 span_s = 0
 stats data using (span_s = column('time_s') > span_s ? column('time_s') : span_s, 0) nooutput
 do for [p = 1:4] {
-  laws = ''
-  stats data using (laws = with_law(laws, word(quantities, p)), 0) nooutput
-  shown[p] = laws
+  runs = ''
+  stats data using (runs = with_run(runs, word(quantities, p)), 0) nooutput
+  shown[p] = runs
 }
 # Force at hardly any depth is a spike of stiffness: what is higher than this is cut off.
 stiff_most = stiff_highest = 0
-do for [law in shown[4]] {
-  stats data using (strcol('law') eq law ? column('stiffness_N_per_mm') : NaN) nooutput
+do for [run in shown[4]] {
+  stats data using (strcol('run') eq run ? column('stiffness_N_per_mm') : NaN) nooutput
   stiff_most = 3 * STATS_up_quartile > stiff_most ? 3 * STATS_up_quartile : stiff_most
   stiff_highest = STATS_max > stiff_highest ? STATS_max : stiff_highest
 }
@@ -27,10 +30,10 @@ height = head_px + 4 * panel_px + 50
 eval(begin(1000, height))
 set output name.'.png'
 
-curve(law, quantity) = strcol('law') eq law ? column(quantity) : NaN
+curve(run, quantity) = strcol('run') eq run ? column(quantity) : NaN
 array titles[4] = ['Penetration', 'Force on the device', \
     'Passivity: energy taken less energy returned, logarithmic beyond 1 mJ', \
-    'Displayed stiffness at rest: depth changes by less than 5 mm/s'.(is_cut ? '; spikes cut off' : '')]
+    'Displayed stiffness at rest: depth changes by less than 5 mm/s'.(is_cut ? sprintf('; cut off above %.2g N/mm', stiff_most) : '')]
 array labels[4] = ['penetration [mm]', 'magnitude [N]', 'P [mJ]', 'K [N/mm]']
 
 set multiplot
@@ -50,7 +53,7 @@ do for [p = 1:4] {
     set yrange [*:*]
     set nonlinear y via asinh(y) inverse sinh(y)
     set ytics (0)
-    do for [power = (P_most > 100 ? 1 : 0):7:2] { set ytics add (10**power, -10**power) }
+    do for [power = (P_most > 100 ? 1 : 0):7:(P_most > 1000 ? 2 : 1)] { set ytics add (10**power, -10**power) }
     set arrow 1 from graph 0, first 0 to graph 1, first 0 nohead dashtype 2 linecolor rgb red
   } else {
     unset arrow 1
@@ -58,10 +61,10 @@ do for [p = 1:4] {
   }
   if (p == 2) { eval(key_above) } else { unset key }
   if (p == 4) { set xlabel 'time [s]' }
-  laws = shown[p]
-  if (words(laws)) {
-    plot for [law in laws] data using 'time_s':(curve(law, word(quantities, p))) with lines linewidth 1.5 \
-        linecolor rgb colour_of_law(law) title law
+  runs = shown[p]
+  if (words(runs)) {
+    plot for [run in runs] data using 'time_s':(curve(run, word(quantities, p))) with lines linewidth 1.5 \
+        dashtype turn_of(runs, run) linecolor rgb colour_of_law(law_of(run)) title run
   } else {
     eval(no_data)
   }

@@ -1,5 +1,6 @@
 #include "tests/tools/lab/figures/laws_figure.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -34,13 +35,25 @@ void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
                           1e3 * tick.audit_J, stiffness_N_per_m ? 1e-3 * *stiffness_N_per_m : kNoContact});
 }
 
-record::TickSink& LawsFigure::add_law(const std::string& law) { return laws_.emplace_back(law); }
+record::TickSink& LawsFigure::add_run(const std::string& law, const std::string& file) {
+  return runs_.emplace_back(law, file);
+}
+
+std::string LawsFigure::name_of(const Curves& run) const {
+  if (std::ranges::count(runs_, run.law, &Curves::law) == 1) return run.law;
+  std::string name = run.law + " " + run.file;
+  // gnuplot ends a field at a comma in quotes too, and a word of a list at a quote.
+  std::ranges::replace_if(
+      name, [](char c) { return c == ',' || c == '"'; }, '_');
+  return name;
+}
 
 std::string LawsFigure::to_csv() const {
-  text::Table table({{"law"}, {"time_s"}, {"penetration_mm"}, {"force_N"}, {"P_mJ"}, {"stiffness_N_per_mm"}});
-  for (const Curves& curves : laws_) {
+  text::Table table({{"run"}, {"time_s"}, {"penetration_mm"}, {"force_N"}, {"P_mJ"}, {"stiffness_N_per_mm"}});
+  for (const Curves& curves : runs_) {
+    const std::string name = name_of(curves);
     for (const auto& [time_s, y] : curves.envelope.points()) {
-      table.add({curves.law, figure_number(time_s), figure_number(y[0]), figure_number(y[1]), figure_number(y[2]),
+      table.add({name, figure_number(time_s), figure_number(y[0]), figure_number(y[1]), figure_number(y[2]),
                  figure_number(y[3])});
     }
   }

@@ -25,11 +25,14 @@ class LawsFigure {
     subtitle_ = std::move(subtitle);
   }
   [[nodiscard]] const std::string& title() const noexcept { return title_; }
+  [[nodiscard]] const std::string& subtitle() const noexcept { return subtitle_; }
 
-  /// Adds a law, with time from its first tick; the sink stays valid as long as the figure.
-  record::TickSink& add_law(const std::string& law);
+  /// Adds a run, with time from its first tick; the sink stays valid as long as the figure.
+  /// @param file tells runs of one law apart
+  record::TickSink& add_run(const std::string& law, const std::string& file = {});
 
-  /// law,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm: a row for each point of each law.
+  /// run,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm: a row for each point of each run, which is named by
+  /// its law, and by its file as well if there are several of that law.
   [[nodiscard]] std::string to_csv() const;
 
   /// @returns and throws as `draw` does.
@@ -40,19 +43,22 @@ class LawsFigure {
 
  private:
   struct Curves final : record::TickSink {
-    explicit Curves(std::string name) : law(std::move(name)) {}
+    Curves(std::string of_law, std::string in_file) : law(std::move(of_law)), file(std::move(in_file)) {}
     void on_tick(const record::TickRecord& tick) noexcept override;
     void on_force(const record::ForceRecord&) noexcept override {}
 
     std::string law;
+    std::string file;
     std::optional<record::Nanoseconds> start;
     record::DisplayedStiffness displayed{record::RunInfo{}.stiffness_depth_m_min};
     Envelope envelope{4};
   };
 
+  [[nodiscard]] std::string name_of(const Curves& run) const;
+
   std::string title_;
   std::string subtitle_;
-  std::deque<Curves> laws_;
+  std::deque<Curves> runs_;
 };
 
 }  // namespace forcebound::lab

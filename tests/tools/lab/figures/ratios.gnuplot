@@ -1,6 +1,6 @@
 # The ratios of deploy/bench as bars from 1.
 title = 'Time of Forcebound over that of the reference'
-subtitle = 'left of 1: faster (most clients: right of 1 is more); dashed: required bound, red where it is missed'
+subtitle = 'left of 1: faster (most clients: right of 1 is more); dashed: required bound; red bar: missed, green: met'
 stats data using (column('ratio')) nooutput
 rows = STATS_records
 row_px = 40
@@ -36,4 +36,4 @@ plot data using (1):(y($0)):(1):(column('ratio')):(y($0) - 0.3):(y($0) + 0.3): \
     data using (beside(column('ratio'), column('bound'))):(y($0)):(sprintf('%g', column('ratio'))) with labels left offset 0.6, 0 \
         textcolor rgb ink, \
     data using (column('bound') > 0 ? column('bound') : NaN):(y($0) - 0.42):(0):(0.84) with vectors nohead \
-        linewidth 2 dashtype 2 linecolor rgb red
+        linewidth 2 dashtype 2 linecolor rgb ink

@@ -39,7 +39,7 @@ Json committed(const std::string& file) {
 LawsFigure two_laws(const std::string& title) {
   LawsFigure figure(title, "K_1 {x}^2 %s \\ 'quoted'");
   for (const char* const law : {"none", "fba-exact"}) {
-    record::test::play_sample_run(figure.add_law(law), 500);
+    record::test::play_sample_run(figure.add_run(law), 500);
   }
   return figure;
 }
@@ -219,6 +219,36 @@ TEST(LawsFigure, HasAllTicksOfAShortRun) {
   EXPECT_THAT(csv, StartsWith("law,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm\nnone,0,"));
   EXPECT_EQ(lines_with(csv, "none,"), 500U);
   EXPECT_EQ(lines_with(csv, "fba-exact,"), 500U);
+}
+
+TEST(LawsFigure, NamesRunsOfOneLawByTheirFilesAsWell) {
+  LawsFigure figure("title", "subtitle");
+  record::test::play_sample_run(figure.add_run("none", "a,b.mcap"), 500);
+  record::test::play_sample_run(figure.add_run("none", "c.mcap"), 500);
+  record::test::play_sample_run(figure.add_run("fba-exact", "d.mcap"), 500);
+  const std::string csv = figure.to_csv();
+  EXPECT_GT(lines_with(csv, "none a_b.mcap,"), 0U);
+  EXPECT_EQ(lines_with(csv, "none a_b.mcap,"), lines_with(csv, "none c.mcap,"));
+  EXPECT_EQ(lines_with(csv, "none,"), 0U);
+  EXPECT_GT(lines_with(csv, "fba-exact,"), 0U);
+}
+
+TEST(Draw, RefusesToReplaceAFileOfTheCommand) {
+  EXPECT_THAT(
+      [] {
+        expect_apart("out/a.png", {"", "b.csv", "./out/../out/a.csv"});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("would replace ./out/../out/a.csv")));
+  EXPECT_NO_THROW(expect_apart("out/a.png", {"", "out/b.csv", "a.csv"}));
+}
+
+TEST(Draw, LeavesTheOldPictureWhereItFails) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  const TemporaryFolder folder;
+  const std::string png = folder.file("a.png");
+  text::write_file(png, "old");
+  EXPECT_THROW(draw({.script = "ratios", .csv = "no such columns\n1\n"}, png), std::runtime_error);
+  EXPECT_EQ(text::read_file(png), "old");
 }
 
 }  // namespace
