@@ -27,7 +27,7 @@ target_precompile_headers(forcebound_test_headers PRIVATE
 function(forcebound_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
   if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 300)
+    set(arg_TIMEOUT 900)
   endif()
   if(NOT arg_SHARDS)
     set(arg_SHARDS 1)

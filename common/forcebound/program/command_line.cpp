@@ -75,7 +75,7 @@ std::string problem_of(const CLI::App& app, const CLI::Error& error) {
   if (!unknown.empty()) return unexpected(app, unknown.front());
   const std::string what = error.what();
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
-    const bool too_many = what.find("At most") != std::string::npos;
+    const bool too_many = what.find("At Most") != std::string::npos;
     return what.substr(0, what.find(':')) + (too_many ? " is given more than once" : " needs a value");
   }
   return what;

@@ -38,4 +38,11 @@ CLI::Validator png_file() {
   });
 }
 
+bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other) {
+  const auto whole = [](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  return whole(one) == whole(other);
+}
+
 }  // namespace forcebound::lab

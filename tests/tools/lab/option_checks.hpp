@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 namespace CLI {
 class Validator;
 }
@@ -17,5 +19,8 @@ CLI::Validator known_scene();
 CLI::Validator known_network();
 /// FILE.png: a figure's data and script stand beside it, with other extensions.
 CLI::Validator png_file();
+
+/// Whether both name one file, there or not yet.
+[[nodiscard]] bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other);
 
 }  // namespace forcebound::lab

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -97,8 +96,7 @@ void run(const ReplayArguments& arguments) {
   const ReplayOptions options = options_of(arguments);
   std::ifstream input_file;
   std::ofstream output_file;
-  if (arguments.input != "-" &&
-      std::filesystem::weakly_canonical(arguments.input) == std::filesystem::weakly_canonical(arguments.output)) {
+  if (arguments.input != "-" && is_same_path(arguments.input, arguments.output)) {
     throw std::invalid_argument("--output " + arguments.output + " would replace --input");
   }
   if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "cannot be read");

@@ -14,6 +14,7 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "tests/tools/lab/figures/scripts.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -122,8 +123,7 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
 void expect_apart(const std::filesystem::path& png, std::initializer_list<std::string> files) {
   for (const std::string& file : files) {
     for (const auto& written : {png, data_of(png), script_of(png)}) {
-      if (file.empty() || std::filesystem::weakly_canonical(file) != std::filesystem::weakly_canonical(written))
-        continue;
+      if (file.empty() || !is_same_path(file, written)) continue;
       throw std::invalid_argument("the figure " + png.string() + " would replace " + file +
                                   ": its data and script go beside it; give one of them another name");
     }

@@ -216,7 +216,7 @@ TEST(RatiosFigure, HasEachRatioWithItsBoundAndNoGrowth) {
 
 TEST(LawsFigure, HasAllTicksOfAShortRun) {
   const std::string csv = two_laws("").to_csv();
-  EXPECT_THAT(csv, StartsWith("law,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm\nnone,0,"));
+  EXPECT_THAT(csv, StartsWith("run,time_s,penetration_mm,force_N,P_mJ,stiffness_N_per_mm\nnone,0,"));
   EXPECT_EQ(lines_with(csv, "none,"), 500U);
   EXPECT_EQ(lines_with(csv, "fba-exact,"), 500U);
 }
