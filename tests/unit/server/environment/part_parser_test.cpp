@@ -14,6 +14,7 @@ namespace {
 std::vector<scene::SceneObject> rebuilt(const std::vector<scene::SceneObject>& parts, const scene::Scene& scene) {
   static const scene::Registry kRegistry = scene::Registry::standard();
   std::vector<scene::SceneObject> made;
+  made.reserve(parts.size());
   for (const scene::SceneObject& part : parts) {
     made.push_back(scene::make_part(describe(part), kRegistry, std::max(1, scene.facts().degrees_of_freedom)));
   }

@@ -137,6 +137,10 @@ TEST(Schema, TellsWhichKeysOfAShapeMayBeLeftOut) {
   }
 }
 
+std::string refusal_of_minus_one(const std::string& key, const std::string& accepted) {
+  return key + " must be " + accepted + ", got -1";
+}
+
 TEST(Schema, TellsTheRangeThatEachNumberOfAShapeIsHeldTo) {
   int numbers = 0;
   for (const scene::ShapeKind& shape : all_shapes()) {
@@ -146,7 +150,7 @@ TEST(Schema, TellsTheRangeThatEachNumberOfAShapeIsHeldTo) {
       const std::string key(key_of(parameter));
       Keys keys = kShapes.at(std::string(shape.name));
       keys[key] = "-1";
-      EXPECT_THAT(error_of_shape(std::string(shape.name), keys), HasSubstr(key + " must be " + accepted + ", got -1"));
+      EXPECT_THAT(error_of_shape(std::string(shape.name), keys), HasSubstr(refusal_of_minus_one(key, accepted)));
       ++numbers;
     }
   }
