@@ -30,6 +30,16 @@ TEST(AFileThatCannotBeCreated, IsRefusedBeforeAnythingStarts) {
   }
 }
 
+TEST(ASummary, OfTheRunBeforeStaysWhereARunCannotStart) {
+  const TemporaryFolder folder;
+  write_file(folder.file("summary.json"), "last results");
+  const Ran ran = run(
+      kClient,
+      {"--server", free_address(), "--summary", folder.file("summary.json"), "--record", "/no/such/folder/file"}, 10s);
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_EQ(content(folder.file("summary.json")), "last results");
+}
+
 TEST(AFullDisk, EndsTheRecordingButNotTheRun) {
   Server server({"--scene", "sphere"});
   Client client(server.address(),

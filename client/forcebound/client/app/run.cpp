@@ -68,7 +68,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   Client::Settings settings = settings_of(options);
   settings.law_parameters = baselines::describe(laws.parameters(options.law, device->facts(), chosen.parameters));
   // Whether the summary can be written is known before the run.
-  if (!options.summary.empty()) text::write_file(options.summary, "");
+  if (!options.summary.empty()) text::expect_writable(options.summary);
   settings.guarantee = laws.guarantee(options.law);
 
   LiveLine line;
