@@ -80,6 +80,8 @@ TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsAndHasOneVoice) {
       expect_one_voice(of.out);
       EXPECT_THAT(of.out, testing::HasSubstr("  forcebound-lab " + subcommand + " ")) << "an example of its own";
       EXPECT_THAT(of.out, testing::Not(testing::HasSubstr("Exit code"))) << "that is the whole program's";
+      const bool draws = of.out.find("--figure") != std::string::npos;
+      EXPECT_EQ(unwrapped(of.out).find("data and script go beside it") != std::string::npos, draws);
     }
   }
 }

@@ -30,6 +30,29 @@ TEST(AFileThatCannotBeCreated, IsRefusedBeforeAnythingStarts) {
   }
 }
 
+TEST(TheLab, RefusesAFileThatCannotBeCreatedBeforeItsWork) {
+  const std::string file = "/no/such/folder/file";
+  const std::string png = file + ".png";
+  const Words compare{"compare", "--laws", "none", "--scenes", "wall", "--network", "none", "--no-limits"};
+  const auto with = [](Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  for (const Words& words :
+       {Words{"accuracy", "sphere", "--json", file}, Words{"accuracy", "sphere", "--levels", file},
+        Words{"accuracy", "sphere", "--readme", file}, Words{"accuracy", "sphere", "--figures", "/dev/null"},
+        with(compare, {"--readme", file}), with(compare, {"--figures", "/dev/null"}),
+        Words{"passivity", "--figure", png}, Words{"reproduce", "--figures", "/dev/null"},
+        Words{"trials", "--json", file}, Words{"trials", "--figure", png}}) {
+    SCOPED_TRACE(testing::PrintToString(words));
+    const Ran ran = run(kLab, words, 20s);
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_EQ(lines(ran.err), 1U) << ran.err;
+    EXPECT_THAT(ran.err, testing::AnyOf(HasSubstr(file), HasSubstr("'/dev/null'")));
+    EXPECT_EQ(ran.out, "");
+  }
+}
+
 TEST(ASummary, OfTheRunBeforeStaysWhereARunCannotStart) {
   const TemporaryFolder folder;
   write_file(folder.file("summary.json"), "last results");

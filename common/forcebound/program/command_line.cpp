@@ -175,6 +175,10 @@ CLI::Validator whole_within(std::uint64_t least, std::uint64_t most) {
           ""};
 }
 
+CLI::Validator not_empty() {
+  return {[](const std::string& value) -> std::string { return value.empty() ? "must not be empty" : ""; }, ""};
+}
+
 CLI::Validator accepted_by(std::function<void(const std::string&)> parser) {
   return {[parser = std::move(parser)](const std::string& value) -> std::string {
             try {

@@ -64,6 +64,8 @@ CLI::Validator number_within(double least, double most = 1e9);
 /// Up to 1e9.
 CLI::Validator number_above_zero();
 CLI::Validator whole_within(std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// Not an empty text, as of a shell's variable that is not set.
+CLI::Validator not_empty();
 /// What a parser accepts, which otherwise throws std::invalid_argument.
 CLI::Validator accepted_by(std::function<void(const std::string&)> parser);
 

@@ -23,10 +23,13 @@
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
+
+constexpr const char* kPicture = "accuracy.png";
 
 struct AccuracyOptions {
   std::string scene;
@@ -146,15 +149,19 @@ void accuracy(const AccuracyOptions& options) {
     throw std::invalid_argument(options.scene +
                                 " is a study that was carried out: --sweep, --set and --levels need a scene");
   }
+  prepare({.inputs = {options.scene, options.reference, options.device},
+           .files = {options.json, options.levels},
+           .page = options.readme,
+           .marks = kAccuracyMarks,
+           .folder = options.figures,
+           .figures = pictures_in(options.figures, {kPicture})});
   const auto study = is_written(options.scene) ? read_study(options.scene) : carried_out(options);
   if (!options.json.empty()) text::write_file(options.json, study.dump(2) + '\n');
   if (!options.readme.empty()) {
-    text::write_file(options.readme,
-                     with_between_marks(text::read_file(options.readme), kAccuracyMarks, to_markdown(study)));
+    text::write_file(options.readme, page_with(options.readme, kAccuracyMarks, to_markdown(study)));
   }
   if (options.figures.empty()) return;
-  std::filesystem::create_directories(options.figures);
-  const auto drawn = draw(study_figure(study), std::filesystem::path(options.figures) / "accuracy.png");
+  const auto drawn = draw(study_figure(study), std::filesystem::path(options.figures) / kPicture);
   std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
@@ -262,13 +269,12 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--budget", options->budget_us, "longest step to recommend")
       ->check(program::number_above_zero())
       ->type_name("US");
-  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE.json");
-  command
-      ->add_option("--levels", options->levels,
-                   "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
+  add_output(*command, "--json", options->json, "write all figures to this file")->type_name("FILE.json");
+  add_output(*command, "--levels", options->levels,
+             "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
       ->type_name("FILE.toml");
-  command->add_option("--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
-  command->add_option("--figures", options->figures, "draw into this folder")->type_name("FOLDER");
+  add_output(*command, "--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
+  add_figures(*command, options->figures, "draw the errors");
   command->callback([options, frequency, depth] {
     options->has_harmonic = frequency->count() + depth->count() > 0;
     accuracy(*options);

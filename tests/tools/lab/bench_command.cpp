@@ -11,6 +11,7 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/figures/draw.hpp"
 #include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -23,15 +24,18 @@ struct BenchOptions {
 };
 
 void run(const BenchOptions& options) {
-  if (!options.figure.empty()) expect_apart(options.figure, {options.from, options.csv, options.readme});
+  prepare({.inputs = {options.from},
+           .files = {options.csv},
+           .page = options.readme,
+           .marks = kBenchMarks,
+           .figures = {options.figure}});
   const BenchResults results =
       options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
   std::cout << to_table(results) << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
   if (!options.figure.empty()) draw({.script = "ratios", .csv = ratios_csv(results)}, options.figure);
   if (!options.readme.empty()) {
-    text::write_file(options.readme,
-                     with_between_marks(text::read_file(options.readme), kBenchMarks, to_markdown(results)));
+    text::write_file(options.readme, page_with(options.readme, kBenchMarks, to_markdown(results)));
   }
 }
 
@@ -41,13 +45,9 @@ void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Print the table of ratios from deploy/bench's measurements");
   command->add_option("RESULTS", options->from, "the folder that its tools wrote to, or FILE.csv")->required();
-  command->add_option("--csv", options->csv, "write the results to this file")->type_name("FILE.csv");
-  command
-      ->add_option("--figure", options->figure,
-                   "draw the ratios into this file; data and script go beside it, as .csv and .gnuplot")
-      ->check(png_file())
-      ->type_name("FILE.png");
-  command->add_option("--readme", options->readme, "put the results between the marks of this file")
+  add_output(*command, "--csv", options->csv, "write the results to this file")->type_name("FILE.csv");
+  add_figure(*command, options->figure, "draw the ratios");
+  add_output(*command, "--readme", options->readme, "put the results between the marks of this file")
       ->type_name("PAGE.md");
   command->footer("Example:\n  forcebound-lab bench deploy/bench-results.csv");
   command->callback([options] { run(*options); });

@@ -18,10 +18,14 @@
 #include "tests/tools/lab/comparison/standing.hpp"
 #include "tests/tools/lab/figures/draw.hpp"
 #include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
+
+constexpr const char* kComparisonPicture = "comparison.png";
+constexpr const char* kLimitsPicture = "limits.png";
 
 struct CompareOptions {
   std::vector<std::string> laws;
@@ -87,29 +91,24 @@ nlohmann::ordered_json read_standings(const std::string& file) {
 }
 
 void compare(const CompareOptions& options) {
-  if (!options.figures.empty()) {
-    for (const char* const figure : {"comparison.png", "limits.png"}) {
-      expect_apart(std::filesystem::path(options.figures) / figure, {options.csv, options.json, options.from});
-    }
-  }
-  // Check that files can be written before minutes of work.
-  for (const std::string& file : {options.csv, options.json}) {
-    if (!file.empty()) text::write_file(file, "");
-  }
+  prepare({.inputs = {options.from, options.device},
+           .files = {options.csv, options.json},
+           .page = options.readme,
+           .marks = kComparisonMarks,
+           .folder = options.figures,
+           .figures = pictures_in(options.figures, {kComparisonPicture, kLimitsPicture})});
   const auto told = options.from.empty() ? run_standings(options) : read_standings(options.from);
   std::fputs(to_text(told).c_str(), stdout);
   if (!options.json.empty()) text::write_file(options.json, told.dump(2) + '\n');
   if (!options.readme.empty()) {
-    text::write_file(options.readme,
-                     with_between_marks(text::read_file(options.readme), kComparisonMarks, comparison_markdown(told)));
+    text::write_file(options.readme, page_with(options.readme, kComparisonMarks, comparison_markdown(told)));
   }
   if (options.figures.empty()) return;
   const std::filesystem::path directory(options.figures);
-  std::filesystem::create_directories(directory);
-  const auto comparison = draw({.script = "comparison", .csv = comparison_csv(told)}, directory / "comparison.png");
+  const auto comparison = draw({.script = "comparison", .csv = comparison_csv(told)}, directory / kComparisonPicture);
   std::printf("\nFigures:\n  %s\n", comparison.c_str());
   if (told.at("limits").empty()) return;
-  std::printf("  %s\n", draw({.script = "limits", .csv = limits_csv(told)}, directory / "limits.png").c_str());
+  std::printf("  %s\n", draw({.script = "limits", .csv = limits_csv(told)}, directory / kLimitsPicture).c_str());
 }
 
 }  // namespace
@@ -169,14 +168,14 @@ void add_compare(CLI::App& app) {
   CLI::Option* const from =
       command->add_option("--from", options->from, "print and draw the standings that --json wrote, without any run")
           ->type_name("FILE.json");
-  command->add_option("--csv", options->csv, "write a row for each run to this file")
+  add_output(*command, "--csv", options->csv, "write a row for each run to this file")
       ->excludes(from)
       ->type_name("FILE.csv");
-  command->add_option("--json", options->json, "write the standings to this file")
+  add_output(*command, "--json", options->json, "write the standings to this file")
       ->excludes(from)
       ->type_name("FILE.json");
-  command->add_option("--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
-  command->add_option("--figures", options->figures, "draw into this folder")->type_name("FOLDER");
+  add_output(*command, "--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
+  add_figures(*command, options->figures, "draw stability, transparency and the stiffest walls");
   command->callback([options] { compare(*options); });
 }
 

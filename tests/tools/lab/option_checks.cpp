@@ -11,6 +11,11 @@
 #include "tests/tools/lab/comparison/task.hpp"
 
 namespace forcebound::lab {
+namespace {
+
+constexpr const char* kBesideIt = "; data and script go beside it, as .csv and .gnuplot";
+
+}  // namespace
 
 CLI::Validator known_law() { return program::one_of("law", baselines::shipped_laws().names()); }
 
@@ -32,10 +37,24 @@ CLI::Validator known_network() {
   });
 }
 
-CLI::Validator png_file() {
-  return program::accepted_by([](const std::string& file) {
-    if (!file.ends_with(".png")) throw std::invalid_argument("a figure is a FILE.png, got '" + file + "'");
+CLI::Option* add_figure(CLI::App& command, std::string& file, const std::string& what) {
+  // Data and script have other extensions.
+  const auto check = program::accepted_by([](const std::string& given) {
+    if (!given.ends_with(".png")) throw std::invalid_argument("a figure is a FILE.png, got '" + given + "'");
   });
+  return command.add_option("--figure", file, what + " into this file" + kBesideIt)
+      ->check(check)
+      ->type_name("FILE.png");
+}
+
+CLI::Option* add_figures(CLI::App& command, std::string& folder, const std::string& what) {
+  return command.add_option("--figures", folder, what + " into this folder" + kBesideIt)
+      ->check(program::not_empty())
+      ->type_name("FOLDER");
+}
+
+CLI::Option* add_output(CLI::App& command, const std::string& name, std::string& file, const std::string& what) {
+  return command.add_option(name, file, what)->check(program::not_empty());
 }
 
 bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other) {

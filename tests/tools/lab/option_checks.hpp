@@ -1,12 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace CLI {
+class App;
+class Option;
 class Validator;
-}
+}  // namespace CLI
 
-/// Checks of options that several commands of the lab have.
+/// Options that several commands of the lab have, and their checks.
 namespace forcebound::lab {
 
 /// A law that ships.
@@ -17,8 +20,13 @@ CLI::Validator known_device();
 CLI::Validator known_scene();
 /// none, netem's words, or trace:FILE.
 CLI::Validator known_network();
-/// FILE.png: a figure's data and script stand beside it, with other extensions.
-CLI::Validator png_file();
+
+/// --figure FILE.png. @param what "draw the ratios"
+CLI::Option* add_figure(CLI::App& command, std::string& file, const std::string& what);
+/// --figures FOLDER.
+CLI::Option* add_figures(CLI::App& command, std::string& folder, const std::string& what);
+/// An option of a file that is written, such as --json.
+CLI::Option* add_output(CLI::App& command, const std::string& name, std::string& file, const std::string& what);
 
 /// Whether both name one file, there or not yet.
 [[nodiscard]] bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other);

@@ -13,6 +13,7 @@
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/figures/draw.hpp"
 #include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/passivity.hpp"
 #include "tests/tools/lab/progress.hpp"
 
@@ -61,8 +62,7 @@ std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
 }
 
 void run(const PassivityOptions& options) {
-  // Whether the file can be written is known before minutes of work.
-  if (!options.csv.empty()) text::write_file(options.csv, "");
+  prepare({.files = {options.csv}, .figures = {options.figure}});
   const auto results = run_all(options.settings);
   std::cout << passivity_table(results, text::colour_for(STDOUT_FILENO)) << std::flush << costs() << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, passivity_csv(results));
@@ -88,11 +88,9 @@ void add_passivity(CLI::App& app) {
       ->check(program::number_above_zero())
       ->type_name("SECONDS")
       ->capture_default_str();
-  command->add_option("--csv", options->csv, "write every condition to this file, adversary by adversary")
+  add_output(*command, "--csv", options->csv, "write every condition to this file, adversary by adversary")
       ->type_name("FILE.csv");
-  command->add_option("--figure", options->figure, "draw the leaks over the latency into this file")
-      ->check(png_file())
-      ->type_name("FILE.png");
+  add_figure(*command, options->figure, "draw the leaks over the latency");
   command->footer("Example:\n  forcebound-lab passivity --seeds 1 --seconds 2 --figure leaks.png");
   command->callback([options] { run(*options); });
 }

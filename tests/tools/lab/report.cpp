@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -11,9 +12,13 @@
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/figures/run_figure.hpp"
+#include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 
 namespace forcebound::lab {
 namespace {
+
+constexpr const char* kRunPicture = "run.png";
 
 struct ReportOptions {
   std::string recording;
@@ -50,21 +55,26 @@ class Report final : public record::RecordingSink {
 };
 
 void run(const ReportOptions& options) {
+  const bool to_stdout = options.json == "-";
+  prepare({.inputs = {options.recording},
+           .files = {to_stdout ? std::string() : options.json},
+           .folder = options.figures,
+           .figures = pictures_in(options.figures, {kRunPicture})});
   auto report = std::make_unique<Report>();
   const bool complete = record::read_recording(options.recording, *report);
   if (!report->any_tick()) {
     throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
   }
   if (!complete) std::cerr << options.recording << ": incomplete; shown is what it has\n";
-  if (options.json != "-") std::cout << report->summary().to_text(text::colour_for(STDOUT_FILENO)) << std::flush;
-  if (options.json == "-") {
+  if (!to_stdout) std::cout << report->summary().to_text(text::colour_for(STDOUT_FILENO)) << std::flush;
+  if (to_stdout) {
     std::cout << report->summary().to_json();
   } else if (!options.json.empty()) {
     text::write_file(options.json, report->summary().to_json());
   }
   if (options.figures.empty()) return;
-  const auto drawn = report->figure().draw_into(options.figures);
-  (options.json == "-" ? std::cerr : std::cout) << "figure " << drawn.string() << '\n';
+  const auto drawn = report->figure().draw_to(std::filesystem::path(options.figures) / kRunPicture);
+  (to_stdout ? std::cerr : std::cout) << "figure " << drawn.string() << '\n';
 }
 
 }  // namespace
@@ -73,9 +83,8 @@ void add_report(CLI::App& app) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw it");
   report->add_option("RECORDING", options->recording, "FILE.mcap that a client's --record wrote")->required();
-  report->add_option("--figures", options->figures, "draw motion, force, energy and timing into run.png in this folder")
-      ->type_name("FOLDER");
-  report->add_option("--json", options->json, "write the summary to this file; -: to stdout, instead of the text")
+  add_figures(*report, options->figures, "draw motion, force, energy and timing, as run.png,");
+  add_output(*report, "--json", options->json, "write the summary to this file; -: to stdout, instead of the text")
       ->type_name("FILE.json");
   report->footer("Example:\n  forcebound-lab report run.mcap --figures out");
   report->callback([options] { run(*options); });

@@ -21,6 +21,8 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/figures/laws_figure.hpp"
+#include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/summary_cells.hpp"
 
@@ -94,9 +96,21 @@ void add_row(text::Table& table, const Experiment& experiment, const ExperimentR
              paper_says(experiment, run.law)});
 }
 
+std::filesystem::path picture_of(const Experiment& experiment, const std::string& folder) {
+  return std::filesystem::path(folder) / LawsFigure::picture_name(experiment.title());
+}
+
+std::vector<std::filesystem::path> pictures_of(const std::vector<Experiment>& all, const std::string& folder) {
+  std::vector<std::filesystem::path> pictures;
+  if (folder.empty()) return pictures;
+  pictures.reserve(all.size());
+  for (const Experiment& experiment : all) pictures.push_back(picture_of(experiment, folder));
+  return pictures;
+}
+
 void reproduce(const ReproduceOptions& options) {
-  // Whether the file can be written is known before the runs.
-  if (!options.json.empty()) text::write_file(options.json, "");
+  const auto all = experiments(options.experiment);
+  prepare({.files = {options.json}, .folder = options.figures, .figures = pictures_of(all, options.figures)});
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
   std::printf(
@@ -104,7 +118,6 @@ void reproduce(const ReproduceOptions& options) {
       "the paper gives none. Least P below 0: not passive. K: displayed stiffness,\n"
       "median while the contact rests (depth changes by < 5 mm/s), of the true surface;\n"
       "-: it never rests. The paper's own K is a mean.\n");
-  const auto all = experiments(options.experiment);
   const auto laws = control::force_bounding_laws().names();
   Progress progress;
   for (const Experiment& experiment : all) {
@@ -123,7 +136,7 @@ void reproduce(const ReproduceOptions& options) {
     }
     std::fputs(table.to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
     std::fflush(stdout);
-    if (!options.figures.empty()) drawn.push_back(figure.draw_into(options.figures));
+    if (!options.figures.empty()) drawn.push_back(figure.draw_to(picture_of(experiment, options.figures)));
   }
   if (!options.json.empty()) text::write_file(options.json, runs.dump(2) + '\n');
   for (const auto& png : drawn) std::printf("%s%s\n", &png == &drawn.front() ? "\nFigures:\n  " : "  ", png.c_str());
@@ -140,12 +153,9 @@ void add_reproduce(CLI::App& app) {
   command->add_option("EXPERIMENT", options->experiment, text::join(names))
       ->check(program::one_of("experiment", names))
       ->capture_default_str();
-  command->add_option("--json", options->json, "write the runs to this file, an array with one object for each")
+  add_output(*command, "--json", options->json, "write the runs to this file, an array with one object for each")
       ->type_name("FILE.json");
-  command
-      ->add_option("--figures", options->figures,
-                   "draw penetration, force, energy and displayed stiffness into this folder")
-      ->type_name("FOLDER");
+  add_figures(*command, options->figures, "draw penetration, force, energy and displayed stiffness");
   command->footer("Example:\n  forcebound-lab reproduce sphere --figures out");
   command->callback([options] { reproduce(*options); });
 }

@@ -11,6 +11,7 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/figures/laws_figure.hpp"
 #include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/runs_table.hpp"
 
 namespace forcebound::lab {
@@ -66,6 +67,7 @@ Json read_run(const std::string& file, LawsFigure& figure) {
 }
 
 void print_table(const TableOptions& options) {
+  prepare({.inputs = options.runs, .figures = {options.figure}});
   std::vector<NamedSummary> runs;
   LawsFigure figure;
   for (const std::string& file : options.runs) {
@@ -86,13 +88,7 @@ void add_table(CLI::App& app) {
   CLI::App* command = app.add_subcommand("table", "Print runs side by side, and draw them over each other");
   command->add_option("RUN", options->runs, "FILE.mcap that --record wrote, or FILE.json that --summary wrote")
       ->required();
-  command
-      ->add_option(
-          "--figure", options->figure,
-          "draw depth, force, passivity and stiffness of the recordings here; data and script go beside it, as .csv "
-          "and .gnuplot")
-      ->check(png_file())
-      ->type_name("FILE.png");
+  add_figure(*command, options->figure, "draw depth, force, passivity and stiffness of the recordings");
   command->footer("Example:\n  forcebound-lab table less.mcap more.mcap --figure both.png");
   command->callback([options] { print_table(*options); });
 }

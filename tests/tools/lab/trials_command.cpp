@@ -10,6 +10,7 @@
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/runs_table.hpp"
 #include "tests/tools/lab/trials.hpp"
@@ -30,7 +31,15 @@ struct Options {
   std::string figure;
 };
 
+std::vector<std::string> inputs_of(const Options& options) {
+  std::vector<std::string> inputs = options.live;
+  inputs.push_back(options.settings.scene);
+  inputs.push_back(options.settings.device);
+  return inputs;
+}
+
 void run(const Options& options) {
+  prepare({.inputs = inputs_of(options), .files = {options.json}, .figures = {options.figure}});
   std::vector<Json> live;
   for (const std::string& file : options.live) live.push_back(read_summary(file));
   LawsFigure figure("The laws compared on " + options.settings.scene,
@@ -91,10 +100,8 @@ void add_trials(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--live", options->live, "summaries of live runs, whose timing is printed too")
       ->type_name("FILE.json");
-  command->add_option("--json", options->json, "write all figures to this file")->type_name("FILE.json");
-  command->add_option("--figure", options->figure, "draw the laws over each other into this file")
-      ->check(png_file())
-      ->type_name("FILE.png");
+  add_output(*command, "--json", options->json, "write all figures to this file")->type_name("FILE.json");
+  add_figure(*command, options->figure, "draw the laws over each other");
   command->footer(
       "Server, client, device and hand are those of the programs; the clock and the network are simulated, and ticks "
       "are as late as measured on a shared machine. The same options give the same figures on every machine.\n"

@@ -25,6 +25,7 @@ struct Example {
     app.add_option("--rate", rate, "most answers per second")->check(number_above_zero())->type_name("HZ");
     app.add_option("--depth", depth, "target depth")->check(number_within(0, 0.1))->type_name("M");
     app.add_option("--seed", seed, "first seed")->check(whole_within(1, 9))->type_name("N");
+    app.add_option("--record", file, "file to write")->check(not_empty())->type_name("FILE");
     app.add_flag("--quiet", quiet, "print nothing");
     command = app.add_subcommand("table", "Print runs side by side");
     command->add_option("RUN", runs, "FILE.json")->required();
@@ -40,6 +41,7 @@ struct Example {
   double rate = 0;
   double depth = 0;
   std::uint64_t seed = 0;
+  std::string file;
   bool quiet = false;
   std::vector<std::string> runs;
 };
@@ -99,6 +101,7 @@ TEST(CommandLine, SaysInItsOwnWordsWhatWouldBeAccepted) {
   EXPECT_EQ(wrong_use_of({"--depth", "nan"}), "--depth: must be a number from 0 to 0.1, got 'nan'");
   EXPECT_EQ(wrong_use_of({"--seed", "1.5"}), "--seed: must be a whole number from 1 to 9, got '1.5'");
   EXPECT_EQ(wrong_use_of({"--seed", "-1"}), "--seed: must be a whole number from 1 to 9, got '-1'");
+  EXPECT_EQ(wrong_use_of({"--record", ""}), "--record: must not be empty");
   EXPECT_EQ(wrong_use_of({"--seed"}), "--seed needs a value");
   EXPECT_EQ(wrong_use_of({"--seed", "1", "--seed", "2"}), "--seed is given more than once");
   EXPECT_EQ(wrong_use_of({"--sed", "1"}), "unknown option '--sed', did you mean '--seed'?");

@@ -27,6 +27,7 @@ std::string_view embedded_script(std::string_view name) {
 }
 
 // What draws `png` writes beside it.
+constexpr std::string_view kFirstLine = "# Draws a figure of forcebound-lab from the CSV file beside it.";
 std::filesystem::path data_of(std::filesystem::path png) { return png.replace_extension(".csv"); }
 std::filesystem::path script_of(std::filesystem::path png) { return png.replace_extension(".gnuplot"); }
 
@@ -73,9 +74,14 @@ std::string quoted(std::string_view text, std::string_view quote) {
 
 std::string script_text(const Figure& figure, const std::string& name) {
   const auto gnuplot_string = [](std::string_view text) { return quoted(text, "''"); };
-  return "# Draws a figure of forcebound-lab from the CSV file beside it.\nname = " + gnuplot_string(name) +
-         "\ntitle = " + gnuplot_string(figure.title) + "\nsubtitle = " + gnuplot_string(figure.subtitle) + "\n\n" +
-         std::string(embedded_script("style")) + '\n' + std::string(embedded_script(figure.script));
+  return std::string(kFirstLine) + "\nname = " + gnuplot_string(name) + "\ntitle = " + gnuplot_string(figure.title) +
+         "\nsubtitle = " + gnuplot_string(figure.subtitle) + "\n\n" + std::string(embedded_script("style")) + '\n' +
+         std::string(embedded_script(figure.script));
+}
+
+[[noreturn]] void refuse_to_replace(const std::filesystem::path& file, const std::filesystem::path& png) {
+  throw std::runtime_error(file.string() + ": would be replaced by data or script of the figure " + png.string() +
+                           ", but is not of an earlier one: move it, or draw elsewhere");
 }
 
 struct GnuplotResult {
@@ -102,8 +108,8 @@ GnuplotResult run_gnuplot(const std::filesystem::path& script) {
 std::filesystem::path draw(const Figure& figure, const std::filesystem::path& png) {
   constexpr int kCommandNotFound = 127;
   const auto script = script_of(png);
-  text::write_file(data_of(png), figure.csv);
-  text::write_file(script, script_text(figure, png.stem().string()));
+  text::write_file(script.string(), script_text(figure, png.stem().string()));
+  text::write_file(data_of(png).string(), figure.csv);
   SetAside before(png);
   GnuplotResult result = run_gnuplot(script);
   if (WIFEXITED(result.status) && WEXITSTATUS(result.status) == kCommandNotFound) {
@@ -120,13 +126,19 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
   return png;
 }
 
-void expect_apart(const std::filesystem::path& png, std::initializer_list<std::string> files) {
-  for (const std::string& file : files) {
-    for (const auto& written : {png, data_of(png), script_of(png)}) {
+void expect_drawable(const std::filesystem::path& png, const std::vector<std::string>& files) {
+  for (const auto& written : {png, data_of(png), script_of(png)}) {
+    for (const std::string& file : files) {
       if (file.empty() || !is_same_path(file, written)) continue;
       throw std::invalid_argument("the figure " + png.string() + " would replace " + file +
                                   ": its data and script go beside it; give one of them another name");
     }
+    text::expect_writable(written.string());
+  }
+  if (const auto script = script_of(png); std::filesystem::exists(script)) {
+    if (!text::read_file(script.string()).starts_with(kFirstLine)) refuse_to_replace(script, png);
+  } else if (std::filesystem::exists(data_of(png))) {
+    refuse_to_replace(data_of(png), png);
   }
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
 #include <string>
+#include <vector>
 
 namespace forcebound::lab {
 
@@ -23,9 +23,10 @@ struct Figure {
 /// there before stays then
 std::filesystem::path draw(const Figure& figure, const std::filesystem::path& png);
 
-/// Checks that drawing into `png` replaces none of these files. Empty names are no files.
-/// @throws std::invalid_argument naming the file
-void expect_apart(const std::filesystem::path& png, std::initializer_list<std::string> files);
+/// Checks before long work that the picture, its data and its script can be written, and replace neither one of these
+/// files nor any data and script but those of an earlier figure. Empty names are no files.
+/// @throws std::invalid_argument naming the one of `files`, std::runtime_error naming any other
+void expect_drawable(const std::filesystem::path& png, const std::vector<std::string>& files);
 
 /// A number of a figure's data: six significant digits, or "nan", which interrupts a curve.
 [[nodiscard]] std::string figure_number(double value);

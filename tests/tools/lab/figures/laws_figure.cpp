@@ -12,19 +12,6 @@ namespace {
 
 constexpr double kNoContact = std::numeric_limits<double>::quiet_NaN();
 
-std::string file_name(const std::string& title) {
-  std::string name;
-  for (const char c : title) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (plain) {
-      name += c;
-    } else if (!name.empty() && name.back() != '-') {
-      name += '-';
-    }
-  }
-  return name + ".png";
-}
-
 }  // namespace
 
 void LawsFigure::Curves::on_tick(const record::TickRecord& tick) noexcept {
@@ -64,9 +51,17 @@ std::filesystem::path LawsFigure::draw_to(const std::filesystem::path& png) cons
   return draw({.script = "laws", .csv = to_csv(), .title = title_, .subtitle = subtitle_}, png);
 }
 
-std::filesystem::path LawsFigure::draw_into(const std::filesystem::path& directory) const {
-  std::filesystem::create_directories(directory);
-  return draw_to(directory / file_name(title_));
+std::string LawsFigure::picture_name(const std::string& title) {
+  std::string name;
+  for (const char c : title) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (plain) {
+      name += c;
+    } else if (!name.empty() && name.back() != '-') {
+      name += '-';
+    }
+  }
+  return name + ".png";
 }
 
 }  // namespace forcebound::lab

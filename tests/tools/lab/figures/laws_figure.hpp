@@ -38,8 +38,8 @@ class LawsFigure {
   /// @returns and throws as `draw` does.
   std::filesystem::path draw_to(const std::filesystem::path& png) const;
 
-  /// Draws into a file that is named after the title, in a directory that is created if need be.
-  [[nodiscard]] std::filesystem::path draw_into(const std::filesystem::path& directory) const;
+  /// A file's name from a title.
+  [[nodiscard]] static std::string picture_name(const std::string& title);
 
  private:
   struct Curves final : record::TickSink {

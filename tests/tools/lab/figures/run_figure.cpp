@@ -1,7 +1,6 @@
 #include "tests/tools/lab/figures/run_figure.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <vector>
 
 #include "forcebound/text/table.hpp"
@@ -69,19 +68,13 @@ std::string RunFigure::to_csv() const {
   return table.to_csv();
 }
 
-std::filesystem::path RunFigure::draw_into(const std::filesystem::path& directory) const {
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  if (!std::filesystem::is_directory(directory)) {
-    throw std::runtime_error("cannot create the directory '" + directory.string() +
-                             "' for figures: " + (error ? error.message() : "a file has that name"));
-  }
+std::filesystem::path RunFigure::draw_to(const std::filesystem::path& png) const {
   return draw({.script = "run",
                .csv = to_csv(),
                .title = info_.law + (info_.scene.empty() ? "" : " on " + info_.scene),
                .subtitle = info_.device + ", " + info_.operator_name +
                            (info_.network.empty() ? "" : ", network: " + info_.network)},
-              directory / "run.png");
+              png);
 }
 
 }  // namespace forcebound::lab

@@ -24,9 +24,8 @@ class RunFigure final : public record::TickSink {
   /// A row for each point: time_s and the columns that run.gnuplot draws. Axes that the device lacks are nan.
   [[nodiscard]] std::string to_csv() const;
 
-  /// Draws run.png into a directory, which is created if need be.
   /// @returns and throws as `draw` does.
-  [[nodiscard]] std::filesystem::path draw_into(const std::filesystem::path& directory) const;
+  std::filesystem::path draw_to(const std::filesystem::path& png) const;
 
  private:
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -14,6 +14,8 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/load/capacity.hpp"
 #include "tests/tools/lab/load/load.hpp"
+#include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -88,6 +90,7 @@ LoadOptions::Waiting waiting_of(const std::string& name) {
 }
 
 void run(LoadCommandOptions& options) {
+  prepare({.files = {options.json}});
   options.load.waiting = waiting_of(options.waiting);
   options.load.duration = time::from_seconds(options.duration_s);
   Load load(options.load);
@@ -147,7 +150,7 @@ void add_load(CLI::App& app) {
   command->add_option("--priority", options->load.priority, "real-time scheduling, SCHED_FIFO")
       ->type_name("N")
       ->check(program::whole_within(1, 99));
-  command->add_option("--json", options->json, "write the result to this file as well")->type_name("FILE.json");
+  add_output(*command, "--json", options->json, "write the result to this file as well")->type_name("FILE.json");
   command->footer(
       "Examples:\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"

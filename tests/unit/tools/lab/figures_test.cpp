@@ -123,7 +123,7 @@ TEST(Figures, MayHaveAnyNameAndTitle) {
 
 TEST(Figures, ThatCannotBeWrittenAreRefusedByName) {
   EXPECT_THAT([] { two_laws("").draw_to("/nowhere/figure.png"); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/figure.csv")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/figure.")));
 }
 
 TEST(Figures, SayWhatGnuplotCannotRead) {
@@ -234,12 +234,32 @@ TEST(LawsFigure, NamesRunsOfOneLawByTheirFilesAsWell) {
 }
 
 TEST(Draw, RefusesToReplaceAFileOfTheCommand) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("../") + folder.path().filename().string() + "/a.csv";
   EXPECT_THAT(
-      [] {
-        expect_apart("out/a.png", {"", "b.csv", "./out/../out/a.csv"});
+      [&] {
+        expect_drawable(folder.file("a.png"), {"", "b.csv", csv});
       },
-      ThrowsMessage<std::invalid_argument>(HasSubstr("would replace ./out/../out/a.csv")));
-  EXPECT_NO_THROW(expect_apart("out/a.png", {"", "out/b.csv", "a.csv"}));
+      ThrowsMessage<std::invalid_argument>(HasSubstr("would replace " + csv)));
+  EXPECT_NO_THROW(expect_drawable(folder.file("a.png"), {"", folder.file("b.csv"), "a.csv"}));
+}
+
+TEST(Draw, ReplacesDataAndScriptOfAnEarlierFigureAlone) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const TemporaryFolder folder;
+  const std::string png = folder.file("run.png");
+  const auto is_none_of_ours = [&](const std::string& file) {
+    EXPECT_THAT([&] { expect_drawable(png, {}); },
+                ThrowsMessage<std::runtime_error>(AllOf(StartsWith(file), HasSubstr("not of an earlier one"))));
+  };
+  text::write_file(folder.file("run.csv"), "time_s,x_m\n");
+  is_none_of_ours(folder.file("run.csv"));
+  text::write_file(folder.file("run.gnuplot"), "plot sin(x)\n");
+  is_none_of_ours(folder.file("run.gnuplot"));
+  std::filesystem::remove(folder.file("run.gnuplot"));
+  std::filesystem::remove(folder.file("run.csv"));
+  two_laws("").draw_to(png);
+  EXPECT_NO_THROW(expect_drawable(png, {}));
 }
 
 TEST(Draw, LeavesTheOldPictureWhereItFails) {
