@@ -29,8 +29,9 @@ void run(const BenchOptions& options) {
            .page = options.readme,
            .marks = kBenchMarks,
            .figures = {options.figure}});
-  const BenchResults results =
-      options.from.ends_with(".csv") ? parse_bench_csv(text::read_file(options.from)) : collect(options.from);
+  const BenchResults results = options.from.ends_with(".csv")
+                                   ? parse_bench_csv(text::read_file(options.from), options.from)
+                                   : collect(options.from);
   std::cout << to_table(results) << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
   if (!options.figure.empty()) draw({.script = "ratios", .csv = ratios_csv(results)}, options.figure);

@@ -132,25 +132,26 @@ std::string to_csv(const BenchResults& results) {
   return csv;
 }
 
-BenchResults parse_bench_csv(std::string_view csv) {
+BenchResults parse_bench_csv(std::string_view csv, const std::string& file) {
   BenchResults results;
-  std::istringstream lines{std::string(csv)};
-  std::string line;
+  std::istringstream stream{std::string(csv)};
+  text::LineReader lines(stream, file);
   bool headed = false;
-  while (std::getline(lines, line)) {
+  while (lines.next()) {
+    const std::string line(lines.line());
     const std::size_t colon = line.find(": ");
     if (line.starts_with("# ") && colon != std::string::npos && !headed) {
       results.machine.emplace_back(line.substr(2, colon - 2), line.substr(colon + 2));
       continue;
     }
     if (!headed) {
-      if (line != kHeader) throw std::runtime_error("expected '" + std::string(kHeader) + "', got '" + line + "'");
+      if (line != kHeader) lines.refuse("expected '" + std::string(kHeader) + "', got '" + line + "'");
       headed = true;
       continue;
     }
     const auto cells = text::split(line, ',');
     if (cells.size() != kColumns || (cells[0] != "ratio" && cells[0] != "growth")) {
-      throw std::runtime_error("not a result: '" + line + "'");
+      lines.refuse("not a result: '" + line + "'");
     }
     results.rows.push_back({.kind = cells[0] == "ratio" ? BenchRow::Kind::ratio : BenchRow::Kind::growth,
                             .what = std::string(cells[1]),
@@ -163,7 +164,7 @@ BenchResults parse_bench_csv(std::string_view csv) {
                             .spread = std::string(cells[8]),
                             .wanted = std::string(cells[9])});
   }
-  if (!headed) throw std::runtime_error("no results");
+  if (!headed) lines.refuse("no results; expected what --csv wrote");
   return results;
 }
 

@@ -54,8 +54,9 @@ struct BenchResults {
 /// "# key: value" for the machine, then comma-separated rows under a header.
 [[nodiscard]] std::string to_csv(const BenchResults& results);
 
-/// @throws std::runtime_error with the line that is not in to_csv's format
-[[nodiscard]] BenchResults parse_bench_csv(std::string_view csv);
+/// @param file its name, for messages
+/// @throws std::runtime_error "FILE:LINE: ..." for a line that is not in to_csv's format
+[[nodiscard]] BenchResults parse_bench_csv(std::string_view csv, const std::string& file);
 
 /// The data of ratios.gnuplot: a row for each ratio. "-": no conditions; bound 0: none is required.
 [[nodiscard]] std::string ratios_csv(const BenchResults& results);

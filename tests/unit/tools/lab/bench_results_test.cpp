@@ -11,8 +11,10 @@
 namespace forcebound::lab {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 using testing::ThrowsMessage;
 
 BenchResults sample() {
@@ -52,14 +54,16 @@ TEST(BenchRow, OfTurnsNeedsBothSidesAsOften) {
   EXPECT_EQ(turns_row("x", "us", "", {1}, "y", {2}).spread, "");
 }
 
-TEST(BenchCsv, ReadsBackAsItWas) { EXPECT_EQ(parse_bench_csv(to_csv(sample())), sample()); }
+TEST(BenchCsv, ReadsBackAsItWas) { EXPECT_EQ(parse_bench_csv(to_csv(sample()), "x.csv"), sample()); }
 
 TEST(BenchCsv, IsRefusedWithTheLineThatIsWrong) {
-  EXPECT_THAT([] { static_cast<void>(parse_bench_csv(to_csv(sample()) + "ratio,short\n")); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("'ratio,short'")));
-  EXPECT_THAT([] { static_cast<void>(parse_bench_csv("what,ever\n")); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("'what,ever'")));
-  EXPECT_THROW(static_cast<void>(parse_bench_csv("")), std::runtime_error);
+  // Two lines of the machine, the header and six results come before.
+  EXPECT_THAT([] { static_cast<void>(parse_bench_csv(to_csv(sample()) + "ratio,short\n", "x.csv")); },
+              ThrowsMessage<std::runtime_error>("x.csv:10: not a result: 'ratio,short'"));
+  EXPECT_THAT([] { static_cast<void>(parse_bench_csv("what,ever\n", "x.csv")); },
+              ThrowsMessage<std::runtime_error>(AllOf(StartsWith("x.csv:1: "), HasSubstr("'what,ever'"))));
+  EXPECT_THAT([] { static_cast<void>(parse_bench_csv("", "x.csv")); },
+              ThrowsMessage<std::runtime_error>(StartsWith("x.csv:1: no results")));
 }
 
 TEST(BenchCsv, RefusesToWriteACellThatWouldBecomeTwo) {
@@ -102,7 +106,8 @@ TEST(Collect, NamesWhatIsMissing) {
 // deploy/bench --readme puts them there.
 TEST(Page, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
   const std::string root = test::source_folder().string();
-  const BenchResults committed = parse_bench_csv(text::read_file(root + "/deploy/bench-results.csv"));
+  const std::string file = root + "/deploy/bench-results.csv";
+  const BenchResults committed = parse_bench_csv(text::read_file(file), file);
   EXPECT_EQ(between_marks(text::read_file(root + "/tests/benchmark/README.md"), kBenchMarks), to_markdown(committed))
       << "the benchmarks in tests/benchmark/README.md are not those of deploy/bench-results.csv: run deploy/bench "
          "--readme";

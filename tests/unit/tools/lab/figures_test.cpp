@@ -68,8 +68,8 @@ Png size_of(const std::filesystem::path& file) {
 // Each figure that is committed or that a command draws, from real data where there are any.
 std::vector<Figure> every_figure() {
   const Json comparison = committed("comparison-results.json");
-  const BenchResults bench =
-      parse_bench_csv(text::read_file((test::source_folder() / "deploy/bench-results.csv").string()));
+  const std::string bench_file = (test::source_folder() / "deploy/bench-results.csv").string();
+  const BenchResults bench = parse_bench_csv(text::read_file(bench_file), bench_file);
   std::vector<PassivityResult> leaks;
   for (const PassivityCondition& condition : passivity_conditions()) {
     leaks.push_back({.condition = condition, .least_P_J = -1e-4 * condition.latency_s});
