@@ -78,6 +78,11 @@ std::string problem_of(const CLI::App& app, const CLI::Error& error) {
     const bool too_many = what.find("At Most") != std::string::npos;
     return what.substr(0, what.find(':')) + (too_many ? " is given more than once" : " needs a value");
   }
+  if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
+    constexpr std::string_view kExcludes = " excludes ";
+    const std::size_t at = what.find(kExcludes);
+    if (at != std::string::npos) return what.substr(0, at) + " does not go with " + what.substr(at + kExcludes.size());
+  }
   return what;
 }
 

@@ -168,16 +168,15 @@ void add_soak(CLI::App& app) {
   auto options = std::make_shared<SoakOptions>();
   CLI::App* command =
       app.add_subcommand("soak", "Hostile runs in virtual time, each drawn from its seed and checked on every tick");
-  command->add_option("--seeds", options->seeds, "how many cases")
-      ->check(program::whole_within(1, 1'000'000'000))
-      ->type_name("N")
-      ->capture_default_str();
+  CLI::Option* const seeds = command->add_option("--seeds", options->seeds, "how many cases");
+  seeds->check(program::whole_within(1, 1'000'000'000))->type_name("N")->capture_default_str();
   command->add_option("--from", options->from, "the first seed")
       ->check(program::whole_within(0))
       ->type_name("SEED")
       ->capture_default_str();
   command->add_option("--minutes", options->minutes, "instead of --seeds: as many as fit into this time")
       ->check(program::number_above_zero())
+      ->excludes(seeds)
       ->type_name("MINUTES");
   std::vector<std::string> laws = baselines::shipped_laws().names();
   laws.emplace_back(kDrawn);

@@ -67,11 +67,13 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
          "--blackhole", texts.blackholes,
          "direction (up, down or both) that is dead from FROM to TO, in seconds since the start; may be repeated")
       ->type_name("WAY:FROM-TO");
-  app.add_option("--trace", options.trace, "recorded network to play")->type_name("FILE");
+  app.add_option("--trace", options.trace, "recorded network to play")->check(program::not_empty())->type_name("FILE");
   app.add_option("--seed", options.seed, "decides every random choice; default: a new one, printed")
       ->check(program::whole_within(0))
       ->type_name("N");
-  app.add_option("--log", options.log, "write each packet's fate to this file")->type_name("FILE.csv");
+  app.add_option("--log", options.log, "write each packet's fate to this file")
+      ->check(program::not_empty())
+      ->type_name("FILE.csv");
   app.footer("WORDS:\n" + std::string(netem::netem_help()) + "\n" + std::string(kMore) +
              std::string(program::kExitCodes));
 }

@@ -26,7 +26,7 @@ struct Example {
     app.add_option("--depth", depth, "target depth")->check(number_within(0, 0.1))->type_name("M");
     app.add_option("--seed", seed, "first seed")->check(whole_within(1, 9))->type_name("N");
     app.add_option("--record", file, "file to write")->check(not_empty())->type_name("FILE");
-    app.add_flag("--quiet", quiet, "print nothing");
+    app.add_flag("--quiet", quiet, "print nothing")->excludes("--record");
     command = app.add_subcommand("table", "Print runs side by side");
     command->add_option("RUN", runs, "FILE.json")->required();
     command->callback([this] {
@@ -101,6 +101,8 @@ TEST(CommandLine, SaysInItsOwnWordsWhatWouldBeAccepted) {
   EXPECT_EQ(wrong_use_of({"--depth", "nan"}), "--depth: must be a number from 0 to 0.1, got 'nan'");
   EXPECT_EQ(wrong_use_of({"--seed", "1.5"}), "--seed: must be a whole number from 1 to 9, got '1.5'");
   EXPECT_EQ(wrong_use_of({"--seed", "-1"}), "--seed: must be a whole number from 1 to 9, got '-1'");
+  EXPECT_THAT(wrong_use_of({"--record", "a", "--quiet"}),
+              testing::AnyOf("--quiet does not go with --record", "--record does not go with --quiet"));
   EXPECT_EQ(wrong_use_of({"--record", ""}), "--record: must not be empty");
   EXPECT_EQ(wrong_use_of({"--seed"}), "--seed needs a value");
   EXPECT_EQ(wrong_use_of({"--seed", "1", "--seed", "2"}), "--seed is given more than once");

@@ -53,6 +53,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->type_name("LAW")
       ->capture_default_str();
   app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
+      ->check(program::not_empty())
       ->type_name("FILE.toml");
   app.add_option("--law-help", options.law_help,
                  "explain this law, its parameters and their values for --device, and end")
@@ -71,8 +72,12 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       app.add_option("--seed", options.seed, "seed of the handshake's nonces; default: random")
           ->check(program::whole_within(0))
           ->type_name("N");
-  app.add_option("--record", options.record, "write every tick and force to this file")->type_name("FILE.mcap");
-  app.add_option("--summary", options.summary, "write the summary to this file as well")->type_name("FILE.json");
+  app.add_option("--record", options.record, "write every tick and force to this file")
+      ->check(program::not_empty())
+      ->type_name("FILE.mcap");
+  app.add_option("--summary", options.summary, "write the summary to this file as well")
+      ->check(program::not_empty())
+      ->type_name("FILE.json");
   app.add_option("--hold", typed.hold_ms, "age up to which a force is applied unchanged")
       ->check(program::number_within(0))
       ->capture_default_str()

@@ -47,7 +47,8 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_option("--scene", options.scene, "scene for clients that request none")
       ->type_name("NAME|FILE.toml")
       ->capture_default_str();
-  app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
+  CLI::Option* const explain =
+      app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
       ->needs("--explain");
   app.add_option("--device-damping", options.device.damping_N_s_per_m,
@@ -60,9 +61,18 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->type_name("MS")
       ->check(program::number_within(0, 60000))
       ->needs("--explain");
-  app.add_flag("--suggest", options.suggest, "print suggested --device and --operator for a client, and end");
-  app.add_flag("--schema", options.schema, "print every key of a scene file, as Markdown, and end");
+  CLI::Option* const suggest =
+      app.add_flag("--suggest", options.suggest, "print suggested --device and --operator for a client, and end")
+          ->excludes(explain);
+  CLI::Option* const schema =
+      app.add_flag("--schema", options.schema, "print every key of a scene file, as Markdown, and end")
+          ->excludes(explain)
+          ->excludes(suggest);
   app.add_option("--record", options.record, "write every motion answered and every force sent to this file")
+      ->check(program::not_empty())
+      ->excludes(explain)
+      ->excludes(suggest)
+      ->excludes(schema)
       ->type_name("FILE.mcap");
   app.add_option("--sessions-max", options.server.sessions_max, "most clients at the same time")
       ->type_name("N")

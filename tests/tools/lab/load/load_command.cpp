@@ -110,10 +110,8 @@ void add_load(CLI::App& app) {
       ->required()
       ->check(program::accepted_by([](const std::string& peer) { (void)net::parse_peer(peer); }))
       ->type_name("HOST:PORT");
-  command->add_option("--clients", options->clients, "how many")
-      ->type_name("N")
-      ->check(program::whole_within(1, 10000))
-      ->capture_default_str();
+  CLI::Option* const clients = command->add_option("--clients", options->clients, "how many");
+  clients->type_name("N")->check(program::whole_within(1, 10000))->capture_default_str();
   command->add_option("--sockets", options->load.sockets, "number of sockets that the clients share")
       ->type_name("N")
       ->check(program::whole_within(1, 1000))
@@ -122,10 +120,12 @@ void add_load(CLI::App& app) {
       ->type_name("SECONDS")
       ->check(program::number_above_zero())
       ->capture_default_str();
-  command->add_flag(
+  CLI::Option* const find_most = command->add_flag(
       "--find-most", options->find_most,
       std::string("search for the most clients with ") + kHolds + "; a motion that is never answered counts as late");
+  find_most->excludes(clients);
   command->add_option("--limit", options->search.limit, "with --find-most: try no more")
+      ->needs(find_most)
       ->type_name("N")
       ->check(program::whole_within(1, 10000))
       ->capture_default_str();
