@@ -18,8 +18,7 @@ struct NamedSummary {
 
 /// A table of runs, a line each: file, law, least P, force variance, displayed stiffness and age of the force. A least
 /// P below zero: not passive. Files are named as briefly as tells them apart; a number that is null or absent is shown
-/// as
-/// "-".
+/// as "-".
 [[nodiscard]] std::string comparison_table(const std::vector<NamedSummary>& runs);
 
 }  // namespace forcebound::lab

@@ -99,6 +99,18 @@ TEST_F(LabReport, SaysOnOneLineWhatIsWrong) {
   }
 }
 
+TEST_F(LabReport, AndATableSayThatARecordingIsIncomplete) {
+  const std::string whole = text::read_file(recording_.path().string());
+  const TemporaryFile part("part.mcap");
+  text::write_file(part.path().string(), std::string_view(whole).substr(0, whole.size() - 100));
+  for (const char* const command : {"report ", "table "}) {
+    EXPECT_EQ(lab(command + recording_.path().string(), true).out, "");
+    const Outcome outcome = lab(command + part.path().string(), true);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("part.mcap"), HasSubstr(": incomplete; shown is what it has\n")));
+  }
+}
+
 TEST_F(LabReport, RefusesAServersRecordingSayingWhatItNeeds) {
   const TemporaryFile file("server.mcap");
   record::RecordingWriter writer(file.path(), {});

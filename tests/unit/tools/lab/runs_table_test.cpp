@@ -4,8 +4,11 @@
 
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 
+#include "forcebound/text/file.hpp"
 #include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -28,6 +31,18 @@ Json summary_of(const char* law, double least_P_J) {
           {"force_N", {{"mean", 1.0}, {"variance", 0.12345}, {"max", 3.3}}},
           {"displayed_stiffness_N_per_m", {{"mean", 312.4}, {"median", 298.6}}},
           {"passivity", {{"minimum_J", least_P_J}, {"final_J", 1.0}, {"ok", least_P_J >= 0}}}};
+}
+
+TEST(ReadSummary, RefusesWhatIsNone) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.file("a.json");
+  text::write_file(file, summary_of("none", 0).dump());
+  EXPECT_EQ(read_summary(file), summary_of("none", 0));
+  for (const char* const other : {"{}", "[]", "not JSON", R"({"laws": [], "networks": []})"}) {
+    text::write_file(file, other);
+    EXPECT_THAT([&] { (void)read_summary(file); },
+                testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(file + ": not a summary")));
+  }
 }
 
 TEST(ComparisonTable, GivesEachRunALineInItsOrder) {
