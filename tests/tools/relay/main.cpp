@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 #include <random>
+#include <stdexcept>
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
@@ -107,9 +108,14 @@ void run(relay::Relay& relay, const net::UdpLink& downstream, const relay::UdpUp
 
 int relay_until_stopped(const relay::Options& options) {
   const relay::Address upstream_address = net::resolve(options.upstream);
+  const relay::Address listen_address = net::resolve(options.listen);
+  if (listen_address == upstream_address) {
+    throw std::invalid_argument("--upstream: " + to_string(upstream_address) +
+                                " is --listen, the relay itself; expected the server's address");
+  }
   const Nanoseconds start = now();
   const relay::RelaySettings settings = settings_of(options, upstream_address, start);
-  net::UdpLink downstream = net::UdpLink::listen(net::resolve(options.listen));
+  net::UdpLink downstream = net::UdpLink::listen(listen_address);
   relay::UdpUpstream upstream(upstream_address);
   std::unique_ptr<relay::LogWriter> log;
   if (!options.log.empty()) log = std::make_unique<relay::LogWriter>(options.log, start);
