@@ -44,10 +44,11 @@ std::string command_of(const CLI::App& app) {
   return app.get_name() + (&chosen == &app ? "" : " " + chosen.get_name());
 }
 
+/// Without the dashes, which all have in common.
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
   }
   return names;
 }
@@ -61,8 +62,9 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
 std::string unexpected(const CLI::App& app, const std::string& word) {
   const CLI::App& chosen = innermost(app);
   if (word.starts_with('-')) {
-    const std::string nearest = text::nearest_name(word, option_names(chosen));
-    return "unknown option '" + word + "'" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+    const std::string name = word.substr(std::min(word.find_first_not_of('-'), word.size()));
+    const std::string nearest = text::nearest_name(name, option_names(chosen));
+    return "unknown option '" + word + "'" + (nearest.empty() ? "" : ", did you mean '--" + nearest + "'?");
   }
   const auto commands = subcommand_names(chosen);
   if (commands.empty()) return "unexpected argument '" + word + "'";
@@ -146,6 +148,14 @@ CLI::Validator one_of(const std::string& what, std::vector<std::string> names) {
   return {[what, names = std::move(names)](const std::string& value) -> std::string {
             if (std::ranges::find(names, value) != names.end()) return {};
             return "unknown " + what + " '" + value + "'" + text::suggestion(value, names);
+          },
+          ""};
+}
+
+CLI::Validator number() {
+  return {[](const std::string& value) -> std::string {
+            if (text::finite_number(value)) return {};
+            return "must be a number such as 0.25 or -1e-3, got '" + value + "'";
           },
           ""};
 }

@@ -60,6 +60,7 @@ auto value_of(std::string_view option, Read&& read) {
 /// One of some names; an unknown one gets a suggestion: "unknown law 'fba', did you mean ...". @param what "law"
 CLI::Validator one_of(const std::string& what, std::vector<std::string> names);
 /// A finite number.
+CLI::Validator number();
 CLI::Validator number_within(double least, double most = 1e9);
 /// Up to 1e9.
 CLI::Validator number_above_zero();

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <fstream>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -136,9 +135,7 @@ void add_replay(CLI::App& program) {
                    "full damping matrix [N s/m], rows like \"a,b;c,d\"; takes the place of --damping")
       ->type_name("\"ROWS\"");
   const auto add_number = [&](const char* name, auto& value, const char* what) {
-    return command->add_option(name, value, what)
-        ->check(program::number_within(-std::numeric_limits<double>::max(), std::numeric_limits<double>::max()))
-        ->type_name("NUMBER");
+    return command->add_option(name, value, what)->check(program::number())->type_name("NUMBER");
   };
   add_number("--period", options.period_s, "nominal period of a tick [s]")->capture_default_str();
   command->add_option("--encoder", arguments->encoder, "distance of neighbouring readings [m], one or q1,q2,..")

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
@@ -40,6 +42,10 @@ std::vector<std::string> inputs_of(const Options& options) {
 
 void run(const Options& options) {
   prepare({.inputs = inputs_of(options), .files = {options.json}, .figures = {options.figure}});
+  program::value_of("--operator", [&] {
+    const auto device = device::load_device(options.settings.device);
+    (void)device::make_operator(options.settings.hand, device.facts.degrees_of_freedom());
+  });
   std::vector<Json> live;
   for (const std::string& file : options.live) live.push_back(read_summary(file));
   LawsFigure figure("The laws compared on " + options.settings.scene,

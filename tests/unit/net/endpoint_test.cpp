@@ -30,7 +30,9 @@ TEST(Endpoint, RefusesPortZeroOfAPeer) {
   EXPECT_EQ(parse_peer("localhost:1"), (Endpoint{"localhost", 1}));
   EXPECT_THAT([] { parse_peer("localhost:0"); },
               ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("'localhost:0'"), HasSubstr("from 1 to 65535"))));
-  EXPECT_THAT([] { parse_peer("localhost"); }, ThrowsMessage<std::invalid_argument>(HasSubstr("is not HOST:PORT")));
+  EXPECT_THAT([] { parse_peer("localhost"); },
+              ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("is not HOST:PORT"), HasSubstr("from 1 to 65535"))));
+  EXPECT_THAT([] { parse_endpoint("localhost"); }, ThrowsMessage<std::invalid_argument>(HasSubstr("from 0 to 65535")));
 }
 
 TEST(Endpoint, ResolvesNumbersWithoutAskingAnybody) {

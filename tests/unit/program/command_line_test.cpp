@@ -24,6 +24,7 @@ struct Example {
         ->capture_default_str();
     app.add_option("--rate", rate, "most answers per second")->check(number_above_zero())->type_name("HZ");
     app.add_option("--depth", depth, "target depth")->check(number_within(0, 0.1))->type_name("M");
+    app.add_option("--offset", offset, "along x")->check(number())->type_name("M");
     app.add_option("--seed", seed, "first seed")->check(whole_within(1, 9))->type_name("N");
     app.add_option("--record", file, "file to write")->check(not_empty())->type_name("FILE");
     app.add_flag("--quiet", quiet, "print nothing")->excludes("--record");
@@ -40,6 +41,7 @@ struct Example {
   std::string law = "none";
   double rate = 0;
   double depth = 0;
+  double offset = 0;
   std::uint64_t seed = 0;
   std::string file;
   bool quiet = false;
@@ -107,6 +109,8 @@ TEST(CommandLine, SaysInItsOwnWordsWhatWouldBeAccepted) {
   EXPECT_EQ(wrong_use_of({"--seed"}), "--seed needs a value");
   EXPECT_EQ(wrong_use_of({"--seed", "1", "--seed", "2"}), "--seed is given more than once");
   EXPECT_EQ(wrong_use_of({"--sed", "1"}), "unknown option '--sed', did you mean '--seed'?");
+  EXPECT_EQ(wrong_use_of({"--lx", "1"}), "unknown option '--lx'") << "the dashes make nothing alike";
+  EXPECT_EQ(wrong_use_of({"--offset", "1e999"}), "--offset: must be a number such as 0.25 or -1e-3, got '1e999'");
   EXPECT_EQ(wrong_use_of({"tabel"}), "unknown command 'tabel', did you mean 'table'? (known: table)");
   EXPECT_EQ(wrong_use_of({"table"}, "example table"), "RUN is required");
 }

@@ -13,6 +13,7 @@
 #include "forcebound/client/runtime/client.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
+#include "forcebound/program/command_line.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -62,7 +63,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     std::fputs(text::wrapped_help(laws.help(options.law_help, devices.facts(options.device.device))).c_str(), stdout);
     return 0;
   }
-  const auto device = devices.make(options.device);
+  // What a device is refused for is known from its facts; the rest is about its hand.
+  (void)program::value_of("--device", [&] { return devices.facts(options.device.device); });
+  const auto device = program::value_of("--operator", [&] { return devices.make(options.device); });
   const control::LawOptions chosen = law_options(options, laws);
   auto law = laws.make(options.law, device->facts(), chosen);
   Client::Settings settings = settings_of(options);
