@@ -19,20 +19,23 @@ double number(const Json& value) { return value.is_number() ? value.get<double>(
 
 struct Standing {
   std::string law;
-  double restlessness;
-  double shown;
-  bool sound;  ///< contacts mostly rest, passive
+  double restlessness;  ///< not a number without contact
+  double shown;         ///< not a number where no contact rests
+  bool sound;           ///< contacts mostly rest, passive
 };
 
 std::vector<Standing> standings_behind(const Json& laws, std::size_t network) {
   std::vector<Standing> all;
   for (const Json& law : laws) {
     const Json& behind = law.at("behind").at(network);
-    const Standing standing{.law = law.at("law"),
-                            .restlessness = number(behind.at("ripple")),
-                            .shown = number(behind.at("shown")),
-                            .sound = number(behind.at("calm")) >= 0.5 && number(behind.at("least_P_J")) >= kPassive_J};
-    if (std::isfinite(standing.restlessness) && std::isfinite(standing.shown)) all.push_back(standing);
+    const double restlessness = number(behind.at("ripple"));
+    const double shown = number(behind.at("shown"));
+    if (!std::isfinite(restlessness) && !std::isfinite(shown)) continue;  // it refused to play
+    all.push_back({.law = law.at("law"),
+                   .restlessness = restlessness,
+                   .shown = shown,
+                   .sound = std::isfinite(restlessness) && std::isfinite(shown) && number(behind.at("calm")) >= 0.5 &&
+                            number(behind.at("least_P_J")) >= kPassive_J});
   }
   return all;
 }

@@ -7,7 +7,7 @@ namespace forcebound::lab {
 
 /// The data of comparison.gnuplot: stability against transparency, a row for each network and law that played through
 /// it. Unbeaten is a law whose contacts rest, and which is passive, if no other such law has both less restlessness and
-/// more stiffness.
+/// more stiffness. nan: of a law that never touched the wall, or never rested there.
 /// @param standings as `standings` made them
 [[nodiscard]] std::string comparison_csv(const nlohmann::ordered_json& standings);
 

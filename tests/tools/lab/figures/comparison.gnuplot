@@ -15,8 +15,9 @@ set output name.'.png'
 
 line(network) = (place_of(networks, network) - (words(networks) + 1) / 2.) * 0.8 / words(networks)
 y(law, network) = place_of(laws, law) + line(network)
-# Zero has no place on a logarithmic axis.
-inside(value, least) = value < least ? least : value > highest ? highest : value
+# Zero has no place on a logarithmic axis, and what is not known is as bad as can be.
+inside(value) = value < least ? least : value > highest ? highest : value
+place(quantity) = strcol(quantity) eq 'nan' ? worst : inside(column(quantity))
 of(network) = strcol('network') eq network
 mark(sound) = sound > 0 ? 7 : 2
 
@@ -44,6 +45,7 @@ do for [panel = 1:2] {
   if (panel == 1) {
     quantity = 'displayed_over_requested'
     least = 0.005
+    worst = least
     highest = 1.2
     set xrange [0.004:1.3]
     set xtics ('≤ 0.5 %%' 0.005, '2 %%' 0.02, '5 %%' 0.05, '10 %%' 0.1, '20 %%' 0.2, '50 %%' 0.5, '100 %%' 1)
@@ -55,7 +57,7 @@ do for [panel = 1:2] {
   } else {
     quantity = 'restlessness'
     least = 0.01
-    highest = 3.7
+    worst = highest = 3.7
     set xrange [0.008:4]
     set xtics ('≤ 0.01' 0.01, '0.05' 0.05, '0.1' 0.1, '0.2' 0.2, '0.5' 0.5, '1' 1, '2' 2)
     set xlabel "restlessness: the force's deviation over its mean"
@@ -66,13 +68,13 @@ do for [panel = 1:2] {
   }
   plot for [n = 1:words(networks)] data using (least / 10): \
           (of(word(networks, n)) ? y(strcol('law'), word(networks, n)) : NaN): \
-          (inside(column(quantity), least) - least / 10):(0) with vectors nohead linewidth 1 \
+          (place(quantity) - least / 10):(0) with vectors nohead linewidth 1 \
           linecolor rgb colour_of_network(n) notitle, \
-      for [n = 1:words(networks)] data using (of(word(networks, n)) ? inside(column(quantity), least) : NaN): \
+      for [n = 1:words(networks)] data using (of(word(networks, n)) ? place(quantity) : NaN): \
           (y(strcol('law'), word(networks, n))):(mark(column('rests_and_passive'))) \
           with points pointtype variable pointsize 1 linewidth 1.5 linecolor rgb colour_of_network(n) notitle, \
       data using (column('unbeaten') > 0 && place_of(networks, strcol('network')) ? \
-          inside(column(quantity), least) : NaN):(y(strcol('law'), strcol('network'))) \
+          place(quantity) : NaN):(y(strcol('law'), strcol('network'))) \
           with points pointtype 6 pointsize 1.9 linewidth 2 linecolor rgb green notitle
 }
 unset multiplot

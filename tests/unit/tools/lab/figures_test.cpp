@@ -157,7 +157,7 @@ TEST(ComparisonFigure, HasEveryLawBehindEveryNetwork) {
   }
 }
 
-TEST(ComparisonFigure, CallsUnbeatenWhatRestsAndIsPassiveAlone) {
+TEST(ComparisonFigure, ShowsEveryLawThatPlayedAndCallsUnbeatenWhatRestsAndIsPassiveAlone) {
   const auto behind = [](double ripple, double shown, double calm, double least_P_J) {
     return Json::array({{{"ripple", ripple}, {"shown", shown}, {"calm", calm}, {"least_P_J", least_P_J}}});
   };
@@ -167,13 +167,22 @@ TEST(ComparisonFigure, CallsUnbeatenWhatRestsAndIsPassiveAlone) {
                          {{"law", "worse"}, {"behind", behind(0.2, 0.8, 1, 0)}},
                          {{"law", "leaks"}, {"behind", behind(0.01, 1, 1, -0.1)}},
                          {{"law", "rings"}, {"behind", behind(0.01, 1, 0.4, 0)}},
+                         {{"law", "never touched"}, {"behind", behind(NAN, 0, 1, 0)}},
+                         {{"law", "never rested"}, {"behind", behind(0.5, NAN, 1, 0)}},
                          {{"law", "refused"}, {"behind", behind(NAN, NAN, 0, 0)}}}}};
   EXPECT_EQ(comparison_csv(standings),
             "network,law,displayed_over_requested,restlessness,rests_and_passive,unbeaten\n"
             "none,best,0.9,0.1,1,1\n"
             "none,worse,0.8,0.2,1,0\n"
             "none,leaks,1,0.01,0,0\n"
-            "none,rings,1,0.01,0,0\n");
+            "none,rings,1,0.01,0,0\n"
+            "none,never touched,0,nan,0,0\n"
+            "none,never rested,nan,0.5,0,0\n");
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
+  const TemporaryFolder folder;
+  testing::internal::CaptureStderr();
+  draw({.script = "comparison", .csv = comparison_csv(standings)}, folder.file("comparison.png"));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(LimitsFigure, HasEveryLawAndTheoryUnderEachHandAtEachDelay) {
