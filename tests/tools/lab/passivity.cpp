@@ -111,8 +111,8 @@ std::string passivity_table(const std::vector<PassivityResult>& results, text::C
     }
   }
   return "Least P [mJ] over all adversaries; 0: passive. Across: the encoder's step,\n"
-         "with exact ticks and with 20 % of them late.\n\n" +
-         table.to_text(colour);
+         "with exact ticks and with " +
+         text::rounded(100 * kLateShare) + " % of them late.\n\n" + table.to_text(colour);
 }
 
 std::string passivity_csv(const std::vector<PassivityResult>& results) {

@@ -40,6 +40,7 @@ do for [i = 1:words(laws):2] {
   set object i rectangle from graph 0, first i - 0.5 to graph 1, first i + 0.5 behind fillcolor rgb '#f4f6f8' \
       fillstyle solid noborder
 }
+set ytics ()
 set for [i = 1:words(laws)] ytics add (word(laws, i) i)
 do for [panel = 1:2] {
   if (panel == 1) {

@@ -1,9 +1,11 @@
 # Energy that each law leaks on a device that is not ideal; the data are those of `forcebound-lab passivity --csv`.
 title = 'Energy that an adversary extracts from each law on a real device'
-subtitle = 'the worst adversary; solid: exact ticks, dashed: 20 % of them late; below the red line: passive'
 laws = encoders = lates = latencies = ''
 stats data using (laws = with_item(laws, strcol('law')), encoders = with_item(encoders, strcol('encoder_m')), \
     lates = with_item(lates, strcol('late_share')), latencies = with_item(latencies, strcol('latency_s')), 0) nooutput
+late_most = 0
+do for [late in lates] { late_most = late + 0 > late_most ? late + 0 : late_most }
+subtitle = sprintf('the worst adversary; solid: exact ticks, dashed: %g %% of them late; below the red line: passive', 100 * late_most)
 guarantee_J = 1e-9
 passive_J = 0.3 * guarantee_J
 # The worst over all adversaries, kept for the plot: law, encoder, late ticks, latency.
