@@ -11,12 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// gnuplot ends a text at a comma, even between quotes.
-std::string without_commas(std::string value) {
-  std::erase(value, ',');
-  return value;
-}
-
 std::string study_csv(const Json& study) {
   text::Table table({{"setting"},
                      {"step_us"},
@@ -42,7 +36,7 @@ std::string study_csv(const Json& study) {
     for (std::size_t i = 0; i < settings.size(); ++i) {
       const Json& behind = settings[i].at("behind").at(network);
       const auto share = [&](const char* part) { return figure_number(behind.at(part).at("share")); };
-      table.add({without_commas(settings[i].at("value")), figure_number(settings[i].at("step_us").at("median")),
+      table.add({settings[i].at("value").get<std::string>(), figure_number(settings[i].at("step_us").at("median")),
                  figure_number(1e3 * behind.at("round_trip_s").get<double>()), figure_number(behind.at("error")),
                  share("model"), share("age"), share("hold"), share("bounding"), i == best ? "1" : "0",
                  at_states(settings[i].at("force_error"), "uncertainty"),

@@ -109,7 +109,7 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
   constexpr int kCommandNotFound = 127;
   const auto script = script_of(png);
   text::write_file(script.string(), script_text(figure, png.stem().string()));
-  text::write_file(data_of(png).string(), figure.csv);
+  text::write_file(data_of(png).string(), readable_by_gnuplot(figure.csv));
   SetAside before(png);
   GnuplotResult result = run_gnuplot(script);
   if (WIFEXITED(result.status) && WEXITSTATUS(result.status) == kCommandNotFound) {
@@ -140,6 +140,30 @@ void expect_drawable(const std::filesystem::path& png, const std::vector<std::st
   } else if (std::filesystem::exists(data_of(png))) {
     refuse_to_replace(data_of(png), png);
   }
+}
+
+std::string readable_by_gnuplot(std::string_view csv) {
+  std::string readable;
+  readable.reserve(csv.size());
+  bool within = false;
+  for (std::size_t i = 0; i < csv.size(); ++i) {
+    const char c = csv[i];
+    if (c == '"') {
+      const bool is_text = within && i + 1 < csv.size() && csv[i + 1] == '"';
+      if (is_text) {
+        readable += '\'';
+        ++i;
+      } else {
+        within = !within;
+      }
+    } else if (within && (c == ',' || c == '\n')) {
+      const bool blank_follows = i + 1 < csv.size() && csv[i + 1] == ' ';
+      if (!blank_follows) readable += ' ';
+    } else {
+      readable += c;
+    }
+  }
+  return readable;
 }
 
 std::string figure_number(double value) { return std::isfinite(value) ? text::rounded(value, 6) : "nan"; }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace forcebound::lab {
@@ -9,7 +10,7 @@ namespace forcebound::lab {
 /// What a figure is drawn from.
 struct Figure {
   std::string script;      ///< NAME.gnuplot of this folder, without the extension
-  std::string csv;         ///< its data, as the script reads them
+  std::string csv;         ///< its data, with the columns that the script reads
   std::string title{};     ///< empty: the script's own
   std::string subtitle{};  ///< the same
 };
@@ -27,6 +28,10 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
 /// files nor any data and script but those of an earlier figure. Empty names are no files.
 /// @throws std::invalid_argument naming the one of `files`, std::runtime_error naming any other
 void expect_drawable(const std::filesystem::path& png, const std::vector<std::string>& files);
+
+/// Data as gnuplot reads them: it ends a field at a comma even between quotes, and an item of a list at a quote. A
+/// comma and a line's end within a field become a blank, a quote becomes '.
+[[nodiscard]] std::string readable_by_gnuplot(std::string_view csv);
 
 /// A number of a figure's data: six significant digits, or "nan", which interrupts a curve.
 [[nodiscard]] std::string figure_number(double value);

@@ -27,12 +27,8 @@ record::TickSink& LawsFigure::add_run(const std::string& law, const std::string&
 }
 
 std::string LawsFigure::name_of(const Curves& run) const {
-  if (std::ranges::count(runs_, run.law, &Curves::law) == 1) return run.law;
-  std::string name = run.law + " " + run.file;
-  // gnuplot ends a field at a comma in quotes too, and a word of a list at a quote.
-  std::ranges::replace_if(
-      name, [](char c) { return c == ',' || c == '"'; }, '_');
-  return name;
+  const bool alone = std::ranges::count(runs_, run.law, &Curves::law) == 1;
+  return alone ? run.law : run.law + " " + run.file;
 }
 
 std::string LawsFigure::to_csv() const {
