@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "tests/support/process.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/unit/tools/lab/accuracy/body_scenes.hpp"
 
@@ -15,6 +16,45 @@ namespace forcebound::lab {
 namespace {
 
 using testing::HasSubstr;
+
+void run_accuracy(std::vector<std::string> options) {
+  CLI::App program{"test"};
+  add_accuracy(program);
+  options.insert(options.begin(), "accuracy");
+  std::ranges::reverse(options);  // as CLI11 takes them
+  program.parse(std::move(options));
+}
+
+TEST(AccuracyOfAStudy, IsWrittenAgainWithoutARun) {
+  const test::TemporaryFolder folder;
+  const std::string study = (test::source_folder() / "deploy/accuracy-results.json").string();
+  test::write_file(folder.file("page.md"),
+                   "before\n<!-- accuracy: made by deploy/accuracy -->\n<!-- /accuracy -->\nafter\n");
+  run_accuracy({study, "--json", folder.file("again.json"), "--readme", folder.file("page.md")});
+  EXPECT_EQ(nlohmann::json::parse(test::content(folder.file("again.json"))),
+            nlohmann::json::parse(test::content(study)));
+  const std::string page = test::content(folder.file("page.md"));
+  EXPECT_THAT(page, testing::AllOf(testing::StartsWith("before\n"), HasSubstr("| `tissue.pad.shape.cells` | a step"),
+                                   testing::EndsWith("<!-- /accuracy -->\nafter\n")));
+}
+
+TEST(AccuracyOfAStudy, RefusesWhatNeedsAScene) {
+  const test::TemporaryFolder folder;
+  const std::string study = (test::source_folder() / "deploy/accuracy-results.json").string();
+  const auto expect_refused = [&](const std::string& option, const std::string& value) {
+    EXPECT_THAT(
+        [&] {
+          run_accuracy({study, option, value});
+        },
+        testing::ThrowsMessage<std::invalid_argument>(HasSubstr("need a scene")));
+  };
+  expect_refused("--sweep", "law=none");
+  expect_refused("--set", "a.b=1");
+  expect_refused("--levels", "x.toml");
+  test::write_file(folder.file("other.json"), R"({"laws": []})");
+  EXPECT_THAT([&] { run_accuracy({folder.file("other.json")}); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("other.json: not a study")));
+}
 
 class AccuracyCommandTest : public testing::Test {
  protected:
@@ -24,11 +64,8 @@ class AccuracyCommandTest : public testing::Test {
   AccuracyCommandTest() { test::write_file(folder_.file("stack.toml"), stack_text()); }
 
   void run(std::vector<std::string> options) const {
-    CLI::App program{"test"};
-    add_accuracy(program);
-    options.insert(options.begin(), {"accuracy", folder_.file("stack.toml"), "--rtt", "1", "--duration", "0.4"});
-    std::ranges::reverse(options);  // as CLI11 takes them
-    program.parse(std::move(options));
+    options.insert(options.begin(), {folder_.file("stack.toml"), "--rtt", "1", "--duration", "0.4"});
+    run_accuracy(std::move(options));
   }
 
   [[nodiscard]] std::string refusal_of(const std::vector<std::string>& options) const {
