@@ -32,7 +32,7 @@ struct Hello {
   std::string_view scene{};   ///< requested scene; empty: the server's default
   Nanoseconds client_time{0};
   Nanoseconds round_trip{0};      ///< measured by the client from a refusal `round_trip_wanted`; 0: not measured
-  std::string_view server_law{};  ///< the law whose server-side law is requested, by name; empty: none
+  std::string_view server_law{};  ///< the client's law, by name, if it works with a server-side law; empty: none
 };
 
 /// Server to client: the Hello is accepted, and a session begins. Sent again for each copy of that Hello; the same
@@ -53,7 +53,7 @@ enum class RefusalReason : std::uint8_t {
   server_full,
   unknown_session,    ///< the answer to a motion of an unknown session: the server restarted, or closed it
   round_trip_wanted,  ///< the scene's accuracy depends on it: send Hello again with the round trip from the echoed time
-  unknown_server_law,  ///< the server has no server-side law for that law
+  unknown_server_law,  ///< the server has no server-side law of that name
 };
 
 struct Refusal {

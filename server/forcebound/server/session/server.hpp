@@ -34,7 +34,7 @@ struct ServerOptions {
       std::chrono::seconds{60};     ///< without motion; must exceed any round trip (12 s has been observed)
   double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
   int hellos_per_s_max = 50;        ///< over all clients
-  control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side part clients can request
+  control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 
 /// Holds the sessions of all clients and answers their motions. Each session has its own environment.
@@ -100,9 +100,9 @@ class Server {
     Nanoseconds since;
   };
 
-  /// The server-side part of a client's law, between its motions and the environment.
+  /// The server-side law of a client, between its motions and the environment.
   struct ServerSide {
-    std::unique_ptr<control::ServerSideLaw> law;  ///< null: the law has no server-side part
+    std::unique_ptr<control::ServerSideLaw> law;  ///< null: the client's law has none
     std::optional<Nanoseconds> answered{};        ///< device time of the motion answered last
 
     /// The position at which the environment is evaluated [m].
