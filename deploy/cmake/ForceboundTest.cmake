@@ -21,7 +21,7 @@ target_precompile_headers(forcebound_test_headers PRIVATE
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
 #                 [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder.
 # It is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
-# Its sources are compiled together, so none of them may use another's name for something else.
+# With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name for something else.
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
 # --long is given; `threads` and `process` run it under ThreadSanitizer as well.
 function(forcebound_test name)

@@ -1,5 +1,5 @@
-// Recordings that programs of version 1 of the protocol wrote: bytes and embedded schemas are made from the message
-// descriptions of that version, by no code of today.
+// Recordings as programs of version 1 of the protocol wrote them: messages and embedded schemas are made from the
+// message descriptions of that version. Only the container, MCAP, which has not changed, is written by today's code.
 
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.pb.h>
