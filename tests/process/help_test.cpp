@@ -54,7 +54,7 @@ void expect_to_be_broken_once(const std::string& help) {
   }
 }
 
-void expect_one_voice(const std::string& help) {
+void expect_common_style(const std::string& help) {
   expect_to_fit(help);
   expect_to_be_broken_once(help);
   EXPECT_THAT(help, testing::HasSubstr("print this help and end"));
@@ -63,13 +63,13 @@ void expect_one_voice(const std::string& help) {
   }
 }
 
-TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsAndHasOneVoice) {
+TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsInTheCommonStyle) {
   for (const char* const program : {kServer, kClient, kRelay, kLab}) {
     SCOPED_TRACE(program);
     const Ran ran = run(program, {"--help"}, 10s);
     EXPECT_EQ(ran.exit_code, 0);
     EXPECT_EQ(ran.err, "");
-    expect_one_voice(ran.out);
+    expect_common_style(ran.out);
     EXPECT_THAT(ran.out, testing::HasSubstr("print the version and end"));
     const auto subcommands = subcommands_in(ran.out);
     EXPECT_EQ(subcommands.empty(), program != kLab);
@@ -77,7 +77,7 @@ TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsAndHasOneVoice) {
       SCOPED_TRACE(subcommand);
       const Ran of = run(program, {subcommand, "--help"}, 10s);
       EXPECT_EQ(of.exit_code, 0);
-      expect_one_voice(of.out);
+      expect_common_style(of.out);
       EXPECT_THAT(of.out, testing::HasSubstr("  forcebound-lab " + subcommand + " ")) << "an example of its own";
       EXPECT_THAT(of.out, testing::Not(testing::HasSubstr("Exit code"))) << "that is the whole program's";
       const bool draws = of.out.find("--figure") != std::string::npos;

@@ -52,7 +52,7 @@ std::span<const UdpBatch::Arrived> UdpBatch::wait_for_some() noexcept { return r
 
 std::span<const UdpBatch::Arrived> UdpBatch::receive(int flags) noexcept {
   Storage& all = *storage_;
-  // Only these: between two datagrams at 1 kHz the caches forget the rest, and each line of it would be read anew.
+  // Only these: after a millisecond the others are no longer in the caches, and each would cost an access to memory.
   for (std::size_t i = 0; i < all.written; ++i) {
     msghdr& message = all.in.messages[i].msg_hdr;
     message.msg_namelen = static_cast<socklen_t>(all.in.peers[i].capacity());

@@ -71,7 +71,7 @@ class Load {
   std::vector<int> descriptors_;
   LoadGenerator load_generator_;
   Burst burst_;
-  std::uint64_t given_up_ = 0;  ///< answers still missing when the next motion was due: nobody sleeps for them any more
+  std::uint64_t given_up_ = 0;  ///< answers missing when the next motion was due; `rest` sleeps no longer for them
 };
 
 }  // namespace forcebound::lab
