@@ -1,5 +1,6 @@
 #include "forcebound/config/node.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include "forcebound/config/config_error.hpp"
@@ -11,6 +12,9 @@
 
 namespace forcebound::config {
 namespace {
+
+/// No key that is read here has more than three.
+constexpr int kKeyPartsMost = 8;
 
 Node converted(const toml::node& node) {
   Node made{.line = static_cast<int>(node.source().begin.line)};
@@ -35,6 +39,50 @@ Node converted(const toml::node& node) {
     made.value = Node::Time{text.str()};
   }
   return made;
+}
+
+/// The position after the string that begins at `begin`; an unfinished one ends with its line.
+std::size_t end_of_string(std::string_view text, std::size_t begin) {
+  const char quote = text[begin];
+  const std::string three(3, quote);
+  const bool has_lines = text.substr(begin, 3) == three;
+  for (std::size_t i = begin + (has_lines ? 3 : 1); i < text.size(); ++i) {
+    if (quote == '"' && text[i] == '\\') {
+      ++i;
+    } else if (has_lines && text.substr(i, 3) == three) {
+      // Two quotes before the final three belong to the string.
+      return std::min({text.find_first_not_of(quote, i), i + 5, text.size()});
+    } else if (!has_lines && (text[i] == quote || text[i] == '\n')) {
+      return text[i] == quote ? i + 1 : i;
+    }
+  }
+  return text.size();
+}
+
+/// The TOML library and the functions here call themselves for each part of "a.b.c", so that a key of thousands of
+/// parts would overflow the stack. The library itself limits the depth of lists and inline tables.
+/// @throws ConfigError for a key of more than kKeyPartsMost parts
+void refuse_deep_keys(std::string_view text, const std::string& place) {
+  int parts = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = end_of_string(text, i);
+      continue;
+    }
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+      continue;
+    }
+    // A number has a dot too, but only one.
+    if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) parts = 1;
+    if (c == '.' && ++parts > kKeyPartsMost) {
+      const auto line = 1 + std::ranges::count(text.substr(0, i), '\n');
+      throw ConfigError(place + ":" + std::to_string(line) + ": a key must have at most " +
+                        std::to_string(kKeyPartsMost) + " parts, as a.b has two");
+    }
+    ++i;
+  }
 }
 
 std::string as_text(const std::string& text) {
@@ -81,6 +129,7 @@ std::string written(const Node& node) {
 }
 
 Node parse_toml(std::string_view text, const std::string& place) {
+  refuse_deep_keys(text, place);
   try {
     return converted(toml::parse(text, place));
   } catch (const toml::parse_error& error) {
@@ -90,6 +139,7 @@ Node parse_toml(std::string_view text, const std::string& place) {
 }
 
 Node parse_toml_value(std::string_view text, int line) {
+  refuse_deep_keys(text, "value");
   try {
     const toml::table wrapped =
         toml::parse(std::string(static_cast<std::size_t>(line) - 1, '\n') + "value = " + std::string(text));

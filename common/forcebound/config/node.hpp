@@ -43,7 +43,7 @@ struct Node {
 
 /// @param place the file's name, for errors
 /// @return the file's top-level table
-/// @throws ConfigError `PLACE:LINE: not TOML: ...`
+/// @throws ConfigError `PLACE:LINE: not TOML: ...`, and for a key of more than 8 parts
 [[nodiscard]] Node parse_toml(std::string_view text, const std::string& place);
 
 /// Parses one value in TOML syntax, as after `KEY = `. @throws ConfigError unless the text is exactly one value

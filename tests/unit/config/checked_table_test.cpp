@@ -94,5 +94,37 @@ TEST(Node, RefusesInvalidToml) {
   EXPECT_EQ(parse_toml_value("[1, 2]", 7).line, 7);
 }
 
+/// "a.a.a": a key of so many parts.
+std::string key_of_parts(std::size_t parts) {
+  std::string key(2 * parts - 1, 'a');
+  for (std::size_t dot = 1; dot < key.size(); dot += 2) key[dot] = '.';
+  return key;
+}
+
+TEST(Node, RefusesAKeyThatWouldOverflowTheStack) {
+  const std::string deep = key_of_parts(50000);
+  const auto refuses = [](const std::string& text) {
+    EXPECT_THAT([&] { (void)parse_toml(text, "a.toml"); },
+                ThrowsMessage<ConfigError>("a.toml:2: a key must have at most 8 parts, as a.b has two"))
+        << text.substr(0, 30);
+  };
+  refuses("\n" + deep + " = 1");
+  refuses("\n" + deep);
+  refuses("\n[" + deep + "]");
+  refuses("\nb = { c = 1, " + deep + " = 1 }");
+  refuses("\nb = { c = \"\"\"two\"\"\"\"\", " + deep + " = 1 }");
+  refuses("\nb = { c = 'a\\', " + deep + " = 1 }");
+  refuses("\n" + key_of_parts(9) + " = 1");
+  EXPECT_THAT([&] { (void)parse_toml_value("{ " + deep + " = 1 }", 1); },
+              ThrowsMessage<ConfigError>(HasSubstr("parts")));
+}
+
+TEST(Node, TakesDotsInTextsCommentsAndNumbers) {
+  EXPECT_NO_THROW((void)parse_toml(key_of_parts(8) + " = 1", "a.toml"));
+  EXPECT_NO_THROW((void)parse_toml("a = '..........' # ..........\nb = \"\\\"..........\"\n", "a.toml"));
+  EXPECT_NO_THROW((void)parse_toml("a = \"\"\"..........\n'..........\"\"\"\n\"..........\" = 1\n", "a.toml"));
+  EXPECT_NO_THROW((void)parse_toml("a = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1]", "a.toml"));
+}
+
 }  // namespace
 }  // namespace forcebound::config
