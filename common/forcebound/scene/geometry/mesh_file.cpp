@@ -1,16 +1,20 @@
 #include "forcebound/scene/geometry/mesh_file.hpp"
 
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <array>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "forcebound/scene/geometry/decimate.hpp"
@@ -52,12 +56,33 @@ void add(const aiMesh& mesh, Soup& soup) {
   }
 }
 
+/// All that Assimp can open: the text that was checked, under one name. Its own reader of memory opens the material
+/// file that an OBJ file names, and takes the OBJ file itself for a missing one, which ends the process.
+class OneFile final : public Assimp::IOSystem {
+ public:
+  /// @param content it must outlive this
+  OneFile(std::string name, const std::string& content) : name_(std::move(name)), content_(content) {}
+
+  bool Exists(const char* file) const override { return name_ == file; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* file, const char* /*mode*/) override {
+    if (!Exists(file)) return nullptr;
+    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory,cppcoreguidelines-pro-type-reinterpret-cast): Assimp's interface
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(content_.data()), content_.size());
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }  // NOLINT(cppcoreguidelines-owning-memory): as above
+
+ private:
+  std::string name_;
+  const std::string& content_;
+};
+
 Soup import(const std::string& path, const std::string& content, const Format& format) {
   Assimp::Importer importer;
-  // From memory: reads exactly what was checked, and opens no material files named in it.
   const std::string hint(format.ending.substr(1));
-  const aiScene* scene =
-      importer.ReadFileFromMemory(content.data(), content.size(), aiProcess_Triangulate, hint.c_str());
+  const std::string name = "mesh" + std::string(format.ending);
+  importer.SetIOHandler(new OneFile(name, content));  // NOLINT(cppcoreguidelines-owning-memory): the importer owns it
+  const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
   if (scene == nullptr) {
     throw GeometryError(path + ": cannot be read as " + hint + ": " + text::printable(importer.GetErrorString()));
   }

@@ -143,6 +143,19 @@ TEST_F(MeshFile, RefusesWhatItCannotOpenOrDoesNotKnow) {
               ThrowsMessage<GeometryError>(path_of("a.ply") + ": a mesh is an .obj, .off or .stl file"));
 }
 
+TEST_F(MeshFile, OpensNoMaterialFile) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const auto triangles = [&](const std::string& rest) {
+    return load_mesh(write("a.obj", points + rest)).report().triangles;
+  };
+  // With no such file, Assimp's own reader would take this file for the material file.
+  EXPECT_EQ(triangles("f 1 2 3\nmtllib none.mtl\nmap_Kd x.png\n"), 1U);
+  EXPECT_EQ(triangles("mtl\\\nlib none.mtl\nmap_Kd x.png\nf 1 2 3\n"), 1U);
+  EXPECT_EQ(triangles("mtllib a.obj\nmap_Kd x.png\nf 1 2 3\n"), 1U);
+  const std::string material = write("a.mtl", "map_Kd x.png\n");
+  EXPECT_EQ(triangles("mtllib " + material + "\nf 1 2 3\n"), 1U);
+}
+
 TEST_F(MeshFile, ReadsARealMesh) {
   const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
