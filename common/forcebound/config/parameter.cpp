@@ -136,7 +136,10 @@ Value accept(const PointParameter& point, const Eigen::Vector3d& value) {
     return std::abs(value.squaredNorm() - 1) <= kRounding ? value : Eigen::Vector3d(value.stableNormalized());
   }
   const NumberParameter& each = point.each;
-  const auto fits = [&](double number) { return is_in_range(each, number) && (!each.whole || is_whole(number)); };
+  const auto fits = [&](double number) {
+    const bool is_rest = std::isinf(number) && number == point.rest;
+    return is_rest || (is_in_range(each, number) && (!each.whole || is_whole(number)));
+  };
   if (!std::ranges::all_of(value, fits)) {
     refuse(point.key, each.whole ? "whole numbers " + bounds_text(each) : range_text(each) + " on every axis",
            as_given(point, value));

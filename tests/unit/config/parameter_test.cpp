@@ -71,13 +71,13 @@ TEST(Completed, NormalisesDirectionsAndKeepsUnitOnes) {
 TEST(Completed, TakesInfinityOnlyOnAxesThatASceneLacks) {
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<Parameter> size{
-      PointParameter{.key = "size_m", .each = {.least = 0, .least_excluded = true}, .rest = infinity}};
+      PointParameter{.key = "size_m", .each = {.least = 0, .least_excluded = true, .most = 9}, .rest = infinity}};
   EXPECT_EQ(completed(size, {{"size_m", Point(1, 2, infinity)}}).point("size_m").z(), infinity);
   EXPECT_THAT(
       [&] {
         (void)completed(size, {{"size_m", Point(0, 2, infinity)}});
       },
-      testing::ThrowsMessage<ValueError>("size_m must be > 0 on every axis, got [0, 2]"));
+      testing::ThrowsMessage<ValueError>("size_m must be > 0 and <= 9 on every axis, got [0, 2]"));
 }
 
 TEST(Parameters, DescribeAcceptedValuesAndPresets) {

@@ -51,7 +51,7 @@ TEST(MakePart, ChecksWhatAFileWouldBeCheckedFor) {
   EXPECT_THAT(refusal_of(wrong), HasSubstr("unknown kind 'bal'"));
   wrong = ball();
   wrong.shape->values.set("radius_m", -1.0);
-  EXPECT_EQ(refusal_of(wrong), "radius_m must be > 0, got -1");
+  EXPECT_EQ(refusal_of(wrong), "radius_m must be > 0 and <= 1000, got -1");
   wrong = ball();
   wrong.effects[0].values.set("stiffness_N_per_m", std::nan(""));
   EXPECT_EQ(refusal_of(wrong), "stiffness_N_per_m must be a finite number, got nan");

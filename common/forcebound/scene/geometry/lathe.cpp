@@ -87,8 +87,7 @@ ShapeKind lathe_shape() {
                                              .least = 3,
                                              .most = kSegmentsMax,
                                              .whole = true},
-                     config::PointParameter{
-                         .key = "origin_m", .meaning = "added to every vertex", .preset = Point::Zero()}},
+                     place("origin_m", "added to every vertex", Point::Zero())},
       .source = "profile_m",
       .make = [](const config::Values& values, const ShapePurpose& purpose) {
         std::vector<LathePoint> profile;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "forcebound/scene/geometry/shape.hpp"
+
 namespace forcebound::scene {
 namespace {
 
@@ -52,8 +54,7 @@ std::vector<config::Parameter> placement_parameters() {
                                   .least_excluded = true,
                                   .most = 1e9},
           rotation_parameter("roll, pitch and yaw: turned about the scene's x, then y, then z axis, after `scale`"),
-          config::PointParameter{
-              .key = "offset_m", .meaning = "added to every vertex, after `rotation_deg`", .preset = Point::Zero()}};
+          place("offset_m", "added to every vertex, after `rotation_deg`", Point::Zero())};
 }
 
 MeshPlacement placement_of(const config::Values& values) {

@@ -105,8 +105,7 @@ class Box final : public Shape {
 };
 
 std::vector<config::Parameter> round_parameters() {
-  return {PointParameter{.key = "center_m", .meaning = "its center"},
-          positive_length("radius_m", "from the center to the surface")};
+  return {place("center_m", "its center"), positive_length("radius_m", "from the center to the surface")};
 }
 
 }  // namespace
@@ -128,12 +127,16 @@ std::unique_ptr<Shape> make_box(const Point& center_m, const Point& size_m) {
 }
 
 config::NumberParameter positive_length(std::string_view key, std::string_view meaning) {
-  return {.key = key, .meaning = meaning, .least = 0, .least_excluded = true};
+  return {.key = key, .meaning = meaning, .least = 0, .least_excluded = true, .most = kLengthMost_m};
+}
+
+config::PointParameter place(std::string_view key, std::string_view meaning, const std::optional<Point>& preset) {
+  return {.key = key, .meaning = meaning, .preset = preset, .each = {.least = -kLengthMost_m, .most = kLengthMost_m}};
 }
 
 std::vector<config::Parameter> straight_parameters() {
-  return {PointParameter{.key = "from_m", .meaning = "one end of the axis"},
-          PointParameter{.key = "to_m", .meaning = "the other end"}, positive_length("radius_m", "around it")};
+  return {place("from_m", "one end of the axis"), place("to_m", "the other end"),
+          positive_length("radius_m", "around it")};
 }
 
 void check_straight(const config::Values& values) {
@@ -144,7 +147,7 @@ void check_straight(const config::Values& values) {
 ShapeKind half_space_shape() {
   return {.name = "half_space",
           .description = "Everything behind a plane: a wall, a table.",
-          .parameters = {PointParameter{.key = "through_m", .meaning = "a point of the plane"},
+          .parameters = {place("through_m", "a point of the plane"),
                          PointParameter{.key = "normal", .meaning = "out of what is solid", .is_direction = true}},
           .make = [](const config::Values& values, const ShapePurpose&) {
             return make_half_space(values.point("through_m"), values.point("normal"));
@@ -172,10 +175,10 @@ ShapeKind cavity_shape() {
 ShapeKind box_shape() {
   return {.name = "box",
           .description = "A block along the axes.",
-          .parameters = {PointParameter{.key = "center_m", .meaning = "its center"},
+          .parameters = {place("center_m", "its center"),
                          PointParameter{.key = "size_m",
                                         .meaning = "from face to face, along the axes",
-                                        .each = {.least = 0, .least_excluded = true},
+                                        .each = {.least = 0, .least_excluded = true, .most = kLengthMost_m},
                                         .rest = std::numeric_limits<double>::infinity()}},
           .make = [](const config::Values& values, const ShapePurpose&) {
             return make_box(values.point("center_m"), values.point("size_m"));

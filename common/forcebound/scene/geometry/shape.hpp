@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,8 +67,15 @@ struct ShapeKind {
   std::function<std::unique_ptr<Shape>(const config::Values& values, const ShapePurpose& purpose)> make;
 };
 
-/// A length > 0 that must be given.
+/// Most of coordinates and lengths in scene files [m]: out of any device's reach, and far from where squares overflow.
+inline constexpr double kLengthMost_m = 1e3;
+
+/// A length > 0 and <= kLengthMost_m that must be given.
 [[nodiscard]] config::NumberParameter positive_length(std::string_view key, std::string_view meaning);
+
+/// A point of the scene, each coordinate within kLengthMost_m of 0. Without a preset it must be given.
+[[nodiscard]] config::PointParameter place(std::string_view key, std::string_view meaning,
+                                           const std::optional<Point>& preset = {});
 
 /// Keys of a shape between two points: `from_m`, `to_m` and `radius_m`.
 [[nodiscard]] std::vector<config::Parameter> straight_parameters();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "forcebound/config/checked_table.hpp"
@@ -163,6 +164,16 @@ std::vector<std::string> candidates(const scene::Scene& scene) {
   return hands;
 }
 
+/// None for a hand that the device cannot hold, such as one whose computed place is not a finite number.
+std::optional<HandTrial> trial_if_possible(const std::shared_ptr<const scene::Scene>& scene,
+                                           const SuggestedHand& suggested) {
+  try {
+    return try_hand(scene, suggested);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
 [[noreturn]] void refuse_device(const config::CheckedTable& scene, const config::Node& where,
                                 const std::string& device) {
   const std::vector<std::string> known = device::shipped_device_names();
@@ -206,14 +217,16 @@ SuggestedHand suggested_hand(const std::shared_ptr<const scene::Scene>& scene) {
   suggested.computed = true;
   suggested.hand = "wave";
   if (!has_surface(*scene)) return suggested;
-  const std::vector<std::string> hands = candidates(*scene);
-  for (const std::string& hand : hands) {
-    suggested.hand = hand;
-    const HandTrial trial = try_hand(scene, suggested);
-    if (trial.touched_s && !trial.starts_inside) return suggested;
+  std::optional<SuggestedHand> first;
+  for (const std::string& hand : candidates(*scene)) {
+    SuggestedHand candidate = suggested;
+    candidate.hand = hand;
+    const std::optional<HandTrial> trial = trial_if_possible(scene, candidate);
+    if (!trial) continue;
+    if (trial->touched_s && !trial->starts_inside) return candidate;
+    if (!first) first = std::move(candidate);
   }
-  suggested.hand = hands.front();
-  return suggested;
+  return first.value_or(suggested);
 }
 
 std::string to_options(const SuggestedHand& suggested) {

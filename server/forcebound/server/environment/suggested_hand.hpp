@@ -27,7 +27,7 @@ void parse_suggestion(config::CheckedTable& scene, scene::SceneFacts& facts);
 /// The author's suggestion; a missing device or hand is computed: the device by the degrees of freedom, and the first
 /// hand that starts outside and touches (`try_hand`) of: a stroke from above over the middle of each object and dynamic
 /// model, a press along each axis through the origin, a wave about a point of each surface. Where there is no surface,
-/// a wave about the origin; where no hand touches, the first of these.
+/// or none of these can be simulated, a wave about the origin; where no hand touches, the first of these.
 [[nodiscard]] SuggestedHand suggested_hand(const std::shared_ptr<const scene::Scene>& scene);
 
 /// "--device omni --operator stroke:offset_z_m=0.015".

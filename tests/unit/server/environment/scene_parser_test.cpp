@@ -185,10 +185,10 @@ TEST(ParseScene, ShapesWithoutExtentAreRefused) {
             "scenes/wall.toml:8: object 'wall', shape: normal must not be zero");
   EXPECT_EQ(error_of(with("kind = \"half_space\", through_m = [0, 0], normal = [-1, 0]",
                           "kind = \"sphere\", center_m = [0, 0], radius_m = 0")),
-            "scenes/wall.toml:8: object 'wall', shape: radius_m must be > 0, got 0");
+            "scenes/wall.toml:8: object 'wall', shape: radius_m must be > 0 and <= 1000, got 0");
   EXPECT_EQ(error_of(with("kind = \"half_space\", through_m = [0, 0], normal = [-1, 0]",
                           "kind = \"box\", center_m = [0, 0], size_m = [1, -1]")),
-            "scenes/wall.toml:8: object 'wall', shape: size_m must be > 0 on every axis, got [1, -1]");
+            "scenes/wall.toml:8: object 'wall', shape: size_m must be > 0 and <= 1000 on every axis, got [1, -1]");
 }
 
 TEST(ParseScene, ObjectsHaveNamesOfTheirOwn) {

@@ -73,7 +73,18 @@ TEST(ShapeParser, RefusesATorusWithoutAHoleOrAxis) {
       HasSubstr("axis must not be zero"));
   EXPECT_THAT(
       shape_error("kind = 'torus', center_m = [0, 0, 0], axis = [0, 0, 1], major_radius_m = -2, minor_radius_m = 1"),
-      HasSubstr("major_radius_m must be > 0, got -2"));
+      HasSubstr("major_radius_m must be > 0 and <= 1000, got -2"));
+}
+
+TEST(ShapeParser, RefusesPlacesOutOfReach) {
+  EXPECT_EQ(shape_error("kind = 'sphere', center_m = [1e308, 0, 0], radius_m = 0.01"),
+            "x.toml:8: object 'thing', shape: center_m must be >= -1000 and <= 1000 on every axis, got [1e+308, 0, 0]");
+  EXPECT_THAT(shape_error("kind = 'sphere', center_m = [0, 0, 0], radius_m = 1e308"),
+              HasSubstr("radius_m must be > 0 and <= 1000, got 1e+308"));
+  EXPECT_THAT(shape_error("kind = 'box', center_m = [0, 0, 0], size_m = [1, 1e308, 1]"),
+              HasSubstr("size_m must be > 0 and <= 1000 on every axis, got [1, 1e+308, 1]"));
+  EXPECT_THAT(shape_error("kind = 'half_space', through_m = [0, 0, -1e308], normal = [0, 0, 1]"),
+              HasSubstr("through_m must be >= -1000"));
 }
 
 TEST(ShapeParser, SuggestsTheNearestKind) {

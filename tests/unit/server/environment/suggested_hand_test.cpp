@@ -107,6 +107,13 @@ TEST(SuggestedHand, WithoutASurfaceWavesAndFeelsAField) {
   EXPECT_FALSE(try_hand(load_scene("free"), suggested_hand(load_scene("free"))).touched_s);
 }
 
+TEST(SuggestedHand, IsOneThatCanBeSimulatedHoweverFarTheSurface) {
+  const auto scene = scene_with_object(
+      "kind = 'height_field', origin_m = [0, 0, 0], spacing_m = 0.02, heights_m = [[1e308, 1e308], [1e308, 1e308]]");
+  const SuggestedHand suggested = suggested_hand(scene);
+  EXPECT_NO_THROW((void)try_hand(scene, suggested)) << to_options(suggested);
+}
+
 TEST(SuggestedHand, IsTheAuthorsIfGiven) {
   const SuggestedHand given =
       suggested_hand(scene_of("suggested_device = 'cartesian-3dof'\nsuggested_hand = 'stroke:offset_z_m=0.01'\n"));
