@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "forcebound/text/names.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::config {
 namespace {
@@ -41,7 +42,7 @@ std::string CheckedTable::misspelling_of(std::string_view key) const {
 }
 
 void CheckedTable::fail(const Node& where, const std::string& what) const {
-  throw ConfigError(file_ + ":" + std::to_string(where.line) + ": " + place_ + ": " + what);
+  throw ConfigError(text::printable(file_ + ":" + std::to_string(where.line) + ": " + place_ + ": " + what));
 }
 
 void CheckedTable::refuse(std::string_view key, const std::string& must_be) const {

@@ -5,6 +5,7 @@
 
 #include "forcebound/config/config_error.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 
 // The one file that knows the TOML library: it takes seconds to compile.
 #define TOML_EXCEPTIONS 1
@@ -133,8 +134,8 @@ Node parse_toml(std::string_view text, const std::string& place) {
   try {
     return converted(toml::parse(text, place));
   } catch (const toml::parse_error& error) {
-    throw ConfigError(place + ":" + std::to_string(error.source().begin.line) +
-                      ": not TOML: " + std::string(error.description()));
+    throw ConfigError(text::printable(place + ":" + std::to_string(error.source().begin.line) +
+                                      ": not TOML: " + std::string(error.description())));
   }
 }
 
@@ -147,7 +148,7 @@ Node parse_toml_value(std::string_view text, int line) {
     if (wrapped.size() == 1) return converted(wrapped.begin()->second);
   } catch (const toml::parse_error&) {
   }
-  throw ConfigError("must be a value as TOML writes it, got '" + std::string(text) + "'");
+  throw ConfigError("must be a value as TOML writes it, got '" + text::printable(text) + "'");
 }
 
 }  // namespace forcebound::config

@@ -67,7 +67,8 @@ std::string words(const FlagParameter&) { return "`true` or `false`"; }
 
 std::string words(const TextParameter& text) {
   if (!text.accepted.empty()) return std::string(text.accepted);
-  if (text.form == TextParameter::Form::name) return "1 to " + std::to_string(kNameBytesMax) + " printable characters";
+  if (text.form == TextParameter::Form::name)
+    return "1 to " + std::to_string(kNameBytesMax) + " bytes without control characters";
   return text.form == TextParameter::Form::file ? "a file beside the scene's" : "text";
 }
 
@@ -157,11 +158,11 @@ Value accept(const ChoiceParameter& choice, const std::string& word) {
 Value accept(const FlagParameter&, bool value) { return value; }
 
 Value accept(const TextParameter& parameter, const std::string& text) {
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  const std::string harmless = text::printable(text);
   if (parameter.form == TextParameter::Form::name &&
-      (text.empty() || text.size() > kNameBytesMax || std::ranges::any_of(text, is_control))) {
-    throw ValueError(parameter.key, std::string(parameter.key) + " must have " + words(parameter) + ", got '" +
-                                        text::printable(text) + "'");
+      (text.empty() || text.size() > kNameBytesMax || harmless != text)) {
+    throw ValueError(parameter.key,
+                     std::string(parameter.key) + " must have " + words(parameter) + ", got '" + harmless + "'");
   }
   return text;
 }
@@ -188,7 +189,7 @@ std::string written(const Value& value, Eigen::Index axes) {
   if (const auto* number = std::get_if<double>(&value)) return text::to_text(*number);
   if (const auto* point = std::get_if<Eigen::Vector3d>(&value)) return to_text(*point, axes);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  return std::get<std::string>(value);
+  return text::printable(std::get<std::string>(value));
 }
 
 }  // namespace

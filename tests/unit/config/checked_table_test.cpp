@@ -48,6 +48,13 @@ TEST(CheckedTable, RefusalNamesFileLinePlaceKeyAndValue) {
             "a.toml:3: wall: row 2 of heights_m must have 2 numbers like the first, got 1");
 }
 
+TEST(CheckedTable, RefusalHasNoControlCharacters) {
+  EXPECT_EQ(refusal_of("stiffness_N_per_m = \"\\u001b[2J\""),
+            "a.toml:1: wall: stiffness_N_per_m must be a finite number, got '?[2J'");
+  EXPECT_EQ(refusal_of("\"\\u009b2J\" = 1\nstiffness_N_per_m = 1"),
+            "a.toml:1: wall: unknown key '??2J' (known: stiffness_N_per_m, center_m, heights_m)");
+}
+
 TEST(CheckedTable, MissingKeyErrorNamesASimilarKey) {
   EXPECT_EQ(refusal_of("stiffness = 1"),
             "a.toml:1: wall: 'stiffness_N_per_m' is missing, is 'stiffness' a misspelling of it?");
@@ -90,7 +97,7 @@ TEST(Node, RefusesInvalidToml) {
   EXPECT_THAT([] { (void)parse_toml("a = 1\nb = \n", "a.toml"); },
               ThrowsMessage<ConfigError>(testing::StartsWith("a.toml:2: not TOML: ")));
   EXPECT_THAT([] { (void)parse_toml_value("1\nb = 2", 7); },
-              ThrowsMessage<ConfigError>(HasSubstr("must be a value as TOML writes it, got '1\nb = 2'")));
+              ThrowsMessage<ConfigError>(HasSubstr("must be a value as TOML writes it, got '1?b = 2'")));
   EXPECT_EQ(parse_toml_value("[1, 2]", 7).line, 7);
 }
 

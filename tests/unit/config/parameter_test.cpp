@@ -57,7 +57,11 @@ TEST(Completed, RefusesValuesOutOfRange) {
   EXPECT_EQ(refusal_of({{"axis", Point(0, 0, 0)}}), "axis must not be zero");
   EXPECT_EQ(refusal_of({{"colour", std::string("gren")}}),
             "unknown colour 'gren', did you mean 'green'? (known: red, green)");
-  EXPECT_EQ(refusal_of({{"label", std::string("a\nb")}}), "label must have 1 to 64 printable characters, got 'a?b'");
+  EXPECT_EQ(refusal_of({{"label", std::string("a\nb")}}),
+            "label must have 1 to 64 bytes without control characters, got 'a?b'");
+  EXPECT_EQ(refusal_of({{"label", std::string("a\xc2\x9b"
+                                              "2J")}}),
+            "label must have 1 to 64 bytes without control characters, got 'a??2J'");
   EXPECT_EQ(refusal_of({{"profile_m", Rows{{1, 2}, {3}}}}), "row 2 of profile_m must have 2 numbers, got 1");
   EXPECT_THAT(refusal_of({{"center_m", Point(0, std::nan(""), 0)}}), HasSubstr("center_m must be finite"));
 }

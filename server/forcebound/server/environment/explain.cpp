@@ -7,6 +7,7 @@
 #include "forcebound/server/environment/cost.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::server {
@@ -247,7 +248,8 @@ std::string summary_of(const scene::SceneObject& part) {
 std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(scene.facts().hash));
-  std::string text = "scene '" + scene.facts().name + "' (hash " + hash + "): " + scene.facts().description + "\n";
+  std::string text =
+      "scene '" + scene.facts().name + "' (hash " + hash + "): " + text::printable(scene.facts().description) + "\n";
   text += "devices: " + scene.accepted_degrees_of_freedom() + " degree" +
           (scene.facts().degrees_of_freedom == 1 ? "" : "s") + " of freedom\n";
   text += "motion:       " +

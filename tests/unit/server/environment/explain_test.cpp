@@ -104,6 +104,12 @@ std::string ball(const std::string& radius_m, const std::string& center_m = "[0,
          center_m + ", radius_m = " + radius_m + " }\n";
 }
 
+TEST(Explain, HasNoControlCharactersOfTheFile) {
+  const auto scene = parse_scene(
+      "[scene]\nname = 's'\ndescription = \"\\u001b[2Jowned\\nobject\"\ndegrees_of_freedom = 3\n", "s.toml");
+  EXPECT_THAT(explain(*scene), HasSubstr("): ?[2Jowned?object\n"));
+}
+
 TEST(Explain, WarnsOfImplausibleSizes) {
   EXPECT_THAT(explain(*parse_scene(ball("0.5"), "s.toml")), Not(HasSubstr("warning")));
   EXPECT_THAT(explain(*parse_scene(ball("0.51"), "s.toml")), HasSubstr("warning: larger than 1 m for a hand"));

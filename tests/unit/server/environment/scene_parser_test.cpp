@@ -209,9 +209,9 @@ TEST(ParseScene, NamesDifferAcrossAllKindsOfParts) {
 
 TEST(ParseScene, NamesMustFitALogLine) {
   EXPECT_EQ(error_of(with("name = \"wall\"\ndesc", "name = \"\"\ndesc")),
-            "scenes/wall.toml:2: scene: name must have 1 to 64 printable characters, got ''");
+            "scenes/wall.toml:2: scene: name must have 1 to 64 bytes without control characters, got ''");
   EXPECT_EQ(error_of(with("name = \"wall\"\ndesc", "name = \"a\\nb\"\ndesc")).substr(0, 70),
-            "scenes/wall.toml:2: scene: name must have 1 to 64 printable characters");
+            "scenes/wall.toml:2: scene: name must have 1 to 64 bytes without control characters");
 }
 
 TEST(ParseScene, InvalidTomlIsRefusedWithItsLine) {
