@@ -11,7 +11,7 @@
 namespace forcebound::config {
 namespace {
 
-std::string not_a_table(const std::string& kind) { return kind + " must be a table, [[" + kind + "]]"; }
+std::string not_tables(const std::string& kind) { return kind + " must be tables, each [[" + kind + "]]"; }
 
 /// "object 'wall'".
 std::string named(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
@@ -23,20 +23,41 @@ std::string named_twice(const std::string& one, const std::string& other, const 
 
 }  // namespace
 
+TextParameter name_of_part() {
+  return {.key = "name", .meaning = "for errors, logs and `--explain`", .form = TextParameter::Form::name};
+}
+
 const Node* CheckedTable::find(std::string_view key) {
   if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   return table_.find(key);
 }
 
-const Node& CheckedTable::at(std::string_view key) {
+const Node& CheckedTable::at(std::string_view key, std::string_view accepted) {
   const Node* const node = find(key);
-  if (node == nullptr) fail("'" + std::string(key) + "' is missing" + misspelling_of(key));
-  return *node;
+  if (node != nullptr) return *node;
+  const std::string slip = misspelling_of(key);
+  fail("'" + std::string(key) + "' is missing" + (slip.empty() ? "" : ", is '" + slip + "' a misspelling of it?") +
+       (accepted.empty() ? "" : accepted_suffix(accepted)));
+}
+
+std::string_view CheckedTable::one_of(std::span<const std::string_view> keys) const {
+  std::string names;
+  for (const std::string_view key : keys) {
+    if (table_.find(key) != nullptr) return key;
+    names.append(names.empty() ? "'" : ", '").append(key).append("'");
+  }
+  const std::string problem = "one of " + names + " must be given";
+  for (const std::string_view key : keys) {
+    const std::string slip = misspelling_of(key);
+    if (!slip.empty()) fail(problem + ", is '" + slip + "' a misspelling of '" + std::string(key) + "'?");
+  }
+  fail(problem);
 }
 
 std::string CheckedTable::misspelling_of(std::string_view key) const {
   for (const auto& [name, node] : *table_.as<Node::Table>()) {
-    if (text::is_slip_of(name, key)) return ", is '" + name + "' a misspelling of it?";
+    const bool is_known = std::ranges::find(known_, name) != known_.end();
+    if (!is_known && text::is_slip_of(name, key)) return name;
   }
   return {};
 }
@@ -109,9 +130,11 @@ Value CheckedTable::value_of(const Parameter& parameter, const Node& node, Eigen
 
 Values CheckedTable::given(std::span<const Parameter> parameters, Eigen::Index axes) {
   Values values;
+  // All first, so that none of them is taken for a misspelling of a missing one.
+  for (const Parameter& parameter : parameters) (void)find(key_of(parameter));
   for (const Parameter& parameter : parameters) {
     const std::string_view key = key_of(parameter);
-    const Node* const node = may_be_left_out(parameter) ? find(key) : &at(key);
+    const Node* const node = may_be_left_out(parameter) ? find(key) : &at(key, accepted_text(parameter));
     if (node == nullptr || std::holds_alternative<OtherParameter>(parameter)) continue;
     Value value = value_of(parameter, *node, axes);
     (void)built_at(*node, [&] { return checked(parameter, value); });
@@ -134,6 +157,11 @@ Type CheckedTable::value(const Parameter& parameter) {
 template double CheckedTable::value<double>(const Parameter& parameter);
 template bool CheckedTable::value<bool>(const Parameter& parameter);
 template std::string CheckedTable::value<std::string>(const Parameter& parameter);
+
+std::string CheckedTable::choice(const ChoiceParameter& parameter) {
+  (void)at(parameter.key, accepted_text(parameter));
+  return value<std::string>(parameter);
+}
 
 int CheckedTable::whole(NumberParameter parameter) {
   parameter.whole = true;
@@ -160,14 +188,18 @@ Vector CheckedTable::numbers(const Node& list, const NumberParameter& each, Eige
 }
 
 Vector CheckedTable::vector(const NumberParameter& each, Eigen::Index rows) {
-  const Node* const node = each.preset ? find(each.key) : &at(each.key);
+  const Node* const node =
+      each.preset ? find(each.key)
+                  : &at(each.key, accepted_text(each) + ", one number or a list of " + std::to_string(rows));
   if (node == nullptr) return Vector::Constant(rows, *each.preset);
   if (node->as<Node::List>() != nullptr) return numbers(*node, each, rows);
   return Vector::Constant(rows, checked_number(*node, each, std::string(each.key)));
 }
 
 Matrix CheckedTable::matrix(std::string_view key, Eigen::Index rows) {
-  const auto* const list = at(key).as<Node::List>();
+  const std::string count = std::to_string(rows);
+  const auto* const list =
+      at(key, "> 0: one number, " + count + " numbers, or " + count + " rows of " + count).as<Node::List>();
   if (list == nullptr || list->empty() || list->front().as<Node::List>() == nullptr) {
     return vector({.key = key, .least = 0, .least_excluded = true}, rows).asDiagonal();
   }
@@ -186,28 +218,32 @@ Matrix CheckedTable::matrix(std::string_view key, Eigen::Index rows) {
 }
 
 CheckedTable CheckedTable::table(std::string_view key, const std::string& place) {
-  if (at(key).as<Node::Table>() == nullptr) refuse(key, "a table");
-  return {at(key), file_, place};
+  const Node& node = at(key, "a table");
+  if (node.as<Node::Table>() == nullptr) refuse(key, "a table");
+  return {node, file_, place};
 }
 
 const Node::List& CheckedTable::list(std::string_view key) {
-  if (at(key).as<Node::List>() == nullptr) refuse(key, "a list");
-  return *at(key).as<Node::List>();
+  const auto* const list = at(key, "a list").as<Node::List>();
+  if (list == nullptr) refuse(key, "a list");
+  return *list;
 }
 
 void CheckedTable::each(const std::string& kind,
                         const std::function<void(CheckedTable& part, const std::string& name)>& read) {
-  if (find(kind) == nullptr) return;
-  for (const Node& node : list(kind)) {
-    if (node.as<Node::Table>() == nullptr) fail(node, not_a_table(kind));
-    static const std::vector<Parameter> kName{TextParameter{.key = "name", .form = TextParameter::Form::name}};
-    const std::string name = CheckedTable(node, file_, kind).given(kName).text("name");
-    CheckedTable part(node, file_, named(kind, name));
-    (void)part.find("name");
-    read(part, name);
+  const Node* const all = find(kind);
+  if (all == nullptr) return;
+  const auto* const tables = all->as<Node::List>();
+  if (tables == nullptr) fail(*all, not_tables(kind));
+  for (const Node& node : *tables) {
+    if (node.as<Node::Table>() == nullptr) fail(node, not_tables(kind));
+    const std::string name = CheckedTable(node, file_, kind).text(name_of_part());
     const auto known = std::ranges::find(named_, name, &Named::name);
     if (known != named_.end()) fail(node, named_twice(known->kind, kind, name));
     named_.push_back({kind, name});
+    CheckedTable part(node, file_, named(kind, name));
+    (void)part.find("name");
+    read(part, name);
   }
 }
 

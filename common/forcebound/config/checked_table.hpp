@@ -17,6 +17,9 @@ namespace forcebound::config {
 using control::Matrix;
 using control::Vector;
 
+/// The key `name` of each table that CheckedTable::each reads.
+[[nodiscard]] TextParameter name_of_part();
+
 /// A table of a file that is read key by key, so that every error names file, line and place, and an unknown key is an
 /// error. All members @throw ConfigError.
 class CheckedTable {
@@ -28,13 +31,23 @@ class CheckedTable {
 
   /// Null where the key is absent.
   const Node* find(std::string_view key);
-  const Node& at(std::string_view key);
+
+  /// @param accepted in words, for the error about a missing key
+  const Node& at(std::string_view key, std::string_view accepted);
+  const Node& at(std::string_view key) { return at(key, {}); }
+
+  /// The first of these keys that the table has. Does not mark them as known.
+  [[nodiscard]] std::string_view one_of(std::span<const std::string_view> keys) const;
 
   // Value of a declared key: from the file, else the preset; ConfigError if there is neither.
   double number(const NumberParameter& parameter) { return value<double>(parameter); }
   int whole(NumberParameter parameter);
   bool flag(std::string_view key, bool preset) { return value<bool>(FlagParameter{.key = key, .preset = preset}); }
   std::string text(std::string_view key) { return value<std::string>(TextParameter{.key = key}); }
+  std::string text(const TextParameter& parameter) { return value<std::string>(parameter); }
+
+  /// Must be given: the first choice is no preset here.
+  std::string choice(const ChoiceParameter& parameter);
 
   /// The declared keys that the file has, each value checked. Marks the declared keys as known.
   /// @param axes how many numbers a point has
@@ -56,14 +69,14 @@ class CheckedTable {
   const Node::List& list(std::string_view key);
 
   /// Calls `read` for every table of the array `kind`, with the table's name; the key `name` is marked as known. No two
-  /// tables of this table's arrays may have the same name.
+  /// tables of this table's arrays may have the same name; the second is refused before it is read.
   void each(const std::string& kind, const std::function<void(CheckedTable& part, const std::string& name)>& read);
 
   /// Call it after everything was read.
   void refuse_unknown_keys(const std::string& refusal = "unknown key") const;
 
-  /// Calls `make` with the table's values. A ValueError that it throws becomes a ConfigError with the line of the key
-  /// that it names; any other error one with the line of `where`.
+  /// Calls `make`. A ValueError that it throws becomes a ConfigError with the line of the key that it names, any other
+  /// std::invalid_argument or std::runtime_error one with the line of `where`. Other exceptions leave as they are.
   template <class Make>
   decltype(auto) built_at(const Node& where, Make make) const {
     try {
@@ -102,7 +115,7 @@ class CheckedTable {
   [[nodiscard]] const Node& place_of(const ValueError& error, const Node& otherwise) const noexcept;
   [[nodiscard]] Rows rows(const Node& list, const std::string& key) const;
 
-  /// Suffix of the error about a missing key: a key of the table with a similar spelling, if any.
+  /// An unknown key of the table with a similar spelling; empty if there is none.
   [[nodiscard]] std::string misspelling_of(std::string_view key) const;
 
   const Node& table_;

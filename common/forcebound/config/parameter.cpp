@@ -208,6 +208,8 @@ std::string accepted_text(const Parameter& parameter) {
   return std::visit([](const auto& any) { return words(any); }, parameter);
 }
 
+std::string accepted_suffix(std::string_view accepted) { return " (accepted: " + std::string(accepted) + ")"; }
+
 std::string preset_text(const Parameter& parameter) {
   return std::visit([](const auto& any) { return words_of_preset(any); }, parameter);
 }
@@ -242,7 +244,7 @@ Values completed(std::span<const Parameter> parameters, const Values& given) {
     } else if (const auto preset = std::visit([](const auto& any) { return preset_of(any); }, parameter)) {
       all.set(key, *preset);
     } else if (!may_be_left_out(parameter) && !std::holds_alternative<OtherParameter>(parameter)) {
-      throw ValueError(key, "'" + key + "' is missing");
+      throw ValueError(key, "'" + key + "' is missing" + accepted_suffix(accepted_text(parameter)));
     }
   }
   for (const auto& [key, value] : given.all()) {

@@ -126,6 +126,9 @@ struct TableDescription {
 /// "> 0 and <= 100", "a whole number from 1 to 16", "a direction", "`true` or `false`": what is accepted, as Markdown.
 [[nodiscard]] std::string accepted_text(const Parameter& parameter);
 
+/// " (accepted: > 0 and <= 100)": the end of an error about a missing key.
+[[nodiscard]] std::string accepted_suffix(std::string_view accepted);
+
 /// Its preset, as Markdown; empty: the key is required.
 [[nodiscard]] std::string preset_text(const Parameter& parameter);
 

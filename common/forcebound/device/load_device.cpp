@@ -56,8 +56,7 @@ DeviceDescription parse_device(std::string_view toml_text, const std::string& pl
   DeviceDescription device;
   device.facts.name = std::filesystem::path(place).stem().string();
   config::CheckedTable file(node, place, "device '" + device.facts.name + "'");
-  const std::string kind = file.text("kind");
-  if (kind != "cartesian" && kind != "arm") file.refuse("kind", "\"cartesian\" or \"arm\"");
+  const std::string kind = file.choice({.key = "kind", .choices = {"cartesian", "arm"}});
   device.facts.cartesian = kind == "cartesian";
   const int dof_least = device.facts.cartesian ? 1 : 3;
   const int dof_most = device.facts.cartesian ? control::kDofMax : 3;

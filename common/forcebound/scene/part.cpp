@@ -67,12 +67,18 @@ void check_effects(const SceneObject& part) {
                               "' needs another one that pushes, such as 'surface': its force depends on the pressure");
 }
 
+std::vector<std::string> shape_names(const Registry& registry) {
+  std::vector<std::string> names;
+  names.reserve(registry.shapes().size());
+  for (const ShapeKind& kind : registry.shapes()) names.emplace_back(kind.name);
+  return names;
+}
+
 const ShapeKind& shape_kind(const Registry& registry, std::string_view name, Eigen::Index axes) {
   const ShapeKind* const kind = registry.find_shape(name);
   if (kind == nullptr) {
-    std::vector<std::string> known;
-    for (const ShapeKind& shape : registry.shapes()) known.emplace_back(shape.name);
-    throw std::invalid_argument("unknown kind '" + std::string(name) + "'" + text::suggestion(name, known));
+    const std::string suggestion = text::suggestion(name, shape_names(registry));
+    throw std::invalid_argument("unknown kind '" + std::string(name) + "'" + suggestion);
   }
   if (axes >= kind->axes_least) return *kind;
   throw std::invalid_argument("a " + std::string(name) + " needs a scene of at least " +

@@ -49,6 +49,9 @@ struct PartDescription {
 
 void add_effect(SceneObject& part, const EffectKind& kind, const config::Values& given, Eigen::Index axes);
 
+/// The names that `shape_kind` knows.
+[[nodiscard]] std::vector<std::string> shape_names(const Registry& registry);
+
 [[nodiscard]] const ShapeKind& shape_kind(const Registry& registry, std::string_view name, Eigen::Index axes);
 
 /// Checks that the part has the effects on which its effects depend.

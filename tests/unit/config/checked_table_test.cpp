@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace forcebound::config {
 namespace {
 
@@ -57,10 +59,55 @@ TEST(CheckedTable, RefusalHasNoControlCharacters) {
 
 TEST(CheckedTable, MissingKeyErrorNamesASimilarKey) {
   EXPECT_EQ(refusal_of("stiffness = 1"),
-            "a.toml:1: wall: 'stiffness_N_per_m' is missing, is 'stiffness' a misspelling of it?");
+            "a.toml:1: wall: 'stiffness_N_per_m' is missing, is 'stiffness' a misspelling of it? (accepted: >= 0)");
+  EXPECT_EQ(refusal_of("centre_m = [1, 2]"), "a.toml:1: wall: 'stiffness_N_per_m' is missing (accepted: >= 0)");
   EXPECT_EQ(refusal_of("stiffness_N_per_m = 1\ncentre_m = [1, 2]"),
             "a.toml:2: wall: unknown key 'centre_m', did you mean 'center_m'? (known: stiffness_N_per_m, center_m, "
             "heights_m)");
+}
+
+TEST(CheckedTable, TakesNoDeclaredKeyForAMisspelling) {
+  const std::vector<Parameter> keys{NumberParameter{.key = "major_radius_m", .least = 0},
+                                    NumberParameter{.key = "minor_radius_m", .least = 0}};
+  const Node node = parse_toml("minor_radius_m = 1", "a.toml");
+  EXPECT_THAT([&] { (void)CheckedTable(node, "a.toml", "ring").all(keys); },
+              ThrowsMessage<ConfigError>("a.toml:1: ring: 'major_radius_m' is missing (accepted: >= 0)"));
+}
+
+TEST(CheckedTable, ReadsAChoiceThatMustBeGiven) {
+  const ChoiceParameter kind{.key = "kind", .choices = {"arm", "stage"}};
+  const auto read = [&](const std::string& text) {
+    const Node node = parse_toml(text, "a.toml");
+    return CheckedTable(node, "a.toml", "device").choice(kind);
+  };
+  EXPECT_EQ(read("kind = 'stage'"), "stage");
+  EXPECT_THAT([&] { (void)read(""); },
+              ThrowsMessage<ConfigError>("a.toml:1: device: 'kind' is missing (accepted: `\"arm\"`, `\"stage\"`)"));
+}
+
+TEST(CheckedTable, ReadsOneOfSeveralKeys) {
+  constexpr std::array<std::string_view, 2> kKeysOfModel{"model", "model_text"};
+  const auto read = [&](const std::string& text) {
+    const Node node = parse_toml(text, "a.toml");
+    return std::string(CheckedTable(node, "a.toml", "body").one_of(kKeysOfModel));
+  };
+  EXPECT_EQ(read("model_text = ''"), "model_text");
+  EXPECT_EQ(read("model_text = ''\nmodel = ''"), "model");
+  EXPECT_THAT([&] { (void)read("model_tex = ''"); },
+              ThrowsMessage<ConfigError>("a.toml:1: body: one of 'model', 'model_text' must be given, is 'model_tex' a "
+                                         "misspelling of 'model_text'?"));
+  EXPECT_THAT([&] { (void)read(""); },
+              ThrowsMessage<ConfigError>("a.toml:1: body: one of 'model', 'model_text' must be given"));
+}
+
+TEST(CheckedTable, RefusesPartsThatAreNoTables) {
+  for (const char* const text : {"[object]\nname = 'x'", "object = 3", "object = [3]"}) {
+    const Node node = parse_toml(text, "a.toml");
+    CheckedTable file(node, "a.toml", "file");
+    EXPECT_THAT([&] { file.each("object", [](CheckedTable&, const std::string&) {}); },
+                ThrowsMessage<ConfigError>("a.toml:1: file: object must be tables, each [[object]]"))
+        << text;
+  }
 }
 
 TEST(CheckedTable, LaterErrorNamesTheLineOfItsKey) {
@@ -85,7 +132,7 @@ TEST(CheckedTable, RefusesTwoPartsWithOneName) {
   file.each("object", read);
   EXPECT_THAT([&] { file.each("field", read); },
               ThrowsMessage<ConfigError>("a.toml:3: file: [[object]] and [[field]] are named 'x'"));
-  EXPECT_THAT(names, testing::ElementsAre("x", "x"));
+  EXPECT_THAT(names, testing::ElementsAre("x")) << "the second is refused before it is read";
 }
 
 TEST(Node, IsWrittenAsToml) {

@@ -42,7 +42,8 @@ TEST(Completed, FillsInPresets) {
 }
 
 TEST(Completed, RefusesMissingAndUnknownKeysAndWrongTypes) {
-  EXPECT_THAT([] { (void)completed(kBall, {}); }, testing::ThrowsMessage<ValueError>("'radius_m' is missing"));
+  EXPECT_THAT([] { (void)completed(kBall, {}); },
+              testing::ThrowsMessage<ValueError>("'radius_m' is missing (accepted: > 0 and <= 10)"));
   EXPECT_THAT(refusal_of({{"colur", std::string("red")}}), HasSubstr("unknown key 'colur', did you mean 'colour'?"));
   EXPECT_THAT(refusal_of({{"radius_m", true}}),
               HasSubstr("radius_m must be > 0 and <= 10, got a value of another type"));

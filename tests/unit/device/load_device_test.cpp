@@ -128,8 +128,15 @@ TEST(ParseDevice, RefusesDampingThatIsNotPositiveDefinite) {
 }
 
 TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
-  EXPECT_EQ(refusal_of_file(""), "devices/mine.toml:1: device 'mine': 'kind' is missing");
-  EXPECT_THAT(refusal_of_file("kind = 'delta'\n"), HasSubstr("kind must be \"cartesian\" or \"arm\", got 'delta'"));
+  EXPECT_EQ(refusal_of_file(""),
+            "devices/mine.toml:1: device 'mine': 'kind' is missing (accepted: `\"cartesian\"`, `\"arm\"`)");
+  EXPECT_EQ(refusal_of_file("\nkind = 'cartesien'\n"),
+            "devices/mine.toml:2: device 'mine': unknown kind 'cartesien', "
+            "did you mean 'cartesian'? (known: cartesian, arm)");
+  EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 1\nmass_kg = 1\ndamping_N_s_per_m = 1\n"),
+              HasSubstr("'force_N_max' is missing (accepted: > 0)"));
+  EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 2\n"),
+              HasSubstr("'mass_kg' is missing (accepted: > 0: one number, 2 numbers, or 2 rows of 2)"));
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
               HasSubstr("degrees_of_freedom must be a whole number from 1 to 6, got 7"));
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));

@@ -23,10 +23,6 @@ NumberParameter positive(std::string_view key, std::string_view meaning, double 
   return {.key = key, .meaning = meaning, .preset = preset, .least = 0, .least_excluded = true};
 }
 
-TextParameter name_of_body() {
-  return {.key = "name", .meaning = "for errors, logs and `--explain`", .form = TextParameter::Form::name};
-}
-
 /// Keys of the coupling between the device and its probe.
 std::vector<Parameter> coupling_parameters() {
   const Coupling preset;
@@ -70,7 +66,7 @@ std::vector<Parameter> with(std::vector<Parameter> all, const std::vector<Parame
 TableDescription body_table() {
   return {"`[[body]]` with a shape",
           "A rigid body that moves, or that others rest on. All of them are one world.",
-          {name_of_body(),
+          {config::name_of_part(),
            OtherParameter{.key = "shape",
                           .meaning = "`kind` is `\"box\"`, `\"sphere\"`, `\"capsule\"` or `\"cylinder\"`, with the "
                                      "keys of the [shape](#shapes) of that name"},
@@ -115,7 +111,7 @@ TableDescription mjcf_table() {
   return {"`[[body]]` of an MJCF model",
           "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`. The device drags one of "
           "its bodies by the center of mass.",
-          with(with({name_of_body(),
+          with(with({config::name_of_part(),
                      TextParameter{.key = "mjcf",
                                    .meaning = "the model, one of the two",
                                    .form = TextParameter::Form::file,
@@ -142,8 +138,7 @@ void parse_shape_of_body(CheckedTable& shape, BodyDescription& body) {
                                  Kind{scene::cylinder_shape(), Shape::cylinder}};
   config::ChoiceParameter kinds{.key = "kind"};
   for (const Kind& kind : kKinds) kinds.choices.push_back(kind.kind.name);
-  (void)shape.at("kind");
-  const std::string name = shape.given(std::array<Parameter, 1>{kinds}).text("kind");
+  const std::string name = shape.choice(kinds);
   const Kind& kind = *std::ranges::find(kKinds, name, [](const Kind& any) { return any.kind.name; });
   const Values values = shape.all(kind.kind.parameters);
   body.shape = kind.shape;
@@ -165,7 +160,7 @@ BodyDescription parse_body(CheckedTable& table, const std::string& name) {
   parse_shape_of_body(shape, body);
   // One of the two is required, so that a forgotten mass does not fix the body.
   if (!values.flag("fixed")) {
-    (void)table.at("mass_kg");
+    (void)table.at("mass_kg", "> 0, or fixed = true in its place");
     body.mass_kg = values.number("mass_kg");
   } else if (values.has("mass_kg")) {
     table.fail(table.at("mass_kg"), "a body is either fixed or has mass_kg");
@@ -246,12 +241,13 @@ std::vector<TableDescription> body_tables() { return {body_table(), setting_tabl
 
 std::vector<scene::SceneDynamicModel> parse_bodies(CheckedTable& file) {
   std::vector<scene::SceneDynamicModel> dynamic_models;
+  constexpr std::array<std::string_view, 3> kSources{"mjcf", "mjcf_text", "shape"};
   const config::Node* const setting = file.find("bodies");
   std::vector<BodyDescription> bodies;
   std::string names;
   file.each("body", [&](CheckedTable& table, const std::string& name) {
     if (!has_bodies()) table.built_at(table.node(), [] { return make_bodies({}); });
-    if (table.node().find("mjcf") != nullptr || table.node().find("mjcf_text") != nullptr) {
+    if (table.one_of(kSources) != kSources.back()) {
       dynamic_models.push_back(parse_mjcf(table, name));
       return;
     }

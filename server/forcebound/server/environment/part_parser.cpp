@@ -7,10 +7,6 @@
 namespace forcebound::server {
 namespace {
 
-config::TextParameter name_of_part() {
-  return {.key = "name", .meaning = "for errors, logs and `--explain`", .form = config::TextParameter::Form::name};
-}
-
 config::OtherParameter effects_of_part() {
   return {.key = "effects", .meaning = "see [Effects](#effects)", .accepted = "a list of names"};
 }
@@ -18,13 +14,11 @@ config::OtherParameter effects_of_part() {
 void parse_effect(config::CheckedTable& part, const config::Node& wanted, const scene::EffectKind& kind,
                   scene::SceneObject& made, Eigen::Index axes) {
   const std::string name(kind.name);
-  // An effect whose parameters may all be left out needs no table.
+  // An effect whose parameters may all be left out needs no table; of another one the missing key is reported.
   const config::Node no_table{.line = wanted.line};
-  const bool needs_table = !std::ranges::all_of(kind.parameters, config::may_be_left_out);
   const std::string place = part.place() + ", effect '" + name + "'";
-  config::CheckedTable table = part.find(name) != nullptr || needs_table
-                                   ? part.table(name, place)
-                                   : config::CheckedTable(no_table, part.file(), place);
+  config::CheckedTable table =
+      part.find(name) != nullptr ? part.table(name, place) : config::CheckedTable(no_table, part.file(), place);
   const config::Values given = table.given(kind.parameters, axes);
   table.refuse_unknown_keys();
   table.built_at(table.node(), [&] { scene::add_effect(made, kind, given, axes); });
@@ -33,7 +27,8 @@ void parse_effect(config::CheckedTable& part, const config::Node& wanted, const 
 void parse_shape(config::CheckedTable& part, const scene::Registry& registry, scene::SceneObject& made,
                  Eigen::Index axes) {
   config::CheckedTable shape = part.table("shape");
-  const std::string name = shape.text("kind");
+  const std::string kinds = text::join(scene::shape_names(registry));
+  const std::string name = shape.text(config::TextParameter{.key = "kind", .accepted = kinds});
   const scene::ShapeKind& kind = shape.built_at(
       shape.at("kind"), [&]() -> const scene::ShapeKind& { return scene::shape_kind(registry, name, axes); });
   const config::Values given = shape.given(kind.parameters, axes);
@@ -58,19 +53,20 @@ void refuse_unrequested_tables(const config::CheckedTable& part, const scene::Sc
 config::TableDescription field_table() {
   return {"`[[field]]`",
           "A part that fills space: it has only effects of space, and no shape.",
-          {name_of_part(), effects_of_part()}};
+          {config::name_of_part(), effects_of_part()}};
 }
 
 config::TableDescription object_table() {
   return {"`[[object]]`",
           "A part with a surface. No two objects have the same shape in the same place.",
-          {name_of_part(), effects_of_part(),
+          {config::name_of_part(), effects_of_part(),
            config::OtherParameter{.key = "shape", .meaning = "a table whose `kind` is one of the [shapes](#shapes)"}}};
 }
 
 scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,
                               const scene::Registry& registry, Eigen::Index axes) {
   scene::SceneObject made{.name = name};
+  (void)part.given((is_object ? object_table() : field_table()).keys, axes);
   const config::Node::List& effects = part.list("effects");
   const config::Node& list = part.at("effects");
   if (effects.empty()) {

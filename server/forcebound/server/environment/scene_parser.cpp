@@ -30,9 +30,13 @@ int parse_degrees_of_freedom(CheckedTable& scene) {
   if (const auto* const word = node.as<std::string>(); word != nullptr && *word == "any") {
     return scene::kAnyDegreesOfFreedom;
   }
-  const auto* const number = node.as<std::int64_t>();
-  if (number == nullptr || *number < 1 || *number > 3) scene.refuse("degrees_of_freedom", "1, 2, 3 or \"any\"");
-  return static_cast<int>(*number);
+  const auto* const whole = node.as<std::int64_t>();
+  const auto* const number = node.as<double>();
+  for (const int axes : {1, 2, 3}) {
+    // "3.0" is 3, as elsewhere.
+    if ((whole != nullptr && *whole == axes) || (number != nullptr && *number == axes)) return axes;
+  }
+  scene.refuse("degrees_of_freedom", "1, 2, 3 or \"any\"");
 }
 
 class Parser {
@@ -60,9 +64,13 @@ class Parser {
  private:
   std::shared_ptr<const scene::Scene> parse(const Node& whole, std::uint64_t hash) const {
     CheckedTable file(whole, file_, "scene file");
+    // First: a misspelt table is why another error comes.
+    for (const char* const table : {"scene", "accuracy", "object", "field", "bodies", "body", "tissue"}) {
+      (void)file.find(table);
+    }
+    file.refuse_unknown_keys();
     scene::SceneFacts facts = parse_facts(file.table("scene", "scene"));
     facts.hash = hash;
-    (void)file.find("accuracy");  // marks the key as known; read later
     const Eigen::Index axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     scene::SceneParts parts;
     file.each("object", [&](CheckedTable& object, const std::string& name) {
@@ -73,7 +81,6 @@ class Parser {
     });
     parts.dynamic_models = parse_bodies(file);
     for (scene::SceneDynamicModel& tissue : parse_tissues(file)) parts.dynamic_models.push_back(std::move(tissue));
-    file.refuse_unknown_keys();
     check_dynamic_models(file, facts, parts.dynamic_models);
     refuse_coincident(file, parts.objects);
     for (const scene::EffectKind& kind : registry_.effects()) {

@@ -39,8 +39,7 @@ TableDescription tissue_table() {
   return {
       "`[[tissue]]`",
       "An elastic body of tetrahedra, quasi-static, without friction.",
-      {TextParameter{.key = "name", .meaning = "for errors, logs and `--explain`", .form = TextParameter::Form::name},
-       OtherParameter{.key = "shape", .meaning = "see below"},
+      {config::name_of_part(), OtherParameter{.key = "shape", .meaning = "see below"},
        OtherParameter{.key = "held",
                       .meaning = "what does not move, where the tissue lies in the scene: the nodes on or below a "
                                  "plane, by the keys of a [half_space](#half_space), or those in a block, by the keys "
@@ -117,9 +116,7 @@ TetrahedralMesh make_block(const Values& values) {
 
 TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
   CheckedTable shape = tissue.table("shape");
-  (void)shape.at("kind");
-  const std::array<Parameter, 1> kKind{config::ChoiceParameter{.key = "kind", .choices = {"mesh", "block"}}};
-  const bool is_file = shape.given(kKind).text("kind") == "mesh";
+  const bool is_file = shape.choice({.key = "kind", .choices = {"mesh", "block"}}) == "mesh";
   const std::vector<Parameter> keys = (is_file ? tissue_of_file_table() : tissue_block_table()).keys;
   const Values given = shape.given(keys);
   shape.refuse_unknown_keys();

@@ -76,6 +76,15 @@ TEST(BodyParser, RefusalNamesBodyAndLine) {
               body_refused("mjcf_text"));
 }
 
+TEST(BodyParser, RefusesABodyWithoutShapeOrModel) {
+  EXPECT_THAT(
+      [] { parse("[[body]]\nname = \"a\"\nprobes = [\"x\"]\nmjcf_tex = ''\n"); },
+      body_refused("body 'a': one of 'mjcf', 'mjcf_text', 'shape' must be given, is 'mjcf_tex' a misspelling of "
+                   "'mjcf_text'?"));
+  EXPECT_THAT([] { parse(kBall + "mjcf = 'a.xml'\nprobes = ['x']\n"); },
+              body_refused("body 'ball': unknown key 'mass_kg'"));
+}
+
 TEST(BodyParser, PassesOnTheReasonThatMuJoCoGivesForABadModel) {
   const auto with = [](const std::string& model) {
     return [model] {

@@ -70,6 +70,11 @@ TEST(ParseScene, SameTextSameHash) {
   EXPECT_NE(parse_scene(kGood, "a.toml")->facts().hash, parse_scene(with("= 200", "= 201"), "a.toml")->facts().hash);
 }
 
+TEST(ParseScene, TakesAWholeNumberHoweverItIsWritten) {
+  EXPECT_EQ(
+      parse_scene(with("degrees_of_freedom = 2", "degrees_of_freedom = 2.0"), "a.toml")->facts().degrees_of_freedom, 2);
+}
+
 TEST(ParseScene, DampingMayBeLeftOut) {
   EXPECT_FALSE(parse_scene(with("damping_N_s_per_m = 1\n", ""), "a.toml")->plan().inputs().velocity);
 }
@@ -120,19 +125,36 @@ TEST(ParseScene, UnknownEffectsAndShapesAreErrorsWithTheNearestKnown) {
 
 TEST(ParseScene, MissingKeysAreNamed) {
   EXPECT_EQ(error_of(with("stiffness_N_per_m = 200\n", "")),
-            "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing");
+            "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing (accepted: > 0 and "
+            "<= 1e+09)");
   EXPECT_EQ(
       error_of(with("stiffness_N_per_m", "stifness_N_per_m")),
       "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stifness_N_per_m' "
-      "a misspelling of it?");
+      "a misspelling of it? (accepted: > 0 and <= 1e+09)");
   EXPECT_EQ(error_of(with("stiffness_N_per_m", "stiffness")),
             "scenes/wall.toml:11: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing, is 'stiffness' a "
-            "misspelling of it?");
-  EXPECT_EQ(error_of(with("name = \"wall\"\nshape", "shape")), "scenes/wall.toml:6: object: 'name' is missing");
-  EXPECT_EQ(error_of(with("effects = [\"surface\"]", "")), "scenes/wall.toml:6: object 'wall': 'effects' is missing");
+            "misspelling of it? (accepted: > 0 and <= 1e+09)");
+  EXPECT_EQ(error_of(with("name = \"wall\"\nshape", "shape")),
+            "scenes/wall.toml:6: object: 'name' is missing (accepted: 1 to 64 bytes without control characters)");
+  EXPECT_EQ(error_of(with("effects = [\"surface\"]", "")),
+            "scenes/wall.toml:6: object 'wall': 'effects' is missing (accepted: a list of names)");
   EXPECT_THAT(error_of(with("[\"surface\"]", "[]")),
               StartsWith("scenes/wall.toml:9: object 'wall': effects must name at least one of: surface"));
-  EXPECT_EQ(error_of(""), "scenes/wall.toml:1: scene file: 'scene' is missing");
+  EXPECT_EQ(error_of(""), "scenes/wall.toml:1: scene file: 'scene' is missing (accepted: a table)");
+  EXPECT_EQ(error_of(with("kind = \"half_space\", ", "")),
+            "scenes/wall.toml:8: object 'wall', shape: 'kind' is missing "
+            "(accepted: half_space, sphere, box)");
+  EXPECT_EQ(error_of(with("[object.surface]\nstiffness_N_per_m = 200\ndamping_N_s_per_m = 1\n", "")),
+            "scenes/wall.toml:9: object 'wall', effect 'surface': 'stiffness_N_per_m' is missing (accepted: > 0 and <= "
+            "1e+09)");
+}
+
+TEST(ParseScene, MisspeltTablesAreReportedFirst) {
+  EXPECT_THAT(
+      error_of(with("[[object]]", "[[objet]]")),
+      StartsWith("scenes/wall.toml:6: scene file: unknown key 'objet', did you mean 'object'? (known: scene, "));
+  EXPECT_EQ(error_of(with("[[object]]", "[object]")),
+            "scenes/wall.toml:6: scene file: object must be tables, each [[object]]");
 }
 
 TEST(ParseScene, EffectsAreAskedForOnce) {
