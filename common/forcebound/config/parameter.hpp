@@ -78,7 +78,7 @@ struct TextParameter {
   enum class Form {
     any,
     name,  ///< fit for a log line: 1 to 64 bytes without control characters
-    file,  ///< path relative to this file's folder
+    file,  ///< path, relative to this file's folder or absolute
   };
 
   std::string_view key;

@@ -57,7 +57,7 @@ std::string introduction() {
          "* Numbers are finite. A key that is unknown, missing or out of range is an error with file, line and place, "
          "and the\n"
          "  nearest known key.\n"
-         "* Files that a scene names lie beside it.\n"
+         "* Paths of files that a scene names are relative to its own folder, unless they are absolute.\n"
          "\n";
 }
 

@@ -22,13 +22,14 @@ struct TissueTexts {
   const double point_N_per_m = CorotationalOptions{}.contact_stiffness_N_per_m;
   const std::string point_most = "of each contact, in series with the tissue; of a point with `large_motion` at most " +
                                  text::to_text(CorotationalOptions::kContactStiffnessMost_N_per_m) +
-                                 ", not of a sphere with it";
+                                 "; without effect on a sphere with it";
   const std::string point_preset =
       text::to_text(ProbeOptions{}.contact_stiffness_N_per_m) + "; with `large_motion` " + text::to_text(point_N_per_m);
   const std::string skin =
       "of a sphere's skin with `large_motion`, in series with the tissue: pressure by depth, at "
       "most " +
-      text::to_text(CorotationalOptions::kSkinMost) + " `young_Pa` / (1 - `poisson`^2) / `probe_radius_m`";
+      text::to_text(CorotationalOptions::kSkinMost) +
+      " `young_Pa` / (1 - `poisson`^2) / `probe_radius_m`; otherwise without effect";
   const std::string skin_preset = text::to_text(CorotationalOptions::kSkin) +
                                   " of these: it gives way by 2 % of a depth of the radius, 4 % of a quarter";
 };
