@@ -8,9 +8,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "forcebound/server/dynamics/bodies/description.hpp"
+#include "forcebound/server/dynamics/bodies/mjcf_check.hpp"
 #include "forcebound/server/dynamics/bodies/phantom_contacts.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -146,6 +148,7 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
   return named(name, [&] {
     constexpr const char* kFile = "bodies.xml";
     if (text.empty()) throw BodiesError("is empty, expected <mujoco>...</mujoco>");
+    check_mjcf(text, "");
     // Room for 2000 file names: too large for a stack.
     const std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
     mj_defaultVFS(files.get());
@@ -160,12 +163,16 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
 }
 
 ModelPointer load_mjcf(const std::string& path) {
+  std::string text;
   try {
-    (void)text::read_file(path);  // reports why it cannot be read, where MuJoCo would report an XML error
+    text = text::read_file(path);  // reports why it cannot be read, where MuJoCo would report an XML error
   } catch (const std::runtime_error& error) {
     throw BodiesError(error.what());
   }
-  return named(path, [&] { return load(path.c_str(), nullptr); });
+  return named(path, [&] {
+    check_mjcf(text, std::filesystem::path(path).parent_path().string());
+    return load(path.c_str(), nullptr);
+  });
 }
 
 ModelPointer copy_of(const mjModel_& model) {

@@ -5,6 +5,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <string>
 
 namespace forcebound::server {
 namespace {
@@ -55,6 +57,48 @@ TEST(CompileMjcf, RefusesWhatWouldEndMuJoCoOrItsFirstStep) {
   } catch (const BodiesError& error) {
     EXPECT_STREQ(error.what(), "empty.xml: is empty, expected <mujoco>...</mujoco>");
   }
+}
+
+std::string with_asset(const std::string& asset) {
+  return "<mujoco><!-- <texture> --><asset>" + asset +
+         "</asset><worldbody><body name='a'><freejoint/><geom size='1'/>"
+         "</body></worldbody></mujoco>";
+}
+
+TEST(CompileMjcf, RefusesFacesWithVerticesThatTheMeshLacks) {
+  const auto mesh = [](const std::string& face) {
+    return error_of([&] {
+      return compile_mjcf(with_asset("<mesh name = 'n' vertex=\"0 0 0 1 0 0 0 1 0\n0 0 1\" face='" + face + "'/>"),
+                          "a.xml");
+    });
+  };
+  EXPECT_EQ(mesh("0 2 1 0 1 3 0 3 2 1 2 3"), "no error");
+  EXPECT_EQ(mesh("-100000 2 1 0 1 3"),
+            "a.xml: mesh 'n': face must have numbers of its 4 vertices, from 0 on, got -100000");
+  EXPECT_EQ(mesh("0 2 1 0 99999999 3"),
+            "a.xml: mesh 'n': face must have numbers of its 4 vertices, from 0 on, got 99999999");
+  EXPECT_EQ(mesh("0 2 1 0 1 4"), "a.xml: mesh 'n': face must have numbers of its 4 vertices, from 0 on, got 4");
+}
+
+TEST(CompileMjcf, RefusesTexturesWhoseSizeMuJoCoCannotHold) {
+  const auto texture = [](const std::string& rest) {
+    return error_of(
+        [&] { return compile_mjcf(with_asset("<texture name='t' builtin='checker' " + rest + "/>"), "a.xml"); });
+  };
+  EXPECT_EQ(texture("type='2d' width='100' height='50'"), "no error");
+  EXPECT_EQ(texture("type='2d' width='40000' height='40000'"),
+            "a.xml: texture 't': all textures must be at most 268435456 bytes together, got 4800000000");
+  EXPECT_THAT(texture("type='cube' width='40000'"), StartsWith("a.xml: texture 't': all textures must be at most"));
+}
+
+TEST(LoadMjcf, ChecksIncludedFiles) {
+  const std::string folder = testing::TempDir();
+  const std::string outer = folder + "forcebound_outer.xml";
+  std::ofstream(outer) << "<mujoco><include file='forcebound_inner.xml'/><include file=''/></mujoco>";
+  std::ofstream(folder + "forcebound_inner.xml")
+      << with_asset("<mesh name='n' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='-100000 2 1'/>");
+  EXPECT_EQ(error_of([&] { return load_mjcf(outer); }),
+            outer + ": mesh 'n': face must have numbers of its 4 vertices, from 0 on, got -100000");
 }
 
 TEST(CompileMjcf, TakesTheIntegratorsThatTheCouplingIsMadeFor) {
