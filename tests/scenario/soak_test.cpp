@@ -92,6 +92,8 @@ TEST(Soak, CountsNoMotionAsLostThatComesAfterAllOthers) {
   EXPECT_EQ(soak(882000141, "aol").broken, "");
   EXPECT_EQ(soak(555000734, "eba").broken, "");
   EXPECT_EQ(soak(555001011, "vc").broken, "");
+  // Late ticks: motions are sent every 4 ms, so that one that is behind by ten came 40 ms late.
+  EXPECT_EQ(soak(910004530, "fba-exact").broken, "");
 }
 
 TEST(Soak, GivesOneRunForOneSeed) {

@@ -49,7 +49,9 @@ void ForceStream::begin_session(std::uint64_t session) noexcept {
   sent_here_ = 0;
   received_ = 0;
   settled_ = sequence_;
+  before_ = sequence_;
   round_trip_ = Nanoseconds::zero();
+  lateness_ = Nanoseconds::zero();
 }
 
 std::uint64_t ForceStream::note_sent(Nanoseconds reading_time) noexcept {
@@ -95,7 +97,9 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
 bool ForceStream::accept(const wire::Bye& bye) noexcept {
   if (session_ == 0 || bye.session != session_) return false;
   if (can_count(bye.motions_received, bye.forces_sent) && bye.motions_behind <= sequence_) {
+    const std::uint64_t behind = server_.motions_behind;
     note_server_counts(bye);
+    if (server_.motions_behind > behind) lateness_ = longest_time_between(server_.motions_behind);
   } else {
     ++ended_.implausible;
   }
@@ -111,13 +115,21 @@ void ForceStream::note_server_counts(const wire::Bye& counts) noexcept {
   server_.motions_behind = std::max(server_.motions_behind, counts.motions_behind);
 }
 
-Nanoseconds ForceStream::longest_delay(Nanoseconds period) const noexcept {
-  return round_trip_ + static_cast<std::int64_t>(server_.motions_behind) * period;
+std::uint64_t ForceStream::oldest_known() const noexcept {
+  return sequence_ < kSentRing ? 1 : sequence_ - kSentRing + 1;
+}
+
+// By the times at which they were sent: ticks may be late, and a period is not always the device's.
+Nanoseconds ForceStream::longest_time_between(std::uint64_t motions) const noexcept {
+  Nanoseconds longest{0};
+  for (std::uint64_t i = std::max(before_ + 1, oldest_known()); i + motions <= sequence_; ++i) {
+    longest = std::max(longest, sent_[(i + motions) % kSentRing].time - sent_[i % kSentRing].time);
+  }
+  return longest;
 }
 
 std::uint64_t ForceStream::in_flight(Nanoseconds now) const noexcept {
-  const std::uint64_t oldest_known = sequence_ < kSentRing ? 1 : sequence_ - kSentRing + 1;
-  std::uint64_t first = std::max(settled_ + 1, oldest_known);
+  std::uint64_t first = std::max(settled_ + 1, oldest_known());
   for (std::uint64_t left = sequence_ + 1 - first; left > 0;) {  // by halves: readings are in the order of time
     const std::uint64_t half = left / 2;
     const bool too_old = now - sent_[(first + half) % kSentRing].time > round_trip_;

@@ -78,7 +78,7 @@ class ForceStream {
 
   /// Longest delay that this session has seen: the longest round trip of a force, plus the largest lateness of a motion
   /// that arrived after newer ones. A datagram that is still missing after this time is taken for lost.
-  [[nodiscard]] Nanoseconds longest_delay(Nanoseconds period) const noexcept;
+  [[nodiscard]] Nanoseconds longest_delay() const noexcept { return round_trip_ + lateness_; }
 
   /// Counts over all sessions. A motion or force still on its way counts as lost. Each motion is counted once:
   ///
@@ -91,6 +91,8 @@ class ForceStream {
  private:
   [[nodiscard]] Counts settled_counts() const noexcept;
   [[nodiscard]] std::uint64_t in_flight(Nanoseconds now) const noexcept;
+  [[nodiscard]] std::uint64_t oldest_known() const noexcept;
+  [[nodiscard]] Nanoseconds longest_time_between(std::uint64_t motions) const noexcept;
   void note_server_counts(const wire::Bye& counts) noexcept;
 
   /// Whether the server's counts are possible: more motions than were sent, or more answers than motions, would corrupt
@@ -120,6 +122,8 @@ class ForceStream {
   std::uint64_t received_ = 0;   // this session
   std::uint64_t settled_ = 0;    // number of the newest motion answered, or of the last before this session
   Nanoseconds round_trip_{0};    // the longest, this session
+  Nanoseconds lateness_{0};      // the largest of a motion that came after newer ones, this session
+  std::uint64_t before_ = 0;     // number of the last motion before this session
   Counts ended_;                 // of ended sessions, and of datagrams of no session
 };
 

@@ -372,7 +372,7 @@ bool Session::close(Nanoseconds now) noexcept {
   device_.stop(now);
   receive_all(now);
   // A network that has held a datagram up for so long may hold up the last ones as long.
-  const bool all_came = now - last_news_ >= forces_.longest_delay(time::from_seconds(device_.facts().period_s));
+  const bool all_came = now - last_news_ >= forces_.longest_delay();
   if (connection_.session() == 0 || (all_came && answers_without_news_ >= kAnswersWithoutNews)) return true;
   if (now >= next_bye_) {
     next_bye_ = now + kByePause;

@@ -176,14 +176,35 @@ TEST_F(ForceStreamTest, NothingIsInFlightWhereNoAnswerEverCame) {
 TEST_F(ForceStreamTest, LongestDelayIsTheRoundTripPlusTheLateness) {
   ASSERT_EQ(stream.accept(answer(1, 3), 7ms), Verdict::newest);
   ASSERT_EQ(stream.accept(answer(2, 4), 6ms), Verdict::newest);
-  EXPECT_EQ(stream.longest_delay(1ms), 4ms);
+  EXPECT_EQ(stream.longest_delay(), 4ms);
   ASSERT_TRUE(stream.accept(
       wire::Bye{.session = kStreamSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 3}));
-  EXPECT_EQ(stream.longest_delay(1ms), 7ms);
+  EXPECT_EQ(stream.longest_delay(), 7ms);
   ASSERT_TRUE(stream.accept(
       wire::Bye{.session = kStreamSession, .motions_received = 4, .forces_sent = 2, .motions_behind = 11}));
-  EXPECT_EQ(stream.longest_delay(1ms), 7ms) << "no motion can be behind so many";
+  EXPECT_EQ(stream.longest_delay(), 7ms) << "no motion can be behind so many";
   EXPECT_EQ(counts().implausible, 1U);
+}
+
+TEST_F(ForceStreamTest, LatenessIsTheLongestTimeInWhichSoManyMotionsWereSent) {
+  stream.note_sent(15ms);
+  stream.note_sent(40ms);
+  stream.note_sent(41ms);
+  const auto bye = [](std::uint64_t behind) {
+    return wire::Bye{.session = kStreamSession, .motions_received = 4, .forces_sent = 2, .motions_behind = behind};
+  };
+  ASSERT_TRUE(stream.accept(bye(2)));
+  EXPECT_EQ(stream.longest_delay(), 30ms) << "from the tenth, at 10 ms, to the twelfth";
+  ASSERT_TRUE(stream.accept(bye(1)));
+  EXPECT_EQ(stream.longest_delay(), 30ms);
+  stream.begin_session(kStreamSession + 1);
+  stream.note_sent(42ms);
+  stream.note_sent(44ms);
+  auto next = bye(1);
+  next.session = kStreamSession + 1;
+  next.motions_received = 2;
+  ASSERT_TRUE(stream.accept(next));
+  EXPECT_EQ(stream.longest_delay(), 2ms) << "of this session alone";
 }
 
 TEST_F(ForceStreamTest, KeepsCountingOverSessions) {
