@@ -12,6 +12,7 @@ set(FORCEBOUND_PACKAGE_mujoco mujoco)
 set(FORCEBOUND_PACKAGE_nlohmann_json nlohmann_json)
 set(FORCEBOUND_PACKAGE_protobuf Protobuf)
 set(FORCEBOUND_PACKAGE_spdlog spdlog)
+set(FORCEBOUND_PACKAGE_tinyxml2 tinyxml2)
 set(FORCEBOUND_PACKAGE_tomlplusplus tomlplusplus)
 
 # forcebound_component(NAME [LINKED ...]): installs the library NAME and what find_package(Forcebound COMPONENTS NAME)

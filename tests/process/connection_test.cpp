@@ -125,7 +125,7 @@ TEST(AnAddressInUse, IsNamedByServerAndRelay) {
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_EQ(second.err, "forcebound-server: cannot listen on " + server.address() +
                             ": the address is already in use, by another program or a copy of this one\n");
-  const Ran relay = run(kRelay, {"--listen", server.address(), "--upstream", server.address()});
+  const Ran relay = run(kRelay, {"--listen", server.address(), "--upstream", free_address()});
   EXPECT_EQ(relay.exit_code, 1);
   EXPECT_THAT(relay.err,
               AllOf(HasSubstr("forcebound-relay: cannot listen on " + server.address()), HasSubstr("already in use")));

@@ -8,8 +8,8 @@
 namespace forcebound::lab {
 
 /// Thins curves over a common x, of any length, to at most 2000 columns with nothing that stands out lost: each column
-/// keeps every curve's lowest and highest value, and a curve with a gap in the column is interrupted at its end. Within a
-/// column the values before and after a gap are joined.
+/// keeps every curve's lowest and highest value, and a curve with a gap in the column is interrupted at its end. Within
+/// a column the values before and after a gap are joined.
 ///
 /// `add` allocates nothing, so it may be fed from a sink.
 class Envelope {

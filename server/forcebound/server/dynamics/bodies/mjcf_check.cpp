@@ -1,9 +1,10 @@
 #include "forcebound/server/dynamics/bodies/mjcf_check.hpp"
 
+#include <tinyxml2.h>
+
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -19,72 +20,13 @@ namespace {
 constexpr std::string_view kBlank = " \t\r\n";
 constexpr double kTextureBytesMost = 256.0 * 1024 * 1024;
 
-/// An element's name and attributes, which lie in the text.
-struct Element {
-  std::string_view name{};
-  std::map<std::string_view, std::string_view> attributes{};
+using tinyxml2::XMLElement;
 
-  [[nodiscard]] std::string_view at(std::string_view key) const {
-    const auto found = attributes.find(key);
-    return found == attributes.end() ? std::string_view() : found->second;
-  }
-};
-
-/// The elements of an XML text, in their order and regardless of their depth.
-class ElementReader {
- public:
-  explicit ElementReader(std::string_view text) : text_(text) {}
-
-  std::optional<Element> next() {
-    for (;;) {
-      at_ = std::min(text_.find('<', at_), text_.size());
-      if (at_ == text_.size()) return std::nullopt;
-      const std::string_view rest = text_.substr(at_);
-      if (rest.starts_with("<!--")) {
-        skip_past("-->");
-      } else if (rest.starts_with("<![CDATA[")) {
-        skip_past("]]>");
-      } else if (rest.starts_with("<?") || rest.starts_with("<!") || rest.starts_with("</")) {
-        skip_past(">");
-      } else {
-        ++at_;
-        return element();
-      }
-    }
-  }
-
- private:
-  void skip_past(std::string_view end) {
-    const auto found = text_.find(end, at_);
-    at_ = found == std::string_view::npos ? text_.size() : found + end.size();
-  }
-
-  void skip(std::string_view characters) { at_ = std::min(text_.find_first_not_of(characters, at_), text_.size()); }
-
-  std::string_view word() {
-    const auto end = std::min(text_.find_first_of(" \t\r\n/>=", at_), text_.size());
-    const std::string_view found = text_.substr(at_, end - at_);
-    at_ = end;
-    return found;
-  }
-
-  Element element() {
-    Element found{.name = word()};
-    for (;;) {
-      skip(kBlank);
-      const std::string_view key = word();
-      skip(" \t\r\n=");
-      if (key.empty() || at_ == text_.size() || (text_[at_] != '"' && text_[at_] != '\'')) return found;
-      const auto end = text_.find(text_[at_], at_ + 1);
-      if (end == std::string_view::npos) return found;
-      found.attributes.emplace(key, text_.substr(at_ + 1, end - at_ - 1));
-      at_ = end + 1;
-    }
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-};
+/// Empty where the element has none.
+std::string_view attribute(const XMLElement& element, const char* key) {
+  const char* const value = element.Attribute(key);
+  return value == nullptr ? std::string_view() : value;
+}
 
 std::vector<std::string_view> words_between_blanks(std::string_view text) {
   std::vector<std::string_view> words;
@@ -101,54 +43,59 @@ std::optional<double> number_of(std::string_view word) {
   return text::finite_number(word.starts_with('+') ? word.substr(1) : word);
 }
 
-void check_mesh(const Element& mesh) {
-  const std::vector<std::string_view> numbers = words_between_blanks(mesh.at("vertex"));
+void check_mesh(const XMLElement& mesh) {
+  const std::vector<std::string_view> numbers = words_between_blanks(attribute(mesh, "vertex"));
   // MuJoCo reads up to the first that is no number.
   const auto end_of_numbers =
       std::ranges::find_if_not(numbers, [](std::string_view word) { return number_of(word).has_value(); });
   const auto vertices = static_cast<std::size_t>(end_of_numbers - numbers.begin()) / 3;
   // Without vertices of its own they come from a file, and MuJoCo refuses faces beside those of the file.
   if (numbers.empty()) return;
-  for (const std::string_view word : words_between_blanks(mesh.at("face"))) {
+  for (const std::string_view word : words_between_blanks(attribute(mesh, "face"))) {
     std::size_t vertex = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), vertex);
     if (error == std::errc{} && end == word.data() + word.size() && vertex < vertices) continue;
-    throw BodiesError("mesh '" + std::string(mesh.at("name")) + "': face must have numbers of its " +
+    throw BodiesError("mesh '" + std::string(attribute(mesh, "name")) + "': face must have numbers of its " +
                       std::to_string(vertices) + " vertices, from 0 on, got " + std::string(word));
   }
 }
 
-double bytes_of_texture(const Element& texture) {
-  const auto size = [&](std::string_view key) {
-    const std::vector<std::string_view> words = words_between_blanks(texture.at(key));
+double bytes_of_texture(const XMLElement& texture) {
+  const auto size = [&](const char* key) {
+    const std::vector<std::string_view> words = words_between_blanks(attribute(texture, key));
     return words.empty() ? 0.0 : number_of(words.front()).value_or(0);
   };
   const double width = size("width");
   const double height = size("height");
   constexpr int kSides = 6;
   constexpr int kColors = 3;
-  return kColors * width * (texture.at("type") == "2d" ? height : kSides * width);
+  return kColors * width * (attribute(texture, "type") == "2d" ? height : kSides * width);
 }
 
-class MjcfCheck {
+class MjcfCheck final : public tinyxml2::XMLVisitor {
  public:
   explicit MjcfCheck(const std::string& folder) : folder_(folder) {}
 
   void check(std::string_view text) {
-    ElementReader reader(text);
-    while (const std::optional<Element> element = reader.next()) {
-      if (element->name == "mesh") check_mesh(*element);
-      if (element->name == "texture") check_texture(*element);
-      if (element->name == "include") check_included(std::string(element->at("file")));
-    }
+    tinyxml2::XMLDocument document;
+    if (document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS) document.Accept(this);
+  }
+
+  bool VisitEnter(const XMLElement& element, const tinyxml2::XMLAttribute* /*first*/) override {
+    const std::string_view name = element.Name();
+    if (name == "mesh") check_mesh(element);
+    if (name == "texture") check_texture(element);
+    if (name == "include") check_included(std::string(attribute(element, "file")));
+    return true;
   }
 
  private:
-  void check_texture(const Element& texture) {
+  void check_texture(const XMLElement& texture) {
     texture_bytes_ += std::max(0.0, bytes_of_texture(texture));
     if (texture_bytes_ <= kTextureBytesMost) return;
-    throw BodiesError("texture '" + std::string(texture.at("name")) +
-                      "': all textures must be at most 268435456 bytes together, got " + text::to_text(texture_bytes_));
+    throw BodiesError("texture '" + std::string(attribute(texture, "name")) +
+                      "': all textures must be at most 268435456 bytes together, got " +
+                      text::fixed(texture_bytes_, 0));
   }
 
   void check_included(const std::string& file) {
