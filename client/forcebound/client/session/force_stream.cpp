@@ -17,7 +17,7 @@ bool fits(const control::Vector& wave_rad_per_m, int degrees_of_freedom) noexcep
 
 /// Whether the numbers are plausible, so that later computations with them are safe.
 bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept {
-  constexpr double kSurface_m_max = 10;  // of any scene, from its origin
+  constexpr double kSurface_m_max = 1e4;  // farther from the origin than a scene's file can place a surface
   constexpr double kNormalRounding = 1e-6;
   if (force.force.rows() != degrees_of_freedom || force.position.rows() != degrees_of_freedom) return false;
   if (force.server_receive_time < Nanoseconds::zero() || force.server_send_time < force.server_receive_time)
@@ -49,7 +49,7 @@ void ForceStream::begin_session(std::uint64_t session) noexcept {
   sent_here_ = 0;
   received_ = 0;
   settled_ = sequence_;
-  before_ = sequence_;
+  earlier_ = sequence_;
   round_trip_ = Nanoseconds::zero();
   lateness_ = Nanoseconds::zero();
 }
@@ -96,10 +96,10 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
 
 bool ForceStream::accept(const wire::Bye& bye) noexcept {
   if (session_ == 0 || bye.session != session_) return false;
-  if (can_count(bye.motions_received, bye.forces_sent) && bye.motions_behind <= sequence_) {
-    const std::uint64_t behind = server_.motions_behind;
+  if (can_count(bye.motions_received, bye.forces_sent) && bye.motions_behind < sequence_ - earlier_) {
+    const bool later = bye.motions_behind > server_.motions_behind;
     note_server_counts(bye);
-    if (server_.motions_behind > behind) lateness_ = longest_time_between(server_.motions_behind);
+    if (later) lateness_ = std::max(lateness_, longest_time_between(bye.motions_behind));
   } else {
     ++ended_.implausible;
   }
@@ -122,7 +122,7 @@ std::uint64_t ForceStream::oldest_known() const noexcept {
 // By the times at which they were sent: ticks may be late, and a period is not always the device's.
 Nanoseconds ForceStream::longest_time_between(std::uint64_t motions) const noexcept {
   Nanoseconds longest{0};
-  for (std::uint64_t i = std::max(before_ + 1, oldest_known()); i + motions <= sequence_; ++i) {
+  for (std::uint64_t i = std::max(earlier_ + 1, oldest_known()); i + motions <= sequence_; ++i) {
     longest = std::max(longest, sent_[(i + motions) % kSentRing].time - sent_[i % kSentRing].time);
   }
   return longest;

@@ -19,7 +19,8 @@ using time::Nanoseconds;
 /// and its numbers are plausible: in range, and with no more motions received than were sent. The newest force is the
 /// one that answers the newest motion.
 ///
-/// Real time: noexcept, no allocation after construction, O(1).
+/// Real time: noexcept, no allocation after construction; O(1) but for `counts`, O(log n), and for accepting a Bye,
+/// O(n), with n the motions of the last minute.
 class ForceStream {
  public:
   enum class Verdict : std::uint8_t {
@@ -123,7 +124,7 @@ class ForceStream {
   std::uint64_t settled_ = 0;    // number of the newest motion answered, or of the last before this session
   Nanoseconds round_trip_{0};    // the longest, this session
   Nanoseconds lateness_{0};      // the largest of a motion that came after newer ones, this session
-  std::uint64_t before_ = 0;     // number of the last motion before this session
+  std::uint64_t earlier_ = 0;    // number of the last motion of earlier sessions
   Counts ended_;                 // of ended sessions, and of datagrams of no session
 };
 

@@ -7,7 +7,8 @@ namespace forcebound::server {
 namespace {
 
 constexpr const char* kMissing =
-    "bodies need MuJoCo, and this Forcebound was built without: install it (Debian: libmujoco-dev libqhull-dev) and "
+    "bodies need MuJoCo, and this Forcebound was built without: install it (Debian: libmujoco-dev libqhull-dev "
+    "libtinyxml2-dev) and "
     "configure and build again";
 
 }  // namespace

@@ -91,13 +91,13 @@ TEST_F(ForceStreamTest, DropsForcesThatAnswerNoMotionSent) {
 
 TEST_F(ForceStreamTest, AcceptsAPenetrationUpToThePositionsDistance) {
   auto far_behind_a_wall = answer(1, 3);
-  far_behind_a_wall.position[0] = 300;
+  far_behind_a_wall.position[0] = 30e3;
   far_behind_a_wall.contact_normal = control::Vector::Constant(1, -1.0);
-  far_behind_a_wall.penetration_m = 300;
+  far_behind_a_wall.penetration_m = 30e3;
   EXPECT_EQ(accept(far_behind_a_wall), Verdict::newest);
   auto deeper_than_it_can_be = answer(2, 4);
   deeper_than_it_can_be.contact_normal = control::Vector::Constant(1, -1.0);
-  deeper_than_it_can_be.penetration_m = 300;
+  deeper_than_it_can_be.penetration_m = 30e3;
   EXPECT_EQ(accept(deeper_than_it_can_be), Verdict::implausible);
 }
 
@@ -205,6 +205,10 @@ TEST_F(ForceStreamTest, LatenessIsTheLongestTimeInWhichSoManyMotionsWereSent) {
   next.motions_received = 2;
   ASSERT_TRUE(stream.accept(next));
   EXPECT_EQ(stream.longest_delay(), 2ms) << "of this session alone";
+  next.motions_behind = 2;
+  ASSERT_TRUE(stream.accept(next));
+  EXPECT_EQ(stream.longest_delay(), 2ms) << "of two motions none can be two behind";
+  EXPECT_EQ(counts().implausible, 1U);
 }
 
 TEST_F(ForceStreamTest, KeepsCountingOverSessions) {

@@ -8,17 +8,21 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 #include <vector>
 
 #include "forcebound/server/dynamics/bodies/mujoco.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::server {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\n";
-constexpr double kTextureBytesMost = 256.0 * 1024 * 1024;
+constexpr std::string_view kBlank = " \t\r\n\f\v";
+/// Of builtin textures and of height fields, each.
+constexpr double kBytesMost = 256.0 * 1024 * 1024;
 
 using tinyxml2::XMLElement;
 
@@ -38,14 +42,29 @@ std::vector<std::string_view> words_between_blanks(std::string_view text) {
   return words;
 }
 
-/// As a C++ stream reads it, which is how MuJoCo does.
 std::optional<double> number_of(std::string_view word) {
   return text::finite_number(word.starts_with('+') ? word.substr(1) : word);
 }
 
+std::string named(const XMLElement& element) {
+  return std::string(element.Name()) + " '" + std::string(attribute(element, "name")) + "'";
+}
+
+/// Zero where it is absent. MuJoCo would take the beginning of other words for the number.
+double count_at(const XMLElement& element, const char* key) {
+  const std::vector<std::string_view> words = words_between_blanks(attribute(element, key));
+  if (words.empty()) return 0;
+  const std::string_view word = words.front();
+  unsigned count = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
+  if (words.size() == 1 && error == std::errc{} && end == word.data() + word.size()) return count;
+  throw BodiesError(named(element) + ": " + key + " must be a whole number >= 0, got '" +
+                    text::printable(attribute(element, key)) + "'");
+}
+
 void check_mesh(const XMLElement& mesh) {
   const std::vector<std::string_view> numbers = words_between_blanks(attribute(mesh, "vertex"));
-  // MuJoCo reads up to the first that is no number.
+  // MuJoCo reads at least up to the first that is no number.
   const auto end_of_numbers =
       std::ranges::find_if_not(numbers, [](std::string_view word) { return number_of(word).has_value(); });
   const auto vertices = static_cast<std::size_t>(end_of_numbers - numbers.begin()) / 3;
@@ -55,21 +74,23 @@ void check_mesh(const XMLElement& mesh) {
     std::size_t vertex = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), vertex);
     if (error == std::errc{} && end == word.data() + word.size() && vertex < vertices) continue;
-    throw BodiesError("mesh '" + std::string(attribute(mesh, "name")) + "': face must have numbers of its " +
-                      std::to_string(vertices) + " vertices, from 0 on, got " + std::string(word));
+    throw BodiesError(named(mesh) + ": face must have numbers of its " + std::to_string(vertices) +
+                      " vertices, from 0 on, got " + text::printable(word));
   }
 }
 
 double bytes_of_texture(const XMLElement& texture) {
-  const auto size = [&](const char* key) {
-    const std::vector<std::string_view> words = words_between_blanks(attribute(texture, key));
-    return words.empty() ? 0.0 : number_of(words.front()).value_or(0);
-  };
-  const double width = size("width");
-  const double height = size("height");
   constexpr int kSides = 6;
   constexpr int kColors = 3;
-  return kColors * width * (attribute(texture, "type") == "2d" ? height : kSides * width);
+  // The size of one from a file is the file's.
+  const std::string_view builtin = attribute(texture, "builtin");
+  if (builtin.empty() || builtin == "none") return 0;
+  const double width = count_at(texture, "width");
+  return kColors * width * (attribute(texture, "type") == "2d" ? count_at(texture, "height") : kSides * width);
+}
+
+double bytes_of_height_field(const XMLElement& field) {
+  return sizeof(float) * count_at(field, "nrow") * count_at(field, "ncol");
 }
 
 class MjcfCheck final : public tinyxml2::XMLVisitor {
@@ -84,35 +105,39 @@ class MjcfCheck final : public tinyxml2::XMLVisitor {
   bool VisitEnter(const XMLElement& element, const tinyxml2::XMLAttribute* /*first*/) override {
     const std::string_view name = element.Name();
     if (name == "mesh") check_mesh(element);
-    if (name == "texture") check_texture(element);
+    if (name == "texture") add(bytes_of_texture(element), texture_bytes_, "textures", element);
+    if (name == "hfield") add(bytes_of_height_field(element), height_field_bytes_, "height fields", element);
     if (name == "include") check_included(std::string(attribute(element, "file")));
     return true;
   }
 
  private:
-  void check_texture(const XMLElement& texture) {
-    texture_bytes_ += std::max(0.0, bytes_of_texture(texture));
-    if (texture_bytes_ <= kTextureBytesMost) return;
-    throw BodiesError("texture '" + std::string(attribute(texture, "name")) +
-                      "': all textures must be at most 268435456 bytes together, got " +
-                      text::fixed(texture_bytes_, 0));
+  static void add(double bytes, double& sum, const std::string& what, const XMLElement& element) {
+    sum += bytes;
+    if (sum <= kBytesMost) return;
+    throw BodiesError(named(element) + ": all " + what + " must take at most " + text::fixed(kBytesMost, 0) +
+                      " bytes together, got " + text::fixed(sum, 0));
   }
 
   void check_included(const std::string& file) {
     // MuJoCo refuses a file that is included twice, so that none includes itself.
     if (!included_.insert(file).second) return;
-    std::string content;
+    // As MuJoCo does: a path that begins with a slash is below the folder too.
+    const std::string path = folder_.empty() ? file : folder_ + '/' + file;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return;
     try {
-      content = text::read_file((std::filesystem::path(folder_) / file).string());
-    } catch (const std::runtime_error&) {
-      return;
+      check(text::read_file(path));
+    } catch (const BodiesError&) {
+      throw;
+    } catch (const std::runtime_error&) {  // it cannot be read
     }
-    check(content);
   }
 
   std::string folder_;
   std::set<std::string> included_;
   double texture_bytes_ = 0;
+  double height_field_bytes_ = 0;
 };
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 namespace forcebound::server {
 
-/// Refuses MJCF that ends the process within MuJoCo 2.2.2, which uses it unchecked: a mesh whose `face` has a vertex
-/// that its `vertex` lacks, and builtin textures of more than 256 MiB together. Included files are checked too. What is
-/// wrong with the XML or a file is left to MuJoCo to report.
+/// Refuses MJCF of which we know that it ends the process within MuJoCo 2.2.2, which uses it unchecked: a mesh whose
+/// `face` has a vertex that its `vertex` lacks, builtin textures or height fields of more than 256 MiB together.
+/// Included files are checked too. What is wrong with the XML or a file is left to MuJoCo to report.
 /// @param folder of the file, from which included files are named
 /// @throws BodiesError
 void check_mjcf(std::string_view text, const std::string& folder);

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <utility>
 
 #include "forcebound/server/dynamics/bodies/description.hpp"
@@ -131,6 +132,8 @@ ModelPointer named(const std::string& name, const Load& load) {
     return load();
   } catch (const BodiesError& error) {
     throw BodiesError(name + ": " + in_one_line(error.what()));
+  } catch (const std::bad_alloc&) {
+    throw BodiesError(name + ": needs more memory than there is");
   }
 }
 

@@ -8,11 +8,14 @@
 #include <fstream>
 #include <string>
 
+#include "tests/tools/temporary_folder.hpp"
+
 namespace forcebound::server {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 constexpr const char* kBall =
@@ -81,24 +84,50 @@ TEST(CompileMjcf, RefusesFacesWithVerticesThatTheMeshLacks) {
 }
 
 TEST(CompileMjcf, RefusesTexturesWhoseSizeMuJoCoCannotHold) {
-  const auto texture = [](const std::string& rest) {
-    return error_of(
-        [&] { return compile_mjcf(with_asset("<texture name='t' builtin='checker' " + rest + "/>"), "a.xml"); });
+  const auto textures = [](const std::string& assets) {
+    return error_of([&] { return compile_mjcf(with_asset(assets), "a.xml"); });
+  };
+  const auto texture = [&](const std::string& rest) {
+    return textures("<texture name='t' builtin='checker' " + rest + "/>");
   };
   EXPECT_EQ(texture("type='2d' width='100' height='50'"), "no error");
   EXPECT_EQ(texture("type='2d' width='40000' height='40000'"),
-            "a.xml: texture 't': all textures must be at most 268435456 bytes together, got 4800000000");
-  EXPECT_THAT(texture("type='cube' width='40000'"), StartsWith("a.xml: texture 't': all textures must be at most"));
+            "a.xml: texture 't': all textures must take at most 268435456 bytes together, got 4800000000");
+  EXPECT_EQ(texture("type='2d' width='&#12;40000' height='40000'"),
+            "a.xml: texture 't': all textures must take at most 268435456 bytes together, got 4800000000");
+  EXPECT_EQ(texture("type='2d' width='40000abc' height='40000'"),
+            "a.xml: texture 't': width must be a whole number >= 0, got '40000abc'");
+  EXPECT_THAT(texture("type='cube' width='40000'"), StartsWith("a.xml: texture 't': all textures must take at most"));
+  const std::string half = " builtin='flat' type='2d' width='8000' height='8000'/>";
+  EXPECT_THAT(textures("<texture name='s'" + half + "<texture name='t'" + half),
+              StartsWith("a.xml: texture 't': all textures must take at most"));
+  EXPECT_THAT(textures("<texture name='t' type='2d' file='none.png' width='16384' height='16384'/>"),
+              Not(HasSubstr("must take at most")))
+      << "the file's size counts";
+}
+
+TEST(CompileMjcf, RefusesHeightFieldsWhoseSizeMuJoCoCannotHold) {
+  const auto field = [](const std::string& rest) {
+    return error_of(
+        [&] { return compile_mjcf(with_asset("<hfield name='h' size='1 1 1 1' " + rest + "/>"), "a.xml"); });
+  };
+  EXPECT_EQ(field("nrow='10' ncol='20'"), "no error");
+  EXPECT_EQ(field("nrow='65536' ncol='65537'"),
+            "a.xml: hfield 'h': all height fields must take at most 268435456 bytes together, got 17180131328");
 }
 
 TEST(LoadMjcf, ChecksIncludedFiles) {
-  const std::string folder = testing::TempDir();
-  const std::string outer = folder + "forcebound_outer.xml";
-  std::ofstream(outer) << "<mujoco><include file='forcebound_inner.xml'/><include file=''/></mujoco>";
-  std::ofstream(folder + "forcebound_inner.xml")
+  const test::TemporaryFolder folder;
+  const std::string outer = folder.file("outer.xml");
+  std::ofstream(folder.file("faces.xml"))
       << with_asset("<mesh name='n' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='-100000 2 1'/>");
-  EXPECT_EQ(error_of([&] { return load_mjcf(outer); }),
-            outer + ": mesh 'n': face must have numbers of its 4 vertices, from 0 on, got -100000");
+  for (const char* name : {"faces.xml", "/faces.xml"}) {
+    std::ofstream(outer) << "<mujoco><include file='" << name << "'/><include file=''/></mujoco>";
+    EXPECT_EQ(error_of([&] { return load_mjcf(outer); }),
+              outer + ": mesh 'n': face must have numbers of its 4 vertices, from 0 on, got -100000");
+  }
+  std::ofstream(outer) << "<mujoco><include file='/dev/zero'/></mujoco>";
+  EXPECT_THAT(error_of([&] { return load_mjcf(outer); }), HasSubstr("/dev/zero")) << "and not: reads it without end";
 }
 
 TEST(CompileMjcf, TakesTheIntegratorsThatTheCouplingIsMadeFor) {
