@@ -46,12 +46,11 @@ std::string_view CheckedTable::one_of(std::span<const std::string_view> keys) co
     if (table_.find(key) != nullptr) return key;
     names.append(names.empty() ? "'" : ", '").append(key).append("'");
   }
-  const std::string problem = "one of " + names + " must be given";
-  for (const std::string_view key : keys) {
-    const std::string slip = misspelling_of(key);
-    if (!slip.empty()) fail(problem + ", is '" + slip + "' a misspelling of '" + std::string(key) + "'?");
-  }
-  fail(problem);
+  const auto meant = std::ranges::find_if(keys, [&](std::string_view key) { return !misspelling_of(key).empty(); });
+  const std::string slip =
+      meant == keys.end() ? ""
+                          : ", is '" + misspelling_of(*meant) + "' a misspelling of '" + std::string(*meant) + "'?";
+  fail("one of " + names + " must be given" + slip);
 }
 
 std::string CheckedTable::misspelling_of(std::string_view key) const {
