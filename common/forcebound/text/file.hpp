@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -9,9 +10,10 @@ namespace forcebound::text {
 /// @throws std::runtime_error `PATH: cannot be read: REASON`.
 [[nodiscard]] std::string read_file(const std::string& path);
 
-/// Replaces the file's content, byte for byte, by way of a new file beside it: it is the old one or the new one, even
-/// if the disk is full or the program is killed. A device, a pipe, a link, or a file in a folder that takes no new
-/// ones, is written in place.
+/// Replaces the file's content, byte for byte, by way of a new file beside it, PATH.new-PID: it is the old one or the
+/// new one, even if the disk is full or the program is killed. Written in place is what a new file cannot replace: a
+/// device, a pipe, a link, a file that has several names, another owner or group, or its own mount, and one in a folder
+/// that takes no new ones, or whose name is too long for the ending.
 /// @throws std::runtime_error `PATH: cannot be written: REASON`.
 void write_file(const std::string& path, std::string_view content);
 
@@ -19,5 +21,8 @@ void write_file(const std::string& path, std::string_view content);
 /// cannot know.
 /// @throws std::runtime_error `PATH: cannot be written: REASON`.
 void expect_writable(const std::string& path);
+
+/// Whether both name one file, there or not yet: by links, by several names, or by other ways to its folder.
+[[nodiscard]] bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other);
 
 }  // namespace forcebound::text

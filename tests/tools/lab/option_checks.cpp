@@ -57,11 +57,4 @@ CLI::Option* add_output(CLI::App& command, const std::string& name, std::string&
   return command.add_option(name, file, what)->check(program::not_empty());
 }
 
-bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other) {
-  const auto whole = [](const std::filesystem::path& path) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
-  };
-  return whole(one) == whole(other);
-}
-
 }  // namespace forcebound::lab

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 namespace CLI {
@@ -27,8 +26,5 @@ CLI::Option* add_figure(CLI::App& command, std::string& file, const std::string&
 CLI::Option* add_figures(CLI::App& command, std::string& folder, const std::string& what);
 /// An option of a file that is written, such as --json.
 CLI::Option* add_output(CLI::App& command, const std::string& name, std::string& file, const std::string& what);
-
-/// Whether both name one file, there or not yet.
-[[nodiscard]] bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other);
 
 }  // namespace forcebound::lab

@@ -25,7 +25,7 @@ struct Outputs {
 
 /// To be called before a command's work: creates the folder of its figures, and checks that everything can be written,
 /// that the page has its marks, and that no output replaces another, an input, or anything that an earlier figure did
-/// not leave.
+/// not leave. Where it refuses, it leaves no new folder.
 /// @throws std::invalid_argument for options that do not go together, std::runtime_error for anything else, naming the
 /// file
 void prepare(const Outputs& outputs);

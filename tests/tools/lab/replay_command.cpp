@@ -14,6 +14,7 @@
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/lines.hpp"
 #include "tests/tools/lab/csv_reader.hpp"
 #include "tests/tools/lab/option_checks.hpp"
@@ -95,7 +96,7 @@ void run(const ReplayArguments& arguments) {
   const ReplayOptions options = options_of(arguments);
   std::ifstream input_file;
   std::ofstream output_file;
-  if (arguments.input != "-" && is_same_path(arguments.input, arguments.output)) {
+  if (arguments.input != "-" && text::is_same_path(arguments.input, arguments.output)) {
     throw std::invalid_argument("--output " + arguments.output + " would replace --input");
   }
   if (arguments.input != "-") input_file = opened<std::ifstream>(arguments.input, "cannot be read");

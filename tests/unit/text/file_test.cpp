@@ -1,24 +1,29 @@
 #include "forcebound/text/file.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "tests/tools/temporary_folder.hpp"
+
 namespace forcebound::text {
 namespace {
 
+using testing::StartsWith;
 using testing::StrEq;
 using testing::ThrowsMessage;
 
 TEST(ReadFile, GivesEveryByte) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "read_file_test.txt";
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "text";
   std::ofstream(path, std::ios::binary) << "one\r\n" << '\0' << "two";
   EXPECT_EQ(read_file(path.string()), std::string("one\r\n\0two", 9));
   std::ofstream(path, std::ios::trunc).close();
   EXPECT_EQ(read_file(path.string()), "");
-  std::filesystem::remove(path);
 }
 
 TEST(ReadFile, SaysWhyAFileCannotBeRead) {
@@ -26,33 +31,29 @@ TEST(ReadFile, SaysWhyAFileCannotBeRead) {
               ThrowsMessage<std::runtime_error>(StrEq("/nonexistent/file: cannot be read: No such file or directory")));
   EXPECT_THAT([] { (void)read_file("/"); },
               ThrowsMessage<std::runtime_error>(StrEq("/: cannot be read: it is a directory")));
+  EXPECT_THAT([] { (void)read_file("/nonexistent/\x1b[2J"); },
+              ThrowsMessage<std::runtime_error>(StartsWith("/nonexistent/?[2J: cannot be read")));
 }
 
 TEST(WriteFile, PutsEveryByteInPlaceOfWhatWasThere) {
-  const auto path = (std::filesystem::path(testing::TempDir()) / "write_file_test.txt").string();
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("text");
   write_file(path, std::string("one\r\n\0two", 9));
   EXPECT_EQ(read_file(path), std::string("one\r\n\0two", 9));
   write_file(path, "1");
   EXPECT_EQ(read_file(path), "1");
-  std::filesystem::remove(path);
 }
 
 // A test's own folder, to see what else lies in it.
 class OutputFolder : public testing::Test {
  protected:
-  void SetUp() override {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directory(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
   [[nodiscard]] std::ptrdiff_t files() const {
-    return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+    return std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator());
   }
 
  private:
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "file_test_outputs";
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(OutputFolder, HoldsTheOldContentUntilTheNewOneIsWhole) {
@@ -76,6 +77,74 @@ TEST_F(OutputFolder, KeepsPermissionsAndLinks) {
   EXPECT_EQ(files(), 2);
 }
 
+// Files that the process writes can have at most so many bytes, as on a full disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const ::rlimit limit{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    (void)std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  void (*handler_)(int);
+  ::rlimit before_{};
+};
+
+TEST_F(OutputFolder, HoldsTheOldContentAloneIfTheNewOneDoesNotFit) {
+  constexpr std::size_t kBytes = 4096;
+  write_file(file("out"), "old");
+  const auto write_too_much = [&] {
+    const FileSizeLimit limit(kBytes);
+    write_file(file("out"), std::string(2 * kBytes, 'n'));
+  };
+  EXPECT_THAT(write_too_much,
+              ThrowsMessage<std::runtime_error>(StrEq(file("out") + ": cannot be written: File too large")));
+  EXPECT_EQ(read_file(file("out")), "old");
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(OutputFolder, TakesNamesTooLongForTheEndingOfANewFile) {
+  const std::string name(255, 'n');
+  EXPECT_NO_THROW(expect_writable(file(name)));
+  EXPECT_EQ(files(), 0);
+  write_file(file(name), "first");
+  write_file(file(name), "second");
+  EXPECT_EQ(read_file(file(name)), "second");
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(OutputFolder, KeepsFilesOfSeveralNamesTogether) {
+  write_file(file("out"), "old");
+  std::filesystem::create_hard_link(file("out"), file("other"));
+  write_file(file("out"), "new");
+  EXPECT_EQ(read_file(file("other")), "new");
+  EXPECT_EQ(files(), 2);
+}
+
+TEST_F(OutputFolder, MayHoldLinksToFilesThatAreNotThereYet) {
+  std::filesystem::create_symlink("middle", file("link"));
+  std::filesystem::create_symlink("target", file("middle"));
+  EXPECT_NO_THROW(expect_writable(file("link")));
+  EXPECT_EQ(files(), 2) << "the target was left behind";
+  write_file(file("link"), "by the links");
+  EXPECT_EQ(read_file(file("target")), "by the links");
+  EXPECT_TRUE(std::filesystem::is_symlink(file("link")));
+
+  std::filesystem::create_symlink("circle", file("circle"));
+  EXPECT_THAT([&] { expect_writable(file("circle")); },
+              ThrowsMessage<std::runtime_error>(testing::HasSubstr("Too many levels of symbolic links")));
+  std::filesystem::create_symlink("/nonexistent/file", file("nowhere"));
+  EXPECT_THAT([&] { expect_writable(file("nowhere")); },
+              ThrowsMessage<std::runtime_error>(testing::HasSubstr("No such file or directory")));
+}
+
 TEST_F(OutputFolder, IsAsBeforeAfterAskingWhatCanBeWritten) {
   write_file(file("out"), "last results");
   EXPECT_NO_THROW(expect_writable(file("out")));
@@ -91,6 +160,18 @@ TEST_F(OutputFolder, IsNoFileToWrite) {
   EXPECT_THAT(
       [] { expect_writable("/nonexistent/file"); },
       ThrowsMessage<std::runtime_error>(StrEq("/nonexistent/file: cannot be written: No such file or directory")));
+}
+
+TEST_F(OutputFolder, KnowsFilesByAllTheirNames) {
+  write_file(file("out"), "");
+  std::filesystem::create_hard_link(file("out"), file("other"));
+  std::filesystem::create_symlink("new", file("link"));
+  EXPECT_TRUE(is_same_path(file("out"), file("./out")));
+  EXPECT_TRUE(is_same_path(file("out"), file("other")));
+  EXPECT_TRUE(is_same_path(file("link"), file("new"))) << "which is not there yet";
+  EXPECT_TRUE(is_same_path(file("none/../new"), file("new")));
+  EXPECT_FALSE(is_same_path(file("out"), file("new")));
+  EXPECT_FALSE(is_same_path("", file("new")));
 }
 
 TEST(WriteFile, SaysWhyAFileCannotBeWritten) {

@@ -14,7 +14,6 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "tests/tools/lab/figures/scripts.hpp"
-#include "tests/tools/lab/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -129,15 +128,16 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
 void expect_drawable(const std::filesystem::path& png, const std::vector<std::string>& files) {
   for (const auto& written : {png, data_of(png), script_of(png)}) {
     for (const std::string& file : files) {
-      if (file.empty() || !is_same_path(file, written)) continue;
+      if (file.empty() || !text::is_same_path(file, written)) continue;
       throw std::invalid_argument("the figure " + png.string() + " would replace " + file +
                                   ": its data and script go beside it; give one of them another name");
     }
     text::expect_writable(written.string());
   }
-  if (const auto script = script_of(png); std::filesystem::exists(script)) {
+  std::error_code ignored;
+  if (const auto script = script_of(png); std::filesystem::exists(script, ignored)) {
     if (!text::read_file(script.string()).starts_with(kFirstLine)) refuse_to_replace(script, png);
-  } else if (std::filesystem::exists(data_of(png))) {
+  } else if (std::filesystem::exists(data_of(png), ignored)) {
     refuse_to_replace(data_of(png), png);
   }
 }

@@ -264,7 +264,6 @@ TEST(Draw, RefusesToReplaceAFileOfTheCommand) {
 }
 
 TEST(Draw, ReplacesDataAndScriptOfAnEarlierFigureAlone) {
-  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
   const TemporaryFolder folder;
   const std::string png = folder.file("run.png");
   const auto is_none_of_ours = [&](const std::string& file) {
@@ -277,7 +276,7 @@ TEST(Draw, ReplacesDataAndScriptOfAnEarlierFigureAlone) {
   is_none_of_ours(folder.file("run.gnuplot"));
   std::filesystem::remove(folder.file("run.gnuplot"));
   std::filesystem::remove(folder.file("run.csv"));
-  two_laws("").draw_to(png);
+  two_laws("").draw_to(png);  // data and script at least: gnuplot may be missing
   EXPECT_NO_THROW(expect_drawable(png, {}));
 }
 

@@ -48,6 +48,26 @@ TEST(Outputs, ThatCannotBeWrittenAreRefusedByName) {
   refused({.page = folder.file("page.md"), .marks = kTestMarks}, folder.file("page.md"), "<!-- here -->");
 }
 
+TEST(Outputs, ThatAreRefusedLeaveNoFolder) {
+  const test::TemporaryFolder folder;
+  const std::string figures = folder.file("figures/of/today");
+  EXPECT_THROW(prepare({.files = {folder.file("no/a.json")}, .folder = figures}), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_NO_THROW(prepare({.files = {figures + "/a.json"}, .folder = figures})) << "a file in the new folder";
+  EXPECT_TRUE(std::filesystem::exists(figures));
+}
+
+// A path through a file is none: it is neither there nor an error of the check itself.
+TEST(Outputs, BelowAFileAreRefusedByName) {
+  const test::TemporaryFolder folder;
+  text::write_file(folder.file("file"), "");
+  EXPECT_THAT([&] { prepare({.inputs = {folder.file("file/in")}, .files = {folder.file("file/a.json")}}); },
+              ThrowsMessage<std::runtime_error>(HasSubstr(folder.file("file/a.json") + ": cannot be written: ")));
+  const std::string too_long = folder.file(std::string(300, 'n'));
+  EXPECT_THAT([&] { prepare({.files = {too_long}}); },
+              ThrowsMessage<std::runtime_error>(HasSubstr(too_long + ": cannot be written: File name too long")));
+}
+
 TEST(Outputs, ReplaceNeitherEachOtherNorAnInput) {
   const test::TemporaryFolder folder;
   const std::string recording = folder.file("run.mcap");
@@ -59,6 +79,8 @@ TEST(Outputs, ReplaceNeitherEachOtherNorAnInput) {
   refused({.files = {folder.file("a"), folder.file("b"), folder.file("./a")}}, "would be written twice");
   refused({.files = {folder.file("a.csv")}, .figures = {folder.file("a.png")}},
           "would replace " + folder.file("a.csv"));
+  std::filesystem::create_hard_link(recording, folder.file("other name"));
+  refused({.inputs = {recording}, .files = {folder.file("other name")}}, "would be replaced, but is read");
   refused({.inputs = {recording, folder.file("a.gnuplot")}, .figures = {folder.file("a.png")}}, "a.gnuplot");
   // A scene's name is no file, and a device takes everything.
   EXPECT_NO_THROW(prepare({.inputs = {folder.file("wall")}, .files = {folder.file("wall"), "/dev/null", "/dev/null"}}));
