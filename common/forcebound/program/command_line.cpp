@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -141,6 +144,18 @@ int run(const std::string& name, const std::function<int()>& work) noexcept {
     return end_with(wrong_use(name, error.what(), name));
   } catch (const std::exception& error) {
     return end_with({kFailed, name + ": " + error.what() + "\n"});
+  }
+}
+
+void expect_apart(const FileOption& output, const std::vector<FileOption>& others) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(output.file, ignored);
+  const bool may_be_shared = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  if (output.file.empty() || may_be_shared) return;
+  for (const FileOption& other : others) {
+    if (other.file.empty() || !text::is_same_path(output.file, other.file)) continue;
+    throw std::invalid_argument(std::string(output.option) + " '" + output.file + "' would replace the file of " +
+                                std::string(other.option) + ": give it another name");
   }
 }
 

@@ -55,14 +55,25 @@ auto value_of(std::string_view option, Read&& read) {
   }
 }
 
+/// An option that names a file, such as {"--record", "run.mcap"}; no file if the name is empty.
+struct FileOption {
+  std::string_view option;
+  std::string file;
+};
+
+/// To be called before long work. Devices and pipes may be written twice, and read as well.
+/// @throws std::invalid_argument if writing `output` would replace one of the others.
+void expect_apart(const FileOption& output, const std::vector<FileOption>& others);
+
 /// Checks of an option's value. The message says what would be accepted; --help does not show them.
 ///
 /// One of some names; an unknown one gets a suggestion: "unknown law 'fba', did you mean ...". @param what "law"
 CLI::Validator one_of(const std::string& what, std::vector<std::string> names);
-/// A finite number.
+/// Any finite number.
 CLI::Validator number();
+/// A number from `least` to `most`, both included.
 CLI::Validator number_within(double least, double most = 1e9);
-/// Up to 1e9.
+/// Above 0, and at most 1e9.
 CLI::Validator number_above_zero();
 CLI::Validator whole_within(std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 /// Not an empty text, as of a shell's variable that is not set.

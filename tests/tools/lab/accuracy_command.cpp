@@ -8,6 +8,7 @@
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/file.hpp"
@@ -149,7 +150,7 @@ void accuracy(const AccuracyOptions& options) {
     throw std::invalid_argument(options.scene +
                                 " is a study that was carried out: --sweep, --set and --levels need a scene");
   }
-  prepare({.inputs = {options.scene, options.reference, options.device},
+  prepare({.inputs = {options.scene, options.reference, options.device, device::recorded_hand(options.motion)},
            .files = {options.json, options.levels},
            .page = options.readme,
            .marks = kAccuracyMarks,

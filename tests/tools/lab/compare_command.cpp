@@ -16,6 +16,7 @@
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
 #include "tests/tools/lab/comparison/comparison_run.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/figures/draw.hpp"
 #include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/outputs.hpp"
@@ -90,8 +91,15 @@ nlohmann::ordered_json read_standings(const std::string& file) {
   return standings;
 }
 
+std::vector<std::string> compared_inputs(const CompareOptions& options) {
+  std::vector<std::string> inputs{options.from, options.device};
+  inputs.reserve(inputs.size() + options.networks.size());
+  for (const std::string& words : options.networks) inputs.push_back(recorded_network(words));
+  return inputs;
+}
+
 void compare(const CompareOptions& options) {
-  prepare({.inputs = {options.from, options.device},
+  prepare({.inputs = compared_inputs(options),
            .files = {options.csv, options.json},
            .page = options.readme,
            .marks = kComparisonMarks,

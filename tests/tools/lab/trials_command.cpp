@@ -11,6 +11,7 @@
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
@@ -37,6 +38,8 @@ std::vector<std::string> inputs_of(const Options& options) {
   std::vector<std::string> inputs = options.live;
   inputs.push_back(options.settings.scene);
   inputs.push_back(options.settings.device);
+  inputs.push_back(device::recorded_hand(options.settings.hand));
+  inputs.push_back(recorded_network(options.settings.network));
   return inputs;
 }
 

@@ -2,9 +2,12 @@
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <initializer_list>
 #include <memory>
 #include <random>
 #include <stdexcept>
@@ -106,10 +109,27 @@ void run(relay::Relay& relay, const net::UdpLink& downstream, const relay::UdpUp
   }
 }
 
+/// Whether what is sent to `upstream` comes back to a socket bound to `listen`: an any-address takes a loopback's too.
+bool is_itself(const relay::Address& upstream, const relay::Address& listen) {
+  const auto starts_with = [](const relay::Address& address, std::initializer_list<std::uint8_t> bytes) {
+    return std::equal(bytes.begin(), bytes.end(), address.ip.begin());
+  };
+  const auto is_any = [&](const relay::Address& address) {
+    return starts_with(address, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0, 0, 0, 0}) ||
+           starts_with(address, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  };
+  const auto is_loopback = [&](const relay::Address& address) {
+    return starts_with(address, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127}) ||
+           starts_with(address, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1});
+  };
+  if (upstream == listen) return true;
+  return upstream.port == listen.port && is_any(listen) && (is_any(upstream) || is_loopback(upstream));
+}
+
 int relay_until_stopped(const relay::Options& options) {
   const relay::Address upstream_address = net::resolve(options.upstream);
   const relay::Address listen_address = net::resolve(options.listen);
-  if (listen_address == upstream_address) {
+  if (is_itself(upstream_address, listen_address)) {
     throw std::invalid_argument("--upstream: " + to_string(upstream_address) +
                                 " is --listen, the relay itself; expected the server's address");
   }

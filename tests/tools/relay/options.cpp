@@ -87,6 +87,7 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
   CLI::App app;
   declare(app, options, texts);
   program::parse(app, argc, argv);
+  program::expect_apart({"--log", options.log}, {{"--trace", options.trace}});
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(texts.listen); });
   options.upstream = program::value_of("--upstream", [&] { return net::parse_peer(texts.upstream); });
   for (const std::string& text : texts.blackholes) {

@@ -136,5 +136,17 @@ TEST(AcceptedBy, IsWhatTheParserAccepts) {
   EXPECT_EQ(even("abc"), "must have an even length");
 }
 
+TEST(Outputs, ReplaceNoFileOfAnotherOption) {
+  const auto apart = [](const std::string& output, const std::string& input) {
+    expect_apart({"--record", output}, {{"--device", ""}, {"--scene", input}});
+  };
+  EXPECT_THAT([&] { apart("a.toml", "./a.toml"); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  testing::StrEq("--record 'a.toml' would replace the file of --scene: give it another name")));
+  EXPECT_NO_THROW(apart("a.mcap", "a.toml"));
+  EXPECT_NO_THROW(apart("", ""));
+  EXPECT_NO_THROW(apart("/dev/null", "/dev/null")) << "a device takes everything";
+}
+
 }  // namespace
 }  // namespace forcebound::program

@@ -3,10 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <random>
 #include <string_view>
+#include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
 
@@ -91,6 +94,16 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   return seed;
 }
 
+void expect_files_apart(const Options& options) {
+  const bool has_device_file = device::names_a_file(options.device.device);
+  const std::vector<program::FileOption> inputs{{"--device", has_device_file ? options.device.device : ""},
+                                                {"--operator", device::recorded_hand(options.device.hand)},
+                                                {"--law-parameters", options.law_parameters}};
+  program::expect_apart({"--record", options.record}, inputs);
+  program::expect_apart({"--summary", options.summary}, inputs);
+  program::expect_apart({"--summary", options.summary}, {{"--record", options.record}});
+}
+
 }  // namespace
 
 Options parse_options(int argc, const char* const* argv) {
@@ -102,6 +115,7 @@ Options parse_options(int argc, const char* const* argv) {
   CLI::App app;
   const CLI::Option* const seed = describe(app, options, typed, laws, devices);
   program::parse(app, argc, argv);
+  expect_files_apart(options);
 
   options.policy = {.hold = time::from_seconds(typed.hold_ms * 1e-3), .drop = time::from_seconds(typed.drop_ms * 1e-3)};
   program::value_of("--hold, --drop", [&] { options.policy.validate(); });

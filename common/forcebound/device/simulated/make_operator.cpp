@@ -56,6 +56,13 @@ Made make_operator(const std::string& specification, int dof) {
   throw std::invalid_argument("unknown operator '" + name + "'" + text::suggestion(name, known));
 }
 
+std::string recorded_hand(std::string_view specification) {
+  constexpr std::string_view kReplay = "replay:";
+  if (!specification.starts_with(kReplay)) return {};
+  specification.remove_prefix(kReplay.size());
+  return std::string(specification.substr(0, specification.find(',')));
+}
+
 std::string operators_help() {
   constexpr int kDof = 3;
   std::string text;

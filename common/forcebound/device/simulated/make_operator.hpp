@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "forcebound/device/simulated/operator.hpp"
 
@@ -15,6 +16,9 @@ namespace forcebound::device {
 /// @throws std::invalid_argument with what was wrong and what would be accepted; for a recorded motion `FILE:LINE:
 /// ...`.
 [[nodiscard]] std::unique_ptr<const Operator> make_operator(const std::string& specification, int dof);
+
+/// The file of a recorded hand, `replay:FILE.csv[,KEY=VALUE...]`; empty for any other.
+[[nodiscard]] std::string recorded_hand(std::string_view specification);
 
 /// Every operator with all its keys and their defaults, one on a line, for --help.
 [[nodiscard]] std::string operators_help();

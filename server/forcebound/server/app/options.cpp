@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -97,6 +98,9 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   CLI::App app;
   describe(app, options, listen, idle_timeout_s, round_trip_ms);
   program::parse(app, argc, argv);
+  if (is_scene_file(options.scene)) {
+    program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
+  }
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(listen); });
   options.device.round_trip_s = round_trip_ms * 1e-3;
   options.server.idle_timeout = time::from_seconds(idle_timeout_s);

@@ -7,6 +7,7 @@
 #include "forcebound/server/environment/shipped_scenes.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -103,12 +104,15 @@ std::vector<std::string> SceneLibrary::all_names() const {
 std::string SceneLibrary::names() const { return text::join(all_names()); }
 
 std::string SceneLibrary::unknown_scene_text(std::string_view name) const {
-  return "no scene '" + std::string(name) + "'" + text::suggestion(name, all_names());
+  return "no scene '" + text::printable(name) + "'" + text::suggestion(name, all_names());
+}
+
+bool is_scene_file(std::string_view name_or_file) noexcept {
+  return name_or_file.find('/') != std::string_view::npos || name_or_file.ends_with(".toml");
 }
 
 SceneSource scene_source(const std::string& name_or_file) {
-  const bool is_file = name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml");
-  if (is_file) return {read_file(name_or_file), name_or_file};
+  if (is_scene_file(name_or_file)) return {read_file(name_or_file), name_or_file};
   for (const text::EmbeddedText& scene : shipped_scenes()) {
     if (scene.name == name_or_file) return {std::string(scene.text), file_of(name_or_file)};
   }

@@ -73,10 +73,13 @@ struct SceneSource {
   std::string file;
 };
 
+/// Whether this is a file's path (has a '/' or ends with ".toml") rather than the name of a scene.
+[[nodiscard]] bool is_scene_file(std::string_view name_or_file) noexcept;
+
 /// The text that `load_scene` would compile. @throws SceneError
 SceneSource scene_source(const std::string& name_or_file);
 
-/// A shipped scene by its name, or the scene in a file: what contains a '/' or ends in ".toml" is a file.
+/// A shipped scene by its name, or the scene in a file, as is_scene_file tells.
 /// @param measure as parse_scene's
 /// @throws SceneError
 std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file,

@@ -31,11 +31,15 @@ Task task_of(const std::string& scene, const std::string& device) {
   throw std::invalid_argument("unknown scene '" + scene + "'" + text::suggestion(scene, kScenes));
 }
 
+std::string recorded_network(std::string_view words) {
+  return words.starts_with(kTraceWord) ? std::string(words.substr(kTraceWord.size())) : std::string();
+}
+
 NamedNetwork network_of(const std::string& words) {
   NamedNetwork network{.name = words};
   if (words == "none") return network;
   if (words.starts_with(kTraceWord)) {
-    network.settings.trace = netem::load_trace(words.substr(kTraceWord.size()));
+    network.settings.trace = netem::load_trace(recorded_network(words));
     return network;
   }
   network.settings.up = network.settings.down = netem::parse_netem(words);

@@ -35,6 +35,9 @@ inline constexpr std::string_view kTraceWord = "trace:";
 /// @throws std::invalid_argument or std::runtime_error as the parsers of netem's words and of traces
 [[nodiscard]] NamedNetwork network_of(const std::string& words);
 
+/// The file of a recorded network, "trace:FILE"; empty for any other.
+[[nodiscard]] std::string recorded_network(std::string_view words);
+
 /// none; 1, 10, 50, 250 ms each way; jitter; a tenth lost; bursts of loss; and recorded 5G networks, if the recordings
 /// are in FORCEBOUND_DATA.
 struct StandardNetworks {
