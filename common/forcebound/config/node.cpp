@@ -1,6 +1,7 @@
 #include "forcebound/config/node.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 #include "forcebound/config/config_error.hpp"
@@ -60,11 +61,55 @@ std::size_t end_of_string(std::string_view text, std::size_t begin) {
   return text.size();
 }
 
+/// Where a text has keys, in one pass over its characters outside of strings and comments.
+class KeyWatch {
+ public:
+  /// @returns whether a key, or a table's name, may begin after this character
+  bool takes(char c) {
+    if (c == '=') {
+      is_key_ = false;
+    } else if (!is_key_ && (c == '[' || c == '{')) {
+      open_.push_back(c);
+      is_key_ = c == '{';
+    } else if (!open_.empty() && (c == ']' || c == '}')) {
+      open_.pop_back();
+      is_key_ = false;
+    } else if (c == ',') {
+      is_key_ = open_.empty() || open_.back() == '{';
+    } else if (c == '\n') {
+      is_key_ = is_key_ || open_.empty();
+    } else {
+      return c == '[' || c == ']';
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool is_key() const noexcept { return is_key_; }
+
+ private:
+  std::string open_;  // the brackets of the value that are not closed yet
+  bool is_key_ = true;
+};
+
+/// The beginning of a key, for an error.
+std::string beginning(std::string_view key) {
+  constexpr std::size_t kBytesMost = 60;
+  key.remove_prefix(std::min(key.find_first_not_of(" \t"), key.size()));
+  return "'" + text::printable(key.substr(0, kBytesMost)) + "...'";
+}
+
+struct DeepKey {
+  int line = 0;
+  std::string why;
+};
+
 /// The TOML library and the functions here call themselves for each part of "a.b.c", so that a key of thousands of
 /// parts would overflow the stack. The library itself limits the depth of lists and inline tables.
-/// @throws ConfigError for a key of more than kKeyPartsMost parts
-void refuse_deep_keys(std::string_view text, const std::string& place) {
+/// @returns the first key of more than kKeyPartsMost parts
+std::optional<DeepKey> find_deep_key(std::string_view text) {
+  KeyWatch watch;
   int parts = 1;
+  std::size_t begin = 0;
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
     if (c == '"' || c == '\'') {
@@ -75,15 +120,17 @@ void refuse_deep_keys(std::string_view text, const std::string& place) {
       i = std::min(text.find('\n', i), text.size());
       continue;
     }
-    // A number has a dot too, but only one.
-    if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) parts = 1;
-    if (c == '.' && ++parts > kKeyPartsMost) {
-      const auto line = 1 + std::ranges::count(text.substr(0, i), '\n');
-      throw ConfigError(place + ":" + std::to_string(line) + ": a key must have at most " +
-                        std::to_string(kKeyPartsMost) + " parts, as a.b has two");
+    if (watch.takes(c)) {
+      parts = 1;
+      begin = i + 1;
+    } else if (c == '.' && watch.is_key() && ++parts > kKeyPartsMost) {
+      return DeepKey{.line = static_cast<int>(1 + std::ranges::count(text.substr(0, i), '\n')),
+                     .why = "a key must have at most " + std::to_string(kKeyPartsMost) +
+                            " parts, as a.b has two, got " + beginning(text.substr(begin, i - begin))};
     }
     ++i;
   }
+  return {};
 }
 
 std::string as_text(const std::string& text) {
@@ -130,7 +177,9 @@ std::string written(const Node& node) {
 }
 
 Node parse_toml(std::string_view text, const std::string& place) {
-  refuse_deep_keys(text, place);
+  if (const auto deep = find_deep_key(text)) {
+    throw ConfigError(text::printable(place) + ":" + std::to_string(deep->line) + ": " + deep->why);
+  }
   try {
     return converted(toml::parse(text, place));
   } catch (const toml::parse_error& error) {
@@ -140,10 +189,10 @@ Node parse_toml(std::string_view text, const std::string& place) {
 }
 
 Node parse_toml_value(std::string_view text, int line) {
-  refuse_deep_keys(text, "value");
+  const std::string whole = std::string(static_cast<std::size_t>(line) - 1, '\n') + "value = " + std::string(text);
+  if (const auto deep = find_deep_key(whole)) throw ConfigError(deep->why);
   try {
-    const toml::table wrapped =
-        toml::parse(std::string(static_cast<std::size_t>(line) - 1, '\n') + "value = " + std::string(text));
+    const toml::table wrapped = toml::parse(whole);
     // More than one key: the value had lines of its own.
     if (wrapped.size() == 1) return converted(wrapped.begin()->second);
   } catch (const toml::parse_error&) {

@@ -208,7 +208,11 @@ std::string accepted_text(const Parameter& parameter) {
   return std::visit([](const auto& any) { return words(any); }, parameter);
 }
 
-std::string accepted_suffix(std::string_view accepted) { return " (accepted: " + std::string(accepted) + ")"; }
+std::string accepted_suffix(std::string_view accepted) {
+  std::string plain(accepted);
+  std::erase(plain, '`');
+  return " (accepted: " + plain + ")";
+}
 
 std::string preset_text(const Parameter& parameter) {
   return std::visit([](const auto& any) { return words_of_preset(any); }, parameter);

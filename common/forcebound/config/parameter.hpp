@@ -127,6 +127,7 @@ struct TableDescription {
 [[nodiscard]] std::string accepted_text(const Parameter& parameter);
 
 /// " (accepted: > 0 and <= 100)": the end of an error about a missing key.
+/// @param accepted as Markdown, of which a terminal is not shown the backticks
 [[nodiscard]] std::string accepted_suffix(std::string_view accepted);
 
 /// Its preset, as Markdown; empty: the key is required.

@@ -129,7 +129,7 @@ TEST(ParseDevice, RefusesDampingThatIsNotPositiveDefinite) {
 
 TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
   EXPECT_EQ(refusal_of_file(""),
-            "devices/mine.toml:1: device 'mine': 'kind' is missing (accepted: `\"cartesian\"`, `\"arm\"`)");
+            "devices/mine.toml:1: device 'mine': 'kind' is missing (accepted: \"cartesian\", \"arm\")");
   EXPECT_EQ(refusal_of_file("\nkind = 'cartesien'\n"),
             "devices/mine.toml:2: device 'mine': unknown kind 'cartesien', "
             "did you mean 'cartesian'? (known: cartesian, arm)");

@@ -66,6 +66,7 @@ config::TableDescription object_table() {
 scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,
                               const scene::Registry& registry, Eigen::Index axes) {
   scene::SceneObject made{.name = name};
+  // The values are read below, with their places; here the keys become known, and a missing one is told.
   (void)part.given((is_object ? object_table() : field_table()).keys, axes);
   const config::Node::List& effects = part.list("effects");
   const config::Node& list = part.at("effects");
