@@ -173,7 +173,7 @@ ShapeKind height_field_shape() {
           .description =
               "A relief over a grid, solid below; 3 axes. Its heights stand in the scene or in a file, one of the two.",
           .axes_least = 3,
-          .parameters = {place("origin_m", "of the first height's column"),
+          .parameters = {place_parameter("origin_m", "of the first height's column"),
                          positive_length("spacing_m", "of the grid, along x and y"),
                          config::RowsParameter{.key = "heights_m",
                                                .meaning = "rows follow each other along y, their numbers along x",

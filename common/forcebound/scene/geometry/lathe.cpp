@@ -87,7 +87,7 @@ ShapeKind lathe_shape() {
                                              .least = 3,
                                              .most = kSegmentsMax,
                                              .whole = true},
-                     place("origin_m", "added to every vertex", Point::Zero())},
+                     place_parameter("origin_m", "added to every vertex", Point::Zero())},
       .source = "profile_m",
       .make = [](const config::Values& values, const ShapePurpose& purpose) {
         std::vector<LathePoint> profile;

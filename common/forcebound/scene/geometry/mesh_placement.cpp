@@ -54,7 +54,7 @@ std::vector<config::Parameter> placement_parameters() {
                                   .least_excluded = true,
                                   .most = 1e9},
           rotation_parameter("roll, pitch and yaw: turned about the scene's x, then y, then z axis, after `scale`"),
-          place("offset_m", "added to every vertex, after `rotation_deg`", Point::Zero())};
+          place_parameter("offset_m", "added to every vertex, after `rotation_deg`", Point::Zero())};
 }
 
 MeshPlacement placement_of(const config::Values& values) {

@@ -105,7 +105,7 @@ class Box final : public Shape {
 };
 
 std::vector<config::Parameter> round_parameters() {
-  return {place("center_m", "its center"), positive_length("radius_m", "from the center to the surface")};
+  return {place_parameter("center_m", "its center"), positive_length("radius_m", "from the center to the surface")};
 }
 
 }  // namespace
@@ -130,12 +130,13 @@ config::NumberParameter positive_length(std::string_view key, std::string_view m
   return {.key = key, .meaning = meaning, .least = 0, .least_excluded = true, .most = kLengthMost_m};
 }
 
-config::PointParameter place(std::string_view key, std::string_view meaning, const std::optional<Point>& preset) {
+config::PointParameter place_parameter(std::string_view key, std::string_view meaning,
+                                       const std::optional<Point>& preset) {
   return {.key = key, .meaning = meaning, .preset = preset, .each = {.least = -kLengthMost_m, .most = kLengthMost_m}};
 }
 
 std::vector<config::Parameter> straight_parameters() {
-  return {place("from_m", "one end of the axis"), place("to_m", "the other end"),
+  return {place_parameter("from_m", "one end of the axis"), place_parameter("to_m", "the other end"),
           positive_length("radius_m", "around it")};
 }
 
@@ -147,7 +148,7 @@ void check_straight(const config::Values& values) {
 ShapeKind half_space_shape() {
   return {.name = "half_space",
           .description = "Everything behind a plane: a wall, a table.",
-          .parameters = {place("through_m", "a point of the plane"),
+          .parameters = {place_parameter("through_m", "a point of the plane"),
                          PointParameter{.key = "normal", .meaning = "out of what is solid", .is_direction = true}},
           .make = [](const config::Values& values, const ShapePurpose&) {
             return make_half_space(values.point("through_m"), values.point("normal"));
@@ -175,7 +176,7 @@ ShapeKind cavity_shape() {
 ShapeKind box_shape() {
   return {.name = "box",
           .description = "A block along the axes.",
-          .parameters = {place("center_m", "its center"),
+          .parameters = {place_parameter("center_m", "its center"),
                          PointParameter{.key = "size_m",
                                         .meaning = "from face to face, along the axes",
                                         .each = {.least = 0, .least_excluded = true, .most = kLengthMost_m},

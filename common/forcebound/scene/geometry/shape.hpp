@@ -74,8 +74,8 @@ inline constexpr double kLengthMost_m = 1e3;
 [[nodiscard]] config::NumberParameter positive_length(std::string_view key, std::string_view meaning);
 
 /// A point of the scene, each coordinate within kLengthMost_m of 0. Without a preset it must be given.
-[[nodiscard]] config::PointParameter place(std::string_view key, std::string_view meaning,
-                                           const std::optional<Point>& preset = {});
+[[nodiscard]] config::PointParameter place_parameter(std::string_view key, std::string_view meaning,
+                                                     const std::optional<Point>& preset = {});
 
 /// Keys of a shape between two points: `from_m`, `to_m` and `radius_m`.
 [[nodiscard]] std::vector<config::Parameter> straight_parameters();

@@ -56,7 +56,7 @@ ShapeKind torus_shape() {
   return {.name = "torus",
           .description = "A ring; 3 axes.",
           .axes_least = 3,
-          .parameters = {place("center_m", "its center"),
+          .parameters = {place_parameter("center_m", "its center"),
                          config::PointParameter{.key = "axis", .meaning = "through the hole", .is_direction = true},
                          positive_length("major_radius_m", "from the center to the middle of the tube"),
                          positive_length("minor_radius_m", "of the tube, less than the other")},
