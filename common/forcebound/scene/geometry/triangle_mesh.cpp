@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::scene {
 namespace {
@@ -59,20 +60,20 @@ bool repeats_a_corner(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] |
 }  // namespace
 
 std::string to_text(const MeshReport& report) {
-  std::string text =
-      std::to_string(report.triangles) + " triangles, " + std::to_string(report.vertices) + " vertices, ";
-  text += report.closed() ? (report.volume_m3 < 0 ? "closed, inside out" : "closed") : "open";
-  const auto tell = [&](std::size_t count, const char* what) {
-    if (count > 0) text += "; " + std::to_string(count) + " " + what;
+  std::string words =
+      text::counted(report.triangles, "triangle") + ", " + text::counted(report.vertices, "vertex", "vertices") + ", ";
+  words += report.closed() ? (report.volume_m3 < 0 ? "closed, inside out" : "closed") : "open";
+  const auto tell = [&](std::size_t count, const char* one, const char* many, const char* more = "") {
+    if (count > 0) words += "; " + text::counted(count, one, many) + more;
   };
-  tell(report.open_edges, "open edges");
-  tell(report.non_manifold_edges, "edges of more than two triangles");
-  tell(report.inconsistent_edges, "edges whose triangles disagree about the outside");
-  tell(report.welded_vertices, "duplicate vertices welded");
-  tell(report.unreferenced_vertices, "unreferenced vertices dropped");
-  tell(report.slivers, "slivers dropped");
-  tell(report.duplicate_triangles, "duplicate triangles dropped");
-  return text;
+  tell(report.open_edges, "open edge", "open edges");
+  tell(report.non_manifold_edges, "edge", "edges", " of more than two triangles");
+  tell(report.inconsistent_edges, "edge", "edges", " whose triangles disagree about the outside");
+  tell(report.welded_vertices, "duplicate vertex", "duplicate vertices", " welded");
+  tell(report.unreferenced_vertices, "unreferenced vertex", "unreferenced vertices", " dropped");
+  tell(report.slivers, "sliver", "slivers", " dropped");
+  tell(report.duplicate_triangles, "duplicate triangle", "duplicate triangles", " dropped");
+  return words;
 }
 
 TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices, const std::vector<Triangle>& triangles,
