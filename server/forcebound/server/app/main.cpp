@@ -3,10 +3,10 @@
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
+#include "forcebound/server/app/build_scene.hpp"
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/serve.hpp"
 #include "forcebound/server/environment/explain.hpp"
-#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/schema.hpp"
 #include "forcebound/server/session/answer_size.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -18,8 +18,8 @@ using namespace forcebound;
 
 std::string explanation(const server::ProgramOptions& options) {
   const time::SteadyClock clock;
-  const auto built = server::load_scene(options.scene, scene::Registry::standard(),
-                                        options.calibrate ? server::measured_by(clock) : scene::MeasureCost{});
+  const auto built =
+      server::build_scene(options.scene, options.calibrate ? server::measured_by(clock) : scene::MeasureCost{});
   server::ExplainFacts facts{.answer_bytes = server::answer_bytes(*built), .device = options.device};
   const server::SuggestedHand suggested = server::suggested_hand(built);
   facts.hand = {.suggested = suggested, .trial = server::try_hand(built, suggested)};
@@ -33,7 +33,7 @@ int run(server::ProgramOptions options) {
   } else if (options.explain) {
     std::cout << explanation(options);
   } else if (options.suggest) {
-    std::cout << to_options(server::suggested_hand(server::load_scene(options.scene))) << "\n";
+    std::cout << to_options(server::suggested_hand(server::build_scene(options.scene))) << "\n";
   } else {
     program::log_to_stderr(server::kProgram);
     server::serve(std::move(options));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "forcebound/server/app/build_scene.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/environment/explain.hpp"
@@ -68,7 +69,7 @@ std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, con
 void serve(ProgramOptions options) {
   const time::SteadyClock clock;
   const scene::MeasureCost measure = measured_by(clock);
-  const auto scene = load_scene(options.scene, scene::Registry::standard(), measure);
+  const auto scene = build_scene(options.scene, measure);
   SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
   scenes.add(scene);
   options.server.scene = scene->facts().name;
