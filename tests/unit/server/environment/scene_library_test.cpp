@@ -118,6 +118,7 @@ TEST(SceneLibrary, AFailedCompilationIsReportedOnceAndThenRetried) {
 TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }
 
 TEST(LoadScene, UnknownNameListsTheKnownOnes) {
+  EXPECT_THAT(library_error("\x1b[2J"), testing::StartsWith("no scene '?[2J'"));
   EXPECT_EQ(library_error("spere"), "no scene 'spere', did you mean 'sphere'? (known: " +
                                         SceneLibrary::shipped().names() + "); a file is given as FILE.toml");
 }
