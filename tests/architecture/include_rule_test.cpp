@@ -110,6 +110,17 @@ TEST(IncludeRule, KeepsTheEmulatedNetworkApartFromTheSimulator) {
               HasSubstr("must not include"));
 }
 
+TEST(IncludeRule, KeepsWhatTheLabMeasuresApartFromItsCommandsAndFigures) {
+  const auto measures = [](std::string_view line) {
+    return only_violation("tests/tools/lab/measures/marks.cpp", line);
+  };
+  EXPECT_THAT(measures("#include \"tests/tools/lab/option_checks.hpp\"\n"), HasSubstr("must not include"));
+  EXPECT_THAT(measures("#include \"tests/tools/lab/figures/draw.hpp\"\n"), HasSubstr("must not include"));
+  EXPECT_THAT(
+      only_violation("tests/tools/lab/accuracy/along.cpp", "#include \"tests/tools/lab/comparison/task.hpp\"\n"),
+      HasSubstr("must not include"));
+}
+
 TEST(IncludeRule, IgnoresComments) {
   EXPECT_THAT(violations("common/forcebound/control/law.hpp", "// not std::thread, not steady_clock\n"), IsEmpty());
 }

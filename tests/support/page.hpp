@@ -9,7 +9,7 @@
 
 #include "tests/support/process.hpp"
 #include "tests/support/source_folder.hpp"
-#include "tests/tools/lab/marks.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
 
 /// Parts of the repository's pages that are the output of programs. Who uses this compiles tests/tools/lab/marks.cpp.
 namespace forcebound::test {

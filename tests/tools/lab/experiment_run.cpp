@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/tools/lab/measures.hpp"
+#include "tests/tools/lab/measures/measures.hpp"
 
 namespace forcebound::lab {
 

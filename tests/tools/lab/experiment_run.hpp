@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "tests/tools/lab/experiment.hpp"
 #include "tests/tools/lab/figures/laws_figure.hpp"
+#include "tests/tools/lab/measures/experiment.hpp"
 
 namespace forcebound::lab {
 

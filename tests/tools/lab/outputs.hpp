@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/tools/lab/marks.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
 
 namespace forcebound::lab {
 

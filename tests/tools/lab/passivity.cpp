@@ -8,7 +8,7 @@
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/sim/draw.hpp"
 #include "tests/tools/sim/restless_hand.hpp"

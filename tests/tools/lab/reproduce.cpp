@@ -21,10 +21,10 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
 #include "tests/tools/lab/figures/laws_figure.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 #include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {

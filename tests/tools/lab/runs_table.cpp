@@ -6,7 +6,7 @@
 
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {

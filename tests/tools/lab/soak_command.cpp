@@ -21,10 +21,10 @@
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 #include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
 #include "tests/tools/lab/soak/soak_case.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
 #include "tests/tools/sim/environment.hpp"
 
 namespace forcebound::lab {

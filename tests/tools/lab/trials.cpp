@@ -9,8 +9,8 @@
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
-#include "tests/tools/lab/measures.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/lab/measures/measures.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {

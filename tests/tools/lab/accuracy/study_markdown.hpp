@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "tests/tools/lab/marks.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
 
 namespace forcebound::lab {
 

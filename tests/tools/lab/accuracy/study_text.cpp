@@ -10,7 +10,7 @@
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/accuracy/percent.hpp"
 #include "tests/tools/lab/accuracy/recommendation.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {

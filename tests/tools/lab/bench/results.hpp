@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "forcebound/text/terminal.hpp"
-#include "tests/tools/lab/marks.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
 
 /// The results of deploy/bench: one text file, from which the table, the figure and the numbers in
 /// tests/benchmark/README.md are made.

@@ -9,7 +9,7 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
-#include "tests/tools/lab/measures.hpp"
+#include "tests/tools/lab/measures/measures.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "tests/tools/lab/percentile.hpp"
+#include "tests/tools/lab/measures/percentile.hpp"
 
 #include "forcebound/baselines/baselines.hpp"
 

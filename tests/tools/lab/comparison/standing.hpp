@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tests/tools/lab/comparison/comparison_run.hpp"
-#include "tests/tools/lab/marks.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
 
 namespace forcebound::lab {
 

@@ -5,7 +5,7 @@
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {

@@ -7,7 +7,7 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/text/names.hpp"
 #include "tests/tools/data/recorded_data.hpp"
-#include "tests/tools/lab/experiment.hpp"
+#include "tests/tools/lab/measures/experiment.hpp"
 
 namespace forcebound::lab {
 namespace {

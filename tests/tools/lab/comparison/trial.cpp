@@ -12,8 +12,8 @@
 #include "forcebound/record/running_statistics.hpp"
 #include "tests/tools/lab/accuracy/device_run.hpp"
 #include "tests/tools/lab/accuracy/reference_model.hpp"
-#include "tests/tools/lab/measures.hpp"
-#include "tests/tools/lab/percentile.hpp"
+#include "tests/tools/lab/measures/measures.hpp"
+#include "tests/tools/lab/measures/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {

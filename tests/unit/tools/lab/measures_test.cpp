@@ -1,4 +1,4 @@
-#include "tests/tools/lab/measures.hpp"
+#include "tests/tools/lab/measures/measures.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "forcebound/text/file.hpp"
-#include "tests/tools/lab/summary_cells.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::lab {

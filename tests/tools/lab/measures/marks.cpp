@@ -1,4 +1,4 @@
-#include "tests/tools/lab/marks.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
 
 #include <stdexcept>
 

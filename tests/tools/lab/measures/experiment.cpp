@@ -1,4 +1,4 @@
-#include "tests/tools/lab/experiment.hpp"
+#include "tests/tools/lab/measures/experiment.hpp"
 
 #include <sstream>
 #include <stdexcept>
