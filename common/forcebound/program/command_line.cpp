@@ -2,10 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -93,13 +91,6 @@ std::string problem_of(const CLI::App& app, const CLI::Error& error) {
 
 End wrong_use(const std::string& program, const std::string& problem, const std::string& command) {
   return {kWrongUse, program + ": " + problem + " (see " + command + " --help)\n"};
-}
-
-std::optional<std::uint64_t> whole_number(const std::string& text) {
-  std::uint64_t value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc{} && stopped == end ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -197,7 +188,7 @@ CLI::Validator number_above_zero() {
 
 CLI::Validator whole_within(std::uint64_t least, std::uint64_t most) {
   return {[least, most](const std::string& value) -> std::string {
-            const auto number = whole_number(value);
+            const auto number = text::whole_number<std::uint64_t>(value);
             if (number && *number >= least && *number <= most) return {};
             return "must be a whole number from " + std::to_string(least) + " to " + std::to_string(most) + ", got '" +
                    value + "'";

@@ -23,6 +23,17 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+std::vector<std::string_view> split_at_blanks(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n\f\v";
+  std::vector<std::string_view> words;
+  for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlank, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kBlank, end);
+  }
+  return words;
+}
+
 bool LineReader::next() {
   if (!std::getline(text_, line_)) {
     if (text_.bad()) refuse("cannot be read beyond this line");

@@ -14,6 +14,9 @@ namespace forcebound::text {
 /// The fields of a line, each without the blanks around it. They point into `text`, which must outlive them.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 
+/// The words of a text, between blanks of any kind and line ends. They point into `text`, which must outlive them.
+[[nodiscard]] std::vector<std::string_view> split_at_blanks(std::string_view text);
+
 /// Reads a text line by line, with Unix or Windows line ends, with or without a byte order mark; errors say which line
 /// they are about.
 class LineReader {

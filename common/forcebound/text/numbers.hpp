@@ -1,8 +1,11 @@
 #pragma once
 
+#include <charconv>
+#include <concepts>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace forcebound::text {
 
@@ -19,5 +22,15 @@ namespace forcebound::text {
 /// The whole text as a finite number, in any notation with a decimal point, whatever the locale. Nothing if it is
 /// anything else.
 [[nodiscard]] std::optional<double> finite_number(std::string_view text) noexcept;
+
+/// The whole text as a whole number of this type, in decimal digits. Nothing if it is anything else.
+template <std::integral Whole>
+[[nodiscard]] std::optional<Whole> whole_number(std::string_view text) noexcept {
+  Whole value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stopped != end) return std::nullopt;
+  return value;
+}
 
 }  // namespace forcebound::text

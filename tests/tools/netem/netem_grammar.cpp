@@ -4,6 +4,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "forcebound/text/lines.hpp"
 #include "tests/tools/netem/loss_model.hpp"
 #include "tests/tools/netem/netem_parameters.hpp"
 #include "tests/tools/netem/netem_values.hpp"
@@ -22,14 +23,7 @@ constexpr std::int64_t kRateBytesMax = 10'000;  // more than any link layer adds
 /// Takes the words one by one.
 class Words {
  public:
-  explicit Words(std::string_view line) {
-    constexpr std::string_view kSpace = " \t\r\n";
-    for (std::size_t begin = line.find_first_not_of(kSpace); begin != std::string_view::npos;) {
-      const std::size_t end = std::min(line.find_first_of(kSpace, begin), line.size());
-      words_.push_back(line.substr(begin, end - begin));
-      begin = line.find_first_not_of(kSpace, end);
-    }
-  }
+  explicit Words(std::string_view line) : words_(text::split_at_blanks(line)) {}
 
   [[nodiscard]] bool empty() const { return next_ == words_.size(); }
   [[nodiscard]] bool next_is(std::string_view word) const { return !empty() && words_[next_] == word; }

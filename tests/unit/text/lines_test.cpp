@@ -16,6 +16,13 @@ TEST(Split, TakesTheBlanksFromAroundEachField) {
   EXPECT_THAT(split("", ','), ElementsAre(""));
 }
 
+TEST(SplitAtBlanks, GivesTheWordsBetweenBlanksOfAnyKind) {
+  EXPECT_THAT(split_at_blanks(" one\t two\r\n\fthree\v4"), ElementsAre("one", "two", "three", "4"));
+  EXPECT_THAT(split_at_blanks("one "), ElementsAre("one"));
+  EXPECT_THAT(split_at_blanks(""), ElementsAre());
+  EXPECT_THAT(split_at_blanks(" \n"), ElementsAre());
+}
+
 TEST(LineReader, ReadsWhatAnyEditorWrites) {
   std::istringstream text(
       "\xEF\xBB\xBF"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 
 namespace forcebound::text {
@@ -21,6 +22,14 @@ TEST(FiniteNumber, ReadsAnyNotation) {
 TEST(FiniteNumber, RefusesWhatIsNotWhollyOneFiniteNumber) {
   for (const char* text : {"", " ", "1,5", "1 ", "two", "inf", "nan", "1e999"}) {
     EXPECT_FALSE(finite_number(text)) << "'" << text << "'";
+  }
+}
+
+TEST(WholeNumber, ReadsDigitsWithinTheTypesRange) {
+  EXPECT_EQ(whole_number<std::uint64_t>("18446744073709551615"), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(whole_number<std::int64_t>("-1"), -1);
+  for (const char* text : {"", " 1", "1 ", "1.0", "+1", "-1", "1e3", "0x1", "4294967296"}) {
+    EXPECT_FALSE(whole_number<std::uint32_t>(text)) << "'" << text << "'";
   }
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -23,29 +22,9 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-Words words_of(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r\f\v";
-  Words words;
-  for (;;) {
-    const auto first = line.find_first_not_of(kBlank);
-    if (first == std::string_view::npos) return words;
-    line.remove_prefix(first);
-    const auto length = std::min(line.find_first_of(kBlank), line.size());
-    words.push_back(line.substr(0, length));
-    line.remove_prefix(length);
-  }
-}
-
 std::string quoted(std::string_view word) {
   constexpr std::size_t kMost = 40;
   return "'" + text::printable(word.substr(0, kMost)) + "'";
-}
-
-std::optional<std::int64_t> whole_number(std::string_view word) {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
 }
 
 /// The lines of a text; errors name the line.
@@ -57,7 +36,7 @@ class Lines {
   const Words& next() {
     words_.clear();
     while (words_.empty() && reader_.next()) {
-      words_ = words_of(reader_.line().substr(0, reader_.line().find('#')));
+      words_ = text::split_at_blanks(reader_.line().substr(0, reader_.line().find('#')));
     }
     return words_;
   }
@@ -84,7 +63,7 @@ class Lines {
 };
 
 std::int64_t count_at(const Lines& lines, std::string_view word, const char* what) {
-  const auto count = whole_number(word);
+  const auto count = text::whole_number<std::int64_t>(word);
   if (!count || *count < 0) lines.refuse(std::string("expected the number of ") + what + ", got " + quoted(word));
   return *count;
 }
@@ -122,7 +101,7 @@ void check_obj(const std::string& path, const std::string& content) {
   std::int64_t vertices = 0;
   bool goes_on = false;
   const auto check_corner = [&](std::string_view word) {
-    const auto index = whole_number(word.substr(0, word.find('/')));
+    const auto index = text::whole_number<std::int64_t>(word.substr(0, word.find('/')));
     if (!index) lines.refuse(quoted(word) + " is not the index of a vertex");
     if (*index == 0 || std::abs(*index) > vertices) {
       lines.refuse("vertex " + quoted(word) + " is not one of the " + std::to_string(vertices) + " before this line");
@@ -178,7 +157,7 @@ void check_off(const std::string& path, const std::string& content) {
     }
     for (std::int64_t k = 1; k <= corners; ++k) {
       const auto word = face[static_cast<std::size_t>(k)];
-      const auto index = whole_number(word);
+      const auto index = text::whole_number<std::int64_t>(word);
       if (!index || *index < 0 || *index >= vertices) {
         lines.refuse("vertex " + quoted(word) + " is not one of 0 to " + std::to_string(vertices - 1));
       }

@@ -3,7 +3,6 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -14,13 +13,13 @@
 
 #include "forcebound/server/dynamics/bodies/mujoco.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::server {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\n\f\v";
 /// Of builtin textures and of height fields, each.
 constexpr double kBytesMost = 256.0 * 1024 * 1024;
 
@@ -30,16 +29,6 @@ using tinyxml2::XMLElement;
 std::string_view attribute(const XMLElement& element, const char* key) {
   const char* const value = element.Attribute(key);
   return value == nullptr ? std::string_view() : value;
-}
-
-std::vector<std::string_view> words_between_blanks(std::string_view text) {
-  std::vector<std::string_view> words;
-  for (std::size_t at = text.find_first_not_of(kBlank); at < text.size();) {
-    const auto end = std::min(text.find_first_of(kBlank, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kBlank, end);
-  }
-  return words;
 }
 
 std::optional<double> number_of(std::string_view word) {
@@ -52,28 +41,25 @@ std::string named(const XMLElement& element) {
 
 /// Zero where it is absent. MuJoCo would take the beginning of other words for the number.
 double count_at(const XMLElement& element, const char* key) {
-  const std::vector<std::string_view> words = words_between_blanks(attribute(element, key));
+  const std::vector<std::string_view> words = text::split_at_blanks(attribute(element, key));
   if (words.empty()) return 0;
-  const std::string_view word = words.front();
-  unsigned count = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
-  if (words.size() == 1 && error == std::errc{} && end == word.data() + word.size()) return count;
+  const auto count = text::whole_number<unsigned>(words.front());
+  if (words.size() == 1 && count) return *count;
   throw BodiesError(named(element) + ": " + key + " must be a whole number >= 0, got '" +
                     text::printable(attribute(element, key)) + "'");
 }
 
 void check_mesh(const XMLElement& mesh) {
-  const std::vector<std::string_view> numbers = words_between_blanks(attribute(mesh, "vertex"));
+  const std::vector<std::string_view> numbers = text::split_at_blanks(attribute(mesh, "vertex"));
   // MuJoCo reads at least up to the first that is no number.
   const auto end_of_numbers =
       std::ranges::find_if_not(numbers, [](std::string_view word) { return number_of(word).has_value(); });
   const auto vertices = static_cast<std::size_t>(end_of_numbers - numbers.begin()) / 3;
   // Without vertices of its own they come from a file, and MuJoCo refuses faces beside those of the file.
   if (numbers.empty()) return;
-  for (const std::string_view word : words_between_blanks(attribute(mesh, "face"))) {
-    std::size_t vertex = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), vertex);
-    if (error == std::errc{} && end == word.data() + word.size() && vertex < vertices) continue;
+  for (const std::string_view word : text::split_at_blanks(attribute(mesh, "face"))) {
+    const auto vertex = text::whole_number<std::size_t>(word);
+    if (vertex && *vertex < vertices) continue;
     throw BodiesError(named(mesh) + ": face must have numbers of its " + std::to_string(vertices) +
                       " vertices, from 0 on, got " + text::printable(word));
   }

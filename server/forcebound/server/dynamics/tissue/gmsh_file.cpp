@@ -1,7 +1,6 @@
 #include "forcebound/server/dynamics/tissue/gmsh_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -23,24 +22,6 @@ using Tag = std::uint64_t;
 
 constexpr Tag kTetrahedron = 4;
 constexpr Tag kQuadraticTetrahedron = 11;
-
-Words words_of(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r";
-  Words words;
-  for (auto begin = line.find_first_not_of(kBlank); begin != std::string_view::npos;) {
-    const auto end = std::min(line.find_first_of(kBlank, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(kBlank, end);
-  }
-  return words;
-}
-
-std::optional<Tag> whole_number(std::string_view word) {
-  Tag value = 0;
-  const auto [stopped, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || stopped != word.data() + word.size()) return std::nullopt;
-  return value;
-}
 
 std::string with_unit(Tag count, const std::string& unit) {
   return std::to_string(count) + " " + unit + (count == 1 ? "" : "s");
@@ -121,10 +102,12 @@ class GmshReader {
 
   // The next line with something on it, which must be there.
   Words row(const std::string& expected) {
-    do {
+    Words words;
+    while (words.empty()) {
       if (!next()) lines_.refuse("the file ends here: expected " + expected);
-    } while (lines_.line().empty());
-    return words_of(lines_.line());
+      words = text::split_at_blanks(lines_.line());
+    }
+    return words;
   }
 
   [[noreturn]] void refuse_line(const std::string& expected) const {
@@ -135,7 +118,7 @@ class GmshReader {
   std::vector<Tag> whole_numbers(const Words& words, const std::string& expected) const {
     std::vector<Tag> numbers;
     for (const std::string_view word : words) {
-      const auto number = whole_number(word);
+      const auto number = text::whole_number<Tag>(word);
       if (!number) refuse_line(expected);
       numbers.push_back(*number);
     }
@@ -220,7 +203,7 @@ class GmshReader {
       const std::string expected =
           "node " + std::to_string(i) + " of " + std::to_string(count) + ": its number and x y z";
       const Words words = row(expected);
-      const auto tag = whole_number(words[0]);
+      const auto tag = text::whole_number<Tag>(words[0]);
       if (!tag || words.size() != 4) refuse_line(expected);
       add_node(*tag, point(words, 1, expected));
     }
