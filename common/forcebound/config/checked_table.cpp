@@ -40,17 +40,17 @@ const Node& CheckedTable::at(std::string_view key, std::string_view accepted) {
        (accepted.empty() ? "" : accepted_suffix(accepted)));
 }
 
-std::string_view CheckedTable::one_of(std::span<const std::string_view> keys) const {
+std::string_view CheckedTable::first_given(std::span<const std::string_view> keys) const {
   std::string names;
+  std::string question;
   for (const std::string_view key : keys) {
     if (table_.find(key) != nullptr) return key;
     names.append(names.empty() ? "'" : ", '").append(key).append("'");
+    const std::string slip = misspelling_of(key);
+    if (question.empty() && !slip.empty())
+      question = ", is '" + slip + "' a misspelling of '" + std::string(key) + "'?";
   }
-  const auto meant = std::ranges::find_if(keys, [&](std::string_view key) { return !misspelling_of(key).empty(); });
-  const std::string slip =
-      meant == keys.end() ? ""
-                          : ", is '" + misspelling_of(*meant) + "' a misspelling of '" + std::string(*meant) + "'?";
-  fail("one of " + names + " must be given" + slip);
+  fail("one of " + names + " must be given" + question);
 }
 
 std::string CheckedTable::misspelling_of(std::string_view key) const {

@@ -36,8 +36,8 @@ class CheckedTable {
   const Node& at(std::string_view key, std::string_view accepted);
   const Node& at(std::string_view key) { return at(key, {}); }
 
-  /// The first of these keys that the table has. Does not mark them as known.
-  [[nodiscard]] std::string_view one_of(std::span<const std::string_view> keys) const;
+  /// The first of these keys that the table has, which must have one. Does not mark them as known.
+  [[nodiscard]] std::string_view first_given(std::span<const std::string_view> keys) const;
 
   // Value of a declared key: from the file, else the preset; ConfigError if there is neither.
   double number(const NumberParameter& parameter) { return value<double>(parameter); }

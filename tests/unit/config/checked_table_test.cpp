@@ -85,11 +85,11 @@ TEST(CheckedTable, ReadsAChoiceThatMustBeGiven) {
               ThrowsMessage<ConfigError>("a.toml:1: device: 'kind' is missing (accepted: \"arm\", \"stage\")"));
 }
 
-TEST(CheckedTable, ReadsOneOfSeveralKeys) {
+TEST(CheckedTable, TellsTheFirstGivenOfSeveralKeys) {
   constexpr std::array<std::string_view, 2> kKeysOfModel{"model", "model_text"};
   const auto read = [&](const std::string& text) {
     const Node node = parse_toml(text, "a.toml");
-    return std::string(CheckedTable(node, "a.toml", "body").one_of(kKeysOfModel));
+    return std::string(CheckedTable(node, "a.toml", "body").first_given(kKeysOfModel));
   };
   EXPECT_EQ(read("model_text = ''"), "model_text");
   EXPECT_EQ(read("model_text = ''\nmodel = ''"), "model");

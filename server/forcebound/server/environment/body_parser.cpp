@@ -247,7 +247,7 @@ std::vector<scene::SceneDynamicModel> parse_bodies(CheckedTable& file) {
   std::string names;
   file.each("body", [&](CheckedTable& table, const std::string& name) {
     if (!has_bodies()) table.built_at(table.node(), [] { return make_bodies({}); });
-    if (table.one_of(kSources) != kSources.back()) {
+    if (table.first_given(kSources) != kSources.back()) {
       dynamic_models.push_back(parse_mjcf(table, name));
       return;
     }
