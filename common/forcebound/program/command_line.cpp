@@ -3,10 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <sstream>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include "forcebound/text/file.hpp"
@@ -139,10 +137,7 @@ int run(const std::string& name, const std::function<int()>& work) noexcept {
 }
 
 void expect_apart(const FileOption& output, const std::vector<FileOption>& others) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(output.file, ignored);
-  const bool may_be_shared = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-  if (output.file.empty() || may_be_shared) return;
+  if (output.file.empty() || text::is_special_file(output.file)) return;
   for (const FileOption& other : others) {
     if (other.file.empty() || !text::is_same_path(output.file, other.file)) continue;
     throw std::invalid_argument(std::string(output.option) + " '" + output.file + "' would replace the file of " +

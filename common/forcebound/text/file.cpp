@@ -115,6 +115,12 @@ void expect_writable(const std::string& path) {
   }
 }
 
+bool is_special_file(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
 bool is_same_path(const fs::path& one, const fs::path& other) {
   std::error_code ignored;
   if (fs::equivalent(one, other, ignored)) return true;

@@ -22,6 +22,9 @@ void write_file(const std::string& path, std::string_view content);
 /// @throws std::runtime_error `PATH: cannot be written: REASON`.
 void expect_writable(const std::string& path);
 
+/// Whether something other than a regular file is there, such as a device or a pipe: writing to it replaces nothing.
+[[nodiscard]] bool is_special_file(const std::filesystem::path& path);
+
 /// Whether both name one file, there or not yet: by links, by several names, or by other ways to its folder.
 [[nodiscard]] bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other);
 

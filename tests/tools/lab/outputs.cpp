@@ -11,12 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Devices and pipes can be written twice.
-bool may_be_shared(const std::string& file) {
-  std::error_code ignored;
-  return fs::exists(file, ignored) && !fs::is_regular_file(file, ignored);
-}
-
 bool is_there(const std::string& file) {
   std::error_code ignored;
   return fs::exists(file, ignored);
@@ -24,7 +18,7 @@ bool is_there(const std::string& file) {
 
 void expect_each_its_own(const std::vector<std::string>& inputs, const std::vector<std::string>& written) {
   for (std::size_t i = 0; i < written.size(); ++i) {
-    if (written[i].empty() || may_be_shared(written[i])) continue;
+    if (written[i].empty() || text::is_special_file(written[i])) continue;
     for (const std::string& input : inputs) {
       if (input.empty() || !is_there(input) || !text::is_same_path(input, written[i])) continue;
       throw std::invalid_argument(written[i] + ": would be replaced, but is read: give the output another name");

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <filesystem>
@@ -172,6 +173,17 @@ TEST_F(OutputFolder, KnowsFilesByAllTheirNames) {
   EXPECT_TRUE(is_same_path(file("none/../new"), file("new")));
   EXPECT_FALSE(is_same_path(file("out"), file("new")));
   EXPECT_FALSE(is_same_path("", file("new")));
+}
+
+TEST_F(OutputFolder, MayHoldSpecialFiles) {
+  write_file(file("out"), "");
+  ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("pipe", file("link"));
+  EXPECT_TRUE(is_special_file("/dev/null"));
+  EXPECT_TRUE(is_special_file(file("link")));
+  EXPECT_FALSE(is_special_file(file("out")));
+  EXPECT_FALSE(is_special_file(file("none")));
+  EXPECT_FALSE(is_special_file(""));
 }
 
 TEST(WriteFile, SaysWhyAFileCannotBeWritten) {
