@@ -34,7 +34,8 @@ std::filesystem::path script_of(std::filesystem::path png) { return png.replace_
 class SetAside {
  public:
   explicit SetAside(const std::filesystem::path& file) : file_(file), aside_(file.string() + ".before") {
-    if (std::filesystem::exists(file_)) std::filesystem::rename(file_, aside_);
+    std::error_code ignored;
+    if (std::filesystem::exists(file_, ignored)) std::filesystem::rename(file_, aside_);
   }
   ~SetAside() {
     std::error_code ignored;
@@ -116,7 +117,8 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
               << "gnuplot-nox); its data and script are there: gnuplot " << script.string() << '\n';
     return script;
   }
-  if (result.status != 0 || !std::filesystem::exists(png) || std::filesystem::file_size(png) == 0) {
+  std::error_code ignored;
+  if (result.status != 0 || !std::filesystem::exists(png, ignored) || std::filesystem::file_size(png, ignored) == 0) {
     std::ranges::replace(result.said, '\n', ' ');
     throw std::runtime_error("gnuplot could not draw '" + png.string() + "': " + result.said);
   }
