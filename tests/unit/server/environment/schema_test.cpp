@@ -157,6 +157,13 @@ TEST(Schema, TellsTheRangeThatEachNumberOfAShapeIsHeldTo) {
   EXPECT_GE(numbers, 10);
 }
 
+TEST(Schema, HasASectionForEveryTableOfAFile) {
+  const std::string page = schema(scene::Registry::standard());
+  for (const std::string& table : known_in(schema_error(std::string(kNobodysKey) + " = 1\n"))) {
+    EXPECT_THAT(page, testing::AnyOf(HasSubstr("# `[" + table + "]`\n"), HasSubstr("# `[[" + table + "]]`"))) << table;
+  }
+}
+
 TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
   const std::string nobodys = std::string(kNobodysKey) + " = 1\n";
   const std::string scene = "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 1\n";
