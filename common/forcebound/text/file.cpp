@@ -4,11 +4,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
-#include <cstring>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
@@ -20,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr ::mode_t kForAll = 0666;  // less the umask
+/// What is read of a device or a pipe at the most, since these may go on without end.
+constexpr std::size_t kBytesMost = std::size_t{256} << 20;
 
 [[noreturn]] void refuse_reading(const std::string& path, const std::string& why) {
   throw std::runtime_error(printable(path) + ": cannot be read: " + why);
@@ -78,13 +80,23 @@ fs::path end_of_links(fs::path path) {
 }  // namespace
 
 std::string read_file(const std::string& path) {
-  // Opening a directory succeeds; only reading it would fail, and silently.
+  // Opening a directory succeeds; only reading it would fail.
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) refuse_reading(path, "it is a directory");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(file), {});
-  if (!file) refuse_reading(path, std::strerror(errno));
+  if (!file) refuse_reading(path, last_error().message());
+  const bool may_be_endless = is_special_file(path);
+  std::string text;
+  std::array<char, 1 << 16> part{};
+  while (file) {
+    file.read(part.data(), static_cast<std::streamsize>(part.size()));
+    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
+    if (may_be_endless && text.size() > kBytesMost) {
+      refuse_reading(path, "it is no regular file and has more than " + std::to_string(kBytesMost >> 20) + " MiB");
+    }
+  }
+  if (file.bad()) refuse_reading(path, last_error().message());
   return text;
 }
 

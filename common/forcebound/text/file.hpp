@@ -7,7 +7,7 @@
 namespace forcebound::text {
 
 /// The whole of a text file.
-/// @throws std::runtime_error `PATH: cannot be read: REASON`.
+/// @throws std::runtime_error `PATH: cannot be read: REASON`, also for more than 256 MiB from a device or a pipe.
 [[nodiscard]] std::string read_file(const std::string& path);
 
 /// Replaces the file's content, byte for byte, by way of a new file beside it, PATH.new-PID: it is the old one or the

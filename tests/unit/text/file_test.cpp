@@ -36,6 +36,18 @@ TEST(ReadFile, SaysWhyAFileCannotBeRead) {
               ThrowsMessage<std::runtime_error>(StartsWith("/nonexistent/?[2J: cannot be read")));
 }
 
+TEST(ReadFile, ReadsNothingWithoutEnd) {
+  EXPECT_THAT([] { (void)read_file("/dev/zero"); },
+              ThrowsMessage<std::runtime_error>(
+                  StrEq("/dev/zero: cannot be read: it is no regular file and has more than 256 MiB")));
+}
+
+// The process has nothing at address 0.
+TEST(ReadFile, SaysWhyReadingFails) {
+  EXPECT_THAT([] { (void)read_file("/proc/self/mem"); },
+              ThrowsMessage<std::runtime_error>(StrEq("/proc/self/mem: cannot be read: Input/output error")));
+}
+
 TEST(WriteFile, PutsEveryByteInPlaceOfWhatWasThere) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("text");
