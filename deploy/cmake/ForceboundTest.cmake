@@ -10,10 +10,14 @@ function(forcebound_wants label result)
   set(${result} ${wanted} PARENT_SCOPE)
 endfunction()
 
+set(FORCEBOUND_TEST_OPTIONS "" CACHE STRING
+    "Options for compiling the tests' own sources, after all others: they may be optimised less than what they test")
+
 # Precompiled headers that nearly every test uses. No headers of ours: a change of one would compile everything again.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "// A target needs a source.\n")
 add_library(forcebound_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
 target_link_libraries(forcebound_test_headers PRIVATE forcebound_options Eigen3::Eigen GTest::gmock)
+target_compile_options(forcebound_test_headers PRIVATE ${FORCEBOUND_TEST_OPTIONS})
 target_precompile_headers(forcebound_test_headers PRIVATE
   <algorithm> <array> <chrono> <cmath> <functional> <memory> <random> <string> <vector> <Eigen/Dense> <gmock/gmock.h>
   <gtest/gtest.h>)
@@ -37,6 +41,7 @@ function(forcebound_test name)
   endif()
   add_executable(${name} ${arg_SOURCES})
   forcebound_compile_together(${name})
+  target_compile_options(${name} PRIVATE ${FORCEBOUND_TEST_OPTIONS})
   target_precompile_headers(${name} REUSE_FROM forcebound_test_headers)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_LINK} forcebound_test_support GTest::gmock_main forcebound_options)
