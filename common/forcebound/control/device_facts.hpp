@@ -1,10 +1,35 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "forcebound/control/vector.hpp"
 
 namespace forcebound::control {
+
+/// A quantity of which only bounds are known: least <= truth <= most.
+struct Bracket {
+  double least = 0;
+  double most = 0;
+
+  friend bool operator==(const Bracket&, const Bracket&) = default;
+};
+
+/// How far the truth may be from a device's facts and from the stamps of its readings and commands. All zero: they are
+/// exact. A law that promises passivity promises it for every truth within these bounds.
+struct Uncertainty {
+  Bracket stamp_s{};       ///< a reading was latched, or a reported effect or release happened, so long after its stamp
+  Bracket latency_s{};     ///< the latency is longer than the facts' by this
+  Bracket hold_s{};        ///< each stage of the release comes later than the facts say by this
+  double clock_share = 0;  ///< the clock of the stamps is faster or slower by up to this share
+  double encoder_steps = 0;   ///< a reading is off by so many steps beyond the half that rounding explains
+  double damping_share = 0;   ///< the damping is smaller by up to this share
+  double friction_share = 0;  ///< likewise the friction
+  double torque_share = 0;    ///< the motors' torque is off by up to this share of the command, ripple included
+  double actuator_lag_s = 0;  ///< the torque follows the command with a first-order lag of up to this time constant
+
+  friend bool operator==(const Uncertainty&, const Uncertainty&) = default;
+};
 
 /// What is known of a haptic device, and all that a law may rely on.
 ///
@@ -13,16 +38,21 @@ namespace forcebound::control {
 /// turning one. A Cartesian device is the case in which joints and task axes are the same.
 struct DeviceFacts {
   std::string name;
-  bool cartesian = true;     ///< the Jacobian is the identity
-  double period_s = 1e-3;    ///< nominal length of a tick
-  Matrix damping;            ///< positive definite lower bound of the physical damping
-  Vector friction;           ///< lower bound of the Coulomb friction, >= 0
-  Vector encoder_step;       ///< distance of two neighbouring readings, 0: ideal
-  Vector actuator_step;      ///< distance of two neighbouring commands, 0: ideal
-  double force_N_max = 0;    ///< largest tip force the device may be asked for
-  double hold_s_max = 2e-3;  ///< the device layer zeroes a force in effect for exactly this long without a new one
-  bool releases = true;      ///< false: it does not, so that only the next command ends a force
+  bool cartesian = true;   ///< the Jacobian is the identity
+  double period_s = 1e-3;  ///< nominal length of a tick
+  Matrix damping;          ///< positive definite lower bound of the physical damping
+  Vector friction;         ///< lower bound of the Coulomb friction, >= 0
+  Vector encoder_step;     ///< distance of two neighbouring readings, 0: ideal
+  Vector actuator_step;    ///< distance of two neighbouring commands, 0: ideal
+  double force_N_max = 0;  ///< largest tip force the device may be asked for
+  double hold_s_max =
+      2e-3;  ///< the device layer holds a force in effect for so long without a new one, then releases it
+  double release_share = 0;  ///< the release begins with this share of the force,
+  double release_s = 0;      ///< held for so long; then there is none
+  bool releases = true;      ///< false: it does not release, so that only the next command ends a force
   double latency_s = 0;      ///< from the command to the force at the actuator: what the tick cannot measure
+  Vector speed_max{};        ///< no joint is ever faster, [m/s] or [rad/s]; no rows: not known
+  Uncertainty uncertainty{};
 
   [[nodiscard]] int degrees_of_freedom() const noexcept { return static_cast<int>(damping.rows()); }
 };

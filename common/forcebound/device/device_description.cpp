@@ -20,6 +20,27 @@ std::string written(const Matrix& matrix) {
   return text.str();
 }
 
+/// "; may be off: ..." by all that is not known exactly; empty if all is.
+std::string uncertainty_text(const control::Uncertainty& uncertainty) {
+  std::ostringstream out;
+  const auto bracket = [&](const char* what, const control::Bracket& b) {
+    if (b != control::Bracket{}) out << ", " << what << " " << b.least << " to " << b.most << " s later";
+  };
+  const auto share = [&](const char* what, double value) {
+    if (value > 0) out << ", " << what << " " << 100 * value << " %";
+  };
+  bracket("readings", uncertainty.stamp_s);
+  bracket("forces", uncertainty.latency_s);
+  bracket("release", uncertainty.hold_s);
+  share("clock", uncertainty.clock_share);
+  share("damping", uncertainty.damping_share);
+  share("friction", uncertainty.friction_share);
+  share("torque", uncertainty.torque_share);
+  if (uncertainty.encoder_steps > 0) out << ", encoder " << uncertainty.encoder_steps << " steps beyond rounding";
+  if (uncertainty.actuator_lag_s > 0) out << ", actuator lag " << uncertainty.actuator_lag_s << " s";
+  return out.str().empty() ? "" : "; may be off: " + out.str().substr(2);
+}
+
 /// The description around the inertia.
 std::string described(const control::DeviceFacts& facts, const std::string& inertia) {
   const bool arm = !facts.cartesian;
@@ -30,7 +51,11 @@ std::string described(const control::DeviceFacts& facts, const std::string& iner
       << ", " << (arm ? "serial arm, " : "Cartesian, ") << inertia << "damping " << written(facts.damping)
       << (arm ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (arm ? " N m" : " N")
       << ", encoder " << written(facts.encoder_step) << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max
-      << " N, hold " << facts.hold_s_max << " s, latency " << facts.latency_s << " s";
+      << " N, hold " << facts.hold_s_max << " s";
+  if (facts.release_share > 0 && facts.release_s > 0) {
+    out << ", then " << facts.release_share << " of it for " << facts.release_s << " s";
+  }
+  out << ", latency " << facts.latency_s << " s" << uncertainty_text(facts.uncertainty);
   return out.str();
 }
 

@@ -13,6 +13,9 @@ namespace {
 
 using config::NumberParameter;
 
+/// Ten ticks: a device slower than that is not for 1 kHz.
+constexpr double kLatencyMax_s = 0.01;
+
 NumberParameter positive(std::string_view key) { return {.key = key, .least = 0, .least_excluded = true}; }
 NumberParameter not_negative(std::string_view key) { return {.key = key, .preset = 0, .least = 0}; }
 
@@ -34,9 +37,51 @@ void read_limits(config::CheckedTable& file, control::DeviceFacts& facts) {
   facts.hold_s_max =
       file.number({.key = "hold_s_max", .preset = facts.hold_s_max, .least = 0, .least_excluded = true, .most = 1});
   if (facts.hold_s_max < facts.period_s) file.refuse("hold_s_max", ">= period_s, or no force would last a tick");
+  // Of the force during its release, which ends within the second that the hold time may be too.
+  facts.release_share = file.number({.key = "release_share", .preset = facts.release_share, .least = 0, .most = 1});
+  facts.release_s = file.number({.key = "release_s", .preset = facts.release_s, .least = 0, .most = 1});
+  if (facts.hold_s_max + facts.release_s > 1) file.refuse("release_s", "<= 1 s together with hold_s_max");
   facts.releases = file.flag("releases", facts.releases);
-  // Ten ticks: a device slower than that is not for 1 kHz.
-  facts.latency_s = file.number({.key = "latency_s", .preset = facts.latency_s, .least = 0, .most = 0.01});
+  facts.latency_s = file.number({.key = "latency_s", .preset = facts.latency_s, .least = 0, .most = kLatencyMax_s});
+}
+
+/// `KEY = [least, most]`, both 0 where absent.
+control::Bracket read_bracket(config::CheckedTable& section, std::string_view key) {
+  const config::Node* const node = section.find(key);
+  if (node == nullptr) return {};
+  const auto* const pair = node->as<config::Node::List>();
+  if (pair == nullptr || pair->size() != 2) section.refuse(key, "two numbers, [least, most]");
+  const Vector bounds = section.vector({.key = key, .least = -1, .most = 1}, 2);
+  if (bounds[0] > bounds[1]) section.refuse(key, "two numbers, the smaller one first");
+  return {bounds[0], bounds[1]};
+}
+
+double read_share(config::CheckedTable& section, std::string_view key) {
+  const double share = section.number(not_negative(key));
+  if (share >= 1) section.refuse(key, "a share >= 0 and < 1");
+  return share;
+}
+
+control::Uncertainty read_uncertainty(config::CheckedTable section, const control::DeviceFacts& facts) {
+  control::Uncertainty uncertainty;
+  uncertainty.stamp_s = read_bracket(section, "stamp_s");
+  uncertainty.latency_s = read_bracket(section, "latency_s");
+  if (facts.latency_s + uncertainty.latency_s.least < 0) {
+    section.refuse("latency_s", "no less than minus the latency, or a force would take effect before its command");
+  }
+  uncertainty.hold_s = read_bracket(section, "hold_s");
+  if (facts.hold_s_max + uncertainty.hold_s.least <= 0) {
+    section.refuse("hold_s", "more than minus the hold time, or no force would be held");
+  }
+  uncertainty.clock_share = read_share(section, "clock_share");
+  uncertainty.encoder_steps = section.number({.key = "encoder_steps", .preset = 0, .least = 0, .most = 1000});
+  uncertainty.damping_share = read_share(section, "damping_share");
+  uncertainty.friction_share = read_share(section, "friction_share");
+  uncertainty.torque_share = read_share(section, "torque_share");
+  uncertainty.actuator_lag_s =
+      section.number({.key = "actuator_lag_s", .preset = 0, .least = 0, .most = kLatencyMax_s});
+  section.refuse_unknown_keys();
+  return uncertainty;
 }
 
 ArmGeometry read_arm(config::CheckedTable section) {
@@ -65,6 +110,11 @@ DeviceDescription parse_device(std::string_view toml_text, const std::string& pl
   if (kind == "arm") device.arm = read_arm(file.table("arm"));
   read_joints(file, device, dof);
   read_limits(file, device.facts);
+  const char* const speed = device.arm ? "joint_speed_rad_per_s_max" : "speed_m_per_s_max";
+  if (file.find(speed) != nullptr) device.facts.speed_max = file.vector(positive(speed), dof);
+  if (file.find("uncertainty") != nullptr) {
+    device.facts.uncertainty = read_uncertainty(file.table("uncertainty"), device.facts);
+  }
   file.refuse_unknown_keys();
   return device;
 }

@@ -16,8 +16,13 @@ namespace forcebound::device {
 ///     kind = "arm"                    degrees_of_freedom = 3, joint_inertia_kg_m2, joint_damping_N_m_s_per_rad,
 ///                                     joint_friction_N_m = 0, encoder_step_rad = 0, actuator_step_N_m = 0, and
 ///                                     [arm] upper_length_m, fore_length_m, origin_reach_m, origin_height_m
-///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, releases = true,
-///                                     latency_s = 0
+///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, release_share = 0,
+///                                     release_s = 0, releases = true, latency_s = 0, and the speed that no joint ever
+///                                     exceeds, speed_m_per_s_max or joint_speed_rad_per_s_max (none: any may be)
+///     [uncertainty]                   how far the truth may be from these facts and from the stamps, all 0 unless said
+///                                     (control::Uncertainty): pairs [least, most] stamp_s, latency_s, hold_s, beyond
+///                                     what the facts say; shares clock_share, damping_share, friction_share,
+///                                     torque_share; encoder_steps beyond half a step; actuator_lag_s
 ///
 /// A number holds for all axes; a list has one for each; inertia and damping may also be full matrices (lists of rows).
 ///

@@ -84,12 +84,55 @@ TEST(LoadDevice, ReadsFilesOfVersion1WithEveryKey) {
   EXPECT_EQ(arm.facts.name, "arm");
   EXPECT_EQ(arm.facts.friction[2], 0.004);
   EXPECT_EQ(arm.facts.actuator_step[0], 0.0001);
+  EXPECT_EQ(arm.facts.uncertainty, control::Uncertainty{});
+  EXPECT_EQ(arm.facts.release_s, 0);
   ASSERT_TRUE(arm.arm);
   EXPECT_EQ(arm.arm->origin_reach_m, 0.16);
   const DeviceDescription cartesian = load_device((folder / "cartesian.toml").string());
   EXPECT_EQ(cartesian.facts.damping(0, 1), 1);
   EXPECT_EQ(cartesian.facts.period_s, 0.0005);
   EXPECT_FALSE(cartesian.facts.releases);
+}
+
+TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
+  const std::string text =
+      std::string(kPoint) +
+      "latency_s = 1e-4\nrelease_share = 0.3\nrelease_s = 0.002\nspeed_m_per_s_max = 3\n[uncertainty]\n"
+      "stamp_s = [-20e-6, 5e-6]\nlatency_s = [-1e-5, 5e-5]\nhold_s = [-1e-4, 1e-4]\n"
+      "clock_share = 5e-4\nencoder_steps = 0.1\ndamping_share = 0.02\nfriction_share = 0.2\n"
+      "torque_share = 0.01\nactuator_lag_s = 1e-4\n";
+  const DeviceDescription device = parse_device(text, "mine.toml");
+  EXPECT_EQ(device.facts.uncertainty, (control::Uncertainty{.stamp_s = {-20e-6, 5e-6},
+                                                            .latency_s = {-1e-5, 5e-5},
+                                                            .hold_s = {-1e-4, 1e-4},
+                                                            .clock_share = 5e-4,
+                                                            .encoder_steps = 0.1,
+                                                            .damping_share = 0.02,
+                                                            .friction_share = 0.2,
+                                                            .torque_share = 0.01,
+                                                            .actuator_lag_s = 1e-4}));
+  EXPECT_EQ(device.facts.release_share, 0.3);
+  EXPECT_EQ(device.facts.release_s, 0.002);
+  EXPECT_EQ(device.facts.speed_max[1], 3);
+  EXPECT_THAT(describe(device.facts),
+              HasSubstr("then 0.3 of it for 0.002 s, latency 0.0001 s; may be off: readings -2e-05 to 5e-06 s later"));
+  EXPECT_EQ(parse_device(kPoint, "mine.toml").facts.uncertainty, control::Uncertainty{}) << "exact unless said";
+}
+
+TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
+  const auto with = [](const std::string& line) { return refusal_of_file(kPoint + ("[uncertainty]\n" + line)); };
+  EXPECT_THAT(with("stamp_s = [1e-5, -1e-5]\n"),
+              HasSubstr("devices/mine.toml:7: device 'mine', uncertainty: stamp_s must be two numbers, the smaller one "
+                        "first, got ["));
+  EXPECT_THAT(with("stamp_s = 1e-5\n"), HasSubstr("stamp_s must be two numbers, [least, most], got "));
+  EXPECT_THAT(with("stamp_s = [0, 1, 2]\n"), HasSubstr("stamp_s must be two numbers, [least, most]"));
+  EXPECT_THAT(with("stamp_s = [0, 1e300]\n"), HasSubstr("stamp_s[1] must be >= -1 and <= 1"));
+  EXPECT_THAT(with("hold_s = [-0.002, 0]\n"), HasSubstr("hold_s must be more than minus the hold time"));
+  EXPECT_THAT(with("latency_s = [-1e-5, 0]\n"), HasSubstr("or a force would take effect before its command"));
+  EXPECT_THAT(with("damping_share = 1\n"), HasSubstr("damping_share must be a share >= 0 and < 1, got 1"));
+  EXPECT_THAT(with("torque_share = -0.1\n"), HasSubstr("torque_share must be >= 0, got -0.1"));
+  EXPECT_THAT(with("damping_shore = 0.1\n"), HasSubstr("unknown key 'damping_shore', did you mean 'damping_share'?"));
+  EXPECT_THAT(refusal_of_file(kPoint + std::string("uncertainty = 1\n")), HasSubstr("uncertainty must be a table"));
 }
 
 TEST(ParseDevice, RefusalNamesFileLineDeviceKeyAndValue) {
