@@ -40,11 +40,15 @@ class FakeDevice final : public device::HapticDevice {
   }
 
   [[nodiscard]] std::optional<time::Nanoseconds> released_at() const noexcept override { return released; }
+  [[nodiscard]] std::optional<time::Nanoseconds> effective_at() const noexcept override { return effective; }
+  [[nodiscard]] bool write_failed() const noexcept override { return write_lost; }
 
   control::Vector position;
   control::Vector applied;
   time::Nanoseconds applied_at{0};
   std::optional<time::Nanoseconds> released;
+  std::optional<time::Nanoseconds> effective;
+  bool write_lost = false;
   time::Nanoseconds latched_before{0};  ///< how long before its reading
   device::Reading::Status status = device::Reading::Status::ok;
 

@@ -32,7 +32,7 @@ struct Reading {
   Vector position;                            ///< of the tip, from `joint` by the kinematics [m], scene frame
   Matrix jacobian;                            ///< d position / d joint
   const control::Damping* damping = nullptr;  ///< task-space lower bound here, owned by the device
-  Nanoseconds latched{0};                     ///< when the encoders were sampled, caller's clock
+  Nanoseconds latched{0};                     ///< stamp of the encoders' sampling, caller's clock
   Status status = Status::ok;
 };
 
@@ -48,6 +48,7 @@ struct Reading {
 /// Faults at the device since `start`, for reports.
 struct DeviceCounters {
   std::uint64_t faulty_commands = 0;  ///< not finite or of the wrong size, shown as zero
+  std::uint64_t failed_writes = 0;    ///< commands that may not have reached the motors
   std::uint64_t frozen_joints = 0;    ///< simulated: more stick-slip events in 1 ms than it resolves
   std::uint64_t gaps_cut = 0;         ///< simulated: pauses between two calls too long to simulate in full
 };
@@ -84,14 +85,22 @@ class HapticDevice {
   virtual Reading read(Nanoseconds now) noexcept = 0;
 
   /// Commands a tip force, which the motors hold until the next command, but at most for the hold time: the device
-  /// layer then zeroes it.
+  /// layer then releases it, in the facts' stages.
   virtual void apply(Nanoseconds now, const Vector& force_N) noexcept = 0;
 
   /// Commands zero force at once. Called at the end, and when an assertion fails: then in any state and on any
   /// thread.
   virtual void stop(Nanoseconds now) noexcept { apply(now, Vector::Zero(facts().degrees_of_freedom())); }
 
-  /// When the last commanded force was released; none: it is still held.
+  /// When the last commanded force took effect at the motors, by the caller's clock; none: the device cannot tell, and
+  /// the facts' latency holds.
+  [[nodiscard]] virtual std::optional<Nanoseconds> effective_at() const noexcept { return std::nullopt; }
+
+  /// Whether the last command may not have reached the motors, so that they may hold the one before it.
+  [[nodiscard]] virtual bool write_failed() const noexcept { return false; }
+
+  /// When the device layer began to release the last commanded force, by the caller's clock, however early; none: it is
+  /// still held.
   [[nodiscard]] virtual std::optional<Nanoseconds> released_at() const noexcept = 0;
 
   /// Ground-truth energy balance; only simulated devices have one.

@@ -35,7 +35,8 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       busy_(settings_.server_turn),
       device_(settings_.device,
               settings_.make_hand ? settings_.make_hand()
-                                  : device::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom())),
+                                  : device::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom()),
+              settings_.flaws),
       surface_(settings_.scene, device_),
       summary_(info()) {
   surface_.hand_on_to(sinks);

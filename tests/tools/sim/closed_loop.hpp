@@ -58,6 +58,7 @@ class ClosedLoop {
     double settle_s = 0;  ///< contact statistics begin this long after the first contact
     TickTiming timing{};
     ClockSkew server_clock{};
+    device::DeviceFlaws flaws{};                      ///< how the device truly is
     std::optional<EnvironmentSetting> environment{};  ///< none: the scene
     std::vector<Fault> faults{};
     Nanoseconds server_turn{0};                          ///< computing time before it answers; datagrams wait meanwhile

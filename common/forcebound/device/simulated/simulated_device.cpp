@@ -26,14 +26,36 @@ std::unique_ptr<const Operator> checked(std::unique_ptr<const Operator> hand, co
 
 }  // namespace
 
-SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<const Operator> hand)
+control::Uncertainty bounds_of(const DeviceFlaws& flaws) noexcept {
+  const double frame_s = time::to_seconds(flaws.frame);
+  // A clock of its own is read to a nanosecond, of 0.1 ms at least.
+  const double rounding = flaws.clock_share == 0 ? 0 : 1e-5;
+  return {.stamp_s = {flaws.stamp_s.least - frame_s, flaws.stamp_s.most},
+          .latency_s = {flaws.latency_s.least, flaws.latency_s.most + frame_s},
+          .hold_s = flaws.hold_s,
+          .clock_share = std::abs(flaws.clock_share) + rounding,
+          .encoder_steps = flaws.encoder_steps,
+          .damping_share = flaws.damping_share,
+          .friction_share = flaws.friction_share,
+          .torque_share = flaws.torque_share,
+          .actuator_lag_s = flaws.actuator_lag_s};
+}
+
+SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<const Operator> hand,
+                                 const DeviceFlaws& flaws)
     : description_(std::move(description)),
       operator_(checked(std::move(hand), description_.facts)),
       kinematics_(make_kinematics(description_)),
-      motion_(description_.facts.damping, description_.facts.friction,
+      motion_((1 - flaws.damping_share) * description_.facts.damping,
+              (1 - flaws.friction_share) * description_.facts.friction,
               kinematics_->joints_at(operator_->target(0).position)),
       tip_damping_(control::Damping::from_matrix(description_.facts.damping)),
-      torque_(Vector::Zero(motion_.position().size())) {
+      flaws_(flaws),
+      random_(flaws.seed),
+      lost_(Vector::Zero(motion_.position().size())),
+      torque_(Vector::Zero(motion_.position().size())),
+      command_(torque_),
+      lagged_(torque_) {
   reading_jacobian_ = kinematics_->jacobian(motion_.position());
   linearise();
   const double rate = motion_.fastest_rate();
@@ -45,13 +67,11 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
 }
 
 Reading SimulatedDevice::read(Nanoseconds now) noexcept {
-  advance_to(now);
+  const Nanoseconds off = flaws_.stamp_s == control::Bracket{} ? Nanoseconds{0} : drawn(flaws_.stamp_s);
+  advance_to(now + std::min(off, Nanoseconds{0}));
   Reading reading;
-  reading.joint = motion_.position();
-  for (Eigen::Index i = 0; i < reading.joint.size(); ++i) {
-    const double step = facts().encoder_step[i];
-    if (step > 0) reading.joint[i] = step * std::round(reading.joint[i] / step);
-  }
+  reading.joint = framed_ ? *framed_ : motion_.position();
+  read_encoders(reading.joint);
   reading.position = kinematics_->position(reading.joint);
   if (description_.arm) {
     reading_jacobian_ = kinematics_->jacobian(reading.joint);
@@ -59,7 +79,8 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
   }
   reading.jacobian = reading_jacobian_;
   reading.damping = &tip_damping_;
-  reading.latched = now;
+  reading.latched = std::min(now, shown_time(time_) - off);
+  if (framed_ || off == Nanoseconds{0}) reading.latched = now;
   return reading;
 }
 
@@ -67,14 +88,25 @@ void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   advance_to(now);
   const bool sound = force_N.size() == torque_.size() && force_N.allFinite();
   counters_.faulty_commands += !sound;
+  effective_at_.reset();
+  released_at_.reset();
+  write_failed_ = flaws_.failed_writes > 0 && number(0, 1) < flaws_.failed_writes;
+  counters_.failed_writes += write_failed_;
+  if (write_failed_) {
+    write_failed_ = flaws_.failures_reported;
+    return;
+  }
+  const Nanoseconds before = pending_count_ > 0 ? pending_[static_cast<std::size_t>(pending_count_ - 1)].effect : time_;
   // If the queue is full, the command replaces the newest one in it.
   pending_count_ = std::min(pending_count_ + 1, kPendingMax);
   Command& command = pending_[static_cast<std::size_t>(pending_count_ - 1)];
-  command.effect = time_ + time::from_seconds(facts().latency_s);
+  command.effect = time_ + time::from_seconds(facts().latency_s) + drawn(flaws_.latency_s);
+  if (flaws_.frame > Nanoseconds{0})
+    command.effect = (command.effect + flaws_.frame - Nanoseconds{1}) / flaws_.frame * flaws_.frame;
+  command.effect = std::max(command.effect, before);
   command.torque.setZero(torque_.size());
   if (sound) command.torque.noalias() = reading_jacobian_.transpose() * force_N;
   if (!command.torque.allFinite()) command.torque.setZero();
-  released_at_.reset();
   change_torque();
 }
 
@@ -91,17 +123,21 @@ DeviceCounters SimulatedDevice::counters() const noexcept {
 
 void SimulatedDevice::advance_to(Nanoseconds now) noexcept {
   if (!origin_) origin_ = now;
-  Nanoseconds end = now - *origin_;
+  Nanoseconds end = true_time(now);
   const Nanoseconds excess = end - time_ - kGapMax;
   if (excess > Nanoseconds{0}) end -= excess;
   while (time_ < end) {
     const std::int64_t cell = time_ / kCell;
     if (cell != cell_) enter_cell(cell);
     Nanoseconds next = std::min(end, (cell + 1) * kCell);
-    if (pending_count_ > 0) next = std::min(next, pending_[0].effect);
+    if (pending_count_ > 0) next = std::min(next, std::max(pending_[0].effect, time_));
+    next = std::min(next, time_ + longest_piece());
+    if (flaws_.frame > Nanoseconds{0}) next = std::min(next, (time_ / flaws_.frame + 1) * flaws_.frame);
     if (release_) next = std::min(next, *release_);
+    move_motors(time::to_seconds(next - time_));
     integrate(next - time_);
     time_ = next;
+    if (flaws_.frame > Nanoseconds{0} && time_ % flaws_.frame == Nanoseconds{0}) framed_ = motion_.position();
     change_torque();
   }
   if (excess > Nanoseconds{0}) {
@@ -111,17 +147,89 @@ void SimulatedDevice::advance_to(Nanoseconds now) noexcept {
 }
 
 void SimulatedDevice::change_torque() noexcept {
-  if (release_ && *release_ <= time_) {
-    torque_.setZero();
-    if (pending_count_ == 0) released_at_ = *origin_ + *release_;
-    release_.reset();
-  }
+  if (release_ && *release_ <= time_) let_go();
   while (pending_count_ > 0 && pending_[0].effect <= time_) {
-    torque_ = pending_[0].torque;
-    if (facts().releases) release_ = pending_[0].effect + time::from_seconds(facts().hold_s_max);
+    command_ = pending_[0].torque;
+    if (pending_count_ == 1 && flaws_.effects_reported && !write_failed_)
+      effective_at_ = shown_time(pending_[0].effect);
+    release_.reset();
+    released_in_full_.reset();
+    if (facts().releases) {
+      const bool staged = facts().release_share > 0 && facts().release_s > 0;
+      const Nanoseconds held = pending_[0].effect + time::from_seconds(facts().hold_s_max);
+      release_ = std::max(time_, held + drawn(flaws_.hold_s));
+      released_in_full_ =
+          staged ? std::max(*release_, held + time::from_seconds(facts().release_s) + drawn(flaws_.hold_s)) : *release_;
+    }
     std::move(pending_.begin() + 1, pending_.begin() + pending_count_, pending_.begin());
     --pending_count_;
   }
+  if (flaws_.actuator_lag_s == 0) torque_ = command_;
+}
+
+/// The next stage of the release.
+void SimulatedDevice::let_go() noexcept {
+  const bool in_full = *released_in_full_ <= *release_;
+  if (pending_count_ == 0 && !released_at_ && flaws_.releases_reported) released_at_ = shown_time(*release_);
+  command_ *= in_full ? 0 : facts().release_share;
+  release_ = in_full ? std::nullopt : released_in_full_;
+}
+
+Nanoseconds SimulatedDevice::true_time(Nanoseconds now) const noexcept {
+  const Nanoseconds shown = now - *origin_;
+  if (flaws_.clock_share == 0) return shown;
+  return Nanoseconds(std::llround(static_cast<double>(shown.count()) / (1 + flaws_.clock_share)));
+}
+
+Nanoseconds SimulatedDevice::shown_time(Nanoseconds true_time) const noexcept {
+  if (flaws_.clock_share == 0) return *origin_ + true_time;
+  return *origin_ + Nanoseconds(std::llround(static_cast<double>(true_time.count()) * (1 + flaws_.clock_share)));
+}
+
+/// For so long a torque may be taken for constant that follows a command or the motion.
+Nanoseconds SimulatedDevice::longest_piece() const noexcept {
+  constexpr Nanoseconds kRipple = std::chrono::microseconds(100);
+  constexpr double kLagPieces = 8;
+  Nanoseconds longest = flaws_.torque_share > 0 ? kRipple : kCell;
+  if (flaws_.actuator_lag_s > 0) {
+    longest = std::min(longest, std::max(time::from_seconds(flaws_.actuator_lag_s / kLagPieces), Nanoseconds{1000}));
+  }
+  return longest;
+}
+
+/// The torque of the coming piece: what a lag has come to at its end, which is no slower than that lag, and off by a
+/// share of it, along with the motion.
+void SimulatedDevice::move_motors(double length_s) noexcept {
+  if (flaws_.actuator_lag_s > 0)
+    torque_ = command_ + std::exp(-length_s / flaws_.actuator_lag_s) * (lagged_ - command_);
+  lagged_ = torque_;
+  if (flaws_.torque_share == 0) return;
+  for (Eigen::Index i = 0; i < torque_.size(); ++i) {
+    const double with_motion = torque_[i] * motion_.velocity()[i] >= 0 ? 1 : -1;
+    torque_[i] *= 1 + with_motion * flaws_.torque_share;
+  }
+}
+
+void SimulatedDevice::read_encoders(Vector& joint) noexcept {
+  for (Eigen::Index i = 0; i < joint.size(); ++i) {
+    const double step = facts().encoder_step[i];
+    if (step == 0) continue;
+    double off = 0;
+    if (flaws_.encoder_steps > 0) off = flaws_.encoder_steps * number(-1, 1);
+    if (flaws_.lost_counts > 0 && number(0, 1) < flaws_.lost_counts) lost_[i] += number(0, 1) < 0.5 ? step : -step;
+    joint[i] = step * std::round(joint[i] / step + off) + lost_[i];
+  }
+}
+
+Nanoseconds SimulatedDevice::drawn(const control::Bracket& bracket_s) noexcept {
+  if (bracket_s.least == bracket_s.most) return time::from_seconds(bracket_s.least);
+  constexpr double kEnds = 0.7;
+  const double where = number(0, 1) < kEnds ? std::round(number(0, 1)) : number(0, 1);
+  return time::from_seconds(bracket_s.least + where * (bracket_s.most - bracket_s.least));
+}
+
+double SimulatedDevice::number(double low, double high) noexcept {
+  return std::uniform_real_distribution<double>(low, high)(random_);
 }
 
 void SimulatedDevice::enter_cell(std::int64_t cell) noexcept {
@@ -139,7 +247,7 @@ void SimulatedDevice::linearise() noexcept {
   jacobian_ = kinematics_->jacobian(motion_.position());
   const Matrix metric = jacobian_.transpose() * jacobian_;
   motion_.set_system({.inertia = description_.inertia + hand.mass_kg * metric,
-                      .damping = facts().damping + grip_ * hand.damping_N_s_per_m * metric,
+                      .damping = (1 - flaws_.damping_share) * facts().damping + grip_ * hand.damping_N_s_per_m * metric,
                       .stiffness = grip_ * hand.stiffness_N_per_m * metric});
 }
 

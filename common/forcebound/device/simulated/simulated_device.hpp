@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <random>
 #include <string>
 
 #include "forcebound/device/device_description.hpp"
 #include "forcebound/device/haptic_device.hpp"
+#include "forcebound/device/simulated/device_flaws.hpp"
 #include "forcebound/device/simulated/joint_motion.hpp"
 #include "forcebound/device/simulated/operator.hpp"
 
@@ -26,9 +28,11 @@ namespace forcebound::device {
 /// coupling is linearised about the present configuration, at least once per ms (x = x0 + J (q - q0)). The audit
 /// belongs to the motion that results, and stays exact for it. Velocity-dependent inertial forces are left out. There
 /// are no mechanical stops: a hand that pulls out of reach stretches the arm, which stays finite there. Command: takes
-/// effect the facts' latency after `apply`, and is zeroed the facts' hold time after that. One that is not finite or of
-/// the wrong size is zero force, and counted. A gap of more than `kGapMax` between two calls is simulated for that long
-/// only; device and hand stand still for the rest, so that the work for a gap is bounded.
+/// effect the facts' latency after `apply`; the facts' hold time after that the device releases it, in the facts'
+/// stages. One that is not finite or of the wrong size is zero force, and counted. With `DeviceFlaws` the device is not
+/// as its facts say: motion and audit are the true ones, readings and reports are what the caller's clock and the
+/// encoders make of them. A gap of more than `kGapMax` between two calls is simulated for that long only; device and
+/// hand stand still for the rest, so that the work for a gap is bounded.
 ///
 /// Real time: read and apply are noexcept and allocate nothing.
 class SimulatedDevice final : public HapticDevice {
@@ -45,7 +49,7 @@ class SimulatedDevice final : public HapticDevice {
 
   /// @throws std::invalid_argument if the hand's degrees of freedom are not the device's, or if the device with this
   /// hand is too fast to follow (a time constant below 10 us).
-  SimulatedDevice(DeviceDescription description, std::unique_ptr<const Operator> hand);
+  SimulatedDevice(DeviceDescription description, std::unique_ptr<const Operator> hand, const DeviceFlaws& flaws = {});
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return description_.facts; }
   [[nodiscard]] bool is_simulated() const noexcept override { return true; }
@@ -54,6 +58,8 @@ class SimulatedDevice final : public HapticDevice {
   Reading read(Nanoseconds now) noexcept override;
   void apply(Nanoseconds now, const Vector& force_N) noexcept override;
   [[nodiscard]] std::optional<Nanoseconds> released_at() const noexcept override { return released_at_; }
+  [[nodiscard]] std::optional<Nanoseconds> effective_at() const noexcept override { return effective_at_; }
+  [[nodiscard]] bool write_failed() const noexcept override { return write_failed_; }
   [[nodiscard]] std::optional<control::PassivityAudit> audit() const noexcept override { return motion_.audit(); }
 
   [[nodiscard]] DeviceCounters counters() const noexcept override;
@@ -63,7 +69,7 @@ class SimulatedDevice final : public HapticDevice {
   [[nodiscard]] const Operator& hand() const noexcept { return *operator_; }
 
  private:
-  static constexpr int kPendingMax = 16;
+  static constexpr int kPendingMax = 256;
   struct Command {
     Nanoseconds effect{0};
     Vector torque;
@@ -74,6 +80,14 @@ class SimulatedDevice final : public HapticDevice {
   void enter_cell(std::int64_t cell) noexcept;
   void linearise() noexcept;
   void change_torque() noexcept;
+  void let_go() noexcept;
+  [[nodiscard]] Nanoseconds true_time(Nanoseconds now) const noexcept;
+  [[nodiscard]] Nanoseconds shown_time(Nanoseconds true_time) const noexcept;
+  [[nodiscard]] Nanoseconds longest_piece() const noexcept;
+  [[nodiscard]] Nanoseconds drawn(const control::Bracket& bracket_s) noexcept;
+  [[nodiscard]] double number(double low, double high) noexcept;
+  void read_encoders(Vector& joint) noexcept;
+  void move_motors(double length_s) noexcept;
 
   DeviceDescription description_;
   std::unique_ptr<const Operator> operator_;
@@ -81,7 +95,11 @@ class SimulatedDevice final : public HapticDevice {
   JointMotion motion_;
   control::Damping tip_damping_;
 
-  // All times below are since the start, but for released_at_, which is the caller's.
+  DeviceFlaws flaws_;
+  std::mt19937_64 random_;
+  Vector lost_;  ///< counts, as positions
+
+  // All times below are true and since the start, but for effective_at_ and released_at_, which are the caller's.
   std::optional<Nanoseconds> origin_;
   Nanoseconds time_{0};
   std::int64_t cell_ = -1;
@@ -95,8 +113,14 @@ class SimulatedDevice final : public HapticDevice {
   std::array<Command, kPendingMax> pending_;
   int pending_count_ = 0;
   Vector torque_;
+  Vector command_;  ///< in effect; torque_ is what the motors make of it
+  Vector lagged_;   ///< of that, without what is off
   std::optional<Nanoseconds> release_;
-  std::optional<Nanoseconds> released_at_;
+  std::optional<Nanoseconds> released_in_full_;
+  bool write_failed_ = false;
+  std::optional<Vector> framed_;             ///< joints as the bus latched them
+  std::optional<Nanoseconds> effective_at_;  ///< of the last command
+  std::optional<Nanoseconds> released_at_;   ///< likewise
   DeviceCounters counters_;
 };
 
