@@ -59,7 +59,7 @@ const std::vector<Folder>& folders() {
       {"tests/tools/relay",
        {"forcebound/net", "forcebound/program", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
       {"tests/tools/sim", {"forcebound", "tests/tools/netem"}},
-      {"tests/tools/reference", {}},
+      {"tests/tools/reference", {"forcebound/control"}},
       {"tests/tools/lab/measures", {"forcebound", "tests/tools/sim"}},
       {"tests/tools/lab/figures", {"forcebound"}},
       {"tests/tools/lab/accuracy",

@@ -74,7 +74,8 @@ TEST_P(HardCase02, AShareNextToNothingForManyTicksEarnsNothingInSeveralAxes) {
     const Vector there = Vector::LinSpaced(degrees_of_freedom, 1e-3, 2e-3);
     const Vector request = Vector::LinSpaced(degrees_of_freedom, 2e-150, 9e-150);
     (void)loop.tick(Vector::Zero(degrees_of_freedom), request);
-    (void)loop.tick(there, request);
+    // After a request that was cut, the share that is shown may rise by degrees.
+    for (int i = 0; i < 20; ++i) (void)loop.tick(there, request);
     const double energy_J = loop.energy_J();
     ASSERT_GT(energy_J, 0.0);
     for (int i = 0; i < kTicks; ++i) ASSERT_EQ(loop.tick(there, request), request) << i;

@@ -9,6 +9,7 @@
 
 #include "forcebound/control/assertion.hpp"
 #include "forcebound/control/damping.hpp"
+#include "forcebound/control/diagonal_bound.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -27,6 +28,35 @@ template <typename Value>
   throw std::invalid_argument(text.str());
 }
 
+void check(const Uncertainty& uncertainty, const DeviceFacts& facts) {
+  const auto bracket = [&](const char* what, const Bracket& b) {
+    if (std::isfinite(b.least) && std::isfinite(b.most) && b.least <= b.most) return;
+    refuse(facts, what, std::to_string(b.least) + " to " + std::to_string(b.most));
+  };
+  const auto share = [&](const char* what, double value) {
+    if (!(value >= 0) || value >= 1) refuse(facts, what, value);
+  };
+  bracket("uncertainty of stamps must be two times [s], least first", uncertainty.stamp_s);
+  bracket("uncertainty of the latency must be two times [s], least first", uncertainty.latency_s);
+  bracket("uncertainty of the hold time must be two times [s], least first", uncertainty.hold_s);
+  share("uncertainty of the clock must be a share of 0 to less than 1", uncertainty.clock_share);
+  share("uncertainty of the damping must be a share of 0 to less than 1", uncertainty.damping_share);
+  share("uncertainty of the friction must be a share of 0 to less than 1", uncertainty.friction_share);
+  share("uncertainty of the torque must be a share of 0 to less than 1", uncertainty.torque_share);
+  const auto not_negative = [&](const char* what, double value) {
+    if (!(value >= 0) || !std::isfinite(value)) refuse(facts, what, value);
+  };
+  not_negative("uncertainty of the encoder must be >= 0 steps", uncertainty.encoder_steps);
+  not_negative("lag of the actuator must be >= 0 s", uncertainty.actuator_lag_s);
+  if (facts.latency_s + uncertainty.latency_s.least < 0) {
+    refuse(facts, "latency must be >= 0 s at the least, or a force would take effect before its command",
+           facts.latency_s + uncertainty.latency_s.least);
+  }
+  if (!(facts.hold_s_max + uncertainty.hold_s.least > 0)) {
+    refuse(facts, "hold time must be > 0 s at the least", facts.hold_s_max + uncertainty.hold_s.least);
+  }
+}
+
 void check(const DeviceFacts& facts) {
   (void)Damping::from_matrix(facts.damping);
   const auto per_joint = [&](const Vector& v) {
@@ -35,6 +65,12 @@ void check(const DeviceFacts& facts) {
   const auto above_zero = [](double v) { return v > 0 && std::isfinite(v); };
   if (!above_zero(facts.period_s)) refuse(facts, "period must be > 0 s", facts.period_s);
   if (!above_zero(facts.hold_s_max)) refuse(facts, "hold time must be > 0 s", facts.hold_s_max);
+  if (!(facts.release_share >= 0) || facts.release_share > 1) {
+    refuse(facts, "share of a force at its release must be 0 to 1", facts.release_share);
+  }
+  if (!(facts.release_s >= 0) || !std::isfinite(facts.release_s)) {
+    refuse(facts, "time of release must be >= 0 s", facts.release_s);
+  }
   if (!(facts.latency_s >= 0) || facts.latency_s > kLatencyMaxPeriods * facts.period_s) {
     refuse(facts, "latency must be 0 to 8 periods [s]", facts.latency_s);
   }
@@ -43,6 +79,17 @@ void check(const DeviceFacts& facts) {
   if (!per_joint(facts.encoder_step)) {
     refuse(facts, "encoder step must be >= 0 for each joint", facts.encoder_step.transpose());
   }
+  check(facts.uncertainty, facts);
+}
+
+ReleaseStages release_of(const DeviceFacts& facts) {
+  const Bracket& later = facts.uncertainty.hold_s;
+  const double full_s = facts.hold_s_max;
+  const bool staged = facts.release_share > 0 && facts.release_s > 0;
+  const double part_s = full_s + (staged ? facts.release_s : 0.0);
+  return {.full_s = {full_s + later.least, full_s + later.most},
+          .share = staged ? facts.release_share : 0,
+          .part_s = {part_s + later.least, part_s + later.most}};
 }
 
 template <std::size_t... Joint>
@@ -57,22 +104,32 @@ std::array<LeastEnergy, kDofMax> make_joints(const Vector& damping, const Vector
 
 }  // namespace
 
-ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory)
+ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending& spending)
     : dof_((check(facts), facts.damping.rows())),
-      joints_(make_joints(diagonal_below(facts.damping), facts.friction, std::make_index_sequence<kDofMax>())),
-      encoder_step_(facts.encoder_step),
+      joints_(make_joints((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
+                          (1 - facts.uncertainty.friction_share) * facts.friction,
+                          std::make_index_sequence<kDofMax>())),
+      encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
-      hold_s_(facts.hold_s_max),
-      release_s_(facts.releases ? facts.hold_s_max : std::numeric_limits<double>::infinity()),
+      release_(release_of(facts)),
+      releases_(facts.releases ? release_ : ReleaseStages{}),
+      stamp_s_(facts.uncertainty.stamp_s),
+      latency_s_(facts.uncertainty.latency_s),
+      clock_rate_(1 / (1 - facts.uncertainty.clock_share)),
+      torque_share_(facts.uncertainty.torque_share),
+      lag_s_(facts.uncertainty.actuator_lag_s),
       force_N_max_(facts.force_N_max),
       memory_(memory),
+      spending_(spending),
       jacobian_(Matrix::Identity(dof_, dof_)),
-      held_(dof_),
+      held_(dof_, lag_s_),
       committed_(Vector::Zero(dof_)) {}
 
 void ExactLaw::credit(const Motion& motion) noexcept {
   FORCEBOUND_ASSERT(motion.joint.rows() == dof_, "a reading has a row for each joint");
   note_times(motion);
+  jacobian_ = motion.jacobian;
+  if (blind_s_ > 0) return;
   for (Eigen::Index i = 0; i < dof_; ++i) {
     LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const LeastEnergy::Tube read = tube(i, motion.joint[i]);
@@ -82,7 +139,6 @@ void ExactLaw::credit(const Motion& motion) noexcept {
     energy_.add(gain_J.value_or(0));
   }
   located_ = true;
-  jacobian_ = motion.jacobian;
   if (memory_ == EnergyMemory::capped) forget_excess();
 }
 
@@ -91,96 +147,203 @@ void ExactLaw::lose(const Motion& motion) noexcept { note_times(motion); }
 /// Lets the time since the previous reading pass over V and over the forces in effect.
 void ExactLaw::note_times(const Motion& motion) noexcept {
   latency_s_max_ = std::max(0.0, motion.latency_s_max);
-  held_.command(committed_, std::max(0.0, motion.latency_s), std::min(release_s_, motion.held_s));
-  committed_.setZero();
-  if (is_measurable(motion.interval_s)) {
-    let_act(motion.interval_s, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
-    held_.pass(motion.interval_s);
-  } else if (located_) {
-    let_act(std::max(hold_s_, held_.horizon_s()), 1);
-    located_ = false;
+  note_command(motion);
+  interval_s_ = motion.interval_s;
+  if (!is_measurable(motion.interval_s)) {
+    charge_all();
+    return;
   }
+  const Bracket passed_s{motion.interval_s / clock_rate_, motion.interval_s * clock_rate_};
+  if (located_) {
+    let_act(passed_s.most, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
+  } else if (stamp_trusted_) {
+    blind_s_ -= passed_s.least;
+  }
+  stamp_trusted_ = true;
+  held_.pass(passed_s, stamp_s_.least);
+}
+
+/// Puts the force committed last among those on their way, with what the motion and the facts tell of its times.
+void ExactLaw::note_command(const Motion& motion) noexcept {
+  const double effect_s = std::max(0.0, motion.latency_s);
+  const Bracket begin_s = held_.in_order(true_time(effect_s, motion.effect_reported ? stamp_s_ : latency_s_));
+  // Where the write failed, the release may have been that of the force before; the band holds zero throughout then.
+  const bool reported = !motion.write_failed && std::isfinite(motion.held_s);
+  const ReleaseStages release =
+      reported ? reported_release(true_time(motion.latency_s + motion.held_s, stamp_s_), begin_s) : releases_;
+  held_.command(committed_, begin_s, release, !motion.write_failed);
+  committed_.setZero();
+}
+
+/// The true time since the previous reading's stamp of what came `later_s` after the clock showed `shown_s` since then.
+Bracket ExactLaw::true_time(double shown_s, const Bracket& later_s) const noexcept {
+  const auto [least_s, most_s] = std::minmax({shown_s / clock_rate_, shown_s * clock_rate_});
+  return {least_s + later_s.least, most_s + later_s.most};
+}
+
+/// The stages of a force whose release the device reports to have begun within `at_s`. At a time that the facts allow,
+/// it goes on as they say; earlier or later, nobody knows for how long a share of the force is held.
+ReleaseStages ExactLaw::reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept {
+  constexpr double kRounding_s = 1e-9;
+  ReleaseStages release = releases_;
+  if (at_s.most < begin_s.least - kRounding_s) return release;  // of an earlier force
+  // Beginning and end of a bracket count from the beginning and the end of the time of effect.
+  const Bracket told_s{std::max(0.0, at_s.least - begin_s.least), at_s.most - begin_s.most};
+  const Bracket facts_s = release.full_s;
+  const bool early = at_s.most - begin_s.least < facts_s.least - kRounding_s;
+  const bool late = at_s.least - begin_s.most > facts_s.most + kRounding_s;
+  if (early || late) {
+    const double part_s = release_.part_s.most - release_.full_s.most;
+    release.full_s = told_s;
+    release.part_s = {told_s.least, std::max(release_.part_s.most, told_s.most + part_s)};
+  } else {
+    release.full_s = {std::max(told_s.least, facts_s.least), std::min(told_s.most, facts_s.most)};
+    release.part_s.least = std::max(release.part_s.least, release.full_s.least);
+  }
+  // Rounding leaves no time in which there is neither the force nor its release.
+  release.full_s.most = std::max(release.full_s.most, begin_s.least + release.full_s.least - begin_s.most);
+  return release;
 }
 
 void ExactLaw::let_act(double duration_s, double stretch) noexcept {
-  held_.each_piece(duration_s, [&](const Vector& torque, double piece_s) {
-    for (Eigen::Index i = 0; i < dof_; ++i) {
-      energy_.add(joints_[static_cast<std::size_t>(i)].hold(torque[i], piece_s * stretch));
-    }
-  });
+  held_.each_piece(stamp_s_.least, duration_s + stamp_s_.most,
+                   [&](const Vector& mid, const Vector& spread, double piece_s) {
+                     for (Eigen::Index i = 0; i < dof_; ++i) {
+                       energy_.add(joints_[static_cast<std::size_t>(i)].hold(
+                           mid[i], spread_of(std::abs(mid[i]), spread[i]), piece_s * stretch));
+                     }
+                   });
+}
+
+/// Nobody knows how long the forces in effect and on their way have been or will be: each is charged as long as any can
+/// be, and until the last must be over, nothing is credited.
+void ExactLaw::charge_all() noexcept {
+  constexpr double kLagsUntilNothing = 40;
+  if (located_ || blind_s_ > 0) {
+    held_.each([&](const Vector& mid, const Vector& spread) { energy_.add(-needed_J(mid.cwiseAbs() + spread)); });
+    energy_.add(-lag_can_take_J(held_.left_by_lag()));
+    const double over_s = held_.horizon_s() + release_.part_s.most + kLagsUntilNothing * lag_s_;
+    blind_s_ = std::max(blind_s_, over_s - std::min(0.0, stamp_s_.least));
+  }
+  located_ = false;
+  stamp_trusted_ = false;
+  held_ = HeldTorques(dof_, lag_s_);
 }
 
 void ExactLaw::forget_excess() noexcept {
   constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
-  const double most_J = kRoom * needed_J(force_N_max_ * jacobian_.colwise().norm().transpose());
-  const double excess_J = energy_J() - most_J;
+  const Vector largest = force_N_max_ * jacobian_.colwise().norm().transpose();
+  const double excess_J = energy_J() - kRoom * spending_.memory_reserves * needed_J(largest);
   if (excess_J > 0) energy_.add(-excess_J);
 }
 
-/// The encoder's true position lies within half a step of its reading.
+/// The encoder's true position lies within half a step of its reading, or so much more as the facts say.
 LeastEnergy::Tube ExactLaw::tube(Eigen::Index joint, double reading) const noexcept {
-  const double step = encoder_step_[joint];
-  if (step == 0) return {reading, reading};
-  const double half = 0.5 * step * (1 + kStepRounding) + kRounding * std::abs(reading);
-  return {reading - half, reading + half};
+  const double half = encoder_half_[joint];
+  if (half == 0) return {reading, reading};
+  const double wide = half + kRounding * std::abs(reading);
+  return {reading - wide, reading + wide};
 }
 
-/// What may be spent if the next force takes effect `latency_s` after the reading: until then others are in effect.
-double ExactLaw::energy_at(double latency_s) const noexcept {
-  double taken_J = 0;
-  held_.each_piece(std::max(latency_s, held_.horizon_s()), [&](const Vector& torque, double piece_s) {
+/// The next force takes effect `latency_s` after the reading's stamp, or so much later as the facts allow.
+ExactLaw::Ahead ExactLaw::until_effect(double latency_s) const noexcept {
+  const double begin_s = std::max(latency_s * clock_rate_ + latency_s_.most, held_.horizon_s());
+  Ahead ahead;
+  Vector left = held_.left_by_lag();
+  held_.each_piece(stamp_s_.least, begin_s, [&](const Vector& mid, const Vector& spread, double piece_s) {
     for (Eigen::Index i = 0; i < dof_; ++i) {
-      taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(torque[i], piece_s);
+      const double size = std::abs(mid[i]);
+      ahead.taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(mid[i], spread_of(size, spread[i]), piece_s);
+      left[i] = std::max(left[i], size + spread[i]);
     }
   });
-  return energy_.value_J() - taken_J;
+  ahead.left_J = lag_can_take_J(left);
+  return ahead;
 }
 
+/// What the next force may need. Nothing where not even the torque that friction holds is safe: with a deficit, while
+/// the lag has left something of a torque above it.
+std::optional<double> ExactLaw::spendable_J(double latency_s) const noexcept {
+  const Ahead ahead = until_effect(latency_s);
+  const double energy_J = energy_.value_J() - ahead.taken_J - ahead.left_J;
+  if (energy_J < 0 && ahead.left_J > 0) return std::nullopt;
+  return std::max(energy_J, 0.0);
+}
+
+/// The most that the lag's rest of torques of these sizes can take.
+double ExactLaw::lag_can_take_J(const Vector& left) const noexcept {
+  double taken_J = 0;
+  for (Eigen::Index i = 0; lag_s_ > 0 && i < dof_; ++i) {
+    taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(left[i], torque_share_ * left[i], lag_s_);
+  }
+  return taken_J;
+}
+
+/// The sum over the stages of the release, for a torque given by its sizes.
 double ExactLaw::needed_J(const Vector& torque) const noexcept {
+  const double full_s = release_.full_s.most + lag_s_;
+  const double part_s = release_.part_s.most - release_.full_s.most;
   double needed_J = 0;
-  for (Eigen::Index i = 0; i < dof_; ++i)
-    needed_J += joints_[static_cast<std::size_t>(i)].reserve_J(torque[i], hold_s_);
+  for (Eigen::Index i = 0; i < dof_; ++i) {
+    const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
+    const double size = std::abs(torque[i]);
+    needed_J += joint.reserve_J(size, torque_share_ * size, full_s);
+    if (part_s > 0) needed_J += joint.reserve_J(release_.share * size, torque_share_ * release_.share * size, part_s);
+  }
   return needed_J;
 }
 
 Vector ExactLaw::bound(const Vector& request_N) noexcept {
   const double largest = request_N.lpNorm<Eigen::Infinity>();
-  if (!(largest > 0) || !located_) return Vector::Zero(dof_);
+  if (!(largest > 0) || !located_) {
+    share_ = 1;
+    return Vector::Zero(dof_);
+  }
   // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
   const Vector direction = request_N / largest;
-  const double largest_allowed = largest_scale(jacobian_.transpose() * direction, std::max(energy_J(), 0.0));
-  return largest <= largest_allowed ? request_N : Vector(direction * largest_allowed);
+  const auto spendable = spendable_J(latency_s_max_);
+  double scale = spendable ? std::min(largest, largest_scale(jacobian_.transpose() * direction, *spendable)) : 0.0;
+  if (memory_ == EnergyMemory::capped) {
+    const double share = std::min(scale / largest, share_ + spending_.rise_per_s * std::max(0.0, interval_s_));
+    if (share < scale / largest) scale = share * largest;
+    share_ = share;
+  }
+  return scale == largest ? request_N : Vector(direction * scale);
 }
 
-/// The largest s with sum_i max(s |t_i| - c_i, 0)^2 T_hold/(4 b_i) <= energy: a parabola for each joint, from where its
-/// friction is overcome on.
+/// The largest s with sum_i sum_stages max(share_k s |t_i| - c_i, 0)^2 t_k/(4 b_i) <= energy: a parabola for each joint
+/// and stage, from where its friction is overcome on.
 double ExactLaw::largest_scale(const Vector& torque, double energy_J) const noexcept {
   struct Parabola {
-    double begin = std::numeric_limits<double>::infinity();
+    double begin = 0;
     double weight = 0;
   };
-  std::array<Parabola, kDofMax> parabolas;  // sorted by where they begin
+  std::array<Parabola, 2 * kDofMax> parabolas;  // sorted by where they begin
   auto end = parabolas.begin();
-  for (Eigen::Index i = 0; i < dof_; ++i) {
-    const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
-    const double size = std::abs(torque[i]);
-    if (!(size > 0)) continue;
-    const Parabola parabola{joint.friction() / size, size * size * hold_s_ / (4 * joint.damping())};
+  const auto add = [&](const Parabola& parabola) {
     auto place = end++;
     for (; place != parabolas.begin() && parabola.begin < (place - 1)->begin; --place) *place = *(place - 1);
     *place = parabola;
+  };
+  const double full_s = release_.full_s.most + lag_s_;
+  const double part_s = release_.part_s.most - release_.full_s.most;
+  for (Eigen::Index i = 0; i < dof_; ++i) {
+    const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
+    const double size = std::abs(torque[i]) * (1 + torque_share_);
+    if (!(size > 0)) continue;
+    add({joint.friction() / size, size * size * full_s / (4 * joint.damping())});
+    const double part = release_.share * size;
+    if (part > 0) add({joint.friction() / part, part * part * part_s / (4 * joint.damping())});
   }
+  // With t = s - begin:  a t^2 + 2 b t = room,  moved on from parabola to parabola.
+  double a = 0;
+  double b = 0;
+  double room = energy_J;
   for (auto newest = parabolas.begin(); newest != end; ++newest) {
-    // With t = s - newest->begin:  a t^2 + 2 b t = room
-    double a = 0;
-    double b = 0;
-    double room = energy_J;
-    for (auto p = parabolas.begin(); p <= newest; ++p) {
-      const double ahead = newest->begin - p->begin;
-      a += p->weight;
-      b += p->weight * ahead;
-      room -= p->weight * ahead * ahead;
-    }
+    const double ahead = newest == parabolas.begin() ? 0 : newest->begin - (newest - 1)->begin;
+    room -= (a * ahead + 2 * b) * ahead;
+    b += a * ahead;
+    a += newest->weight;
     // Roots before the product: a * room underflows where little is left, and nothing would then bound the force.
     const double root = std::hypot(b, std::sqrt(a) * std::sqrt(std::max(room, 0.0)));
     const double scale = newest->begin + (room > 0 ? room / (b + root) : 0.0);
@@ -194,7 +357,8 @@ bool ExactLaw::allows(const Vector& force_N, double latency_s) const noexcept {
   if (force_N.isZero(0)) return true;
   if (!located_) return false;
   const Vector torque = jacobian_.transpose() * force_N * (1 - kForceRounding);
-  return needed_J(torque) <= std::max(energy_at(latency_s), 0.0);
+  const auto spendable = spendable_J(latency_s);
+  return spendable && needed_J(torque) <= *spendable;
 }
 
 void ExactLaw::commit(const Vector& force_N) noexcept { committed_ = jacobian_.transpose() * force_N; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/energy_sum.hpp"
@@ -11,12 +12,21 @@
 
 namespace forcebound::control {
 
-/// The force bounding law for real devices: passive with quantised positions, late ticks, latency and friction.
+/// How energy is spent over time: no matter of the guarantee, but of what is felt.
+///
+/// Found by a search over walls, circles, spheres, hands, devices, late ticks and networks (`forcebound-lab spending`).
+struct Spending {
+  double memory_reserves = 2;  ///< energy is forgotten beyond what the largest force needs this many times
+  double rise_per_s = 100;     ///< the share of the request that is shown rises by this much at the most
+};
+
+/// The force bounding law for real devices: passive with quantised positions, late ticks, latency, friction, and facts
+/// that are known within bounds.
 ///
 /// Where the published laws credit what a reading seems to say, this one credits the least energy consistent with every
 /// reading so far, LeastEnergy, of each joint; damping, friction, encoders and motors live in the joints and what is
 /// held between ticks is the motors' torque tau = J'f. The force is chosen at a reading t_n, takes effect latency_n
-/// after it, and is let go of by the device after the hold time T_hold:
+/// after it, and is released by the device after the hold time T_hold:
 ///
 ///     E_n = sum_i min V_n,i,   V from the readings, the measured intervals and what was in effect when
 ///     f_n = phi u, the largest phi <= |f_e| with  sum_i max(phi |(J'u)_i| - c_i, 0)^2 T_hold/(4 b_i) <= max(E_n, 0)
@@ -24,28 +34,32 @@ namespace forcebound::control {
 /// where what the forces still in effect may take until f_n takes effect is already subtracted from E_n. Scaling the
 /// torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular configurations are
 /// harmless. Without any energy the torque is what friction holds: the largest one along J'u with |tau_i| <= c_i. A
-/// coupled damping matrix D counts as lambda_min(S^-1 D S^-1) S^2, S^2 = diag(D).
+/// coupled damping matrix D counts as the diagonal `largest_diagonal_below` it. Where the device releases in two
+/// stages, the reserve is the sum over them.
 ///
-/// Energy beyond what a force of f_max could ever need is forgotten (EnergyMemory::capped), so that contact does not
-/// ring.
+/// Of times, torques, damping and friction only bounds need be known (DeviceFacts::uncertainty): V is taken over
+/// everything within them. The proof is in README.md beside this file.
 ///
-/// Without encoder step, friction and latency, and with every interval equal to period and hold time, this is
-/// LessConservativeLaw for a diagonal b.
+/// With EnergyMemory::capped, energy is spent as `Spending` says: what no force could need is forgotten, so that
+/// contact does not ring, and a share of the request that had to be cut grows again by degrees. With EnergyMemory::full
+/// the force is the longest that is allowed, at each tick. Then, without encoder step, friction, latency and
+/// uncertainty, and with every interval equal to period and hold time, this is LessConservativeLaw for a diagonal b.
 ///
-/// An interval that is not measurable (`is_measurable`) credits nothing and charges what the forces in effect and on
-/// their way can take within one hold time in all, or until the newest is in effect where that is later. The forces on
-/// their way stay in the queue, so that behind a latency the guarantee does not hold across such an interval. One
-/// shorter than a tenth of the period is credited as that. A device that cannot let go of a force
-/// (DeviceFacts::releases) is credited as measured; a tick later than the hold time is without the
-/// guarantee too, and the deficit is repaid first.
+/// An interval that is not measurable (`is_measurable`) charges every force in effect and on its way a full hold time;
+/// until the last of them is over, nothing is credited and no force given. The interval after it begins at a stamp that
+/// nobody can trust, and does not count towards that. An interval shorter than a tenth of the period is credited as
+/// that. A device that cannot let go of a force (DeviceFacts::releases) is credited as measured; a tick later than the
+/// hold time is without the guarantee too, and the deficit is repaid first.
 ///
 /// Real time: noexcept, no allocation; dof times the cost of LeastEnergy for each torque in effect in an interval. A
 /// copy is a saved state.
 class ExactLaw final : public PassivityLaw {
  public:
   /// @throws std::invalid_argument unless the damping is symmetric positive definite of 1 to 6 rows, period and hold
-  /// time are > 0 s, latency is 0 to 8 periods, friction and encoder steps are >= 0 with a row for each joint.
-  explicit ExactLaw(const DeviceFacts& facts, EnergyMemory memory = EnergyMemory::capped);
+  /// time are > 0 s, latency is 0 to 8 periods, friction and encoder steps are >= 0 with a row for each joint, and the
+  /// uncertainty's brackets are the right way up and leave damping, hold time and latency a lower end to rely on.
+  explicit ExactLaw(const DeviceFacts& facts, EnergyMemory memory = EnergyMemory::capped,
+                    const Spending& spending = {});
 
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-exact"; }
   void credit(const Motion& motion) noexcept override;
@@ -55,35 +69,64 @@ class ExactLaw final : public PassivityLaw {
   void commit(const Vector& force_N) noexcept override;
 
   /// E_n [J]; below zero while a deficit is repaid.
-  [[nodiscard]] double energy_J() const noexcept override { return energy_at(latency_s_max_); }
+  [[nodiscard]] double energy_J() const noexcept override {
+    const Ahead ahead = until_effect(latency_s_max_);
+    return energy_.value_J() - ahead.taken_J - ahead.left_J;
+  }
 
   /// Knots kept for each joint at most, for benchmarks.
   [[nodiscard]] int knots() const noexcept;
 
  private:
+  /// What earlier torques can take until the next one is in effect, and what the lag has left of them can take after
+  /// that [J].
+  struct Ahead {
+    double taken_J = 0;
+    double left_J = 0;
+  };
+
   [[nodiscard]] LeastEnergy::Tube tube(Eigen::Index joint, double reading) const noexcept;
   void note_times(const Motion& motion) noexcept;
+  void note_command(const Motion& motion) noexcept;
+  [[nodiscard]] Bracket true_time(double shown_s, const Bracket& later_s) const noexcept;
+  [[nodiscard]] ReleaseStages reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept;
   void let_act(double duration_s, double stretch) noexcept;
+  void charge_all() noexcept;
   void forget_excess() noexcept;
-  [[nodiscard]] double energy_at(double latency_s) const noexcept;
+  [[nodiscard]] Ahead until_effect(double latency_s) const noexcept;
+  [[nodiscard]] std::optional<double> spendable_J(double latency_s) const noexcept;
+  [[nodiscard]] double spread_of(double size, double spread) const noexcept {
+    return spread + torque_share_ * (size + spread);
+  }
+  [[nodiscard]] double lag_can_take_J(const Vector& left) const noexcept;
   [[nodiscard]] double needed_J(const Vector& torque) const noexcept;
   [[nodiscard]] double largest_scale(const Vector& torque, double energy_J) const noexcept;
 
   Eigen::Index dof_;
   std::array<LeastEnergy, kDofMax> joints_;
-  Vector encoder_step_;
+  Vector encoder_half_;
   double period_s_;
-  double hold_s_;
-  double release_s_;  // infinite for a device that does not let go
+  ReleaseStages release_;   // what a force must be paid for
+  ReleaseStages releases_;  // the same, or never for a device that does not release
+  Bracket stamp_s_;
+  Bracket latency_s_;  // beyond what the motion says
+  double clock_rate_;  // true seconds for one of the clock's at most; at least its inverse
+  double torque_share_;
+  double lag_s_;
   double force_N_max_;
   EnergyMemory memory_;
+  Spending spending_;
 
   EnergySum energy_;
   bool located_ = false;  // V is known
+  double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
+  bool stamp_trusted_ = true;
   Matrix jacobian_;
   HeldTorques held_;
   Vector committed_;  // when it takes effect, the next motion tells
   double latency_s_max_ = 0;
+  double interval_s_ = 0;
+  double share_ = 1;  // of the latest request that was shown
 };
 
 }  // namespace forcebound::control

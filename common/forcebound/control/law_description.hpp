@@ -58,7 +58,7 @@ enum class LawClaim : std::uint8_t {
   nothing,
   passive_if_ideal,  ///< P >= 0 on straight axes with ideal encoders, punctual ticks, and forces in effect at the
                      ///< reading
-  passive,           ///< P >= 0 on any device whose facts are true
+  passive,           ///< P >= 0 on any device that is within its facts' bounds
 };
 
 /// A law as one can ask for it by name; said in --help.

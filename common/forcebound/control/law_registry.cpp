@@ -154,8 +154,8 @@ std::string LawRegistry::guarantee(std::string_view name) const {
       return "P >= 0 only on straight axes with an ideal encoder, punctual ticks and forces that act at once, which no "
              "real device has";
     case LawClaim::passive:
-      return "P >= 0 as long as damping, friction, encoder step, latency and hold time are as the device's description "
-             "says";
+      return "P >= 0 as long as damping, friction, encoder, torque, clock, stamps, latency and hold time stay within "
+             "the bounds of the device's description and no command is lost unreported";
   }
   return {};
 }

@@ -50,30 +50,34 @@ void LeastEnergy::restart(const Tube& tube) noexcept {
   if (tube.low < tube.high) graph_.push({tube.high, 0});
 }
 
-double LeastEnergy::reserve_J(double force, double duration_s) const noexcept {
-  const double excess = std::max(std::abs(force) - friction_, 0.0);
+double LeastEnergy::reserve_J(double force, double spread, double duration_s) const noexcept {
+  const double excess = std::max(std::abs(force) + spread - friction_, 0.0);
   return excess * excess * duration_s / (4 * damping_);
 }
 
-double LeastEnergy::hold(double force, double duration_s) noexcept {
+double LeastEnergy::hold(double force, double spread, double duration_s) noexcept {
   const double reach = duration_s / (2 * damping_);
   if (graph_.count == 0 || !(reach > 0)) return 0;
   if (graph_.count > kKnotsMax + 4) thin();
-  if (friction_ > 0) {
-    insert(-force - friction_);
-    insert(-force + friction_);
+  const double friction = friction_ - spread;
+  if (friction < 0) split(-force, -friction * reach);
+  if (friction > 0) {
+    insert(-force - friction);
+    insert(-force + friction);
   }
-  for (int i = 0; i < graph_.count; ++i) graph_[i].x += soft_threshold(graph_[i].p + force, friction_) * reach;
+  // Less than no friction moves all of the graph on either side of -f; at -f itself it was split.
+  const double threshold = std::max(friction, 0.0);
+  for (int i = 0; i < graph_.count; ++i) graph_[i].x += soft_threshold(graph_[i].p + force, threshold) * reach;
   left_slope_ += reach;
   right_slope_ += reach;
-  return -reserve_J(force, duration_s);
+  return -reserve_J(force, spread, duration_s);
 }
 
-/// Makes a knot of the point at p, unless there is one.
-void LeastEnergy::insert(double p) noexcept {
+/// Makes a knot of the point at p, unless there is one. Gives its place.
+int LeastEnergy::insert(double p) noexcept {
   int i = 0;
   while (i < graph_.count && graph_[i].p < p) ++i;
-  if (i < graph_.count && graph_[i].p == p) return;
+  if (i < graph_.count && graph_[i].p == p) return i;
   double x = 0;
   if (i == 0) {
     x = graph_[0].x - (graph_[0].p - p) * left_slope_;
@@ -85,6 +89,17 @@ void LeastEnergy::insert(double p) noexcept {
     x = a.x + (p - a.p) / (b.p - a.p) * (b.x - a.x);
   }
   graph_.insert(i, {x, p});
+  return i;
+}
+
+/// Moves what lies below p to the left and what lies above it to the right, with a level piece between.
+void LeastEnergy::split(double p, double reach) noexcept {
+  const int first = insert(p);
+  int last = first;
+  while (last + 1 < graph_.count && graph_[last + 1].p == p) ++last;
+  if (last == first) graph_.insert(++last, Knot(graph_[first]));
+  for (int i = 0; i < last; ++i) graph_[i].x -= reach;
+  for (int i = last; i < graph_.count; ++i) graph_[i].x += reach;
 }
 
 /// The graph with so much of its sloped ends that it reaches both ends of the tube, and p = 0.

@@ -11,6 +11,10 @@ namespace forcebound::control {
 ///
 ///     V_n(y) = min over x of  V_{n-1}(x) + (b/h)(y - x)^2 + c |y - x| - f (y - x),     V = infinity outside the tube
 ///
+/// A torque that is anywhere within f -+ spread, at each instant another one, costs as much as f with the friction
+/// c - spread, which may be negative: then going to and fro pays, and the cost of a displacement is the convex hull of
+/// this.
+///
 /// V is convex and piecewise quadratic. What is kept is the graph of its derivative, x as a function of p = V'(x):
 /// holding a force moves each point of it to x + S(p + f, c) h/(2b) with p as it was (S the soft threshold), a reading
 /// cuts it. Beyond its ends the graph goes on in straight lines: vertical (dx/dp = 0) where a tube ends, sloped once
@@ -38,17 +42,17 @@ class LeastEnergy {
   /// V = 0 in the tube: nothing is known of what went before.
   void restart(const Tube& tube) noexcept;
 
-  /// Lets the force act for a time >= 0 [s], to whatever position it may lead. Gives the change of the minimum [J],
-  /// <= 0: -`reserve_J`.
-  double hold(double force, double duration_s) noexcept;
+  /// Lets a force within `force` -+ `spread` act for a time >= 0 [s], to whatever position it may lead. Gives the
+  /// change of the minimum [J], <= 0: -`reserve_J`.
+  double hold(double force, double spread, double duration_s) noexcept;
 
   /// Cuts V to the tube of a new reading. Gives the change of the minimum [J], >= 0, or nothing if no finite motion
   /// leads there; V is then as it was.
   [[nodiscard]] std::optional<double> read(const Tube& tube) noexcept;
 
-  /// max(|f| - c, 0)^2 t/(4b) [J]: the most that holding the force for t [s] can return beyond what the joint
+  /// max(|f| + spread - c, 0)^2 t/(4b) [J]: the most that holding the force for t [s] can return beyond what the joint
   /// dissipates.
-  [[nodiscard]] double reserve_J(double force, double duration_s) const noexcept;
+  [[nodiscard]] double reserve_J(double force, double spread, double duration_s) const noexcept;
 
   [[nodiscard]] int knots() const noexcept { return graph_.count; }
   [[nodiscard]] double damping() const noexcept { return damping_; }
@@ -78,7 +82,8 @@ class LeastEnergy {
   static double work_above_zero(const Knot& a, const Knot& b) noexcept;
   static Knot mirrored(const Knot& knot) noexcept { return {-knot.x, -knot.p}; }
 
-  void insert(double p) noexcept;
+  int insert(double p) noexcept;
+  void split(double p, double reach) noexcept;
   [[nodiscard]] Graph extended(const Tube& tube) const noexcept;
   void thin() noexcept;
   struct Thinning;

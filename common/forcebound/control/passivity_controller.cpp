@@ -33,7 +33,12 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
     : law_(std::move(law)),
       actuator_step_(facts.actuator_step),
       cartesian_(facts.cartesian),
-      force_N_max_(facts.force_N_max) {
+      force_N_max_(facts.force_N_max),
+      reach_m_per_s_(facts.speed_max / (1 - facts.uncertainty.clock_share)),
+      reading_error_((1 + 2 * facts.uncertainty.encoder_steps) * facts.encoder_step) {
+  if (reach_m_per_s_.rows() > 0) {
+    reading_error_ += (facts.uncertainty.stamp_s.most - facts.uncertainty.stamp_s.least) * reach_m_per_s_;
+  }
   if (!law_) throw std::invalid_argument("a passivity controller needs a law");
   if (actuator_step_.rows() != facts.degrees_of_freedom()) {
     throw std::invalid_argument("device '" + facts.name + "': actuator step must have " +
@@ -51,15 +56,31 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
   }
 }
 
-/// False for a reading that is not finite.
+/// Whether the joints can have come there since the last reading that was used. Where the clock failed, nobody knows.
+bool PassivityController::within_reach(const Motion& motion) noexcept {
+  if (reach_m_per_s_.rows() == 0) return true;
+  const bool first = reached_.rows() == 0 || std::isinf(since_reached_s_);
+  const bool within = first || ((motion.joint - reached_).cwiseAbs().array() <=
+                                (since_reached_s_ * reach_m_per_s_ + reading_error_).array())
+                                   .all();
+  if (!within) return false;
+  reached_ = motion.joint;
+  since_reached_s_ = 0;
+  return true;
+}
+
+/// False for a reading that is not finite or out of reach.
 bool PassivityController::note(const Motion& motion) noexcept {
   counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
   begun_ = true;
-  if (motion.position.allFinite() && motion.joint.allFinite() && motion.jacobian.allFinite()) {
+  since_reached_s_ += is_measurable(motion.interval_s) ? motion.interval_s : std::numeric_limits<double>::infinity();
+  counts_.writes_failed += motion.write_failed;
+  const bool finite = motion.position.allFinite() && motion.joint.allFinite() && motion.jacobian.allFinite();
+  if (finite && within_reach(motion)) {
     law_->credit(motion);
     return true;
   }
-  ++counts_.readings_not_finite;
+  ++(finite ? counts_.readings_too_far : counts_.readings_not_finite);
   law_->lose(motion);
   return false;
 }

@@ -13,8 +13,9 @@ namespace forcebound::control {
 ///     request -> finite? -> saturate at f_max along u -> law -> finite? within f_max? -> round to the actuator
 ///     -> commit the same number
 ///
-/// A request that is not finite is zero force. A reading that is not finite is zero force too; the tick credits
-/// nothing and the force held is charged its worst case. Rounding is toward zero in the joints, where motors
+/// A request that is not finite is zero force. A reading that is not finite, or further from the last one than the
+/// device's largest speed explains, is zero force too; the tick credits nothing and the force held is charged its worst
+/// case. Rounding is toward zero in the joints, where motors
 /// are; a rounded force that the law would not allow (a coupled damping matrix can make it so) becomes zero.
 ///
 /// Less than 1e-150 N is zero, asked for or given, so that no force depends on what the processor does with denormals.
@@ -25,6 +26,8 @@ class PassivityController {
   struct Counts {
     std::uint64_t requests_not_finite = 0;
     std::uint64_t readings_not_finite = 0;
+    std::uint64_t readings_too_far = 0;      ///< further than the device can be so soon: taken for lost
+    std::uint64_t writes_failed = 0;         ///< as the device told
     std::uint64_t intervals_impossible = 0;  ///< not measurable, the first tick's aside: nothing credited
     std::uint64_t saturated = 0;
     std::uint64_t forces_not_finite = 0;  ///< of the law: a fault of its own
@@ -59,6 +62,7 @@ class PassivityController {
 
  private:
   [[nodiscard]] bool note(const Motion& motion) noexcept;
+  [[nodiscard]] bool within_reach(const Motion& motion) noexcept;
   [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
   [[nodiscard]] Vector sound(const Vector& force_N) noexcept;
   [[nodiscard]] Vector rounded(const Vector& force_N, const Motion& motion) const noexcept;
@@ -67,6 +71,10 @@ class PassivityController {
   Vector actuator_step_;
   bool cartesian_;
   double force_N_max_;
+  Vector reach_m_per_s_;  ///< no rows: not known
+  Vector reading_error_;
+  Vector reached_;  ///< the last reading that was used
+  double since_reached_s_ = 0;
   bool begun_ = false;
   Counts counts_;
 };

@@ -57,6 +57,8 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("foreign_session", totals.foreign_session);
   visit("non_finite_requests", totals.non_finite_requests);
   visit("non_finite_readings", totals.non_finite_readings);
+  visit("readings_too_far", totals.readings_too_far);
+  visit("failed_writes", totals.failed_writes);
   visit("withdrawn_forces", totals.withdrawn_forces);
   visit("impossible_intervals", totals.impossible_intervals);
   visit("held_too_long", totals.held_too_long);
@@ -233,6 +235,10 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "forces asked for that were not finite, shown as zero"},
       {"non_finite_readings", t.non_finite_readings, "failed device reading, shown as zero force",
        "failed device readings, shown as zero force"},
+      {"readings_too_far", t.readings_too_far, "reading further away than the device can be, shown as zero force",
+       "readings further away than the device can be, shown as zero force"},
+      {"failed_writes", t.failed_writes, "command that may not have reached the motors",
+       "commands that may not have reached the motors"},
       {"withdrawn_forces", t.withdrawn_forces, "force commanded too long after the reading, and made zero",
        "forces commanded too long after the reading, and made zero"},
       {"impossible_intervals", t.impossible_intervals, "tick whose clock stood still or ran back: nothing credited",

@@ -120,7 +120,7 @@ TEST(ExactLaw, SpendsOnAllJointsWhatFrictionDoesNotHold) {
   EXPECT_FALSE(law.allows(1.0001 * phi * u, 0));
 }
 
-TEST(ExactLaw, KeepsNoMoreThanTheLargestForceCanNeedUnlessToldTo) {
+TEST(ExactLaw, ForgetsWhatNoForceCouldNeedUnlessToldNotTo) {
   DeviceFacts facts = ideal(vector({30}));
   facts.force_N_max = 3;
   ExactLaw capped(facts);
@@ -129,9 +129,111 @@ TEST(ExactLaw, KeepsNoMoreThanTheLargestForceCanNeedUnlessToldTo) {
     capped.credit(motion_to(vector({1e-3 * n})));
     full.credit(motion_to(vector({1e-3 * n})));
   }
-  EXPECT_NEAR(capped.energy_J(), 9 * kPeriod_s / 120, 1e-12);
+  EXPECT_NEAR(capped.energy_J(), Spending().memory_reserves * 9 * kPeriod_s / 120, 1e-12);
   EXPECT_DOUBLE_EQ(full.energy_J(), 99 * 30e3 * 1e-6);
   EXPECT_EQ(capped.bound(vector({3}))[0], 3);
+}
+
+TEST(ExactLaw, ReservesForEachStageOfTheRelease) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.release_share = 0.5;
+  facts.release_s = 2 * kPeriod_s;
+  facts.friction = vector({0.3});
+  ExactLaw law(facts, EnergyMemory::full);
+  law.credit(motion_to(vector({0})));
+  law.credit(motion_to(vector({1e-4})));
+  const double force_N = std::abs(law.bound(vector({-30}))[0]);
+  const double needed_J =
+      (std::pow(force_N - 0.3, 2) * kPeriod_s + std::pow(0.5 * force_N - 0.3, 2) * 2 * kPeriod_s) / 120;
+  EXPECT_NEAR(needed_J, law.energy_J(), 1e-12 * needed_J);
+  // Late, the device let go: then the stages are what the motion is judged by.
+  law.commit(vector({-force_N}));
+  law.credit(motion_to(vector({1e-4}), nullptr, 5 * kPeriod_s));
+  EXPECT_GE(law.energy_J(), 0);
+}
+
+/// The energy after a force of 1 N was held for 5 ms against a motion, with what the device reports of its release.
+double energy_after_release_J(double held_s, double latency_s = 0) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.hold_s_max = 2e-3;
+  facts.release_share = 0.5;
+  facts.release_s = 2e-3;
+  facts.latency_s = latency_s;
+  ExactLaw law(facts, EnergyMemory::full);
+  law.credit(motion_to(vector({0})));
+  law.commit(vector({-1}));
+  Motion motion = motion_to(vector({1e-4}), nullptr, 5e-3);
+  motion.latency_s = latency_s;
+  motion.held_s = held_s;
+  law.credit(motion);
+  return law.energy_J();
+}
+
+TEST(ExactLaw, KnowsNotHowAReleaseGoesOnThatComesTooEarly) {
+  LeastEnergy joint(30, 0);
+  joint.restart({0, 0});
+  double energy_J = joint.hold(-1, 0, 0.5e-3);
+  energy_J += joint.hold(-0.25, 0.25, 3.5e-3);
+  energy_J += joint.hold(0, 0, 1e-3);
+  energy_J += joint.read({1e-4, 1e-4}).value();
+  EXPECT_NEAR(energy_after_release_J(0.5e-3), energy_J, 1e-15);
+}
+
+TEST(ExactLaw, TakesAReportOfAReleaseOnTimeAsTheFactsSay) {
+  EXPECT_NEAR(energy_after_release_J(2e-3), energy_after_release_J(kInfinity), 1e-15);
+}
+
+TEST(ExactLaw, BelievesNoReleaseFromBeforeTheForceWasInEffect) {
+  EXPECT_NEAR(energy_after_release_J(-0.5e-3, 1e-3), energy_after_release_J(kInfinity, 1e-3), 1e-15);
+}
+
+TEST(ExactLaw, GivesNothingInADeficitUntilTheLagHasLetGoOfWhatFrictionDoesNotHold) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.friction = vector({0.5});
+  facts.uncertainty.actuator_lag_s = 1e-4;
+  ExactLaw law(facts);
+  law.credit(motion_to(vector({0})));
+  law.commit(vector({-5}));
+  law.credit(motion_to(vector({0})));
+  ASSERT_LT(law.energy_J(), 0) << "more than was allowed";
+  EXPECT_EQ(law.bound(vector({-1}))[0], 0);
+  EXPECT_FALSE(law.allows(vector({-0.1}), 0));
+  for (int n = 0; n < 3; ++n) {
+    law.commit(vector({0}));
+    law.credit(motion_to(vector({0})));
+  }
+  ASSERT_LT(law.energy_J(), 0);
+  EXPECT_TRUE(law.allows(vector({-0.5}), 0));
+  EXPECT_FALSE(law.allows(vector({-0.51}), 0));
+}
+
+TEST(ExactLaw, LetsTheShareOfTheRequestThatIsShownRiseByDegrees) {
+  ExactLaw law(ideal(vector({30})), EnergyMemory::capped, {.memory_reserves = 1e9, .rise_per_s = 100});
+  law.credit(motion_to(vector({0})));
+  EXPECT_EQ(law.bound(vector({-1}))[0], 0) << "there is no energy";
+  for (int n = 1; n <= 12; ++n) {
+    law.credit(motion_to(vector({1e-3 * n})));
+    EXPECT_NEAR(law.bound(vector({-1}))[0], -std::min(0.1 * n, 1.0), 1e-12);
+  }
+  (void)law.bound(vector({0}));
+  law.credit(motion_to(vector({1})));
+  EXPECT_EQ(law.bound(vector({-1}))[0], -1) << "a contact that begins is shown at once";
+}
+
+TEST(ExactLaw, CountsOnNoMoreThanTheLowerEndsOfItsFacts) {
+  const auto energy_J = [](auto change) {
+    DeviceFacts facts = ideal(vector({30}));
+    change(facts.uncertainty);
+    ExactLaw law(facts, EnergyMemory::full);
+    law.credit(motion_to(vector({0})));
+    law.credit(motion_to(vector({1e-3})));
+    return law.energy_J();
+  };
+  const double exact_J = 30 * 1e-6 / kPeriod_s;
+  EXPECT_NEAR(energy_J([](Uncertainty&) {}), exact_J, 1e-15);
+  EXPECT_NEAR(energy_J([](Uncertainty& u) { u.damping_share = 0.25; }), 0.75 * exact_J, 1e-12);
+  EXPECT_NEAR(energy_J([](Uncertainty& u) { u.stamp_s = {-1e-4, 1.5e-4}; }), exact_J / 1.25, 1e-12);
+  EXPECT_NEAR(energy_J([](Uncertainty& u) { u.clock_share = 0.2; }), exact_J * 0.8, 1e-12);
 }
 
 TEST(ExactLaw, ReservesForTheForceInEffectUntilTheNextOneIs) {
@@ -260,6 +362,24 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
               HasSubstr("encoder step must be >= 0"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.damping(0, 0) = -1; }), HasSubstr("positive definite"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.force_N_max = std::nan(""); }), HasSubstr("largest force must be >= 0"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.release_share = 1.5; }), HasSubstr("must be 0 to 1, got 1.5"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.release_s = -1; }), HasSubstr("time of release must be >= 0 s, got -1"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.uncertainty.stamp_s = {1e-3, -1e-3};
+              }),
+              HasSubstr("uncertainty of stamps must be two times [s], least first, got 0.001000 to -0.001000"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.damping_share = 1; }),
+              HasSubstr("uncertainty of the damping must be a share of 0 to less than 1, got 1"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.torque_share = -0.1; }),
+              HasSubstr("uncertainty of the torque must be a share of 0 to less than 1, got -0.1"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.uncertainty.latency_s = {-1e-6, 0};
+              }),
+              HasSubstr("a force would take effect before its command, got -1e-06"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.uncertainty.hold_s = {-1e-3, 0};
+              }),
+              HasSubstr("hold time must be > 0 s at the least, got 0"));
 }
 
 }  // namespace

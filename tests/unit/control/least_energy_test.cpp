@@ -44,7 +44,7 @@ double energy_of(const JointFacts& joint, double step_m, const std::vector<Refer
   v.restart(tube(readings.front().position_m, step_m));
   double energy_J = 0;
   for (std::size_t n = 1; n < readings.size(); ++n) {
-    for (const ForcePiece& piece : readings[n].since) energy_J += v.hold(piece.force_N, piece.duration_s);
+    for (const ForcePiece& piece : readings[n].since) energy_J += v.hold(piece.force_N, 0, piece.duration_s);
     const auto gain_J = v.read(tube(readings[n].position_m, step_m));
     EXPECT_TRUE(gain_J.has_value()) << "reading " << n;
     energy_J += gain_J.value_or(0);
@@ -104,7 +104,7 @@ TEST(LeastEnergy, KeepsNoMoreKnotsThanItSays) {
   double reading_m = 0;
   for (int i = 0; i < 10'000; ++i) {
     if (i % 30 == 0) reading_m += random() % 2 == 0 ? kStep_m : -kStep_m;
-    v.hold(force_N(random), 1e-3);
+    v.hold(force_N(random), 0, 1e-3);
     ASSERT_TRUE(v.read(tube(reading_m, kStep_m)).has_value());
     most = std::max(most, v.knots());
   }
@@ -138,7 +138,7 @@ TEST(LeastEnergy, IsNeverAboveWhatAPathThatFitsTheReadingsCosts) {
       true_J +=
           way_m * way_m * joint.damping_N_s_per_m / duration_s + joint.friction_N * std::abs(way_m) - force_N * way_m;
       position_m += way_m;
-      energy_J += v.hold(force_N, duration_s);
+      energy_J += v.hold(force_N, 0, duration_s);
       energy_J += v.read(tube(kStep_m * std::round(position_m / kStep_m), kStep_m * (1 + 1e-9))).value();
       most = std::max(most, v.knots());
       ASSERT_LE(energy_J, true_J + 1e-12) << "reading " << i;
@@ -153,7 +153,7 @@ TEST(LeastEnergy, CreditsNothingForAFlickeringEncoder) {
   v.restart(tube(0, kStep_m));
   double energy_J = 0;
   for (int i = 0; i < 100'000; ++i) {
-    energy_J += v.hold(0, 1e-3);
+    energy_J += v.hold(0, 0, 1e-3);
     energy_J += v.read(tube(i % 2 == 0 ? kStep_m : 0, kStep_m)).value();
   }
   EXPECT_NEAR(energy_J, 0, 1e-20);
@@ -162,9 +162,9 @@ TEST(LeastEnergy, CreditsNothingForAFlickeringEncoder) {
 TEST(LeastEnergy, CountsTheReserveOfAForceAtOnce) {
   LeastEnergy v(30, 0.5);
   v.restart(tube(0, 15e-6));
-  EXPECT_DOUBLE_EQ(v.hold(2.5, 1e-3), -2.0 * 2.0 * 1e-3 / 120);
-  EXPECT_EQ(v.hold(0.5, 1e-3), 0) << "friction alone holds it";
-  EXPECT_EQ(v.hold(-0.4, 1e-3), 0);
+  EXPECT_DOUBLE_EQ(v.hold(2.5, 0, 1e-3), -2.0 * 2.0 * 1e-3 / 120);
+  EXPECT_EQ(v.hold(0.5, 0, 1e-3), 0) << "friction alone holds it";
+  EXPECT_EQ(v.hold(-0.4, 0, 1e-3), 0);
 }
 
 TEST(LeastEnergy, RefusesAReadingThatNoFiniteMotionExplains) {
@@ -172,9 +172,24 @@ TEST(LeastEnergy, RefusesAReadingThatNoFiniteMotionExplains) {
   v.restart({0, 1e-6});
   EXPECT_FALSE(v.read({1e-3, 2e-3}).has_value()) << "no time has passed";
   EXPECT_EQ(v.read({0, 1e-7}), 0.0) << "and V is as it was";
-  v.hold(1, 1e-3);
+  v.hold(1, 0, 1e-3);
   EXPECT_FALSE(v.read({1e308, 1e308}).has_value());
   EXPECT_TRUE(v.read({1e-3, 2e-3}).has_value());
+}
+
+TEST(LeastEnergy, OfATorqueThatMayBeOffIsWhatGoingToAndFroMakesOfIt) {
+  // 30 N s/m, friction 0.2 N, the torque anywhere within -0.5 to 0.5 N for a millisecond.
+  LeastEnergy v(30, 0.2);
+  v.restart({0, 0});
+  const double taken_J = 0.3 * 0.3 * 1e-3 / 120;
+  EXPECT_DOUBLE_EQ(v.hold(0, 0.5, 1e-3), -taken_J);
+  // Up to 0.3 N/(2b) for the whole time nothing is to be gained from knowing where it went.
+  EXPECT_NEAR(v.read({4e-6, 4e-6}).value(), 0, 1e-18);
+  LeastEnergy far(30, 0.2);
+  far.restart({0, 0});
+  (void)far.hold(0, 0.5, 1e-3);
+  const double d = 2e-4;
+  EXPECT_NEAR(far.read({d, d}).value(), 30 * d * d / 1e-3 - 0.3 * d + taken_J, 1e-15);
 }
 
 }  // namespace

@@ -322,6 +322,27 @@ INSTANTIATE_TEST_SUITE_P(Laws, ArmTest, testing::Values("none", "fba-less", "fba
   return name == "none" ? "None" : name == "fba-less" ? "LessConservative" : "MoreConservative";
 });
 
+TEST(PassivityController, TakesAReadingFurtherThanTheDeviceCanBeForALostOne) {
+  DeviceFacts facts = three_axes();
+  facts.speed_max = Vector::Constant(3, 1);
+  PassivityController controller(facts, published_laws().make("none", facts));
+  const Damping damping = Damping::from_matrix(facts.damping);
+  Motion motion;
+  motion.jacobian = Matrix::Identity(3, 3);
+  motion.damping = &damping;
+  const auto tick = [&](double at_m) {
+    motion.position = motion.joint = Vector::Constant(3, at_m);
+    const Vector force = controller.tick(motion, to_vector({1, 1, 1}));
+    motion.interval_s = 1e-3;
+    return force[0];
+  };
+  EXPECT_EQ(tick(0), 1);
+  EXPECT_EQ(tick(0.9e-3), 1);
+  EXPECT_EQ(tick(0.5), 0) << "a glitch";
+  EXPECT_EQ(tick(2.5e-3), 1) << "two ticks away from the last good one";
+  EXPECT_EQ(controller.counts().readings_too_far, 1U);
+}
+
 TEST(PassivityController, RefusesToWorkWithoutALaw) {
   EXPECT_THROW(PassivityController(three_axes(), nullptr), std::invalid_argument);
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/control/exact_law.hpp"
+
 namespace forcebound::lab {
 namespace {
 
@@ -23,6 +25,9 @@ Real seconds(Nanoseconds t) { return static_cast<Real>(t.count()) * 1e-9L; }
 
 std::unique_ptr<LedgerInLongDouble> LedgerInLongDouble::make(const sim::ClosedLoop::Settings& settings) {
   const control::DeviceFacts& facts = settings.device.facts;
+  // With bounds in the place of facts there is another worst case, which the hard cases recompute.
+  if (settings.flaws != device::DeviceFlaws{} || facts.uncertainty != control::Uncertainty{}) return nullptr;
+  if (facts.release_share > 0) return nullptr;
   const bool exact = settings.law == "fba-exact" && facts.encoder_step.isZero(0) && facts.damping.isDiagonal(0) &&
                      settings.timing.choosing_max == Nanoseconds::zero();
   const bool published = (settings.law == "fba-less" || settings.law == "none") && !settings.device.arm;
@@ -143,7 +148,7 @@ Real LedgerInLongDouble::most_J(const Vector& joint) const {
     const Real torque = Real{device_.facts.force_N_max} * j.col(i).norm();
     most_J += reserve_J(static_cast<std::size_t>(i), torque, seconds(hold_));
   }
-  return most_J;
+  return Real{control::Spending().memory_reserves} * most_J;
 }
 
 }  // namespace forcebound::lab

@@ -341,6 +341,16 @@ TEST_F(SessionTest, CountsAReleaseByTheDevice) {
   EXPECT_EQ(session.totals().released_by_device, 1U);
 }
 
+TEST_F(SessionTest, CommandsThatMayNotHaveReachedTheMotorsAreCounted) {
+  connect();
+  tick();
+  device.write_lost = true;
+  tick();
+  device.write_lost = false;
+  tick();
+  EXPECT_EQ(session.totals().failed_writes, 1U);
+}
+
 TEST_F(SessionTest, TickDoesNotAllocateInTheWholeLifeOfASession) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   // An identical session, run first, gives the server's messages.
