@@ -1,0 +1,230 @@
+// What fba-exact believes is there to spend, against the worst case by another way, on every tick. Built twice: for the
+// usual run, and for the long one with a hundred million ticks.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "forcebound/control/exact_law.hpp"
+#include "tests/tools/reference/worst_case.hpp"
+
+namespace forcebound::control {
+namespace {
+
+using Real = long double;
+
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : random_(seed) {}
+  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double decades(double low, double high) { return std::pow(10, number(low, high)); }
+  bool sometimes(double share) { return number(0, 1) < share; }
+  double one_of(std::vector<double> values) {
+    return values[std::uniform_int_distribution<std::size_t>(0, values.size() - 1)(random_)];
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+/// A run of some hundred ticks: facts over twelve decades, readings that need belong to no device at all.
+class CheckedRun {
+ public:
+  explicit CheckedRun(std::uint64_t seed) : draw_(seed), facts_(drawn_facts()), law_(facts_, EnergyMemory::full) {
+    for (Eigen::Index i = 0; i < facts_.damping.rows(); ++i) {
+      joints_.emplace_back((1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
+                           (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i]);
+      commands_.push_back({{}});
+    }
+    const Uncertainty& doubt = facts_.uncertainty;
+    most_turnover_J_ = 1e-4L * size_N_ * natural_m_;  // what rounding is relative to at the least
+    const bool staged = facts_.release_share > 0 && facts_.release_s > 0;
+    const double part_s = facts_.hold_s_max + (staged ? facts_.release_s : 0);
+    release_ = {.full_s = {facts_.hold_s_max + doubt.hold_s.least, facts_.hold_s_max + doubt.hold_s.most},
+                .share = staged ? facts_.release_share : 0,
+                .part_s = {part_s + doubt.hold_s.least, part_s + doubt.hold_s.most}};
+  }
+
+  void play(int ticks) {
+    Vector force = Vector::Zero(facts_.damping.rows());
+    Vector place = Vector::Constant(force.rows(), natural_m_ * draw_.number(-1e3, 1e3));
+    motion_.jacobian = Matrix::Identity(force.rows(), force.rows());
+    motion_.latency_s_max = facts_.latency_s;
+    for (int n = 0; n < ticks; ++n) {
+      move(place, force);
+      motion_.joint = motion_.position = read(place);
+      motion_.interval_s = n == 0 ? 0 : interval_s();
+      motion_.latency_s = facts_.latency_s * draw_.one_of({1, 1, 1, 0.5});
+      follow(n == 0);
+      law_.credit(motion_);
+      compare(n);
+      if (testing::Test::HasFailure()) return;
+      const Vector request = Vector::NullaryExpr(
+          force.rows(), [&](Eigen::Index) { return draw_.number(-1, 1) * size_N_ * draw_.decades(-2, 2); });
+      force = draw_.sometimes(0.2) ? Vector(0 * request) : law_.bound(request);
+      law_.commit(force);
+      committed_ = force;
+    }
+  }
+
+  [[nodiscard]] int equal() const { return equal_; }
+  [[nodiscard]] int spent() const { return spent_; }
+
+ private:
+  DeviceFacts drawn_facts() {
+    const auto dof = static_cast<Eigen::Index>(draw_.one_of({1, 1, 2, 3}));
+    DeviceFacts facts;
+    facts.name = "drawn";
+    const double b = draw_.decades(-6, 6);
+    size_N_ = draw_.decades(-6, 6);
+    facts.period_s = draw_.decades(-4, -1);
+    natural_m_ = size_N_ * facts.period_s / b;
+    const double t = facts.period_s;
+    facts.damping = Vector::NullaryExpr(dof, [&](Eigen::Index) { return b * draw_.decades(-1, 1); }).asDiagonal();
+    facts.friction = Vector::Constant(dof, size_N_ * draw_.one_of({0, 0, 0.01, 0.3, 3}));
+    facts.encoder_step = Vector::Constant(dof, natural_m_ * draw_.one_of({0, 0.01, 1, 30}));
+    facts.force_N_max = 1e30;
+    facts.latency_s = t * draw_.one_of({0, 0.1, 0.3, 2.5});
+    facts.hold_s_max = t * draw_.one_of({1, 2, 5});
+    facts.release_share = draw_.one_of({0, 0.3, 0.9});
+    facts.release_s = t * draw_.one_of({0, 1, 3});
+    Uncertainty& doubt = facts.uncertainty;
+    doubt.stamp_s = {-t * draw_.one_of({0, 0, 0.02, 0.5}), t * draw_.one_of({0, 0, 0.02, 0.3})};
+    doubt.latency_s = {0, t * draw_.one_of({0, 0, 0.1, 2})};
+    doubt.hold_s = {-t * draw_.one_of({0, 0, 0.3}), t * draw_.one_of({0, 0, 0.2})};
+    doubt.encoder_steps = draw_.one_of({0, 0, 0.3});
+    doubt.damping_share = draw_.one_of({0, 0.05});
+    doubt.friction_share = draw_.one_of({0, 0.5});
+    doubt.torque_share = draw_.one_of({0, 0, 0.01, 0.2});
+    return facts;
+  }
+
+  double interval_s() {
+    if (draw_.sometimes(0.7)) return facts_.period_s;
+    return facts_.period_s * (draw_.sometimes(0.5) ? draw_.number(0.11, 1) : draw_.number(1, 8));
+  }
+
+  /// Mostly as the force takes the most, or not at all, or as anything.
+  void move(Vector& place, const Vector& force) {
+    for (Eigen::Index i = 0; i < place.rows(); ++i) {
+      const double taking = force[i] * facts_.period_s / (2 * facts_.damping(i, i));
+      if (draw_.sometimes(0.6)) place[i] += taking * draw_.one_of({1, 1, 0, draw_.number(-1, 3)});
+      if (draw_.sometimes(0.2)) place[i] += natural_m_ * draw_.number(-1, 1) * draw_.decades(-2, 1);
+    }
+  }
+
+  Vector read(const Vector& place) {
+    Vector reading = place;
+    for (Eigen::Index i = 0; i < place.rows(); ++i) {
+      const double step = facts_.encoder_step[i];
+      if (step > 0) reading[i] = step * std::round(place[i] / step);
+    }
+    return reading;
+  }
+
+  /// Lets the joints' worst case see what the law will be told.
+  void follow(bool first) {
+    const Uncertainty& doubt = facts_.uncertainty;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      auto& commands = commands_[i];
+      if (first) {
+        commands[0] = {0, {-1e30, -1e30}};
+      } else {
+        const auto& newest = commands.back().begin_s;
+        commands.push_back({committed_[row],
+                            {std::max(newest.least, motion_.latency_s + doubt.latency_s.least),
+                             std::max({newest.most, motion_.latency_s + doubt.latency_s.most, 0.0})}});
+        const Real end_s = Real{motion_.interval_s} + doubt.stamp_s.most;
+        for (const auto& torque : test::torques_between(commands, release_, doubt.stamp_s.least, end_s)) {
+          joints_[i].hold(torque.mid, spread(torque), torque.duration_s);
+        }
+        for (auto& command : commands) {
+          command.begin_s.least -= motion_.interval_s;
+          command.begin_s.most -= motion_.interval_s;
+        }
+        while (commands.size() > 1 && commands[1].begin_s.most <= doubt.stamp_s.least) commands.erase(commands.begin());
+      }
+      const Real half = (Real{0.5} + doubt.encoder_steps) * facts_.encoder_step[row];
+      if (first) {
+        joints_[i].begin(-half, half);
+      } else {
+        joints_[i].move_origin(Real{motion_.joint[row]} - reading_[row]);
+        ASSERT_TRUE(joints_[i].read(-half, half));
+      }
+    }
+    reading_ = motion_.joint;
+  }
+
+  [[nodiscard]] Real spread(const test::KnownTorque& torque) const {
+    return torque.spread + facts_.uncertainty.torque_share * (std::fabs(torque.mid) + torque.spread);
+  }
+
+  void compare(int tick) {
+    const Uncertainty& doubt = facts_.uncertainty;
+    Real energy_J = 0;
+    Real turnover_J = 0;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const Real least_J = joints_[i].least_J();
+      energy_J += least_J;
+      const Real until_s = std::max(commands_[i].size() > 1 ? Real{commands_[i].back().begin_s.most} : Real{0},
+                                    Real{facts_.latency_s} + doubt.latency_s.most);
+      for (const auto& torque : test::torques_between(commands_[i], release_, doubt.stamp_s.least, until_s)) {
+        const Real reserve_J = joints_[i].reserve_J(torque.mid, spread(torque), torque.duration_s);
+        energy_J -= reserve_J;
+        turnover_J += reserve_J;
+      }
+      turnover_J += std::fabs(least_J) + std::fabs(Real{committed_.rows() > 0 ? committed_[row] : 0.0}) * natural_m_;
+    }
+    most_turnover_J_ = std::max(most_turnover_J_, turnover_J);
+    const Real above_J = law_.energy_J() - energy_J;
+    ASSERT_LE(static_cast<double>(above_J), static_cast<double>(1e-9L * most_turnover_J_))
+        << "tick " << tick << ": the law says " << law_.energy_J() << " J, the worst case is "
+        << static_cast<double>(energy_J) << " J";
+    thinned_ = thinned_ || law_.knots() > 20;
+    spent_ += energy_J < most_turnover_J_ / 2;
+    if (thinned_) return;
+    ++equal_;
+    ASSERT_GE(static_cast<double>(above_J), static_cast<double>(-1e-6L * most_turnover_J_)) << "tick " << tick;
+  }
+
+  Draw draw_;
+  double size_N_ = 1;
+  double natural_m_ = 1;
+  DeviceFacts facts_;
+  ExactLaw law_;
+  std::vector<test::WorstCase> joints_;
+  std::vector<std::vector<test::KnownCommand>> commands_;
+  test::KnownRelease release_;
+  Motion motion_;
+  Vector reading_;
+  Vector committed_;
+  Real most_turnover_J_ = 0;
+  bool thinned_ = false;
+  int equal_ = 0;
+  int spent_ = 0;
+};
+
+TEST(WorstCase, IsNeverLessThanTheExactLawBelievesAndEqualWhereNoKnotIsLeftOut) {
+  constexpr int kTicksOfARun = 250;
+  long equal = 0;
+  long spent = 0;
+  long ticks = 0;
+  for (std::uint64_t seed = 1; ticks < FORCEBOUND_WORST_CASE_TICKS; ++seed, ticks += kTicksOfARun) {
+    SCOPED_TRACE(seed);
+    CheckedRun run(seed);
+    run.play(kTicksOfARun);
+    if (testing::Test::HasFailure()) return;
+    equal += run.equal();
+    spent += run.spent();
+  }
+  EXPECT_GT(equal, ticks / 10);
+  EXPECT_GT(spent, ticks / 10);
+}
+
+}  // namespace
+}  // namespace forcebound::control
