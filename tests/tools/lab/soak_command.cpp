@@ -57,7 +57,8 @@ class Tally {
     sum_.withdrawn += result.withdrawn;
     sum_.reconnects += result.reconnects;
     sum_.lost += result.lost;
-    for (Share* share : {&laws_[law], &environments_[result.environment]}) {
+    const char* const truth = result.beyond_bounds ? "beyond the facts' bounds" : "within the facts' bounds";
+    for (Share* share : {&laws_[law], &environments_[result.environment], &truths_[law + ", " + truth]}) {
       ++share->seeds;
       share->promised += result.passive ? 1 : 0;
       share->least_P_J = std::min(share->least_P_J, result.least_P_J);
@@ -97,7 +98,8 @@ class Tally {
                                                             {"sessions lost and regained", sum_.reconnects}};
     text::Table table({{"events"}, {"count"}});
     for (const auto& [what, count] : counts) table.add({what, std::to_string(count)});
-    std::printf("\n%s\n%s\n%s", table.to_text().c_str(), table_of("law", laws_).c_str(),
+    std::printf("\n%s\n%s\n%s\n%s", table.to_text().c_str(), table_of("law", laws_).c_str(),
+                table_of("law, and where the device's truth lies", truths_).c_str(),
                 table_of("environment", environments_).c_str());
   }
 
@@ -124,6 +126,7 @@ class Tally {
   std::string worst_law_;
   Shares laws_;
   Shares environments_;
+  Shares truths_;  ///< by law, and whether the facts' bounds held the truth
 };
 
 [[noreturn]] void fail(std::uint64_t seed, const std::string& law, const SoakResult& result) {
@@ -187,12 +190,14 @@ void add_soak(CLI::App& app) {
   command->footer(
       "From each seed: law, device, encoder, actuator, friction, latency, hold time, late ticks, the law's memory, "
       "hostile environment, restless hand, both ways of the network, blackouts, stalls, server kills, the server's "
-      "clock.\n"
+      "clock; and how far the device is from its facts, within their bounds or beyond: stamps, latency, release, "
+      "frames of its bus, writes, clock, counts, damping, friction, torque, lag.\n"
       "\n"
       "On each tick: everything finite, |f| <= f_max, and the law's guarantees: direction kept, P >= -1e-9 J and the "
-      "ledger never above P (fba-exact always, others with the ideal device that half of their seeds have), the ledger "
-      "equal to its recomputation in long double; in the end, counters add up and the session is back. The first "
-      "failure ends it (exit code 1), with all drawn settings and the command that runs it again.\n"
+      "ledger never above P (fba-exact where the facts' bounds hold the truth, others with the ideal device that half "
+      "of their seeds have), the ledger equal to its recomputation in long double; in the end, counters add up and the "
+      "session is back. The first failure ends it (exit code 1), with all drawn settings and the command that runs it "
+      "again. Beyond the bounds the table says by how much each law leaks.\n"
       "\n"
       "Environments:\n" +
       sim::environments_help() +

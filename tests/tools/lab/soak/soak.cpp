@@ -62,6 +62,7 @@ SoakResult soak(std::uint64_t seed, const std::string& law) {
   return {.broken = invariants.broken(),
           .environment = drawn.environment,
           .passive = drawn.passive,
+          .beyond_bounds = drawn.beyond_bounds,
           .least_P_J = invariants.least_P_J(),
           .digest = witness.digest,
           .virtual_s = time::to_seconds(drawn.duration),

@@ -9,7 +9,8 @@ namespace forcebound::lab {
 struct SoakResult {
   std::string broken;  ///< empty: every invariant held on every tick
   std::string environment;
-  bool passive = false;  ///< the law guaranteed P >= 0
+  bool passive = false;        ///< the law guaranteed P >= 0
+  bool beyond_bounds = false;  ///< the device's truth lay outside its facts' bounds
   double least_P_J = 0;
   std::uint64_t digest = 0;  ///< of every force and position: equal runs have equal ones
   double virtual_s = 0;

@@ -41,6 +41,8 @@ device::DeviceDescription draw_device(Draw& draw) {
   facts.actuator_step.setConstant(draw.one_of({0.0, 0.0, 1.0 / 2048}) * facts.force_N_max * (device.arm ? 0.1 : 1));
   facts.latency_s = draw.one_of({0.0, 0.0, 20e-6, 100e-6, 300e-6});
   facts.hold_s_max = draw.one_of({1e-3, 2e-3, 2e-3, 5e-3});
+  facts.release_share = facts.hold_s_max == 5e-3 ? 0.3 : 0;
+  facts.release_s = 2e-3;
   return device;
 }
 
@@ -124,8 +126,37 @@ std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings
 void make_ideal(ClosedLoop::Settings& settings) {
   settings.device.facts.encoder_step.setZero();
   settings.device.facts.latency_s = 0;
+  settings.device.facts.uncertainty = {};
+  settings.device.facts.release_share = 0;
+  settings.flaws = {};
   settings.timing = {};
   std::erase_if(settings.faults, [](const auto& fault) { return fault.kind == ClosedLoop::Fault::Kind::stall; });
+}
+
+/// Half of the devices are not exactly as their facts say; most of these facts have bounds that hold the truth.
+void draw_flaws(SoakCase& drawn, Draw draw) {
+  if (draw.chance(0.5)) return;
+  device::DeviceFlaws& flaws = drawn.settings.flaws;
+  flaws.seed = draw.seed();
+  flaws.stamp_s = {-draw.one_of({0.0, 0.0, 5e-6, 30e-6}), draw.one_of({0.0, 0.0, 5e-6, 30e-6})};
+  flaws.latency_s = {0, draw.one_of({0.0, 20e-6, 100e-6})};
+  flaws.hold_s = {-draw.one_of({0.0, 0.02, 0.5}) * drawn.settings.device.facts.hold_s_max, draw.one_of({0.0, 5e-5})};
+  flaws.clock_share = draw.one_of({0.0, 5e-4, -5e-4});
+  flaws.frame = draw.one_of<Nanoseconds>({0ns, 0ns, 125us, 1ms});
+  flaws.encoder_steps = draw.one_of({0.0, 0.1, 0.5});
+  flaws.damping_share = draw.one_of({0.0, 0.01, 0.2});
+  flaws.friction_share = draw.one_of({0.0, 0.2});
+  flaws.torque_share = draw.one_of({0.0, 0.01, 0.05});
+  flaws.actuator_lag_s = draw.one_of({0.0, 0.0, 1e-4, 5e-4});
+  flaws.failed_writes = draw.one_of({0.0, 0.0, 0.01});
+  flaws.failures_reported = draw.chance(0.8);
+  flaws.releases_reported = draw.chance(0.5);
+  flaws.effects_reported = draw.chance(0.3);
+  flaws.lost_counts = draw.one_of({0.0, 0.0, 0.0, 0.01});
+  const bool told = draw.chance(0.75);
+  if (told) drawn.settings.device.facts.uncertainty = device::bounds_of(flaws);
+  const bool has_no_bound = flaws.lost_counts > 0 || (flaws.failed_writes > 0 && !flaws.failures_reported);
+  drawn.beyond_bounds = !told || has_no_bound;
 }
 
 /// Notes the law's guarantees for this case; may first make the device ideal, so that there are some.
@@ -135,7 +166,8 @@ void note_promises(SoakCase& drawn, const control::LawDescription& law, Draw dra
   const bool straight = !drawn.settings.device.arm.has_value();
   const bool ideal = law.claim == LawClaim::passive_if_ideal && straight && draw.chance(0.5);
   if (ideal) make_ideal(drawn.settings);
-  drawn.passive = ideal || law.claim == LawClaim::passive;
+  if (ideal) drawn.beyond_bounds = false;
+  drawn.passive = ideal || (law.claim == LawClaim::passive && !drawn.beyond_bounds);
   drawn.shortens = law.shortens;
 }
 
@@ -181,6 +213,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   if (!drawn.network_down.empty()) settings.network.down = netem::parse_netem(drawn.network_down);
   settings.network.seed = draw.seed();
   settings.faults = draw_faults(draw);
+  draw_flaws(drawn, Draw(settings.seed ^ 0x5bd1e995));
   note_promises(drawn, description, Draw(~settings.seed));
   for (const auto& fault : settings.faults) drawn.last_fault = std::max(drawn.last_fault, fault.at + fault.length);
   settings.server_clock = draw_skew(draw);
@@ -207,7 +240,11 @@ std::string SoakCase::description() const {
        << ms(settings.timing.choosing_max) * 1e3 << " us after the reading\n  network      up \"" << network_up
        << "\", down \"" << network_down << "\"\n  server       clock off by " << ms(settings.server_clock.offset)
        << " ms, rate " << settings.server_clock.rate_error * 1e6 << " ppm, " << settings.server_clock.jumps.size()
-       << " jumps\n";
+       << " jumps\n  truth        "
+       << (settings.flaws == device::DeviceFlaws{} ? "as the facts say"
+           : beyond_bounds                         ? "beyond the facts' bounds"
+                                                   : "within the facts' bounds")
+       << '\n';
   for (const auto& fault : settings.faults) {
     text << "  fault        at " << ms(fault.at) << " ms for " << ms(fault.length) << " ms: " << name_of(fault.kind)
          << '\n';

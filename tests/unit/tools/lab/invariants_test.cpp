@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/tools/lab/soak/ledger_in_long_double.hpp"
+
 namespace forcebound::lab {
 namespace {
 
@@ -15,8 +17,8 @@ using testing::HasSubstr;
 class InvariantsTest : public testing::Test {
  protected:
   InvariantsTest() {
-    while (case_.settings.device.arm || case_.settings.device.facts.damping.rows() != 1 ||
-           !case_.settings.device.facts.actuator_step.isZero(0)) {
+    while (case_.settings.device.facts.damping.rows() != 1 || !case_.settings.device.facts.actuator_step.isZero(0) ||
+           !LedgerInLongDouble::make(case_.settings)) {
       case_ = draw_soak_case(case_.seed + 1, "fba-less");
     }
     tick_.tick = 1;
