@@ -225,6 +225,7 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"table", recording}, 1, {recording, "not an MCAP file"}},
                    {{"reproduce", "spere"}, 2, {"'spere', did you mean 'sphere'?", "wall, delay, circle, sphere, all"}},
                    {{"reproduce", "wall", "--json", "/no/such/runs.json"}, 1, {"/no/such/runs.json"}},
+                   {{"violations", "--seeds", "0"}, 2, {"--seeds", "whole number from 1", "got '0'"}},
                    {{"soak", "--seeds", "0"}, 2, {"--seeds", "whole number from 1", "got '0'"}},
                    {{"soak", "--seeds", "1", "--minutes", "1"}, 2, {"--minutes", "does not go with", "--seeds"}},
                    {{"soak", "--law", "fba-exac"}, 2, {"--law", "'fba-exac', did you mean 'fba-exact'?"}},

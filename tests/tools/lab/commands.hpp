@@ -17,7 +17,9 @@ void add_replay(CLI::App& app);
 void add_report(CLI::App& app);
 void add_reproduce(CLI::App& app);
 void add_soak(CLI::App& app);
+void add_spending(CLI::App& app);
 void add_table(CLI::App& app);
 void add_trials(CLI::App& app);
+void add_violations(CLI::App& app);
 
 }  // namespace forcebound::lab

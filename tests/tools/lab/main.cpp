@@ -22,8 +22,10 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_report(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_soak(app);
+  forcebound::lab::add_spending(app);
   forcebound::lab::add_table(app);
   forcebound::lab::add_trials(app);
+  forcebound::lab::add_violations(app);
   // Not above: subcommands would print it too.
   app.footer(
       "Each command has its own --help: forcebound-lab replay --help\n"
