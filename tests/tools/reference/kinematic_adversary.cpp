@@ -107,7 +107,7 @@ class Opponent {
     motion.interval_s = begun_ ? (stamped_s - stamped_s_) * clock_rate_ : 0;
     motion.latency_s = told_latency_s_;
     report_times(motion);
-    motion.latency_s_max = facts_.latency_s + choosing_s_;
+    motion.latency_s_max = facts_.latency_s + kChoosing_s;
     motion.write_failed = failed_ && game_.truth.failures_reported;
     if (game_.truth.impossible_intervals > 0) tell_the_impossible(motion);
     begun_ = true;
@@ -165,7 +165,7 @@ class Opponent {
     const double size = request.norm();
     Vector force = law.bound(size > facts_.force_N_max ? request * (facts_.force_N_max / size) : request);
     // Chosen, it takes a while until it is written; the law is asked again, as PassivityController does.
-    const double took_s = game_.late_ticks && sometimes(0.5) ? number(0, 1.2) * choosing_s_ : 0;
+    const double took_s = game_.late_ticks && sometimes(0.5) ? number(0, 1.2) * kChoosing_s : 0;
     const double written_s = std::max(stamped_s_ + took_s / clock_rate_, latched_s_);
     told_latency_s_ = (written_s - stamped_s_) * clock_rate_ + facts_.latency_s;
     if (!law.allows(force, told_latency_s_)) force.setZero();
@@ -299,7 +299,7 @@ class Opponent {
   bool draining_;
   double drained_share_;  ///< with less than that of what the largest force needs, it fills again
   double clock_rate_;     ///< seconds of the clock for a true one
-  static constexpr double choosing_s_ = 30e-6;
+  static constexpr double kChoosing_s = 30e-6;
   static constexpr double kBeyond_m = 1e-9;
 
   Phase phase_ = Phase::mixed;
