@@ -32,6 +32,7 @@ Vector rounded_toward_zero(Vector command, const Vector& step) noexcept {
 PassivityController::PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law)
     : law_(std::move(law)),
       actuator_step_(facts.actuator_step),
+      latency_s_least_(facts.latency_s),
       cartesian_(facts.cartesian),
       force_N_max_(facts.force_N_max),
       reach_m_per_s_(facts.speed_max / (1 - facts.uncertainty.clock_share)),
@@ -104,7 +105,8 @@ Vector PassivityController::tick(const Motion& motion, const Vector& request_N) 
 }
 
 Vector PassivityController::confirmed(const Vector& force_N, double latency_s) noexcept {
-  if (force_N.isZero(0) || law_->allows(force_N, latency_s)) return force_N;
+  if (force_N.isZero(0)) return force_N;
+  if (latency_s >= latency_s_least_ && law_->allows(force_N, latency_s)) return force_N;
   ++counts_.withdrawn;
   const Vector zero = Vector::Zero(force_N.rows());
   law_->commit(zero);

@@ -45,7 +45,8 @@ class PassivityController {
   /// One tick: notes the motion and gives the force for the device [N]; always finite, `dof` rows.
   [[nodiscard]] Vector tick(const Motion& motion, const Vector& request_N) noexcept;
 
-  /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it.
+  /// The force that `tick` gave, or zero if it takes effect so long after the reading that the law no longer allows it,
+  /// or sooner than it can: by a clock that ran back, so that nobody knows when.
   [[nodiscard]] Vector confirmed(const Vector& force_N, double latency_s) noexcept;
 
   /// What the server-side law said with the newest force, ahead of the tick that uses that force. If any
@@ -69,6 +70,7 @@ class PassivityController {
 
   std::unique_ptr<PassivityLaw> law_;
   Vector actuator_step_;
+  double latency_s_least_;
   bool cartesian_;
   double force_N_max_;
   Vector reach_m_per_s_;  ///< no rows: not known

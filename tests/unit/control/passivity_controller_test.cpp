@@ -53,6 +53,18 @@ TEST(PassivityController, SaturatesAlongTheRequest) {
   EXPECT_EQ(loop.counts().saturated, 1U);
 }
 
+TEST(PassivityController, WithdrawsAForceCommandedBeforeItsReading) {
+  DeviceFacts facts = three_axes();
+  facts.latency_s = 1e-3;
+  PassivityController controller(facts, published_laws().make("none", facts));
+  const Vector force_N = to_vector({1, 2, 3});
+  EXPECT_EQ(controller.confirmed(force_N, 1e-3), force_N);
+  for (const double latency_s : {0.5e-3, -1e-3, kNaN}) {
+    EXPECT_EQ(controller.confirmed(force_N, latency_s), Vector::Zero(3)) << latency_s;
+  }
+  EXPECT_EQ(controller.counts().withdrawn, 3U);
+}
+
 /// Gives whatever it was made with.
 class FaultyLaw final : public PassivityLaw {
  public:
