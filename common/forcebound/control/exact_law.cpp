@@ -181,8 +181,9 @@ Bracket ExactLaw::true_time(double shown_s, const Bracket& later_s) const noexce
   return {least_s + later_s.least, most_s + later_s.most};
 }
 
-/// The stages of a force whose release the device reports to have begun within `at_s`. At a time that the facts allow,
-/// it goes on as they say; earlier or later, nobody knows for how long a share of the force is held.
+/// The stages of a force whose release the device reports to have begun within `at_s`. At a time that the facts allow
+/// wherever in its bracket the force took effect, it goes on as they say; where it may have been earlier or was later,
+/// nobody knows for how long a share of the force is held.
 ReleaseStages ExactLaw::reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept {
   constexpr double kRounding_s = 1e-9;
   ReleaseStages release = releases_;
@@ -192,13 +193,15 @@ ReleaseStages ExactLaw::reported_release(const Bracket& at_s, const Bracket& beg
   const Bracket facts_s = release.full_s;
   const bool early = at_s.most - begin_s.least < facts_s.least - kRounding_s;
   const bool late = at_s.least - begin_s.most > facts_s.most + kRounding_s;
+  const bool maybe_early = at_s.least - begin_s.most < facts_s.least - kRounding_s;
   if (early || late) {
     const double part_s = release_.part_s.most - release_.full_s.most;
     release.full_s = told_s;
     release.part_s = {told_s.least, std::max(release_.part_s.most, told_s.most + part_s)};
   } else {
-    release.full_s = {std::max(told_s.least, facts_s.least), std::min(told_s.most, facts_s.most)};
-    release.part_s.least = std::max(release.part_s.least, release.full_s.least);
+    release.full_s = {maybe_early ? told_s.least : std::max(told_s.least, facts_s.least),
+                      std::min(told_s.most, facts_s.most)};
+    release.part_s.least = maybe_early ? told_s.least : std::max(release.part_s.least, release.full_s.least);
   }
   // Rounding leaves no time in which there is neither the force nor its release.
   release.full_s.most = std::max(release.full_s.most, begin_s.least + release.full_s.least - begin_s.most);

@@ -153,8 +153,9 @@ TEST(ExactLaw, ReservesForEachStageOfTheRelease) {
 }
 
 /// The energy after a force of 1 N was held for 5 ms against a motion, with what the device reports of its release.
-double energy_after_release_J(double held_s, double latency_s = 0) {
+double energy_after_release_J(double held_s, double latency_s = 0, double latency_unknown_s = 0) {
   DeviceFacts facts = ideal(vector({30}));
+  facts.uncertainty.latency_s = {0, latency_unknown_s};
   facts.hold_s_max = 2e-3;
   facts.release_share = 0.5;
   facts.release_s = 2e-3;
@@ -177,6 +178,18 @@ TEST(ExactLaw, KnowsNotHowAReleaseGoesOnThatComesTooEarly) {
   energy_J += joint.hold(0, 0, 1e-3);
   energy_J += joint.read({1e-4, 1e-4}).value();
   EXPECT_NEAR(energy_after_release_J(0.5e-3), energy_J, 1e-15);
+}
+
+TEST(ExactLaw, KnowsNotHowAReleaseGoesOnThatMayHaveComeTooEarly) {
+  // In effect from 1 ms on, released after 1.5 ms instead of 2, then gone: reported at a time that would be right for a
+  // force in effect sooner.
+  LeastEnergy joint(30, 0);
+  joint.restart({0, 0});
+  double energy_J = joint.hold(0, 0, 1e-3);
+  energy_J += joint.hold(-1, 0, 1.5e-3);
+  energy_J += joint.hold(0, 0, 2.5e-3);
+  energy_J += joint.read({1e-4, 1e-4}).value();
+  EXPECT_LE(energy_after_release_J(2.5e-3, 0, 1e-3), energy_J + 1e-15);
 }
 
 TEST(ExactLaw, TakesAReportOfAReleaseOnTimeAsTheFactsSay) {
