@@ -58,7 +58,6 @@ struct Case {
   time::Nanoseconds late{0};  ///< one tick more, 2.5 s after the start
   double damping = 1;         ///< times the device's
   double hand = 1;            ///< times the hand's stiffness
-  std::uint64_t seed = 1;
 };
 
 /// Mean force over mean depth from one time to another.
@@ -99,7 +98,6 @@ Shown run_case(const Case& drawn, const Variant& variant) {
              }});
   sim::ClosedLoop::Settings settings = drawn.experiment.settings("exact");
   settings.laws = laws;
-  settings.seed = drawn.seed;
   settings.timing.measured = drawn.measured;
   settings.device.facts.damping *= drawn.damping;
   settings.device.facts.release_share = variant.release_share;
@@ -119,8 +117,6 @@ Shown run_case(const Case& drawn, const Variant& variant) {
           .variance_N2 = number_at(summary, "/force_N/variance"),
           .half_a_second_later_N_per_m = later.stiffness_N_per_m()};
 }
-
-std::string newtons_per_mm(double stiffness_N_per_m) { return text::rounded(stiffness_N_per_m * 1e-3); }
 
 /// The paper's experiments, with punctual and with late ticks.
 void search(const SpendingOptions& options) {

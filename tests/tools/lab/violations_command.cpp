@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -118,8 +117,7 @@ std::string displayed(const Experiment& experiment, const control::DeviceFacts& 
   sim::ClosedLoop loop(settings);
   loop.run(time::from_seconds(experiment.duration_s));
   const auto summary = nlohmann::ordered_json::parse(loop.close().to_json());
-  const double median_N_per_m = number_at(summary, "/displayed_stiffness_N_per_m/median");
-  return std::isfinite(median_N_per_m) ? text::rounded(median_N_per_m * 1e-3) : "-";
+  return newtons_per_mm(number_at(summary, "/displayed_stiffness_N_per_m/median"));
 }
 
 text::Table::Cell leak_cell(double least_P_J) {

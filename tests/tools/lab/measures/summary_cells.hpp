@@ -30,6 +30,11 @@ namespace forcebound::lab {
   return least_P_J >= -kRounding_J ? "0" : text::rounded(1e3 * least_P_J);
 }
 
+/// A stiffness in the tables' unit, N/mm, or "-" where it is not known.
+[[nodiscard]] inline std::string newtons_per_mm(double stiffness_N_per_m) {
+  return std::isfinite(stiffness_N_per_m) ? text::rounded(stiffness_N_per_m * 1e-3) : "-";
+}
+
 /// A run's least P [mJ], in red where that makes it not passive. Summaries of version 1 have no verdict, but say
 /// whether P is ok.
 [[nodiscard]] inline text::Table::Cell least_P_cell(const nlohmann::ordered_json& summary) {
