@@ -82,16 +82,6 @@ void check(const DeviceFacts& facts) {
   check(facts.uncertainty, facts);
 }
 
-ReleaseStages release_of(const DeviceFacts& facts) {
-  const Bracket& later = facts.uncertainty.hold_s;
-  const double full_s = facts.hold_s_max;
-  const bool staged = facts.release_share > 0 && facts.release_s > 0;
-  const double part_s = full_s + (staged ? facts.release_s : 0.0);
-  return {.full_s = {full_s + later.least, full_s + later.most},
-          .share = staged ? facts.release_share : 0,
-          .part_s = {part_s + later.least, part_s + later.most}};
-}
-
 template <std::size_t... Joint>
 std::array<LeastEnergy, kDofMax> make_joints(const Vector& damping, const Vector& friction,
                                              std::index_sequence<Joint...> /*joints*/) {
@@ -111,11 +101,10 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
                           std::make_index_sequence<kDofMax>())),
       encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
-      release_(release_of(facts)),
-      releases_(facts.releases ? release_ : ReleaseStages{}),
+      times_(facts),
+      paid_(times_.longest_release()),
       stamp_s_(facts.uncertainty.stamp_s),
       latency_s_(facts.uncertainty.latency_s),
-      clock_rate_(1 / (1 - facts.uncertainty.clock_share)),
       torque_share_(facts.uncertainty.torque_share),
       lag_s_(facts.uncertainty.actuator_lag_s),
       force_N_max_(facts.force_N_max),
@@ -153,7 +142,7 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
     charge_all();
     return;
   }
-  const Bracket passed_s{motion.interval_s / clock_rate_, motion.interval_s * clock_rate_};
+  const Bracket passed_s = times_.true_time(motion.interval_s);
   if (located_) {
     let_act(passed_s.most, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
   } else if (stamp_trusted_) {
@@ -165,47 +154,9 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
 
 /// Puts the force committed last among those on their way, with what the motion and the facts tell of its times.
 void ExactLaw::note_command(const Motion& motion) noexcept {
-  const double effect_s = std::max(0.0, motion.latency_s);
-  const Bracket begin_s = held_.in_order(true_time(effect_s, motion.effect_reported ? stamp_s_ : latency_s_));
-  // Where the write failed, the release may have been that of the force before; the band holds zero throughout then.
-  const bool reported = !motion.write_failed && std::isfinite(motion.held_s);
-  const ReleaseStages release =
-      reported ? reported_release(true_time(motion.latency_s + motion.held_s, stamp_s_), begin_s) : releases_;
-  held_.command(committed_, begin_s, release, !motion.write_failed);
+  const Bracket begin_s = held_.in_order(times_.effect(motion));
+  held_.command(committed_, begin_s, times_.release(motion, begin_s), !motion.write_failed);
   committed_.setZero();
-}
-
-/// The true time since the previous reading's stamp of what came `later_s` after the clock showed `shown_s` since then.
-Bracket ExactLaw::true_time(double shown_s, const Bracket& later_s) const noexcept {
-  const auto [least_s, most_s] = std::minmax({shown_s / clock_rate_, shown_s * clock_rate_});
-  return {least_s + later_s.least, most_s + later_s.most};
-}
-
-/// The stages of a force whose release the device reports to have begun within `at_s`. At a time that the facts allow
-/// wherever in its bracket the force took effect, it goes on as they say; where it may have been earlier or was later,
-/// nobody knows for how long a share of the force is held.
-ReleaseStages ExactLaw::reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept {
-  constexpr double kRounding_s = 1e-9;
-  ReleaseStages release = releases_;
-  if (at_s.most < begin_s.least - kRounding_s) return release;  // of an earlier force
-  // Beginning and end of a bracket count from the beginning and the end of the time of effect.
-  const Bracket told_s{std::max(0.0, at_s.least - begin_s.least), at_s.most - begin_s.most};
-  const Bracket facts_s = release.full_s;
-  const bool early = at_s.most - begin_s.least < facts_s.least - kRounding_s;
-  const bool late = at_s.least - begin_s.most > facts_s.most + kRounding_s;
-  const bool maybe_early = at_s.least - begin_s.most < facts_s.least - kRounding_s;
-  if (early || late) {
-    const double part_s = release_.part_s.most - release_.full_s.most;
-    release.full_s = told_s;
-    release.part_s = {told_s.least, std::max(release_.part_s.most, told_s.most + part_s)};
-  } else {
-    release.full_s = {maybe_early ? told_s.least : std::max(told_s.least, facts_s.least),
-                      std::min(told_s.most, facts_s.most)};
-    release.part_s.least = maybe_early ? told_s.least : std::max(release.part_s.least, release.full_s.least);
-  }
-  // Rounding leaves no time in which there is neither the force nor its release.
-  release.full_s.most = std::max(release.full_s.most, begin_s.least + release.full_s.least - begin_s.most);
-  return release;
 }
 
 void ExactLaw::let_act(double duration_s, double stretch) noexcept {
@@ -225,7 +176,7 @@ void ExactLaw::charge_all() noexcept {
   if (located_ || blind_s_ > 0) {
     held_.each([&](const Vector& mid, const Vector& spread) { energy_.add(-needed_J(mid.cwiseAbs() + spread)); });
     energy_.add(-lag_can_take_J(held_.left_by_lag()));
-    const double over_s = held_.horizon_s() + release_.part_s.most + kLagsUntilNothing * lag_s_;
+    const double over_s = held_.horizon_s() + paid_.part_s.most + kLagsUntilNothing * lag_s_;
     blind_s_ = std::max(blind_s_, over_s - std::min(0.0, stamp_s_.least));
   }
   located_ = false;
@@ -250,7 +201,7 @@ LeastEnergy::Tube ExactLaw::tube(Eigen::Index joint, double reading) const noexc
 
 /// The next force takes effect `latency_s` after the reading's stamp, or so much later as the facts allow.
 ExactLaw::Ahead ExactLaw::until_effect(double latency_s) const noexcept {
-  const double begin_s = std::max(latency_s * clock_rate_ + latency_s_.most, held_.horizon_s());
+  const double begin_s = std::max(times_.true_time(latency_s).most + latency_s_.most, held_.horizon_s());
   Ahead ahead;
   Vector left = held_.left_by_lag();
   held_.each_piece(stamp_s_.least, begin_s, [&](const Vector& mid, const Vector& spread, double piece_s) {
@@ -284,14 +235,14 @@ double ExactLaw::lag_can_take_J(const Vector& left) const noexcept {
 
 /// The sum over the stages of the release, for a torque given by its sizes.
 double ExactLaw::needed_J(const Vector& torque) const noexcept {
-  const double full_s = release_.full_s.most + lag_s_;
-  const double part_s = release_.part_s.most - release_.full_s.most;
+  const double full_s = paid_.full_s.most + lag_s_;
+  const double part_s = paid_.part_s.most - paid_.full_s.most;
   double needed_J = 0;
   for (Eigen::Index i = 0; i < dof_; ++i) {
     const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const double size = std::abs(torque[i]);
     needed_J += joint.reserve_J(size, torque_share_ * size, full_s);
-    if (part_s > 0) needed_J += joint.reserve_J(release_.share * size, torque_share_ * release_.share * size, part_s);
+    if (part_s > 0) needed_J += joint.reserve_J(paid_.share * size, torque_share_ * paid_.share * size, part_s);
   }
   return needed_J;
 }
@@ -299,7 +250,7 @@ double ExactLaw::needed_J(const Vector& torque) const noexcept {
 Vector ExactLaw::bound(const Vector& request_N) noexcept {
   const double largest = request_N.lpNorm<Eigen::Infinity>();
   if (!(largest > 0) || !located_) {
-    share_ = 1;
+    shown_share_ = 1;
     return Vector::Zero(dof_);
   }
   // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
@@ -307,9 +258,9 @@ Vector ExactLaw::bound(const Vector& request_N) noexcept {
   const auto spendable = spendable_J(latency_s_max_);
   double scale = spendable ? std::min(largest, largest_scale(jacobian_.transpose() * direction, *spendable)) : 0.0;
   if (memory_ == EnergyMemory::capped) {
-    const double share = std::min(scale / largest, share_ + spending_.rise_per_s * std::max(0.0, interval_s_));
+    const double share = std::min(scale / largest, shown_share_ + spending_.rise_per_s * std::max(0.0, interval_s_));
     if (share < scale / largest) scale = share * largest;
-    share_ = share;
+    shown_share_ = share;
   }
   return scale == largest ? request_N : Vector(direction * scale);
 }
@@ -328,14 +279,14 @@ double ExactLaw::largest_scale(const Vector& torque, double energy_J) const noex
     for (; place != parabolas.begin() && parabola.begin < (place - 1)->begin; --place) *place = *(place - 1);
     *place = parabola;
   };
-  const double full_s = release_.full_s.most + lag_s_;
-  const double part_s = release_.part_s.most - release_.full_s.most;
+  const double full_s = paid_.full_s.most + lag_s_;
+  const double part_s = paid_.part_s.most - paid_.full_s.most;
   for (Eigen::Index i = 0; i < dof_; ++i) {
     const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const double size = std::abs(torque[i]) * (1 + torque_share_);
     if (!(size > 0)) continue;
     add({joint.friction() / size, size * size * full_s / (4 * joint.damping())});
-    const double part = release_.share * size;
+    const double part = paid_.share * size;
     if (part > 0) add({joint.friction() / part, part * part * part_s / (4 * joint.damping())});
   }
   // With t = s - begin:  a t^2 + 2 b t = room,  moved on from parabola to parabola.

@@ -5,6 +5,7 @@
 
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/energy_sum.hpp"
+#include "forcebound/control/force_times.hpp"
 #include "forcebound/control/held_torques.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/control/law_registry.hpp"
@@ -89,8 +90,6 @@ class ExactLaw final : public PassivityLaw {
   [[nodiscard]] LeastEnergy::Tube tube(Eigen::Index joint, double reading) const noexcept;
   void note_times(const Motion& motion) noexcept;
   void note_command(const Motion& motion) noexcept;
-  [[nodiscard]] Bracket true_time(double shown_s, const Bracket& later_s) const noexcept;
-  [[nodiscard]] ReleaseStages reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept;
   void let_act(double duration_s, double stretch) noexcept;
   void charge_all() noexcept;
   void forget_excess() noexcept;
@@ -107,11 +106,10 @@ class ExactLaw final : public PassivityLaw {
   std::array<LeastEnergy, kDofMax> joints_;
   Vector encoder_half_;
   double period_s_;
-  ReleaseStages release_;   // what a force must be paid for
-  ReleaseStages releases_;  // the same, or never for a device that does not release
+  ForceTimes times_;
+  ReleaseStages paid_;  // the stages that a force must be paid for
   Bracket stamp_s_;
   Bracket latency_s_;  // beyond what the motion says
-  double clock_rate_;  // true seconds for one of the clock's at most; at least its inverse
   double torque_share_;
   double lag_s_;
   double force_N_max_;
@@ -127,7 +125,7 @@ class ExactLaw final : public PassivityLaw {
   Vector committed_;  // when it takes effect, the next motion tells
   double latency_s_max_ = 0;
   double interval_s_ = 0;
-  double share_ = 1;  // of the latest request that was shown
+  double shown_share_ = 1;  // of the latest request
 };
 
 }  // namespace forcebound::control

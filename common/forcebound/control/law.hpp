@@ -14,14 +14,14 @@ namespace forcebound::control {
 /// What a tick measured before it chooses a force. All vectors finite, `dof` rows.
 struct Motion {
   double interval_s = 0;  ///< measured length of the interval that ended with this reading (h_n), 0 at first
-  double latency_s = 0;   ///< from the previous reading until the force chosen on it took effect (delta_n)
-  double held_s = std::numeric_limits<double>::infinity();  ///< how long it was in effect, if the device let go of it
-  bool effect_reported = false;  ///< the device said when the force took effect: `latency_s` counts to its stamp
-  bool write_failed = false;     ///< whether the force was ever in effect, or the one before it still is, is unknown
-  double latency_s_max = 0;  ///< the longest that the force now to be chosen may take from this reading to its effect
-  Vector position;           ///< task space [m], device frame
-  Vector joint;              ///< joint readings; equal to `position` for a Cartesian device
-  Matrix jacobian;           ///< d position / d joint at this reading
+  double latency_s = 0;   ///< from the previous reading to the effect of the force chosen on it, by the facts (delta_n)
+  double effect_s = std::numeric_limits<double>::quiet_NaN();  ///< the same as the device reports it, if it does
+  double held_s = std::numeric_limits<double>::infinity();     ///< from `latency_s` until the device let go, if it did
+  bool write_failed = false;  ///< whether the force was ever in effect, or the one before it still is, is unknown
+  double latency_s_max = 0;   ///< the longest that the force now to be chosen may take from this reading to its effect
+  Vector position;            ///< task space [m], device frame
+  Vector joint;               ///< joint readings; equal to `position` for a Cartesian device
+  Matrix jacobian;            ///< d position / d joint at this reading
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
 };
 

@@ -31,6 +31,7 @@ Vector rounded_toward_zero(Vector command, const Vector& step) noexcept {
 
 PassivityController::PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law)
     : law_(std::move(law)),
+      times_(facts),
       actuator_step_(facts.actuator_step),
       latency_s_least_(facts.latency_s),
       cartesian_(facts.cartesian),
@@ -70,12 +71,18 @@ bool PassivityController::within_reach(const Motion& motion) noexcept {
   return true;
 }
 
+void PassivityController::count(const Motion& motion) noexcept {
+  counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
+  counts_.writes_failed += motion.write_failed;
+  counts_.effects_outside_facts += times_.effect_is_outside_facts(motion);
+  counts_.releases_outside_facts += times_.release_is_outside_facts(motion);
+}
+
 /// False for a reading that is not finite or out of reach.
 bool PassivityController::note(const Motion& motion) noexcept {
-  counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
+  count(motion);
   begun_ = true;
   since_reached_s_ += is_measurable(motion.interval_s) ? motion.interval_s : std::numeric_limits<double>::infinity();
-  counts_.writes_failed += motion.write_failed;
   const bool finite = motion.position.allFinite() && motion.joint.allFinite() && motion.jacobian.allFinite();
   if (finite && within_reach(motion)) {
     law_->credit(motion);

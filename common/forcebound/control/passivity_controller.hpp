@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/force_times.hpp"
 #include "forcebound/control/law.hpp"
 
 namespace forcebound::control {
@@ -26,9 +27,11 @@ class PassivityController {
   struct Counts {
     std::uint64_t requests_not_finite = 0;
     std::uint64_t readings_not_finite = 0;
-    std::uint64_t readings_too_far = 0;      ///< further than the device can be so soon: taken for lost
-    std::uint64_t writes_failed = 0;         ///< as the device told
-    std::uint64_t intervals_impossible = 0;  ///< not measurable, the first tick's aside: nothing credited
+    std::uint64_t readings_too_far = 0;        ///< further than the device can be so soon: taken for lost
+    std::uint64_t writes_failed = 0;           ///< as the device told
+    std::uint64_t effects_outside_facts = 0;   ///< reported before the command, or not when the facts allow
+    std::uint64_t releases_outside_facts = 0;  ///< likewise
+    std::uint64_t intervals_impossible = 0;    ///< not measurable, the first tick's aside: nothing credited
     std::uint64_t saturated = 0;
     std::uint64_t forces_not_finite = 0;  ///< of the law: a fault of its own
     std::uint64_t withdrawn = 0;          ///< chosen, but too late to be passive: zero force instead
@@ -63,12 +66,14 @@ class PassivityController {
 
  private:
   [[nodiscard]] bool note(const Motion& motion) noexcept;
+  void count(const Motion& motion) noexcept;
   [[nodiscard]] bool within_reach(const Motion& motion) noexcept;
   [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
   [[nodiscard]] Vector sound(const Vector& force_N) noexcept;
   [[nodiscard]] Vector rounded(const Vector& force_N, const Motion& motion) const noexcept;
 
   std::unique_ptr<PassivityLaw> law_;
+  ForceTimes times_;
   Vector actuator_step_;
   double latency_s_least_;
   bool cartesian_;

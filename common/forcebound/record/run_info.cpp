@@ -59,6 +59,8 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("non_finite_readings", totals.non_finite_readings);
   visit("readings_too_far", totals.readings_too_far);
   visit("failed_writes", totals.failed_writes);
+  visit("effects_outside_facts", totals.effects_outside_facts);
+  visit("releases_outside_facts", totals.releases_outside_facts);
   visit("withdrawn_forces", totals.withdrawn_forces);
   visit("impossible_intervals", totals.impossible_intervals);
   visit("held_too_long", totals.held_too_long);
@@ -239,6 +241,12 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "readings further away than the device can be, shown as zero force"},
       {"failed_writes", t.failed_writes, "command that may not have reached the motors",
        "commands that may not have reached the motors"},
+      {"effects_outside_facts", t.effects_outside_facts,
+       "force that the device reports in effect when its file does not allow it: the worst case is charged",
+       "forces that the device reports in effect when its file does not allow it: the worst case is charged"},
+      {"releases_outside_facts", t.releases_outside_facts,
+       "release that the device reports when its file does not allow it: the worst case is charged",
+       "releases that the device reports when its file does not allow them: the worst case is charged"},
       {"withdrawn_forces", t.withdrawn_forces, "force commanded too long after the reading, and made zero",
        "forces commanded too long after the reading, and made zero"},
       {"impossible_intervals", t.impossible_intervals, "tick whose clock stood still or ran back: nothing credited",

@@ -73,8 +73,10 @@ struct RunTotals {
   std::uint64_t foreign_session = 0;                               ///< well-formed, but of another session or sender
   std::uint64_t non_finite_requests = 0;
   std::uint64_t non_finite_readings = 0;
-  std::uint64_t readings_too_far = 0;      ///< further than the device can be so soon: taken for lost
-  std::uint64_t failed_writes = 0;         ///< commands that may not have reached the motors
+  std::uint64_t readings_too_far = 0;        ///< further than the device can be so soon: taken for lost
+  std::uint64_t failed_writes = 0;           ///< commands that may not have reached the motors
+  std::uint64_t effects_outside_facts = 0;   ///< reported by the device before the command, or not when its facts allow
+  std::uint64_t releases_outside_facts = 0;  ///< likewise: earlier or later than they allow
   std::uint64_t withdrawn_forces = 0;      ///< commanded so long after the reading that the law no longer allowed them
   std::uint64_t impossible_intervals = 0;  ///< ticks whose clock stood still or ran back: nothing credited
   std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go

@@ -140,10 +140,7 @@ class Opponent {
     const auto shown_s = [&](double true_s) {
       return (true_s - within(game_.truth.stamp_s) - stamped_s_) * clock_rate_;
     };
-    if (game_.truth.effects_reported && effect_s_ >= 0) {
-      motion.effect_reported = true;
-      motion.latency_s = shown_s(effect_s_);
-    }
+    if (game_.truth.effects_reported && effect_s_ >= 0) motion.effect_s = shown_s(effect_s_);
     if (game_.truth.releases_reported && release_s_) motion.held_s = shown_s(*release_s_) - motion.latency_s;
   }
 

@@ -174,10 +174,11 @@ TEST(ExactLaw, KnowsNotHowAReleaseGoesOnThatComesTooEarly) {
   LeastEnergy joint(30, 0);
   joint.restart({0, 0});
   double energy_J = joint.hold(-1, 0, 0.5e-3);
-  energy_J += joint.hold(-0.25, 0.25, 3.5e-3);
+  energy_J += joint.hold(-0.5, 0.5, 1.5e-3);
+  energy_J += joint.hold(-0.25, 0.25, 2e-3);
   energy_J += joint.hold(0, 0, 1e-3);
   energy_J += joint.read({1e-4, 1e-4}).value();
-  EXPECT_NEAR(energy_after_release_J(0.5e-3), energy_J, 1e-15);
+  EXPECT_NEAR(energy_after_release_J(0.5e-3), energy_J, 1e-15) << "or the report is wrong";
 }
 
 TEST(ExactLaw, KnowsNotHowAReleaseGoesOnThatMayHaveComeTooEarly) {
@@ -198,6 +199,39 @@ TEST(ExactLaw, TakesAReportOfAReleaseOnTimeAsTheFactsSay) {
 
 TEST(ExactLaw, BelievesNoReleaseFromBeforeTheForceWasInEffect) {
   EXPECT_NEAR(energy_after_release_J(-0.5e-3, 1e-3), energy_after_release_J(kInfinity, 1e-3), 1e-15);
+}
+
+/// The energy after a way of which 1 N took a part, in effect at a time of which the device reports that it was
+/// `told_s`.
+double energy_after_effect_J(double way_m, double told_s, double latency_s) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.hold_s_max = 1;
+  facts.latency_s = 1e-3;
+  ExactLaw law(facts, EnergyMemory::full);
+  law.credit(motion_to(vector({0})));
+  law.commit(vector({-1}));
+  Motion motion = motion_to(vector({way_m}), nullptr, 5e-3);
+  motion.latency_s = latency_s;
+  motion.effect_s = told_s;
+  law.credit(motion);
+  return law.energy_J();
+}
+
+TEST(ExactLaw, CreditsNoMoreThanTheWorseOfAnEffectReportedOutsideTheFactsAndTheFacts) {
+  for (const double way_m : {1e-4, -1e-4}) {
+    SCOPED_TRACE(way_m);
+    const double early_J = energy_after_effect_J(way_m, 2e-3, 2e-3);
+    const double late_J = energy_after_effect_J(way_m, 3e-3, 3e-3);
+    const double worse_J = std::min(early_J, late_J);
+    ASSERT_GT(std::max(early_J, late_J), worse_J + 1e-5);
+    EXPECT_LE(energy_after_effect_J(way_m, 3e-3, 2e-3), worse_J + 1e-15) << "reported too late";
+    EXPECT_LE(energy_after_effect_J(way_m, 2e-3, 3e-3), worse_J + 1e-15) << "reported too early";
+    EXPECT_NEAR(early_J, energy_after_effect_J(way_m, std::nan(""), 2e-3), 1e-15) << "reported as the facts say";
+  }
+}
+
+TEST(ExactLaw, BelievesNoEffectBeforeItsCommand) {
+  EXPECT_NEAR(energy_after_effect_J(-1e-4, 1e-3, 3e-3), energy_after_effect_J(-1e-4, std::nan(""), 3e-3), 1e-15);
 }
 
 TEST(ExactLaw, GivesNothingInADeficitUntilTheLagHasLetGoOfWhatFrictionDoesNotHold) {

@@ -355,6 +355,40 @@ TEST(PassivityController, TakesAReadingFurtherThanTheDeviceCanBeForALostOne) {
   EXPECT_EQ(controller.counts().readings_too_far, 1U);
 }
 
+TEST(PassivityController, CountsTimesOfADeviceThatItsFactsDoNotAllow) {
+  DeviceFacts facts = three_axes();
+  facts.latency_s = 1e-3;
+  facts.uncertainty.latency_s = {-0.2e-3, 0.5e-3};
+  facts.uncertainty.hold_s = {-0.1e-3, 0.1e-3};
+  PassivityController controller(facts, published_laws().make("none", facts));
+  const Damping damping = Damping::from_matrix(facts.damping);
+  Motion motion;
+  motion.position = motion.joint = Vector::Zero(3);
+  motion.jacobian = Matrix::Identity(3, 3);
+  motion.damping = &damping;
+  motion.interval_s = 5e-3;
+  motion.latency_s = 1.3e-3;  // commanded at 0.3 ms
+  std::uint64_t counted = 0;
+  for (const auto& [effect_s, outside] :
+       {std::pair{kNaN, false}, {0.2e-3, true}, {1.0e-3, true}, {1.1e-3, false}, {1.8e-3, false}, {1.9e-3, true}}) {
+    motion.effect_s = effect_s;
+    (void)controller.tick(motion, to_vector({1, 1, 1}));
+    counted += outside;
+    EXPECT_EQ(controller.counts().effects_outside_facts, counted) << effect_s;
+  }
+  motion.effect_s = kNaN;
+  counted = 0;
+  for (const auto& [held_s, outside] : {std::pair{facts.hold_s_max, false},
+                                        {facts.hold_s_max - 0.5e-3, true},
+                                        {facts.hold_s_max + 0.5e-3, false},
+                                        {facts.hold_s_max + 0.7e-3, true}}) {
+    motion.held_s = held_s;
+    (void)controller.tick(motion, to_vector({1, 1, 1}));
+    counted += outside;
+    EXPECT_EQ(controller.counts().releases_outside_facts, counted) << held_s;
+  }
+}
+
 TEST(PassivityController, RefusesToWorkWithoutALaw) {
   EXPECT_THROW(PassivityController(three_axes(), nullptr), std::invalid_argument);
 }

@@ -134,10 +134,10 @@ control::Motion Session::motion_at(const device::Reading& reading) const noexcep
       .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
   if (previous_reading_) {
     motion.interval_s = time::to_seconds(reading.latched - *previous_reading_);
-    const auto effective = effect_of_last_command();
-    motion.effect_reported = effective.has_value();
-    motion.latency_s = effective ? time::to_seconds(*effective - *previous_reading_)
-                                 : latency_s(*previous_command_ - *previous_reading_);
+    motion.latency_s = latency_s(*previous_command_ - *previous_reading_);
+    if (const auto effective = device_.effective_at()) {
+      motion.effect_s = time::to_seconds(*effective - *previous_reading_);
+    }
     motion.write_failed = device_.write_failed();
     if (const auto released = device_.released_at()) {
       motion.held_s = time::to_seconds(*released - *previous_reading_) - motion.latency_s;
@@ -145,14 +145,6 @@ control::Motion Session::motion_at(const device::Reading& reading) const noexcep
   }
   motion.latency_s_max = latency_s(choosing_since_ - reading.latched + choosing_.allowed());
   return motion;
-}
-
-/// As the device reports it; nothing where it says what cannot be, a force in effect before it was commanded.
-std::optional<Nanoseconds> Session::effect_of_last_command() const noexcept {
-  const auto effective = device_.effective_at();
-  const double stamp_s_max = std::max(0.0, device_.facts().uncertainty.stamp_s.most);
-  if (!effective || *effective + time::from_seconds(stamp_s_max) < *previous_command_) return std::nullopt;
-  return effective;
 }
 
 double Session::latency_s(Nanoseconds reading_to_command) const noexcept {
@@ -436,6 +428,8 @@ record::RunTotals Session::totals() const {
   totals.non_finite_readings = controller_.counts().readings_not_finite;
   totals.readings_too_far = controller_.counts().readings_too_far;
   totals.failed_writes = controller_.counts().writes_failed;
+  totals.effects_outside_facts = controller_.counts().effects_outside_facts;
+  totals.releases_outside_facts = controller_.counts().releases_outside_facts;
   totals.longest_blackout = blackouts_.longest(last_tick_);
   if (totals.longest_blackout.duration > Nanoseconds::zero()) {
     totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));

@@ -109,7 +109,6 @@ class Session {
   void note_news(Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] control::Motion motion_at(const device::Reading& reading) const noexcept;
-  [[nodiscard]] std::optional<Nanoseconds> effect_of_last_command() const noexcept;
   [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
   [[nodiscard]] Request request_at(const Vector& position, Nanoseconds now) noexcept;
   void note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;

@@ -57,19 +57,26 @@ class SessionOfADeviceThatReports : private WithNotedMotion, public SessionTest 
 
 TEST_F(SessionOfADeviceThatReports, TellsTheLawWhenAForceTookEffect) {
   const control::Motion& motion = told(200us);
-  EXPECT_TRUE(motion.effect_reported);
-  EXPECT_NEAR(motion.latency_s, 200e-6, 1e-12);
+  EXPECT_NEAR(motion.effect_s, 200e-6, 1e-12);
+  EXPECT_EQ(motion.latency_s, device.facts().latency_s) << "of the file";
 }
 
-TEST_F(SessionOfADeviceThatReports, BelievesNoEffectBeforeItsCommand) {
-  const control::Motion& motion = told(-1us);
-  EXPECT_FALSE(motion.effect_reported);
-  EXPECT_EQ(motion.latency_s, device.facts().latency_s);
-}
-
-TEST_F(SessionOfADeviceThatReports, CountsTheTimeHeldFromTheEffect) {
+TEST_F(SessionOfADeviceThatReports, CountsTheTimeHeldFromTheEffectThatTheFactsExpect) {
   const control::Motion& motion = told(200us, 700us);
-  EXPECT_NEAR(motion.held_s, 500e-6, 1e-12);
+  EXPECT_NEAR(motion.held_s, 700e-6, 1e-12);
+}
+
+TEST_F(SessionOfADeviceThatReports, CountsAnEffectBeforeItsCommand) {
+  told(0us);
+  EXPECT_EQ(session.totals().effects_outside_facts, 0U);
+  told(-1us);
+  EXPECT_EQ(session.totals().effects_outside_facts, 1U);
+}
+
+TEST_F(SessionOfADeviceThatReports, CountsWhatItsFileDoesNotAllow) {
+  told(200us, 700us);
+  EXPECT_EQ(session.totals().effects_outside_facts, 1U) << "the file has no latency";
+  EXPECT_EQ(session.totals().releases_outside_facts, 1U) << "and holds for 1 s";
 }
 
 }  // namespace
