@@ -58,19 +58,6 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
   }
 }
 
-/// Whether the joints can have come there since the last reading that was used. Where the clock failed, nobody knows.
-bool PassivityController::within_reach(const Motion& motion) noexcept {
-  if (reach_m_per_s_.rows() == 0) return true;
-  const bool first = reached_.rows() == 0 || std::isinf(since_reached_s_);
-  const bool within = first || ((motion.joint - reached_).cwiseAbs().array() <=
-                                (since_reached_s_ * reach_m_per_s_ + reading_error_).array())
-                                   .all();
-  if (!within) return false;
-  reached_ = motion.joint;
-  since_reached_s_ = 0;
-  return true;
-}
-
 void PassivityController::count(const Motion& motion) noexcept {
   counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
   counts_.writes_failed += motion.write_failed;
@@ -78,19 +65,54 @@ void PassivityController::count(const Motion& motion) noexcept {
   counts_.releases_outside_facts += times_.release_is_outside_facts(motion);
 }
 
+/// Of the two intervals at a wrong stamp, neither says how long the device moved.
+void PassivityController::pass(double interval_s) noexcept {
+  const bool measurable = is_measurable(interval_s);
+  since_reached_s_ += measurable && stamp_trusted_ ? interval_s : std::numeric_limits<double>::infinity();
+  stamp_trusted_ = measurable || !begun_;
+  begun_ = true;
+}
+
+/// Whether the joints can have come there since the last reading that was used.
+bool PassivityController::within_reach(const Motion& motion) const noexcept {
+  return ((motion.joint - reached_).cwiseAbs().array() <= (since_reached_s_ * reach_m_per_s_ + reading_error_).array())
+      .all();
+}
+
+void PassivityController::lose(const Motion& motion) noexcept {
+  ++counts_.readings_too_far;
+  if (reached_surely_) {
+    law_->lose(motion);
+    return;
+  }
+  Motion unknown = motion;
+  unknown.interval_s = 0;
+  law_->lose(unknown);
+  reached_ = motion.joint;
+  since_reached_s_ = 0;
+}
+
 /// False for a reading that is not finite or out of reach.
 bool PassivityController::note(const Motion& motion) noexcept {
   count(motion);
-  begun_ = true;
-  since_reached_s_ += is_measurable(motion.interval_s) ? motion.interval_s : std::numeric_limits<double>::infinity();
-  const bool finite = motion.position.allFinite() && motion.joint.allFinite() && motion.jacobian.allFinite();
-  if (finite && within_reach(motion)) {
-    law_->credit(motion);
-    return true;
+  pass(motion.interval_s);
+  if (!motion.position.allFinite() || !motion.joint.allFinite() || !motion.jacobian.allFinite()) {
+    ++counts_.readings_not_finite;
+    law_->lose(motion);
+    return false;
   }
-  ++(finite ? counts_.readings_too_far : counts_.readings_not_finite);
-  law_->lose(motion);
-  return false;
+  if (reach_m_per_s_.rows() > 0) {
+    const bool first = reached_.rows() == 0 || std::isinf(since_reached_s_);
+    if (!first && !within_reach(motion)) {
+      lose(motion);
+      return false;
+    }
+    reached_ = motion.joint;
+    since_reached_s_ = 0;
+    reached_surely_ = !first;
+  }
+  law_->credit(motion);
+  return true;
 }
 
 Vector PassivityController::release(const Motion& motion) noexcept {

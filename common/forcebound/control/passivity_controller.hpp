@@ -16,8 +16,12 @@ namespace forcebound::control {
 ///
 /// A request that is not finite is zero force. A reading that is not finite, or further from the last one than the
 /// device's largest speed explains, is zero force too; the tick credits nothing and the force held is charged its worst
-/// case. Rounding is toward zero in the joints, where motors
-/// are; a rounded force that the law would not allow (a coupled damping matrix can make it so) becomes zero.
+/// case. The first reading, at the start and after an interval that no clock can have measured, counts as a place only
+/// once the next one is within reach of it: if that is not, nobody knows which of the two is wrong, and the law is told
+/// that the clock failed, so that it starts again.
+///
+/// Rounding is toward zero in the joints, where motors are; a rounded force that the law would not allow (a coupled
+/// damping matrix can make it so) becomes zero.
 ///
 /// Less than 1e-150 N is zero, asked for or given, so that no force depends on what the processor does with denormals.
 ///
@@ -67,7 +71,9 @@ class PassivityController {
  private:
   [[nodiscard]] bool note(const Motion& motion) noexcept;
   void count(const Motion& motion) noexcept;
-  [[nodiscard]] bool within_reach(const Motion& motion) noexcept;
+  void lose(const Motion& motion) noexcept;
+  void pass(double interval_s) noexcept;
+  [[nodiscard]] bool within_reach(const Motion& motion) const noexcept;
   [[nodiscard]] Vector saturated(const Vector& request_N) noexcept;
   [[nodiscard]] Vector sound(const Vector& force_N) noexcept;
   [[nodiscard]] Vector rounded(const Vector& force_N, const Motion& motion) const noexcept;
@@ -80,8 +86,10 @@ class PassivityController {
   double force_N_max_;
   Vector reach_m_per_s_;  ///< no rows: not known
   Vector reading_error_;
-  Vector reached_;  ///< the last reading that was used
-  double since_reached_s_ = 0;
+  Vector reached_;               ///< the last reading that was used; no rows: there was none
+  double since_reached_s_ = 0;   ///< infinite where the clock failed since
+  bool reached_surely_ = false;  ///< the one before it was within reach
+  bool stamp_trusted_ = true;    ///< of the reading before
   bool begun_ = false;
   Counts counts_;
 };

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "tests/support/ideal_device.hpp"
 #include "tests/support/published_law_checks.hpp"
@@ -353,6 +354,60 @@ TEST(PassivityController, TakesAReadingFurtherThanTheDeviceCanBeForALostOne) {
   EXPECT_EQ(tick(0.5), 0) << "a glitch";
   EXPECT_EQ(tick(2.5e-3), 1) << "two ticks away from the last good one";
   EXPECT_EQ(controller.counts().readings_too_far, 1U);
+}
+
+/// Of fba-exact on a device of at most 1 m/s.
+class FirstReading : public testing::Test {
+ protected:
+  void tick(double at_m, double interval_s = 1e-3) {
+    motion_.jacobian = Matrix::Identity(3, 3);
+    motion_.damping = &damping_;
+    motion_.position = motion_.joint = Vector::Constant(3, at_m);
+    motion_.interval_s = begun_ ? interval_s : 0;
+    begun_ = true;
+    (void)controller_.tick(motion_, to_vector({1, 1, 1}));
+    most_J_ = std::max(most_J_, controller_.law().energy_J());
+  }
+
+  static DeviceFacts slow_device() {
+    DeviceFacts facts = three_axes();
+    facts.friction = facts.encoder_step = Vector::Zero(3);
+    facts.speed_max = Vector::Constant(3, 1);
+    return facts;
+  }
+
+  DeviceFacts facts_ = slow_device();
+  Damping damping_ = Damping::from_matrix(facts_.damping);
+  PassivityController controller_{facts_, std::make_unique<ExactLaw>(facts_, EnergyMemory::full)};
+  Motion motion_;
+  bool begun_ = false;
+  double most_J_ = 0;
+};
+
+TEST_F(FirstReading, CreditsNoMotionFromWhereTheDeviceNeverWas) {
+  tick(0.5);
+  for (int i = 0; i < 600; ++i) tick(0);
+  EXPECT_EQ(most_J_, 0);
+  EXPECT_EQ(controller_.counts().readings_too_far, 1U);
+}
+
+TEST_F(FirstReading, CreditsNoMotionFromWhereTheDeviceNeverWasAfterAnImpossibleInterval) {
+  tick(0);
+  tick(kNaN, 0);
+  for (int i = 0; i < 20; ++i) tick(kNaN);
+  tick(0.5);
+  for (int i = 0; i < 600; ++i) tick(0);
+  EXPECT_EQ(most_J_, 0);
+  EXPECT_EQ(controller_.counts().readings_too_far, 1U);
+}
+
+TEST_F(FirstReading, IsUsedAgainSoonAfterAWrongOneWhoseClockFailed) {
+  tick(0);
+  tick(0.5, 0);
+  for (int i = 0; i < 20; ++i) tick(0);
+  EXPECT_LE(controller_.counts().readings_too_far, 2U);
+  tick(0.5e-3);
+  EXPECT_GT(controller_.law().energy_J(), 0);
 }
 
 TEST(PassivityController, CountsTimesOfADeviceThatItsFactsDoNotAllow) {
