@@ -323,4 +323,8 @@ int ExactLaw::knots() const noexcept {
   return most;
 }
 
+bool ExactLaw::knots_merged() const noexcept {
+  return std::any_of(joints_.begin(), joints_.end(), [](const LeastEnergy& joint) { return joint.merged(); });
+}
+
 }  // namespace forcebound::control

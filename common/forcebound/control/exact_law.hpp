@@ -30,14 +30,15 @@ struct Spending {
 /// held between ticks is the motors' torque tau = J'f. The force is chosen at a reading t_n, takes effect latency_n
 /// after it, and is released by the device after the hold time T_hold:
 ///
-///     E_n = sum_i min V_n,i,   V from the readings, the measured intervals and what was in effect when
-///     f_n = phi u, the largest phi <= |f_e| with  sum_i max(phi |(J'u)_i| - c_i, 0)^2 T_hold/(4 b_i) <= max(E_n, 0)
+///     E_n = sum_i min V_n,i  -  the reserves r of all pieces of time until f_n takes effect
+///     f_n = phi u, the largest phi <= |f_e| with  R(phi J'u) <= max(E_n, 0)
+///     R(f) = sum_i  r(f_i, q f_i, T_1) + r(s f_i, q s f_i, T_2 - T_1),     r(m, k, t) = max(|m| + k - c, 0)^2 t/(4b)
 ///
-/// where what the forces still in effect may take until f_n takes effect is already subtracted from E_n. Scaling the
-/// torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular configurations are
-/// harmless. Without any energy the torque is what friction holds: the largest one along J'u with |tau_i| <= c_i. A
-/// coupled damping matrix D counts as the diagonal `largest_diagonal_below` it. Where the device releases in two
-/// stages, the reserve is the sum over them.
+/// where q is `torque_share`, and the device holds all of a force until T_1 and the share s until T_2, both the longest
+/// that the facts allow, T_1 and the actuator's lag together. What the lag leaves of earlier forces is subtracted from
+/// E_n too. Scaling the torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular
+/// configurations are harmless. Without any energy the torque is what friction holds: the largest one along J'u with
+/// (1 + q) |tau_i| <= c_i. A coupled damping matrix D counts as the diagonal `largest_diagonal_below` it.
 ///
 /// Of times, torques, damping and friction only bounds need be known (DeviceFacts::uncertainty): V is taken over
 /// everything within them. The proof is in README.md beside this file.
@@ -79,6 +80,9 @@ class ExactLaw final : public PassivityLaw {
   /// Knots kept for each joint at most, for benchmarks.
   [[nodiscard]] int knots() const noexcept;
 
+  /// Whether a joint's knots were ever merged: since then the energy may be less than could be known.
+  [[nodiscard]] bool knots_merged() const noexcept;
+
  private:
   /// What earlier torques can take until the next one is in effect, and what the lag has left of them can take after
   /// that [J].
@@ -107,7 +111,7 @@ class ExactLaw final : public PassivityLaw {
   Vector encoder_half_;
   double period_s_;
   ForceTimes times_;
-  ReleaseStages paid_;  // the stages that a force must be paid for
+  ReleaseStages paid_;  // the stages that the reserve of a force is for
   Bracket stamp_s_;
   Bracket latency_s_;  // beyond what the motion says
   double torque_share_;

@@ -8,14 +8,14 @@ namespace forcebound::control {
 namespace {
 
 // To what a full graph is thinned: a little more than need be, so that most ticks have nothing to thin.
-constexpr int kKnotsThinned = 26;
+constexpr int kKnotsMerged = 26;
 
 double soft_threshold(double s, double c) noexcept { return std::copysign(std::max(std::abs(s) - c, 0.0), s); }
 
 }  // namespace
 
 /// How one knot can be left out without lifting V: what that costs [J], and what becomes of the knot farther out.
-struct LeastEnergy::Thinning {
+struct LeastEnergy::Merge {
   double cost_J = std::numeric_limits<double>::infinity();
   int outer = 0;  ///< so many knots on, 1 or -1, one moves to `outer_p`; 0: none does
   double outer_p = 0;
@@ -58,7 +58,7 @@ double LeastEnergy::reserve_J(double force, double spread, double duration_s) co
 double LeastEnergy::hold(double force, double spread, double duration_s) noexcept {
   const double reach = duration_s / (2 * damping_);
   if (graph_.count == 0 || !(reach > 0)) return 0;
-  if (graph_.count > kKnotsMax + 4) thin();
+  if (graph_.count > kKnotsMax + 4) merge_knots();
   const double friction = friction_ - spread;
   if (friction < 0) split(-force, -friction * reach);
   if (friction > 0) {
@@ -149,7 +149,7 @@ std::optional<double> LeastEnergy::read(const Tube& tube) noexcept {
     for (int i = first; i <= last; ++i) graph_.push(line[i]);
     if (cut_right && (first > last || line[last].x < tube.high)) graph_.push(high);
     left_slope_ = right_slope_ = 0;
-    if (graph_.count > kKnotsMax) thin();
+    if (graph_.count > kKnotsMax) merge_knots();
   } else {
     restart(tube);
   }
@@ -159,12 +159,12 @@ std::optional<double> LeastEnergy::read(const Tube& tube) noexcept {
 /// Away from p = 0 an estimate from below has x farther out at the same p. A knot that lies within its neighbours'
 /// chord is left out, as the chord is farther out. For one beyond the chord, the line from its inner neighbour through
 /// it is drawn on to the x of the outer neighbour, which moves there, to a smaller |p|.
-LeastEnergy::Thinning LeastEnergy::thinning(int knot) const noexcept {
+LeastEnergy::Merge LeastEnergy::merge_of(int knot) const noexcept {
   const int out = graph_[knot].p >= 0 ? 1 : -1;
   const auto outwards = [&](int steps) { return out > 0 ? graph_[knot + steps] : mirrored(graph_[knot - steps]); };
   const int beyond = out > 0 ? graph_.count - 1 - knot : knot;
   const int within = graph_.count - 1 - beyond;
-  Thinning result;
+  Merge result;
   if (beyond < 1 || within < 1 || outwards(-1).p < 0) return result;
   const Knot a = outwards(-1);
   const Knot k = outwards(0);
@@ -183,19 +183,20 @@ LeastEnergy::Thinning LeastEnergy::thinning(int knot) const noexcept {
   return result;
 }
 
-void LeastEnergy::thin() noexcept {
-  std::array<Thinning, Graph::kRoom> choices;
-  const auto choice = [&](int i) -> Thinning& { return choices[static_cast<std::size_t>(i)]; };
-  for (int i = 0; i < graph_.count; ++i) choice(i) = thinning(i);
-  while (graph_.count > kKnotsThinned) {
+void LeastEnergy::merge_knots() noexcept {
+  merged_ = true;
+  std::array<Merge, Graph::kRoom> choices;
+  const auto choice = [&](int i) -> Merge& { return choices[static_cast<std::size_t>(i)]; };
+  for (int i = 0; i < graph_.count; ++i) choice(i) = merge_of(i);
+  while (graph_.count > kKnotsMerged) {
     const auto cheapest = std::min_element(choices.begin(), choices.begin() + graph_.count,
-                                           [](const Thinning& a, const Thinning& b) { return a.cost_J < b.cost_J; });
+                                           [](const Merge& a, const Merge& b) { return a.cost_J < b.cost_J; });
     const int knot = static_cast<int>(cheapest - choices.begin());
     if (cheapest->outer != 0) graph_[knot + cheapest->outer].p = cheapest->outer_p;
     graph_.erase(knot);
     std::move(choices.begin() + knot + 1, choices.begin() + graph_.count + 1, choices.begin() + knot);
     // The outer knot's move reaches two knots on either side.
-    for (int i = std::max(0, knot - 3); i < std::min(graph_.count, knot + 3); ++i) choice(i) = thinning(i);
+    for (int i = std::max(0, knot - 3); i < std::min(graph_.count, knot + 3); ++i) choice(i) = merge_of(i);
   }
 }
 

@@ -9,23 +9,24 @@ namespace forcebound::control {
 /// The least energy that one joint of the device can have dissipated beyond what its motor put in, for all that the
 /// readings tell: V(x) over the true position x, of which a reading only says that it lies in a tube.
 ///
-///     V_n(y) = min over x of  V_{n-1}(x) + (b/h)(y - x)^2 + c |y - x| - f (y - x),     V = infinity outside the tube
+///     a piece of time:   V(y) <- min over x of  V(x) + g(y - x; f, k, t),     y anywhere
+///     a reading:         V = infinity outside the tube
+///     g(d; f, k, t) = the convex hull in d of  (b/t) d^2 + (c - k) |d| - f d
 ///
-/// A torque that is anywhere within f -+ spread, at each instant another one, costs as much as f with the friction
-/// c - spread, which may be negative: then going to and fro pays, and the cost of a displacement is the convex hull of
-/// this.
+/// for a torque that is anywhere within f -+ k, at each instant another one, for a time of at most t. Where k > c,
+/// going to and fro pays, and g is flat about d = 0.
 ///
 /// V is convex and piecewise quadratic. What is kept is the graph of its derivative, x as a function of p = V'(x):
-/// holding a force moves each point of it to x + S(p + f, c) h/(2b) with p as it was (S the soft threshold), a reading
-/// cuts it. Beyond its ends the graph goes on in straight lines: vertical (dx/dp = 0) where a tube ends, sloped once
-/// time has passed. The value of V at its minimum is not kept: the members below give its changes, and the law adds
-/// them up.
+/// holding a force moves each point of it to x + S(p + f, c - k) t/(2b) with p as it was (S the soft threshold), a
+/// reading cuts it. Beyond its ends the graph goes on in straight lines: vertical (dx/dp = 0) where a tube ends, sloped
+/// once time has passed. The value of V at its minimum is not kept: the members below give its changes, and the law
+/// adds them up.
 ///
-/// A graph of more than `kKnotsMax` knots is thinned so that V stays as it is next to its minimum and becomes larger
+/// Of more than `kKnotsMax` knots some are merged, so that V stays as it is next to its minimum and becomes larger
 /// nowhere: an estimate from below keeps the guarantee.
 ///
 /// Units: [m], [N], [N s/m], [J] or [rad], [N m], [N m s/rad], [J]. Real time: noexcept, no allocation, O(kKnotsMax),
-/// and O(kKnotsMax^2) where the graph is thinned.
+/// and O(kKnotsMax^2) where knots are merged.
 class LeastEnergy {
  public:
   static constexpr int kKnotsMax = 32;
@@ -55,6 +56,10 @@ class LeastEnergy {
   [[nodiscard]] double reserve_J(double force, double spread, double duration_s) const noexcept;
 
   [[nodiscard]] int knots() const noexcept { return graph_.count; }
+
+  /// Whether knots were ever merged: since then V may be less than the least energy.
+  [[nodiscard]] bool merged() const noexcept { return merged_; }
+
   [[nodiscard]] double damping() const noexcept { return damping_; }
   [[nodiscard]] double friction() const noexcept { return friction_; }
 
@@ -85,12 +90,13 @@ class LeastEnergy {
   int insert(double p) noexcept;
   void split(double p, double reach) noexcept;
   [[nodiscard]] Graph extended(const Tube& tube) const noexcept;
-  void thin() noexcept;
-  struct Thinning;
-  [[nodiscard]] Thinning thinning(int knot) const noexcept;
+  void merge_knots() noexcept;
+  struct Merge;
+  [[nodiscard]] Merge merge_of(int knot) const noexcept;
 
   double damping_;
   double friction_;
+  bool merged_ = false;
   Graph graph_;
   double left_slope_ = 0;   // dx/dp below the first knot
   double right_slope_ = 0;  // and above the last

@@ -109,7 +109,16 @@ TEST(LeastEnergy, KeepsNoMoreKnotsThanItSays) {
     most = std::max(most, v.knots());
   }
   EXPECT_LE(most, LeastEnergy::kKnotsMax);
-  EXPECT_EQ(most, LeastEnergy::kKnotsMax) << "nothing was ever thinned";
+  EXPECT_EQ(most, LeastEnergy::kKnotsMax) << "no knot was ever merged";
+}
+
+TEST(LeastEnergy, RemembersAMergeOfWhichTheNextReadingLeavesNoTrace) {
+  LeastEnergy v(30, 0.5);
+  v.restart(tube(0, 1));
+  for (int i = 0; i < 40; ++i) v.hold(i * 0.01, 0, 1e-3);
+  ASSERT_TRUE(v.read(tube(0, 1e-9)).has_value());
+  EXPECT_LT(v.knots(), 10);
+  EXPECT_TRUE(v.merged());
 }
 
 TEST(LeastEnergy, IsNeverAboveWhatAPathThatFitsTheReadingsCosts) {
@@ -144,7 +153,7 @@ TEST(LeastEnergy, IsNeverAboveWhatAPathThatFitsTheReadingsCosts) {
       ASSERT_LE(energy_J, true_J + 1e-12) << "reading " << i;
     }
   }
-  EXPECT_EQ(most, LeastEnergy::kKnotsMax) << "nothing was ever thinned";
+  EXPECT_EQ(most, LeastEnergy::kKnotsMax) << "no knot was ever merged";
 }
 
 TEST(LeastEnergy, CreditsNothingForAFlickeringEncoder) {
