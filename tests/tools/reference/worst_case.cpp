@@ -106,7 +106,9 @@ std::vector<KnownTorque> torques_between(const std::vector<KnownCommand>& comman
   };
   std::vector<Possible> all;
   for (std::size_t k = 0; k < commands.size(); ++k) {
-    const long double next_s = k + 1 < commands.size() ? commands[k + 1].begin_s.most : kEverywhere;
+    const auto next = std::find_if(commands.begin() + static_cast<std::ptrdiff_t>(k) + 1, commands.end(),
+                                   [](const KnownCommand& command) { return command.certain; });
+    const long double next_s = next != commands.end() ? static_cast<long double>(next->begin_s.most) : kEverywhere;
     const long double force = commands[k].force;
     const long double least_s = k == 0 ? -kEverywhere : static_cast<long double>(commands[k].begin_s.least);
     const long double most_s = commands[k].begin_s.most;

@@ -63,6 +63,7 @@ class WorstCase {
 struct KnownCommand {
   long double force = 0;
   control::Bracket begin_s{};  ///< takes effect, in the time of the stamps
+  bool certain = true;         ///< false: it may never take effect, and then the one before goes on
 };
 
 /// What is known of a joint's torque for a piece of time.
@@ -80,7 +81,8 @@ struct KnownRelease {
 };
 
 /// The torques that are possible from one time to another, by trying for each time every command in turn: the k-th may
-/// be in effect if it may have begun and the next may not have. The first is in effect from before `begin_s`.
+/// be in effect if it may have begun and the next certain one may not have. The first is in effect from before
+/// `begin_s`.
 [[nodiscard]] std::vector<KnownTorque> torques_between(const std::vector<KnownCommand>& commands,
                                                        const KnownRelease& release, long double begin_s,
                                                        long double end_s);
