@@ -118,11 +118,29 @@ Shown run_case(const Case& drawn, const Variant& variant) {
           .half_a_second_later_N_per_m = later.stiffness_N_per_m()};
 }
 
+/// What one variant shows in the paper's experiments.
+struct Found {
+  Variant variant;
+  Shown wall{};
+  std::vector<text::Table::Cell> cells{};
+};
+
+/// Whether none with the same release shows as stiff a wall for less ringing, or a stiffer one for no more.
+bool on_front(const Found& found, const std::vector<Found>& all) {
+  return std::none_of(all.begin(), all.end(), [&](const Found& other) {
+    if (other.variant.release_share != found.variant.release_share) return false;
+    const double stiffer = other.wall.stiffness_N_per_m - found.wall.stiffness_N_per_m;
+    const double sooner = found.wall.ringing_s - other.wall.ringing_s;
+    return stiffer >= 0 && sooner >= 0 && (stiffer > 0 || sooner > 0);
+  });
+}
+
 /// The paper's experiments, with punctual and with late ticks.
 void search(const SpendingOptions& options) {
   text::Table table({{"spending"},
                      {"wall", "N/mm"},
                      {"rings", "s"},
+                     {"front"},
                      {"wall, late", "N/mm"},
                      {"one 5 ms late", "N/mm"},
                      {"circle", "N/mm"},
@@ -146,6 +164,7 @@ void search(const SpendingOptions& options) {
     }
   }
   double done = 0;
+  std::vector<Found> all;
   for (const Variant& variant : variants) {
     progress.tell(done++ / static_cast<double>(variants.size()), variant.name());
     const Shown a = run_case({wall}, variant);
@@ -155,11 +174,18 @@ void search(const SpendingOptions& options) {
     const Shown e = run_case({circle, true}, variant);
     const Shown f = run_case({sphere}, variant);
     const Shown g = run_case({sphere, true}, variant);
-    table.add({variant.name(), newtons_per_mm(a.stiffness_N_per_m), text::fixed(a.ringing_s, 2),
-               newtons_per_mm(b.stiffness_N_per_m), newtons_per_mm(c.half_a_second_later_N_per_m),
-               newtons_per_mm(d.stiffness_N_per_m), text::fixed(d.variance_N2, 3), newtons_per_mm(e.stiffness_N_per_m),
-               text::fixed(e.variance_N2, 3), newtons_per_mm(f.stiffness_N_per_m),
-               newtons_per_mm(g.stiffness_N_per_m)});
+    all.push_back(
+        {variant,
+         a,
+         {newtons_per_mm(b.stiffness_N_per_m), newtons_per_mm(c.half_a_second_later_N_per_m),
+          newtons_per_mm(d.stiffness_N_per_m), text::fixed(d.variance_N2, 3), newtons_per_mm(e.stiffness_N_per_m),
+          text::fixed(e.variance_N2, 3), newtons_per_mm(f.stiffness_N_per_m), newtons_per_mm(g.stiffness_N_per_m)}});
+  }
+  for (const Found& found : all) {
+    std::vector<text::Table::Cell> row{found.variant.name(), newtons_per_mm(found.wall.stiffness_N_per_m),
+                                       text::fixed(found.wall.ringing_s, 2), on_front(found, all) ? "yes" : ""};
+    row.insert(row.end(), found.cells.begin(), found.cells.end());
+    table.add(row);
   }
   progress.clear();
   std::cout << table.to_text(text::colour_for(STDOUT_FILENO));
@@ -236,29 +262,36 @@ void add_spending(CLI::App& app) {
   auto options = std::make_shared<SpendingOptions>();
   CLI::App* command = app.add_subcommand(
       "spending",
-      "Displayed stiffness of walls, circle and sphere over the constants by which fba-exact spends energy");
+      "Displayed stiffness of walls, circle and sphere over the constants by which fba-exact spends energy; 'front': "
+      "none "
+      "listed with the same release shows as stiff a wall for less ringing, or a stiffer one for no more");
+  auto* const grid_only =
+      command->add_flag("--grid", options->grid,
+                        "instead: 432 runs over scenes, devices, stiffnesses, hands, damping, late ticks and networks, "
+                        "with the law's own constants and without spending rules");
   command->add_option("--memory", options->memories, "energy kept, in multiples of what the largest force needs")
       ->check(program::number_above_zero())
       ->type_name("MULTIPLES")
       ->delimiter(',')
+      ->excludes(grid_only)
       ->capture_default_str();
   command->add_option("--rise", options->rises, "largest rise of the share of the request that is shown [1/s]")
       ->check(program::number_above_zero())
       ->type_name("RATES")
       ->delimiter(',')
+      ->excludes(grid_only)
       ->capture_default_str();
   command->add_option("--release-share", options->shares, "share of the force that the device holds as it releases it")
       ->check(program::number_within(0, 1))
       ->type_name("SHARES")
       ->delimiter(',')
+      ->excludes(grid_only)
       ->capture_default_str();
   command->add_option("--delay", options->delay_ms, "one-way delay of the network [ms]")
       ->check(program::number_within(0, 1000))
       ->type_name("MS")
+      ->excludes(grid_only)
       ->capture_default_str();
-  command->add_flag("--grid", options->grid,
-                    "instead: 432 runs over scenes, devices, stiffnesses, hands, damping, late ticks and networks, "
-                    "with the law's own constants and without spending rules");
   command->footer("Example:\n  forcebound-lab spending --memory 1,2 --rise 100 --release-share 0,0.3");
   command->callback([options] { options->grid ? compare_with_before() : search(*options); });
 }
