@@ -11,6 +11,7 @@ namespace forcebound::lab {
 void add_accuracy(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_coupled_damping(CLI::App& app);
 void add_load(CLI::App& app);
 void add_passivity(CLI::App& app);
 void add_replay(CLI::App& app);

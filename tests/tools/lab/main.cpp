@@ -16,6 +16,7 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_accuracy(app);
   forcebound::lab::add_bench(app);
   forcebound::lab::add_compare(app);
+  forcebound::lab::add_coupled_damping(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_passivity(app);
   forcebound::lab::add_replay(app);
