@@ -19,7 +19,7 @@ option(FORCEBOUND_UNITY "Compile several sources of a library or test together" 
 
 # forcebound_compile_together(TARGET): if FORCEBOUND_UNITY is set.
 function(forcebound_compile_together target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${FORCEBOUND_UNITY} UNITY_BUILD_BATCH_SIZE 10)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${FORCEBOUND_UNITY} UNITY_BUILD_BATCH_SIZE 20)
 endfunction()
 
 option(FORCEBOUND_WARNINGS_ARE_ERRORS "Stop at a warning in Forcebound's own code" OFF)

@@ -28,7 +28,7 @@ double number(const std::string& key, const std::string& value, Least least) {
   throw std::invalid_argument(key + " must be a number " + (above ? "> 0" : ">= 0") + ", got '" + value + "'");
 }
 
-time::Nanoseconds milliseconds(const std::string& key, const std::string& value) {
+time::Nanoseconds milliseconds_of(const std::string& key, const std::string& value) {
   return time::from_seconds(1e-3 * number(key, value, Least::zero));
 }
 
@@ -47,9 +47,9 @@ SessionSettings with_session_key(SessionSettings session, const std::string& key
   if (key == "law") {
     session.law = law_named(value);
   } else if (key == "hold_ms") {
-    session.policy.hold = milliseconds(key, value);
+    session.policy.hold = milliseconds_of(key, value);
   } else if (key == "drop_ms") {
-    session.policy.drop = milliseconds(key, value);
+    session.policy.drop = milliseconds_of(key, value);
   } else if (key == "rate_Hz") {
     session.server_rate_Hz = number(key, value, Least::above_zero);
   } else {
