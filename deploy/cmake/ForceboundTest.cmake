@@ -13,6 +13,8 @@ endfunction()
 set(FORCEBOUND_TEST_OPTIONS "" CACHE STRING
     "Options for compiling the tests' own sources, after all others: they may be optimised less than what they test")
 
+option(FORCEBOUND_SLOW_CASES "Run also the cases that tests declare as slow under sanitizers" ON)
+
 # Precompiled headers that nearly every test uses. No headers of ours: a change of one would compile everything again.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "// A target needs a source.\n")
 add_library(forcebound_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/test_headers.cpp)
@@ -23,13 +25,15 @@ target_precompile_headers(forcebound_test_headers PRIVATE
   <gtest/gtest.h>)
 
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
-#                 [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder.
+#                 [SLOW_CASES ...] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder.
 # It is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
 # With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name for something else.
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
-# --long is given; `threads` and `process` run it under ThreadSanitizer as well.
+# --long is given; `threads` and `process` run it under ThreadSanitizer as well. SLOW_CASES are patterns of GoogleTest's
+# names: without FORCEBOUND_SLOW_CASES these are left out. They take minutes under sanitizers, and repeat for many ticks
+# what other cases run there too.
 function(forcebound_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES;SLOW_CASES")
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 900)
   endif()
@@ -61,5 +65,10 @@ function(forcebound_test name)
     set_tests_properties(${test} PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} LABELS "${arg_LABELS}"
                          ${arg_PROPERTIES})
     set_property(TEST ${test} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${arg_SHARDS} GTEST_SHARD_INDEX=${shard})
+    if(arg_SLOW_CASES AND NOT FORCEBOUND_SLOW_CASES)
+      list(JOIN arg_SLOW_CASES ":" slow_cases)
+      # Appended: deploy/test --only sets the variable too.
+      set_property(TEST ${test} PROPERTY ENVIRONMENT_MODIFICATION "GTEST_FILTER=string_append:-${slow_cases}")
+    endif()
   endforeach()
 endfunction()
