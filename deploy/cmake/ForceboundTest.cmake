@@ -25,13 +25,13 @@ target_precompile_headers(forcebound_test_headers PRIVATE
   <gtest/gtest.h>)
 
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
-#                 [SLOW_CASES ...] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every source of a folder.
-# It is one CTest, or N that share its tests and run side by side. Tests see the source root, for "tests/support/...".
-# With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name for something else.
-# SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
-# --long is given; `threads` and `process` run it under ThreadSanitizer as well. SLOW_CASES are patterns of GoogleTest's
-# names: without FORCEBOUND_SLOW_CASES these are left out. They take minutes under sanitizers, and repeat for many ticks
-# what other cases run there too.
+#                 [SLOW_CASES ...] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every
+# source of a folder. It is one CTest, or N that share its tests and run side by side. Tests see the source root, for
+# "tests/support/...". With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name
+# for something else. SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of
+# deploy/test unless --long is given; `threads` and `process` run it under ThreadSanitizer as well. SLOW_CASES are
+# patterns of GoogleTest's names: without FORCEBOUND_SLOW_CASES these are left out. They take minutes under sanitizers,
+# and repeat for many ticks what other cases run there too.
 function(forcebound_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES;SLOW_CASES")
   if(NOT arg_TIMEOUT)
@@ -54,6 +54,7 @@ function(forcebound_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
+  list(JOIN arg_SLOW_CASES ":" slow_cases)
   math(EXPR last "${arg_SHARDS} - 1")
   foreach(shard RANGE ${last})
     set(test ${name})
@@ -65,8 +66,7 @@ function(forcebound_test name)
     set_tests_properties(${test} PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} LABELS "${arg_LABELS}"
                          ${arg_PROPERTIES})
     set_property(TEST ${test} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${arg_SHARDS} GTEST_SHARD_INDEX=${shard})
-    if(arg_SLOW_CASES AND NOT FORCEBOUND_SLOW_CASES)
-      list(JOIN arg_SLOW_CASES ":" slow_cases)
+    if(slow_cases AND NOT FORCEBOUND_SLOW_CASES)
       # Appended: deploy/test --only sets the variable too.
       set_property(TEST ${test} PROPERTY ENVIRONMENT_MODIFICATION "GTEST_FILTER=string_append:-${slow_cases}")
     endif()

@@ -7,7 +7,7 @@
 namespace forcebound::control {
 namespace {
 
-// To what a full graph is thinned: a little more than need be, so that most ticks have nothing to thin.
+// So many knots a merge leaves: fewer than need be, so that most ticks have nothing to merge.
 constexpr int kKnotsMerged = 26;
 
 double soft_threshold(double s, double c) noexcept { return std::copysign(std::max(std::abs(s) - c, 0.0), s); }

@@ -263,8 +263,7 @@ void add_spending(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "spending",
       "Displayed stiffness of walls, circle and sphere over the constants by which fba-exact spends energy; 'front': "
-      "none "
-      "listed with the same release shows as stiff a wall for less ringing, or a stiffer one for no more");
+      "none listed with the same release shows as stiff a wall for less ringing, or a stiffer one for no more");
   auto* const grid_only =
       command->add_flag("--grid", options->grid,
                         "instead: 432 runs over scenes, devices, stiffnesses, hands, damping, late ticks and networks, "
