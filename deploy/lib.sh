@@ -2,6 +2,7 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+bin=$root/build/release/bin
 
 # A clone in another place finds what this one has compiled, with precompiled headers too.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
@@ -79,4 +80,55 @@ build() {
     fi
   fi
   say "Built $preset in $((SECONDS - start)) s"
+}
+
+# What a command has started in the background; all of it ends with the command.
+pids=()
+stop_all() {
+  if ((${#pids[@]})); then kill "${pids[@]}" 2>/dev/null || true; fi
+  pids=()
+  wait
+}
+stop_all_at_end() {
+  trap stop_all EXIT
+  trap 'exit 130' INT
+  trap 'exit 143' TERM
+}
+
+# listening NAME COMMAND...: starts it with --listen on a free port, its output in $out/NAME.log; sets `port`.
+listening() {
+  local name=$1 log=$out/$1.log pid; shift
+  for _ in {1..10}; do
+    port=$((20000 + RANDOM % 40000))
+    "$@" --listen "127.0.0.1:$port" >"$log" 2>&1 </dev/null &
+    pid=$!
+    sleep 0.5
+    if kill -0 "$pid" 2>/dev/null; then
+      pids+=("$pid")
+      return
+    fi
+    grep -qi 'in use' "$log" || break
+  done
+  cat "$log" >&2
+  fail "the $name did not start"
+}
+
+# live_run NAME NETEM OPTION...: a client, which ends, of the server on port $server_port: through a relay of its own,
+# with the same seed, so that each meets the same network; without one where NETEM is empty. Leaves NAME.mcap, NAME.json
+# and client-NAME.log in $out.
+live_run() {
+  local name=$1 netem=$2 at=$server_port quiet=(); shift 2
+  [[ -t 2 ]] || quiet=(--quiet)
+  if [[ -n $netem ]]; then
+    listening "relay-$name" "$bin/forcebound-relay" --upstream "127.0.0.1:$server_port" --netem "$netem" --seed 1
+    at=$port
+  fi
+  # 3: the run is whole, but was not passive, as without a law.
+  "$bin/forcebound-client" --server "127.0.0.1:$at" "$@" --seed 1 --once "${quiet[@]}" \
+    --record "$out/$name.mcap" --summary "$out/$name.json" >"$out/client-$name.log" || (($? == 3)) ||
+    { cat "$out/client-$name.log" >&2; fail "the client failed; logs are in ${out#"$root"/}"; }
+  if [[ -n $netem ]]; then
+    kill "${pids[-1]}"
+    unset 'pids[-1]'
+  fi
 }

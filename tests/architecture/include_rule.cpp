@@ -25,31 +25,38 @@ const std::vector<Folder>& folders() {
       {"forcebound/program", {"forcebound/text"}},
       {"forcebound/config", {"forcebound/control", "forcebound/text"}},
       {"forcebound/baselines", {"forcebound/control", "forcebound/config", "forcebound/text"}},
-      {"forcebound/wire", {"forcebound/control", "forcebound/time"}},
+      {"forcebound/local_model", {}},
+      {"forcebound/wire", {"forcebound/control", "forcebound/local_model", "forcebound/time"}},
       {"forcebound/net", {"forcebound/text", "forcebound/time"}},
       {"forcebound/record", {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire"}},
       {"forcebound/device", {"forcebound/control", "forcebound/config", "forcebound/text", "forcebound/time"}},
       {"forcebound/scene/geometry", {"forcebound/config", "forcebound/text"}},
       {"forcebound/scene/effects",
        {"forcebound/config", "forcebound/control", "forcebound/text", "forcebound/scene/geometry"}},
-      {"forcebound/scene", {"forcebound/config", "forcebound/control", "forcebound/text", "forcebound/time"}},
+      {"forcebound/scene",
+       {"forcebound/config", "forcebound/control", "forcebound/local_model", "forcebound/text", "forcebound/time"}},
+      {"forcebound/handover", {"forcebound/config", "forcebound/text", "forcebound/scene"}},
+      {"forcebound/client/rendering",
+       {"forcebound/control", "forcebound/local_model", "forcebound/text", "forcebound/time", "forcebound/wire",
+        "forcebound/scene", "forcebound/handover"}},
       {"forcebound/client/session",
        {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire", "forcebound/net",
-        "forcebound/record", "forcebound/device"}},
+        "forcebound/record", "forcebound/device", "forcebound/client/rendering"}},
       {"forcebound/client/runtime",
        {"forcebound/control", "forcebound/time", "forcebound/wire", "forcebound/net", "forcebound/record",
-        "forcebound/device", "forcebound/client/session"}},
+        "forcebound/device", "forcebound/client/rendering", "forcebound/client/session"}},
       {"forcebound/client/app",
        {"forcebound/control", "forcebound/baselines", "forcebound/program", "forcebound/text", "forcebound/time",
         "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/client"}},
-      {"forcebound/server/dynamics/tissue", {"forcebound/text", "forcebound/scene"}},
-      {"forcebound/server/dynamics/bodies", {"forcebound/text", "forcebound/scene"}},
+      {"forcebound/server/dynamics/tissue", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
+      {"forcebound/server/dynamics/bodies", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
       {"forcebound/server/environment",
-       {"forcebound/config", "forcebound/control", "forcebound/device", "forcebound/text", "forcebound/time",
-        "forcebound/scene", "forcebound/server/dynamics"}},
+       {"forcebound/config", "forcebound/control", "forcebound/device", "forcebound/local_model", "forcebound/text",
+        "forcebound/time", "forcebound/scene", "forcebound/handover", "forcebound/server/dynamics"}},
       {"forcebound/server/session",
-       {"forcebound/control", "forcebound/baselines", "forcebound/text", "forcebound/time", "forcebound/wire",
-        "forcebound/net", "forcebound/scene", "forcebound/server/environment"}},
+       {"forcebound/control", "forcebound/baselines", "forcebound/local_model", "forcebound/text", "forcebound/time",
+        "forcebound/wire", "forcebound/net", "forcebound/scene", "forcebound/handover",
+        "forcebound/server/environment"}},
       {"forcebound/server/runtime",
        {"forcebound/time", "forcebound/net", "forcebound/server/environment", "forcebound/server/session"}},
       {"forcebound/server/app",
@@ -67,7 +74,11 @@ const std::vector<Folder>& folders() {
       {"tests/tools/lab/comparison",
        {"forcebound", "tests/tools/data", "tests/tools/sim", "tests/tools/lab/measures", "tests/tools/lab/figures",
         "tests/tools/lab/accuracy"}},
+      {"tests/tools/lab/rendering",
+       {"forcebound", "tests/tools/sim", "tests/tools/lab/measures", "tests/tools/lab/figures",
+        "tests/tools/lab/accuracy", "tests/tools/lab/comparison"}},
       {"tests/tools/lab/bench", {"forcebound", "tests/tools/lab/measures"}},
+      {"tests/tools/lab/doctor", {"forcebound"}},
       {"tests/tools/lab/soak", {"forcebound", "tests/tools/reference", "tests/tools/sim"}},
       {"tests/tools/lab", {"forcebound", "tests/tools"}},
       {"tests/tools", {"forcebound"}},
@@ -91,32 +102,41 @@ const std::string kShells =
 constexpr std::string_view kShellsInWords =
     "the folders app, runtime and common/forcebound/program, tests/tools/relay, tests/tools/lab and the tests";
 
+// It waits for a process that reads untrusted files.
+const std::string kChild = R"(server/forcebound/server/dynamics/bodies/in_child\.cpp)";
+
 const std::vector<Privilege>& privileges() {
   const auto shells_and = [](const std::string& more) { return std::regex(kShells + "|" + more); };
   static const std::vector<Privilege> kPrivileges{
       {"Asio", std::regex(R"(#include\s*[<"]asio)"), shells_and("common/forcebound/net/(internal/)?udp.*"),
        "common/forcebound/net/udp* and the shells"},
       {"generated Protocol Buffers code", std::regex(R"(#include\s*[<"].*\.pb\.h[">])"),
-       std::regex(R"(common/forcebound/wire/internal/.*|common/forcebound/(wire|record)/.*\.cpp|tests/(?!tools/).*)"),
-       "common/forcebound/wire/internal and the .cpp files of common/forcebound/wire and common/forcebound/record"},
+       std::regex(
+           R"(common/forcebound/(wire|handover)/internal/.*|common/forcebound/(wire|record|handover)/.*\.cpp|tests/(?!tools/).*)"),
+       "internal headers of common/forcebound/wire and handover, and the .cpp files of common/forcebound/wire, record "
+       "and handover"},
       {"the TOML library", std::regex(R"(^\s*#include\s*[<"]toml\+\+/)"),
        std::regex("common/forcebound/config/node\\.cpp"), "common/forcebound/config/node.cpp"},
       {"logging", std::regex(R"(#include\s*[<"]spdlog/)"), std::regex(kShells), kShellsInWords},
       {"command lines", std::regex(R"(#include\s*[<"]CLI/)"), std::regex(kShells), kShellsInWords},
       {"threads",
-       std::regex(
-           R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|stop_token|)"
-           R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
-       shells_and(R"(common/forcebound/time/real_time\.cpp)"), "common/forcebound/time/real_time.cpp and the shells"},
+       std::regex(R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|)"
+                  R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
+       shells_and(R"(common/forcebound/time/real_time\.cpp|client/forcebound/client/rendering/scene_builder\.hpp|)" +
+                  kChild),
+       "common/forcebound/time/real_time.cpp, the client's scene_builder.hpp, whose counts another thread reads, the "
+       "bodies' in_child.cpp and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
-       shells_and("common/forcebound/net/(internal/)?udp.*"), "common/forcebound/net/udp* and the shells"},
+       shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
+       "common/forcebound/net/udp*, the bodies' in_child.cpp and the shells"},
       {"the system's clock",
        std::regex(
            R"((system|steady|high_resolution)_clock\b|\bclock_(gettime|nanosleep)\b|\bgettimeofday\b|)"
            R"(\bnanosleep\b|std::this_thread|#include\s*"forcebound/time/(steady_clock|periodic_timer|real_time))"),
        shells_and(R"(common/forcebound/net/(internal/)?udp.*|)"
-                  R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp)"),
-       "common/forcebound/time's steady_clock, periodic_timer and real_time, and the shells"},
+                  R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|)" +
+                  kChild),
+       "common/forcebound/time's steady_clock, periodic_timer and real_time, the bodies' in_child.cpp and the shells"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\()"), std::regex(kShells),
        "the shells, which draw a seed once and print it"},

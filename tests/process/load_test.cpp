@@ -32,6 +32,28 @@ TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 5U);
 }
 
+TEST(LabLoad, AsksForTheSceneAndForLocalModelsAsAClientDoes) {
+  Server server({"--scene", "dome"});
+  const TemporaryFolder folder;
+  const auto rendering_of = [&](const std::string& scene) {
+    const Ran lab =
+        run(kLab, {"load", "--server", server.address(), "--scene", scene, "--height", "-0.003", "--clients", "2",
+                   "--seconds", "0.2", "--rendering", "local", "--json", folder.file("load.json")});
+    EXPECT_EQ(lab.exit_code, 0) << lab.err;
+    EXPECT_THAT(unwrapped(lab.out), HasSubstr("local rendering of scene " + scene));
+    return nlohmann::json::parse(content(folder.file("load.json")))["rendering"];
+  };
+  const auto mesh = rendering_of("dome");
+  EXPECT_EQ(mesh["asked"], "local");
+  EXPECT_GT(mesh["scene_pieces"].get<int>(), 0);
+  EXPECT_EQ(mesh["modelled"], 0) << "all of it runs at the client";
+  const auto tissue = rendering_of("pad");
+  EXPECT_EQ(tissue["scene_pieces"], 0) << "nothing of it stands still";
+  EXPECT_GT(tissue["modelled"].get<double>(), 0);
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_GT(counted(server.out(), "pieces of scenes", "sent"), 0U);
+}
+
 TEST(LabLoad, TellsItsRoundTripToASceneThatPicksItsAccuracyByIt) {
   const TemporaryFolder folder;
   write_file(folder.file("auto_wall.toml"), kAutoWall);

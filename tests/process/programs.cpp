@@ -21,6 +21,14 @@ Words with(Words first, const Words& more) {
   return first;
 }
 
+/// The forces are the server's and no scene is kept in the user's cache, unless a test says otherwise.
+Words with_rendering(Words words) {
+  if (std::ranges::find(words, "--rendering") == words.end()) words = with(std::move(words), {"--rendering", "remote"});
+  if (std::ranges::find(words, "--scene-cache") == words.end())
+    words = with(std::move(words), {"--scene-cache", "none"});
+  return words;
+}
+
 }  // namespace
 
 Listener::Listener(const char* program, const Words& arguments, const std::string& at)
@@ -39,7 +47,14 @@ Relay::Relay(const std::string& upstream, const Words& arguments)
     : Listener(kRelay, with({"--upstream", upstream}, arguments)) {}
 
 Client::Client(const std::string& server, const Words& arguments)
-    : Process(kClient, with({"--server", server, "--summary", summary_folder_.file("summary.json")}, arguments)) {}
+    : Process(kClient, with_rendering(
+                           with({"--server", server, "--summary", summary_folder_.file("summary.json")}, arguments))) {}
+
+int Client::expected_end() const {
+  constexpr int kNotPassive = 3;
+  const nlohmann::json ended = summary();
+  return ended.is_object() && ended.value("verdict", "") == "not passive" ? kNotPassive : 0;
+}
 
 Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds limit) {
   Process process(program, arguments);

@@ -57,6 +57,10 @@ class Client : private SummaryFile, public Process {
   /// Its summary as text, and parsed; null if there is none.
   [[nodiscard]] std::string summary_text() const { return content(summary_folder_.file("summary.json")); }
   [[nodiscard]] nlohmann::json summary() const { return nlohmann::json::parse(summary_text(), nullptr, false); }
+
+  /// The exit code of a run that ended well, once it has: 3 if its summary says that it was not passive, which the
+  /// published laws do not exclude on a machine that is late.
+  [[nodiscard]] int expected_end() const;
 };
 
 /// Runs a program to its end.

@@ -9,6 +9,7 @@ using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
 
+constexpr int kOutputLost = 4;
 constexpr const char* kFull = "/dev/full";  // every write finds no space left
 
 TEST(AFileThatCannotBeCreated, IsRefusedBeforeAnythingStarts) {
@@ -67,10 +68,11 @@ TEST(AFullDisk, EndsTheRecordingButNotTheRun) {
   Server server({"--scene", "sphere"});
   Client client(server.address(),
                 {"--device", "omni", "--operator", "trace-sphere", "--duration", "3", "--record", kFull});
-  EXPECT_EQ(client.wait(20s), 0);
+  EXPECT_TRUE(client.wait_for("No space left on device; the run goes on")) << "told before the end";
+  EXPECT_EQ(client.wait(20s), kOutputLost);
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());
-  EXPECT_GT(summary["ticks"], 2500);
+  EXPECT_GT(summary["ticks"], 0);
   EXPECT_EQ(summary["lost"], 0);
   // Each tick and each force.
   EXPECT_EQ(summary["faults"]["recording_unwritten"].get<int>(),
@@ -81,9 +83,18 @@ TEST(AFullDisk, EndsTheRecordingButNotTheRun) {
 
 TEST(AFullDisk, IsNamedWhereTheSummaryCouldNotBeWritten) {
   const Ran ran = run(kClient, {"--server", free_address(), "--duration", "1", "--summary", kFull});
-  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_EQ(ran.exit_code, kOutputLost);
   EXPECT_THAT(ran.out, HasSubstr("Summary: never connected, no verdict"));
   EXPECT_THAT(ran.err, HasSubstr("/dev/full: cannot be written: No space left on device"));
+}
+
+TEST(AFullDisk, EndsTheServersRecordingButNotTheServer) {
+  Server server({"--scene", "sphere", "--record", kFull});
+  Client client(server.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "2", "--once"});
+  EXPECT_TRUE(server.wait_for("No space left on device; the server goes on")) << "told before the end";
+  EXPECT_EQ(client.wait(20s), 0);
+  EXPECT_GT(client.summary()["received"], 0);
+  EXPECT_EQ(server.stop(), kOutputLost);
 }
 
 TEST(AFullDisk, EndsTheRelaysLogButNotTheRelay) {
@@ -92,8 +103,9 @@ TEST(AFullDisk, EndsTheRelaysLogButNotTheRelay) {
   Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "2", "--once"});
   EXPECT_EQ(client.wait(20s), 0);
   EXPECT_EQ(client.summary()["lost"], 0);
-  EXPECT_GT(client.summary()["received"], 1000);
-  EXPECT_EQ(relay.stop(), 0);
+  EXPECT_GT(client.summary()["received"], 0);
+  EXPECT_TRUE(relay.wait_for("is incomplete: No space left on device; the relay goes on"));
+  EXPECT_EQ(relay.stop(), kOutputLost);
   EXPECT_THAT(relay.out(), HasSubstr("rows missing: No space left on device"));
 }
 

@@ -41,7 +41,8 @@ class HandsInContact : public testing::Test {
   template <class Look>
   void end_and_look(Look look) {
     for (RecordedClient& client : clients) {
-      EXPECT_EQ(client.stop(), 0);
+      const std::optional<int> ended = client.stop();
+      EXPECT_EQ(ended, client.expected_end());
       const RecordedRun run = client.run();
       SCOPED_TRACE(run.info.device + " with law " + run.info.law);
       expect_late_force_policy(run);

@@ -8,6 +8,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "tests/tools/lab/passivity.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
+#include "tests/tools/lab/soak/soak_case.hpp"
 
 // Passive no matter how late the force arrives: hostile runs from seeds, checked on every tick, and the published laws
 // as the control group, which shows that the runs are hostile enough.
@@ -44,6 +45,18 @@ TEST(Soak, DrawsEveryLaw) {
   std::set<std::string> drawn;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) drawn.insert(law_of(seed));
   EXPECT_EQ(drawn.size(), baselines::shipped_laws().names().size());
+}
+
+TEST(Soak, DrawsServersThatLieInAllTheyHandOverOrTakeTheirTime) {
+  std::set<std::string> handed_over;
+  std::set<time::Nanoseconds> turns;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const SoakCase drawn = draw_soak_case(seed, "fba-exact");
+    if (drawn.settings.handed_over) handed_over.insert(drawn.settings.handed_over->facts().name);
+    turns.insert(drawn.settings.server_turn);
+  }
+  EXPECT_EQ(handed_over, (std::set<std::string>{"lie", "sheet"})) << "a sheet comes in many pieces";
+  EXPECT_EQ(turns.size(), 4U) << "none, and three lengths";
 }
 
 class SoakOfLaw : public testing::TestWithParam<std::string> {};

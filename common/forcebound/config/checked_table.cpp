@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -72,6 +73,11 @@ void CheckedTable::refuse(std::string_view key, const std::string& must_be) cons
 }
 
 std::string CheckedTable::folder() const { return std::filesystem::path(file_).parent_path().string(); }
+
+std::string CheckedTable::path_at(std::string_view key, const std::string& named) const {
+  const Node* const node = table_.find(key);
+  return built_at(node == nullptr ? table_ : *node, [&] { return text::path_within(named, folder(), folders_); });
+}
 
 const Node& CheckedTable::place_of(const ValueError& error, const Node& otherwise) const noexcept {
   const Node* const node = table_.find(error.key());
@@ -219,7 +225,9 @@ Matrix CheckedTable::matrix(std::string_view key, Eigen::Index rows) {
 CheckedTable CheckedTable::table(std::string_view key, const std::string& place) {
   const Node& node = at(key, "a table");
   if (node.as<Node::Table>() == nullptr) refuse(key, "a table");
-  return {node, file_, place};
+  CheckedTable inner(node, file_, place);
+  inner.folders_ = folders_;
+  return inner;
 }
 
 const Node::List& CheckedTable::list(std::string_view key) {
@@ -241,6 +249,7 @@ void CheckedTable::each(const std::string& kind,
     if (known != named_.end()) fail(node, named_twice(known->kind, kind, name));
     named_.push_back({kind, name});
     CheckedTable part(node, file_, named(kind, name));
+    part.folders_ = folders_;
     (void)part.find("name");
     read(part, name);
   }

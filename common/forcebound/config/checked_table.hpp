@@ -99,6 +99,12 @@ class CheckedTable {
   /// The folder of this file; paths in the file are relative to it.
   [[nodiscard]] std::string folder() const;
 
+  /// Folders besides its own in which the files may lie that this file names. For tables that are read from now on.
+  void allow_files_in(std::span<const std::string> folders) { folders_.assign(folders.begin(), folders.end()); }
+
+  /// The path of a file that this one names, in its own folder or an allowed one. @param key with the name
+  [[nodiscard]] std::string path_at(std::string_view key, const std::string& named) const;
+
   [[noreturn]] void fail(const Node& where, const std::string& what) const;
   [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 
@@ -121,6 +127,7 @@ class CheckedTable {
   const Node& table_;
   std::string file_;
   std::string place_;
+  std::vector<std::string> folders_;
   std::vector<std::string> known_;
   struct Named {
     std::string kind;

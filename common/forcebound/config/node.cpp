@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "forcebound/config/config_error.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -14,9 +15,6 @@
 
 namespace forcebound::config {
 namespace {
-
-/// No key that is read here has more than three.
-constexpr int kKeyPartsMost = 8;
 
 Node converted(const toml::node& node) {
   Node made{.line = static_cast<int>(node.source().begin.line)};
@@ -86,6 +84,9 @@ class KeyWatch {
 
   [[nodiscard]] bool is_key() const noexcept { return is_key_; }
 
+  /// Of lists and inline tables that are open.
+  [[nodiscard]] std::size_t levels() const noexcept { return open_.size(); }
+
  private:
   std::string open_;  // the brackets of the value that are not closed yet
   bool is_key_ = true;
@@ -98,18 +99,21 @@ std::string beginning(std::string_view key) {
   return "'" + text::printable(key.substr(0, kBytesMost)) + "...'";
 }
 
-struct DeepKey {
+struct TooDeep {
   int line = 0;
   std::string why;
 };
 
-/// The TOML library and the functions here call themselves for each part of "a.b.c", so that a key of thousands of
-/// parts would overflow the stack. The library itself limits the depth of lists and inline tables.
-/// @returns the first key of more than kKeyPartsMost parts
-std::optional<DeepKey> find_deep_key(std::string_view text) {
+/// The TOML library and the functions here call themselves for each part of "a.b.c" and for each level of "[[[1]]]", so
+/// that thousands of them would overflow the stack.
+/// @returns the first key of too many parts, or the first list or inline table of too many levels
+std::optional<TooDeep> find_too_deep(std::string_view text) {
   KeyWatch watch;
-  int parts = 1;
+  std::size_t parts = 1;
   std::size_t begin = 0;
+  const auto at_line_of = [&](std::size_t at, std::string why) {
+    return TooDeep{.line = static_cast<int>(1 + std::ranges::count(text.substr(0, at), '\n')), .why = std::move(why)};
+  };
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
     if (c == '"' || c == '\'') {
@@ -123,14 +127,23 @@ std::optional<DeepKey> find_deep_key(std::string_view text) {
     if (watch.takes(c)) {
       parts = 1;
       begin = i + 1;
-    } else if (c == '.' && watch.is_key() && ++parts > kKeyPartsMost) {
-      return DeepKey{.line = static_cast<int>(1 + std::ranges::count(text.substr(0, i), '\n')),
-                     .why = "a key must have at most " + std::to_string(kKeyPartsMost) +
-                            " parts, as a.b has two, got " + beginning(text.substr(begin, i - begin))};
+      if (watch.levels() > kTomlLevelsMost) {
+        return at_line_of(
+            i, "lists and tables must be nested at most " + std::to_string(kTomlLevelsMost) + " deep, got more");
+      }
+    } else if (c == '.' && watch.is_key() && ++parts > kTomlKeyPartsMost) {
+      return at_line_of(i, "a key must have at most " + std::to_string(kTomlKeyPartsMost) +
+                               " parts, as a.b has two, got " + beginning(text.substr(begin, i - begin)));
     }
     ++i;
   }
   return {};
+}
+
+void check_size(std::string_view text) {
+  if (text.size() <= kTomlBytesMost) return;
+  throw ConfigError("must have at most " + std::to_string(kTomlBytesMost) + " bytes, got " +
+                    std::to_string(text.size()));
 }
 
 std::string as_text(const std::string& text) {
@@ -177,7 +190,12 @@ std::string written(const Node& node) {
 }
 
 Node parse_toml(std::string_view text, const std::string& place) {
-  if (const auto deep = find_deep_key(text)) {
+  try {
+    check_size(text);
+  } catch (const ConfigError& error) {
+    throw ConfigError(text::printable(place) + ": " + error.what());
+  }
+  if (const auto deep = find_too_deep(text)) {
     throw ConfigError(text::printable(place) + ":" + std::to_string(deep->line) + ": " + deep->why);
   }
   try {
@@ -190,7 +208,8 @@ Node parse_toml(std::string_view text, const std::string& place) {
 
 Node parse_toml_value(std::string_view text, int line) {
   const std::string whole = std::string(static_cast<std::size_t>(line) - 1, '\n') + "value = " + std::string(text);
-  if (const auto deep = find_deep_key(whole)) throw ConfigError(deep->why);
+  check_size(whole);
+  if (const auto deep = find_too_deep(whole)) throw ConfigError(deep->why);
   try {
     const toml::table wrapped = toml::parse(whole);
     // More than one key: the value had lines of its own.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -41,9 +42,15 @@ struct Node {
 /// The value in TOML syntax: "0.5", "'ball'", "[0, 0, 1]".
 [[nodiscard]] std::string written(const Node& node);
 
+/// Limits on what is given to the TOML library, which calls itself for each part of a key and for each level of lists
+/// and tables.
+inline constexpr std::size_t kTomlBytesMost = std::size_t{16} << 20U;
+inline constexpr std::size_t kTomlLevelsMost = 32;
+inline constexpr std::size_t kTomlKeyPartsMost = 8;
+
 /// @param place the file's name, for errors
 /// @return the file's top-level table
-/// @throws ConfigError `PLACE:LINE: not TOML: ...`, and for a key of more than 8 parts
+/// @throws ConfigError `PLACE:LINE: not TOML: ...`, and for what is beyond the limits above
 [[nodiscard]] Node parse_toml(std::string_view text, const std::string& place);
 
 /// Parses one value in TOML syntax, as after `KEY = `. @throws ConfigError unless the text is exactly one value

@@ -69,7 +69,7 @@ std::string words(const TextParameter& text) {
   if (!text.accepted.empty()) return std::string(text.accepted);
   if (text.form == TextParameter::Form::name)
     return "1 to " + std::to_string(kNameBytesMax) + " bytes without control characters";
-  return text.form == TextParameter::Form::file ? "a path from the scene's folder" : "text";
+  return text.form == TextParameter::Form::file ? "a path within the scene's folder" : "text";
 }
 
 std::string words(const auto& other) { return std::string(other.accepted); }

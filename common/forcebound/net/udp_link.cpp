@@ -36,11 +36,17 @@ std::string reason(const asio::error_code& error) {
   return error.message();
 }
 
+/// The one that all sockets of the process share: it has three descriptors of its own, so that one for each socket
+/// would take four in place of one. Nothing ever runs in it: links send and receive by themselves.
+asio::io_context& shared_context() {
+  static asio::io_context context;
+  return context;
+}
+
 }  // namespace
 
 struct UdpLink::Socket {
-  asio::io_context context;
-  udp::socket socket{context};
+  udp::socket socket{shared_context()};
   UdpCounters counters;
   udp::endpoint sender;
 

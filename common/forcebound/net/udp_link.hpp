@@ -16,7 +16,7 @@ struct UdpCounters {
   std::uint64_t send_failed = 0;  ///< the system did not take a datagram: no route, no memory, too large
 };
 
-/// A UDP socket, IPv4 or IPv6.
+/// A UDP socket, IPv4 or IPv6: one file descriptor, beside three that all of a process share. None may outlive `main`.
 ///
 /// Real time: send and receive return at once and allocate nothing. Not thread-safe.
 class UdpLink final : public DatagramLink {

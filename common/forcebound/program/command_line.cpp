@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::program {
@@ -122,7 +124,7 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
 
 int run(const std::string& name, const std::function<int()>& work) noexcept {
   const auto end_with = [](const End& end) {
-    std::fputs(end.text.c_str(), end.exit_code == kDone ? stdout : stderr);
+    std::fputs(text::printable_lines(end.text).c_str(), end.exit_code == kDone ? stdout : stderr);
     return end.exit_code;
   };
   try {
@@ -131,6 +133,11 @@ int run(const std::string& name, const std::function<int()>& work) noexcept {
     return end_with(end);
   } catch (const std::invalid_argument& error) {
     return end_with(wrong_use(name, error.what(), name));
+  } catch (const text::WriteError& error) {
+    return end_with({kOutputLost, name + ": " + error.what() + "\n"});
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: there is not enough memory\n", name.c_str());
+    return kFailed;
   } catch (const std::exception& error) {
     return end_with({kFailed, name + ": " + error.what() + "\n"});
   }

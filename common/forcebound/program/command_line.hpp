@@ -18,13 +18,19 @@ class Validator;
 namespace forcebound::program {
 
 /// Exit codes. Wrong use: an option is unknown, lacks its value, has one that can never be right, or does not go with
-/// another. Failed: the command line is right, but a file, host or device cannot be used.
+/// another. Failed: the command line is right, but a file, host or device cannot be used, or a run found no session.
+/// Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but of what it was to
+/// write (a recording, a summary, a log) something is missing. The first of not passive, failed and output lost that
+/// holds is returned.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUse = 2;
+inline constexpr int kNotPassive = 3;
+inline constexpr int kOutputLost = 4;
 
 /// The last line of every program's --help.
-inline constexpr std::string_view kExitCodes = "Exit code: 0 done, 1 failed, 2 wrong use.";
+inline constexpr std::string_view kExitCodes =
+    "Exit code: 0 done, 1 failed, 2 wrong use, 3 NOT PASSIVE, 4 output lost.";
 
 /// The program ends after its command line: help, version or wrong use.
 struct End {
@@ -41,8 +47,9 @@ void set_up(CLI::App& app, const std::string& name);
 /// @throws std::exception what a callback throws otherwise.
 void parse(CLI::App& app, int argc, const char* const* argv);
 
-/// Runs a program: prints what ends it as one line on stderr. @returns its exit code: that of an End, kWrongUse for
-/// std::invalid_argument, kFailed for any other exception.
+/// Runs a program: prints what ends it on stderr, in one line unless it has line feeds, without control characters.
+/// @returns its exit code: that of an End, kWrongUse for std::invalid_argument, kOutputLost for text::WriteError,
+/// kFailed for any other exception.
 int run(const std::string& name, const std::function<int()>& work) noexcept;
 
 /// The value that `read` returns; the message of a std::invalid_argument gets the option's name in front.

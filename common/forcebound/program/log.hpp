@@ -5,7 +5,8 @@
 namespace forcebound::program {
 
 /// Sends log lines to stderr, stdout being for results, in the pattern of all programs: time, program, level, and one
-/// event a line however long it is, so that grep finds it whole. "10:12:13.123 forcebound-server info: listening on
+/// event a line however long it is, so that grep finds it whole; control characters in it are made printable.
+/// "10:12:13.123 forcebound-server info: listening on
 /// ..."
 void log_to_stderr(const std::string& program);
 

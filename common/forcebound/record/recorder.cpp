@@ -23,10 +23,15 @@ struct Recorder::Queue {
 Recorder::Recorder(std::size_t capacity) : queue_(std::make_unique<Queue>(capacity)) {}
 Recorder::~Recorder() = default;
 
+// A variant of plain values is copied with all its bytes, also those that its alternative has not; g++ 12 takes that
+// for the use of a value that is missing.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 template <class Record>
 void Recorder::push(const Record& record) noexcept {
   if (!queue_->items.push(Item(record))) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
+#pragma GCC diagnostic pop
 
 void Recorder::on_tick(const TickRecord& tick) noexcept { push(tick); }
 void Recorder::on_force(const ForceRecord& force) noexcept { push(force); }

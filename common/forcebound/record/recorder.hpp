@@ -18,7 +18,7 @@ namespace forcebound::record {
 /// Real time: the `on_` functions are noexcept, allocate nothing and never wait.
 class Recorder final : public TickSink {
  public:
-  /// About 8 s of a client's ticks and forces, in 6 MB: the longest pause of a disk without loss.
+  /// About 8 s of a client's ticks and forces, in 29 MB: the longest pause of a disk without loss.
   static constexpr std::size_t kCapacity = 16384;
 
   explicit Recorder(std::size_t capacity = kCapacity);

@@ -106,6 +106,13 @@ std::string encode(const TickRecord& tick) {
   out.set_xi(tick.xi);
   out.set_audit_j(tick.audit_J);
   out.set_audit_minimum_j(tick.audit_minimum_J);
+  out.set_rendering(static_cast<v1::TickRecord::Rendering>(tick.rendering));
+  put(tick.remote, *out.mutable_remote_n());
+  put(tick.local, *out.mutable_local_n());
+  out.set_local_scene(tick.local_scene);
+  out.set_local_scene_age_ns(tick.local_scene_age.count());
+  put(tick.model, *out.mutable_model_n());
+  out.set_model_deviation_m(tick.model_deviation_m);
   return out.SerializeAsString();
 }
 
@@ -131,6 +138,13 @@ void decode(std::string_view bytes, TickRecord& tick) {
   tick.xi = in.xi();
   tick.audit_J = in.audit_j();
   tick.audit_minimum_J = in.audit_minimum_j();
+  tick.rendering = enum_from(in.rendering(), ForceOrigin::both, "rendering");
+  tick.remote = vector_from(in.remote_n(), "remote_N");
+  tick.local = vector_from(in.local_n(), "local_N");
+  tick.local_scene = in.local_scene();
+  tick.local_scene_age = time_from(in.local_scene_age_ns(), "local_scene_age_ns");
+  tick.model = vector_from(in.model_n(), "model_N");
+  tick.model_deviation_m = in.model_deviation_m();
 }
 
 std::string encode(const ForceRecord& force) {

@@ -25,6 +25,7 @@ void each_field(Info& info, Visit&& visit) {
   visit("hand", info.hand);
   visit("scene", info.scene);
   visit("simulated", info.simulated);
+  visit("rendering", info.rendering);
   visit("network", info.network);
   visit("seed", info.seed);
   visit("period_ns", info.period);
@@ -75,6 +76,16 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("longest_blackout_lost_up", totals.longest_blackout.lost_up);
   visit("longest_blackout_answers", totals.longest_blackout.answers);
   visit("longest_blackout_lost_down", totals.longest_blackout.lost_down);
+  visit("scene_pieces", totals.scene_pieces);
+  visit("scene_piece_bytes", totals.scene_piece_bytes);
+  visit("scenes_from_cache", totals.scenes_from_cache);
+  visit("scenes_refused", totals.scenes_refused);
+  visit("parts_quarantined", totals.parts_quarantined);
+  visit("searches_exhausted", totals.searches_exhausted);
+  visit("models_refused", totals.models_refused);
+  visit("server_ahead_ns", totals.server_ahead);
+  visit("server_ahead_off_ns", totals.server_ahead_off);
+  visit("slew_bounded", totals.slew_bounded);
   visit("send_failures", totals.send_failures);
   visit("missed_ticks", totals.missed_ticks);
   visit("device_gaps_cut", totals.device_gaps_cut);
@@ -101,6 +112,9 @@ struct Writer {
   void operator()(const std::string& name, const std::string& value) { out[name] = value; }
   void operator()(const std::string& name, std::uint64_t value) { out[name] = std::to_string(value); }
   void operator()(const std::string& name, Nanoseconds value) { out[name] = std::to_string(value.count()); }
+  void operator()(const std::string& name, const std::optional<Nanoseconds>& value) {
+    if (value) (*this)(name, *value);
+  }
   void operator()(const std::string& name, bool value) { out[name] = value ? "true" : "false"; }
   void operator()(const std::string& name, double value) {
     char text[40];
@@ -130,6 +144,9 @@ struct InfoReader {
   static void assign(const std::string&, const std::string& text, bool& value) { value = text == "true"; }
   static void assign(const std::string& name, const std::string& text, Nanoseconds& value) {
     value = Nanoseconds{parse<Nanoseconds::rep>(name, text)};
+  }
+  static void assign(const std::string& name, const std::string& text, std::optional<Nanoseconds>& value) {
+    assign(name, text, value.emplace());
   }
   template <class Number>
   static void assign(const std::string& name, const std::string& text, Number& value) {
@@ -259,6 +276,18 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "times the session was lost and requested again"},
       {"refusals", t.refusals, "request for a session that the server refused",
        "requests for a session that the server refused"},
+      {"scenes_refused", t.scenes_refused, "scene of the server refused: its forces were held instead",
+       "scenes of the server refused: their forces were held instead"},
+      {"parts_quarantined", t.parts_quarantined,
+       "part of the scene at the client whose force was not finite, left out from then on",
+       "parts of the scene at the client whose forces were not finite, left out from then on"},
+      {"searches_exhausted", t.searches_exhausted,
+       "tick on which the scene at the client had too much of a mesh to search: its force was held instead",
+       "ticks on which the scene at the client had too much of a mesh to search: its forces were held instead"},
+      {"models_refused", t.models_refused, "local model of the server refused: its force was held instead",
+       "local models of the server refused: their forces were held instead"},
+      {"slew_bounded", t.slew_bounded, "tick on which --force-slew limited the change of the requested force",
+       "ticks on which --force-slew limited the change of the requested force"},
       {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},
       {"missed_ticks", t.missed_ticks, "tick left out: the loop woke too late for it",
        "ticks left out: the loop woke too late for them"},

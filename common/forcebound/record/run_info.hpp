@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,16 +22,17 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// Known when a run begins.
 struct RunInfo {
-  std::string program;         ///< with its version
-  std::string law;             ///< none, fba-less, ...
-  std::string law_parameters;  ///< as text; empty: it has none
-  std::string device;          ///< name
-  std::string facts;           ///< the device's facts, as text
-  std::string operator_name;   ///< who holds the device
-  std::string hand;            ///< mass, stiffness and damping of that hand, as text
-  std::string scene;           ///< as asked for; empty: the server's own
-  std::string simulated;       ///< what is simulated, as text
-  std::string network;         ///< emulated network conditions, as far as this side knows
+  std::string program;              ///< with its version
+  std::string law;                  ///< none, fba-less, ...
+  std::string law_parameters;       ///< as text; empty: it has none
+  std::string device;               ///< name
+  std::string facts;                ///< the device's facts, as text
+  std::string operator_name;        ///< who holds the device
+  std::string hand;                 ///< mass, stiffness and damping of that hand, as text
+  std::string scene;                ///< as asked for; empty: the server's own
+  std::string simulated;            ///< what is simulated, as text
+  std::string rendering{"remote"};  ///< as asked for: "remote" or "local"
+  std::string network;              ///< emulated network conditions, as far as this side knows
   std::uint64_t seed = 0;
   Nanoseconds period{1'000'000};        ///< nominal length of a tick
   Nanoseconds hold{250'000'000};        ///< late-force policy: forces older than this fade
@@ -82,8 +84,18 @@ struct RunTotals {
   std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go
   std::uint64_t released_by_device = 0;    ///< ticks so late that the device had zeroed the force itself
   std::uint64_t reconnects = 0;
-  std::uint64_t refusals = 0;  ///< of a session, by the server
-  Blackout longest_blackout;   ///< without any new force
+  std::uint64_t refusals = 0;           ///< of a session, by the server
+  Blackout longest_blackout;            ///< without any new force
+  std::uint64_t scene_pieces = 0;       ///< received, of scenes that run at the client
+  std::uint64_t scene_piece_bytes = 0;  ///< of them
+  std::uint64_t scenes_from_cache = 0;
+  std::uint64_t scenes_refused = 0;      ///< handed over by the server, but malformed or too large
+  std::uint64_t parts_quarantined = 0;   ///< of scenes that run at the client: force not finite, left out from then on
+  std::uint64_t searches_exhausted = 0;  ///< ticks without the scene at the client: too much of a mesh to search
+  std::uint64_t models_refused = 0;      ///< local models of answers that were unsound: their forces were held
+  std::optional<Nanoseconds> server_ahead{};      ///< the server's clock less the client's, if that is known
+  std::optional<Nanoseconds> server_ahead_off{};  ///< and by how much it may be off
+  std::uint64_t slew_bounded = 0;                 ///< ticks on which the slew bound limited the requested force
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
   std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile

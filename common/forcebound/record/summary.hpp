@@ -31,6 +31,13 @@ namespace forcebound::record {
 ///   lost).
 /// - `stale_ticks`: ticks on which the late-force policy faded or dropped the force; `late_force` says which, and how
 ///   often the policy changed.
+/// - `rendering`: where the requested force was computed, as shares of the ticks: `at_client` by the scene at the
+///   client and by local models of the rest, `both` by these and by the server, `held` by the server alone; `modelled`
+///   are those of the ticks on which a local model counted. `asked` is "local" or "remote";
+///   `scene_pieces` and `scene_piece_bytes` count what was received of scenes; `scenes_from_cache` came from the cache
+///   instead.
+/// - `server_clock_ms`: how far the server's clock is `ahead` of the client's at the end, and by how much that may be
+///   `off`, from the least delays of both ways; null: not known.
 /// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.
 /// - `blackouts`: times without any new force for longer than the policy's hold time, after the first force.
 ///   `longest` tells what both ends counted in the longest of them (`motions` made and `lost_up` on the way, `answers`
@@ -79,8 +86,14 @@ class Summary final : public TickSink {
   /// One JSON object with the keys above, numbers in full.
   [[nodiscard]] std::string to_json() const;
 
-  /// One screen of text, 80 columns wide; the first line has the verdict.
+  /// One screen of text, 80 columns wide; the first line has the verdict. Words of the recording are made printable.
   [[nodiscard]] std::string to_text(text::Colour colour = text::Colour::none) const;
+
+  /// Whether its first line says NOT PASSIVE.
+  [[nodiscard]] bool not_passive() const;
+
+  /// Whether its first line says RECORDING INCOMPLETE: records are missing.
+  [[nodiscard]] bool recording_incomplete() const;
 
   [[nodiscard]] const RunInfo& info() const noexcept { return info_; }
 
@@ -129,6 +142,9 @@ class Summary final : public TickSink {
   double force_N_max_ = 0;
   double penetration_m_max_ = 0;
   std::uint64_t bounded_ticks_ = 0;
+  std::uint64_t at_client_ticks_ = 0;
+  std::uint64_t both_ticks_ = 0;
+  std::uint64_t modelled_ticks_ = 0;
 
   double passivity_minimum_J_ = 0;
   double passivity_final_J_ = 0;

@@ -90,6 +90,21 @@ void SummaryView::add_network(Json& json) const {
   json["late_force"] = {
       {"fading_ticks", s.fading_ticks_}, {"dropped_ticks", s.dropped_ticks_}, {"changes", s.policy_changes_}};
   json["blackouts"] = blackouts();
+  json["server_clock_ms"] = server_clock();
+  json["rendering"] = {{"asked", s.info_.rendering},
+                       {"at_client", share(s.at_client_ticks_)},
+                       {"both", share(s.both_ticks_)},
+                       {"held", share(s.ticks_ - s.at_client_ticks_ - s.both_ticks_)},
+                       {"modelled", share(s.modelled_ticks_)},
+                       {"scene_pieces", count_json(total(&RunTotals::scene_pieces))},
+                       {"scene_piece_bytes", count_json(total(&RunTotals::scene_piece_bytes))},
+                       {"scenes_from_cache", count_json(total(&RunTotals::scenes_from_cache))}};
+}
+
+nlohmann::ordered_json SummaryView::server_clock() const {
+  if (!s.totals_ || !s.totals_->server_ahead || !s.totals_->server_ahead_off) return nullptr;
+  return {{"ahead", 1e3 * time::to_seconds(*s.totals_->server_ahead)},
+          {"off", 1e3 * time::to_seconds(*s.totals_->server_ahead_off)}};
 }
 
 nlohmann::ordered_json SummaryView::motions() const {

@@ -3,6 +3,7 @@
 
 #include "forcebound/record/internal/summary_view.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::record {
 namespace {
@@ -23,7 +24,7 @@ void print_field(std::string& out, const char* name, const std::string& words) {
   if (words.empty()) return;
   std::string line = "  " + std::string(name);
   line.resize(std::max(line.size() + 1, kNameColumns), ' ');
-  out += text::wrapped(line + words, kNameColumns) + '\n';
+  out += text::wrapped(line + text::printable(words), kNameColumns) + '\n';
 }
 
 std::string count_text(const std::optional<std::uint64_t>& count) { return count ? std::to_string(*count) : "?"; }
@@ -95,6 +96,22 @@ void SummaryView::print_network(std::string& out) const {
               counted(s.fading_ticks_, "tick") + " faded, " + std::to_string(s.dropped_ticks_) + " at zero, " +
                   counted(s.policy_changes_, "change") + "; " + counted(s.blackouts_, "blackout") +
                   (s.blackouts_ == 0 ? "" : ", longest " + rounded(time::to_seconds(s.blackout_longest_)) + " s"));
+}
+
+void SummaryView::print_rendering(std::string& out) const {
+  if (s.info_.rendering != "local") return;
+  const std::uint64_t here = s.at_client_ticks_ + s.both_ticks_;
+  std::string words = percent(share(here)) + " of the ticks at the client";
+  if (s.both_ticks_ > 0) words += " (" + percent(share(s.both_ticks_)) + " with forces of the server's)";
+  words += ", " + percent(share(s.ticks_ - here)) + " held";
+  if (s.modelled_ticks_ > 0) words += "; local models on " + percent(share(s.modelled_ticks_));
+  if (const auto pieces = total(&RunTotals::scene_pieces); pieces.value_or(0) > 0) {
+    words += "; scene in " + counted(*pieces, "piece") + ", " +
+             rounded(static_cast<double>(s.totals_->scene_piece_bytes) * 1e-3) + " kB";
+  } else if (total(&RunTotals::scenes_from_cache).value_or(0) > 0) {
+    words += "; scene from the cache";
+  }
+  print_field(out, "rendering", words);
 }
 
 void SummaryView::print_contact(std::string& out) const {
@@ -171,6 +188,10 @@ void SummaryView::print_faults(std::string& out) const {
   if (!any) print_field(out, "faults", "none");
 }
 
+bool Summary::not_passive() const { return SummaryView{*this}.verdict() == SummaryView::Verdict::not_passive; }
+
+bool Summary::recording_incomplete() const { return SummaryView{*this}.recording_incomplete(); }
+
 std::string Summary::to_text(text::Colour colour) const {
   const SummaryView view{*this};
   std::string out = "Summary: ";
@@ -178,6 +199,7 @@ std::string Summary::to_text(text::Colour colour) const {
   out += "; " + rounded(view.duration_s()) + " s, " + counted(ticks_, "tick") + '\n';
   view.print_run(out);
   view.print_network(out);
+  view.print_rendering(out);
   view.print_contact(out);
   view.print_energy(out, colour);
   view.print_faults(out);

@@ -16,6 +16,13 @@ enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting
 /// What the late-force policy did with the newest force.
 enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
+/// Where the force asked for came from.
+enum class ForceOrigin : std::uint8_t {
+  held,       ///< what the server said of where the device was
+  at_client,  ///< the scene at the client, or local models
+  both,       ///< these, and what the server said of the rest
+};
+
 /// One tick of the client: its reading, the force asked for, the force commanded, and the energies.
 struct TickRecord {
   std::uint64_t tick = 0;   ///< 1, 2, 3, ...
@@ -44,6 +51,13 @@ struct TickRecord {
   double audit_J = 0;
   /// The least P from the start until the command, between ticks too: never below 0 if the device was passive.
   double audit_minimum_J = 0;
+  ForceOrigin rendering = ForceOrigin::held;
+  control::Vector remote{};        ///< force that the newest answer alone would request [N]
+  control::Vector local{};         ///< force of the scene at the client [N]; no rows: there was none
+  std::uint64_t local_scene = 0;   ///< number of that scene, 1, 2, 3, ... as more of it came; 0: none
+  Nanoseconds local_scene_age{0};  ///< since it was taken into use
+  control::Vector model{};         ///< force of the server's local models at the device's own place [N]; no rows: none
+  double model_deviation_m = 0;    ///< of a mass at the client from where the server has it: being corrected
 };
 
 /// One environment force as it arrived.

@@ -29,19 +29,29 @@ struct AccuracyLevel {
 /// approximately, where `change` is the RMS of the force's rate of change over its RMS, for the motion that the scene
 /// is made for, and T the device's tick. The last two terms are the mean wait until the device's next tick, and half
 /// the time until the next force.
+///
+/// A client that renders locally is left with less of the change: with nothing where it computes the force itself, with
+/// what its local models miss where these travel. So a finer level is worth more of its time there.
 struct AutoAccuracy {
-  std::string key;          ///< of the scene file, "tissue.pad.shape.cells"
-  double change_per_s = 0;  ///< see above
+  std::string key;                  ///< of the scene file, "tissue.pad.shape.cells"
+  double change_per_s = 0;          ///< see above
+  double change_locally_per_s = 0;  ///< the same for a client that renders locally
   std::vector<AccuracyLevel> levels{};
 
-  /// E of a level at a round trip.
-  [[nodiscard]] double expected_error(const AccuracyLevel& level, double round_trip_s) const;
+  /// Who asks.
+  struct Client {
+    double round_trip_s = 0;
+    bool renders_locally = false;
+  };
+
+  /// E of a level at a client.
+  [[nodiscard]] double expected_error(const AccuracyLevel& level, const Client& client) const;
 
   /// The level with the least E. There must be at least one level.
-  [[nodiscard]] const AccuracyLevel& best(double round_trip_s) const;
+  [[nodiscard]] const AccuracyLevel& best(const Client& client) const;
 
   /// The level picked and the reason, as one line of text.
-  [[nodiscard]] std::string text(const AccuracyLevel& picked, double round_trip_s) const;
+  [[nodiscard]] std::string text(const AccuracyLevel& picked, const Client& client) const;
 };
 
 }  // namespace forcebound::scene

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/local_model/local_model.hpp"
 #include "forcebound/scene/effects/effect.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 
@@ -29,7 +30,8 @@ struct DynamicModelFaults {
 
 /// The state of a dynamic model: of one client, or of all clients of a shared scene.
 ///
-/// Real time: `move`, `advance` and `touch` are noexcept, allocate nothing and take bounded time. Not thread-safe.
+/// Real time: `move`, `advance`, `touch` and `describe` are noexcept, allocate nothing and take bounded time. Not
+/// thread-safe.
 class DynamicModelState {
  public:
   virtual ~DynamicModelState() = default;
@@ -46,6 +48,16 @@ class DynamicModelState {
   virtual void advance(double elapsed_s) noexcept = 0;
 
   [[nodiscard]] virtual ModelTouch touch(int seat) noexcept = 0;
+
+  /// A local model of what the probe touches or is near, for its client to render until the next answer; called after
+  /// `touch`, before any other probe moves. The force in it is that of `touch`. False, with `model` as it was: there is
+  /// none at the moment. The server holds what it says to local_model::is_sound, and sends no model of an answer if one
+  /// of it is not.
+  [[nodiscard]] virtual bool describe(int seat, local_model::LocalModel& model) noexcept {
+    (void)seat;
+    (void)model;
+    return false;
+  }
 
   /// Whether the state is finite. A state that is not stays so, and must not be used any more.
   [[nodiscard]] virtual bool sound() const noexcept { return true; }
@@ -68,12 +80,14 @@ struct DynamicModelFacts {
   double stiffness_N_per_m = 0;  ///< largest stiffness at the device
   double damping_N_s_per_m = 0;  ///< of the coupling to the device
   double age_s = 0;              ///< greatest age of its newest force: it steps at its own rate
-  double cost_ns = 0;            ///< estimate, for one motion of a device at 1 kHz
+  double cost_ns = 0;            ///< estimate, for one motion of a device at 1 kHz, without a local model
+  double describe_cost_ns = 0;   ///< estimate, for the local model of one answer; 0: hardly any
   /// Where a device first meets it: some point of a surface that a probe can reach; where devices drag a body, the
   /// point of the first one.
   Point on_surface_m = Point::Zero();
   Eigen::AlignedBox3d bounds_m{};  ///< of tissue at the start; empty: not known
   int seats_max = std::numeric_limits<int>::max();
+  bool describes_itself = false;     ///< its states give local models
   Inputs inputs{};                   ///< beside the position: velocity of `move`, time of `advance`
   std::vector<std::string> lines{};  ///< its parts, its assumptions, its margin of stability
 };

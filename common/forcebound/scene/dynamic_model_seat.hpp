@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "forcebound/scene/device_path.hpp"
 #include "forcebound/scene/scene.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -15,22 +17,53 @@ using time::Nanoseconds;
 /// apart than 64 bits hold.
 double seconds_between(Nanoseconds from, Nanoseconds to) noexcept;
 
+/// When a probe was where it is, and until when time goes on.
+struct FeltAt {
+  Nanoseconds moment{0};                 ///< of the model's clock
+  std::optional<Nanoseconds> reading{};  ///< of the device's clock, to play its path by, where the model plays paths
+};
+
 /// A dynamic model of a scene with its current state and time: of one client, or of all clients of a shared scene.
+///
+/// Of one client it follows the device's own clock: between two motions the device went straight. Of several the clock
+/// is the server's, and motions come when their networks let them. Where what moves has a time of its own (bodies, not
+/// tissue, which is quasi-static), the paths of all devices can therefore be played (DevicePath), in beats of a
+/// millisecond: each beat moves every device whose path is played to where it was, and the model steps by that. A
+/// motion thus moves its device in the model later than it came, by about the jitter on its way.
 class DynamicModelNow {
  public:
+  /// How far all devices go at once; what is due beyond eight of them is gone in one.
+  static constexpr Nanoseconds kBeat = std::chrono::milliseconds{1};
+  static constexpr std::int64_t kBeatsMost = 8;
+
   /// @param dynamic_model must outlive this
-  DynamicModelNow(const SceneDynamicModel& dynamic_model, int seats)
-      : dynamic_model_(dynamic_model), state_(dynamic_model.dynamic_model->make_state(seats)) {}
+  /// @param shared the clock is the server's, and paths can be played; else it is the one device's
+  DynamicModelNow(const SceneDynamicModel& dynamic_model, int seats, bool shared = false);
+
+  /// A seat for one more probe; -1 if all are taken.
+  [[nodiscard]] int join();
+  void leave(int seat);
+
+  /// The probe's device was there: at once, or when its path is played as far. Real time.
+  void take(int seat, const Probe& probe, const FeltAt& at) noexcept;
 
   /// Real time. The first call sets the start; a time that is not later than the last one changes nothing.
   void advance_to(Nanoseconds moment) noexcept;
+
+  /// The path that is played; null: it is not.
+  [[nodiscard]] const DevicePath* path_of(int seat) const noexcept;
 
   [[nodiscard]] DynamicModelState& state() noexcept { return *state_; }
   [[nodiscard]] const SceneDynamicModel& dynamic_model() const noexcept { return dynamic_model_; }
 
  private:
+  [[nodiscard]] bool plays() const noexcept;
+  void play_until(Nanoseconds moment) noexcept;
+  void step_to(Nanoseconds moment) noexcept;
+
   const SceneDynamicModel& dynamic_model_;
   std::unique_ptr<DynamicModelState> state_;
+  std::vector<DevicePath> paths_;  ///< of all seats; empty: none can be played
   Nanoseconds moment_{0};
   bool begun_ = false;
 };
@@ -52,9 +85,16 @@ class DynamicModelSeat {
   DynamicModelSeat(const DynamicModelSeat&) = delete;
   DynamicModelSeat& operator=(const DynamicModelSeat&) = delete;
 
-  /// Moves the probe, advances time to `moment`, and returns the force then. Real time: no allocation.
+  /// Moves the probe, advances time, and returns the force then. Real time: no allocation.
   /// @param faults faults since the last call are added
-  [[nodiscard]] ModelTouch feel(const Probe& probe, Nanoseconds moment, DynamicModelFaults& faults) noexcept;
+  [[nodiscard]] ModelTouch feel(const Probe& probe, const FeltAt& at, DynamicModelFaults& faults) noexcept;
+
+  /// How long before a time of the device's clock the probe was where it is now in the model; none: it was moved there
+  /// as its motion came. Real time.
+  [[nodiscard]] std::optional<Nanoseconds> played_before(Nanoseconds device_time) const noexcept;
+
+  /// A local model of what was felt last; see DynamicModelState::describe. Real time.
+  [[nodiscard]] bool describe(local_model::LocalModel& model) noexcept { return now_->state().describe(seat_, model); }
 
   [[nodiscard]] bool sound() const noexcept { return now_->state().sound(); }
   [[nodiscard]] const std::string& name() const noexcept { return now_->dynamic_model().name; }

@@ -15,7 +15,7 @@ PartDescription describe(const SceneObject& part) {
 }
 
 SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes,
-                      const std::string& folder) {
+                      const std::string& folder, const ShapeGeometry& geometry) {
   SceneObject part{.name = description.name};
   const bool is_object = description.shape.has_value();
   for (const NamedValues& effect : description.effects) {
@@ -24,7 +24,7 @@ SceneObject make_part(const PartDescription& description, const Registry& regist
   if (is_object) {
     check_effects(part);
     const auto& [kind, values] = *description.shape;
-    set_shape(part, shape_kind(registry, kind, axes), values, axes, folder);
+    set_shape(part, shape_kind(registry, kind, axes), values, axes, folder, geometry);
   }
   return part;
 }
@@ -87,8 +87,12 @@ const ShapeKind& shape_kind(const Registry& registry, std::string_view name, Eig
 }
 
 void set_shape(SceneObject& part, const ShapeKind& kind, const config::Values& given, Eigen::Index axes,
-               const std::string& folder) {
-  ShapePurpose purpose{.folder = folder};
+               const std::string& folder, const ShapeGeometry& geometry) {
+  if (geometry.kind() != GeometryKind::none && geometry.kind() != kind.geometry) {
+    throw std::invalid_argument("a " + std::string(kind.name) + " is not made of " +
+                                (geometry.mesh ? "triangles" : "heights"));
+  }
+  ShapePurpose purpose{.folder = folder, .geometry = geometry};
   for (const RequestedEffect& effect : part.effects) {
     purpose.reach_m = std::max(purpose.reach_m, effect.effect->facts().reach_m);
   }

@@ -33,9 +33,10 @@ struct PartDescription {
 /// Makes the described part. Every value is checked.
 /// @param axes of the scene, 1 to 3: on the others points are zero, and boxes have no faces
 /// @param folder paths among a shape's values are relative to it
+/// @param geometry the shape's, in place of what its values name (Shape::geometry); none: its values are enough
 /// @throws config::ValueError, or another std::invalid_argument or std::runtime_error, in one line
 [[nodiscard]] SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes = 3,
-                                    const std::string& folder = {});
+                                    const std::string& folder = {}, const ShapeGeometry& geometry = {});
 
 // The steps of `make_part`, for readers of files, which give the line of an error. They throw as it does.
 
@@ -59,6 +60,6 @@ void check_effects(const SceneObject& part);
 
 /// Completes the part after its last effect.
 void set_shape(SceneObject& part, const ShapeKind& kind, const config::Values& given, Eigen::Index axes,
-               const std::string& folder);
+               const std::string& folder, const ShapeGeometry& geometry = {});
 
 }  // namespace forcebound::scene

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "forcebound/scene/effects/adhesion.hpp"
 #include "forcebound/scene/effects/attractor.hpp"
@@ -45,6 +47,17 @@ void add_to(std::vector<Kind>& kinds, Kind kind, const char* what) {
   kinds.push_back(std::move(kind));
 }
 
+const Registry& shipped() {
+  static const Registry kShipped = Registry::standard();
+  return kShipped;
+}
+
+[[noreturn]] void refuse_reuse(const char* what, std::string_view name) {
+  throw std::invalid_argument(std::string(what) + " '" + std::string(name) +
+                              "' is one of this library: another one needs another name, because clients that are "
+                              "handed a scene run what they know by the name");
+}
+
 }  // namespace
 
 Registry Registry::standard() {
@@ -72,8 +85,17 @@ Registry Registry::standard() {
   return registry;
 }
 
-void Registry::add(EffectKind kind) { add_to(effects_, std::move(kind), "effect"); }
-void Registry::add(ShapeKind kind) { add_to(shapes_, std::move(kind), "shape"); }
+void Registry::add(EffectKind kind) {
+  const EffectKind* const ours = shipped().find_effect(kind.name);
+  if (ours != nullptr && ours->law != kind.law) refuse_reuse("effect", kind.name);
+  add_to(effects_, std::move(kind), "effect");
+}
+
+void Registry::add(ShapeKind kind) {
+  const ShapeKind* const ours = shipped().find_shape(kind.name);
+  if (ours != nullptr && ours->description != kind.description) refuse_reuse("shape", kind.name);
+  add_to(shapes_, std::move(kind), "shape");
+}
 
 const EffectKind* Registry::find_effect(std::string_view name) const noexcept { return find_in(effects_, name); }
 const ShapeKind* Registry::find_shape(std::string_view name) const noexcept { return find_in(shapes_, name); }

@@ -14,7 +14,8 @@ class Registry {
   /// All shapes and effects of this library.
   static Registry standard();
 
-  /// @throws std::invalid_argument if the name is taken.
+  /// @throws std::invalid_argument if the name is taken, here or by another kind of this library: a client that is
+  /// handed a scene runs what it knows by the name.
   void add(EffectKind kind);
   void add(ShapeKind kind);
 

@@ -1,5 +1,7 @@
 #include "forcebound/scene/scene.hpp"
 
+#include <algorithm>
+
 #include "forcebound/control/vector.hpp"
 
 namespace forcebound::scene {
@@ -10,8 +12,25 @@ Scene::Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy)
       plan_(parts_.objects, parts_.fields),
       inputs_(plan_.inputs()),
       accuracy_(std::move(accuracy)) {
-  for (const SceneDynamicModel& dynamic_model : parts_.dynamic_models)
+  static const Registry kKnown = Registry::standard();
+  renderings_.reserve(this->parts());
+  for (const auto* const objects : {&parts_.objects, &parts_.fields}) {
+    for (const SceneObject& part : *objects) renderings_.push_back(rendering_of(part, kKnown));
+  }
+  for (const SceneDynamicModel& dynamic_model : parts_.dynamic_models) {
     inputs_ = inputs_.with(dynamic_model.dynamic_model->facts().inputs);
+    renderings_.push_back(rendering_of(*dynamic_model.dynamic_model));
+  }
+}
+
+Rendering Scene::least_rendering() const noexcept {
+  Rendering least = Rendering::at_client;
+  for (const PartRendering& part : renderings_) least = std::max(least, part.how);
+  return least;
+}
+
+bool Scene::can_be_handed_over() const noexcept {
+  return std::ranges::any_of(renderings_, [](const PartRendering& part) { return part.how == Rendering::at_client; });
 }
 
 const std::string& Scene::name_of_step(std::size_t step) const noexcept {

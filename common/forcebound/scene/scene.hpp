@@ -9,6 +9,7 @@
 #include "forcebound/scene/auto_accuracy.hpp"
 #include "forcebound/scene/dynamic_model.hpp"
 #include "forcebound/scene/plan.hpp"
+#include "forcebound/scene/rendering.hpp"
 
 namespace forcebound::scene {
 
@@ -75,6 +76,15 @@ class Scene {
   /// The number of parts: the steps of the plan, then the dynamic models.
   [[nodiscard]] std::size_t parts() const noexcept { return plan_.steps().size() + parts_.dynamic_models.size(); }
 
+  /// Where the force of a part is computed if the client renders locally.
+  [[nodiscard]] const PartRendering& rendering_of_part(std::size_t part) const { return renderings_.at(part); }
+
+  /// The least of them: `held` if some part is, else `modelled` if some part is.
+  [[nodiscard]] Rendering least_rendering() const noexcept;
+
+  /// Whether some part runs at the client.
+  [[nodiscard]] bool can_be_handed_over() const noexcept;
+
   /// Where a device first meets a part; the origin for a field.
   [[nodiscard]] Point on_surface_m(std::size_t part) const;
 
@@ -89,6 +99,7 @@ class Scene {
   Plan plan_;
   Inputs inputs_;
   AutoAccuracy accuracy_;
+  std::vector<PartRendering> renderings_;  // of all parts
 };
 
 }  // namespace forcebound::scene

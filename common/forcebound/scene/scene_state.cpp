@@ -5,6 +5,16 @@
 #include <numeric>
 
 namespace forcebound::scene {
+namespace {
+
+/// Of an object whose geometry has just arrived the shape's may be another.
+bool have_states_of_the_same_effects(const PlanStep& a, const PlanStep& b) noexcept {
+  return a.end - a.begin == b.end - b.begin && a.touching_state - a.near_state == b.touching_state - b.near_state &&
+         a.end_state - a.near_state == b.end_state - b.near_state;
+}
+
+}  // namespace
+
 SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
                        const DynamicModelsNow& dynamic_models, bool shares_dynamic_models)
     : scene_(std::move(scene)),
@@ -39,15 +49,22 @@ SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t
   return state;
 }
 
-SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time) noexcept {
+SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time,
+                               local_model::LocalModel* model) noexcept {
   const Plan& plan = scene_->plan();
   Probe probe;
-  probe.position_m.head(translations_) = position.head(translations_);
+  probe.position_m = place(position);
   if (scene_->inputs().velocity || scene_->inputs().time) look_at_time(probe, device_time);
 
   Point total_N = Point::Zero();
+  Point server_parts_N = Point::Zero();
+  Point driving_N = Point::Zero();
   SceneAnswer answer;
   quarantined_.clear();
+  if (model != nullptr) {
+    *model = {};
+    model->by_device_clock = !shares_dynamic_models_;
+  }
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const PlanStep& step = plan.steps()[steps_[i]];
     Reaction reaction;
@@ -55,22 +72,105 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
     probe.normal = surface.normal;
     probe.penetration_m = surface.penetration_m;
     act(step, probe, reaction);
-    if (add(reaction, surface, total_N, answer)) continue;
+    const double deepest_m = answer.penetration_m;
+    if (add(reaction, surface, total_N, answer)) {
+      const bool in_server_parts = scene_->rendering_of_part(steps_[i]).how != Rendering::at_client;
+      if (in_server_parts) server_parts_N += reaction.force_N;
+      driving_N += reaction.driving_N;
+      if (answer.penetration_m > deepest_m)
+        answer.texture_in_server_parts = in_server_parts && reaction.texture.amplitude_N > 0;
+      continue;
+    }
     quarantine(scene_->name_of_step(steps_[i]));
     steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
   for (std::size_t i = 0; i < dynamic_models_.size(); ++i) {
     DynamicModelSeat& seat = seats_[dynamic_models_[i]];
-    const ModelTouch touch =
-        seat.feel(probe, shares_dynamic_models_ ? server_time : device_time, faults_.dynamic_models);
+    FeltAt felt_at{.moment = shares_dynamic_models_ ? server_time : device_time};
+    // A client that is told no local model has the force as soon as it can be.
+    if (shares_dynamic_models_ && model != nullptr) felt_at.reading = device_time;
+    const ModelTouch touch = seat.feel(probe, felt_at, faults_.dynamic_models);
     const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
-    if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) continue;
+    if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) {
+      server_parts_N += touch.force_N;
+      if (model != nullptr) {
+        describe(seat, dynamic_models_[i], *model);
+        if (const auto before = seat.played_before(device_time)) {
+          model->by_device_clock = true;
+          model->before_reading = *before;
+        }
+      }
+      continue;
+    }
     quarantine(seat.name());
     dynamic_models_.erase(dynamic_models_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
   answer.quarantined = quarantined_;
   answer.force = in_device_rows(total_N);
+  answer.server_parts_N = in_device_rows(server_parts_N);
+  if (plan.drives()) answer.driving = in_device_rows(driving_N);
   return answer;
+}
+
+/// What has no room in the answer is held.
+void SceneState::describe(DynamicModelSeat& seat, std::uint32_t number, local_model::LocalModel& model) noexcept {
+  constexpr std::uint32_t kIdsOfAPart = 16;
+  local_model::LocalModel part;
+  if (!seat.describe(part)) return;
+  const std::uint32_t surfaces = std::min(part.surface_count, local_model::LocalModel::kSurfacesMax);
+  for (std::uint32_t i = 0; i < surfaces; ++i) {
+    part.surfaces.at(i).id += kIdsOfAPart * number;
+    part.surfaces.at(i).others_move_it = shares_dynamic_models_;
+  }
+  part.mass.id += kIdsOfAPart * number;
+  part.mass.others_move_it = shares_dynamic_models_;
+  (void)local_model::add(part, model);
+}
+
+Point SceneState::place(const Vector& position) const noexcept {
+  Point point = Point::Zero();
+  point.head(translations_) = position.head(translations_);
+  return point;
+}
+
+void SceneState::begin_again(const Vector& outside_m, Nanoseconds first_time) noexcept {
+  std::ranges::fill(bytes_, std::byte{0});
+  has_last_ = false;
+  has_first_ = true;
+  first_time_ = first_time;
+  const Point free_m = place(outside_m);
+  for (const PlanStep& step : scene_->plan().steps()) {
+    if (step.shape != nullptr) step.shape->begin_outside(free_m, bytes_.data() + step.shape_state);
+  }
+}
+
+bool SceneState::go_on_from(const SceneState& other) noexcept {
+  const std::span<const PlanStep> steps = scene_->plan().steps();
+  const std::span<const PlanStep> before = other.scene_->plan().steps();
+  const bool same = other.rows_ == rows_ && other.seats_.empty() && seats_.empty() &&
+                    std::ranges::equal(steps, before, have_states_of_the_same_effects);
+  if (!same) return false;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto from = other.bytes_.begin() + before[i].shape_state;
+    const auto from_effects = other.bytes_.begin() + before[i].near_state;
+    const auto to = bytes_.begin() + steps[i].shape_state;
+    const auto to_effects = bytes_.begin() + steps[i].near_state;
+    if (from_effects - from == to_effects - to) {
+      std::copy(from, from_effects, to);
+    } else {
+      std::fill(to, to_effects, std::byte{0});
+    }
+    std::copy(from_effects, other.bytes_.begin() + before[i].end_state, to_effects);
+  }
+  // No larger than what was here at first, so nothing is allocated.
+  steps_ = other.steps_;
+  last_position_m_ = other.last_position_m_;
+  first_time_ = other.first_time_;
+  last_time_ = other.last_time_;
+  has_first_ = other.has_first_;
+  has_last_ = other.has_last_;
+  faults_ = other.faults_;
+  return true;
 }
 
 bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
@@ -128,7 +228,9 @@ void SceneState::act(const PlanStep& step, Probe& probe, Reaction& reaction) noe
 void SceneState::run(std::uint32_t begin, std::uint32_t end, const Probe& probe, Reaction& reaction) noexcept {
   for (std::uint32_t i = begin; i < end; ++i) {
     const PlannedEffect& planned = scene_->plan().effects()[i];
+    const Point others_N = reaction.force_N;
     planned.effect->act(probe, bytes_.data() + planned.state, reaction);
+    if (planned.drives) reaction.driving_N += reaction.force_N - others_N;
   }
 }
 
@@ -137,16 +239,16 @@ void SceneState::forget(std::uint32_t begin, std::uint32_t end) noexcept {
 }
 
 void SceneState::look_at_time(Probe& probe, Nanoseconds device_time) noexcept {
+  if (!has_first_) first_time_ = device_time;
+  has_first_ = true;
+  probe.time_s = seconds_between(first_time_, device_time);
   if (has_last_) {
     probe.interval_s = seconds_between(last_time_, device_time);
-    probe.time_s = seconds_between(first_time_, device_time);
     if (probe.interval_s > 0) {
       const Point velocity_m_per_s = (probe.position_m - last_position_m_) / probe.interval_s;
       // The difference of two finite positions may overflow.
       if (velocity_m_per_s.allFinite()) probe.velocity_m_per_s = velocity_m_per_s;
     }
-  } else {
-    first_time_ = device_time;
   }
   has_last_ = true;
   last_time_ = device_time;

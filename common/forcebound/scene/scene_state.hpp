@@ -15,10 +15,13 @@ using control::Vector;
 
 /// The scene's answer to one motion; the vectors have the device's rows, rotations are zero.
 struct SceneAnswer {
-  Vector force;              ///< on the device [N], then torque [N m]; always finite
-  Vector contact_normal{};   ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;  ///< depth below that surface, 0: no contact
-  Texture texture{};         ///< of that surface
+  Vector force;                          ///< on the device [N], then torque [N m]; always finite
+  Vector contact_normal{};               ///< unit, out of the surface touched (deepest one); no rows: no contact
+  double penetration_m = 0;              ///< depth below that surface, 0: no contact
+  Texture texture{};                     ///< of that surface
+  Vector server_parts_N{};               ///< of `force`, that of the parts that do not run at a client (rendering.hpp)
+  bool texture_in_server_parts = false;  ///< that surface is of one of those
+  Vector driving{};                      ///< of `force`, that of effects that drive; no rows: Plan::drives is false
   /// Names of the parts left out from now on; empty on most motions. Valid until the next one.
   std::span<const std::string* const> quarantined{};
 };
@@ -44,7 +47,7 @@ class SceneState {
   SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom);
 
   /// With the dynamic models of another client's state of this scene, or of new ones for several clients; these follow
-  /// the server's clock.
+  /// the server's clock. Asked for a local model, `answer` is about the device's path as it is played (DevicePath).
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const DynamicModelsNow& shared);
 
   /// One part of the scene alone: the object or field of a step of the plan, or, counted on from there, a dynamic
@@ -54,8 +57,19 @@ class SceneState {
   /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
   /// clock. The velocity is the mean since the previous call; it is zero where time has not advanced.
   /// @param server_time time of the answer; used only by shared dynamic models
+  /// @param model if given, it becomes the local models of the dynamic models' part of `server_parts_N`
   [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time,
-                                   Nanoseconds server_time = Nanoseconds{0}) noexcept;
+                                   Nanoseconds server_time = Nanoseconds{0},
+                                   local_model::LocalModel* model = nullptr) noexcept;
+
+  /// Forgets all that was: effects, contacts and velocity begin anew, contacts from a place that is known to be outside
+  /// of everything solid [m], and the scene's time at a time of the device's clock. Real time.
+  void begin_again(const Vector& outside_m, Nanoseconds first_time) noexcept;
+
+  /// Remembers what another state did in a scene of the same objects, fields and effects, such as one of which fewer
+  /// triangles were known. Each keeps its own, friction its anchor; but a shape of which there was no geometry before
+  /// begins anew. Of neither are there dynamic models. False, with nothing done, if the plans differ. Real time.
+  [[nodiscard]] bool go_on_from(const SceneState& other) noexcept;
 
   [[nodiscard]] DynamicModelsNow dynamic_models() const;
 
@@ -72,6 +86,8 @@ class SceneState {
   /// Adds one part's force to the answer; false if it is not finite.
   [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
                          SceneAnswer& answer) noexcept;
+  void describe(DynamicModelSeat& seat, std::uint32_t number, local_model::LocalModel& model) noexcept;
+  [[nodiscard]] Point place(const Vector& position) const noexcept;
   void quarantine(const std::string& name) noexcept;
   void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
   [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;
@@ -89,6 +105,7 @@ class SceneState {
   std::vector<const std::string*> quarantined_;  ///< on this motion; room for all
   bool shares_dynamic_models_;
   Point last_position_m_ = Point::Zero();
+  bool has_first_ = false;
   Nanoseconds first_time_{0};
   Nanoseconds last_time_{0};
   bool has_last_ = false;

@@ -4,11 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 
@@ -20,18 +23,40 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr ::mode_t kForAll = 0666;  // less the umask
-/// What is read of a device or a pipe at the most, since these may go on without end.
-constexpr std::size_t kBytesMost = std::size_t{256} << 20;
 
 [[noreturn]] void refuse_reading(const std::string& path, const std::string& why) {
   throw std::runtime_error(printable(path) + ": cannot be read: " + why);
 }
 
+std::string not_writable(const std::string& path, const std::string& why) {
+  return printable(path) + ": cannot be written: " + why;
+}
+
 [[noreturn]] void refuse_writing(const std::string& path, const std::string& why) {
-  throw std::runtime_error(printable(path) + ": cannot be written: " + why);
+  throw std::runtime_error(not_writable(path, why));
 }
 
 std::error_code last_error() { return {errno != 0 ? errno : EIO, std::generic_category()}; }
+
+/// A file's descriptor, closed at the end.
+struct Opened {
+  int descriptor;
+  explicit Opened(int opened) noexcept : descriptor(opened) {}
+  ~Opened() {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+};
+
+/// @returns how many bytes were read; 0 at the end
+std::size_t read_some(int descriptor, std::span<char> into, const std::string& path) {
+  while (true) {
+    const ssize_t bytes = ::read(descriptor, into.data(), into.size());
+    if (bytes >= 0) return static_cast<std::size_t>(bytes);
+    if (errno != EINTR) refuse_reading(path, last_error().message());
+  }
+}
 
 /// Creates an empty file where there is none. @returns what failed
 std::error_code create(const std::string& path, ::mode_t permissions) {
@@ -77,26 +102,46 @@ fs::path end_of_links(fs::path path) {
   return path;
 }
 
+/// Where a path leads, there or not yet. @throws std::runtime_error
+fs::path end_of(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  const fs::path end = error ? fs::path() : fs::weakly_canonical(absolute, error);
+  if (error) refuse_reading(path.string(), error.message());
+  return end;
+}
+
+/// Both as end_of returns them.
+bool is_below(fs::path path, fs::path folder) {
+  for (fs::path* of : {&path, &folder}) {
+    if (!of->has_filename()) *of = of->parent_path();  // it ends with a slash
+  }
+  const auto [in_folder, in_path] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+  return in_folder == folder.end() && in_path != path.end();
+}
+
 }  // namespace
 
-std::string read_file(const std::string& path) {
-  // Opening a directory succeeds; only reading it would fail.
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) refuse_reading(path, "it is a directory");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) refuse_reading(path, last_error().message());
-  const bool may_be_endless = is_special_file(path);
+std::string read_file(const std::string& path, std::size_t bytes_most) {
+  // A pipe without a writer would block an open that waits for one.
+  const Opened file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};
+  if (file.descriptor < 0) refuse_reading(path, last_error().message());
+  struct ::stat facts {};
+  if (::fstat(file.descriptor, &facts) != 0) refuse_reading(path, last_error().message());
+  if (S_ISDIR(facts.st_mode)) refuse_reading(path, "it is a directory");
+  if (!S_ISREG(facts.st_mode)) refuse_reading(path, "it is no regular file");
+  const auto too_large = [&] {
+    refuse_reading(path, "it has more than " + std::to_string(bytes_most) + " bytes, expected at most that");
+  };
+  if (facts.st_size > 0 && static_cast<std::uintmax_t>(facts.st_size) > bytes_most) too_large();
   std::string text;
+  text.reserve(static_cast<std::size_t>(facts.st_size));
   std::array<char, 1 << 16> part{};
-  while (file) {
-    file.read(part.data(), static_cast<std::streamsize>(part.size()));
-    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
-    if (may_be_endless && text.size() > kBytesMost) {
-      refuse_reading(path, "it is no regular file and has more than " + std::to_string(kBytesMost >> 20) + " MiB");
-    }
+  // To the end, wherever that is by now: files of the system have more than their size says.
+  while (const std::size_t bytes = read_some(file.descriptor, part, path)) {
+    if (bytes > bytes_most - text.size()) too_large();
+    text.append(part.data(), bytes);
   }
-  if (file.bad()) refuse_reading(path, last_error().message());
   return text;
 }
 
@@ -106,10 +151,10 @@ void write_file(const std::string& path, std::string_view content) {
     const std::error_code error = put(successor, content);
     if (!error && ::rename(successor.c_str(), path.c_str()) == 0) return;
     ::unlink(successor.c_str());
-    if (error) refuse_writing(path, error.message());
+    if (error) throw WriteError(not_writable(path, error.message()));
   }
   // Nothing can take its place, such as of a device, a link, or a file mounted on its own.
-  if (const std::error_code error = put(path, content)) refuse_writing(path, error.message());
+  if (const std::error_code error = put(path, content)) throw WriteError(not_writable(path, error.message()));
 }
 
 void expect_writable(const std::string& path) {
@@ -131,6 +176,22 @@ bool is_special_file(const fs::path& path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+std::string path_within(const std::string& named, const std::string& folder, std::span<const std::string> others) {
+  const fs::path path = fs::path(folder) / named;
+  // The system would take what is before it for the whole path.
+  if (named.find('\0') != std::string::npos) refuse_reading(path.string(), "its name has a zero byte");
+  const fs::path end = end_of(path);
+  std::string allowed = "'" + printable(folder.empty() ? "." : folder) + "'";
+  bool within = is_below(end, end_of(folder.empty() ? "." : folder));
+  for (const std::string& other : others) {
+    within = within || is_below(end, end_of(other));
+    allowed += " or '" + printable(other) + "'";
+  }
+  if (within) return path.string();
+  throw std::runtime_error(printable(path.string()) + ": lies outside of " + allowed +
+                           ", where the files must be that this one names");
 }
 
 bool is_same_path(const fs::path& one, const fs::path& other) {

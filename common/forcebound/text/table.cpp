@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/text/printable.hpp"
+
 namespace forcebound::text {
 namespace {
 
@@ -43,6 +45,7 @@ std::string markdown_cell(const std::string& cell) {
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
   if (columns_.empty()) throw std::invalid_argument("a table needs a column");
   columns_.front().align = Align::left;
+  for (Column& column : columns_) make_printable(column.head);
 }
 
 void Table::add(std::vector<Cell> row) {
@@ -50,14 +53,15 @@ void Table::add(std::vector<Cell> row) {
     throw std::invalid_argument("a row of " + std::to_string(row.size()) + " cells in a table of " +
                                 std::to_string(columns_.size()) + " columns");
   }
+  for (Cell& cell : row) make_printable(cell.text);
   rows_.push_back({Row::Kind::cells, std::move(row)});
 }
 
-void Table::add_remark(std::string name, std::string words) {
-  rows_.push_back({Row::Kind::remark, {std::move(name)}, std::move(words)});
+void Table::add_remark(const std::string& name, const std::string& words) {
+  rows_.push_back({Row::Kind::remark, {printable(name)}, printable(words)});
 }
 
-void Table::add_heading(std::string words) { rows_.push_back({Row::Kind::heading, {}, std::move(words)}); }
+void Table::add_heading(const std::string& words) { rows_.push_back({Row::Kind::heading, {}, printable(words)}); }
 
 Table::Cell Table::cell_of(const Row& row, std::size_t column) {
   if (row.kind == Row::Kind::heading) return column == 0 ? Cell(row.words, Mark::best) : Cell("");

@@ -15,7 +15,8 @@ namespace forcebound::text {
 ///     table.add({"none", {"-0.651", Table::Mark::alarm}, "gives energy away"});
 ///     std::cout << table.to_text();
 ///
-/// Cells are UTF-8 text in one line. The first column names the rows and is aligned left.
+/// Cells are UTF-8 text in one line, which may come from a file: see `printable`. The first column names the rows and
+/// is aligned left.
 class Table {
  public:
   enum class Align : std::uint8_t { left, right };
@@ -44,10 +45,10 @@ class Table {
 
   /// A row of which there is only something to say, such as why it has no numbers. Markdown and CSV have it as the
   /// name and the words in the second column.
-  void add_remark(std::string name, std::string words);
+  void add_remark(const std::string& name, const std::string& words);
 
   /// A line above the rows that follow, as wide as it likes; a bold row in Markdown, not in CSV.
-  void add_heading(std::string words);
+  void add_heading(const std::string& words);
 
   /// At most `width` characters wide: columns that do not fit follow below, with the names again. Every line is
   /// indented by two blanks; the last ends with a line feed.

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "forcebound/v1/session.pb.h"
+#include "forcebound/wire/internal/known_fields.hpp"
 #include "forcebound/wire/internal/proto_conversion.hpp"
 
 namespace forcebound::wire {
@@ -32,8 +35,8 @@ std::uint32_t checksum(std::span<const std::byte> datagram) noexcept {
       crc32(kind, bytes + kHeaderBytes, static_cast<uInt>(datagram.size() - kHeaderBytes)));
 }
 
-/// Silences Protocol Buffers, which writes to stderr about text that is not UTF-8; the caller counts it. Only the kinds
-/// with text need this, and it locks.
+/// Silences Protocol Buffers, which writes to stderr about our own text that is not UTF-8; the other end refuses it.
+/// Only the kinds with text need this, and it locks.
 class QuietProtobuf {
  public:
   explicit QuietProtobuf(std::size_t kind) {
@@ -62,12 +65,14 @@ using Numbers = google::protobuf::RepeatedField<double>;
 struct Codec::Storage {
   Storage();
 
+  void reserve_models();
   void fill(const Hello& from) noexcept;
   void fill(const Welcome& from) noexcept;
   void fill(const Refusal& from) noexcept;
   void fill(const MotionSample& from) noexcept { wire::fill(from, motion); }
   void fill(const EnvironmentForce& from) noexcept { wire::fill(from, force); }
   void fill(const Bye& from) noexcept;
+  void fill(const ScenePiece& from) noexcept;
 
   template <class Proto>
   std::span<const std::byte> frame(std::size_t kind, const Proto& body) noexcept;
@@ -81,24 +86,50 @@ struct Codec::Storage {
   v1::MotionSample motion;
   v1::EnvironmentForce force;
   v1::Bye bye;
+  v1::ScenePiece piece;
 
+  KnownFields known;
   std::array<std::byte, kFrameBytesMax> datagram{kMark[0], kMark[1], kFrameVersion};
 };
 
 // Grows every string and list to the most that a datagram can hold; clearing keeps their memory.
 Codec::Storage::Storage() {
   const std::string longest(kFrameBytesMax, 'x');
-  for (std::string* text :
-       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_server_law(), hello.mutable_padding(),
-        welcome.mutable_scene(), welcome.mutable_simulated(), refusal.mutable_text()}) {
+  for (std::string* text : {hello.mutable_device(), hello.mutable_scene(), hello.mutable_server_law(),
+                            hello.mutable_padding(), welcome.mutable_scene(), welcome.mutable_simulated(),
+                            welcome.mutable_manifest_sha256(), refusal.mutable_text(), piece.mutable_content()}) {
     *text = longest;
   }
-  for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_position_m(),
-                           force.mutable_contact_normal(), force.mutable_texture_wave_rad_per_m(),
-                           force.mutable_texture_across_rad_per_m(), motion.mutable_server_law_numbers(),
-                           force.mutable_server_law_numbers()}) {
+  for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_server_parts_n(),
+                           force.mutable_position_m(), force.mutable_contact_normal(),
+                           force.mutable_texture_wave_rad_per_m(), force.mutable_texture_across_rad_per_m(),
+                           motion.mutable_server_law_numbers(), force.mutable_server_law_numbers()}) {
     numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
   }
+  reserve_models();
+  // The first call makes those of all messages.
+  (void)v1::Hello::descriptor();
+}
+
+// Elements that were cleared keep their memory, and so do their lists of numbers. Of each kind there is room for as
+// many elements as a body can have.
+void Codec::Storage::reserve_models() {
+  const auto reserve = [](std::initializer_list<google::protobuf::RepeatedField<float>*> lists) {
+    for (auto* const list : lists) list->Reserve(static_cast<int>(kFrameBytesMax / sizeof(float)));
+  };
+  for (int i = 0; i < KnownFields::kMessagesMax; ++i) {
+    v1::ModelSurface& surface = *force.add_model_surface();
+    reserve({surface.mutable_force_n(), surface.mutable_place_m(), surface.mutable_normal(),
+             surface.mutable_stiffness_n_per_m(), surface.mutable_velocity_m_per_s(),
+             surface.mutable_acceleration_m_per_s2()});
+    v1::ModelMass& mass = *force.add_model_mass();
+    reserve({mass.mutable_force_n(), mass.mutable_place_m(), mass.mutable_velocity_m_per_s(),
+             mass.mutable_bias_m_per_s2(), mass.mutable_mobility_per_kg(), mass.mutable_free_per_kg(),
+             mass.mutable_push()});
+    v1::ModelField& field = *force.add_model_field();
+    reserve({field.mutable_force_n(), field.mutable_place_m(), field.mutable_jacobian_n_per_m()});
+  }
+  force.Clear();
 }
 
 void Codec::Storage::fill(const Hello& from) noexcept {
@@ -113,6 +144,7 @@ void Codec::Storage::fill(const Hello& from) noexcept {
   hello.set_client_time_ns(from.client_time.count());
   hello.set_round_trip_ns(from.round_trip.count());
   hello.mutable_server_law()->assign(cut_name(from.server_law));
+  hello.set_renders_locally(from.renders_locally);
   hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
 }
 
@@ -123,6 +155,12 @@ void Codec::Storage::fill(const Welcome& from) noexcept {
   welcome.set_scene_hash(from.scene_hash);
   welcome.mutable_scene()->assign(cut_name(from.scene));
   welcome.mutable_simulated()->assign(cut_text(from.simulated));
+  welcome.set_server_parts(static_cast<v1::Welcome::ServerParts>(from.server_parts));
+  if (from.offer.manifest_bytes == 0) return;
+  const auto& hash = from.offer.manifest_sha256;
+  welcome.mutable_manifest_sha256()->assign(reinterpret_cast<const char*>(hash.data()), hash.size());
+  welcome.set_manifest_bytes(from.offer.manifest_bytes);
+  welcome.set_pieces(from.offer.pieces);
 }
 
 void Codec::Storage::fill(const Refusal& from) noexcept {
@@ -145,6 +183,14 @@ void Codec::Storage::fill(const Bye& from) noexcept {
   bye.set_motions_behind(from.motions_behind);
 }
 
+void Codec::Storage::fill(const ScenePiece& from) noexcept {
+  piece.Clear();
+  piece.set_session(from.session);
+  piece.set_transmission(from.transmission);
+  piece.set_number(from.number);
+  piece.mutable_content()->assign(reinterpret_cast<const char*>(from.content.data()), from.content.size());
+}
+
 namespace {
 
 using Decoded = std::variant<Message, Malformed>;
@@ -165,15 +211,25 @@ Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
                        .scene = cut_name(from.scene()),
                        .client_time = time,
                        .round_trip = round_trip,
-                       .server_law = cut_name(from.server_law())}};
+                       .server_law = cut_name(from.server_law()),
+                       .renders_locally = from.renders_locally()}};
 }
 
 Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
+  SceneOffer offer{.manifest_bytes = from.manifest_bytes(), .pieces = from.pieces()};
+  if (offer.manifest_bytes > 0 && from.manifest_sha256().size() != offer.manifest_sha256.size())
+    return Malformed::unreadable;
+  std::memcpy(offer.manifest_sha256.data(), from.manifest_sha256().data(),
+              std::min(offer.manifest_sha256.size(), from.manifest_sha256().size()));
   return Message{Welcome{.client_nonce = from.client_nonce(),
                          .session = from.session(),
                          .scene_hash = from.scene_hash(),
                          .scene = cut_name(from.scene()),
-                         .simulated = cut_text(from.simulated())}};
+                         .simulated = cut_text(from.simulated()),
+                         .offer = offer,
+                         .server_parts = v1::Welcome::ServerParts_IsValid(from.server_parts())
+                                             ? static_cast<ServerParts>(from.server_parts())
+                                             : ServerParts::held}};
 }
 
 Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
@@ -213,6 +269,13 @@ Decoded to_value(const v1::Bye& from, std::size_t) noexcept {
                      .motions_behind = from.motions_behind()}};
 }
 
+Decoded to_value(const v1::ScenePiece& from, std::size_t) noexcept {
+  return Message{ScenePiece{.session = from.session(),
+                            .transmission = from.transmission(),
+                            .number = from.number(),
+                            .content = std::as_bytes(std::span(from.content()))}};
+}
+
 }  // namespace
 
 template <class Proto>
@@ -228,8 +291,8 @@ std::span<const std::byte> Codec::Storage::frame(std::size_t kind, const Proto& 
 
 template <class Proto>
 Decoded Codec::Storage::read(Proto& proto, std::span<const std::byte> bytes) noexcept {
-  const auto body = bytes.subspan(kHeaderBytes);
-  if (!proto.ParseFromArray(body.data(), static_cast<int>(body.size()))) return Malformed::unreadable;
+  const auto body = known.of(*Proto::descriptor(), bytes.subspan(kHeaderBytes));
+  if (!body || !proto.ParseFromArray(body->data(), static_cast<int>(body->size()))) return Malformed::unreadable;
   return to_value(proto, bytes.size());
 }
 
@@ -252,8 +315,10 @@ std::span<const std::byte> Codec::encode(const Message& message) noexcept {
       return storage_->frame(kind, storage_->motion);
     case 5:
       return storage_->frame(kind, storage_->force);
-    default:
+    case 6:
       return storage_->frame(kind, storage_->bye);
+    default:
+      return storage_->frame(kind, storage_->piece);
   }
 }
 
@@ -268,7 +333,6 @@ std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagr
   if (sum != checksum(datagram)) return Malformed::corrupt;
 
   const auto kind = std::to_integer<std::size_t>(datagram[kKindAt]);
-  const QuietProtobuf quiet(kind);
   switch (kind) {
     case 1:
       return storage_->read(storage_->hello, datagram);
@@ -282,6 +346,8 @@ std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagr
       return storage_->read(storage_->force, datagram);
     case 6:
       return storage_->read(storage_->bye, datagram);
+    case 7:
+      return storage_->read(storage_->piece, datagram);
     default:
       return Malformed::unreadable;
   }

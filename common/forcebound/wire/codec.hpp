@@ -34,14 +34,14 @@ inline constexpr std::size_t kMalformedReasons = 6;
 ///
 /// A datagram is a frame header of eight bytes and a Protocol Buffers body:
 ///
-///     'F' 'B' | frame version 1 | kind 1..6, the index in Message + 1 | CRC-32 of kind and body, little-endian | body
+///     'F' 'B' | frame version 1 | kind 1..7, the index in Message + 1 | CRC-32 of kind and body, little-endian | body
 ///
 /// The checksum (zlib's) is ours because UDP's is rewritten by every relay on the way. The frame version is not the
 /// protocol's, which a Hello names: it stays as it is, so that programs of different protocol versions can read each
 /// other's Hello and Refusal.
 ///
-/// Real time: memory is reused; after construction, encoding and decoding allocate nothing. (Decoding a foreign
-/// datagram with a valid frame may allocate up to its 1200 bytes.) Not thread-safe.
+/// Real time: memory is reused; after construction, encoding and decoding allocate nothing, whatever somebody sends.
+/// Not thread-safe.
 class Codec {
  public:
   Codec();

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <variant>
 
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/control/vector.hpp"
+#include "forcebound/local_model/local_model.hpp"
 #include "forcebound/time/clock.hpp"
 
 /// The messages between client and server, as plain values. Text is a view: into the caller's string when encoding,
@@ -33,6 +37,21 @@ struct Hello {
   Nanoseconds client_time{0};
   Nanoseconds round_trip{0};      ///< measured by the client from a refusal `round_trip_wanted`; 0: not measured
   std::string_view server_law{};  ///< the client's law, by name, if it works with a server-side law; empty: none
+  bool renders_locally = false;   ///< requests the scene itself, to run what does not move at the client
+};
+
+/// The static part of a scene that the server hands over, in numbered pieces (handover/packed_scene.hpp).
+struct SceneOffer {
+  std::array<std::byte, 32> manifest_sha256{};
+  std::uint32_t manifest_bytes = 0;  ///< 0: nothing is handed over
+  std::uint32_t pieces = 0;
+};
+
+/// What the server computes beside the parts that it hands over.
+enum class ServerParts : std::uint8_t {
+  held,      ///< some of it without local models: its force is held
+  modelled,  ///< all of it with local models
+  none,      ///< nothing
 };
 
 /// Server to client: the Hello is accepted, and a session begins. Sent again for each copy of that Hello; the same
@@ -43,6 +62,25 @@ struct Welcome {
   std::uint64_t scene_hash = 0;    ///< same hash, same scene; 0: not known
   std::string_view scene{};        ///< its name
   std::string_view simulated{};    ///< what is simulated, for people
+  SceneOffer offer{};
+  ServerParts server_parts = ServerParts::held;
+};
+
+/// Server to client: a piece of the scene, sent again until it is acknowledged.
+struct ScenePiece {
+  std::uint64_t session = 0;
+  std::uint64_t transmission = 0;        ///< 1, 2, 3, ... in the order of sending; sent again, a piece has another
+  std::uint32_t number = 0;              ///< of the piece, from 0
+  std::span<const std::byte> content{};  ///< as text is, a view
+};
+
+/// Which transmissions of pieces came.
+struct PieceReceipt {
+  bool wanted = false;       ///< whether more are
+  std::uint64_t newest = 0;  ///< 0: none came
+  std::uint64_t before = 0;  ///< the lowest bit is that of the transmission before the newest, and so on for 64
+
+  friend bool operator==(const PieceReceipt&, const PieceReceipt&) = default;
 };
 
 enum class RefusalReason : std::uint8_t {
@@ -73,6 +111,7 @@ struct MotionSample {
   Nanoseconds device_time{0};                      ///< client's clock at the reading
   control::Vector position{};                      ///< [m], scene frame, dof rows
   control::ServerLawNumbers server_law_numbers{};  ///< from the law at the device to the server-side law
+  PieceReceipt pieces{};
 };
 
 /// Server to client: the answer to one motion.
@@ -98,6 +137,11 @@ struct EnvironmentForce {
   control::Vector texture_wave{};
   control::Vector texture_across{};
   control::ServerLawNumbers server_law_numbers{};  ///< from the server-side law to the law at the device
+  control::Vector server_parts_N{};                ///< [N] of `force`, of parts that are not handed over; no rows: zero
+  bool texture_in_server_parts = false;            ///< the surface with the ripples is one of those
+  /// For a client that renders locally. Of `server_parts_N` where there is one, else of `force`. As it came, so that it
+  /// may be unsound: local_model::is_sound.
+  local_model::LocalModel model{};
 };
 
 /// Either way: this session ends. The server's answer carries its final counts.
@@ -110,6 +154,6 @@ struct Bye {
   std::uint64_t motions_behind = 0;  ///< largest distance of a reordered number behind the newest
 };
 
-using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye>;
+using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye, ScenePiece>;
 
 }  // namespace forcebound::wire

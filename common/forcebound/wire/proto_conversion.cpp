@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "forcebound/wire/internal/proto_conversion.hpp"
 
@@ -49,6 +51,167 @@ class FieldTaker {
   Flaws flaws_;
 };
 
+using RepeatedFloats = google::protobuf::RepeatedField<float>;
+using local_model::LocalModel;
+using local_model::Point;
+
+void add_point(const Point& from, RepeatedFloats* to) noexcept {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) to->Add(static_cast<float>(from[axis]));
+}
+
+void add_point_unless_zero(const Point& from, RepeatedFloats* to) noexcept {
+  if (!from.isZero(0)) add_point(from, to);
+}
+
+void add_symmetric(const Eigen::Matrix3d& from, RepeatedFloats* to) noexcept {
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = row; column < 3; ++column) to->Add(static_cast<float>(from(row, column)));
+  }
+}
+
+/// Not a number where there are not as many as there should be: the model is then unsound.
+Point point_of(const RepeatedFloats& from) noexcept {
+  if (from.size() != 3) return Point::Constant(std::numeric_limits<double>::quiet_NaN());
+  return Point(from.Get(0), from.Get(1), from.Get(2));
+}
+
+Point point_or_zero(const RepeatedFloats& from) noexcept {
+  return from.empty() ? Point(Point::Zero()) : point_of(from);
+}
+
+Eigen::Matrix3d symmetric_of(const RepeatedFloats& from) noexcept {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (from.size() != 6) return matrix;
+  int at = 0;
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = row; column < 3; ++column)
+      matrix(row, column) = matrix(column, row) = static_cast<double>(from.Get(at++));
+  }
+  return matrix;
+}
+
+// Of EnvironmentForce's model_bits: one number, since a frame has no room for one in each part.
+constexpr std::uint32_t kByDeviceClock = 1;
+constexpr std::uint32_t kOthersMoveSurface = 2;  // the first; those of the others follow
+constexpr std::uint32_t kOthersMoveMass = kOthersMoveSurface << LocalModel::kSurfacesMax;
+
+void fill(const local_model::Surface& from, v1::ModelSurface& to) noexcept {
+  to.set_id(from.id);
+  add_point(from.force_N, to.mutable_force_n());
+  add_point(from.place_m, to.mutable_place_m());
+  add_point(from.normal, to.mutable_normal());
+  add_symmetric(from.stiffness_N_per_m, to.mutable_stiffness_n_per_m());
+  to.set_damping_n_s_per_m(static_cast<float>(from.damping_N_s_per_m));
+  add_point_unless_zero(from.velocity_m_per_s, to.mutable_velocity_m_per_s());
+  add_point_unless_zero(from.acceleration_m_per_s2, to.mutable_acceleration_m_per_s2());
+  to.set_relaxing_n_per_m(static_cast<float>(from.relaxing_N_per_m));
+  to.set_relaxation_s(static_cast<float>(from.relaxation_s));
+  to.set_relaxed_n(static_cast<float>(from.relaxed_N));
+  to.set_radius_m(static_cast<float>(from.radius_m));
+}
+
+local_model::Surface to_model(const v1::ModelSurface& from) noexcept {
+  return {.id = from.id(),
+          .force_N = point_of(from.force_n()),
+          .place_m = point_of(from.place_m()),
+          .normal = point_of(from.normal()),
+          .stiffness_N_per_m = symmetric_of(from.stiffness_n_per_m()),
+          .damping_N_s_per_m = static_cast<double>(from.damping_n_s_per_m()),
+          .velocity_m_per_s = point_or_zero(from.velocity_m_per_s()),
+          .acceleration_m_per_s2 = point_or_zero(from.acceleration_m_per_s2()),
+          .relaxing_N_per_m = static_cast<double>(from.relaxing_n_per_m()),
+          .relaxation_s = static_cast<double>(from.relaxation_s()),
+          .relaxed_N = static_cast<double>(from.relaxed_n()),
+          .radius_m = static_cast<double>(from.radius_m())};
+}
+
+void fill(const local_model::Mass& from, v1::ModelMass& to) noexcept {
+  to.set_id(from.id);
+  add_point(from.force_N, to.mutable_force_n());
+  add_point(from.place_m, to.mutable_place_m());
+  add_point_unless_zero(from.velocity_m_per_s, to.mutable_velocity_m_per_s());
+  add_point_unless_zero(from.bias_m_per_s2, to.mutable_bias_m_per_s2());
+  to.set_stiffness_n_per_m(static_cast<float>(from.stiffness_N_per_m));
+  to.set_damping_n_s_per_m(static_cast<float>(from.damping_N_s_per_m));
+  add_symmetric(from.mobility_per_kg, to.mutable_mobility_per_kg());
+  if (from.free_per_kg != from.mobility_per_kg) add_symmetric(from.free_per_kg, to.mutable_free_per_kg());
+  add_point_unless_zero(from.push, to.mutable_push());
+  to.set_travel_m(static_cast<float>(from.travel_m));
+  to.set_radius_m(static_cast<float>(from.radius_m));
+}
+
+local_model::Mass to_model(const v1::ModelMass& from) noexcept {
+  return {.id = from.id(),
+          .force_N = point_of(from.force_n()),
+          .place_m = point_of(from.place_m()),
+          .velocity_m_per_s = point_or_zero(from.velocity_m_per_s()),
+          .bias_m_per_s2 = point_or_zero(from.bias_m_per_s2()),
+          .stiffness_N_per_m = static_cast<double>(from.stiffness_n_per_m()),
+          .damping_N_s_per_m = static_cast<double>(from.damping_n_s_per_m()),
+          .mobility_per_kg = symmetric_of(from.mobility_per_kg()),
+          .free_per_kg = symmetric_of(from.free_per_kg().empty() ? from.mobility_per_kg() : from.free_per_kg()),
+          .push = point_or_zero(from.push()),
+          .travel_m = static_cast<double>(from.travel_m()),
+          .radius_m = static_cast<double>(from.radius_m())};
+}
+
+void fill(const local_model::Field& from, v1::ModelField& to) noexcept {
+  add_point(from.force_N, to.mutable_force_n());
+  add_point(from.place_m, to.mutable_place_m());
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = 0; column < 3; ++column)
+      to.add_jacobian_n_per_m(static_cast<float>(from.jacobian_N_per_m(row, column)));
+  }
+  to.set_radius_m(static_cast<float>(from.radius_m));
+}
+
+local_model::Field to_model(const v1::ModelField& from) noexcept {
+  local_model::Field to{.force_N = point_of(from.force_n()),
+                        .place_m = point_of(from.place_m()),
+                        .jacobian_N_per_m = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                        .radius_m = static_cast<double>(from.radius_m())};
+  if (from.jacobian_n_per_m_size() != 9) return to;
+  for (int i = 0; i < 9; ++i) to.jacobian_N_per_m(i / 3, i % 3) = static_cast<double>(from.jacobian_n_per_m(i));
+  return to;
+}
+
+void fill(const LocalModel& from, v1::EnvironmentForce& to) noexcept {
+  std::uint32_t bits = from.by_device_clock ? kByDeviceClock : 0U;
+  to.set_model_before_reading_ns(from.before_reading.count());
+  const std::uint32_t surfaces = std::min(from.surface_count, LocalModel::kSurfacesMax);
+  for (std::uint32_t i = 0; i < surfaces; ++i) {
+    fill(from.surfaces.at(i), *to.add_model_surface());
+    if (from.surfaces.at(i).others_move_it) bits |= kOthersMoveSurface << i;
+  }
+  if (from.has_mass) {
+    fill(from.mass, *to.add_model_mass());
+    if (from.mass.others_move_it) bits |= kOthersMoveMass;
+  }
+  to.set_model_bits(bits);
+  if (from.has_field) fill(from.field, *to.add_model_field());
+}
+
+/// More than there is room for makes it unsound.
+void take(const v1::EnvironmentForce& from, LocalModel& to) noexcept {
+  constexpr int kRoom = static_cast<int>(LocalModel::kSurfacesMax);
+  const bool fits = from.model_surface_size() <= kRoom && from.model_mass_size() <= 1 && from.model_field_size() <= 1;
+  to.by_device_clock = (from.model_bits() & kByDeviceClock) != 0;
+  to.before_reading = std::chrono::nanoseconds{from.model_before_reading_ns()};
+  to.surface_count = fits ? static_cast<std::uint32_t>(from.model_surface_size()) : LocalModel::kSurfacesMax + 1;
+  for (int i = 0; fits && i < from.model_surface_size(); ++i) {
+    local_model::Surface& surface = to.surfaces.at(static_cast<std::size_t>(i));
+    surface = to_model(from.model_surface(i));
+    surface.others_move_it = (from.model_bits() & kOthersMoveSurface << static_cast<std::uint32_t>(i)) != 0;
+  }
+  to.has_mass = from.model_mass_size() > 0;
+  if (to.has_mass) {
+    to.mass = to_model(from.model_mass(0));
+    to.mass.others_move_it = (from.model_bits() & kOthersMoveMass) != 0;
+  }
+  to.has_field = from.model_field_size() > 0;
+  if (to.has_field) to.field = to_model(from.model_field(0));
+}
+
 }  // namespace
 
 void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
@@ -58,6 +221,9 @@ void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
   to.set_device_time_ns(from.device_time.count());
   add_rows(from.position, to.mutable_position_m());
   add_rows(from.server_law_numbers, to.mutable_server_law_numbers());
+  to.set_pieces_wanted(from.pieces.wanted);
+  to.set_piece_newest(from.pieces.newest);
+  to.set_piece_map(from.pieces.before);
 }
 
 Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
@@ -67,6 +233,7 @@ Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
   taker.time(from.device_time_ns(), "device_time_ns", to.device_time);
   taker.rows(from.position_m(), "position_m", to.position);
   taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
+  to.pieces = {.wanted = from.pieces_wanted(), .newest = from.piece_newest(), .before = from.piece_map()};
   return taker.flaws();
 }
 
@@ -90,6 +257,9 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   add_rows(from.texture_wave, to.mutable_texture_wave_rad_per_m());
   add_rows(from.texture_across, to.mutable_texture_across_rad_per_m());
   add_rows(from.server_law_numbers, to.mutable_server_law_numbers());
+  add_rows(from.server_parts_N, to.mutable_server_parts_n());
+  to.set_texture_in_server_parts(from.texture_in_server_parts);
+  if (!from.model.empty()) fill(from.model, to);
 }
 
 Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
@@ -112,6 +282,9 @@ Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
   taker.rows(from.texture_wave_rad_per_m(), "texture_wave_rad_per_m", to.texture_wave);
   taker.rows(from.texture_across_rad_per_m(), "texture_across_rad_per_m", to.texture_across);
   taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
+  taker.rows(from.server_parts_n(), "server_parts_N", to.server_parts_N);
+  to.texture_in_server_parts = from.texture_in_server_parts();
+  take(from, to.model);
   return taker.flaws();
 }
 

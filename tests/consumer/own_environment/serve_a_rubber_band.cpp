@@ -21,12 +21,25 @@ class RubberBand final : public server::Environment {
  public:
   [[nodiscard]] server::Response respond(const server::Motion& motion) noexcept override {
     if (!fixed_at_) fixed_at_ = motion.position;
-    const Vector force_N = 300 * (*fixed_at_ - motion.position);
-    torn_ = torn_ || force_N.norm() > 5;
-    return {.force = torn_ ? Vector::Zero(force_N.rows()) : force_N};
+    const Vector force_N = kStiffness_N_per_m * (*fixed_at_ - motion.position);
+    torn_ = torn_ || force_N.norm() > kTorn_N;
+    server::Response response{.force = torn_ ? Vector::Zero(force_N.rows()) : force_N};
+    // A client that renders locally feels the band at its own rate between answers, as far as it cannot tear.
+    response.model.has_field = motion.wants_model && !torn_ && force_N.norm() < kTorn_N;
+    if (response.model.has_field) {
+      response.model.by_device_clock = true;
+      response.model.field.force_N.x() = force_N[0];
+      response.model.field.place_m.x() = motion.position[0];
+      response.model.field.jacobian_N_per_m(0, 0) = -kStiffness_N_per_m;
+      response.model.field.radius_m = (kTorn_N - force_N.norm()) / kStiffness_N_per_m;
+    }
+    return response;
   }
 
  private:
+  static constexpr double kStiffness_N_per_m = 300;
+  static constexpr double kTorn_N = 5;
+
   std::optional<Vector> fixed_at_;
   bool torn_ = false;
 };

@@ -14,6 +14,7 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/tools/lab/accuracy/levels_text.hpp"
@@ -94,7 +95,7 @@ std::string check_motion(std::string& motion) {
 /// @throws server::SceneError as the server, naming file and line
 Study study_of(const AccuracyOptions& options) {
   const server::SceneSource source = server::scene_source(options.scene);
-  (void)server::parse_scene(source.text, source.file);
+  expect_accepted(*server::parse_scene(source.text, source.file), options.device);
   Study study{.scene_text = source.text,
               .scene_file = source.file,
               .sweep = {},
@@ -128,7 +129,7 @@ nlohmann::ordered_json carried_out(const AccuracyOptions& options) {
   const StudyResult result = carry_out(study_of(options), time::SteadyClock(),
                                        [&](double done) { progress.tell(done, "running the settings"); });
   progress.clear();
-  std::printf("%s\n%s", to_text(result).c_str(),
+  std::printf("%s\n%s", text::printable_lines(to_text(result)).c_str(),
               text::wrapped(recommendation(result, options.budget_us) + what_does_not_matter(result), 2).c_str());
   if (!options.levels.empty()) text::write_file(options.levels, levels_text(result));
   return to_json(result);
@@ -150,6 +151,7 @@ void accuracy(const AccuracyOptions& options) {
     throw std::invalid_argument(options.scene +
                                 " is a study that was carried out: --sweep, --set and --levels need a scene");
   }
+  (void)parse_round_trips_s(options.round_trips);  // wrong use comes before what is wrong with a file
   prepare({.inputs = {options.scene, options.reference, options.device, device::recorded_hand(options.motion)},
            .files = {options.json, options.levels},
            .page = options.readme,
@@ -197,6 +199,7 @@ void add_session(CLI::App& command, AccuracyOptions& options) {
       ->check(program::number_within(0))
       ->type_name("MS")
       ->capture_default_str();
+  add_rendering_option(command, options.session.renders_locally);
   command.add_option("--rate", options.session.server_rate_Hz, "most answers of the server per second")
       ->check(program::number_above_zero())
       ->type_name("HZ")
@@ -218,11 +221,13 @@ void add_accuracy(CLI::App& app) {
         if (!is_written(scene) && !device::names_a_file(scene)) (void)server::scene_source(scene);
       }));
   command
-      ->add_option("--sweep", options->sweep,
-                   "a key of the scene and its values, from coarse to fine or back: "
-                   "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1; "
-                   "or of the session, with the scene unchanged: law=none,fba-less,fba-more,fba-exact; "
-                   "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000. Default: the scene's own levels")
+      ->add_option(
+          "--sweep", options->sweep,
+          "a key of the scene and its values, from coarse to fine or back: "
+          "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1; "
+          "or of the session, with the scene unchanged: law=none,fba-less,fba-more,fba-exact; "
+          "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000; rendering=remote,local. Default: the scene's own "
+          "levels")
       ->type_name("KEY=V1,V2,...");
   command
       ->add_option("--set", options->fixed,

@@ -11,6 +11,7 @@
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
@@ -39,6 +40,7 @@ struct CompareOptions {
   std::string from;
   std::uint64_t seeds = 1;
   std::uint64_t seed = 1;
+  bool renders_locally = false;
   int effort = 16;
   std::string csv;
   std::string json;
@@ -54,16 +56,15 @@ ComparisonSettings settings_of(const CompareOptions& options) {
                               .delays_s = {},
                               .seeds = options.seeds,
                               .effort = options.effort,
-                              .seed = options.seed};
+                              .seed = options.seed,
+                              .renders_locally = options.renders_locally};
   if (settings.laws.empty()) settings.laws = baselines::shipped_laws().names();
   for (const std::string& scene : options.scenes) settings.tasks.push_back(task_of(scene, options.device));
   for (const std::string& words : options.networks) settings.networks.push_back(network_of(words));
   if (settings.networks.empty()) {
     StandardNetworks standard = standard_networks();
     settings.networks = std::move(standard.networks);
-    for (const std::string& name : standard.absent) {
-      std::fprintf(stderr, "note: the recorded network %s is left out: it is not in FORCEBOUND_DATA\n", name.c_str());
-    }
+    note_left_out(standard.absent);
   }
   if (!options.no_limits) {
     for (const double ms : options.delays_ms) settings.delays_s.push_back(1e-3 * ms);
@@ -106,7 +107,7 @@ void compare(const CompareOptions& options) {
            .folder = options.figures,
            .figures = pictures_in(options.figures, {kComparisonPicture, kLimitsPicture})});
   const auto told = options.from.empty() ? run_standings(options) : read_standings(options.from);
-  std::fputs(to_text(told).c_str(), stdout);
+  std::fputs(text::printable_lines(to_text(told)).c_str(), stdout);
   if (!options.json.empty()) text::write_file(options.json, told.dump(2) + '\n');
   if (!options.readme.empty()) {
     text::write_file(options.readme, page_with(options.readme, kComparisonMarks, comparison_markdown(told)));
@@ -158,6 +159,7 @@ void add_compare(CLI::App& app) {
       ->check(program::number_within(0, 1000))
       ->type_name("MS,MS,...")
       ->default_str("0,1,10,50");
+  add_rendering_option(*command, options->renders_locally);
   command->add_flag("--no-limits", options->no_limits, "do not look for the stiffest wall");
   command->add_option("--seeds", options->seeds, "runs of each trial")
       ->check(program::whole_within(1, 1000))

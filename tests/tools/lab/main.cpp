@@ -17,8 +17,10 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_bench(app);
   forcebound::lab::add_compare(app);
   forcebound::lab::add_coupled_damping(app);
+  forcebound::lab::add_doctor(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_passivity(app);
+  forcebound::lab::add_rendering(app);
   forcebound::lab::add_replay(app);
   forcebound::lab::add_report(app);
   forcebound::lab::add_reproduce(app);
@@ -32,8 +34,8 @@ int run(int argc, const char* const* argv) {
       "Each command has its own --help: forcebound-lab replay --help\n"
       "\n"
       "Examples:\n"
-      "  forcebound-lab trials sphere --netem \"delay 50ms 10ms loss 5%\"\n"
-      "      each law on the sphere through that network, figures that repeat\n"
+      "  forcebound-lab trials dome --netem \"delay 50ms 10ms loss 5%\"\n"
+      "      remote and local rendering of the dome through that network, figures that repeat\n"
       "  forcebound-lab reproduce sphere --figures out\n"
       "      the paper's sphere, in a few seconds\n"
       "  forcebound-lab report run.mcap --figures out\n"
@@ -46,6 +48,10 @@ int run(int argc, const char* const* argv) {
       "      cost of a finer tissue, and its error at the device\n"
       "  forcebound-lab compare --scenes wall --network \"delay 10ms\"\n"
       "      all laws side by side\n"
+      "  forcebound-lab rendering --only mesh\n"
+      "      a mesh rendered at the server and at the client, through 20 to 200 ms\n"
+      "  forcebound-lab doctor --server 127.0.0.1:47800\n"
+      "      what the way to that server and this machine will feel like\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
       "      20 clients at 1 kHz, over real sockets\n"
       "  forcebound-lab table a.json b.mcap\n"

@@ -1,12 +1,15 @@
 #include "tests/tools/lab/option_checks.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
 #include <stdexcept>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/scene/scene.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
 
@@ -35,6 +38,29 @@ CLI::Validator known_network() {
   return program::accepted_by([](const std::string& words) {
     if (!words.starts_with(kTraceWord)) (void)network_of(words);
   });
+}
+
+void expect_accepted(const scene::Scene& scene, const std::string& device) {
+  const int has = device::load_device(device).facts.degrees_of_freedom();
+  if (scene.accepts(static_cast<std::uint32_t>(has))) return;
+  throw std::invalid_argument("--device: '" + device + "' has " + std::to_string(has) + " degrees of freedom, scene '" +
+                              scene.facts().name + "' accepts " + scene.facts().accepted_degrees_of_freedom());
+}
+
+void note_left_out(const std::vector<std::string>& recordings) {
+  for (const std::string& name : recordings) {
+    std::fprintf(stderr, "note: the recorded network %s is left out: it is not in FORCEBOUND_DATA\n", name.c_str());
+  }
+}
+
+CLI::Option* add_rendering_option(CLI::App& command, bool& locally) {
+  return command
+      .add_option_function<std::string>(
+          "--rendering", [&locally](const std::string& where) { locally = where == "local"; },
+          "where forces are computed: remote, at the server; local, what can be at the client")
+      ->check(program::one_of("rendering", {"remote", "local"}))
+      ->type_name("WHERE")
+      ->default_str("remote");
 }
 
 CLI::Option* add_figure(CLI::App& command, std::string& file, const std::string& what) {

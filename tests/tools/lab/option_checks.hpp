@@ -1,12 +1,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
 class Option;
 class Validator;
 }  // namespace CLI
+
+namespace forcebound::scene {
+class Scene;
+}  // namespace forcebound::scene
 
 /// Options that several commands of the lab have, and their checks.
 namespace forcebound::lab {
@@ -19,6 +24,16 @@ CLI::Validator known_device();
 CLI::Validator known_scene();
 /// none, netem's words, or trace:FILE.
 CLI::Validator known_network();
+
+/// To be called with --device. @throws std::invalid_argument if the scene does not accept the device's degrees of
+/// freedom
+void expect_accepted(const scene::Scene& scene, const std::string& device);
+
+/// Notes on stderr the recorded networks that are not in FORCEBOUND_DATA.
+void note_left_out(const std::vector<std::string>& recordings);
+
+/// --rendering remote|local, remote unless given. @param locally whether it is local
+CLI::Option* add_rendering_option(CLI::App& command, bool& locally);
 
 /// --figure FILE.png. @param what "draw the ratios"
 CLI::Option* add_figure(CLI::App& command, std::string& file, const std::string& what);

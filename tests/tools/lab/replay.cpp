@@ -10,6 +10,7 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/text/file.hpp"
 #include "tests/tools/lab/csv_reader.hpp"
 
 namespace forcebound::lab {
@@ -141,7 +142,7 @@ std::unique_ptr<control::PassivityLaw> checked_law(const ReplayOptions& options,
 /// A whole line at once, so that the reader of a pipe never gets half of one.
 void write_line(std::ostream& output, std::string line) {
   output << (line += '\n') << std::flush;
-  if (!output) throw std::runtime_error("the answer cannot be written");
+  if (!output) throw text::WriteError("the answer cannot be written");
 }
 
 std::string output_header(Eigen::Index axes) {

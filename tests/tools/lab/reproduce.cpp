@@ -33,6 +33,7 @@ using nlohmann::json;
 
 struct ReproduceOptions {
   std::string experiment = "all";
+  bool renders_locally = false;
   std::string json;
   std::string figures;
 };
@@ -109,7 +110,8 @@ std::vector<std::filesystem::path> pictures_of(const std::vector<Experiment>& al
 }
 
 void reproduce(const ReproduceOptions& options) {
-  const auto all = experiments(options.experiment);
+  std::vector<Experiment> all = experiments(options.experiment);
+  for (Experiment& experiment : all) experiment.renders_locally = options.renders_locally;
   prepare({.files = {options.json}, .folder = options.figures, .figures = pictures_of(all, options.figures)});
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
@@ -118,6 +120,9 @@ void reproduce(const ReproduceOptions& options) {
       "the paper gives none. Least P below 0: not passive. K: displayed stiffness,\n"
       "median while the contact rests (depth changes by < 5 mm/s), of the true surface;\n"
       "-: it never rests. The paper's own K is a mean.\n");
+  if (options.renders_locally) {
+    std::printf("With local rendering, which the paper does not have.\n");
+  }
   const auto laws = control::force_bounding_laws().names();
   Progress progress;
   for (const Experiment& experiment : all) {
@@ -153,6 +158,7 @@ void add_reproduce(CLI::App& app) {
   command->add_option("EXPERIMENT", options->experiment, text::join(names))
       ->check(program::one_of("experiment", names))
       ->capture_default_str();
+  add_rendering_option(*command, options->renders_locally);
   add_output(*command, "--json", options->json, "write the runs to this file, an array with one object for each")
       ->type_name("FILE.json");
   add_figures(*command, options->figures, "draw penetration, force, energy and displayed stiffness");

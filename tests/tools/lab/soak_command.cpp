@@ -190,8 +190,9 @@ void add_soak(CLI::App& app) {
   command->footer(
       "From each seed: law, device, encoder, actuator, friction, latency, hold time, late ticks, the law's memory, "
       "hostile environment, restless hand, both ways of the network, blackouts, stalls, server kills, the server's "
-      "clock; and how far the device is from its facts, within their bounds or beyond: stamps, latency, release, "
-      "frames of its bus, writes, clock, counts, damping, friction, torque, lag.\n"
+      "clock, local or remote rendering of a scene that is handed over, another one or damaged; and how far the device "
+      "is from its facts, within their bounds or beyond: stamps, latency, release, frames of its bus, writes, clock, "
+      "counts, damping, friction, torque, lag.\n"
       "\n"
       "On each tick: everything finite, |f| <= f_max, and the law's guarantees: direction kept, P >= -1e-9 J and the "
       "ledger never above P (fba-exact where the facts' bounds hold the truth, others with the ideal device that half "

@@ -9,6 +9,9 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/scene/scene.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/server/environment/suggested_hand.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
@@ -24,15 +27,20 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  TrialsSettings settings{.scene = "sphere",
-                          .device = "omni",
-                          .hand = "trace-sphere",
-                          .network = "delay 50ms 10ms loss 5%",
-                          .laws = {"none", "fba-less", "fba-more", "fba-exact"}};
+  TrialsSettings settings{
+      .scene = "dome", .device = {}, .hand = {}, .network = "delay 50ms 10ms loss 5%", .laws = {"fba-exact", "none"}};
   std::vector<std::string> live;
   std::string json;
   std::string figure;
 };
+
+/// Device and hand that were not given are those that the scene suggests.
+void complete(TrialsSettings& settings) {
+  if (!settings.device.empty() && !settings.hand.empty()) return;
+  const server::SuggestedHand suggested = server::suggested_hand(server::load_scene(settings.scene));
+  if (settings.device.empty()) settings.device = suggested.device;
+  if (settings.hand.empty()) settings.hand = suggested.hand;
+}
 
 std::vector<std::string> inputs_of(const Options& options) {
   std::vector<std::string> inputs = options.live;
@@ -43,32 +51,36 @@ std::vector<std::string> inputs_of(const Options& options) {
   return inputs;
 }
 
-void run(const Options& options) {
+void run(Options options) {
+  complete(options.settings);
   prepare({.inputs = inputs_of(options), .files = {options.json}, .figures = {options.figure}});
+  expect_accepted(*server::load_scene(options.settings.scene), options.settings.device);
   program::value_of("--operator", [&] {
     const auto device = device::load_device(options.settings.device);
     (void)device::make_operator(options.settings.hand, device.facts.degrees_of_freedom());
   });
   std::vector<Json> live;
   for (const std::string& file : options.live) live.push_back(read_summary(file));
-  LawsFigure figure("The laws compared on " + options.settings.scene,
+  LawsFigure figure("Laws and renderings compared on " + options.settings.scene,
                     options.settings.device + ", " + options.settings.hand + ", virtual time, network \"" +
                         options.settings.network + "\"");
-  std::vector<Trial> trials;
+  std::vector<PlayedTrial> trials;
   {
     Progress progress;
     trials = play_trials(options.settings, options.figure.empty() ? nullptr : &figure,
-                         [&](double share) { progress.tell(share, "running the laws"); });
+                         [&](double share) { progress.tell(share, "running the trials"); });
   }
   std::fputs(trials_table(options.settings, trials, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
   if (!live.empty()) std::printf("\n%s", timing_table(live).c_str());
   if (!options.figure.empty()) figure.draw_to(options.figure);
   if (options.json.empty()) return;
   Json all = Json::array();
-  for (const Trial& trial : trials) {
+  for (const PlayedTrial& trial : trials) {
     all.push_back({{"law", trial.law},
+                   {"rendering", trial.rendering},
                    {"refused", trial.refused},
                    {"ringing_s", trial.ringing_s ? Json(*trial.ringing_s) : Json(nullptr)},
+                   {"off_by", trial.off_by ? Json(*trial.off_by) : Json(nullptr)},
                    {"push_N", trial.push_N},
                    {"summary", trial.summary}});
   }
@@ -81,13 +93,16 @@ void add_trials(CLI::App& app) {
   auto options = std::make_shared<Options>();
   TrialsSettings& settings = options->settings;
   CLI::App* command = app.add_subcommand(
-      "trials", "One scene, device, hand and network with each law, in virtual time: figures that repeat");
+      "trials",
+      "One scene, device, hand and network with each law and rendering, in virtual time: figures that repeat");
   command->add_option("SCENE", settings.scene, "name or FILE.toml")->check(known_scene())->capture_default_str();
   command->add_option("--device", settings.device, "as the client's")
       ->check(known_device())
       ->type_name("NAME|FILE.toml")
-      ->capture_default_str();
-  command->add_option("--operator", settings.hand, "as the client's")->type_name("SPEC")->capture_default_str();
+      ->default_str("what the scene suggests");
+  command->add_option("--operator", settings.hand, "as the client's")
+      ->type_name("SPEC")
+      ->default_str("what the scene suggests");
   command
       ->add_option("--netem", settings.network,
                    "the network in both directions, as in the relay; or none, or trace:FILE")
@@ -98,7 +113,14 @@ void add_trials(CLI::App& app) {
       ->delimiter(',')
       ->check(known_law())
       ->type_name("LAW,LAW,...")
-      ->default_str("none,fba-less,fba-more,fba-exact");
+      ->default_str("fba-exact,none");
+  command
+      ->add_option("--rendering", settings.renderings,
+                   "where forces are computed, each alone: remote, at the server; local, what can be at the client")
+      ->delimiter(',')
+      ->check(program::one_of("rendering", {"local", "remote"}))
+      ->type_name("WHERE,WHERE")
+      ->default_str("local,remote");
   command->add_option("--seconds", settings.duration_s, "virtual seconds of each run")
       ->type_name("SECONDS")
       ->check(program::number_above_zero())
@@ -110,13 +132,13 @@ void add_trials(CLI::App& app) {
   command->add_option("--live", options->live, "summaries of live runs, whose timing is printed too")
       ->type_name("FILE.json");
   add_output(*command, "--json", options->json, "write all figures to this file")->type_name("FILE.json");
-  add_figure(*command, options->figure, "draw the laws over each other");
+  add_figure(*command, options->figure, "draw the runs over each other");
   command->footer(
       "Server, client, device and hand are those of the programs; the clock and the network are simulated, and ticks "
       "are as late as measured on a shared machine. The same options give the same figures on every machine.\n"
       "\n"
       "Example:\n"
-      "  forcebound-lab trials sphere --netem \"delay 50ms 10ms loss 5%\"");
+      "  forcebound-lab trials dome --netem \"delay 50ms 10ms loss 5%\"");
   command->callback([options] { run(*options); });
 }
 

@@ -8,11 +8,14 @@
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace forcebound::relay {
 
-LogWriter::LogWriter(const std::string& file, Nanoseconds start)
-    : file_(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)), rows_(start) {
+LogWriter::LogWriter(const std::string& file, Nanoseconds start, std::function<void(const std::string&)> incomplete)
+    : file_(open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
+      rows_(start),
+      incomplete_(std::move(incomplete)) {
   if (file_ < 0) throw std::runtime_error(file + ": cannot write the log: " + std::strerror(errno));
   text_ = PacketRows::kHeader;
   // Exceeding the allowed file size counts as a full disk; it must not end the program.
@@ -25,7 +28,7 @@ LogWriter::~LogWriter() {
 }
 
 void LogWriter::on_verdict(Direction direction, const netem::Verdict& verdict) noexcept {
-  if (!events_.push({verdict, direction, false})) ++verdicts_refused_;
+  if (!events_.push({verdict, direction, false})) verdicts_refused_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void LogWriter::on_departure(Direction direction, const netem::Verdict& verdict) noexcept {
@@ -39,7 +42,7 @@ LogResult LogWriter::finish() {
   drain();
   write(rows_.take_all(text_));
   if (close(file_) != 0 && result_.problem.empty()) result_.problem = std::strerror(errno);
-  if (verdicts_refused_ != 0 && result_.problem.empty()) result_.problem = "the disk was slower than the network";
+  result_.problem = problem();
   result_.missing += verdicts_refused_;
   return result_;
 }
@@ -48,8 +51,20 @@ void LogWriter::run() {
   using namespace std::chrono_literals;
   while (!stop_) {
     drain();
+    tell_if_incomplete();
     std::this_thread::sleep_for(20ms);
   }
+}
+
+std::string LogWriter::problem() const {
+  if (!result_.problem.empty() || verdicts_refused_ == 0) return result_.problem;
+  return "the disk was slower than the network";
+}
+
+void LogWriter::tell_if_incomplete() {
+  if (!incomplete_) return;
+  const std::string why = problem();
+  if (!why.empty()) std::exchange(incomplete_, {})(why);
 }
 
 void LogWriter::drain() {

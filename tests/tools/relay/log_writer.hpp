@@ -3,6 +3,7 @@
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -24,8 +25,10 @@ struct LogResult {
 /// all rows after the disk refuses one.
 class LogWriter final : public PacketObserver {
  public:
+  /// @param incomplete called by the thread that writes, once, as soon as rows are missing, with the reason; may be
+  /// empty
   /// @throws std::runtime_error if the file cannot be created.
-  LogWriter(const std::string& file, Nanoseconds start);
+  LogWriter(const std::string& file, Nanoseconds start, std::function<void(const std::string& why)> incomplete = {});
   ~LogWriter() override;
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
@@ -48,13 +51,16 @@ class LogWriter final : public PacketObserver {
   void drain();
   void write(std::size_t rows);
   bool write_text();
+  [[nodiscard]] std::string problem() const;
+  void tell_if_incomplete();
 
   int file_;
   PacketRows rows_;
   boost::lockfree::spsc_queue<Event> events_{kEventsMax};
-  std::uint64_t verdicts_refused_ = 0;  // by a full queue; the relay's side
+  std::atomic<std::uint64_t> verdicts_refused_{0};  // by a full queue; counted by the relay's side
   std::string text_;
   LogResult result_;
+  std::function<void(const std::string&)> incomplete_;  // empty once it has been called
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -134,11 +134,20 @@ int relay_until_stopped(const relay::Options& options) {
                                 " is --listen, the relay itself; expected the server's address");
   }
   const Nanoseconds start = now();
-  const relay::RelaySettings settings = settings_of(options, upstream_address, start);
+  relay::RelaySettings settings = settings_of(options, upstream_address, start);
+  if (const std::size_t room = relay::UdpUpstream::make_room(settings.flows_max); room < settings.flows_max) {
+    spdlog::warn("the limit on open files (ulimit -n) leaves room for {}, not for {} at once",
+                 text::counted(room, "client"), settings.flows_max);
+    settings.flows_max = room;
+  }
   net::UdpLink downstream = net::UdpLink::listen(listen_address);
   relay::UdpUpstream upstream(upstream_address);
   std::unique_ptr<relay::LogWriter> log;
-  if (!options.log.empty()) log = std::make_unique<relay::LogWriter>(options.log, start);
+  if (!options.log.empty()) {
+    log = std::make_unique<relay::LogWriter>(options.log, start, [&options](const std::string& why) {
+      spdlog::error("the log '{}' is incomplete: {}; the relay goes on", options.log, why);
+    });
+  }
   relay::Relay relay(settings, downstream, upstream, log.get());
 
   stop_on_signals();
@@ -158,6 +167,7 @@ int relay_until_stopped(const relay::Options& options) {
     fmt::print("log: {} in {}\n", text::counted(result.written, "row"), options.log);
     if (result.missing != 0 || !result.problem.empty())
       fmt::print("log: {} missing: {}\n", text::counted(result.missing, "row"), result.problem);
+    if (result.missing != 0 || !result.problem.empty()) return program::kOutputLost;
   }
   return program::kDone;
 }

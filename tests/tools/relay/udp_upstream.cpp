@@ -1,6 +1,7 @@
 #include "tests/tools/relay/udp_upstream.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <utility>
@@ -22,6 +23,20 @@ void UdpUpstream::close(net::DatagramLink& link) {
   refused_of_closed_ += (*found)->counters().refused;
   descriptors_.erase(descriptors_.begin() + (found - links_.begin()));
   links_.erase(found);
+}
+
+std::size_t UdpUpstream::make_room(std::size_t clients) noexcept {
+  // Standard input and the like, the socket of the clients, the log, and what the libraries open.
+  constexpr ::rlim_t kOthers = 32;
+  ::rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return clients;
+  const ::rlim_t wanted = clients + kOthers;
+  if (files.rlim_cur != RLIM_INFINITY && files.rlim_cur < wanted) {
+    const ::rlimit raised{.rlim_cur = std::min(wanted, files.rlim_max), .rlim_max = files.rlim_max};
+    if (::setrlimit(RLIMIT_NOFILE, &raised) == 0) files = raised;
+  }
+  if (files.rlim_cur == RLIM_INFINITY || files.rlim_cur >= wanted) return clients;
+  return files.rlim_cur > kOthers ? static_cast<std::size_t>(files.rlim_cur - kOthers) : 1;
 }
 
 std::uint64_t UdpUpstream::refused() const noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,10 @@ class UdpUpstream final : public UpstreamLinks {
 
   /// Of all open sockets, for waiting.
   [[nodiscard]] const std::vector<int>& descriptors() const noexcept { return descriptors_; }
+
+  /// Raises the process's limit on open files, where it is lower, so that there can be a socket for so many clients.
+  /// @returns for how many there can be now, as far as that limit goes
+  [[nodiscard]] static std::size_t make_room(std::size_t clients) noexcept;
 
   /// Datagrams refused by the server's machine with port unreachable (ICMP).
   [[nodiscard]] std::uint64_t refused() const noexcept;

@@ -10,6 +10,7 @@
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/environment/scene_environment.hpp"
+#include "tests/tools/sim/building_time.hpp"
 
 namespace forcebound::sim {
 namespace {
@@ -50,8 +51,19 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
     }
   });
   start_server();
+  if (settings_.renders_locally) {
+    local_.emplace(client::SceneBuilder::Options{
+        .degrees_of_freedom = static_cast<std::uint32_t>(settings_.device.facts.degrees_of_freedom()),
+        .cache_folder = settings_.scene_cache,
+        .limits = handover::Limits::of_period(settings_.device.facts.period_s)});
+  }
   session_ = std::make_unique<client::Session>(
-      client::Session::Options{.server = network_.server_address(), .policy = settings_.policy, .seed = settings_.seed},
+      client::Session::Options{.server = network_.server_address(),
+                               .policy = settings_.policy,
+                               .seed = settings_.seed,
+                               .local = local(),
+                               .force_slew_N_per_s = settings_.force_slew_N_per_s,
+                               .send_rate = settings_.send_rate},
       device_, settings_.laws->make(settings_.law, device_.facts(), settings_.law_options), network_.add_client(),
       tick_clock_, client::Session::Sinks{.ticks = session_sinks_});
 }
@@ -70,6 +82,7 @@ record::RunInfo ClosedLoop::info() const {
   info.hand = device_.hand().description();
   info.scene = settings_.scene->facts().name;
   info.simulated = server::summary(*settings_.scene);
+  info.rendering = settings_.renders_locally ? "local" : "remote";
   info.seed = settings_.seed;
   info.period = time::from_seconds(settings_.device.facts.period_s);
   info.hold = settings_.policy.hold;
@@ -85,13 +98,22 @@ record::RunInfo ClosedLoop::info() const {
 
 void ClosedLoop::start_server() {
   server::EnvironmentKind scene = server::scene_environment(settings_.scene);
+  if (settings_.handed_over) {
+    scene.make = [honest = std::move(scene.make),
+                  packed = handover::pack(*settings_.handed_over)](const server::ClientFacts& client) {
+      server::MadeEnvironment made = honest(client);
+      made.packed = packed;
+      return made;
+    };
+  }
   server::EnvironmentLibrary environments;
   environments.add(settings_.environment
                        ? taken_over(std::move(scene), *settings_.environment, [this] { return truth(); })
                        : std::move(scene));
   server_ = std::make_unique<server::Server>(
-      server::ServerOptions{.scene = settings_.scene->facts().name, .laws = *settings_.laws}, std::move(environments),
-      network_.server_link(), server_clock_,
+      server::ServerOptions{
+          .scene = settings_.scene->facts().name, .handover = settings_.handover, .laws = *settings_.laws},
+      std::move(environments), network_.server_link(), server_clock_,
       [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
   network_.attach_server();
 }
@@ -136,8 +158,11 @@ void ClosedLoop::run(Nanoseconds duration) {
     session_->tick(next_tick_);
     tick_clock_.begin_tick(Nanoseconds{0}, Nanoseconds{0});
     free_ = next_tick_ + commanded + Nanoseconds{1};
+    if (local_ && next_tick_ >= next_build_) build_scene();
   }
 }
+
+void ClosedLoop::build_scene() { next_build_ = next_tick_ + time_of_building(local_->builder().work()); }
 
 void ClosedLoop::plan_next_tick() {
   next_tick_ = schedule_.next_wake(free_);

@@ -64,6 +64,13 @@ class ClosedLoop {
     Nanoseconds server_turn{0};                          ///< computing time before it answers; datagrams wait meanwhile
     std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: the shipped ones
     control::LawOptions law_options{};
+    bool renders_locally = false;  ///< the static parts of the scene run at the client
+    /// Handed over in place of the scene, by a server that lies; null: the scene.
+    std::shared_ptr<const scene::Scene> handed_over{};
+    std::string scene_cache{};      ///< folder; empty: none
+    double force_slew_N_per_s = 0;  ///< 0: no bound
+    client::SendRate send_rate{};
+    server::HandoverRate handover{};
   };
 
   /// @param sinks see every tick, beside the summary, with the depth below the true surface (TrueSurface); they must
@@ -99,10 +106,14 @@ class ClosedLoop {
   [[nodiscard]] const server::Server* server() const noexcept { return server_.get(); }
   [[nodiscard]] record::RunTotals totals() const { return session_->totals(); }
 
+  /// Null where all forces are the server's.
+  [[nodiscard]] client::LocalRendering* local() noexcept { return local_ ? &*local_ : nullptr; }
+
  private:
   void live_until(Nanoseconds time);
   void end_server_turn();
   void plan_next_tick();
+  void build_scene();
   void note_faults();
   [[nodiscard]] Truth truth() const;
   [[nodiscard]] record::RunInfo info() const;
@@ -118,6 +129,7 @@ class ClosedLoop {
   TrueSurface surface_;
   record::Summary summary_;
   std::array<record::TickSink*, 1> session_sinks_{&surface_};
+  std::optional<client::LocalRendering> local_;
   std::unique_ptr<client::Session> session_;
   std::unique_ptr<server::Server> server_;
   std::uint64_t server_starts_ = 0;
@@ -125,6 +137,7 @@ class ClosedLoop {
   Nanoseconds free_{0};  // the end of the client's tick
   Nanoseconds end_{0};
   Nanoseconds next_timer_{0};
+  Nanoseconds next_build_{0};
 };
 
 }  // namespace forcebound::sim

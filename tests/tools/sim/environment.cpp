@@ -46,6 +46,8 @@ class Adversary : public server::Environment {
                             .velocity = truth.velocity,
                             .own_force = response.force,
                             .ledger_J = truth.ledger_J});
+    // Where the client renders the scene itself, the same comes beside it.
+    if (is_hostile()) response.server_parts_N = response.force;
     return response;
   }
 
@@ -53,6 +55,7 @@ class Adversary : public server::Environment {
 
  private:
   virtual Vector force(const View& view) = 0;
+  [[nodiscard]] virtual bool is_hostile() const { return true; }
 
   std::unique_ptr<server::Environment> honest_;
   std::function<Truth()> truth_;
@@ -61,6 +64,9 @@ class Adversary : public server::Environment {
 class Honest final : public Adversary {
  public:
   Vector force(const View& view) override { return view.own_force; }
+
+ private:
+  [[nodiscard]] bool is_hostile() const override { return false; }
 };
 
 /// Any force, another one on each motion.

@@ -102,6 +102,7 @@ void SimulatedNetwork::set_blackhole(Direction direction, bool on) noexcept {
 bool SimulatedNetwork::send(Direction direction, std::span<const std::byte> datagram, std::uint64_t client) {
   // An impairment's queue holds due packets until they are popped.
   if (!event_time_) deliver_due(clock_.now());
+  counters_.bytes_sent[static_cast<std::size_t>(direction)] += datagram.size();
   if (blackhole_[static_cast<std::size_t>(direction)]) {
     ++counters_.blackholed;
     return true;

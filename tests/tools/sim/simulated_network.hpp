@@ -27,11 +27,12 @@ struct SimulatedNetworkSettings {
   std::uint64_t seed = 1;
 };
 
-/// Datagrams lost for other reasons than an impairment.
+/// What was sent, and datagrams lost for other reasons than an impairment.
 struct SimulatedNetworkCounters {
-  std::uint64_t blackholed = 0;       ///< sent while their direction was blackholed
-  std::uint64_t server_detached = 0;  ///< delivered while there was no server
-  std::uint64_t inbox_full = 0;       ///< delivered to an end that did not read
+  std::array<std::uint64_t, 2> bytes_sent{};  ///< payloads of each direction: up, down
+  std::uint64_t blackholed = 0;               ///< sent while their direction was blackholed
+  std::uint64_t server_detached = 0;          ///< delivered while there was no server
+  std::uint64_t inbox_full = 0;               ///< delivered to an end that did not read
 };
 
 /// A server and any number of clients, joined by one impaired link per direction, in one process and virtual time:

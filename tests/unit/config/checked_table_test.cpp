@@ -179,6 +179,33 @@ TEST(Node, RefusesAKeyThatWouldOverflowTheStack) {
               ThrowsMessage<ConfigError>(testing::StartsWith("?[2J:1: a key")));
 }
 
+TEST(Node, RefusesNestingThatWouldOverflowTheStack) {
+  const auto lists = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  const auto tables = [](std::size_t levels) {
+    std::string text;
+    for (std::size_t i = 0; i < levels; ++i) text += "{ a = ";
+    return text + "1" + std::string(levels, '}');
+  };
+  const std::string refusal = "lists and tables must be nested at most 32 deep, got more";
+  for (const std::size_t levels : {kTomlLevelsMost + 1, std::size_t{50000}}) {
+    for (const std::string& value : {lists(levels), tables(levels), std::string(levels, '[')}) {
+      EXPECT_THAT([&] { (void)parse_toml("\na = " + value, "a.toml"); },
+                  ThrowsMessage<ConfigError>("a.toml:2: " + refusal));
+      EXPECT_THAT([&] { (void)parse_toml_value(value, 1); }, ThrowsMessage<ConfigError>(refusal));
+    }
+  }
+  EXPECT_NO_THROW((void)parse_toml("a = " + lists(kTomlLevelsMost), "a.toml"));
+  EXPECT_NO_THROW((void)parse_toml("a = " + tables(kTomlLevelsMost), "a.toml"));
+}
+
+TEST(Node, RefusesMoreBytesThanAFileOfOursHas) {
+  const std::string comment = "#" + std::string(kTomlBytesMost, ' ');
+  EXPECT_THAT([&] { (void)parse_toml(comment, "a.toml"); },
+              ThrowsMessage<ConfigError>("a.toml: must have at most 16777216 bytes, got 16777217"));
+  EXPECT_THAT([&] { (void)parse_toml_value("1 " + comment, 1); },
+              ThrowsMessage<ConfigError>(testing::StartsWith("must have at most 16777216 bytes")));
+}
+
 TEST(Node, CountsNoPartsInValues) {
   const std::string dots = key_of_parts(20);
   for (const std::string& value : {dots, "[" + dots + "]", "[1,\n" + dots + "]", "{ b = [1, " + dots + "] }"}) {

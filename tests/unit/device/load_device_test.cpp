@@ -39,10 +39,11 @@ TEST(LoadDevice, ShipsThePapersDevices) {
   EXPECT_EQ(wall.facts.friction[0], 0);
   EXPECT_EQ(load_device("cartesian-2dof").facts.damping, Matrix::Identity(2, 2));
   EXPECT_EQ(load_device("cartesian-3dof").facts.damping, 0.5 * Matrix::Identity(3, 3));
+  EXPECT_EQ(load_device("firm-3dof").facts.damping, 30 * Matrix::Identity(3, 3));
 }
 
 TEST(LoadDevice, EveryShippedDeviceLoadsWithTheHoldTimeOfTwoTicks) {
-  ASSERT_EQ(shipped_device_names().size(), 4U);
+  ASSERT_EQ(shipped_device_names().size(), 5U);
   for (const std::string& name : shipped_device_names()) {
     const DeviceDescription device = load_device(name);
     EXPECT_EQ(device.facts.hold_s_max, 2e-3) << name;
@@ -190,7 +191,7 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
 TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {
   const std::string what = refusal([] { (void)load_device("wall-2dof"); });
   EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
-  EXPECT_THAT(what, HasSubstr("cartesian-2dof, cartesian-3dof, omni, wall-1dof"));
+  EXPECT_THAT(what, HasSubstr("cartesian-2dof, cartesian-3dof, firm-3dof, omni, wall-1dof"));
 }
 
 TEST(LoadDevice, MissingFileIsNamedWithTheReason) {

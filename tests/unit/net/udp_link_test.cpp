@@ -4,6 +4,8 @@
 
 #include <array>
 #include <chrono>
+#include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -170,6 +172,18 @@ TEST(WaitReadable, SeesADatagramOnAnyOfItsLinks) {
   client.send(bytes_of("x"), second.local_address());
   const std::array descriptors{first.descriptor(), second.descriptor()};
   EXPECT_TRUE(wait_readable(descriptors, kPatience));
+}
+
+TEST(UdpLink, TakesOneDescriptorEach) {
+  const auto open_files = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator());
+  };
+  const UdpLink first = UdpLink::listen(resolve({"127.0.0.1", 0}));
+  const auto before = open_files();
+  std::vector<UdpLink> links;
+  links.reserve(100);
+  for (int i = 0; i < 100; ++i) links.push_back(UdpLink::towards(first.local_address()));
+  EXPECT_EQ(open_files() - before, 100) << "a relay has one for each of 256 clients";
 }
 
 }  // namespace

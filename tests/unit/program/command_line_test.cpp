@@ -5,7 +5,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <new>
 #include <stdexcept>
+
+#include "forcebound/text/file.hpp"
 
 namespace forcebound::program {
 namespace {
@@ -120,6 +123,30 @@ TEST(CommandLine, TellsWrongUseFromFailure) {
   const Ended failed = ended({"table", "missing"});
   EXPECT_EQ(failed.exit_code, kFailed);
   EXPECT_EQ(failed.err, "example: missing: cannot be read\n");
+}
+
+TEST(CommandLine, NeverPrintsControlCharactersOfWhatItRefuses) {
+  EXPECT_EQ(wrong_use_of({"--law", "\x1b[2J"}), "--law: unknown law '?[2J' (known: none, fba-less)");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run("example", []() -> int { throw std::runtime_error("a.toml\x9b: line\nseed 1"); }), kFailed);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "example: a.toml?: line\nseed 1\n");
+}
+
+TEST(CommandLine, TellsLostOutputFromFailure) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run("example",
+                []() -> int {
+                  text::write_file("/dev/full", "1");
+                  return kDone;
+                }),
+            kOutputLost);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "example: /dev/full: cannot be written: No space left on device\n");
+}
+
+TEST(CommandLine, SaysThatThereIsNotEnoughMemory) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run("example", []() -> int { throw std::bad_alloc(); }), kFailed);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "example: there is not enough memory\n");
 }
 
 TEST(ValueOf, PutsTheOptionsNameInFrontOfWhatIsWrong) {

@@ -110,6 +110,11 @@ TEST(Recording, KeepsEveryFieldOfATickAndAForce) {
     EXPECT_EQ(a.joint, b.joint);
     EXPECT_EQ(a.request, b.request);
     EXPECT_EQ(a.applied, b.applied);
+    EXPECT_EQ(std::tie(a.rendering, a.local_scene, a.local_scene_age, a.model_deviation_m),
+              std::tie(b.rendering, b.local_scene, b.local_scene_age, b.model_deviation_m));
+    EXPECT_EQ(a.remote, b.remote);
+    EXPECT_EQ(a.local, b.local);
+    EXPECT_EQ(a.model, b.model);
   }
   for (std::size_t i = 0; i < kept.forces.size(); ++i) {
     const wire::EnvironmentForce& a = kept.forces[i].force;
@@ -256,6 +261,16 @@ TEST(RunInfo, ComesBackFromItsKeyValues) {
   EXPECT_EQ(run_info_from(values).force_N_max, kNoLimit);
   const KeyValues totals = to_key_values(test::sample_totals());
   EXPECT_EQ(to_key_values(run_totals_from(totals)), totals);
+}
+
+TEST(RunTotals, KeepAServersClockThatIsNotKnownApartFromOneThatIsExact) {
+  RunTotals totals = test::sample_totals();
+  EXPECT_FALSE(run_totals_from(to_key_values(totals)).server_ahead_off.has_value());
+  totals.server_ahead = Nanoseconds{-5};
+  totals.server_ahead_off = Nanoseconds::zero();
+  const RunTotals back = run_totals_from(to_key_values(totals));
+  EXPECT_EQ(back.server_ahead, Nanoseconds{-5});
+  EXPECT_EQ(back.server_ahead_off, Nanoseconds::zero());
 }
 
 TEST(RunInfo, RefusesAnInvalidNumber) {

@@ -85,6 +85,15 @@ inline void play_sample_run(TickSink& sink, std::uint64_t ticks) {
     tick.xi = 0.25;
     tick.audit_J = 1e-4 * t;
     tick.audit_minimum_J = 0;
+    if (n > ticks / 2) {
+      tick.rendering = n % 4 == 0 ? ForceOrigin::both : ForceOrigin::at_client;
+      tick.remote = vector_of({0, 0, 2.5});
+      tick.local = vector_of({0, 0.5, 1});
+      tick.local_scene = 3;
+      tick.local_scene_age = Nanoseconds{static_cast<std::int64_t>(n) * 1'000'000};
+      tick.model = vector_of({0, 0, 1.5});
+      tick.model_deviation_m = 1e-4;
+    }
     const bool blackout = n > 1000 && n < 1400;
     if (n >= 10 && !blackout) {
       ForceRecord force;

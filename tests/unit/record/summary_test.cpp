@@ -424,6 +424,44 @@ TEST(Summary, IsReadableAfterAnEmptyRun) {
   EXPECT_FALSE(summary.to_text().empty());
 }
 
+TEST(Summary, SaysHowFarTheServersClockIsAheadAndByHowMuchThatMayBeOff) {
+  Summary summary(test::sample_info());
+  RunTotals totals = test::sample_totals();
+  totals.server_ahead = Nanoseconds{-2'500'000};
+  totals.server_ahead_off = Nanoseconds{10'000'000};
+  Summary unknown(test::sample_info());
+  unknown.finish(RunTotals{});
+  EXPECT_TRUE(json_of(unknown)["server_clock_ms"].is_null());
+  summary.finish(totals);
+  EXPECT_DOUBLE_EQ(json_of(summary)["server_clock_ms"]["ahead"].get<double>(), -2.5);
+  EXPECT_DOUBLE_EQ(json_of(summary)["server_clock_ms"]["off"].get<double>(), 10);
+  totals.server_ahead_off = Nanoseconds::zero();
+  Summary exact(test::sample_info());
+  exact.finish(totals);
+  EXPECT_DOUBLE_EQ(json_of(exact)["server_clock_ms"]["off"].get<double>(), 0);
+}
+
+TEST(Summary, SaysOnWhatShareOfTheTicksForcesWereComputedWhere) {
+  RunInfo info = test::sample_info();
+  info.rendering = "local";
+  Summary summary(info);
+  for (std::uint64_t n = 1; n <= 10; ++n) {
+    TickRecord tick = tick_at(n);
+    if (n > 4) tick.rendering = ForceOrigin::at_client;
+    if (n > 9) tick.rendering = ForceOrigin::both;
+    if (n > 7) tick.model = vector_of({1});
+    summary.on_tick(tick);
+  }
+  summary.finish(test::sample_totals());
+  const json rendering = json_of(summary)["rendering"];
+  EXPECT_EQ(rendering["asked"], "local");
+  EXPECT_EQ(rendering["held"], 0.4);
+  EXPECT_EQ(rendering["at_client"], 0.5);
+  EXPECT_EQ(rendering["both"], 0.1);
+  EXPECT_EQ(rendering["modelled"], 0.3);
+  EXPECT_THAT(summary.to_text(), ContainsRegex("local[ \n]+models[ \n]+on[ \n]+30"));
+}
+
 TEST(Summary, SurvivesTextThatIsNotUtf8AndLongerThanALine) {
   RunInfo info;
   info.device = "\xff\xfe";
@@ -457,6 +495,21 @@ TEST(Summary, AddingDoesNotAllocate) {
   const auto before = forcebound::time::heap_operations_of_this_thread();
   test::play_sample_run(summary, 2000);
   EXPECT_EQ(forcebound::time::heap_operations_of_this_thread(), before);
+}
+
+TEST(Summary, ShowsNoControlCharactersOfARecording) {
+  RunInfo info = test::sample_info();
+  info.law = "\x1b[2Jlaw";
+  info.device = "device\nSummary: passive";
+  info.scene = "\x9b" + std::string("31m");
+  Summary summary(info);
+  RunTotals totals;
+  totals.notes = {"a note\x07"};
+  summary.finish(totals);
+  const std::string text = summary.to_text();
+  EXPECT_EQ(text.find_first_of("\x1b\x07\x9b"), std::string::npos) << text;
+  EXPECT_EQ(text.find("\nSummary: passive"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("?[2Jlaw"));
 }
 
 }  // namespace

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "forcebound/scene/geometry/bvh.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/meshes.hpp"
+
 namespace forcebound::scene {
 namespace {
 
@@ -69,6 +73,49 @@ TEST(MakePart, ChecksWhatAFileWouldBeCheckedFor) {
   EXPECT_THAT(refusal_of(wrong, 2), HasSubstr("a torus needs a scene of at least 3 degrees of freedom"));
   wrong.shape = NamedValues{"mesh", {{"file", std::string("nowhere.obj")}}};
   EXPECT_THAT(refusal_of(wrong), HasSubstr("nowhere.obj"));
+}
+
+TEST(MakePart, MakesAShapeOfAGivenGeometryWithoutItsFile) {
+  PartDescription mesh = ball();
+  mesh.shape = NamedValues{"mesh", {{"file", std::string("nowhere.obj")}}};
+  const ShapeGeometry geometry{.mesh = test::shared_mesh(test::ball(0.02, 10))};
+  const SceneObject part = make_part(mesh, registry(), 3, {}, geometry);
+  EXPECT_EQ(describe(part), mesh);
+  EXPECT_EQ(part.shape->geometry().mesh, geometry.mesh);
+}
+
+/// A tree allocates while it is built, more often than while it is copied.
+TEST(MakePart, BuildsNoTreeOfAMeshWhereOneIsThereAlready) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  PartDescription mesh = ball();
+  const ShapeGeometry without{.mesh = test::shared_mesh(test::ball(0.02, 10))};
+  ShapeGeometry with = without;
+  with.tree = std::make_shared<const Bvh>(without.mesh);
+  const ShapeGeometry of_another{.mesh = test::shared_mesh(test::ball(0.02, 10)), .tree = with.tree};
+  for (const NamedValues& shape :
+       {NamedValues{"mesh", {{"file", std::string("nowhere.obj")}}},
+        NamedValues{"distance_field", {{"file", std::string("nowhere.obj")}, {"spacing_m", 0.002}}}}) {
+    mesh.shape = shape;
+    const auto operations = [&](const ShapeGeometry& geometry) {
+      const test::AllocationGuard guard;
+      const SceneObject part = make_part(mesh, registry(), 3, {}, geometry);
+      std::vector<std::byte> state(part.shape->facts().state_bytes);
+      part.shape->begin_outside({0, 0, 0.03}, state.data());
+      EXPECT_GT(part.shape->nearest({0, 0, 0.018}, state.data()).penetration_m, 0);
+      return guard.heap_operations();
+    };
+    const std::uint64_t building = operations(without);
+    EXPECT_LT(operations(with), building) << shape.name;
+    EXPECT_EQ(operations(of_another), building) << shape.name;
+  }
+}
+
+TEST(MakePart, RefusesAGeometryThatTheKindIsNotMadeOf) {
+  const ShapeGeometry geometry{.mesh = test::shared_mesh(test::ball(0.02, 10))};
+  EXPECT_THROW((void)make_part(ball(), registry(), 3, {}, geometry), std::invalid_argument);
+  PartDescription relief = ball();
+  relief.shape = NamedValues{"height_field", {{"origin_m", Point(0, 0, 0)}, {"spacing_m", 0.01}}};
+  EXPECT_THROW((void)make_part(relief, registry(), 3, {}, geometry), std::invalid_argument);
 }
 
 }  // namespace

@@ -25,5 +25,19 @@ TEST(Registry, RefusesANameTwice) {
   EXPECT_THROW(registry.add(sphere_shape()), std::invalid_argument);
 }
 
+TEST(Registry, RefusesAnotherLawUnderANameOfThisLibrary) {
+  Registry registry;
+  EffectKind other = surface_effect();
+  other.law = "f = 0";
+  EXPECT_THROW(registry.add(other), std::invalid_argument);
+  ShapeKind egg = sphere_shape();
+  egg.description = "An egg.";
+  EXPECT_THROW(registry.add(egg), std::invalid_argument);
+  registry.add(surface_effect());
+  registry.add(sphere_shape());
+  EXPECT_NE(registry.find_effect("surface"), nullptr);
+  EXPECT_NE(registry.find_shape("sphere"), nullptr);
+}
+
 }  // namespace
 }  // namespace forcebound::scene

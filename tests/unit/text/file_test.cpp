@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -36,16 +37,100 @@ TEST(ReadFile, SaysWhyAFileCannotBeRead) {
               ThrowsMessage<std::runtime_error>(StartsWith("/nonexistent/?[2J: cannot be read")));
 }
 
-TEST(ReadFile, ReadsNothingWithoutEnd) {
-  EXPECT_THAT([] { (void)read_file("/dev/zero"); },
+TEST(ReadFile, TakesRegularFilesOnly) {
+  const test::TemporaryFolder folder;
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  // None of them is waited for: nobody writes to the pipe.
+  for (const std::string& file : {std::string("/dev/zero"), std::string("/dev/null"), pipe}) {
+    EXPECT_THAT([&] { (void)read_file(file); },
+                ThrowsMessage<std::runtime_error>(StrEq(file + ": cannot be read: it is no regular file")));
+  }
+  write_file(folder.file("text"), "text");
+  std::filesystem::create_symlink("text", folder.file("link"));
+  EXPECT_EQ(read_file(folder.file("link")), "text");
+}
+
+TEST(ReadFile, TakesFilesUpToASize) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.file("text");
+  write_file(file, "12345");
+  EXPECT_EQ(read_file(file, 5), "12345");
+  EXPECT_THAT([&] { (void)read_file(file, 4); },
               ThrowsMessage<std::runtime_error>(
-                  StrEq("/dev/zero: cannot be read: it is no regular file and has more than 256 MiB")));
+                  StrEq(file + ": cannot be read: it has more than 4 bytes, expected at most that")));
+  // It takes no room on the disk, and none in memory.
+  std::filesystem::resize_file(file, kFileBytesMost + 1);
+  EXPECT_THAT([&] { (void)read_file(file); },
+              ThrowsMessage<std::runtime_error>(testing::HasSubstr("it has more than 268435456 bytes")));
+}
+
+// The size of such a file is said to be 0.
+TEST(ReadFile, ReadsToTheEndWhateverTheSizeSays) {
+  EXPECT_NE(read_file("/proc/self/status"), "");
+  EXPECT_THAT([] { (void)read_file("/proc/self/status", 10); },
+              ThrowsMessage<std::runtime_error>(testing::HasSubstr("more than 10 bytes")));
 }
 
 // The process has nothing at address 0.
 TEST(ReadFile, SaysWhyReadingFails) {
   EXPECT_THAT([] { (void)read_file("/proc/self/mem"); },
               ThrowsMessage<std::runtime_error>(StrEq("/proc/self/mem: cannot be read: Input/output error")));
+}
+
+// A folder `in` with a file, and another `out` beside it.
+class FileThatAnotherNames : public testing::Test {
+ protected:
+  FileThatAnotherNames() {
+    for (const char* folder : {"in", "out"}) {
+      std::filesystem::create_directory(folder_.file(folder));
+      write_file(folder_.file(std::string(folder) + "/a.obj"), "");
+    }
+  }
+
+  [[nodiscard]] std::string of(const std::string& name) const { return folder_.file(name); }
+
+  void expect_refused(const std::string& named) const {
+    EXPECT_THAT([&] { (void)path_within(named, of("in")); },
+                ThrowsMessage<std::runtime_error>(testing::AllOf(
+                    testing::HasSubstr("lies outside of '" + of("in") + "'"), testing::HasSubstr("a.obj"))));
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(FileThatAnotherNames, LiesInItsFolder) {
+  EXPECT_EQ(path_within("a.obj", of("in")), of("in/a.obj"));
+  EXPECT_EQ(path_within("a.obj", of("in/")), of("in/a.obj"));
+  EXPECT_EQ(path_within("deeper/gone.obj", of("in")), of("in/deeper/gone.obj")) << "there or not";
+  EXPECT_EQ(path_within(of("in/a.obj"), of("in")), of("in/a.obj"));
+  EXPECT_EQ(path_within("../in/a.obj", of("in")), of("in/../in/a.obj"));
+  EXPECT_EQ(path_within("a.obj", ""), "a.obj");
+}
+
+TEST_F(FileThatAnotherNames, LiesNowhereElse) {
+  expect_refused("../out/a.obj");
+  expect_refused(of("out/a.obj"));
+  expect_refused("deeper/../../out/a.obj");
+  std::filesystem::create_symlink(of("out/a.obj"), of("in/link.obj"));
+  EXPECT_THROW((void)path_within("link.obj", of("in")), std::runtime_error) << "by a link";
+  std::filesystem::create_directory_symlink(of("out"), of("in/linked"));
+  expect_refused("linked/a.obj");
+  std::filesystem::create_directory(of("in_too"));
+  EXPECT_THROW((void)path_within("../in_too/a.obj", of("in")), std::runtime_error) << "begins alike";
+  EXPECT_THROW((void)path_within("/etc/shadow", ""), std::runtime_error);
+  EXPECT_THROW((void)path_within("", of("in")), std::runtime_error) << "the folder itself";
+  const std::string zero("../out/a.obj\0/../../in/a.obj", 28);
+  EXPECT_THAT([&] { (void)path_within(zero, of("in")); },
+              ThrowsMessage<std::runtime_error>(testing::HasSubstr("its name has a zero byte")));
+}
+
+TEST_F(FileThatAnotherNames, MayLieInAFolderThatIsAllowed) {
+  const std::array allowed{of("elsewhere"), of("out")};
+  EXPECT_EQ(path_within(of("out/a.obj"), of("in"), allowed), of("out/a.obj"));
+  EXPECT_THAT([&] { (void)path_within("/etc/shadow", of("in"), allowed); },
+              ThrowsMessage<std::runtime_error>(testing::HasSubstr("' or '" + of("out") + "'")));
 }
 
 TEST(WriteFile, PutsEveryByteInPlaceOfWhatWasThere) {

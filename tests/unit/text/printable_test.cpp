@@ -24,5 +24,20 @@ TEST(Printable, DisarmsControlCharactersBeyondAscii) {
   EXPECT_EQ(printable("cut \xc2"), "cut \xc2") << "no control character without its second byte";
 }
 
+TEST(Printable, DisarmsControlCharactersOfEightBits) {
+  EXPECT_EQ(printable("\x9b"
+                      "2J"),
+            "?2J");
+  EXPECT_EQ(printable("\xc3\x9b \xe2\x82\x9b"), "\xc3\x9b \xe2\x82\x9b") << "there it is part of a character";
+  EXPECT_EQ(printable("\xc3\x9b\x9b"), "\xc3\x9b?") << "behind a character that is complete";
+}
+
+TEST(Printable, KeepsTheLineFeedsOfLines) {
+  EXPECT_EQ(printable_lines("one\ntwo \x1b[2J\n\nthree\r"), "one\ntwo ?[2J\n\nthree?");
+  EXPECT_EQ(printable_lines(""), "");
+  EXPECT_EQ(printable_lines("\n"), "\n");
+  EXPECT_EQ(printable_lines("cut \xc2\n\x9b"), "cut \xc2\n?");
+}
+
 }  // namespace
 }  // namespace forcebound::text

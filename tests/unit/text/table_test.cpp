@@ -77,5 +77,16 @@ TEST(Table, RefusesARowOfAnotherLength) {
   EXPECT_THROW(Table({}), std::invalid_argument);
 }
 
+TEST(Table, ShowsNoControlCharactersOfItsCells) {
+  Table table({{"run\x1b[2J"}, {"P"}});
+  table.add_heading("one\nforged");
+  table.add({"a\x1b[31m.mcap", "1\r"});
+  table.add_remark("b\x07", "refuses: \x9b");
+  for (const std::string& text : {table.to_text(), table.to_markdown(), table.to_csv()}) {
+    EXPECT_EQ(text.find_first_of("\x1b\r\x07\x9b"), std::string::npos) << text;
+    EXPECT_EQ(text.find("\nforged"), std::string::npos) << text;
+  }
+}
+
 }  // namespace
 }  // namespace forcebound::text

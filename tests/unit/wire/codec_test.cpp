@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -157,6 +158,7 @@ TEST(Codec, GivesHelloBack) {
   EXPECT_EQ(back.client_time, Nanoseconds{-12});
   EXPECT_EQ(back.round_trip, Nanoseconds{20000000});
   EXPECT_EQ(back.server_law, "wave");
+  EXPECT_TRUE(back.renders_locally);
 }
 
 TEST(Codec, GivesWelcomeBack) {
@@ -167,6 +169,93 @@ TEST(Codec, GivesWelcomeBack) {
   EXPECT_EQ(back.scene_hash, 77u);
   EXPECT_EQ(back.scene, "sphere");
   EXPECT_EQ(back.simulated, "ball: surface");
+  EXPECT_EQ(back.offer.manifest_sha256[1], std::byte{9});
+  EXPECT_EQ(back.offer.manifest_bytes, 900U);
+  EXPECT_EQ(back.offer.pieces, 30U);
+  EXPECT_EQ(back.server_parts, ServerParts::modelled);
+}
+
+TEST(Codec, GivesAPieceOfASceneAndItsReceiptBack) {
+  Codec codec;
+  const auto piece = round_trip(codec, std::get<ScenePiece>(one_of_each()[6]));
+  EXPECT_EQ(piece.session, 0xfedcba9876543210U);
+  EXPECT_EQ(piece.transmission, 80U);
+  EXPECT_EQ(piece.number, 12U);
+  EXPECT_TRUE(std::ranges::equal(piece.content, kPieceContent));
+  EXPECT_EQ(round_trip(codec, std::get<MotionSample>(one_of_each()[3])).pieces,
+            (PieceReceipt{.wanted = true, .newest = 70, .before = 0xfedcba9876543210}));
+  const auto force = round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4]));
+  EXPECT_EQ(force.server_parts_N, vector_of({0, 1, 0}));
+  EXPECT_TRUE(force.texture_in_server_parts);
+}
+
+TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
+  Codec codec;
+  const local_model::LocalModel sent = std::get<EnvironmentForce>(one_of_each()[4]).model;
+  const local_model::LocalModel back = round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).model;
+  EXPECT_TRUE(local_model::is_sound(back));
+  EXPECT_EQ(back.by_device_clock, sent.by_device_clock);
+  EXPECT_EQ(back.before_reading, sent.before_reading);
+  ASSERT_EQ(back.surface_count, 1U);
+  const local_model::Surface& surface = back.surfaces[0];
+  EXPECT_EQ(surface.id, sent.surfaces[0].id);
+  EXPECT_EQ(surface.force_N, sent.surfaces[0].force_N);
+  EXPECT_EQ(surface.place_m, sent.surfaces[0].place_m);
+  EXPECT_EQ(surface.normal, sent.surfaces[0].normal);
+  EXPECT_EQ(surface.stiffness_N_per_m, sent.surfaces[0].stiffness_N_per_m);
+  EXPECT_EQ(surface.damping_N_s_per_m, sent.surfaces[0].damping_N_s_per_m);
+  EXPECT_EQ(surface.velocity_m_per_s, sent.surfaces[0].velocity_m_per_s);
+  EXPECT_EQ(surface.acceleration_m_per_s2, sent.surfaces[0].acceleration_m_per_s2);
+  EXPECT_EQ(surface.relaxing_N_per_m, sent.surfaces[0].relaxing_N_per_m);
+  EXPECT_EQ(surface.relaxation_s, sent.surfaces[0].relaxation_s);
+  EXPECT_EQ(surface.relaxed_N, sent.surfaces[0].relaxed_N);
+  EXPECT_EQ(surface.radius_m, sent.surfaces[0].radius_m);
+  EXPECT_TRUE(surface.others_move_it);
+  ASSERT_TRUE(back.has_mass);
+  EXPECT_EQ(back.mass.id, sent.mass.id);
+  EXPECT_EQ(back.mass.force_N, sent.mass.force_N);
+  EXPECT_EQ(back.mass.place_m, sent.mass.place_m);
+  EXPECT_EQ(back.mass.velocity_m_per_s, sent.mass.velocity_m_per_s);
+  EXPECT_EQ(back.mass.bias_m_per_s2, sent.mass.bias_m_per_s2);
+  EXPECT_EQ(back.mass.stiffness_N_per_m, sent.mass.stiffness_N_per_m);
+  EXPECT_EQ(back.mass.damping_N_s_per_m, sent.mass.damping_N_s_per_m);
+  EXPECT_EQ(back.mass.mobility_per_kg, sent.mass.mobility_per_kg);
+  EXPECT_EQ(back.mass.free_per_kg, sent.mass.free_per_kg);
+  EXPECT_EQ(back.mass.push, sent.mass.push);
+  EXPECT_EQ(back.mass.travel_m, sent.mass.travel_m);
+  EXPECT_EQ(back.mass.radius_m, sent.mass.radius_m);
+  EXPECT_TRUE(back.mass.others_move_it);
+  ASSERT_TRUE(back.has_field);
+  EXPECT_EQ(back.field.force_N, sent.field.force_N);
+  EXPECT_EQ(back.field.place_m, sent.field.place_m);
+  EXPECT_EQ(back.field.jacobian_N_per_m, sent.field.jacobian_N_per_m);
+  EXPECT_EQ(back.field.radius_m, sent.field.radius_m);
+}
+
+TEST(Codec, TakesWhatIsNotSaidToBeMovedByOthersForTheDevicesOwn) {
+  Codec codec;
+  EnvironmentForce sent = std::get<EnvironmentForce>(one_of_each()[4]);
+  sent.model.surfaces[0].others_move_it = sent.model.mass.others_move_it = false;
+  const local_model::LocalModel back = round_trip(codec, sent).model;
+  EXPECT_FALSE(back.surfaces[0].others_move_it);
+  EXPECT_FALSE(back.mass.others_move_it);
+}
+
+TEST(Codec, GivesAModelThatIsNotFiniteAsItIsWithAForceThatCanBeHeld) {
+  Codec codec;
+  EnvironmentForce sent = std::get<EnvironmentForce>(one_of_each()[4]);
+  sent.model.surfaces[0].place_m[1] = std::numeric_limits<double>::quiet_NaN();
+  const EnvironmentForce back = round_trip(codec, sent);
+  EXPECT_EQ(back.force, sent.force);
+  EXPECT_FALSE(back.model.empty());
+  EXPECT_FALSE(local_model::is_sound(back.model));
+}
+
+TEST(Codec, SaysTheLongestPieceInOneFrame) {
+  Codec codec;
+  const std::vector<std::byte> longest(1100);
+  EXPECT_LE(codec.encode(ScenePiece{.session = ~0ull, .transmission = ~0ull, .number = ~0u, .content = longest}).size(),
+            kFrameBytesMax);
 }
 
 TEST(Codec, GivesEveryRefusalBack) {
@@ -189,7 +278,7 @@ TEST(Codec, GivesEveryRefusalBack) {
 TEST(Codec, GivesAnyMotionBackBitForBit) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers()};
+    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers(), {}};
     const MotionSample back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -219,7 +308,10 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
                                 .texture_N = *finite_number(),
                                 .texture_wave = any_vector(0),
                                 .texture_across = any_vector(0),
-                                .server_law_numbers = any_server_law_numbers()};
+                                .server_law_numbers = any_server_law_numbers(),
+                                .server_parts_N = any_vector(0),
+                                .texture_in_server_parts = *rc::gen::arbitrary<bool>(),
+                                .model = {}};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -232,6 +324,8 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
     expect_same(back.texture_wave, sent.texture_wave);
     expect_same(back.texture_across, sent.texture_across);
     expect_same(back.server_law_numbers, sent.server_law_numbers);
+    expect_same(back.server_parts_N, sent.server_parts_N);
+    RC_ASSERT(back.texture_in_server_parts == sent.texture_in_server_parts);
     RC_ASSERT(back.penetration_m == sent.penetration_m);
     RC_ASSERT(back.server_receive_time == sent.server_receive_time);
     RC_ASSERT(back.server_send_time == sent.server_send_time);
@@ -274,12 +368,16 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
                               .server_law = endless})
                 .size(),
             kFrameBytesMax);
-  EXPECT_LE(
-      codec
-          .encode(Welcome{
-              .client_nonce = ~0ull, .session = ~0ull, .scene_hash = ~0ull, .scene = endless, .simulated = endless})
-          .size(),
-      kFrameBytesMax);
+  EXPECT_LE(codec
+                .encode(Welcome{.client_nonce = ~0ull,
+                                .session = ~0ull,
+                                .scene_hash = ~0ull,
+                                .scene = endless,
+                                .simulated = endless,
+                                .offer = {.manifest_sha256 = {}, .manifest_bytes = ~0u, .pieces = ~0u},
+                                .server_parts = ServerParts::none})
+                .size(),
+            kFrameBytesMax);
   EXPECT_LE(codec
                 .encode(Refusal{.client_nonce = ~0ull,
                                 .session = ~0ull,
@@ -293,14 +391,28 @@ TEST(Codec, AnswersAreNeverLargerThanHello) {
 TEST(Codec, RefusingASessionTakesLessThanTheMotionThatNamedIt) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers()};
+    const MotionSample motion{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers(), {}};
     const std::size_t question = codec.encode(motion).size();
     RC_ASSERT(codec.encode(Refusal{.session = motion.session, .reason = RefusalReason::unknown_session}).size() <
               question);
   }));
 }
 
-TEST(Codec, SaysTheMostThatAnyHalvesOfALawCanSayInOneFrame) {
+/// As many as an answer has room for, with every number set.
+local_model::LocalModel most_models() {
+  local_model::LocalModel most = test::sample_local_model();
+  most.surfaces.fill(most.surfaces[0]);
+  most.surface_count = local_model::LocalModel::kSurfacesMax;
+  for (local_model::Surface& surface : most.surfaces) {
+    surface.id = ~0U;
+    surface.others_move_it = true;
+  }
+  most.mass.id = ~0U;
+  most.mass.others_move_it = true;
+  return most;
+}
+
+TEST(Codec, SaysTheMostThatAnyHalvesOfALawAndModelsCanSayInOneFrame) {
   Codec codec;
   const control::Vector six = vector_of({1, 2, 3, 4, 5, 6});
   const EnvironmentForce most{.session = ~0ull,
@@ -320,7 +432,10 @@ TEST(Codec, SaysTheMostThatAnyHalvesOfALawCanSayInOneFrame) {
                               .texture_N = 1,
                               .texture_wave = six,
                               .texture_across = six,
-                              .server_law_numbers = server_law_numbers(16)};
+                              .server_law_numbers = server_law_numbers(16),
+                              .server_parts_N = six,
+                              .texture_in_server_parts = true,
+                              .model = most_models()};
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   EXPECT_EQ(round_trip(codec, most).server_law_numbers, most.server_law_numbers);
 }

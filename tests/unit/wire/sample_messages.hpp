@@ -1,8 +1,13 @@
 #pragma once
 
+#include <zlib.h>
+
 #include <array>
+#include <cstddef>
+#include <vector>
 
 #include "forcebound/wire/codec.hpp"
+#include "tests/support/sample_local_model.hpp"
 #include "tests/support/vector_of.hpp"
 
 namespace forcebound::wire {
@@ -13,8 +18,23 @@ inline control::ServerLawNumbers server_law_numbers(int count, double first = 0.
   return control::ServerLawNumbers::LinSpaced(count, first, first + count - 1);
 }
 
+inline constexpr std::array kPieceContent{std::byte{1}, std::byte{0}, std::byte{255}};
+
+using Bytes = std::vector<std::byte>;
+
+/// A valid frame around any bytes, as an attacker can make it.
+inline Bytes framed(unsigned kind, const Bytes& body) {
+  Bytes bytes{std::byte{'F'}, std::byte{'B'}, std::byte{1}, std::byte(kind)};
+  Bytes covered{std::byte(kind)};
+  covered.insert(covered.end(), body.begin(), body.end());
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(covered.data()), static_cast<uInt>(covered.size()));
+  for (int i = 0; i < 4; ++i) bytes.push_back(std::byte(sum >> (8 * i) & 0xff));
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
 /// One of each kind, every field set.
-inline std::array<Message, 6> one_of_each() {
+inline std::array<Message, 7> one_of_each() {
   return {Hello{.protocol_version = 2,
                 .client_nonce = 0x0123456789abcdef,
                 .degrees_of_freedom = 3,
@@ -24,12 +44,15 @@ inline std::array<Message, 6> one_of_each() {
                 .scene = "sphere",
                 .client_time = Nanoseconds{-12},
                 .round_trip = Nanoseconds{20000000},
-                .server_law = "wave"},
+                .server_law = "wave",
+                .renders_locally = true},
           Welcome{.client_nonce = 0x0123456789abcdef,
                   .session = 0xfedcba9876543210,
                   .scene_hash = 77,
                   .scene = "sphere",
-                  .simulated = "ball: surface"},
+                  .simulated = "ball: surface",
+                  .offer = {.manifest_sha256 = {std::byte{7}, std::byte{9}}, .manifest_bytes = 900, .pieces = 30},
+                  .server_parts = ServerParts::modelled},
           Refusal{.client_nonce = 0x0123456789abcdef,
                   .session = 5,
                   .reason = RefusalReason::unknown_scene,
@@ -40,7 +63,8 @@ inline std::array<Message, 6> one_of_each() {
                        .sequence = 1000,
                        .device_time = Nanoseconds{123456789},
                        .position = vector_of({0.01, -0.02, 0.03}),
-                       .server_law_numbers = server_law_numbers(16)},
+                       .server_law_numbers = server_law_numbers(16),
+                       .pieces = {.wanted = true, .newest = 70, .before = 0xfedcba9876543210}},
           EnvironmentForce{.session = 0xfedcba9876543210,
                            .sequence = 999,
                            .motion_sequence = 1000,
@@ -58,13 +82,17 @@ inline std::array<Message, 6> one_of_each() {
                            .texture_N = 0.4,
                            .texture_wave = vector_of({3000, 0, 0}),
                            .texture_across = vector_of({0, 3000, 0}),
-                           .server_law_numbers = server_law_numbers(16, -3)},
+                           .server_law_numbers = server_law_numbers(16, -3),
+                           .server_parts_N = vector_of({0, 1, 0}),
+                           .texture_in_server_parts = true,
+                           .model = test::sample_local_model()},
           Bye{.session = 0xfedcba9876543210,
               .motions_received = 990,
               .motions_duplicated = 3,
               .motions_reordered = 2,
               .forces_sent = 988,
-              .motions_behind = 40}};
+              .motions_behind = 40},
+          ScenePiece{.session = 0xfedcba9876543210, .transmission = 80, .number = 12, .content = kPieceContent}};
 }
 
 }  // namespace forcebound::wire

@@ -1,6 +1,7 @@
 #include "forcebound/client/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <random>
 #include <string_view>
 #include <vector>
@@ -32,11 +33,20 @@ constexpr std::string_view kMore =
     "    --operator trace-sphere --law fba-more --duration 20\n"
     "\n";
 
+/// Folder of the user's files that programs can make again; "none" if the environment names none.
+std::string default_scene_cache() {
+  const char* const cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != 0) return std::string(cache) + "/forcebound";
+  const char* const home = std::getenv("HOME");
+  return home != nullptr && *home != 0 ? std::string(home) + "/.cache/forcebound" : "none";
+}
+
 /// As typed: not yet in the units and types of the options.
 struct Typed {
   double hold_ms = 0;
   double drop_ms = 0;
   std::string memory = "capped";
+  std::string send_rate = "1000";
 };
 
 /// @returns the seed's option, to know whether it was given
@@ -81,6 +91,26 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   app.add_option("--summary", options.summary, "write the summary to this file as well")
       ->check(program::not_empty())
       ->type_name("FILE.json");
+  app.add_option("--rendering", options.rendering,
+                 "local: what does not move in the scene is handed over and runs at the client; remote: all forces "
+                 "are the server's")
+      ->check(program::one_of("rendering", {"local", "remote"}))
+      ->type_name("local|remote")
+      ->capture_default_str();
+  app.add_option("--scene-cache", options.scene_cache,
+                 "folder for scenes that were handed over, or none; default: forcebound in the user's cache folder")
+      ->check(program::not_empty())
+      ->type_name("FOLDER|none");
+  app.add_option("--force-slew", options.force_slew_N_per_s,
+                 "largest change of the requested force per second, against servers that jerk; 0: no limit")
+      ->check(program::number_within(0))
+      ->type_name("N/s")
+      ->capture_default_str();
+  app.add_option("--send-rate", typed.send_rate,
+                 "motions per second, 10 at least; a tick sends one at most. auto: as few as what runs at the client "
+                 "allows")
+      ->type_name("HZ|auto")
+      ->capture_default_str();
   app.add_option("--hold", typed.hold_ms, "age up to which a force is applied unchanged")
       ->check(program::number_within(0))
       ->capture_default_str()
@@ -108,6 +138,7 @@ void expect_files_apart(const Options& options) {
 
 Options parse_options(int argc, const char* const* argv) {
   Options options;
+  options.scene_cache = default_scene_cache();
   Typed typed{.hold_ms = time::to_seconds(options.policy.hold) * 1e3,
               .drop_ms = time::to_seconds(options.policy.drop) * 1e3};
   const control::LawRegistry laws = baselines::shipped_laws();
@@ -119,6 +150,7 @@ Options parse_options(int argc, const char* const* argv) {
 
   options.policy = {.hold = time::from_seconds(typed.hold_ms * 1e-3), .drop = time::from_seconds(typed.drop_ms * 1e-3)};
   program::value_of("--hold, --drop", [&] { options.policy.validate(); });
+  options.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });
   options.law_options.memory = typed.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
   if (options.law_help.empty()) {
     if (options.server.empty()) throw std::invalid_argument("--server is required");

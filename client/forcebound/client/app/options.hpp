@@ -3,6 +3,7 @@
 #include <string>
 
 #include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 
@@ -22,6 +23,10 @@ struct Options {
   std::string record;
   std::string summary;
   LateForcePolicy policy;
+  std::string rendering = "local";
+  std::string scene_cache;  ///< folder, or "none"
+  double force_slew_N_per_s = 0;
+  SendRate send_rate;
   bool once = false;
   bool quiet = false;
 };

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <stdexcept>
+#include <string>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
@@ -16,6 +17,7 @@
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
@@ -45,6 +47,10 @@ Client::Settings settings_of(const Options& options) {
   return {.server = options.server,
           .scene = options.scene,
           .policy = options.policy,
+          .renders_locally = options.rendering == "local",
+          .scene_cache = options.scene_cache == "none" ? "" : options.scene_cache,
+          .force_slew_N_per_s = options.force_slew_N_per_s,
+          .send_rate = options.send_rate,
           .seed = options.seed,
           .duration_s = options.duration_s,
           .once = options.once,
@@ -60,8 +66,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const control::LawRegistry laws = baselines::shipped_laws();
   const device::DeviceRegistry devices = device::DeviceRegistry::standard();
   if (!options.law_help.empty()) {
-    std::fputs(text::wrapped_help(laws.help(options.law_help, devices.facts(options.device.device))).c_str(), stdout);
-    return 0;
+    const std::string help = laws.help(options.law_help, devices.facts(options.device.device));
+    std::fputs(text::wrapped_help(text::printable_lines(help)).c_str(), stdout);
+    return program::kDone;
   }
   // What a device is refused for is known from its facts; the rest is about its hand.
   (void)program::value_of("--device", [&] { return devices.facts(options.device.device); });
@@ -88,6 +95,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
       spdlog::info("tick thread: {}", *client.real_time_grant());
     }
     screen.refresh(now, elapsed);
+    if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
     last = now;
   });
   screen.end(last);
@@ -96,7 +104,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const bool written = write_summary(options.summary, client.summary());
   const std::string why_none = client.why_no_session();
   if (!why_none.empty()) spdlog::error("gave up: {}", why_none);
-  return written && why_none.empty() ? 0 : 1;
+  if (client.summary().not_passive()) return program::kNotPassive;
+  if (!why_none.empty()) return program::kFailed;
+  return written && client.recording_complete() ? program::kDone : program::kOutputLost;
 }
 
 }  // namespace forcebound::client

@@ -47,6 +47,11 @@ void Screen::end(Nanoseconds now) {
   if (const auto line = late_force_.take_rest()) log_late_force(*line);
 }
 
+void Screen::tell_recording_fault(const std::string& fault) const {
+  clear();
+  spdlog::error("{}; the run goes on", fault);
+}
+
 void Screen::clear() const {
   if (live_) std::fputs(kClearLine, stderr);
 }
@@ -83,6 +88,10 @@ void Screen::log_connection() const {
       return spdlog::warn("the server does not know this session (any more); requesting another");
     case Event::Kind::server_left:
       return spdlog::warn("the server ended the session; requesting another");
+    case Event::Kind::scene_here:
+      return spdlog::info("the scene has arrived: its static parts run at the client");
+    case Event::Kind::scene_refused:
+      return spdlog::error("the server's scene is refused, its forces are held instead: {}", event_.words());
     case Event::Kind::force_fading:
     case Event::Kind::force_dropped:
     case Event::Kind::force_fresh:

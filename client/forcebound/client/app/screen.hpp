@@ -18,6 +18,9 @@ class Screen {
   /// To be called several times a second.
   void refresh(time::Nanoseconds now, time::Nanoseconds elapsed);
 
+  /// Logs that the recording has become incomplete.
+  void tell_recording_fault(const std::string& fault) const;
+
   /// Erases the live line and logs the remaining events.
   void end(time::Nanoseconds now);
 

@@ -13,12 +13,14 @@
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/record/recorder.hpp"
+#include "forcebound/record/recording_watch.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::client {
 namespace {
 
 constexpr Nanoseconds kHousekeeping = std::chrono::milliseconds{50};
+constexpr Nanoseconds kBuilding = std::chrono::milliseconds{2};
 
 record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
                          const control::PassivityLaw& law, const time::Clock& clock) {
@@ -32,6 +34,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   info.operator_name = settings.hand;
   info.hand = device.hand_in_words();
   info.scene = settings.scene;
+  info.rendering = settings.renders_locally ? "local" : "remote";
   info.network = "server " + settings.server;
   info.seed = settings.seed;
   info.period = time::from_seconds(facts.period_s);
@@ -68,9 +71,20 @@ struct Client::Parts {
       writer.emplace(settings.recording, info);
       sinks.push_back(&recorder);
     }
-    session.emplace(
-        Session::Options{.server = server, .scene = settings.scene, .policy = settings.policy, .seed = settings.seed},
-        device, std::move(law), link, clock, Session::Sinks{.ticks = sinks, .events = &events});
+    if (settings.renders_locally) {
+      const auto rows = static_cast<std::uint32_t>(device.facts().degrees_of_freedom());
+      local.emplace(SceneBuilder::Options{.degrees_of_freedom = rows,
+                                          .cache_folder = settings.scene_cache,
+                                          .limits = handover::Limits::of_period(device.facts().period_s)});
+    }
+    session.emplace(Session::Options{.server = server,
+                                     .scene = settings.scene,
+                                     .policy = settings.policy,
+                                     .seed = settings.seed,
+                                     .local = local ? &*local : nullptr,
+                                     .force_slew_N_per_s = settings.force_slew_N_per_s,
+                                     .send_rate = settings.send_rate},
+                    device, std::move(law), link, clock, Session::Sinks{.ticks = sinks, .events = &events});
   }
 
   void finish(record::RunTotals totals) {
@@ -81,6 +95,8 @@ struct Client::Parts {
       totals.recording_unwritten = writer->unwritten();
       if (!writer->problem().empty()) totals.notes.push_back(writer->problem());
       writer->finish(totals);
+      // Only its end is missing then.
+      if (totals.recording_unwritten == 0 && !writer->problem().empty()) totals.notes.push_back(writer->problem());
     }
     summary.finish(totals);
   }
@@ -96,7 +112,9 @@ struct Client::Parts {
   std::optional<record::RecordingWriter> writer;
   EventQueue events;
   std::vector<record::TickSink*> sinks;
+  std::optional<LocalRendering> local;
   std::optional<Session> session;
+  record::RecordingWatch recording_watch;
   GrantText grant;
   TickLoop::Outcome outcome;
 };
@@ -116,6 +134,15 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   TickLoop loop({.period = p.info.period, .duration_s = p.settings.duration_s, .once = p.settings.once}, *p.session,
                 p.clock, p.grant, stop);
   const Nanoseconds start = p.clock.now();
+  std::jthread building;
+  if (p.local) {
+    building = std::jthread([&builder = p.local->builder()](const std::stop_token& ended) {
+      while (!ended.stop_requested()) {
+        builder.work(ended);
+        std::this_thread::sleep_for(kBuilding);
+      }
+    });
+  }
   std::jthread tick([&loop] { loop.run(); });
   const EndOfLoop end{loop};
   while (!loop.done()) {
@@ -125,6 +152,10 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
     if (housekeeping) housekeeping(now, now - start);
   }
   tick.join();
+  if (p.local) {
+    building.request_stop();
+    building.join();
+  }
   p.outcome = loop.outcome();
 
   record::RunTotals totals = p.session->totals();
@@ -138,6 +169,15 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
 }
 
 EventQueue& Client::events() noexcept { return parts_->events; }
+std::string Client::take_recording_fault() {
+  return parts_->writer ? parts_->recording_watch.take(parts_->recorder, *parts_->writer) : std::string();
+}
+
+bool Client::recording_complete() const {
+  const Parts& p = *parts_;
+  return !p.writer || (p.recorder.dropped() == 0 && p.writer->problem().empty());
+}
+
 const record::Summary& Client::summary() const noexcept { return parts_->summary; }
 const std::string* Client::real_time_grant() const noexcept { return parts_->grant.text(); }
 

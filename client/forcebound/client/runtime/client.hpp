@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/record/summary.hpp"
@@ -33,10 +34,14 @@ class Client {
     std::string server;   ///< HOST:PORT
     std::string scene{};  ///< requested; empty: the server's default
     LateForcePolicy policy{};
-    std::uint64_t seed = 1;   ///< of the handshake's nonces: must differ between runs
-    double duration_s = 0;    ///< 0: until stopped
-    bool once = false;        ///< give up if the server refuses, or does not answer for 5 s
-    std::string recording{};  ///< MCAP file for every tick and force; empty: none
+    bool renders_locally = true;    ///< the static parts of the scene are handed over and run here
+    std::string scene_cache{};      ///< folder of scenes that were handed over; empty: none are kept
+    double force_slew_N_per_s = 0;  ///< largest change of the requested force; 0: no limit
+    SendRate send_rate{};           ///< of motions; on each tick unless said
+    std::uint64_t seed = 1;         ///< of the handshake's nonces: must differ between runs
+    double duration_s = 0;          ///< 0: until stopped
+    bool once = false;              ///< give up if the server refuses, or does not answer for 5 s
+    std::string recording{};        ///< MCAP file for every tick and force; empty: none
     // Further entries of the recording's metadata.
     std::string program{};
     std::string law{};  ///< its name; empty: the law's own
@@ -65,8 +70,14 @@ class Client {
   /// starts.
   [[nodiscard]] const std::string* real_time_grant() const noexcept;
 
+  /// Why the recording is incomplete, once and as soon as it is known; else empty. For housekeeping.
+  [[nodiscard]] std::string take_recording_fault();
+
   /// After `run`.
   [[nodiscard]] const record::Summary& summary() const noexcept;
+
+  /// After `run`: whether the recording has all that was to be in it, or none was wanted.
+  [[nodiscard]] bool recording_complete() const;
 
   /// Why it gave up; empty: it did not.
   [[nodiscard]] std::string why_no_session() const;

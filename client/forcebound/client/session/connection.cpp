@@ -86,7 +86,8 @@ wire::Hello Connection::hello(Nanoseconds now) const noexcept {
           .scene = facts_.scene,
           .client_time = now,
           .round_trip = round_trip_,
-          .server_law = facts_.server_law};
+          .server_law = facts_.server_law,
+          .renders_locally = facts_.renders_locally};
 }
 
 }  // namespace forcebound::client

@@ -28,6 +28,7 @@ class Connection {
     int degrees_of_freedom = 1;
     double period_s = 1e-3;
     double force_N_max = 0;
+    bool renders_locally = false;
   };
 
   Connection(Facts facts, std::uint64_t seed);

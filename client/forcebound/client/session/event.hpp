@@ -22,6 +22,8 @@ struct Event {
     force_fading,     ///< forces are older than the hold time; `duration` is the age
     force_dropped,    ///< ... than the drop time
     force_fresh,      ///< forces are fresh again; `duration` is the time without fresh forces
+    scene_here,       ///< all pieces of the scene that runs at the client have arrived
+    scene_refused,    ///< the scene that the server handed over; text: the error
   };
 
   Kind kind = Kind::welcomed;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
-#include "forcebound/client/session/texture.hpp"
 #include "forcebound/control/assertion.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/wire/version_mismatch.hpp"
@@ -17,48 +18,15 @@ constexpr int kDatagramsPerTickMax = 64;
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
-// An answer describes a surface by its tangent plane at one place. For a radius of curvature of 20 mm the plane is 25
-// um off at this distance; farther away no depth is given.
-constexpr double kPlaneReach_m = 1e-3;
-constexpr Eigen::Index kTranslationsMax = 3;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-Connection::Facts connection_facts(const control::DeviceFacts& device, const std::string& scene,
+Connection::Facts connection_facts(const control::DeviceFacts& device, const Session::Options& options,
                                    std::string_view server_law) {
   return {.device = device.name,
-          .scene = scene,
+          .scene = options.scene,
           .server_law = std::string(server_law),
           .degrees_of_freedom = device.degrees_of_freedom(),
           .period_s = device.period_s,
-          .force_N_max = device.force_N_max};
-}
-
-record::SessionState recorded(SessionState state) noexcept {
-  switch (state) {
-    case SessionState::connecting:
-      return record::SessionState::connecting;
-    case SessionState::active:
-      return record::SessionState::active;
-    case SessionState::stale:
-      return record::SessionState::stale;
-    case SessionState::reconnecting:
-      break;
-  }
-  return record::SessionState::reconnecting;
-}
-
-record::ForcePolicy recorded(ForcePolicy policy) noexcept {
-  switch (policy) {
-    case ForcePolicy::none:
-      return record::ForcePolicy::none;
-    case ForcePolicy::fresh:
-      return record::ForcePolicy::fresh;
-    case ForcePolicy::fading:
-      return record::ForcePolicy::fading;
-    case ForcePolicy::dropped:
-      break;
-  }
-  return record::ForcePolicy::dropped;
+          .force_N_max = device.force_N_max,
+          .renders_locally = options.local != nullptr};
 }
 
 }  // namespace
@@ -72,12 +40,22 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       sinks_(sinks),
       controller_(device.facts(), std::move(law)),
       choosing_(time::from_seconds(device.facts().period_s)),
+      schedule_(options_.send_rate, time::from_seconds(device.facts().period_s)),
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
-      connection_(connection_facts(device.facts(), options_.scene, controller_.law().server_law()),
+      connection_(connection_facts(device.facts(), options_, controller_.law().server_law()),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().degrees_of_freedom()),
-      blackouts_(options_.policy.hold) {
+      blackouts_(options_.policy.hold),
+      rendering_(options_.local,
+                 {.slew_N_per_s = options_.force_slew_N_per_s, .force_N_max = device.facts().force_N_max}) {
   options_.policy.validate();
+  const std::string_view server_law = controller_.law().server_law();
+  const Nanoseconds interval = options_.send_rate.interval(time::from_seconds(device.facts().period_s));
+  if (interval > Nanoseconds::zero() && !server_law.empty()) {
+    throw std::invalid_argument("law '" + std::string(server_law) +
+                                "' exchanges numbers with its server-side law on each tick: no other rate of motions "
+                                "is accepted");
+  }
   scene_.reserve(wire::kNameBytesMax);
   simulated_.reserve(wire::kTextBytesMax);
 }
@@ -86,7 +64,8 @@ void Session::tick(Nanoseconds now) noexcept {
   now_ = now;
   Done done{.reading = read_device(now)};
   const device::Reading& reading = done.reading;
-  done.motion_sequence = send_motion(controller_.law().proxy_position(reading.position), reading.latched);
+  done.place = controller_.law().proxy_position(reading.position);
+  if (schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading.latched);
   receive_all(now);
   keep_connected(now);
 
@@ -95,8 +74,9 @@ void Session::tick(Nanoseconds now) noexcept {
   counts_.released_by_device += motion.held_s < motion.interval_s;
   counts_.held_too_long +=
       !device_.facts().releases && motion.interval_s - motion.latency_s > device_.facts().hold_s_max;
-  done.request = request_at(reading.position, now);
-  const bool silent = policy_ == ForcePolicy::none || policy_ == ForcePolicy::dropped;
+  done.request = request_at(done, now);
+  const bool no_answer = policy_ == ForcePolicy::none || policy_ == ForcePolicy::dropped;
+  const bool silent = no_answer && !done.request.local && done.request.models.model_N.rows() == 0;
   const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, done.request.force_N);
   const Nanoseconds commanded = clock_.now();
   choosing_.note(commanded - choosing_since_);
@@ -151,19 +131,76 @@ double Session::latency_s(Nanoseconds reading_to_command) const noexcept {
   return time::to_seconds(reading_to_command) + device_.facts().latency_s;
 }
 
-Session::Request Session::request_at(const Vector& position, Nanoseconds now) noexcept {
+RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexcept {
+  const device::Reading& reading = done.reading;
   const auto& newest = forces_.newest();
-  if (!newest) {
-    policy_ = ForcePolicy::none;
-    return {.force_N = Vector::Zero(device_.facts().degrees_of_freedom())};
+  RequestRendering::Tick tick{
+      .now = now,
+      .read_at = reading.latched,
+      .elapsed_s = previous_reading_ ? time::to_seconds(reading.latched - *previous_reading_) : 0,
+      .position = reading.position,
+      .place = done.place};
+  if (newest) {
+    FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().degrees_of_freedom() && newest->force.allFinite(),
+                      "a force that was accepted is finite, with a row for each degree of freedom");
+    done.force_sequence = newest->motion_sequence;
+    done.force_age = now - ForceStream::reading_time(*newest);
+    tick.share = options_.policy.scale(done.force_age);
+    tick.age = model_age(*newest, reading.latched);
   }
-  FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().degrees_of_freedom() && newest->force.allFinite(),
-                    "a force that was accepted is finite, with a row for each degree of freedom");
-  const Nanoseconds age = now - ForceStream::reading_time(*newest);
-  note_policy(options_.policy.verdict(age), age, now);
-  return {.force_N = options_.policy.scale(age) * (newest->force + texture_force_N(*newest, position)),
-          .motion_sequence = newest->motion_sequence,
-          .age = age};
+  RequestRendering::Request request = rendering_.render(newest, tick);
+  if (request.local && request.local->scene != std::exchange(local_scene_, request.local->scene)) local_since_ = now;
+  if (options_.local != nullptr && done.place.allFinite()) tell_of_scene(now);
+  note_late_force(request, done.force_age, now);
+  schedule_.note(need_of(request));
+  return request;
+}
+
+/// By the device's clock the server's state is as old as the reading that it answers, or as one so long before as the
+/// answer says: so far the server has played the device's path. Else it is as old as that motion's arrival there, which
+/// was between the reading and the answer's arrival here. No model is asked about a time that is later than the reading
+/// by more than the hold time.
+ModelAge Session::model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept {
+  const Nanoseconds read = ForceStream::reading_time(newest);
+  Nanoseconds told_of = newest.model.state_time(read);
+  Nanoseconds uncertain{0};
+  if (!newest.model.by_device_clock) {
+    const Nanoseconds arrived = std::max(read, newest_arrived_);
+    told_of = std::clamp(clocks_.by_device(newest.server_receive_time), read, arrived);
+    uncertain = std::min(clocks_.uncertainty(at), arrived - read);
+  }
+  const Nanoseconds most = options_.policy.hold + std::max(Nanoseconds::zero(), read - told_of);
+  const Nanoseconds age = std::clamp(at - told_of, Nanoseconds::zero(), most);
+  return {.s = time::to_seconds(age), .uncertain_s = time::to_seconds(uncertain)};
+}
+
+void Session::tell_of_scene(Nanoseconds now) noexcept {
+  const BuildPhase phase = options_.local->phase();
+  if (phase == std::exchange(scene_phase_, phase)) return;
+  if (phase == BuildPhase::whole) tell(Event::Kind::scene_here, now, {});
+  if (phase == BuildPhase::refused) tell(Event::Kind::scene_refused, now, options_.local->why_refused());
+}
+
+ServerNeed Session::need_of(const RequestRendering::Request& request) const noexcept {
+  if (options_.local == nullptr || !forces_.newest()) return {};
+  return {.server_parts = request.models.held ? wire::ServerParts::held : server_parts_,
+          .scene_runs = request.local.has_value() || !scene_offered_,
+          .pieces_wanted = options_.local->receipt().wanted,
+          .radius_m = rendering_.answers().least_radius_m(),
+          .speed_m_per_s = rendering_.answers().speed_m_per_s(),
+          .hold = options_.policy.hold,
+          .round_trip = newest_arrived_ - ForceStream::reading_time(*forces_.newest())};
+}
+
+/// Where all of the force is of what stands still at the client, no force is late, however old the server's answer.
+void Session::note_late_force(const RequestRendering::Request& request, Nanoseconds age, Nanoseconds now) noexcept {
+  if (!forces_.newest()) {
+    policy_ = ForcePolicy::none;
+    return;
+  }
+  const bool drives = request.local && request.local->driving_N.rows() > 0;
+  const bool needs_none = options_.local != nullptr && !drives && !request.models.fades;
+  note_policy(needs_none ? ForcePolicy::fresh : options_.policy.verdict(age), age, now);
 }
 
 void Session::note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept {
@@ -181,11 +218,13 @@ void Session::note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) 
 std::uint64_t Session::send_motion(const Vector& position, Nanoseconds read_at) noexcept {
   if (connection_.session() == 0 || !position.allFinite()) return 0;
   const std::uint64_t sequence = forces_.note_sent(read_at);
+  if (options_.local != nullptr) options_.local->note_motion(read_at);
   const wire::MotionSample motion{.session = connection_.session(),
                                   .sequence = sequence,
                                   .device_time = read_at,
                                   .position = position,
-                                  .server_law_numbers = law().outgoing()};
+                                  .server_law_numbers = law().outgoing(),
+                                  .pieces = options_.local ? options_.local->receipt() : wire::PieceReceipt{}};
   if (!send(motion)) forces_.note_not_sent();
   return sequence;
 }
@@ -224,7 +263,11 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
       return;
     }
     forces_.begin_session(welcome->session);
+    clocks_.forget();
     controller_.begin_server_side();
+    server_parts_ = welcome->server_parts;
+    scene_offered_ = welcome->offer.manifest_bytes > 0;
+    if (options_.local != nullptr) options_.local->begin(welcome->session, welcome->offer);
     silent_since_ = now;
     scene_.assign(welcome->scene);
     simulated_.assign(welcome->simulated);
@@ -233,6 +276,8 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     tell(Event::Kind::welcomed, now, simulated_);
   } else if (const auto* refusal = std::get_if<wire::Refusal>(&message)) {
     receive_refusal(*refusal, now, arrival);
+  } else if (const auto* piece = std::get_if<wire::ScenePiece>(&message)) {
+    if (options_.local != nullptr) options_.local->take(*piece);
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     receive_bye(*bye, now);
   } else {
@@ -272,10 +317,15 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
   switch (forces_.accept(force, arrival)) {
     case ForceStream::Verdict::newest:
       silent_since_ = now;
+      newest_arrived_ = arrival;
       blackouts_.on_force(now, forces_.progress());
       controller_.hear(force.server_law_numbers);
       [[fallthrough]];
     case ForceStream::Verdict::reordered:
+      clocks_.note({.read = ForceStream::reading_time(force),
+                    .received = force.server_receive_time,
+                    .answered = force.server_send_time,
+                    .arrived = arrival});
       note_news(now);
       write_down(force, arrival);
       break;
@@ -301,6 +351,7 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
   }
   if (!closing_) {
     connection_.on_bye();
+    rendering_.end(bye.session);
     tell(Event::Kind::server_left, now, {});
   } else if (forces_.final_progress() == before) {
     ++answers_without_news_;
@@ -317,57 +368,6 @@ void Session::note_news(Nanoseconds now) noexcept {
 void Session::keep_connected(Nanoseconds now) noexcept {
   connection_.on_blackout(now - silent_since_, options_.policy.hold, options_.policy.drop);
   if (connection_.hello_due(now)) (void)send(connection_.hello(clock_.now()));
-}
-
-void Session::write_down(const Done& done) const noexcept {
-  record::TickRecord record{.tick = ticks_,
-                            .time = done.reading.latched,
-                            .interval = done.interval,
-                            .latency = done.latency,
-                            .state = recorded(state()),
-                            .policy = recorded(policy_),
-                            .motion_sequence = done.motion_sequence,
-                            .force_sequence = done.request.motion_sequence,
-                            .force_age = done.request.age,
-                            .position = done.reading.position,
-                            .joint = done.reading.joint,
-                            .request = done.request.force_N,
-                            .applied = done.applied,
-                            .energy_J = law().energy_J(),
-                            .xi = law().xi()};
-  note_contact(done, record);
-  if (const auto audit = device_.audit()) {
-    record.audit_J = audit->energy_J;
-    record.audit_minimum_J = audit->minimum_J;
-  }
-  for (record::TickSink* sink : sinks_.ticks) sink->on_tick(record);
-}
-
-void Session::write_down(const wire::EnvironmentForce& force, Nanoseconds arrival) const noexcept {
-  const record::ForceRecord record{
-      .receive_time = arrival,
-      .round_trip = std::max(Nanoseconds::zero(), arrival - ForceStream::reading_time(force)),
-      .force = force};
-  for (record::TickSink* sink : sinks_.ticks) sink->on_force(record);
-}
-
-void Session::note_contact(const Done& done, record::TickRecord& record) const noexcept {
-  record.contact = false;
-  record.penetration_m = kUnknown;
-  record.displayed_N = 0;
-  const auto& force = forces_.newest();
-  if (!force || policy_ == ForcePolicy::dropped) return;
-  const Vector away = done.reading.position - force->position;
-  const bool near = away.head(std::min(away.rows(), kTranslationsMax)).norm() <= kPlaneReach_m;
-  record.contact = force->contact_normal.rows() == done.applied.rows();
-  if (!record.contact) {
-    if (near) record.penetration_m = 0;
-    return;
-  }
-  record.displayed_N = done.applied.dot(force->contact_normal);
-  if (!near) return;
-  record.penetration_m = force->penetration_m - force->contact_normal.dot(away);
-  record.contact = record.penetration_m > 0;
 }
 
 bool Session::close(Nanoseconds now) noexcept {
@@ -392,50 +392,6 @@ void Session::tell(Event::Kind kind, Nanoseconds now, std::string_view words, Na
   event_.duration = duration;
   event_.set_text(words);
   sinks_.events->on_event(event_);
-}
-
-record::RunTotals Session::totals() const {
-  const ForceStream::Counts network = forces_.counts(now_);
-  record::RunTotals totals;
-  totals.scene = scene_;
-  totals.simulated = simulated_;
-  totals.malformed = counts_.malformed;
-  totals.foreign_session = counts_.foreign_session;
-  totals.refusals = counts_.refusals;
-  totals.send_failures = counts_.send_failures;
-  totals.held_too_long = counts_.held_too_long;
-  totals.released_by_device = counts_.released_by_device;
-  const device::DeviceCounters device = device_.counters();
-  totals.device_gaps_cut = device.gaps_cut;
-  totals.device_frozen_joints = device.frozen_joints;
-  totals.device_faulty_commands = device.faulty_commands;
-  if (!device_.last_error().empty()) {
-    totals.notes.push_back(device_.facts().name + ": " + std::string(device_.last_error()));
-  }
-  totals.sent = network.sent;
-  totals.received = network.received;
-  totals.lost_up = network.lost_up;
-  totals.lost_down = network.lost_down;
-  totals.in_flight = network.in_flight;
-  totals.unanswered = network.unanswered;
-  totals.duplicated = network.duplicated + network.motions_duplicated;
-  totals.reordered = network.reordered + network.motions_reordered;
-  totals.foreign_session += network.foreign;
-  totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
-  totals.non_finite_requests = controller_.counts().requests_not_finite;
-  totals.impossible_intervals = controller_.counts().intervals_impossible;
-  totals.withdrawn_forces = controller_.counts().withdrawn;
-  totals.non_finite_readings = controller_.counts().readings_not_finite;
-  totals.readings_too_far = controller_.counts().readings_too_far;
-  totals.failed_writes = controller_.counts().writes_failed;
-  totals.effects_outside_facts = controller_.counts().effects_outside_facts;
-  totals.releases_outside_facts = controller_.counts().releases_outside_facts;
-  totals.longest_blackout = blackouts_.longest(last_tick_);
-  if (totals.longest_blackout.duration > Nanoseconds::zero()) {
-    totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));
-  }
-  totals.reconnects = connection_.sessions() > 0 ? connection_.sessions() - 1 : 0;
-  return totals;
 }
 
 }  // namespace forcebound::client

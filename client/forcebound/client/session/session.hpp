@@ -6,12 +6,16 @@
 #include <span>
 #include <string>
 
+#include "forcebound/client/rendering/local_rendering.hpp"
+#include "forcebound/client/rendering/request_rendering.hpp"
 #include "forcebound/client/session/blackout_watch.hpp"
 #include "forcebound/client/session/choosing_time.hpp"
+#include "forcebound/client/session/clock_offset.hpp"
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/event.hpp"
 #include "forcebound/client/session/force_stream.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
+#include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/net/datagram_link.hpp"
@@ -28,7 +32,9 @@ using time::Nanoseconds;
 /// The device side of Forcebound, one tick at a time:
 ///
 ///     read the device -> send the motion -> take in what has come -> choose the newest force -> late-force policy
-///     -> saturate, bound, round (PassivityController) -> apply -> write down
+///     -> local rendering in its place, where the geometry is known, and of local models (RequestRendering)
+///     -> saturate, bound, round (PassivityController)
+///     -> apply -> write down
 ///
 /// The motion leaves before the force is chosen, so that an answer loses no tick where the server is near.
 /// Recording never influences the force. Whatever fails, the force is zero and the event is counted. The law runs in
@@ -42,6 +48,10 @@ class Session {
     std::string scene{};  ///< requested; empty: the server's default
     LateForcePolicy policy{};
     std::uint64_t seed = 1;  ///< for the nonces of the handshake
+    /// Runs the static parts of the scene, and lets local models go on; null: all forces are the server's.
+    LocalRendering* local = nullptr;
+    double force_slew_N_per_s = 0;  ///< largest change of the requested force; 0: no limit
+    SendRate send_rate{};
   };
 
   struct Sinks {
@@ -49,7 +59,8 @@ class Session {
     EventSink* events = nullptr;
   };
 
-  /// @throws std::invalid_argument for a policy with hold > drop, or if the controller refuses the device or law.
+  /// @throws std::invalid_argument for a policy with hold > drop, if the controller refuses the device or law, or for a
+  /// rate of motions below that of the ticks with a law that exchanges numbers with a server-side law on each.
   Session(Options options, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
           net::DatagramLink& link, const time::Clock& clock, Sinks sinks);
 
@@ -66,22 +77,19 @@ class Session {
   [[nodiscard]] bool refused() const noexcept { return counts_.refusals > 0; }
   [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
 
-  /// Totals so far; forces and motions on their way count as lost. Allocates.
+  /// Totals so far; forces and motions on their way count as lost. Allocates, and may wait for the builder of scenes,
+  /// which need not have ended. Of the thread that ticks, or after it.
   [[nodiscard]] record::RunTotals totals() const;
 
  private:
-  /// The environment's force for the device on this tick.
-  struct Request {
-    Vector force_N{};                   ///< after the late-force policy
-    std::uint64_t motion_sequence = 0;  ///< of the motion that it answers, 0: there is none
-    Nanoseconds age{0};                 ///< since that motion's reading
-  };
-
   /// Data of one tick, for the record.
   struct Done {
     device::Reading reading{};
+    Vector place{};                     ///< where the environment is asked: the device's, unless the law moves it
     std::uint64_t motion_sequence = 0;  ///< sent, 0: none
-    Request request{};
+    RequestRendering::Request request{};
+    std::uint64_t force_sequence = 0;  ///< of the motion that the newest answer is for, 0: there is none
+    Nanoseconds force_age{0};          ///< since that motion's reading
     Vector applied{};
     Nanoseconds interval{0};
     Nanoseconds latency{0};
@@ -110,7 +118,11 @@ class Session {
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] control::Motion motion_at(const device::Reading& reading) const noexcept;
   [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
-  [[nodiscard]] Request request_at(const Vector& position, Nanoseconds now) noexcept;
+  [[nodiscard]] RequestRendering::Request request_at(Done& done, Nanoseconds now) noexcept;
+  [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
+  void tell_of_scene(Nanoseconds now) noexcept;
+  [[nodiscard]] ServerNeed need_of(const RequestRendering::Request& request) const noexcept;
+  void note_late_force(const RequestRendering::Request& request, Nanoseconds age, Nanoseconds now) noexcept;
   void note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
   void write_down(const Done& done) const noexcept;
   void write_down(const wire::EnvironmentForce& force, Nanoseconds arrival) const noexcept;
@@ -124,6 +136,7 @@ class Session {
   Sinks sinks_;
   control::PassivityController controller_;
   ChoosingTime choosing_;
+  MotionSchedule schedule_;
   Nanoseconds choosing_since_{0};
   Connection connection_;
   ForceStream forces_;
@@ -134,6 +147,14 @@ class Session {
   Event event_;
   std::uint64_t ticks_ = 0;
   ForcePolicy policy_ = ForcePolicy::none;
+  wire::ServerParts server_parts_ = wire::ServerParts::held;
+  bool scene_offered_ = false;
+  Nanoseconds local_since_{0};
+  std::uint64_t local_scene_ = 0;
+  BuildPhase scene_phase_ = BuildPhase::nothing;
+  Nanoseconds newest_arrived_{0};
+  ClockOffset clocks_;
+  RequestRendering rendering_;
   Nanoseconds last_tick_{0};
   std::optional<Nanoseconds> previous_reading_;
   std::optional<Nanoseconds> previous_command_;

@@ -15,6 +15,7 @@ constexpr std::string_view kHelp =
     "  wall-1dof       the paper's one-axis device, 30 N s/m, 15 um encoder\n"
     "  cartesian-2dof  two axes, 1 N s/m, 55 um\n"
     "  cartesian-3dof  three axes, 0.5 N s/m, 55 um\n"
+    "  firm-3dof       three axes, 30 N s/m, 15 um\n"
     "  omni            three-joint arm in the size of a PHANToM Omni\n"
     "Operators (--operator), simulated hands; NAME:key=value,... changes numbers:\n"
     "  press           moves into a wall and stays\n"

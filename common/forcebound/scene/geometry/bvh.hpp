@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "forcebound/scene/geometry/nearest_on_triangle.hpp"
@@ -30,6 +32,41 @@ struct NearestPoint {
   Point point_m = Point::Zero();
   double distance_m = 0;
   TrianglePart part;
+};
+
+/// Bounds what the searches of this thread do together while it lives, by the nodes that they visit; without one they
+/// have no bound. A search that exceeds it ends at once, with less than there is to be found.
+///
+/// Of the thread, because any shape may search wherever it is asked. Real time.
+///
+/// Who builds shapes for somebody that may leave says so with a token, and building throws then.
+class SearchBudget {
+ public:
+  /// @param ended null: the result is waited for; it has to outlive the budget
+  explicit SearchBudget(std::uint64_t nodes, const std::stop_token* ended = nullptr) noexcept
+      : before_(std::exchange(nodes_left, nodes)), ended_before_(std::exchange(ended_token, ended)) {}
+  ~SearchBudget() {
+    nodes_left = before_;
+    ended_token = ended_before_;
+  }
+  SearchBudget(const SearchBudget&) = delete;
+  SearchBudget& operator=(const SearchBudget&) = delete;
+
+  /// Whether nothing is left, so that something may not have been found.
+  [[nodiscard]] static bool exhausted() noexcept { return nodes_left == 0; }
+
+  /// Whether nobody waits for what is built any more.
+  [[nodiscard]] static bool abandoned() noexcept { return ended_token != nullptr && ended_token->stop_requested(); }
+
+  /// One node more; false if nothing is left for it.
+  [[nodiscard]] static bool spend() noexcept { return nodes_left > 0 && --nodes_left > 0; }
+
+ private:
+  static inline thread_local constinit std::uint64_t nodes_left = std::numeric_limits<std::uint64_t>::max();
+  static inline thread_local constinit const std::stop_token* ended_token = nullptr;
+
+  std::uint64_t before_;
+  const std::stop_token* ended_before_;
 };
 
 /// Finds the few triangles of a mesh that are near to something: a binary tree of boxes along the axes, split where the
@@ -126,6 +163,7 @@ void Bvh::descend(Enter enter, Limit limit, Visit visit) const noexcept {
   Waiting here{0, enter(nodes_[0])};
   for (;;) {
     if (here.from <= limit()) {
+      if (!SearchBudget::spend()) return;
       const Node& node = nodes_[here.node];
       if (node.count == 0) {
         Waiting near{node.first, enter(nodes_[node.first])};

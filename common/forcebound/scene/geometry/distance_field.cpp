@@ -32,10 +32,18 @@ struct Cubic {
   std::array<double, 4> slope;
 };
 
+/// The tree, if it is of that mesh; else one that is built.
+std::shared_ptr<const Bvh> tree_of(const std::shared_ptr<const TriangleMesh>& mesh,
+                                   const std::shared_ptr<const Bvh>& tree) {
+  const bool fits = tree != nullptr && &tree->mesh() == mesh.get();
+  return fits ? tree : std::make_shared<const Bvh>(mesh);
+}
+
 class DistanceField final : public Shape {
  public:
   DistanceField(const std::shared_ptr<const TriangleMesh>& mesh, const DistanceFieldOptions& options)
-      : origin_m_(mesh->origin_m()),
+      : mesh_(mesh),
+        origin_m_(mesh->origin_m()),
         low_m_(mesh->box_m().min().array() - (options.reach_m + kRimSteps * options.spacing_m)),
         spacing_m_(options.spacing_m),
         beyond_m_(std::max(options.reach_m, options.spacing_m)),
@@ -48,7 +56,7 @@ class DistanceField final : public Shape {
                           text::to_text(nodes.prod()) + " grid nodes, more than " + text::to_text(kNodesMost));
     }
     nodes_ = nodes.cast<Eigen::Index>();
-    fill(Bvh(mesh), Pseudonormals(*mesh));
+    fill(*tree_of(mesh, options.tree), Pseudonormals(*mesh));
   }
 
   SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
@@ -83,11 +91,13 @@ class DistanceField final : public Shape {
 
   ShapeFacts facts() const override {
     return {.state_bytes = sizeof(LastNormal),
-            .memory_bytes = sizeof *this + phi_m_.size() * sizeof(double),
+            .memory_bytes = sizeof *this + phi_m_.size() * sizeof(double) + mesh_->memory_bytes(),
             .cost_ns = 120,
             .bounds_m = bounds_m_,
             .text = text_};
   }
+
+  ShapeGeometry geometry() const override { return {.mesh = mesh_}; }
 
  private:
   [[nodiscard]] std::size_t index(Eigen::Index i, Eigen::Index j, Eigen::Index k) const noexcept {
@@ -103,14 +113,17 @@ class DistanceField final : public Shape {
           const Point node =
               low_m_ + spacing_m_ * Point(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
           // The surface is at most one step farther than from the node before.
-          const auto found = bvh.nearest(node, within_m).value();
-          within_m = 1.001 * (found.distance_m + spacing_m_);
-          phi_m_.push_back(sides.is_inside(node, found) ? -found.distance_m : found.distance_m);
+          const auto found = bvh.nearest(node, within_m);
+          if (!found || SearchBudget::abandoned())
+            throw GeometryError(mesh_->name() + ": its distances take too long to find");
+          within_m = 1.001 * (found->distance_m + spacing_m_);
+          phi_m_.push_back(sides.is_inside(node, *found) ? -found->distance_m : found->distance_m);
         }
       }
     }
   }
 
+  std::shared_ptr<const TriangleMesh> mesh_;
   Point origin_m_;
   Point low_m_;  // of the grid, in the mesh's own frame
   double spacing_m_;
@@ -142,11 +155,13 @@ ShapeKind distance_field_shape() {
               "A closed mesh as its signed distance on a grid: edges are rounded by about a grid step, and "
               "the cost does not depend on the mesh; 3 axes.",
           .axes_least = 3,
+          .geometry = GeometryKind::triangles,
           .parameters = mesh_parameters({positive_length("spacing_m", "of the grid")}),
           .source = "file",
           .make = [](const config::Values& values, const ShapePurpose& purpose) {
-            return make_distance_field(mesh_of(values, purpose),
-                                       {.spacing_m = values.number("spacing_m"), .reach_m = purpose.reach_m});
+            return make_distance_field(
+                mesh_of(values, purpose),
+                {.spacing_m = values.number("spacing_m"), .reach_m = purpose.reach_m, .tree = purpose.geometry.tree});
           }};
 }
 

@@ -8,8 +8,9 @@
 namespace forcebound::scene {
 
 struct DistanceFieldOptions {
-  double spacing_m = 0;  ///< of the grid
-  double reach_m = 0;    ///< how far outside of the mesh's bounding box the distance is known
+  double spacing_m = 0;               ///< of the grid
+  double reach_m = 0;                 ///< how far outside of the mesh's bounding box the distance is known
+  std::shared_ptr<const Bvh> tree{};  ///< of the mesh, if there is one
 };
 
 /// The solid inside a closed mesh, as its signed distance phi on a grid. The surface point is the nearest one; the cost

@@ -360,7 +360,10 @@ class GodObject::Fan {
 };
 
 GodObject::GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOptions& options)
-    : bvh_(std::move(mesh)),
+    : GodObject(Bvh(std::move(mesh)), options) {}
+
+GodObject::GodObject(Bvh tree, const GodObjectOptions& options)
+    : bvh_(std::move(tree)),
       skin_m_(kSkin * bvh_.mesh().size_m()),
       clearance_m_(options.two_sided ? kBehindSkins * skin_m_ : 0),
       two_sided_(options.two_sided) {

@@ -61,6 +61,7 @@ class GodObject {
   static constexpr int kQueriesMost = 64;
 
   explicit GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOptions& options = {});
+  explicit GodObject(Bvh tree, const GodObjectOptions& options = {});
 
   /// The surface that holds the god object back from `goal_m` (in the scene's frame): `normal` from the goal to the god
   /// object, `penetration_m` their distance; 0 without contact. The first call puts the god object at the goal, even

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/lines.hpp"
@@ -56,6 +57,13 @@ class HeightField final : public Shape {
     if (beyond_m > 0) return beyond_the_rim(beyond / beyond_m, beyond_m, normal, depth_m);
     const SurfacePoint cliff = nearest_cliff(above);
     return cliff.penetration_m < depth_m ? cliff : SurfacePoint{normal, depth_m};
+  }
+
+  ShapeGeometry geometry() const override {
+    HeightGrid grid{.origin_m = origin_m_, .spacing_m = spacing_m_, .columns = columns_};
+    grid.heights_m.reserve(reliefs_.size());
+    for (const Relief& relief : reliefs_) grid.heights_m.push_back(relief[0]);
+    return {.heights = std::make_shared<const HeightGrid>(std::move(grid))};
   }
 
   ShapeFacts facts() const override {
@@ -147,6 +155,7 @@ config::Rows rows_of(const config::Values& values, const ShapePurpose& purpose) 
 }
 
 std::unique_ptr<Shape> make_relief(const config::Values& values, const ShapePurpose& purpose) {
+  if (purpose.geometry.heights) return make_height_field(*purpose.geometry.heights);
   if (values.has("heights_m") == values.has("file")) {
     throw std::invalid_argument("a height_field needs either 'heights_m' or 'file'");
   }
@@ -173,6 +182,7 @@ ShapeKind height_field_shape() {
           .description =
               "A relief over a grid, solid below; 3 axes. Its heights stand in the scene or in a file, one of the two.",
           .axes_least = 3,
+          .geometry = GeometryKind::heights,
           .parameters = {place_parameter("origin_m", "of the first height's column"),
                          positive_length("spacing_m", "of the grid, along x and y"),
                          config::RowsParameter{.key = "heights_m",

@@ -76,6 +76,7 @@ ShapeKind lathe_shape() {
       .name = "lathe",
       .description = "A closed profile turned about the z axis, as a mesh: pots, bowls, rings; 3 axes.",
       .axes_least = 3,
+      .geometry = GeometryKind::triangles,
       .parameters = {config::RowsParameter{
                          .key = "profile_m",
                          .meaning = "anticlockwise about its inside, with the radius to the right and the height up",
@@ -90,6 +91,7 @@ ShapeKind lathe_shape() {
                      place_parameter("origin_m", "added to every vertex", Point::Zero())},
       .source = "profile_m",
       .make = [](const config::Values& values, const ShapePurpose& purpose) {
+        if (purpose.geometry.mesh) return make_mesh(purpose.geometry.mesh, {.reach_m = purpose.reach_m});
         std::vector<LathePoint> profile;
         for (const std::vector<double>& row : values.rows("profile_m")) profile.push_back({row[0], row[1]});
         return make_mesh(std::make_shared<const TriangleMesh>(

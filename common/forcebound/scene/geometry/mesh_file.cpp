@@ -123,6 +123,7 @@ std::vector<config::Parameter> mesh_parameters(const std::vector<config::Paramet
 }
 
 std::shared_ptr<const TriangleMesh> mesh_of(const config::Values& values, const ShapePurpose& purpose) {
+  if (purpose.geometry.mesh) return purpose.geometry.mesh;
   const std::string path = (std::filesystem::path(purpose.folder) / values.text("file")).string();
   return std::make_shared<const TriangleMesh>(
       decimated(load_mesh(path, placement_of(values)), values.number("detail")));

@@ -22,7 +22,7 @@ namespace forcebound::scene {
 /// Keys of a shape that is made of such a file: `file`, where it lies, how much `detail` is kept, and its `own`.
 [[nodiscard]] std::vector<config::Parameter> mesh_parameters(const std::vector<config::Parameter>& own);
 
-/// The mesh that their values ask for. @throws GeometryError
+/// The mesh that their values ask for, unless it is given. @throws GeometryError
 [[nodiscard]] std::shared_ptr<const TriangleMesh> mesh_of(const config::Values& values, const ShapePurpose& purpose);
 
 }  // namespace forcebound::scene

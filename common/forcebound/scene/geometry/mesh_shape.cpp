@@ -4,6 +4,7 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "forcebound/scene/geometry/god_object.hpp"
 #include "forcebound/scene/geometry/mesh_file.hpp"
@@ -16,7 +17,10 @@ namespace {
 class MeshShape final : public Shape {
  public:
   MeshShape(std::shared_ptr<const TriangleMesh> mesh, const MeshShapeOptions& options)
-      : object_(std::move(mesh), {.two_sided = options.two_sided}), reach_m_(options.reach_m) {
+      : mesh_(std::move(mesh)),
+        object_(options.tree && &options.tree->mesh() == mesh_.get() ? Bvh(*options.tree) : Bvh(mesh_),
+                {.two_sided = options.two_sided}),
+        reach_m_(options.reach_m) {
     if (this->mesh().report().closed() && !options.two_sided) sides_.emplace(this->mesh());
   }
 
@@ -43,8 +47,18 @@ class MeshShape final : public Shape {
             .text = "that is " + to_text(mesh().report())};
   }
 
+  ShapeGeometry geometry() const override { return {.mesh = mesh_}; }
+
+  void begin_outside(const Point& free_m, std::byte* state) const noexcept override {
+    const Point local_m = free_m - mesh().origin_m();
+    if (!local_m.allFinite()) return;
+    Proxy& proxy = *std::launder(reinterpret_cast<Proxy*>(state));
+    put_to_the_surface(free_m, proxy);
+    if (proxy.placed == 0) proxy = proxy_at(local_m, local_m);
+  }
+
  private:
-  [[nodiscard]] const TriangleMesh& mesh() const noexcept { return object_.bvh().mesh(); }
+  [[nodiscard]] const TriangleMesh& mesh() const noexcept { return *mesh_; }
 
   /// The centre of the highest triangle: a device that comes from above meets the mesh there.
   [[nodiscard]] Point top_m() const {
@@ -66,6 +80,7 @@ class MeshShape final : public Shape {
     }
   }
 
+  std::shared_ptr<const TriangleMesh> mesh_;
   GodObject object_;
   std::optional<Pseudonormals> sides_;  // of a closed mesh
   double reach_m_;
@@ -84,12 +99,14 @@ ShapeKind mesh_shape() {
   return {.name = "mesh",
           .description = "Triangles from a file, felt through a god object; 3 axes.",
           .axes_least = 3,
+          .geometry = GeometryKind::triangles,
           .parameters = mesh_parameters(
               {config::FlagParameter{.key = "two_sided", .meaning = "whether it is felt from behind as well"}}),
           .source = "file",
           .make = [](const config::Values& values, const ShapePurpose& purpose) {
-            return make_mesh(mesh_of(values, purpose),
-                             {.two_sided = values.flag("two_sided"), .reach_m = purpose.reach_m});
+            return make_mesh(
+                mesh_of(values, purpose),
+                {.two_sided = values.flag("two_sided"), .reach_m = purpose.reach_m, .tree = purpose.geometry.tree});
           }};
 }
 

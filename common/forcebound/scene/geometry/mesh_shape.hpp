@@ -10,6 +10,7 @@ namespace forcebound::scene {
 struct MeshShapeOptions {
   bool two_sided = false;  ///< contact from behind as well; else only from where the triangles' normals point
   double reach_m = 0;      ///< without contact, distances to the surface are computed up to this
+  std::shared_ptr<const Bvh> tree{};  ///< of the mesh, if there is one: it is copied, which takes less than building
 };
 
 /// A triangle mesh with a god object: contact is with the surface that the client's point went through, not with the

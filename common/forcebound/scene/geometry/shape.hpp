@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,6 +14,10 @@
 #include "forcebound/scene/geometry/point.hpp"
 
 namespace forcebound::scene {
+
+class Bvh;
+class TriangleMesh;
+struct HeightGrid;
 
 /// Depth and normal of a point relative to a surface.
 struct SurfacePoint {
@@ -31,6 +36,21 @@ struct ShapeFacts {
   std::string text{};                  ///< one line for `--explain`; empty: its values are enough
 };
 
+/// What a kind of shape is made of beside its values.
+enum class GeometryKind : std::uint8_t { none, triangles, heights };
+
+/// The triangles or heights of a shape. With its values they make the same shape again where its files are not.
+struct ShapeGeometry {
+  std::shared_ptr<const TriangleMesh> mesh{};
+  std::shared_ptr<const HeightGrid> heights{};
+  std::shared_ptr<const Bvh> tree{};  ///< of the mesh, if there is one already; else who needs one builds it
+
+  [[nodiscard]] GeometryKind kind() const noexcept {
+    if (mesh) return GeometryKind::triangles;
+    return heights ? GeometryKind::heights : GeometryKind::none;
+  }
+};
+
 /// The box around a point, `half_m` to each side.
 [[nodiscard]] inline Eigen::AlignedBox3d bounds_about(const Point& middle_m, const Point& half_m) {
   return {Point(middle_m - half_m), Point(middle_m + half_m)};
@@ -47,12 +67,25 @@ class Shape {
   [[nodiscard]] virtual SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept = 0;
 
   [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
+
+  /// What it is made of, of its kind's `geometry`. Allocates.
+  [[nodiscard]] virtual ShapeGeometry geometry() const { return {}; }
+
+  /// Lets a fresh state begin at a point outside of the solid, instead of at the first point that `nearest` is asked
+  /// about. From a point inside it begins as `nearest` would there: outside of one object may be inside of another.
+  /// Real time, as the first call of `nearest`.
+  virtual void begin_outside(const Point& free_m, std::byte* state) const noexcept {
+    (void)free_m;
+    (void)state;
+  }
 };
 
 /// Inputs for making a shape, beside its values.
 struct ShapePurpose {
   double reach_m = 0;    ///< distances up to this far outside are needed; 0: contact only
   std::string folder{};  ///< paths among its values are relative to it
+  /// If given, of the kind's `geometry`, it is used and no file is read.
+  ShapeGeometry geometry{};
 };
 
 /// A kind of shape for scene files: `kind = "NAME"`, and its keys.
@@ -60,6 +93,7 @@ struct ShapeKind {
   std::string_view name;
   std::string_view description;  ///< for the schema page, in a sentence or two
   int axes_least = 1;            ///< of the scene
+  GeometryKind geometry = GeometryKind::none;
   std::vector<config::Parameter> parameters{};
   std::string_view source{};  ///< key whose line an error of `make` gets if it names none
   /// @throws config::ValueError, or another std::invalid_argument or std::runtime_error, where values that are in range

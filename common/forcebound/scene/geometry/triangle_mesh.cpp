@@ -79,8 +79,30 @@ std::string to_text(const MeshReport& report) {
 TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices, const std::vector<Triangle>& triangles,
                            const MeshPlacement& placement)
     : name_(std::move(name)), triangles_(triangles) {
-  if (vertices.size() >= kNone || triangles.size() >= kNone / 3) throw GeometryError(name_ + ": too many triangles");
   place(vertices, placement);
+  mend();
+}
+
+TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices_m,
+                           const std::vector<Triangle>& triangles, const MeshFrame& frame, bool whole)
+    : name_(std::move(name)),
+      origin_m_(frame.origin_m),
+      size_m_(frame.box_m.isEmpty() ? 0 : 0.5 * frame.box_m.sizes().stableNorm()),
+      box_m_(frame.box_m),
+      vertices_m_(vertices_m),
+      triangles_(triangles) {
+  check_corners(vertices_m_);
+  check_size();
+  for (const Triangle& triangle : triangles_) {
+    for (const std::uint32_t corner : triangle) {
+      if (!box_m_.contains(vertices_m_[corner])) throw GeometryError(name_ + ": a corner lies outside of the box");
+    }
+  }
+  mend();
+  if (whole) report_ = frame.report;
+}
+
+void TriangleMesh::mend() {
   weld();
   drop_duplicates();
   count_edges();
@@ -105,17 +127,7 @@ void TriangleMesh::place(const std::vector<Point>& as_read, const MeshPlacement&
     for (const Point& vertex : as_read) turned.emplace_back(placement.rotation * vertex);
   }
   const std::vector<Point>& vertices = placement.turns() ? turned : as_read;
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    for (const std::uint32_t corner : triangles_[i]) {
-      if (corner < vertices.size()) continue;
-      throw GeometryError(name_ + ": triangle " + std::to_string(i) + " has vertex " + std::to_string(corner) +
-                          ", but there are " + std::to_string(vertices.size()));
-    }
-  }
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (vertices[i].allFinite()) continue;
-    throw GeometryError(name_ + ": vertex " + std::to_string(i) + " is not finite");
-  }
+  check_corners(vertices);
   Bounds box;
   for (const Triangle& triangle : triangles_) {
     for (const std::uint32_t corner : triangle) box.extend(vertices[corner]);
@@ -130,6 +142,25 @@ void TriangleMesh::place(const std::vector<Point>& as_read, const MeshPlacement&
   }
   box_m_ = Bounds(Point(placement.scale * (box.min() - middle)), Point(placement.scale * (box.max() - middle)));
   size_m_ = 0.5 * box_m_.sizes().stableNorm();
+  check_size();
+}
+
+void TriangleMesh::check_corners(const std::vector<Point>& vertices) const {
+  if (vertices.size() >= kNone || triangles_.size() >= kNone / 3) throw GeometryError(name_ + ": too many triangles");
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    for (const std::uint32_t corner : triangles_[i]) {
+      if (corner < vertices.size()) continue;
+      throw GeometryError(name_ + ": triangle " + std::to_string(i) + " has vertex " + std::to_string(corner) +
+                          ", but there are " + std::to_string(vertices.size()));
+    }
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (vertices[i].allFinite()) continue;
+    throw GeometryError(name_ + ": vertex " + std::to_string(i) + " is not finite");
+  }
+}
+
+void TriangleMesh::check_size() const {
   // Areas are squares and distances between planes fourth powers of lengths.
   if (!(size_m_ > 1e-60 && size_m_ < 1e60 && origin_m_.allFinite())) {
     throw GeometryError(name_ + ": a size of " + text::to_text(size_m_) + " m cannot be computed with");

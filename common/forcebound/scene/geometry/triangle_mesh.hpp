@@ -42,6 +42,13 @@ struct MeshReport {
 /// In one line: "5856 triangles, 2930 vertices, closed; dropped 3 slivers".
 [[nodiscard]] std::string to_text(const MeshReport& report);
 
+/// Where a mesh's own frame lies, and what of the whole mesh its parts need to know.
+struct MeshFrame {
+  Point origin_m = Point::Zero();  ///< in the scene
+  Bounds box_m{};                  ///< of the whole mesh, in its own frame
+  MeshReport report{};             ///< of the whole mesh
+};
+
 /// A surface of triangles. Immutable.
 ///
 /// Vertices are kept in the mesh's own frame, whose axes are the scene's and whose origin is the middle of the mesh's
@@ -60,6 +67,16 @@ class TriangleMesh {
   /// finite with scale > 0, or no triangle is left.
   TriangleMesh(std::string name, const std::vector<Point>& vertices, const std::vector<Triangle>& triangles,
                const MeshPlacement& placement = {});
+
+  /// The whole or a part of a mesh whose vertices are given in its own frame: made of all of another mesh's vertices
+  /// and triangles with its frame, it is that mesh again, to the bit. A part is as large as the whole for all that
+  /// counts in shares of the size.
+  /// @param whole whether all of it is there, and the report that of the frame
+  /// @throws GeometryError as above, and if the box does not hold the vertices
+  TriangleMesh(std::string name, const std::vector<Point>& vertices_m, const std::vector<Triangle>& triangles,
+               const MeshFrame& frame, bool whole);
+
+  [[nodiscard]] MeshFrame frame() const { return {.origin_m = origin_m_, .box_m = box_m_, .report = report_}; }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const MeshReport& report() const noexcept { return report_; }
@@ -86,6 +103,9 @@ class TriangleMesh {
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
+  void check_corners(const std::vector<Point>& vertices) const;
+  void check_size() const;
+  void mend();
   void place(const std::vector<Point>& as_read, const MeshPlacement& placement);
   void weld();
   void drop_duplicates();

@@ -4,19 +4,18 @@
 #include <iostream>
 
 #include "forcebound/server/app/notice_after.hpp"
-#include "forcebound/server/app/options.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::server {
 
-std::shared_ptr<const scene::Scene> build_scene(const std::string& name_or_file, const scene::MeasureCost& measure) {
+std::shared_ptr<const scene::Scene> build_scene(const ProgramOptions& options, const scene::MeasureCost& measure) {
   constexpr std::chrono::seconds kSilence{3};
-  const NoticeAfter notice(kSilence, [&name_or_file] {
-    std::cerr << std::string(kProgram) + ": still building the scene '" + text::printable(name_or_file) +
-                     "', after 3 s\n";
+  const NoticeAfter notice(kSilence, [&options] {
+    std::cerr << std::string(kProgram) + ": still building the scene '" + text::printable(options.scene) +
+                     "', after 3 s; a tissue may take 30 s\n";
   });
-  return load_scene(name_or_file, scene::Registry::standard(), measure);
+  return load_scene(options.scene, scene::Registry::standard(), measure, options.scene_files);
 }
 
 }  // namespace forcebound::server

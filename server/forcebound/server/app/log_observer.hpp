@@ -11,6 +11,9 @@ class LogObserver : public ServerObserver {
  public:
   explicit LogObserver(const time::Clock& clock) : clock_(clock) {}
 
+  /// After the last session. @returns whether all that was to be written has been
+  virtual bool finish() { return true; }
+
   void on_opened(const SessionInfo& info) override;
   void on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) override;
   void on_refused(const net::Address& address, std::string_view text) override;

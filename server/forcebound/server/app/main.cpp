@@ -9,6 +9,7 @@
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/environment/schema.hpp"
 #include "forcebound/server/session/answer_size.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
@@ -19,12 +20,12 @@ using namespace forcebound;
 std::string explanation(const server::ProgramOptions& options) {
   const time::SteadyClock clock;
   const auto built =
-      server::build_scene(options.scene, options.calibrate ? server::measured_by(clock) : scene::MeasureCost{});
+      server::build_scene(options, options.calibrate ? server::measured_by(clock) : scene::MeasureCost{});
   server::ExplainFacts facts{.answer_bytes = server::answer_bytes(*built), .device = options.device};
   const server::SuggestedHand suggested = server::suggested_hand(built);
   facts.hand = {.suggested = suggested, .trial = server::try_hand(built, suggested)};
   if (options.calibrate) facts.calibration = server::calibrate(built, clock);
-  return text::wrapped_below_descriptions(server::explain(*built, facts), 2);
+  return text::wrapped_below_descriptions(text::printable_lines(server::explain(*built, facts)), 2);
 }
 
 int run(server::ProgramOptions options) {
@@ -33,10 +34,10 @@ int run(server::ProgramOptions options) {
   } else if (options.explain) {
     std::cout << explanation(options);
   } else if (options.suggest) {
-    std::cout << to_options(server::suggested_hand(server::build_scene(options.scene))) << "\n";
+    std::cout << text::printable(to_options(server::suggested_hand(server::build_scene(options)))) << "\n";
   } else {
     program::log_to_stderr(server::kProgram);
-    server::serve(std::move(options));
+    return server::serve(std::move(options));
   }
   return program::kDone;
 }

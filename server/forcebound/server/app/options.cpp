@@ -48,6 +48,11 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_option("--scene", options.scene, "scene for clients that request none")
       ->type_name("NAME|FILE.toml")
       ->capture_default_str();
+  app.add_option("--scene-files", options.scene_files,
+                 "folder in which files that the scene names may lie, besides the scene's own; may be repeated")
+      ->type_name("FOLDER")
+      ->allow_extra_args(false)
+      ->check(program::not_empty());
   CLI::Option* const explain =
       app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")

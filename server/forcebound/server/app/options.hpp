@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/server/environment/stability.hpp"
@@ -11,13 +12,14 @@ namespace forcebound::server {
 /// The command line's options.
 struct ProgramOptions {
   net::Endpoint listen{"127.0.0.1", 47800};
-  std::string scene = "wall";  ///< name or file
-  bool explain = false;        ///< print what would be simulated, and end
-  bool suggest = false;        ///< print a suitable device and hand, and end
-  bool schema = false;         ///< print every key of a scene file, and end
-  bool calibrate = false;      ///< measure its cost too
-  RingingDevice device{};      ///< for the stability margins
-  std::string record;          ///< file; empty: no recording
+  std::string scene = "wall";            ///< name or file
+  std::vector<std::string> scene_files;  ///< folders in which files that it names may lie, besides its own
+  bool explain = false;                  ///< print what would be simulated, and end
+  bool suggest = false;                  ///< print a suitable device and hand, and end
+  bool schema = false;                   ///< print every key of a scene file, and end
+  bool calibrate = false;                ///< measure its cost too
+  RingingDevice device{};                ///< for the stability margins
+  std::string record;                    ///< file; empty: no recording
   bool verbose = false;
   bool realtime = false;
   ServerOptions server;  ///< `scene` in it is not set yet

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <utility>
 
 namespace forcebound::server {
 namespace {
@@ -19,11 +20,17 @@ RecordingObserver::RecordingObserver(const time::Clock& clock, const std::string
       thread_([this](const std::stop_token& stopping) {
         while (!stopping.stop_requested()) {
           recorder_.drain(writer_);
+          if (const std::string fault = watch_.take(recorder_, writer_); !fault.empty()) {
+            spdlog::error("{}; the server goes on", fault);
+          }
           std::this_thread::sleep_for(kDrainPeriod);
         }
       }) {}
 
-RecordingObserver::~RecordingObserver() {
+RecordingObserver::~RecordingObserver() { RecordingObserver::finish(); }
+
+bool RecordingObserver::finish() {
+  if (std::exchange(finished_, true)) return complete_;
   thread_.request_stop();
   thread_.join();
   recorder_.drain(writer_);
@@ -36,6 +43,8 @@ RecordingObserver::~RecordingObserver() {
   if (const auto missing = totals.recording_dropped + totals.recording_unwritten; missing > 0) {
     spdlog::error("{} records are missing in '{}' {}", missing, file_, writer_.problem());
   }
+  complete_ = totals.recording_dropped + writer_.unwritten() == 0 && writer_.problem().empty();
+  return complete_;
 }
 
 void RecordingObserver::on_motion(const wire::MotionSample& motion) noexcept {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "forcebound/program/command_line.hpp"
 #include "forcebound/server/app/build_scene.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
@@ -52,8 +53,8 @@ void run(UdpServer& server, const time::Clock& clock, bool verbose) {
   }
 }
 
-std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, const scene::Scene& scene,
-                                              const time::Clock& clock) {
+std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const scene::Scene& scene,
+                                           const time::Clock& clock) {
   if (options.record.empty()) return std::make_unique<LogObserver>(clock);
   record::RunInfo info;
   info.program = "forcebound-server " FORCEBOUND_VERSION;
@@ -66,10 +67,10 @@ std::unique_ptr<ServerObserver> make_observer(const ProgramOptions& options, con
 
 }  // namespace
 
-void serve(ProgramOptions options) {
+int serve(ProgramOptions options) {
   const time::SteadyClock clock;
   const scene::MeasureCost measure = measured_by(clock);
-  const auto scene = build_scene(options.scene, measure);
+  const auto scene = build_scene(options, measure);
   SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
   scenes.add(scene);
   options.server.scene = scene->facts().name;
@@ -89,6 +90,7 @@ void serve(ProgramOptions options) {
     std::cout << "socket: " << text::counted(server.overflowed(), "datagram") << " lost because it was full\n";
   }
   std::cout << std::flush;
+  return observer->finish() ? program::kDone : program::kOutputLost;
 }
 
 }  // namespace forcebound::server

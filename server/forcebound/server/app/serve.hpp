@@ -6,7 +6,8 @@ namespace forcebound::server {
 
 /// Serves until SIGINT or SIGTERM, then ends all sessions and prints the totals.
 ///
+/// @returns the exit code: program::kOutputLost if the recording is incomplete
 /// @throws std::runtime_error if the scene or the address is not available
-void serve(ProgramOptions options);
+int serve(ProgramOptions options);
 
 }  // namespace forcebound::server

@@ -1,5 +1,6 @@
 #include "forcebound/server/environment/accuracy_parser.hpp"
 
+#include "forcebound/scene/rendering.hpp"
 #include "forcebound/scene/scene.hpp"
 
 namespace forcebound::server {
@@ -22,6 +23,14 @@ scene::AccuracyLevel parse_level(config::CheckedTable& level, const std::string&
   return made;
 }
 
+/// What a client that renders locally is left with of the change: nothing where all runs there, all where a part is
+/// held.
+double change_locally_per_s(const scene::Scene& scene, double change_per_s, double extrapolation_per_s) {
+  const scene::Rendering least = scene.least_rendering();
+  if (least == scene::Rendering::held) return change_per_s;
+  return least == scene::Rendering::modelled ? extrapolation_per_s : 0;
+}
+
 }  // namespace
 
 config::TableDescription accuracy_table() {
@@ -39,6 +48,13 @@ config::TableDescription accuracy_table() {
                            .least = 0,
                            .least_excluded = true,
                            .most = 1e4},
+           NumberParameter{.key = "extrapolation_per_s",
+                           .meaning = "the same of what a local model misses, for clients that render locally and get "
+                                      "one of each part that does not run there; `accuracy --rendering local` "
+                                      "measures it",
+                           .least = 0,
+                           .most = 1e4,
+                           .absent = "that of `change_per_s`"},
            OtherParameter{
                .key = "levels", .meaning = "from coarse to fine", .accepted = "two or more tables, see the next"}}};
 }
@@ -72,6 +88,10 @@ scene::AutoAccuracy parse_accuracy(config::CheckedTable& file, const CompileLeve
     config::CheckedTable checked(level, file.file(), "accuracy, level " + std::to_string(accuracy.levels.size() + 1));
     accuracy.levels.push_back(parse_level(checked, accuracy.key, compile, measure));
   }
+  // The levels differ in a value, not in their parts.
+  accuracy.change_locally_per_s = change_locally_per_s(
+      *accuracy.levels.front().scene, accuracy.change_per_s,
+      values.has("extrapolation_per_s") ? values.number("extrapolation_per_s") : accuracy.change_per_s);
   return accuracy;
 }
 

@@ -12,8 +12,9 @@ std::unique_ptr<scene::DynamicModel> make_bodies(BodiesDescription description) 
 
 std::unique_ptr<scene::DynamicModel> make_mjcf(const MjcfDescription& mjcf) {
   const bool is_file = !mjcf.path.empty();
-  return std::make_unique<BodyDynamicModel>(is_file ? load_mjcf(mjcf.path) : compile_mjcf(mjcf.text, "mjcf_text"),
-                                            mjcf.probes, mjcf.coupling, is_file ? mjcf.path : "mjcf_text", mjcf.solver);
+  return std::make_unique<BodyDynamicModel>(
+      is_file ? load_mjcf(mjcf.path) : compile_foreign_mjcf(mjcf.text, "mjcf_text"), mjcf.probes, mjcf.coupling,
+      is_file ? mjcf.path : "mjcf_text", mjcf.solver);
 }
 
 }  // namespace forcebound::server

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 
 #include "forcebound/scene/geometry/capsule.hpp"
 #include "forcebound/scene/geometry/cylinder.hpp"
@@ -109,8 +108,9 @@ TableDescription setting_table() {
 
 TableDescription mjcf_table() {
   return {"`[[body]]` of an MJCF model",
-          "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`. The device drags one of "
-          "its bodies by the center of mass.",
+          "A world of its own, as MuJoCo reads it, of integrator `Euler` or `implicit`, in one text: it names no "
+          "further file, its meshes have `vertex` and `face`. The device drags one of its bodies by the center of "
+          "mass.",
           with(with({config::name_of_part(),
                      TextParameter{.key = "mjcf",
                                    .meaning = "the model, one of the two",
@@ -224,7 +224,7 @@ scene::SceneDynamicModel parse_mjcf(CheckedTable& table, const std::string& name
   const Values values = completed(keys, given);
   MjcfDescription mjcf{.probes = parse_probes(table), .coupling = coupling_of(values), .solver = solver_of(values)};
   if (is_file) {
-    mjcf.path = (std::filesystem::path(table.folder()) / values.text("mjcf")).string();
+    mjcf.path = table.path_at("mjcf", values.text("mjcf"));
   } else {
     mjcf.text = values.text("mjcf_text");
   }

@@ -28,8 +28,9 @@ struct Calibration {
 };
 
 /// Measures the scene's computing time on this machine: a device of three axes (less if the scene has less) strokes
-/// each object and dynamic model in turn, in and out of its surface. Takes some tens of milliseconds an object, less
-/// than a second where one is slow.
+/// each object and dynamic model in turn, in and out of its surface. Each motion is answered with local models too, as
+/// to a client that renders locally; so is what is predicted. Takes some tens of milliseconds an object, less than a
+/// second where one is slow.
 Calibration calibrate(const std::shared_ptr<const scene::Scene>& scene, const time::Clock& clock);
 
 /// Measures the median time for one motion of such strokes, of batches with a force.

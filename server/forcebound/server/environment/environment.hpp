@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "forcebound/control/vector.hpp"
+#include "forcebound/handover/packed_scene.hpp"
+#include "forcebound/local_model/local_model.hpp"
+#include "forcebound/scene/rendering.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::server {
@@ -21,17 +24,23 @@ struct Motion {
   const Vector& position;      ///< [m], rotations [rad]; finite
   Nanoseconds device_time{0};  ///< client's clock at the reading; it may jump, since clients are untrusted
   Nanoseconds server_time{0};  ///< server's clock at its arrival
+  bool wants_model = false;    ///< the client renders locally: a local model would be sent to it
 };
 
 /// Output of an environment for one motion. All numbers are finite; vectors have one row per degree of freedom of the
 /// device, optional ones may have none.
 struct Response {
-  Vector force{};            ///< on the device [N], then torque [N m]
-  Vector contact_normal{};   ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;  ///< depth below that surface, 0: no contact
-  double texture_N = 0;      ///< amplitude of the surface's ripples, 0: smooth
-  Vector texture_wave{};     ///< their wave vector [rad/m], in the tangent plane
-  Vector texture_across{};   ///< a second one, for ripples in both directions
+  Vector force{};                        ///< on the device [N], then torque [N m]
+  Vector contact_normal{};               ///< unit, out of the surface touched (deepest one); no rows: no contact
+  double penetration_m = 0;              ///< depth below that surface, 0: no contact
+  double texture_N = 0;                  ///< amplitude of the surface's ripples, 0: smooth
+  Vector texture_wave{};                 ///< their wave vector [rad/m], in the tangent plane
+  Vector texture_across{};               ///< a second one, for ripples in both directions
+  Vector server_parts_N{};               ///< of `force`, that of the parts that are not handed over; no rows: zero
+  bool texture_in_server_parts = false;  ///< the surface with the ripples is one of those
+  /// What of `server_parts_N` (where there is none, of `force`) the client can render itself until the next answer; may
+  /// be empty. Unsound, it is not sent and its forces are held: local_model::is_sound.
+  local_model::LocalModel model{};
   /// Names of the parts quarantined on this motion: they are left out from now on. Valid until the next motion.
   std::span<const std::string* const> quarantined{};
 };
@@ -66,9 +75,10 @@ class Environment {
 struct ClientFacts {
   std::string device{};  ///< as the client calls it; printable
   std::uint32_t degrees_of_freedom = 0;
-  double period_s = 0;        ///< between motions, as the client promised
-  double force_N_max = 0;     ///< the device's maximum force
-  Nanoseconds round_trip{0};  ///< 0: not measured
+  double period_s = 0;           ///< between motions, as the client promised
+  double force_N_max = 0;        ///< the device's maximum force
+  Nanoseconds round_trip{0};     ///< 0: not measured
+  bool renders_locally = false;  ///< what it can: static parts, and local models of the rest
 };
 
 /// An environment for one session, and its description for the client and the log.
@@ -77,6 +87,10 @@ struct MadeEnvironment {
   std::string simulated{};  ///< in one line
   std::uint64_t hash = 0;   ///< the same hash, the same environment; 0: not known
   std::string choice{};     ///< the level picked for this client, and the reason; empty: there was no choice
+  /// What a client can run itself; null: nothing. `Response::server_parts_N` is then the force of the other parts.
+  std::shared_ptr<const handover::PackedScene> packed{};
+  /// The least of its parts' renderings, so that a client knows what to expect beside the packed ones.
+  scene::Rendering least_rendering = scene::Rendering::held;
 };
 
 /// An environment that clients can request by name. `make` is called once per session.

@@ -4,7 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "forcebound/server/environment/cost.hpp"
+#include "forcebound/handover/scene_assembly.hpp"
+#include "forcebound/scene/cost.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
@@ -47,10 +48,9 @@ std::string cost_text(double predicted_ns, const std::optional<MeasuredCost>& me
   return text;
 }
 
-/// Cost, memory and stability of a part, summed over its effects.
+/// Cost and memory of a part, summed over its effects.
 struct PartSum {
   scene::Inputs inputs{};
-  Ringing ringing{};
   std::size_t state_bytes = 0;
   std::size_t memory_bytes = 0;
   double reach_m = 0;
@@ -65,10 +65,6 @@ PartSum sum_of(const scene::SceneObject& part) {
   for (const scene::RequestedEffect& requested : part.effects) {
     const scene::EffectFacts effect = requested.effect->facts();
     sum.inputs = sum.inputs.with(effect.inputs);
-    sum.ringing = sum.ringing.with({.stiffness_N_per_m = effect.stiffness_N_per_m,
-                                    .stiffening_N_per_m2 = effect.stiffening_N_per_m2,
-                                    .damping_N_s_per_m = effect.damping_N_s_per_m,
-                                    .drives = effect.drives});
     sum.state_bytes += effect.state_bytes;
     sum.reach_m = std::max(sum.reach_m, effect.reach_m);
   }
@@ -117,7 +113,8 @@ std::string bounds_text(const Eigen::AlignedBox3d& bounds_m, Eigen::Index axes) 
 
 /// @param bounds bounds_text of its shape
 std::string explain_part(const std::string& what, const scene::SceneObject& part, const std::string& bounds,
-                         const RingingDevice& device, const std::optional<MeasuredCost>& measured) {
+                         const scene::PartRendering& rendering, const RingingDevice& device,
+                         const std::optional<MeasuredCost>& measured) {
   const PartSum sum = sum_of(part);
   std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n" + bounds;
   for (const scene::RequestedEffect& requested : part.effects) {
@@ -126,26 +123,23 @@ std::string explain_part(const std::string& what, const scene::SceneObject& part
     text += "    law:      " + requested.law + "\n";
   }
   text += "  implies:    " + implied_text(part, sum) + "\n";
+  text += "  rendering:  " + scene::to_text(rendering) + "\n";
   text += "  cost:       " + cost_text(predicted_cost_ns(part), measured) + "\n";
   text += "  memory:     " + bytes_text(sum.memory_bytes) + " shared by all, " + bytes_text(sum.state_bytes) +
           " for each client\n";
-  return text + "  stability:  " + stability_text(sum.ringing, device, kIndent) + "\n";
+  return text + "  stability:  " + stability_text(ringing_of(part), device, kIndent) + "\n";
 }
 
-Ringing ringing_of(const scene::DynamicModelFacts& facts) {
-  return {
-      .stiffness_N_per_m = facts.stiffness_N_per_m, .damping_N_s_per_m = facts.damping_N_s_per_m, .age_s = facts.age_s};
-}
-
-std::string explain_dynamic_model(const scene::SceneDynamicModel& dynamic_model, const RingingDevice& device,
-                                  const std::optional<MeasuredCost>& measured) {
+std::string explain_dynamic_model(const scene::SceneDynamicModel& dynamic_model, const scene::PartRendering& rendering,
+                                  const RingingDevice& device, const std::optional<MeasuredCost>& measured) {
   const scene::DynamicModelFacts facts = dynamic_model.dynamic_model->facts();
   constexpr Eigen::Index kModelAxes = 3;
   std::string text = "dynamic model '" + dynamic_model.name + "': " + dynamic_model.text + "\n" +
                      bounds_text(facts.bounds_m, kModelAxes);
   for (const std::string& line : facts.lines) text += "  " + line + "\n";
+  text += "  rendering:  " + scene::to_text(rendering) + "\n";
   text += "  implies:    " + implied_text(facts.inputs) + "\n";
-  text += "  cost:       " + cost_text(facts.cost_ns, measured) + "\n";
+  text += "  cost:       " + cost_text(predicted_cost_ns(facts), measured) + "\n";
   text += "  memory:     " + bytes_text(facts.memory_bytes) + " shared by all, " + bytes_text(facts.state_bytes) +
           " for each state\n";
   return text + "  stability:  " + stability_text(ringing_of(facts), device, kIndent) + "\n";
@@ -184,12 +178,16 @@ std::string accuracy_text(const scene::Scene& scene, bool measured) {
     text += "  " + accuracy->key + " = " + level.value + ": model " + rounded(100 * level.model_error) + " % off, " +
             time_text(level.step_s * 1e9) + " a motion " + (measured ? "measured" : "predicted") + "\n";
   }
-  text += "  that is     ";
-  for (const double round_trip_ms : {1, 5, 20, 50}) {
-    text += (round_trip_ms > 1 ? ", " : "") + accuracy->best(round_trip_ms * 1e-3).value + " behind " +
-            rounded(round_trip_ms) + " ms";
+  for (const bool locally : {false, true}) {
+    text += locally ? "  locally     " : "  that is     ";
+    for (const double round_trip_ms : {1, 5, 20, 50}) {
+      text += (round_trip_ms > 1 ? ", " : "") +
+              accuracy->best({.round_trip_s = round_trip_ms * 1e-3, .renders_locally = locally}).value + " behind " +
+              rounded(round_trip_ms) + " ms";
+    }
+    text += "\n";
   }
-  return text + "\n";
+  return text;
 }
 
 /// For copying into a command line: one option per line, so that no option is broken.
@@ -214,12 +212,6 @@ std::string hand_text(const ExplainedHand& hand) {
 
 std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
   const double predicted_ns = predicted_cost_ns(scene);
-  Ringing ringing;
-  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
-    for (const scene::SceneObject& part : *parts) ringing = ringing.with(sum_of(part).ringing);
-  }
-  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
-    ringing = ringing.with(ringing_of(dynamic_model.dynamic_model->facts()));
   const auto measured = facts.calibration ? std::optional(facts.calibration->whole) : std::nullopt;
   const double cost_ns = measured ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
@@ -230,7 +222,7 @@ std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
             rounded(static_cast<double>(facts.answer_bytes)) + " kB/s to each client at 1 kHz\n";
   }
   if (scene.parts() < 2) return text;
-  return text + kIndent + "all at one place: " + stability_text(ringing, facts.device, kIndent) + "\n";
+  return text + kIndent + "all at one place: " + stability_text(ringing_of(scene), facts.device, kIndent) + "\n";
 }
 
 std::string summary_of(const scene::SceneObject& part) {
@@ -253,18 +245,30 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
   text += "devices: " + scene.accepted_degrees_of_freedom() + " degree" +
           (scene.facts().degrees_of_freedom == 1 ? "" : "s") + " of freedom\n";
   text += "motion:       " +
-          cost_text(kMotion_ns, facts.calibration ? std::optional(facts.calibration->motion) : std::nullopt) +
+          cost_text(scene::kMotion_ns, facts.calibration ? std::optional(facts.calibration->motion) : std::nullopt) +
           ", besides the parts below\n";
+  const std::string refused = handover::why_refused(scene);
   std::size_t part = 0;
+  const auto rendering_of = [&](std::size_t number) {
+    const scene::PartRendering& rendering = scene.rendering_of_part(number);
+    if (refused.empty() || rendering.how != scene::Rendering::at_client) return rendering;
+    return scene::PartRendering{scene::Rendering::held, "clients refuse the scene: " + refused};
+  };
   const auto measured = [&] { return part_alone(facts.calibration, part++); };
   const Eigen::Index axes = std::max(1, scene.facts().degrees_of_freedom);
   for (const scene::SceneObject& object : scene.objects()) {
-    text += explain_part("object", object, bounds_text(object.shape->facts().bounds_m, axes), facts.device, measured());
+    const scene::PartRendering rendering = rendering_of(part);
+    text += explain_part("object", object, bounds_text(object.shape->facts().bounds_m, axes), rendering, facts.device,
+                         measured());
   }
-  for (const scene::SceneObject& field : scene.fields())
-    text += explain_part("field", field, "", facts.device, measured());
-  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
-    text += explain_dynamic_model(dynamic_model, facts.device, measured());
+  for (const scene::SceneObject& field : scene.fields()) {
+    const scene::PartRendering rendering = rendering_of(part);
+    text += explain_part("field", field, "", rendering, facts.device, measured());
+  }
+  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models()) {
+    const scene::PartRendering& rendering = scene.rendering_of_part(part);
+    text += explain_dynamic_model(dynamic_model, rendering, facts.device, measured());
+  }
   if (part == 0) text += "no objects: every force is zero\n";
   text += accuracy_text(scene, facts.calibration.has_value()) + sharing_text(scene);
   if (facts.hand) text += hand_text(*facts.hand);

@@ -1,6 +1,7 @@
 #include "forcebound/server/environment/part_parser.hpp"
 
 #include <algorithm>
+#include <variant>
 
 #include "forcebound/text/names.hpp"
 
@@ -33,6 +34,11 @@ void parse_shape(config::CheckedTable& part, const scene::Registry& registry, sc
       shape.at("kind"), [&]() -> const scene::ShapeKind& { return scene::shape_kind(registry, name, axes); });
   const config::Values given = shape.given(kind.parameters, axes);
   shape.refuse_unknown_keys();
+  for (const config::Parameter& parameter : kind.parameters) {
+    const auto* const text = std::get_if<config::TextParameter>(&parameter);
+    if (text == nullptr || text->form != config::TextParameter::Form::file || !given.has(text->key)) continue;
+    (void)shape.path_at(text->key, given.text(text->key));
+  }
   const config::Node* const source = shape.node().find(kind.source);
   shape.built_at(source != nullptr ? *source : shape.node(),
                  [&] { scene::set_shape(made, kind, given, axes, part.folder()); });

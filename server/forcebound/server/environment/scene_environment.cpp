@@ -1,6 +1,7 @@
 #include "forcebound/server/environment/scene_environment.hpp"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "forcebound/scene/scene_state.hpp"
@@ -14,18 +15,23 @@ class SceneEnvironment final : public Environment {
   explicit SceneEnvironment(scene::SceneState state) : state_(std::move(state)) {}
 
   Response respond(const Motion& motion) noexcept override {
-    const scene::SceneAnswer answer = state_.answer(motion.position, motion.device_time, motion.server_time);
+    Response response;
+    const scene::SceneAnswer answer = state_.answer(motion.position, motion.device_time, motion.server_time,
+                                                    motion.wants_model ? &response.model : nullptr);
     const auto wave = [&](int i) {
       const bool any = answer.texture.amplitude_N > 0 && i < answer.texture.waves;
       return any ? state_.in_device_rows(answer.texture.waves_rad_per_m.at(static_cast<std::size_t>(i))) : Vector();
     };
-    return {.force = answer.force,
-            .contact_normal = answer.contact_normal,
-            .penetration_m = answer.penetration_m,
-            .texture_N = answer.texture.amplitude_N,
-            .texture_wave = wave(0),
-            .texture_across = wave(1),
-            .quarantined = answer.quarantined};
+    response.force = answer.force;
+    response.contact_normal = answer.contact_normal;
+    response.penetration_m = answer.penetration_m;
+    response.texture_N = answer.texture.amplitude_N;
+    response.texture_wave = wave(0);
+    response.texture_across = wave(1);
+    if (!answer.server_parts_N.isZero(0)) response.server_parts_N = answer.server_parts_N;
+    response.texture_in_server_parts = answer.texture_in_server_parts;
+    response.quarantined = answer.quarantined;
+    return response;
   }
 
   EnvironmentFaults faults() const noexcept override {
@@ -70,10 +76,14 @@ std::vector<std::uint32_t> accepted_by(const scene::Scene& scene) {
   return accepted;
 }
 
-MadeEnvironment made(const scene::Scene& scene, scene::SceneState state) {
+using Packed = std::shared_ptr<const handover::PackedScene>;
+
+MadeEnvironment made(const scene::Scene& scene, const Packed& packed, scene::SceneState state) {
   return {.environment = std::make_unique<SceneEnvironment>(std::move(state)),
           .simulated = summary(scene),
-          .hash = scene.facts().hash};
+          .hash = scene.facts().hash,
+          .packed = packed,
+          .least_rendering = scene.least_rendering()};
 }
 
 }  // namespace
@@ -85,22 +95,30 @@ EnvironmentKind scene_environment(const std::shared_ptr<const scene::Scene>& sce
                        .make = {}};
   if (scene->facts().shared) {
     kind.sessions_max = static_cast<std::size_t>(scene->facts().clients_max);
-    kind.make = [scene, models = std::make_shared<SharedDynamicModels>()](const ClientFacts& client) {
-      return made(*scene, models->enter(scene, client.degrees_of_freedom));
+    kind.make = [scene, packed = handover::pack(*scene),
+                 models = std::make_shared<SharedDynamicModels>()](const ClientFacts& client) {
+      return made(*scene, packed, models->enter(scene, client.degrees_of_freedom));
     };
     return kind;
   }
   if (const scene::AutoAccuracy* const accuracy = scene->accuracy()) {
-    kind.make = [scene, accuracy](const ClientFacts& client) {
-      const double round_trip_s = time::to_seconds(client.round_trip);
-      const scene::AccuracyLevel& picked = accuracy->best(round_trip_s);
-      MadeEnvironment level = made(*picked.scene, {picked.scene, client.degrees_of_freedom});
-      level.choice = accuracy->text(picked, round_trip_s);
+    std::map<const scene::Scene*, Packed> of_levels;
+    for (const scene::AccuracyLevel& level : accuracy->levels)
+      of_levels.emplace(level.scene.get(), handover::pack(*level.scene));
+    kind.make = [scene, accuracy, of_levels = std::move(of_levels)](const ClientFacts& client) {
+      const scene::AutoAccuracy::Client asking{.round_trip_s = time::to_seconds(client.round_trip),
+                                               .renders_locally = client.renders_locally};
+      const scene::AccuracyLevel& picked = accuracy->best(asking);
+      MadeEnvironment level =
+          made(*picked.scene, of_levels.at(picked.scene.get()), {picked.scene, client.degrees_of_freedom});
+      level.choice = accuracy->text(picked, asking);
       return level;
     };
     return kind;
   }
-  kind.make = [scene](const ClientFacts& client) { return made(*scene, {scene, client.degrees_of_freedom}); };
+  kind.make = [scene, packed = handover::pack(*scene)](const ClientFacts& client) {
+    return made(*scene, packed, {scene, client.degrees_of_freedom});
+  };
   return kind;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/config/node.hpp"
 #include "forcebound/server/environment/shipped_scenes.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -13,7 +14,7 @@ namespace forcebound::server {
 namespace {
 
 std::string read_file(const std::string& path) try {
-  return text::read_file(path);
+  return text::read_file(path, config::kTomlBytesMost);
 } catch (const std::runtime_error& error) {
   throw SceneError(error.what());
 }
@@ -121,9 +122,10 @@ SceneSource scene_source(const std::string& name_or_file) {
 }
 
 std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file, const scene::Registry& registry,
-                                               const scene::MeasureCost& measure) {
+                                               const scene::MeasureCost& measure,
+                                               std::span<const std::string> folders) {
   const SceneSource source = scene_source(name_or_file);
-  return parse_scene(source.text, source.file, registry, measure);
+  return parse_scene(source.text, source.file, registry, measure, folders);
 }
 
 }  // namespace forcebound::server

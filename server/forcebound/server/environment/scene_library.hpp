@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -81,9 +82,11 @@ SceneSource scene_source(const std::string& name_or_file);
 
 /// A shipped scene by its name, or the scene in a file, as is_scene_file tells.
 /// @param measure as parse_scene's
+/// @param folders as parse_scene's
 /// @throws SceneError
 std::shared_ptr<const scene::Scene> load_scene(const std::string& name_or_file,
                                                const scene::Registry& registry = scene::Registry::standard(),
-                                               const scene::MeasureCost& measure = {});
+                                               const scene::MeasureCost& measure = {},
+                                               std::span<const std::string> folders = {});
 
 }  // namespace forcebound::server

@@ -4,9 +4,9 @@
 #include <array>
 
 #include "forcebound/config/checked_table.hpp"
+#include "forcebound/scene/cost.hpp"
 #include "forcebound/server/environment/accuracy_parser.hpp"
 #include "forcebound/server/environment/body_parser.hpp"
-#include "forcebound/server/environment/cost.hpp"
 #include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_key.hpp"
 #include "forcebound/server/environment/suggested_hand.hpp"
@@ -42,8 +42,9 @@ int parse_degrees_of_freedom(CheckedTable& scene) {
 class Parser {
  public:
   /// @param measure not empty
-  Parser(std::string_view text, std::string file, const scene::Registry& registry, const scene::MeasureCost& measure)
-      : text_(text), file_(std::move(file)), registry_(registry), measure_(measure) {}
+  Parser(std::string_view text, std::string file, const scene::Registry& registry, const scene::MeasureCost& measure,
+         std::span<const std::string> folders)
+      : text_(text), file_(std::move(file)), registry_(registry), measure_(measure), folders_(folders) {}
 
   std::shared_ptr<const scene::Scene> parse() const { return parse(config::parse_toml(text_, file_), fnv1a(text_)); }
 
@@ -64,6 +65,7 @@ class Parser {
  private:
   std::shared_ptr<const scene::Scene> parse(const Node& whole, std::uint64_t hash) const {
     CheckedTable file(whole, file_, "scene file");
+    file.allow_files_in(folders_);
     // First: a misspelt table is why another error comes.
     for (const char* const table : {"scene", "accuracy", "object", "field", "bodies", "body", "tissue"}) {
       (void)file.find(table);
@@ -196,6 +198,7 @@ class Parser {
   std::string file_;
   const scene::Registry& registry_;
   const scene::MeasureCost& measure_;
+  std::span<const std::string> folders_;
 };
 
 }  // namespace
@@ -236,17 +239,18 @@ config::TableDescription scene_table() {
 }
 
 std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std::string& file_name,
-                                                const scene::Registry& registry, const scene::MeasureCost& measure) {
+                                                const scene::Registry& registry, const scene::MeasureCost& measure,
+                                                std::span<const std::string> folders) {
   const scene::MeasureCost predicted = [](const std::shared_ptr<const scene::Scene>& scene) {
     return 1e-9 * predicted_cost_ns(*scene);
   };
-  return Parser(text, file_name, registry, measure ? measure : predicted).parse();
+  return Parser(text, file_name, registry, measure ? measure : predicted, folders).parse();
 }
 
 std::shared_ptr<const scene::Scene> parse_changed_scene(std::string_view text, const std::string& file_name,
                                                         std::span<const SceneChange> changes,
                                                         const scene::Registry& registry) {
-  return Parser(text, file_name, registry, {}).parse_changed(changes);
+  return Parser(text, file_name, registry, {}, {}).parse_changed(changes);
 }
 
 }  // namespace forcebound::server

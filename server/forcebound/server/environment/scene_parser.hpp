@@ -25,11 +25,15 @@ using SceneError = config::ConfigError;
 /// first axis, they have one.
 ///
 /// @param file_name for errors
+/// Files that it names must lie in its own folder or below.
+///
 /// @param measure time for a motion in each level of a scene with `accuracy = "auto"`; none: the predicted time
+/// @param folders in which files that it names may lie too
 /// @throws SceneError
 std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std::string& file_name,
                                                 const scene::Registry& registry = scene::Registry::standard(),
-                                                const scene::MeasureCost& measure = {});
+                                                const scene::MeasureCost& measure = {},
+                                                std::span<const std::string> folders = {});
 
 /// Another value for a key of a scene file: "tissue.pad.shape.cells", as set_scene_key finds it.
 struct SceneChange {

@@ -31,6 +31,33 @@ Ringing Ringing::with(const Ringing& other) const noexcept {
           .drives = drives || other.drives};
 }
 
+Ringing ringing_of(const scene::SceneObject& part) {
+  Ringing sum;
+  for (const scene::RequestedEffect& requested : part.effects) {
+    const scene::EffectFacts effect = requested.effect->facts();
+    sum = sum.with({.stiffness_N_per_m = effect.stiffness_N_per_m,
+                    .stiffening_N_per_m2 = effect.stiffening_N_per_m2,
+                    .damping_N_s_per_m = effect.damping_N_s_per_m,
+                    .drives = effect.drives});
+  }
+  return sum;
+}
+
+Ringing ringing_of(const scene::DynamicModelFacts& facts) {
+  return {
+      .stiffness_N_per_m = facts.stiffness_N_per_m, .damping_N_s_per_m = facts.damping_N_s_per_m, .age_s = facts.age_s};
+}
+
+Ringing ringing_of(const scene::Scene& scene) {
+  Ringing sum;
+  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
+    for (const scene::SceneObject& part : *parts) sum = sum.with(ringing_of(part));
+  }
+  for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models())
+    sum = sum.with(ringing_of(dynamic_model.dynamic_model->facts()));
+  return sum;
+}
+
 std::string stability_text(const Ringing& part, const RingingDevice& device, const std::string& indent) {
   const std::string drives = "drives the device with energy of its own, which a law bounds and no damping does";
   const double needed = part.damping_needed_N_s_per_m(0);

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "forcebound/scene/scene.hpp"
+
 namespace forcebound::server {
 
 /// Quantities of a part of a scene that decide whether a device oscillates on it.
@@ -23,6 +25,13 @@ struct Ringing {
   /// Both at one place: stiffnesses and dampings add up, and the larger age applies.
   [[nodiscard]] Ringing with(const Ringing& other) const noexcept;
 };
+
+/// Of one part: the sum over its effects.
+[[nodiscard]] Ringing ringing_of(const scene::SceneObject& part);
+[[nodiscard]] Ringing ringing_of(const scene::DynamicModelFacts& facts);
+
+/// Of all parts of a scene, as if they were at one place.
+[[nodiscard]] Ringing ringing_of(const scene::Scene& scene);
 
 /// The device for which margins are given.
 struct RingingDevice {

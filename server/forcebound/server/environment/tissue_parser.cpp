@@ -1,7 +1,6 @@
 #include "forcebound/server/environment/tissue_parser.hpp"
 
-#include <filesystem>
-
+#include "forcebound/server/dynamics/tissue/set_up.hpp"
 #include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
 #include "forcebound/server/dynamics/tissue/tissue_dynamic_model.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -102,6 +101,7 @@ TableDescription tissue_block_table() {
 TetrahedralMesh make_block(const Values& values) {
   const scene::Point size_m = values.point("size_m");
   const scene::Point cells = values.point("cells");
+  check_tetrahedra(6 * cells.prod());
   // A block is rotated about its centre.
   const scene::MeshPlacement turned{.offset_m = values.point("center_m"),
                                     .rotation = scene::rotation_from_degrees(values.point("rotation_deg"))};
@@ -125,8 +125,9 @@ TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
   const Values values = completed(keys, given);
   return shape.built_at(shape.at(is_file ? "file" : "size_m"), [&] {
     if (!is_file) return make_block(values);
-    return TetrahedralMesh(load_gmsh((std::filesystem::path(shape.folder()) / values.text("file")).string()),
-                           scene::placement_of(values));
+    const TetrahedralSoup soup = load_gmsh(shape.path_at("file", values.text("file")));
+    check_tetrahedra(static_cast<double>(soup.tetrahedra.size()));
+    return TetrahedralMesh(soup, scene::placement_of(values));
   });
 }
 

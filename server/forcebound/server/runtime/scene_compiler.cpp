@@ -1,6 +1,7 @@
 #include "forcebound/server/runtime/scene_compiler.hpp"
 
 #include <exception>
+#include <new>
 #include <utility>
 
 namespace forcebound::server {
@@ -22,7 +23,7 @@ SceneCompiler::SceneCompiler(SceneLibrary library,
 SceneCompiler::~SceneCompiler() { library_.compile_elsewhere({}); }
 
 void SceneCompiler::deliver() {
-  std::vector<Outcome> outcomes;
+  std::list<Outcome> outcomes;
   {
     const std::lock_guard lock(guard_);
     outcomes.swap(outcomes_);
@@ -46,14 +47,22 @@ void SceneCompiler::run(const std::stop_token& stop) {
       compilation = std::move(wanted_.front());
       wanted_.pop_front();
     }
-    Outcome outcome{.name = compilation.name};
+    std::list<Outcome> outcome(1);
+    outcome.front().name = compilation.name;
+    std::string no_memory = "there is not enough memory";
     try {
-      outcome.scene = compilation.compile();
-    } catch (const std::exception& error) {
-      outcome.why_not = error.what();
+      try {
+        outcome.front().scene = compilation.compile();
+      } catch (const std::bad_alloc&) {
+        throw;
+      } catch (const std::exception& error) {
+        outcome.front().why_not = error.what();
+      }
+    } catch (const std::bad_alloc&) {
+      outcome.front().why_not = std::move(no_memory);
     }
     const std::lock_guard lock(guard_);
-    outcomes_.push_back(std::move(outcome));
+    outcomes_.splice(outcomes_.end(), outcome);
   }
 }
 

@@ -3,12 +3,12 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
-#include <vector>
 
 #include "forcebound/server/environment/scene_library.hpp"
 
@@ -40,8 +40,8 @@ class SceneCompiler {
     std::shared_ptr<const scene::Scene> scene{};  // null: failed
     std::string why_not{};
   };
-  std::vector<Outcome> outcomes_;
-  std::jthread thread_;  // last: ends before what it uses
+  std::list<Outcome> outcomes_;  // whose nodes are made before there may be no memory for them
+  std::jthread thread_;          // last: ends before what it uses
 };
 
 }  // namespace forcebound::server

@@ -1,5 +1,6 @@
 #include "forcebound/server/runtime/udp_server.hpp"
 
+#include <new>
 #include <random>
 #include <utility>
 
@@ -17,6 +18,15 @@ constexpr Nanoseconds kAnswersTogether = std::chrono::microseconds{100};
 std::uint64_t random_session_id() {
   static std::random_device device;
   return std::uint64_t{device()} << 32U | device();
+}
+
+/// Does what may wait: without memory for it, at the next turn.
+template <class Work>
+void unless_out_of_memory(const Work& work) {
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 }  // namespace
@@ -39,14 +49,14 @@ UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const Envi
 
 void UdpServer::turn() {
   const auto arrived = batch_.wait_for_some();
-  compiler_.deliver();
+  unless_out_of_memory([this] { compiler_.deliver(); });
   if (!arrived.empty()) {
     take_in(arrived);
     answer_all();
   }
   const Nanoseconds now = clock_.now();
   if (now < timer_) return;
-  server_.on_timer(now);
+  unless_out_of_memory([&] { server_.on_timer(now); });
   batch_.flush();
   timer_ = now + kTimerPeriod;
 }

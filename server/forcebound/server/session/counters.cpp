@@ -40,6 +40,7 @@ std::string ServerCounters::text() const {
                {"hellos repeated", hellos_repeated},
                {"hellos after bye", hellos_after_bye},
                {"hellos over the rate", hellos_over_rate},
+               {"hellos without memory for them", hellos_out_of_memory},
                {"byes repeated", byes_repeated},
                {"byes of unknown sessions", byes_unknown},
                {"changes of address", addresses_changed}}) +
@@ -54,11 +55,13 @@ std::string ServerCounters::text() const {
          line("forces", {"sent", forces_sent},
               {{"datagrams not sent", sends_failed},
                {"of zero because the environment's response was unsound", responses_unsound},
+               {"with a local model that was unsound and left out", models_unsound},
                {"of objects not finite and left out", objects_quarantined},
                {"with the last valid normal", old_normals},
                {"contacts beyond the room for them", contacts_left_out},
                {"steps of tissue not converged", not_converged},
                {"ms of bodies' time left out", static_cast<std::uint64_t>(slipped_s * 1e3)}}) +
+         line("pieces of scenes", {"sent", pieces_sent}, {{"sent again", pieces_sent_again}}) +
          line("datagrams", {"received", datagrams},
               {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
                {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},

@@ -25,6 +25,7 @@ struct ServerCounters {
   std::uint64_t hellos_refused = 0;
   std::uint64_t hellos_of_other_versions = 0;  ///< of the refused: by clients that speak another protocol version
   std::uint64_t hellos_over_rate = 0;
+  std::uint64_t hellos_out_of_memory = 0;  ///< of the refused: there was no memory even to look at them
   std::uint64_t byes_repeated = 0;
   std::uint64_t byes_unknown = 0;
   std::uint64_t addresses_changed = 0;
@@ -39,8 +40,11 @@ struct ServerCounters {
   std::uint64_t motions_without_session = 0;  ///< refused
   std::uint64_t forces_sent = 0;
   std::uint64_t sends_failed = 0;
+  std::uint64_t pieces_sent = 0;        ///< of scenes that clients render themselves
+  std::uint64_t pieces_sent_again = 0;  ///< because they were not acknowledged in time
 
   std::uint64_t responses_unsound = 0;  ///< of an environment, not finite or of wrong size; zero force was sent
+  std::uint64_t models_unsound = 0;     ///< local models of an environment, not sent: their forces are held
   std::uint64_t old_normals = 0;        ///< contacts with the last valid normal, for lack of one of their own
   std::uint64_t objects_quarantined =
       0;  ///< objects left out of a session from then on, because their force was not finite

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -22,8 +23,9 @@ bool is_sound(const Response& response, Eigen::Index rows) noexcept {
     return vector.rows() == 0 || (vector.rows() == rows && vector.allFinite());
   };
   return response.force.rows() == rows && response.force.allFinite() && none_or_sound(response.contact_normal) &&
-         std::isfinite(response.penetration_m) && response.penetration_m >= 0 && std::isfinite(response.texture_N) &&
-         response.texture_N >= 0 && none_or_sound(response.texture_wave) && none_or_sound(response.texture_across);
+         none_or_sound(response.server_parts_N) && std::isfinite(response.penetration_m) &&
+         response.penetration_m >= 0 && std::isfinite(response.texture_N) && response.texture_N >= 0 &&
+         none_or_sound(response.texture_wave) && none_or_sound(response.texture_across);
 }
 
 }  // namespace
@@ -82,7 +84,11 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
   if (const auto* motion = std::get_if<wire::MotionSample>(&message)) {
     on_motion(*motion, from, now);
   } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
-    on_hello(*hello, from, now);
+    try {
+      on_hello(*hello, from, now);
+    } catch (const std::bad_alloc&) {
+      refuse_for_lack_of_memory(*hello, from);
+    }
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     on_bye(*bye, from);
   } else {
@@ -208,6 +214,14 @@ Response Server::ask(Session& session, const Motion& motion) noexcept {
   return {.force = Vector::Zero(motion.position.rows()), .quarantined = response.quarantined};
 }
 
+/// The one place that checks it: here a stranger's environment enters, and scenes are like it.
+local_model::LocalModel Server::model_of(const Session& session, const Response& response) noexcept {
+  if (!session.wants_models || response.model.empty()) return {};
+  if (local_model::is_sound(response.model)) return response.model;
+  ++counters_.models_unsound;
+  return {};
+}
+
 void Server::answer(Session& session, const Waiting& waiting) noexcept {
   const wire::MotionSample& motion = waiting.motion;
   const Nanoseconds now = waiting.since;
@@ -216,7 +230,9 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
   const Vector place = session.server_side.place(motion);
   FORCEBOUND_ASSERT(place.rows() == static_cast<Eigen::Index>(session.info.degrees_of_freedom) && place.allFinite(),
                     "an environment is asked about a place, with a row for each degree of freedom");
-  const Response response = ask(session, {.position = place, .device_time = motion.device_time, .server_time = now});
+  const Response response = ask(
+      session,
+      {.position = place, .device_time = motion.device_time, .server_time = now, .wants_model = session.wants_models});
   const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
 
@@ -237,12 +253,33 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
                                      .texture_N = response.texture_N,
                                      .texture_wave = response.texture_wave,
                                      .texture_across = response.texture_across,
-                                     .server_law_numbers = said.numbers};
+                                     .server_law_numbers = said.numbers,
+                                     .server_parts_N = session.sender ? response.server_parts_N : Vector(),
+                                     .texture_in_server_parts = response.texture_in_server_parts,
+                                     .model = model_of(session, response)};
   for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
   observer_.on_force(force);
+  if (session.sender) hand_over(session, motion, now);
+}
+
+void Server::hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {
+  // Of a client that sends its motions rarely each brings in more; a burst of more would fill a queue on the way.
+  constexpr int kPiecesPerMotionMax = 4;
+  SceneSender& sender = *session.sender;
+  sender.on_motion(motion, now);
+  for (int i = 0; i < kPiecesPerMotionMax; ++i) {
+    const auto next = sender.next(now);
+    if (!next) return;
+    ++(next->again ? counters_.pieces_sent_again : counters_.pieces_sent);
+    send(wire::ScenePiece{.session = motion.session,
+                          .transmission = next->transmission,
+                          .number = next->number,
+                          .content = sender.scene().piece(next->number)},
+         session.info.address);
+  }
 }
 
 void Server::on_bye(const wire::Bye& bye, const net::Address& from) {

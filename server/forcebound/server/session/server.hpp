@@ -16,6 +16,7 @@
 #include "forcebound/server/environment/environment_library.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
+#include "forcebound/server/session/scene_sender.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/token_bucket.hpp"
 #include "forcebound/wire/codec.hpp"
@@ -34,6 +35,7 @@ struct ServerOptions {
       std::chrono::seconds{60};     ///< without motion; must exceed any round trip (12 s has been observed)
   double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
   int hellos_per_s_max = 50;        ///< over all clients
+  HandoverRate handover{};          ///< of scenes, to each client that renders locally
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 
@@ -51,6 +53,8 @@ struct ServerOptions {
 ///
 /// A server-side law is requested by name in the Hello. It chooses the position at which the environment is evaluated,
 /// and the force that is sent to the device; each session has a new instance.
+///
+/// A session for which there is no memory is refused with that reason, and does not touch the others.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
 /// are arguments. Not thread-safe.
@@ -120,6 +124,8 @@ class Server {
     Nanoseconds last_heard;
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
+    std::unique_ptr<SceneSender> sender{};  ///< null: nothing is handed over
+    bool wants_models = false;              ///< its client renders locally
     bool unsound_noted = false;
   };
 
@@ -150,6 +156,7 @@ class Server {
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
+  void refuse_for_lack_of_memory(const wire::Hello& hello, const net::Address& from) noexcept;
   /// Makes the environment and opens a session in it, or refuses.
   void let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,
               Nanoseconds now);
@@ -158,9 +165,12 @@ class Server {
   [[nodiscard]] bool is_full(const EnvironmentKind& kind) const;
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
+  void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
 
   /// The environment's response, or zero force if it is not finite or of wrong size.
   [[nodiscard]] Response ask(Session& session, const Motion& motion) noexcept;
+  /// What of its local model can be sent.
+  [[nodiscard]] local_model::LocalModel model_of(const Session& session, const Response& response) noexcept;
   bool send(const wire::Message& message, const net::Address& to) noexcept;
 
   /// Notifies the observer and adds the session's faults to the totals; the caller erases the session.

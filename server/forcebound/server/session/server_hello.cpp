@@ -1,7 +1,10 @@
 // The server's answers to Hellos: admission of clients, or refusal with the reason.
 
 #include <algorithm>
+#include <cstddef>
 #include <exception>
+#include <memory>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -21,19 +24,28 @@ constexpr double kPeriodMost_s = 1;
 
 double believed_period_s(const wire::Hello& hello) { return std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s); }
 
+// A server-side law exchanges the environment's force through the network: it needs all of it from here.
+bool renders_locally(const wire::Hello& hello) noexcept { return hello.renders_locally && hello.server_law.empty(); }
+
 /// @throws std::exception with the reason if the environment cannot be made
 MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) {
   MadeEnvironment made = kind.make({.device = printable(hello.device),
                                     .degrees_of_freedom = hello.degrees_of_freedom,
                                     .period_s = believed_period_s(hello),
                                     .force_N_max = hello.force_N_max,
-                                    .round_trip = hello.round_trip});
+                                    .round_trip = hello.round_trip,
+                                    .renders_locally = renders_locally(hello)});
   if (!made.environment) throw std::runtime_error("its maker returned none");
   return made;
 }
 
 // Burst: one second's worth of motion may arrive at once after a network delay.
 int burst(double period_s) { return std::max(16, static_cast<int>(1 / period_s)); }
+
+wire::ServerParts server_parts_of(scene::Rendering least) noexcept {
+  if (least == scene::Rendering::held) return wire::ServerParts::held;
+  return least == scene::Rendering::modelled ? wire::ServerParts::modelled : wire::ServerParts::none;
+}
 
 std::string refusal_of_server_law(const control::LawRegistry& laws, std::string_view law) {
   std::string known;
@@ -42,6 +54,18 @@ std::string refusal_of_server_law(const control::LawRegistry& laws, std::string_
   }
   return "this server has no server-side law '" + printable(law) + "'" +
          (known.empty() ? " (known: none)" : " (known: " + known + ")");
+}
+
+constexpr const char* kNoMemory = "not enough memory for another session, try again later";
+
+/// What a session needs once it is open is less than this, so that there is memory for it and for those that are.
+constexpr std::size_t kSpareBytes = std::size_t{4} << 20U;
+
+/// @throws std::bad_alloc if less is left
+void expect_spare_memory() {
+  const std::unique_ptr<char[]> spare(new char[kSpareBytes]);
+  // Written to, lest the compiler leave it out.
+  static_cast<volatile char*>(spare.get())[0] = 0;
 }
 
 std::string refusal_for_now(const std::string& scene, std::string_view why) {
@@ -112,16 +136,32 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
 
 void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,
                     Nanoseconds now) {
-  MadeEnvironment made;
+  const std::string name = kind->name;
+  const Session* session = nullptr;
   try {
-    made = make_for(hello, *kind);
+    MadeEnvironment made = make_for(hello, *kind);
+    expect_spare_memory();
+    session = &open(hello, std::move(kind), std::move(made), from, now);
+  } catch (const std::bad_alloc&) {
+    refuse(hello, from, {RefusalReason::server_full, refusal_for_now(name, kNoMemory)});
+    return;
   } catch (const std::exception& error) {
-    refuse(hello, from, {RefusalReason::server_full, refusal_for_now(kind->name, error.what())});
+    refuse(hello, from, {RefusalReason::server_full, refusal_for_now(name, error.what())});
     return;
   }
-  const Session& session = open(hello, std::move(kind), std::move(made), from, now);
-  welcome(session);
-  observer_.on_opened(session.info);
+  welcome(*session);
+  try {
+    observer_.on_opened(session->info);
+  } catch (const std::bad_alloc&) {  // it stays open, without a line in the log
+  }
+}
+
+void Server::refuse_for_lack_of_memory(const wire::Hello& hello, const net::Address& from) noexcept {
+  ++counters_.hellos_out_of_memory;
+  try {
+    refuse(hello, from, {RefusalReason::server_full, std::string("the server has ") + kNoMemory});
+  } catch (const std::bad_alloc&) {  // the client repeats its Hello
+  }
 }
 
 void Server::refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused) {
@@ -207,6 +247,9 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
   session.arrivals.counts.session = id;
+  session.wants_models = renders_locally(hello);
+  if (session.wants_models && session.made.packed)
+    session.sender = std::make_unique<SceneSender>(session.made.packed, options_.handover, now);
   ++counters_.sessions_opened;
   return sessions_.emplace(id, std::move(session)).first->second;
 }
@@ -214,11 +257,21 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
 void Server::welcome(const Session& session) {
   const MadeEnvironment& made = session.made;
   const std::string simulated = (made.choice.empty() ? "" : made.choice + "; ") + made.simulated;
+  wire::SceneOffer offer;
+  if (session.sender) {
+    const handover::Announcement& announced = session.sender->scene().announcement();
+    offer = {.manifest_sha256 = announced.hash,
+             .manifest_bytes = static_cast<std::uint32_t>(announced.manifest_bytes),
+             .pieces = static_cast<std::uint32_t>(announced.pieces)};
+  }
   send(wire::Welcome{.client_nonce = session.nonce,
                      .session = session.info.session,
                      .scene_hash = made.hash,
                      .scene = session.info.scene,
-                     .simulated = simulated},
+                     .simulated = simulated,
+                     .offer = offer,
+                     .server_parts =
+                         session.wants_models ? server_parts_of(made.least_rendering) : wire::ServerParts::held},
        session.info.address);
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "forcebound/control/vector.hpp"
+#include "forcebound/record/tick_record.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::lab {
@@ -20,16 +21,26 @@ struct DeviceTick {
   Vector arrived{};            ///< the server's answer to that motion [N]
   Vector request{};            ///< after the late-force policy [N]
   Vector applied{};            ///< after the law [N]
+  /// Not held: computed at the client, for where the device is.
+  record::ForceOrigin rendering = record::ForceOrigin::held;
+  Vector own{};  ///< the setting's own model at the device's true position, now [N]; no rows: the reference
 };
 
 /// The error at the device, E = RMS |applied - reference| / RMS |reference| over all ticks, and its parts:
 ///
-///     applied - reference(t) = model + age + hold + bounding
+///     applied - reference(t) = model + extrapolation + age + hold + bounding
 ///     model     = arrived - reference(motion)           the server's model against the reference, at the same state
 ///     age       = reference(t - least) - reference(t)   the least age of any force in the run: network and computation
 ///     hold      = reference(motion) - reference(t - least) + request - arrived
 ///                                                       forces that were late, lost, rare, held or faded besides
 ///     bounding  = applied - request                     the law's reduction for passivity
+///
+/// That is where the force is the server's, held. On a tick that was rendered at the client it is nobody's age:
+///
+///     model         = own - reference(t)   the same model without a network, at the device's true position
+///     extrapolation = request - own        what local models, encoder and change-overs make of it
+///
+/// and where the server's force for other parts is held beside, that difference counts as hold instead.
 ///
 /// The errors e_i of the parts add up as vectors, on each tick, so that they partly cancel. The share of a part is its
 /// component along the whole, E_i = <e_i, e> / (|e| |reference|): these add up to E exactly. A negative one compensates
@@ -41,6 +52,7 @@ struct DeviceError {
   };
   double total = 0;  ///< E
   Part model{};
+  Part extrapolation{};
   Part age{};
   Part hold{};
   Part bounding{};

@@ -1,8 +1,12 @@
 #include "tests/tools/lab/accuracy/device_run.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <unordered_map>
 #include <utility>
+
+#include "forcebound/scene/scene_state.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -16,7 +20,8 @@ class Recorder final : public record::TickSink {
 
   void on_tick(const record::TickRecord& record) noexcept override {
     if (record.motion_sequence != 0) sent_[record.motion_sequence] = record.time;
-    DeviceTick tick{.time = record.time, .request = record.request, .applied = record.applied};
+    DeviceTick tick{
+        .time = record.time, .request = record.request, .applied = record.applied, .rendering = record.rendering};
     const auto sent = sent_.find(record.force_sequence);
     if (record.force_sequence != 0 && sent != sent_.end()) {
       tick.answered = true;
@@ -51,6 +56,16 @@ DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s, std:
   recorder.run.summary = nlohmann::json::parse(loop.summary().to_json());
   if (const auto audit = loop.device().audit()) recorder.run.passivity_minimum_J = audit->minimum_J;
   return std::move(recorder.run);
+}
+
+void fill_in_own(DeviceRun& run, const std::shared_ptr<const scene::Scene>& scene) {
+  const auto held = [](const DeviceTick& tick) { return tick.rendering == record::ForceOrigin::held; };
+  if (std::ranges::all_of(run.ticks, held)) return;
+  scene::SceneState state(scene, static_cast<std::uint32_t>(run.true_positions.front().rows()));
+  // On held ticks too: what it keeps, such as where friction sticks, depends on all that came before.
+  for (std::size_t i = 0; i < run.ticks.size(); ++i) {
+    run.ticks[i].own = state.answer(run.true_positions[i], run.ticks[i].time).force;
+  }
 }
 
 }  // namespace forcebound::lab

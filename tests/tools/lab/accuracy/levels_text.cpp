@@ -12,7 +12,10 @@ std::string levels_text(const StudyResult& result) {
     throw std::runtime_error("levels need a key of a scene; '" + result.key + "' is a key of the session");
   std::string text = "# With accuracy = \"auto\" in [scene]. Measured by forcebound-lab accuracy: " + result.hand +
                      ".\n[accuracy]\nkey = \"" + result.key +
-                     "\"\nchange_per_s = " + text::rounded(result.change_per_s) + "\nlevels = [\n";
+                     "\"\nchange_per_s = " + text::rounded(result.change_per_s) + "\n";
+  if (result.extrapolation_per_s > 0)
+    text += "extrapolation_per_s = " + text::rounded(result.extrapolation_per_s) + "\n";
+  text += "levels = [\n";
   int levels = 0;
   for (const StudiedSetting& setting : result.settings) {
     if (!setting.trouble.empty()) continue;

@@ -11,9 +11,20 @@
 namespace forcebound::lab {
 namespace {
 
-std::string law_named(std::string name) {
+/// Without the quotes that TOML wants.
+std::string unquoted(const std::string& name) {
   const bool quoted = name.size() >= 2 && (name.front() == '"' || name.front() == '\'') && name.back() == name.front();
-  if (quoted) name = name.substr(1, name.size() - 2);
+  return quoted ? name.substr(1, name.size() - 2) : name;
+}
+
+bool renders_locally(const std::string& name) {
+  const std::vector<std::string> known{"local", "remote"};
+  if (name == known.front()) return true;
+  if (name == known.back()) return false;
+  throw std::invalid_argument("unknown rendering '" + name + "'" + text::suggestion(name, known));
+}
+
+std::string law_named(const std::string& name) {
   const std::vector<std::string> known = baselines::shipped_laws().names();
   if (std::ranges::find(known, name) != known.end()) return name;
   throw std::invalid_argument("unknown law '" + name + "'" + text::suggestion(name, known));
@@ -37,7 +48,7 @@ std::string ms(time::Nanoseconds time) { return text::rounded(1e3 * time::to_sec
 }  // namespace
 
 const std::vector<std::string>& session_keys() {
-  static const std::vector<std::string> kKeys{"law", "hold_ms", "drop_ms", "rate_Hz"};
+  static const std::vector<std::string> kKeys{"law", "hold_ms", "drop_ms", "rate_Hz", "rendering"};
   return kKeys;
 }
 
@@ -45,13 +56,15 @@ bool is_session_key(std::string_view key) { return std::ranges::find(session_key
 
 SessionSettings with_session_key(SessionSettings session, const std::string& key, const std::string& value) {
   if (key == "law") {
-    session.law = law_named(value);
+    session.law = law_named(unquoted(value));
   } else if (key == "hold_ms") {
     session.policy.hold = milliseconds_of(key, value);
   } else if (key == "drop_ms") {
     session.policy.drop = milliseconds_of(key, value);
   } else if (key == "rate_Hz") {
     session.server_rate_Hz = number(key, value, Least::above_zero);
+  } else if (key == "rendering") {
+    session.renders_locally = renders_locally(unquoted(value));
   } else {
     throw std::invalid_argument("a session has no '" + key + "'" + text::suggestion(key, session_keys()));
   }
@@ -61,7 +74,8 @@ SessionSettings with_session_key(SessionSettings session, const std::string& key
 
 std::string to_text(const SessionSettings& session) {
   return "law " + session.law + ", hold " + ms(session.policy.hold) + ", drop " + ms(session.policy.drop) +
-         ", the server answers at most " + text::rounded(session.server_rate_Hz) + " motions a second";
+         ", the server answers at most " + text::rounded(session.server_rate_Hz) + " motions a second, rendering " +
+         (session.renders_locally ? "local" : "remote");
 }
 
 }  // namespace forcebound::lab

@@ -13,6 +13,7 @@ struct SessionSettings {
   std::string law = "fba-exact";
   client::LateForcePolicy policy{};
   double server_rate_Hz = kEveryMotion_Hz;  ///< most answers per second; a step may take longer
+  bool renders_locally = false;             ///< what can be at the client
 
   /// One for each motion.
   static constexpr double kEveryMotion_Hz = 1000;
@@ -23,7 +24,8 @@ struct SessionSettings {
   }
 };
 
-/// "law", "hold_ms", "drop_ms" and "rate_Hz": the keys of a session that a sweep may change. Keys of scenes have a dot.
+/// "law", "hold_ms", "drop_ms", "rate_Hz" and "rendering": the keys of a session that a sweep may change. Keys of
+/// scenes have a dot.
 [[nodiscard]] const std::vector<std::string>& session_keys();
 
 [[nodiscard]] bool is_session_key(std::string_view key);
@@ -33,7 +35,8 @@ struct SessionSettings {
 [[nodiscard]] SessionSettings with_session_key(SessionSettings session, const std::string& key,
                                                const std::string& value);
 
-/// For people: "law fba-exact, hold 250 ms, drop 1000 ms, the server answers at most 1000 motions a second".
+/// For people: "law fba-exact, hold 250 ms, drop 1000 ms, the server answers at most 1000 motions a second,
+/// rendering remote".
 [[nodiscard]] std::string to_text(const SessionSettings& session);
 
 }  // namespace forcebound::lab

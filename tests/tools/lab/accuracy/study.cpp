@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "forcebound/device/load_device.hpp"
@@ -78,6 +79,7 @@ sim::ClosedLoop::Settings settings_of(const Study& study, const SessionSettings&
   settings.network.down.delay.mean = time::from_seconds(0.5 * network.round_trip_s);
   settings.server_turn = time::from_seconds(network.server_turn_s);
   settings.policy = session.policy;
+  settings.renders_locally = session.renders_locally;
   return settings;
 }
 
@@ -223,6 +225,21 @@ double change_per_s(const Forces& forces) {
   return size_N > 0 ? rms_difference(after, before) / size_N * 1e3 : 0;
 }
 
+/// Least squares of a line through 0: the extrapolation's error over the least age, of what worked.
+double extrapolation_per_s(const std::vector<StudiedSetting>& settings) {
+  double by_age = 0;
+  double age_squared = 0;
+  for (const StudiedSetting& setting : settings) {
+    if (!setting.trouble.empty()) continue;
+    for (const StudiedSetting::Behind& behind : setting.behind) {
+      const double age_s = time::to_seconds(behind.error.least_age);
+      by_age += behind.error.extrapolation.alone * age_s;
+      age_squared += age_s * age_s;
+    }
+  }
+  return age_squared > 0 ? by_age / age_squared : 0;
+}
+
 /// Results without a network, one setting for each scene.
 std::vector<StudiedSetting> settings_alone(const Cast& cast, const Runs& runs, const StudyResult& result,
                                            const Right& right, const time::Clock& clock) {
@@ -244,6 +261,14 @@ std::vector<StudiedSetting> settings_alone(const Cast& cast, const Runs& runs, c
   return settings;
 }
 
+/// Since the first one that was rendered at the client: before, while the scene was handed over, forces are held. All
+/// of them where none was.
+std::span<const DeviceTick> since_rendered(const std::vector<DeviceTick>& ticks) {
+  const auto first =
+      std::ranges::find_if(ticks, [](const DeviceTick& tick) { return tick.rendering != record::ForceOrigin::held; });
+  return first == ticks.end() ? std::span(ticks) : std::span(first, ticks.end());
+}
+
 /// One run behind each network, against the reference.
 void live_behind(StudiedSetting& setting, const Study& study, const SessionSettings& session, const ScenePointer& scene,
                  const ReferenceModel& reference) {
@@ -252,7 +277,9 @@ void live_behind(StudiedSetting& setting, const Study& study, const SessionSetti
     const Network network{.round_trip_s = round_trip_s, .server_turn_s = turn_s};
     DeviceRun lived = run_device(settings_of(study, session, scene, network), study.duration_s);
     reference.fill_in(lived);
-    setting.behind.push_back({round_trip_s, device_error(lived.ticks), lived.passivity_minimum_J, lived.turns_missed});
+    fill_in_own(lived, scene);
+    setting.behind.push_back(
+        {round_trip_s, device_error(since_rendered(lived.ticks)), lived.passivity_minimum_J, lived.turns_missed});
   }
 }
 
@@ -332,6 +359,7 @@ StudyResult carry_out(Study study, const time::Clock& clock, const std::function
     result.settings.push_back(std::move(setting));
     step();
   }
+  result.extrapolation_per_s = extrapolation_per_s(result.settings);
   return result;
 }
 

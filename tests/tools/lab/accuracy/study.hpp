@@ -60,10 +60,13 @@ struct StudyResult {
   std::string hand;
   std::string assumptions{};  ///< which hand, device and place the figures hold for: lines
   std::string fixed{};
-  std::string session{};             ///< before the sweep changed it
-  double server_step_us = 1000;      ///< the server's time for a motion at the session's rate
-  bool same_scene = false;           ///< the key is of the session: the scene's results are the same for all
-  double change_per_s = 0;           ///< RMS of the reference's rate of change over its own, along the hand's way
+  std::string session{};         ///< before the sweep changed it
+  double server_step_us = 1000;  ///< the server's time for a motion at the session's rate
+  bool same_scene = false;       ///< the key is of the session: the scene's results are the same for all
+  double change_per_s = 0;       ///< RMS of the reference's rate of change over its own, along the hand's way
+  /// By how much the error of what the client extrapolates grows with its age, from the runs behind the networks; 0:
+  /// all was held, or nothing was late.
+  double extrapolation_per_s = 0;
   double reference_uncertainty = 0;  ///< at the same states
   double velocity_uncertainty = 0;   ///< at the same states, of what contacts change of velocities
   double free_uncertainty = 0;       ///< running freely along the same way, or behind a network

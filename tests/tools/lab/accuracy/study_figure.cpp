@@ -17,6 +17,7 @@ std::string study_csv(const Json& study) {
                      {"round_trip_ms"},
                      {"error"},
                      {"model"},
+                     {"extrapolation"},
                      {"age"},
                      {"hold"},
                      {"bounding"},
@@ -35,11 +36,14 @@ std::string study_csv(const Json& study) {
     const std::size_t best = best_behind(study, network);
     for (std::size_t i = 0; i < settings.size(); ++i) {
       const Json& behind = settings[i].at("behind").at(network);
-      const auto share = [&](const char* part) { return figure_number(behind.at(part).at("share")); };
+      // Studies from before there was local rendering have no extrapolation.
+      const auto share = [&](const char* part) {
+        return behind.contains(part) ? figure_number(behind.at(part).at("share")) : std::string("0");
+      };
       table.add({settings[i].at("value").get<std::string>(), figure_number(settings[i].at("step_us").at("median")),
                  figure_number(1e3 * behind.at("round_trip_s").get<double>()), figure_number(behind.at("error")),
-                 share("model"), share("age"), share("hold"), share("bounding"), i == best ? "1" : "0",
-                 at_states(settings[i].at("force_error"), "uncertainty"),
+                 share("model"), share("extrapolation"), share("age"), share("hold"), share("bounding"),
+                 i == best ? "1" : "0", at_states(settings[i].at("force_error"), "uncertainty"),
                  has_bodies ? at_states(settings[i].at("velocity_error"), "velocity_uncertainty") : "0",
                  settings[i].at("trouble").get<std::string>().empty() ? "0" : "1"});
     }

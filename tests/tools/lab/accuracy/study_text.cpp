@@ -139,17 +139,21 @@ std::string remark(const StudiedSetting& setting, std::size_t which, bool is_bes
   return std::string(is_best ? "<- least" : "") + (setting.stays_passive(which) ? "" : " not passive");
 }
 
+bool extrapolates(const StudyResult& result, std::size_t which) {
+  return std::ranges::any_of(result.settings, [&](const StudiedSetting& setting) {
+    return setting.behind[which].error.extrapolation.alone > 0;
+  });
+}
+
 std::string behind_text(const StudyResult& result, std::size_t which) {
   const double round_trip_s = result.settings.front().behind[which].round_trip_s;
-  text::Table table({{result.key},
-                     {"E_dev"},
-                     {"model"},
-                     {"age"},
-                     {"hold"},
-                     {"bounding"},
-                     {"least age"},
-                     {"least P", "mJ"},
-                     {"", "", text::Table::Align::left}});
+  const bool extrapolated = extrapolates(result, which);
+  std::vector<text::Table::Column> columns{{result.key}, {"E_dev"}, {"model"}};
+  if (extrapolated) columns.push_back({"extrapolation"});
+  for (const char* const name : {"age", "hold", "bounding", "least age"}) columns.push_back({name});
+  columns.push_back({"least P", "mJ"});
+  columns.push_back({"", "", text::Table::Align::left});
+  text::Table table(std::move(columns));
   const auto best = best_setting(result, which, std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < result.settings.size(); ++i) {
     const StudiedSetting& setting = result.settings[i];
@@ -157,10 +161,14 @@ std::string behind_text(const StudyResult& result, std::size_t which) {
     // What is not known as a whole has no parts.
     const bool known = is_above(error.total, result.free_uncertainty);
     const auto part = [&](const DeviceError::Part& of) { return known ? percent(of.share) : std::string("-"); };
-    table.add({setting.value, percent_above(error.total, result.free_uncertainty), part(error.model), part(error.age),
-               part(error.hold), part(error.bounding), ms(time::to_seconds(error.least_age)),
-               millijoules(setting.behind[which].passivity_minimum_J),
-               remark(setting, which, best == i && resolves(result, which))});
+    std::vector<text::Table::Cell> row{setting.value, percent_above(error.total, result.free_uncertainty),
+                                       part(error.model)};
+    if (extrapolated) row.emplace_back(part(error.extrapolation));
+    for (const DeviceError::Part& of : {error.age, error.hold, error.bounding}) row.emplace_back(part(of));
+    row.emplace_back(ms(time::to_seconds(error.least_age)));
+    row.emplace_back(millijoules(setting.behind[which].passivity_minimum_J));
+    row.emplace_back(remark(setting, which, best == i && resolves(result, which)));
+    table.add(std::move(row));
   }
   return "\nAt the device, round trip " + ms(round_trip_s) + ": E_dev is the sum of its parts, of which a\n" +
          "negative one offsets others\n" + table.to_text();
@@ -241,6 +249,7 @@ nlohmann::ordered_json to_json(const StudyResult& result) {
                               {"set", result.fixed},
                               {"session", result.session},
                               {"same_scene", result.same_scene},
+                              {"extrapolation_per_s", result.extrapolation_per_s},
                               {"answer_bytes", result.answer_bytes},
                               {"ticks_between_states", result.ticks_between_states},
                               {"settings", nlohmann::ordered_json::array()}};
@@ -265,6 +274,7 @@ nlohmann::ordered_json to_json(const StudyResult& result) {
       object["behind"].push_back({{"round_trip_s", behind.round_trip_s},
                                   {"error", behind.error.total},
                                   {"model", to_json(behind.error.model)},
+                                  {"extrapolation", to_json(behind.error.extrapolation)},
                                   {"age", to_json(behind.error.age)},
                                   {"hold", to_json(behind.error.hold)},
                                   {"bounding", to_json(behind.error.bounding)},

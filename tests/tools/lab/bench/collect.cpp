@@ -137,10 +137,29 @@ void add_periods(const fs::path& folder, std::vector<BenchRow>& rows) {
                            cyclictest_us));
 }
 
+/// What hand-over and local models cost the server, beside what it serves without them.
+struct CapacityOf {
+  const char* what;
+  const char* scene;
+};
+
+constexpr CapacityOf kCapacities[]{
+    {"most clients at 1 kHz on one core: a ball, local rendering", "sphere"},
+    {"most clients at 1 kHz on one core: tissue, local rendering", "pad"},
+    {"most clients at 1 kHz on one core: a dragged body, local rendering", "block_and_stop"},
+};
+
 void add_capacity(const fs::path& folder, std::vector<BenchRow>& rows) {
-  rows.push_back(turns_row("most clients at 1 kHz on one core", "clients", kAwake,
-                           of_runs(folder, "capacity-ours.json", "/clients"), "plain echo server",
-                           of_runs(folder, "capacity-echo.json", "/clients"), ">= 0.7"));
+  const auto clients = [&](const std::string& served) {
+    return of_runs(folder, "capacity-" + served + ".json", "/clients");
+  };
+  rows.push_back(turns_row("most clients at 1 kHz on one core", "clients", kAwake, clients("sphere-remote"),
+                           "plain echo server", clients("echo"), ">= 0.7"));
+  for (const CapacityOf& capacity : kCapacities) {
+    const std::string scene = capacity.scene;
+    rows.push_back(turns_row(capacity.what, "clients", kAwake, clients(scene + "-local"), "remote rendering",
+                             clients(scene + "-remote")));
+  }
 }
 
 Benchmarks all_benchmarks(const fs::path& folder) {

@@ -10,7 +10,7 @@ namespace forcebound::lab {
 ///
 ///     machine.txt                            "key: value" lines
 ///     N-sockperf.txt  N-ours.json  N-client.json  N-cyclictest.txt   alternating runs, N = 1, 2, ...
-///     capacity-echo.json  capacity-ours.json
+///     N-capacity-echo.json  N-capacity-SCENE-RENDERING.json
 ///     *_benchmark.json                       Google Benchmark's
 ///
 /// Figures are medians over the alternating runs.

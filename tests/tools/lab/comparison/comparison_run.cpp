@@ -55,6 +55,7 @@ TrialSetup tuning_setup(const ComparisonSettings& settings, const Task& task, st
   return {.task = task,
           .stiffness_N_per_m = settings.stiffnesses_N_per_m[settings.stiffnesses_N_per_m.size() / 2],
           .network = settings.networks[network],
+          .renders_locally = settings.renders_locally,
           .seed = settings.seed};
 }
 
@@ -71,6 +72,7 @@ std::vector<TrialRun> trials_of(const ComparisonSettings& settings, const std::s
                                         .network = settings.networks[network],
                                         .conditions = conditions,
                                         .law = law,
+                                        .renders_locally = settings.renders_locally,
                                         .seed = seed},
                               .network = network,
                               .trial = {}});

@@ -22,6 +22,7 @@ struct ComparisonSettings {
   std::uint64_t seeds = 1;         ///< runs of each
   int effort = 16;                 ///< sets of parameters tried for each law that has any; 1: the standard ones
   std::uint64_t seed = 1;
+  bool renders_locally = false;  ///< what can be at the client
 };
 
 /// A trial's settings and result.

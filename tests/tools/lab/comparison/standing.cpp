@@ -144,6 +144,7 @@ Json standings(const ComparisonResult& result) {
   all["stiffnesses_N_per_m"] = settings.stiffnesses_N_per_m;
   all["seeds"] = settings.seeds;
   all["effort"] = settings.effort;
+  all["rendering"] = settings.renders_locally ? "local" : "remote";
   all["limits"] = Json::array();
   for (std::size_t i = 0; i < settings.delays_s.size(); ++i) {
     all["limits"].push_back({{"delay_s", settings.delays_s[i]},

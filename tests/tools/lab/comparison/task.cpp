@@ -88,6 +88,7 @@ sim::ClosedLoop::Settings settings_of(const TrialSetup& setup) {
     settings.timing = {.measured = true, .choosing_max = kRealChoosing};
   }
   settings.law_options.parameters = setup.parameters;
+  settings.renders_locally = setup.renders_locally;
   settings.network = setup.network.settings;
   settings.network.seed = settings.seed = setup.seed;
   return settings;

@@ -60,6 +60,7 @@ struct TrialSetup {
   Conditions conditions = Conditions::real;
   std::string law{};
   control::LawParameters parameters{};
+  bool renders_locally = false;  ///< what can be at the client
   std::uint64_t seed = 1;
 };
 

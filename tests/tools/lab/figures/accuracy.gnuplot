@@ -61,8 +61,8 @@ set ytics autofreq
 set ylabel 'part of E_dev [%]'
 set style fill solid noborder
 set xzeroaxis linetype 1 linecolor rgb grey
-part_names = 'model age hold bounding'
-part_colours = '#0b5fa5 #d9730d #8c6d46 #7b4fa3'
+part_names = 'model extrapolation age hold bounding'
+part_colours = '#0b5fa5 #1a8754 #d9730d #8c6d46 #7b4fa3'
 do for [part = 1:parts] {
   # The nearest network and the farthest.
   t = part == 1 ? 1 : words(trips)
@@ -70,8 +70,8 @@ do for [part = 1:parts] {
   set bmargin at screen from_top(head_px + 370 + part * part_px - 30)
   set label 10 'Parts of the error behind '.word(trips, t).' ms' at graph 0, graph 1 \
       left offset 0, 0.8 font 'DejaVu Sans Bold,11' textcolor rgb ink
-  plot for [i = 1:4] data using (x(strcol('setting')) + (i - 2.5) * 0.2): \
-      (behind(t) ? 100 * column(word(part_names, i)) : NaN):(0.18) with boxes linecolor rgb word(part_colours, i) \
+  plot for [i = 1:words(part_names)] data using (x(strcol('setting')) + (i - 3) * 0.16): \
+      (behind(t) ? 100 * column(word(part_names, i)) : NaN):(0.14) with boxes linecolor rgb word(part_colours, i) \
       title word(part_names, i), \
       data using (x(strcol('setting'))):(NaN):xticlabels(strcol('setting')) with points notitle
 }

@@ -13,6 +13,7 @@
 
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 #include "tests/tools/lab/figures/scripts.hpp"
 
 namespace forcebound::lab {
@@ -73,7 +74,7 @@ std::string quoted(std::string_view text, std::string_view quote) {
 }
 
 std::string script_text(const Figure& figure, const std::string& name) {
-  const auto gnuplot_string = [](std::string_view text) { return quoted(text, "''"); };
+  const auto gnuplot_string = [](std::string_view text) { return quoted(text::printable_lines(text), "''"); };
   return std::string(kFirstLine) + "\nname = " + gnuplot_string(name) + "\ntitle = " + gnuplot_string(figure.title) +
          "\nsubtitle = " + gnuplot_string(figure.subtitle) + "\n\n" + std::string(embedded_script("style")) + '\n' +
          std::string(embedded_script(figure.script));
@@ -123,7 +124,7 @@ std::filesystem::path draw(const Figure& figure, const std::filesystem::path& pn
     throw std::runtime_error("gnuplot could not draw '" + png.string() + "': " + result.said);
   }
   before.keep_the_new();
-  std::cerr << result.said;  // its warnings
+  std::cerr << text::printable_lines(result.said);  // its warnings
   return png;
 }
 

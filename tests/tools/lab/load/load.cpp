@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/time/real_time.hpp"
@@ -74,6 +75,7 @@ Load::~Load() {
 
 LoadResult Load::run(std::size_t clients) {
   connect(clients);
+  receive_scene(clients);
   LoadResult result{.clients = clients};
   rest(now() + kRest);
   const Nanoseconds begin = now();
@@ -112,6 +114,7 @@ LoadResult Load::run(std::size_t clients) {
   if (!load_generator_.refusal().empty())
     throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
   result.tally = load_generator_.tally();
+  result.handed_over = load_generator_.handed_over();
   return result;
 }
 
@@ -134,6 +137,26 @@ void Load::connect(std::size_t clients) {
       }
       send(load_generator_.hello(client, now()), client);
       rest(now() + kHelloPause);
+    }
+  }
+}
+
+void Load::receive_scene(std::size_t clients) {
+  std::uint64_t pieces = load_generator_.handed_over().pieces;
+  for (Nanoseconds heard = now();;) {
+    bool wanted = false;
+    for (std::size_t client = 0; client < clients; ++client) {
+      if (!load_generator_.wants_pieces(client)) continue;
+      wanted = true;
+      send(load_generator_.motion(client, now()), client);
+      receive();
+    }
+    if (!wanted) return;
+    rest(now() + kPeriod);
+    const std::uint64_t pieces_before = std::exchange(pieces, load_generator_.handed_over().pieces);
+    if (pieces != pieces_before) heard = now();
+    if (now() - heard > kServerPatience) {
+      throw std::runtime_error("no further piece of the scene from " + options_.server);
     }
   }
 }

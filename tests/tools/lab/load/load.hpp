@@ -31,6 +31,7 @@ struct LoadResult {
   std::size_t clients = 0;
   std::uint64_t unsent = 0;  ///< motions that this program was too late to send, or the system did not take
   LoadGenerator::Tally tally{};
+  LoadGenerator::HandedOver handed_over{};  ///< of all measurements so far
 
   [[nodiscard]] std::uint64_t lost() const noexcept { return tally.sent - tally.answered; }
 };
@@ -44,7 +45,8 @@ class Load {
   Load(const Load&) = delete;
   Load& operator=(const Load&) = delete;
 
-  /// Measures once with that number of clients; missing ones connect first and stay connected.
+  /// Measures once with that number of clients; missing ones connect first, get the scene if they render locally, and
+  /// stay connected.
   /// @throws std::runtime_error if the server refuses, with its reason, or does not answer
   LoadResult run(std::size_t clients);
 
@@ -57,6 +59,7 @@ class Load {
   };
 
   void connect(std::size_t clients);
+  void receive_scene(std::size_t clients);
   void receive();
   void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void rest(Nanoseconds until);  ///< asleep, but for reading

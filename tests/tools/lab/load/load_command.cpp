@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
+#include "tests/tools/lab/accuracy/percent.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/load/capacity.hpp"
 #include "tests/tools/lab/load/load.hpp"
@@ -41,28 +44,52 @@ constexpr double kUnsentMost = 0.02;
 
 double in_us(double ns) { return 1e-3 * ns; }
 
+/// Of the answers, those with local models.
+double share_modelled(const LoadResult& result) {
+  return static_cast<double>(result.tally.modelled) /
+         static_cast<double>(std::max<std::uint64_t>(1, result.tally.answered));
+}
+
 bool holds(const LoadResult& result) {
   const auto all = static_cast<double>(result.unsent + result.tally.sent);
   return static_cast<double>(result.unsent) <= kUnsentMost * all &&
          in_us(result.tally.answered_within_ns(kServedShare)) < kServiceMost_us;
 }
 
-std::string lines_of(const LoadResult& result) {
+/// What the clients asked for, and what came of it.
+std::string asked_for(const LoadResult& result, const LoadGenerator::Settings& settings) {
+  if (settings.echo) return "an echo";
+  std::string words = std::string(settings.renders_locally ? "local" : "remote") + " rendering of " +
+                      (settings.scene.empty() ? "the server's scene" : "scene " + settings.scene);
+  if (!settings.renders_locally) return words;
+  return words + "; received " + text::counted(result.handed_over.pieces, "piece") + ", " +
+         text::rounded(1e-3 * static_cast<double>(result.handed_over.bytes)) + " kB, before the motions; " +
+         percent(share_modelled(result)) + " of the answers with local models";
+}
+
+std::string lines_of(const LoadResult& result, const LoadGenerator::Settings& settings) {
   const auto percentiles = [](const record::Histogram& ns) {
     return text::rounded(in_us(ns.percentile(0.5))) + " us median, " + text::rounded(in_us(ns.percentile(0.99))) +
            " p99, " + text::rounded(in_us(ns.max())) + " max\n";
   };
   return text::counted(result.clients, "client") + ": " + text::counted(result.tally.sent, "motion") + ", " +
          std::to_string(result.lost()) + " lost, " + std::to_string(result.unsent) + " not sent in time\n" +
-         "  service     " + percentiles(result.tally.arrived_ns) + "  until read  " + percentiles(result.tally.read_ns);
+         "  service     " + percentiles(result.tally.arrived_ns) + "  until read  " +
+         percentiles(result.tally.read_ns) + text::wrapped("  asked for   " + asked_for(result, settings), 14) + '\n';
 }
 
-nlohmann::ordered_json to_json(const LoadResult& result) {
+nlohmann::ordered_json to_json(const LoadResult& result, const LoadGenerator::Settings& settings) {
   const auto percentiles = [](const record::Histogram& ns) {
     return nlohmann::ordered_json{
         {"p50", in_us(ns.percentile(0.5))}, {"p99", in_us(ns.percentile(0.99))}, {"max", in_us(ns.max())}};
   };
   return {{"clients", result.clients},
+          {"scene", settings.scene},
+          {"rendering",
+           {{"asked", settings.renders_locally ? "local" : "remote"},
+            {"modelled", share_modelled(result)},
+            {"scene_pieces", result.handed_over.pieces},
+            {"scene_piece_bytes", result.handed_over.bytes}}},
           {"sent", result.tally.sent},
           {"lost", result.lost()},
           {"unsent", result.unsent},
@@ -75,7 +102,7 @@ LoadResult most(const LoadCommandOptions& options, Load& load) {
   const std::size_t clients = most_that_hold(options.search, [&](std::size_t tried) {
     const LoadResult result = load.run(tried);
     const bool held = holds(result);
-    std::cout << lines_of(result) << std::flush;
+    std::cout << lines_of(result, options.load.load_generator) << std::flush;
     if (held) best = result;
     return held;
   });
@@ -95,9 +122,10 @@ void run(LoadCommandOptions& options) {
   options.load.duration = time::from_seconds(options.duration_s);
   Load load(options.load);
   const LoadResult result = options.find_most ? most(options, load) : load.run(options.clients);
-  if (!options.find_most) std::cout << lines_of(result);
+  if (!options.find_most) std::cout << lines_of(result, options.load.load_generator);
   std::cout << std::flush;
-  if (!options.json.empty()) text::write_file(options.json, to_json(result).dump(2) + '\n');
+  if (!options.json.empty())
+    text::write_file(options.json, to_json(result, options.load.load_generator).dump(2) + '\n');
 }
 
 }  // namespace
@@ -135,8 +163,15 @@ void add_load(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--scene", options->load.load_generator.scene, "scene to request; default: the server's")
       ->type_name("NAME");
-  command->add_flag("--echo", options->load.load_generator.echo,
-                    "the other end is a plain echo server: it only sends datagrams back");
+  CLI::Option* const rendering = add_rendering_option(*command, options->load.load_generator.renders_locally);
+  command->add_option("--height", options->load.load_generator.height_m, "z of the circles in which the hands move")
+      ->type_name("METRES")
+      ->check(program::number_within(-1, 1))
+      ->capture_default_str();
+  command
+      ->add_flag("--echo", options->load.load_generator.echo,
+                 "the other end is a plain echo server: it only sends datagrams back")
+      ->excludes(rendering);
   command
       ->add_option("--wait", options->waiting,
                    "sleep; or spin, so that no motion is late because this program had to wake up; or ping-pong: spin "
@@ -152,9 +187,13 @@ void add_load(CLI::App& app) {
       ->check(program::whole_within(1, 99));
   add_output(*command, "--json", options->json, "write the result to this file as well")->type_name("FILE.json");
   command->footer(
+      "With --rendering local each client asks for the scene and for local models, as forcebound-client does. All have "
+      "the whole scene before a measurement begins.\n"
+      "\n"
       "Examples:\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
-      "  forcebound-lab load --server 127.0.0.1:47800 --find-most --wait spin");
+      "  forcebound-lab load --server 127.0.0.1:47800 --find-most --wait spin\n"
+      "  forcebound-lab load --server 127.0.0.1:47800 --scene pad --height -0.003 --rendering local");
   command->callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "forcebound/handover/limits.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::lab {
@@ -42,7 +43,8 @@ std::span<const std::byte> LoadGenerator::hello(std::size_t client, Nanoseconds 
                                    .force_N_max = kForceMost_N,
                                    .scene = settings_.scene,
                                    .client_time = now,
-                                   .round_trip = virtual_clients_[client].round_trip});
+                                   .round_trip = virtual_clients_[client].round_trip,
+                                   .renders_locally = settings_.renders_locally});
 }
 
 std::span<const std::byte> LoadGenerator::motion(std::size_t client, Nanoseconds now) noexcept {
@@ -54,6 +56,8 @@ std::span<const std::byte> LoadGenerator::motion(std::size_t client, Nanoseconds
   motion.position = control::Vector::Zero(settings_.degrees_of_freedom);
   motion.position[0] = settings_.radius_m * std::cos(angle);
   if (motion.position.rows() > 1) motion.position[1] = settings_.radius_m * std::sin(angle);
+  if (motion.position.rows() > 2) motion.position[2] = settings_.height_m;
+  if (virtual_client.pieces_missing > 0) motion.pieces = virtual_client.receipts.receipt(true);
   ++tally_.sent;
   return codec_.encode(motion);
 }
@@ -73,12 +77,13 @@ void LoadGenerator::on_datagram(std::span<const std::byte> datagram, Nanoseconds
   if (message == nullptr) {
     ++tally_.foreign;
   } else if (const auto* force = std::get_if<wire::EnvironmentForce>(message)) {
-    on_answer(force->motion_device_time, arrival, now);
+    if (on_answer(force->motion_device_time, arrival, now) && !force->model.empty()) ++tally_.modelled;
   } else if (const auto* echoed = std::get_if<wire::MotionSample>(message)) {
     on_answer(echoed->device_time, arrival, now);
   } else if (const auto* welcome = std::get_if<wire::Welcome>(message)) {
-    if (VirtualClient* const virtual_client = virtual_client_of(welcome->client_nonce))
-      virtual_client->session = welcome->session;
+    on_welcome(*welcome);
+  } else if (const auto* piece = std::get_if<wire::ScenePiece>(message)) {
+    on_piece(*piece);
   } else if (const auto* refused = std::get_if<wire::Refusal>(message)) {
     on_refusal(*refused, now);
   }
@@ -87,6 +92,33 @@ void LoadGenerator::on_datagram(std::span<const std::byte> datagram, Nanoseconds
 LoadGenerator::VirtualClient* LoadGenerator::virtual_client_of(std::uint64_t nonce) noexcept {
   const std::uint64_t number = nonce - settings_.first_nonce;
   return number >= 1 && number <= virtual_clients_.size() ? &virtual_clients_[number - 1] : nullptr;
+}
+
+void LoadGenerator::on_welcome(const wire::Welcome& welcome) {
+  VirtualClient* const virtual_client = virtual_client_of(welcome.client_nonce);
+  if (virtual_client == nullptr || virtual_client->session == welcome.session) return;
+  virtual_client->session = welcome.session;
+  client_of_session_[welcome.session] = static_cast<std::size_t>(virtual_client - virtual_clients_.data());
+  // A client refuses a scene of more pieces.
+  const bool wanted = settings_.renders_locally && welcome.offer.pieces <= handover::Limits{}.pieces;
+  virtual_client->pieces.assign(wanted ? welcome.offer.pieces : 0, false);
+  virtual_client->pieces_missing = virtual_client->pieces.size();
+  virtual_client->receipts = {};
+}
+
+void LoadGenerator::on_piece(const wire::ScenePiece& piece) noexcept {
+  const auto found = client_of_session_.find(piece.session);
+  if (found == client_of_session_.end() || piece.number >= virtual_clients_[found->second].pieces.size()) {
+    ++tally_.foreign;
+    return;
+  }
+  VirtualClient& virtual_client = virtual_clients_[found->second];
+  ++handed_over_.pieces;
+  handed_over_.bytes += piece.content.size();
+  virtual_client.receipts.note(piece.transmission);
+  if (virtual_client.pieces[piece.number]) return;
+  virtual_client.pieces[piece.number] = true;
+  --virtual_client.pieces_missing;
 }
 
 void LoadGenerator::on_refusal(const wire::Refusal& refusal, Nanoseconds now) {
@@ -102,14 +134,15 @@ void LoadGenerator::on_refusal(const wire::Refusal& refusal, Nanoseconds now) {
     virtual_client->round_trip = std::max(round_trip, Nanoseconds{1});
 }
 
-void LoadGenerator::on_answer(Nanoseconds motion_time, Nanoseconds arrival, Nanoseconds now) noexcept {
+bool LoadGenerator::on_answer(Nanoseconds motion_time, Nanoseconds arrival, Nanoseconds now) noexcept {
   if (motion_time < begin_) {
     ++tally_.foreign;
-    return;
+    return false;
   }
   ++tally_.answered;
   tally_.arrived_ns.add((arrival - motion_time).count());
   tally_.read_ns.add((now - motion_time).count());
+  return true;
 }
 
 }  // namespace forcebound::lab

@@ -88,6 +88,7 @@ sim::ClosedLoop::Settings Experiment::settings(const std::string& law) const {
   settings.device.facts.encoder_step.setConstant(encoder_m);
   settings.network.up.delay.mean = time::from_seconds(one_way_delay_s);
   settings.network.down.delay.mean = time::from_seconds(one_way_delay_s);
+  settings.renders_locally = renders_locally;
   return settings;
 }
 

@@ -27,7 +27,8 @@ struct Experiment {
   double stiffness_N_per_m = 0;
   double one_way_delay_s = 0;
   double duration_s = 4;
-  double settle_s = 0;  ///< contact statistics begin this long after the first contact
+  double settle_s = 0;           ///< contact statistics begin this long after the first contact
+  bool renders_locally = false;  ///< what can be at the client; the paper knew forces of the server only
   std::vector<PaperFigure> paper{};
 
   [[nodiscard]] sim::ClosedLoop::Settings settings(const std::string& law) const;

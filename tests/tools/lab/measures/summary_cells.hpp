@@ -45,6 +45,12 @@ namespace forcebound::lab {
   return {millijoules(least_P_J), alarm ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 
+/// "remote" or "local"; "-" of summaries that are older than the choice.
+[[nodiscard]] inline std::string rendering_of(const nlohmann::ordered_json& summary) {
+  const nlohmann::ordered_json::json_pointer asked("/rendering/asked");
+  return summary.contains(asked) && summary.at(asked).is_string() ? summary.at(asked).get<std::string>() : "-";
+}
+
 [[nodiscard]] inline std::string law_of(const nlohmann::ordered_json& summary) {
   return summary.contains("law") && summary["law"].is_string() ? summary["law"].get<std::string>() : "-";
 }

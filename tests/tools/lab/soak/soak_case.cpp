@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/scene/geometry/triangle_mesh.hpp"
+#include "forcebound/scene/part.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/tools/sim/draw.hpp"
 #include "tests/tools/sim/restless_hand.hpp"
@@ -103,6 +107,77 @@ std::shared_ptr<const scene::Scene> draw_scene(Draw& draw) {
           "effects = ['surface']\n[object.surface]\nstiffness_N_per_m = "
        << draw.one_of({1e3, 1e4, 1.5e5, 1e9}) << "\ndamping_N_s_per_m = " << draw.one_of({0, 0, 100}) << '\n';
   return server::parse_scene(toml.str(), "soak");
+}
+
+/// A jagged sheet of triangles, of one side, about the place where the hand is; or as many in a tenth of a millimetre.
+std::shared_ptr<const scene::Scene> draw_lying_mesh(Draw& draw) {
+  constexpr std::uint32_t kRows = 24;
+  const double half_m = draw.one_of({5e-5, 0.01, 0.05});
+  const double jagged_m = draw.one_of({0.0, 0.1, 3.0}) * half_m / kRows;
+  std::vector<scene::Point> vertices_m;
+  vertices_m.reserve(std::size_t{kRows + 1} * (kRows + 1));
+  for (std::uint32_t j = 0; j <= kRows; ++j) {
+    for (std::uint32_t i = 0; i <= kRows; ++i) {
+      vertices_m.emplace_back(draw.number(-1, 1) * jagged_m, half_m * (2.0 * i / kRows - 1),
+                              half_m * (2.0 * j / kRows - 1));
+    }
+  }
+  std::vector<scene::Triangle> triangles;
+  triangles.reserve(std::size_t{2} * kRows * kRows);
+  const bool inside_out = draw.chance(0.5);
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    triangles.push_back(inside_out ? scene::Triangle{a, c, b} : scene::Triangle{a, b, c});
+  };
+  for (std::uint32_t j = 0; j < kRows; ++j) {
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      const std::uint32_t corner = j * (kRows + 1) + i;
+      add(corner, corner + 1, corner + kRows + 2);
+      add(corner, corner + kRows + 2, corner + kRows + 1);
+    }
+  }
+  const scene::PartDescription object{.name = "sheet",
+                                      .shape = scene::NamedValues{"mesh", {{"file", std::string("sheet.obj")}}},
+                                      .effects = {{"surface", {{"stiffness_N_per_m", draw.one_of({1e3, 1e9})}}}}};
+  scene::SceneParts parts;
+  parts.objects.push_back(
+      scene::make_part(object, scene::Registry::standard(), 3, {},
+                       {.mesh = std::make_shared<const scene::TriangleMesh>("sheet.obj", vertices_m, triangles)}));
+  return std::make_shared<const scene::Scene>(scene::SceneFacts{.name = "sheet", .description = ""}, std::move(parts));
+}
+
+/// What a server may hand over in place of its scene.
+std::shared_ptr<const scene::Scene> draw_lie(Draw& draw) {
+  std::ostringstream toml;
+  toml << "scene = { name = 'lie', description = '', degrees_of_freedom = 'any' }\n";
+  switch (draw.index(4)) {
+    case 0:  // a wall where there is none, stiffer than anything
+      toml << "[[object]]\nname = 'wall'\nshape = { kind = 'half_space', through_m = [" << draw.number(-0.02, 0.02)
+           << "], normal = [" << draw.one_of({-1, 1}) << "] }\neffects = ['surface', 'friction']\n"
+           << "[object.surface]\nstiffness_N_per_m = 1e9\n"
+           << "[object.friction]\nstatic_coefficient = 100\ndynamic_coefficient = 50\n";
+      break;
+    case 1:  // a field that drives the device
+      toml << "[[field]]\nname = 'drive'\neffects = ['constant_force']\n[field.constant_force]\nforce_N = ["
+           << draw.number(-1e6, 1e6) << "]\n";
+      break;
+    case 2:
+      return draw_lying_mesh(draw);
+    default:  // a spring to somewhere else
+      toml << "[[field]]\nname = 'spring'\neffects = ['spring_to_point']\n[field.spring_to_point]\ncenter_m = ["
+           << draw.number(-0.1, 0.1) << "]\nstiffness_N_per_m = " << draw.one_of({1e3, 1e6}) << '\n';
+  }
+  return server::parse_scene(toml.str(), "lie");
+}
+
+/// Where the forces are computed, and whether what is handed over for it is a lie.
+void draw_rendering(SoakCase& drawn, Draw draw) {
+  ClosedLoop::Settings& settings = drawn.settings;
+  settings.renders_locally = draw.chance(0.5);
+  if (draw.chance(0.3)) settings.handed_over = draw_lie(draw);
+  if (draw.chance(0.2)) settings.force_slew_N_per_s = draw.one_of({100.0, 5000.0});
+  drawn.pieces_changed = draw.chance(0.1);
+  drawn.models_lie = settings.renders_locally && draw.chance(0.5);
+  if (draw.chance(0.2)) settings.server_turn = draw.one_of<Nanoseconds>({300us, 3ms, 20ms});
 }
 
 /// The forces received by a client on such a device from an active environment.
@@ -225,6 +300,8 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   drawn.environment = environment.name;
   if (environment.name == "replayed") environment.other_run = forces_of_another_run(settings, draw.seed());
   settings.environment = environment;
+  // Another stream, so that the rest of a seed's case stays what it was; and no other seed's.
+  draw_rendering(drawn, Draw(settings.seed ^ 0x9e3779b97f4a7c15));
   return drawn;
 }
 
@@ -245,6 +322,11 @@ std::string SoakCase::description() const {
            : beyond_bounds                         ? "beyond the facts' bounds"
                                                    : "within the facts' bounds")
        << '\n';
+  text << "  rendering    " << (settings.renders_locally ? "local" : "remote")
+       << (settings.handed_over ? ", scene '" + settings.handed_over->facts().name + "' is handed over instead" : "")
+       << (pieces_changed ? ", pieces are changed or lost on the way" : "")
+       << (models_lie ? ", answers have lying models and clocks" : "") << ", the server computes for "
+       << ms(settings.server_turn) << " ms, slew bound " << settings.force_slew_N_per_s << " N/s\n";
   for (const auto& fault : settings.faults) {
     text << "  fault        at " << ms(fault.at) << " ms for " << ms(fault.length) << " ms: " << name_of(fault.kind)
          << '\n';

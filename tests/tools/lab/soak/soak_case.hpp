@@ -15,18 +15,20 @@ struct SoakCase {
   std::string environment;
   std::string network_up;
   std::string network_down;
-  bool passive = false;        ///< the law guarantees P >= 0 with this device and this clock
-  bool beyond_bounds = false;  ///< the device's truth lies outside its facts' bounds, so that nothing is guaranteed
-  bool shortens = false;       ///< the law guarantees that the force is the request, shortened
+  bool pieces_changed = false;  ///< of the scene, on their way to the client
+  bool models_lie = false;      ///< each answer has local models that a lying server made up
+  bool passive = false;         ///< the law guarantees P >= 0 with this device and this clock
+  bool beyond_bounds = false;   ///< the device's truth lies outside its facts' bounds, so that nothing is guaranteed
+  bool shortens = false;        ///< the law guarantees that the force is the request, shortened
 
   /// Every setting, a line each.
   [[nodiscard]] std::string description() const;
 };
 
 /// Device and how far it is from its facts, encoder, actuator, friction, latency, hold time, tick timing, law's memory,
-/// environment, hand, network, faults and the server's clock, all from the seed; the law is the caller's, so that the
-/// same seeds test all laws. A law with guarantees for an ideal device only gets one with half of the seeds; one that
-/// refuses the device gets another.
+/// environment, hand, network, faults, the server's clock, and where the forces are computed, all from the seed; the
+/// law is the caller's, so that the same seeds test all laws. A law with guarantees for an ideal device only gets one
+/// with half of the seeds; one that refuses the device gets another.
 /// @throws std::invalid_argument for an unknown law
 [[nodiscard]] SoakCase draw_soak_case(std::uint64_t seed, const std::string& law);
 

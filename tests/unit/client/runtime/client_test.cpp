@@ -30,6 +30,7 @@ TEST(Client, EndsWithZeroForceWithoutAServer) {
   EXPECT_GT(kept, 0);
   EXPECT_EQ(client.why_no_session(), "");
   EXPECT_NE(client.summary().to_json().find("\"fba-exact\""), std::string::npos);
+  EXPECT_NE(client.summary().to_json().find("\"local\""), std::string::npos) << "unless it is told otherwise";
 }
 
 TEST(Client, SaysWhyItGaveUp) {

@@ -50,9 +50,10 @@ class Events final : public EventSink {
 /// The test plays the server: it inspects each motion and sends the answers itself.
 class SessionTest : public ::testing::Test {
  protected:
-  explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = baselines::shipped_laws())
-      : session({.server = kServer, .scene = "wall"}, device, laws.make(law, device.facts()), link, clock,
-                {.ticks = sinks, .events = &events}) {}
+  explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = baselines::shipped_laws(),
+                       LocalRendering* local = nullptr)
+      : session({.server = kServer, .scene = "wall", .local = local}, device, laws.make(law, device.facts()), link,
+                clock, {.ticks = sinks, .events = &events}) {}
 
   void tick() {
     clock.time += 1ms;

@@ -26,5 +26,11 @@ TEST(ConstantForce, NeedsNoInputAndNoState) {
   EXPECT_EQ(facts.stiffness_N_per_m, 0);
 }
 
+TEST(ConstantForce, IsNoEnergySourceButPushesOn) {
+  const EffectFacts facts = constant_force_effect().make({{"force_N", Point(1, 0, 0)}})->facts();
+  EXPECT_FALSE(facts.drives);
+  EXPECT_TRUE(facts.pushes_on);
+}
+
 }  // namespace
 }  // namespace forcebound::scene

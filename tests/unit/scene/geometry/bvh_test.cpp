@@ -148,6 +148,25 @@ TEST(Bvh, HoldsMeshesWhoseTrianglesLieOnTopOfEachOther) {
   EXPECT_TRUE(bvh.first_hit({{0.1, 0.2, 1}, {0, 0, -2}}));
 }
 
+TEST(Bvh, VisitsNoMoreThanItsBudget) {
+  // From its middle, all of a ball is equally near.
+  const Bvh bvh(shared_mesh(test::ball(1, 60)));
+  {
+    const SearchBudget budget(1000);
+    (void)bvh.nearest(Point::Zero());
+    EXPECT_TRUE(SearchBudget::exhausted());
+    EXPECT_FALSE(bvh.nearest(Point::Zero())) << "nothing is left";
+    std::size_t visited = 0;
+    bvh.for_each_about(bvh.mesh().box_m(), [&](std::uint32_t) { ++visited; });
+    EXPECT_EQ(visited, 0U);
+  }
+  EXPECT_FALSE(SearchBudget::exhausted());
+  EXPECT_TRUE(bvh.nearest(Point::Zero()));
+  const SearchBudget budget(1000);
+  EXPECT_TRUE(bvh.nearest({0, 0, 1.1}));
+  EXPECT_FALSE(SearchBudget::exhausted());
+}
+
 TEST(Bvh, AnswersDoNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const Bvh bvh(shared_mesh(test::ball(1, 30)));

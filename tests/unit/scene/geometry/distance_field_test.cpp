@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <stop_token>
 
+#include "forcebound/scene/geometry/bvh.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/shape_client.hpp"
@@ -101,6 +103,17 @@ TEST(DistanceField, RefusesWhatHasNoInsideAndWhatDoesNotFit) {
   EXPECT_THAT(refused(block, {.spacing_m = 1e-3}),
               ThrowsMessage<GeometryError>(HasSubstr("grid nodes, more than 4194304")));
   EXPECT_THAT(refused(block, {.spacing_m = 1e-300}), ThrowsMessage<GeometryError>(HasSubstr("grid nodes")));
+}
+
+TEST(DistanceField, IsGivenUpWhereNobodyWaitsForItAnyMore) {
+  const auto mesh = shared_mesh(test::ball(0.03, 20));
+  const DistanceFieldOptions options{.spacing_m = 0.002};
+  std::stop_source end;
+  const std::stop_token ended = end.get_token();
+  const SearchBudget budget(std::numeric_limits<std::uint64_t>::max(), &ended);
+  EXPECT_TRUE(make_distance_field(mesh, options));
+  end.request_stop();
+  EXPECT_THROW((void)make_distance_field(mesh, options), GeometryError);
 }
 
 TEST(DistanceField, NearestDoesNotAllocate) {

@@ -48,6 +48,22 @@ TEST(MeshShape, PutsAClientFoundInsideToTheNearestSurface) {
   EXPECT_EQ(sheet.at({0, 0, -0.1}).penetration_m, 0) << "an open mesh has no inside";
 }
 
+TEST(MeshShape, BeginsOutsideWhereItIsToldAndNotAtTheFirstPlace) {
+  const auto shape = make_mesh(shared_mesh(test::block({1, 1, 1})));
+  std::vector<double> state(shape->facts().state_bytes / sizeof(double));
+  auto* const bytes = reinterpret_cast<std::byte*>(state.data());
+  shape->begin_outside({0.1, 0.1, 1.2}, bytes);
+  expect_surface(shape->nearest({0.1, 0.1, -0.9}, bytes), {0, 0, 1}, 1.9, 1e-12);
+}
+
+TEST(MeshShape, BeginsAtItsNearestSurfaceIfItIsToldAPlaceInside) {
+  const auto shape = make_mesh(shared_mesh(test::block({1, 1, 1})));
+  std::vector<double> state(shape->facts().state_bytes / sizeof(double));
+  auto* const bytes = reinterpret_cast<std::byte*>(state.data());
+  shape->begin_outside({0.9, 0.2, 0.3}, bytes);
+  expect_surface(shape->nearest({0.8, 0.2, 0.3}, bytes), {1, 0, 0}, 0.2, 1e-12);
+}
+
 TEST(MeshShape, KnowsTheDistanceWithinItsReach) {
   ShapeClient client(make_mesh(shared_mesh(test::block({1, 1, 1})), {.reach_m = 0.5}));
   expect_surface(client.at({0.2, 0.3, 1.4}), {0, 0, 1}, -0.4, 1e-12);

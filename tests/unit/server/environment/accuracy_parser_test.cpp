@@ -59,12 +59,30 @@ TEST(AutoScene, TakesTheCostOfEachLevelAsMeasuredOrElsePredicted) {
   EXPECT_GT(here->accuracy()->levels[1].step_s, 1e-9);
 }
 
+TEST(AutoScene, KnowsWhatAClientThatRendersLocallyIsLeftWith) {
+  EXPECT_EQ(test::auto_wall()->accuracy()->change_locally_per_s, 0) << "the wall runs there";
+  const auto pad_with = [](const std::string& key) {
+    return parse_scene(
+        "[scene]\nname = 'p'\ndescription = ''\ndegrees_of_freedom = 3\naccuracy = 'auto'\n"
+        "[accuracy]\nkey = 'tissue.pad.young_Pa'\nchange_per_s = 20\n" +
+            key +
+            "levels = [{ value = 1e4, model_error = 0.1 }, { value = 2e4, model_error = 0.01 }]\n"
+            "[[tissue]]\nname = 'pad'\nyoung_Pa = 1e4\npoisson = 0.3\n"
+            "shape = { kind = 'block', center_m = [0, 0, -0.01], size_m = [0.04, 0.04, 0.02], cells = [2, 2, 1] }\n"
+            "held = { through_m = [0, 0, -0.0199], normal = [0, 0, 1] }\n",
+        "p.toml");
+  };
+  EXPECT_EQ(pad_with("extrapolation_per_s = 0.5\n")->accuracy()->change_locally_per_s, 0.5);
+  EXPECT_EQ(pad_with("")->accuracy()->change_locally_per_s, 20) << "it could be as bad as a held force";
+}
+
 TEST(AutoScene, ExplanationListsAllLevels) {
   EXPECT_THAT(explain(*test::auto_wall()),
               HasSubstr("accuracy auto: by the client's round trip, one of\n"
                         "  object.wall.surface.stiffness_N_per_m = 100: model 10 % off, 0 ns a motion predicted\n"
                         "  object.wall.surface.stiffness_N_per_m = 200: model 1 % off, 2 ms a motion predicted\n"
-                        "  that is     200 behind 1 ms, 100 behind 5 ms, 100 behind 20 ms, 100 behind 50 ms\n"));
+                        "  that is     200 behind 1 ms, 100 behind 5 ms, 100 behind 20 ms, 100 behind 50 ms\n"
+                        "  locally     200 behind 1 ms, 200 behind 5 ms, 200 behind 20 ms, 200 behind 50 ms\n"));
 }
 
 TEST(AutoScene, RefusalNamesTheErrorAndItsPlace) {

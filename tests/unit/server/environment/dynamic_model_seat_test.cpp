@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
@@ -95,6 +99,101 @@ TEST(SharedScene, TimeGoesOnceHoweverManyClientsThereAre) {
     (void)two_right.answer(at(0.3), milliseconds(i), milliseconds(i));
     ASSERT_NEAR(a.force[0], b.force[0], 1e-6);
   }
+}
+
+/// To and fro in the free, 20 mm from the ball; slow enough for it to be straight between motions.
+double free_x_m(int i) { return -0.06 + 0.01 * std::sin(6e-3 * i); }
+
+/// Where the mass is that its client is told of, for motion i that arrives at a time of the server's clock.
+struct Told {
+  double place_m = 0;
+  double read_ms = 0;  ///< of the state told of, by the device's clock
+};
+std::optional<Told> ask(SceneState& state, int i, milliseconds arrived) {
+  local_model::LocalModel model;
+  const SceneAnswer answer = state.answer(at(free_x_m(i)), milliseconds(i), arrived, &model);
+  if (!model.has_mass) return std::nullopt;
+  EXPECT_TRUE(model.by_device_clock);
+  EXPECT_EQ(model.mass.others_move_it, state.scene().facts().shared);
+  EXPECT_TRUE(local_model::is_sound(model));
+  EXPECT_NEAR(answer.server_parts_N[0], model.mass.force_N.x(), 1e-12);
+  return Told{.place_m = model.mass.place_m.x(),
+              .read_ms = i - 1e-6 * static_cast<double>(model.before_reading.count())};
+}
+
+//   device, even -----------------------------> its own scene: what it would feel without a network
+//   the same ==( 20 to 29 ms, reordered )=====> the shared scene
+TEST(SharedScene, TellsOfWhatTheDevicesOwnPathDidThenHoweverUnevenlyItCame) {
+  constexpr int kMotions = 3000;
+  SceneState own(table_with_ball(false), 3);
+  std::vector<double> own_places_m;
+  own_places_m.reserve(kMotions);
+  for (int i = 0; i < kMotions; ++i) own_places_m.push_back(ask(own, i, milliseconds(0)).value_or(Told{}).place_m);
+  const auto scene = table_with_ball(true);
+  SceneState shared(scene, 3, begin_dynamic_models(*scene, 2));
+  SceneState other(scene, 3, shared.dynamic_models());
+  int newest = -1;
+  int compared = 0;
+  for (int now = 0; now < kMotions; ++now) {
+    // Somebody else, who makes time go on.
+    (void)other.answer(at(0.5), milliseconds(now), milliseconds(now));
+    for (int i = newest + 1; i <= now - 20; ++i) {
+      if (i + 20 + 7 * i % 10 != now) continue;
+      newest = i;
+      const auto told = ask(shared, i, milliseconds(now));
+      if (!told || now < 2500) continue;
+      ++compared;
+      const auto before = static_cast<std::size_t>(told->read_ms);
+      const double share = told->read_ms - static_cast<double>(before);
+      const double own_m = own_places_m.at(before) + share * (own_places_m.at(before + 1) - own_places_m.at(before));
+      ASSERT_NEAR(told->place_m, own_m, 6e-5) << "a millisecond at 60 mm/s, of motion " << i;
+      ASSERT_LT(told->read_ms, i) << "played a little later than it came";
+      ASSERT_GT(told->read_ms, i - 15);
+    }
+  }
+  EXPECT_GT(compared, 50);
+}
+
+TEST(SharedScene, TakesMotionsAsTheyComeFromAClientThatRendersRemotely) {
+  const auto scene = table_with_ball(true);
+  SceneState shared(scene, 3, begin_dynamic_models(*scene, 2));
+  SceneState own(table_with_ball(false), 3);
+  for (int i = 0; i < 1000; ++i) {
+    const SceneAnswer a = shared.answer(at(free_x_m(i)), milliseconds(i), milliseconds(i + 40));
+    const SceneAnswer b = own.answer(at(free_x_m(i)), milliseconds(i));
+    ASSERT_NEAR(a.force[0], b.force[0], 1e-6);
+  }
+}
+
+TEST(SharedScene, PlaysTheTimesOfAnUntrustedClientWithoutHarmToTheOthers) {
+  const auto scene = table_with_ball(true);
+  SceneState honest(scene, 3, begin_dynamic_models(*scene, 2));
+  SceneState untrusted(scene, 3, honest.dynamic_models());
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  local_model::LocalModel model;
+  for (int i = 0; i < 2000; ++i) {
+    const double wild = (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::max();
+    const Nanoseconds read{i % 3 == 0 ? kMost : i % 3 == 1 ? -kMost : 0};
+    (void)untrusted.answer(at(i % 5 == 0 ? wild : 0.0), read, milliseconds(i), &model);
+    const SceneAnswer answer = honest.answer(at(-0.06), milliseconds(i), milliseconds(i), &model);
+    ASSERT_TRUE(answer.force.allFinite());
+    ASSERT_TRUE(answer.quarantined.empty());
+    ASSERT_TRUE(local_model::is_sound(model));
+  }
+}
+
+TEST(SharedScene, PlaysPathsWithoutAllocating) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const auto scene = table_with_ball(true);
+  SceneState state(scene, 3, begin_dynamic_models(*scene, 2));
+  for (int i = 0; i < 1000; ++i) (void)ask(state, i, milliseconds(i));
+  local_model::LocalModel model;
+  const Vector place = at(free_x_m(1000));
+  const test::AllocationGuard guard;
+  for (int i = 1000; i < 1500; ++i) (void)state.answer(place, milliseconds(i), milliseconds(i), &model);
+  // After an outage more is due than a motion may take.
+  (void)state.answer(place, milliseconds(60'000), milliseconds(60'000), &model);
+  EXPECT_EQ(guard.heap_operations(), 0U);
 }
 
 TEST(SharedScene, ASeatIsFreeAgainWhenItsClientLeaves) {

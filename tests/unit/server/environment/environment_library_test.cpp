@@ -1,10 +1,13 @@
 #include "forcebound/server/environment/environment_library.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <stdexcept>
 
 #include "forcebound/server/environment/scene_environment.hpp"
+#include "tests/support/auto_scene.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -61,6 +64,14 @@ TEST(EnvironmentLibrary, AnAddedEnvironmentTakesPrecedenceOverASceneOfItsName) {
   own = scene_environment(wall(400));
   environments.add(own);
   EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -4, 1e-12) << "the later one replaces it";
+}
+
+TEST(EnvironmentKind, OfAnAutoSceneIsFinerForAClientThatRendersLocally) {
+  const EnvironmentKind kind = scene_environment(test::auto_wall());
+  ClientFacts far{.degrees_of_freedom = 1, .round_trip = std::chrono::milliseconds(20)};
+  EXPECT_THAT(kind.make(far).choice, testing::HasSubstr("stiffness_N_per_m = 100 for a round trip of 20 ms"));
+  far.renders_locally = true;
+  EXPECT_THAT(kind.make(far).choice, testing::HasSubstr("stiffness_N_per_m = 200 for a round trip of 20 ms and local"));
 }
 
 TEST(EnvironmentLibrary, RefusesAKindWithoutANameOrAFunction) {

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/support/own_effects.hpp"
 
 namespace forcebound::server {
@@ -19,14 +22,29 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
   EXPECT_THAT(text, HasSubstr("object 'table': half_space, through_m [0, 0, 0], normal [0, 0, 1]\n"));
   EXPECT_THAT(text, HasSubstr("effect 'surface': stiffness_N_per_m 2000, damping_N_s_per_m 1\n"));
   EXPECT_THAT(text, HasSubstr("velocity from successive motions\n"));
+  EXPECT_THAT(text, HasSubstr("rendering:  runs at the client\n"));
   EXPECT_THAT(text,
               AllOf(HasSubstr("not simulated: torques; bodies and tissue (there are none); effects that the scene "
                               "does not ask for: "),
                     Not(HasSubstr("velocity (nothing needs it)"))));
 }
 
+TEST(Explain, SaysWhatClientsRefuseToRun) {
+  std::ostringstream toml;
+  toml << "scene = { name = 'crowd', description = '', degrees_of_freedom = 3 }\n";
+  for (int i = 0; i <= 1024; ++i) {
+    toml << "[[field]]\nname = 'pull_" << i << "'\neffects = ['constant_force']\n"
+         << "[field.constant_force]\nforce_N = [0, 0, 0.001]\n";
+  }
+  const std::string text = explain(*parse_scene(toml.str(), "crowd.toml"));
+  EXPECT_THAT(text, HasSubstr("rendering:  computed here, held at the client: clients refuse the scene: the scene has "
+                              "1025 parts and 0 geometries, at most 1024 of each are accepted\n"));
+  EXPECT_THAT(text, Not(HasSubstr("runs at the client")));
+}
+
 TEST(Explain, SaysWhatIsNotSimulated) {
   const std::string wall = explain(*load_scene("wall"));
+  EXPECT_THAT(explain(*load_scene("palpation")), HasSubstr("rendering:  local model with each answer\n"));
   EXPECT_THAT(wall, Not(HasSubstr("velocity from")));
   EXPECT_THAT(wall, HasSubstr("not simulated: torques; velocity (nothing needs it)"));
   const std::string free = explain(*load_scene("free"));

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <array>
+#include <filesystem>
 #include <fstream>
 
 #include "forcebound/scene/scene_state.hpp"
@@ -143,10 +145,38 @@ TEST_F(MeshParser, TurnsAProfileOnALathe) {
               HasSubstr("row 2 of profile_m must have 2 numbers, got 1"));
 }
 
+TEST_F(MeshParser, ReadsNoFileOutsideOfTheScenesFolder) {
+  const test::TemporaryFolder other;
+  test::write_file(other.file("corner.obj"), kTetrahedron);
+  const std::string outside = other.file("corner.obj");
+  const std::string file = ", file = '" + outside + "'";
+  const std::string refusal = folder.file("scene.toml") + ":7: object 'it', shape: " + outside + ": lies outside of '" +
+                              folder.path().string() + "'";
+  for (const std::string shape : {"kind = 'mesh'", "kind = 'distance_field', spacing_m = 0.004, scale = 0.1"}) {
+    EXPECT_THAT(error_of(shape + file), StartsWith(refusal));
+  }
+  EXPECT_THAT(error_of("kind = 'height_field', origin_m = [0, 0, 0], spacing_m = 1, file = '/etc/shadow'"),
+              HasSubstr("/etc/shadow: lies outside of"))
+      << "and not what its first line is";
+}
+
+TEST_F(MeshParser, ReadsFilesOfFoldersThatAreAllowed) {
+  const test::TemporaryFolder other;
+  test::write_file(other.file("corner.obj"), kTetrahedron);
+  const std::array folders{other.path().string()};
+  const std::string text =
+      "[scene]\nname = 'm'\ndescription = ''\ndegrees_of_freedom = 3\n[[object]]\nname = 'it'\n"
+      "shape = { kind = 'mesh', file = '" +
+      other.file("corner.obj") + "' }\neffects = ['surface']\nsurface = { stiffness_N_per_m = 1000 }\n";
+  const auto made = parse_scene(text, folder.file("scene.toml"), scene::Registry::standard(), {}, folders);
+  EXPECT_THAT(explain(*made), HasSubstr("4 triangles"));
+}
+
 TEST_F(MeshParser, RecordedMeshIsFelt) {
   const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
-  const auto made = scene("kind = 'mesh', file = '" + file->string() + "', scale = 0.05");
+  std::filesystem::copy_file(*file, folder.file("spot.obj"));
+  const auto made = scene("kind = 'mesh', file = 'spot.obj', scale = 0.05");
   scene::SceneState state(made, 3);
   int touched = 0;
   for (int i = 0; i < 2000; ++i) {

@@ -19,16 +19,18 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::shared_ptr<const scene::Scene> scene_of(const std::string& rest, const std::string& degrees_of_freedom = "3") {
+std::shared_ptr<const scene::Scene> scene_of(const std::string& rest, const std::string& degrees_of_freedom = "3",
+                                             const std::string& folder = "") {
   return parse_scene("[scene]\nname = 's'\ndescription = ''\ndegrees_of_freedom = " + degrees_of_freedom + "\n" + rest,
-                     "s.toml");
+                     folder + "s.toml");
 }
 
 std::shared_ptr<const scene::Scene> scene_with_object(const std::string& shape,
-                                                      const std::string& degrees_of_freedom = "3") {
+                                                      const std::string& degrees_of_freedom = "3",
+                                                      const std::string& folder = "") {
   return scene_of("[[object]]\nname = 'it'\neffects = ['surface']\nsurface = { stiffness_N_per_m = 100 }\nshape = { " +
                       shape + " }\n",
-                  degrees_of_freedom);
+                  degrees_of_freedom, folder);
 }
 
 std::string refusal_of(const std::string& keys, const std::string& degrees_of_freedom = "3") {
@@ -94,7 +96,8 @@ TEST(SuggestedHand, OfAMeshIsOverItsTop) {
   const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
   const auto scene = scene_with_object("kind = 'mesh', file = '" + file->string() +
-                                       "', scale = 0.05, rotation_deg = [90, 0, 0], offset_m = [0.02, 0, 0.01]");
+                                           "', scale = 0.05, rotation_deg = [90, 0, 0], offset_m = [0.02, 0, 0.01]",
+                                       "3", file->parent_path().string() + "/");
   EXPECT_THAT(suggested_hand(scene).hand, StartsWith("stroke:offset_x_m=0.0"));
   expect_touches(scene);
 }

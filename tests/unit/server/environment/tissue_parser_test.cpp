@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/explain.hpp"
@@ -165,15 +166,15 @@ TEST(TissueParser, GivesItsMaximumOfClients) {
 TEST(TissueParser, TheLiverLoadsAndPushesBack) {
   const auto file = recorded_data("meshes/liver.msh");
   if (!file) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
+  const test::TemporaryFolder folder;
+  std::filesystem::copy_file(*file, folder.file("liver.msh"));
   // Some 130 mm wide at this scale; what lies below its middle is held.
   const auto scene = parse_scene(
       "[scene]\nname = \"liver\"\ndescription = \"\"\ndegrees_of_freedom = 3\n"
       "[[tissue]]\nname = \"liver\"\nyoung_Pa = 5000\npoisson = 0.4\n"
-      "shape = { kind = \"mesh\", file = \"" +
-          file->string() +
-          "\", scale = 0.02 }\n"
-          "held = { through_m = [0, 0.02, 0], normal = [0, 1, 0] }\n",
-      "liver.toml");
+      "shape = { kind = \"mesh\", file = \"liver.msh\", scale = 0.02 }\n"
+      "held = { through_m = [0, 0.02, 0], normal = [0, 1, 0] }\n",
+      folder.file("liver.toml"));
   const scene::Point top_m = scene->dynamic_models().front().dynamic_model->facts().on_surface_m;
   scene::SceneState state(scene, 3);
   scene::SceneAnswer answer;

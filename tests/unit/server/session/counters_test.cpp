@@ -10,6 +10,7 @@ TEST(ServerCounters, TextLeavesOutZeroCounts) {
             "sessions: 0 opened\n"
             "motions: 0 received\n"
             "forces: 0 sent\n"
+            "pieces of scenes: 0 sent\n"
             "datagrams: 0 received\n");
 }
 
@@ -23,6 +24,7 @@ TEST(ServerCounters, NameEveryReason) {
             "sessions: 0 opened\n"
             "motions: 7 received, 2 reordered\n"
             "forces: 0 sent\n"
+            "pieces of scenes: 0 sent\n"
             "datagrams: 9 received, 1 oversize, 2 truncated, 3 foreign, 4 corrupt, 5 unreadable, 6 not finite\n");
 }
 

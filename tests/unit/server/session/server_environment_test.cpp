@@ -1,9 +1,11 @@
 // Sessions in an environment that is not a scene.
 
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/sample_local_model.hpp"
 #include "tests/support/special_numbers.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
@@ -20,6 +22,7 @@ struct Script {
   Vector asked_at{};
   Nanoseconds device_time{0};
   Nanoseconds server_time{0};
+  bool wanted_model = false;
   EnvironmentFaults faults{};
   std::vector<ClientFacts> clients{};
   int there = 0;
@@ -36,6 +39,7 @@ class ScriptedEnvironment final : public Environment {
     script_.asked_at = motion.position;
     script_.device_time = motion.device_time;
     script_.server_time = motion.server_time;
+    script_.wanted_model = motion.wants_model;
     return script_.response;
   }
   EnvironmentFaults faults() const noexcept override { return script_.faults; }
@@ -78,7 +82,8 @@ TEST_F(ServerEnvironment, IsMadeForEachClientAndEndsWithItsSession) {
                      .device = "stick",
                      .period_s = 2e-3,
                      .force_N_max = 7,
-                     .round_trip = milliseconds{3}});
+                     .round_trip = milliseconds{3},
+                     .renders_locally = true});
   const auto welcome = only_answer<wire::Welcome>();
   EXPECT_EQ(welcome.scene, "script");
   EXPECT_EQ(welcome.scene_hash, 77U);
@@ -89,11 +94,33 @@ TEST_F(ServerEnvironment, IsMadeForEachClientAndEndsWithItsSession) {
   EXPECT_EQ(script.clients[0].period_s, 2e-3);
   EXPECT_EQ(script.clients[0].force_N_max, 7);
   EXPECT_EQ(script.clients[0].round_trip, milliseconds{3});
+  EXPECT_TRUE(script.clients[0].renders_locally);
 
   EXPECT_NE(join(2), 0U);
+  EXPECT_FALSE(script.clients.back().renders_locally);
   EXPECT_EQ(script.there, 2);
   arrive(wire::Bye{.session = welcome.session});
   EXPECT_EQ(script.there, 1);
+}
+
+TEST_F(ServerEnvironment, GivesLocalModelsToClientsThatRenderLocallyAndNoUnsoundOnes) {
+  arrive(wire::Hello{.client_nonce = 1, .degrees_of_freedom = 1, .period_s = 1e-3, .renders_locally = true});
+  const auto session = only_answer<wire::Welcome>().session;
+  script.response.model.field = test::eddy();
+  script.response.model.has_field = true;
+  EXPECT_TRUE(answer_to(session, 1).model.has_field);
+  EXPECT_TRUE(script.wanted_model);
+  script.response.model.field.jacobian_N_per_m(0, 0) = kNaN;
+  const auto force = answer_to(session, 2);
+  EXPECT_TRUE(force.model.empty());
+  EXPECT_EQ(force.force, vector_of({1})) << "it is held";
+  EXPECT_EQ(server->counters().models_unsound, 1U);
+  EXPECT_EQ(server->counters().responses_unsound, 0U);
+
+  script.response.model.field = test::eddy();
+  const auto other = join(2);
+  EXPECT_TRUE(answer_to(other, 1).model.empty()) << "it asked for forces alone";
+  EXPECT_FALSE(script.wanted_model);
 }
 
 TEST_F(ServerEnvironment, IsAskedForEachMotionAndAnswersForceContactAndTexture) {
@@ -231,6 +258,26 @@ TEST_F(ServerEnvironment, FailureToMakeItIsRefusedWithTheReasonAndMayBeRetried) 
   EXPECT_THAT(diary.lines,
               ElementsAre("refused scene 'script' is not available at the moment: the robot is not plugged in",
                           "opened wall-1dof in script"));
+}
+
+TEST_F(ServerEnvironment, WithoutMemoryIsRefusedAndLeavesOtherSessionsAlone) {
+  EnvironmentKind kind = scripted();
+  bool has_memory = true;
+  kind.make = [&has_memory, make = kind.make](const ClientFacts& client) {
+    if (!has_memory) throw std::bad_alloc();
+    return make(client);
+  };
+  serve(std::move(kind));
+  const std::uint64_t session = join(1, address(1));
+  has_memory = false;
+  arrive(hello(2), address(2));
+  EXPECT_EQ(only_answer<wire::Refusal>().text,
+            "scene 'script' is not available at the moment: not enough memory for another session, try again later");
+  EXPECT_EQ(server->sessions(), 1U);
+  arrive(motion(session, 1), address(1));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().motion_sequence, 1U);
+  has_memory = true;
+  EXPECT_NE(join(2, address(2)), 0U);
 }
 
 TEST_F(ServerEnvironment, MakerThatReturnsNoneIsRefused) {

@@ -66,6 +66,26 @@ TEST_F(SharedSceneTest, OneClientFeelsWhatTheOtherPushes) {
   EXPECT_GT(push(left, right), 0.05);
 }
 
+TEST_F(SharedSceneTest, TellsAClientThatRendersLocallyWhichReadingItsModelBelongsTo) {
+  auto hello = hello_of(1);
+  hello.renders_locally = true;
+  arrive(hello, address(1));
+  const auto session = only_answer<wire::Welcome>().session;
+  local_model::LocalModel told;
+  for (std::uint64_t i = 1; i <= 1000; ++i) {
+    clock.time += milliseconds{1};
+    arrive(
+        wire::MotionSample{
+            .session = session, .sequence = i, .device_time = milliseconds{i}, .position = vector_of({-0.04, 0, 0})},
+        address(1));
+    told = only_answer<wire::EnvironmentForce>().model;
+  }
+  EXPECT_TRUE(told.has_mass);
+  EXPECT_TRUE(told.mass.others_move_it);
+  EXPECT_TRUE(told.by_device_clock);
+  EXPECT_EQ(told.before_reading, milliseconds{2}) << "a period until the next motion comes, and a margin";
+}
+
 TEST_F(SharedSceneTest, RefusesClientsBeyondTheMaximumUntilOneLeaves) {
   const auto left = enter(1);
   const auto right = enter(2);

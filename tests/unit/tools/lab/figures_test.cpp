@@ -210,10 +210,10 @@ TEST(AccuracyFigure, HasEverySettingBehindEachNetworkAndMarksTheLeastErrorOnce) 
   const std::string csv = readable_by_gnuplot(figure.csv);
   for (const auto line : text::split(csv, '\n')) {
     const auto cells = text::split(line, ',');
-    if (cells.size() < 9 || cells[0] == "setting") continue;
+    if (cells.size() < 10 || cells[0] == "setting") continue;
     const double error = std::stod(std::string(cells[3]));
     errors[std::string(cells[2])].push_back(error);
-    if (cells[8] == "1") marked[std::string(cells[2])].push_back(error);
+    if (cells[9] == "1") marked[std::string(cells[2])].push_back(error);
   }
   EXPECT_EQ(errors.size(), networks);
   for (const auto& [round_trip_ms, all] : errors) {

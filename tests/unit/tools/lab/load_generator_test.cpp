@@ -137,6 +137,67 @@ TEST_F(LoadGeneratorTest, CountsMotionsThatAreNeverAnsweredAsNeverInTime) {
   EXPECT_EQ(load_generator.tally().answered_within_ns(0.99), 900) << "ten of 1001 were late or lost";
 }
 
+TEST_F(LoadGeneratorTest, AsksForTheSceneAndAcknowledgesItsPiecesUntilAllAreThere) {
+  LoadGenerator load_generator({.renders_locally = true});
+  load_generator.grow(2);
+  const auto hello = said<wire::Hello>(load_generator.hello(1, 0ms));
+  EXPECT_TRUE(hello.renders_locally);
+  const wire::Welcome welcome{
+      .client_nonce = hello.client_nonce, .session = 77, .offer = {.manifest_bytes = 10, .pieces = 3}};
+  arrive(load_generator, welcome);
+  EXPECT_FALSE(load_generator.wants_pieces(0)) << "not connected";
+  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 1ms)).pieces, (wire::PieceReceipt{.wanted = true}));
+  const std::vector<std::byte> content(100);
+  const auto piece = [&](std::uint64_t transmission, std::uint32_t number) {
+    arrive(load_generator,
+           wire::ScenePiece{.session = 77, .transmission = transmission, .number = number, .content = content});
+  };
+  piece(1, 2);
+  piece(3, 0);
+  piece(3, 0);                      // a copy
+  arrive(load_generator, welcome);  // late: nothing begins anew
+  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 2ms)).pieces,
+            (wire::PieceReceipt{.wanted = true, .newest = 3, .before = 2}));
+  EXPECT_TRUE(load_generator.wants_pieces(1));
+  piece(4, 1);
+  EXPECT_FALSE(load_generator.wants_pieces(1));
+  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 3ms)).pieces, wire::PieceReceipt{});
+  EXPECT_EQ(load_generator.handed_over().pieces, 4U);
+  EXPECT_EQ(load_generator.handed_over().bytes, 400U);
+  EXPECT_EQ(load_generator.tally().foreign, 0U);
+  piece(5, 3);  // there is no such
+  EXPECT_EQ(load_generator.tally().foreign, 1U);
+}
+
+TEST_F(LoadGeneratorTest, WantsNoSceneWithRemoteRenderingNorOneOfMorePiecesThanAClientTakes) {
+  for (const bool locally : {false, true}) {
+    LoadGenerator load_generator({.renders_locally = locally});
+    load_generator.grow(1);
+    const auto hello = said<wire::Hello>(load_generator.hello(0, 0ms));
+    EXPECT_EQ(hello.renders_locally, locally);
+    arrive(load_generator, wire::Welcome{.client_nonce = hello.client_nonce,
+                                         .session = 77,
+                                         .offer = {.manifest_bytes = 10, .pieces = locally ? 1U << 20U : 3U}});
+    EXPECT_TRUE(load_generator.connected(0));
+    EXPECT_FALSE(load_generator.wants_pieces(0));
+  }
+}
+
+TEST_F(LoadGeneratorTest, CountsAnswersWithLocalModels) {
+  LoadGenerator load_generator({.height_m = -0.003});
+  load_generator.grow(1);
+  load_generator.begin(10ms);
+  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(0, 11ms)).position[2], -0.003);
+  wire::EnvironmentForce force{.motion_device_time = 11ms};
+  arrive(load_generator, force);
+  force.model.has_field = true;
+  arrive(load_generator, force);
+  force.motion_device_time = 9ms;
+  arrive(load_generator, force);
+  EXPECT_EQ(load_generator.tally().answered, 2U);
+  EXPECT_EQ(load_generator.tally().modelled, 1U) << "one of them is from before";
+}
+
 TEST_F(LoadGeneratorTest, DoesNotAllocateWhileMeasuring) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   LoadGenerator load_generator({});

@@ -84,7 +84,7 @@ TEST_F(LabReport, SaysOnOneLineWhatIsWrong) {
   for (const auto& [arguments, code, what] :
        {std::tuple{"report " + text.path().string(), 1, "text.mcap: byte 0"},
         {std::string("report /nowhere.mcap"), 1, "No such file"},
-        {"report --json /dev/full " + recording_.path().string(), 1, "No space left on device"},
+        {"report --json /dev/full " + recording_.path().string(), 4, "No space left on device"},
         {"report --json " + recording_.path().string() + " " + recording_.path().string(), 2, "is read"},
         {"report --figures /dev/null " + recording_.path().string(), 1, "'/dev/null'"},
         {std::string("report"), 2, "RECORDING is required"},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <stdexcept>
 
@@ -68,6 +69,16 @@ TEST(LogWriter, InAFloodEveryRowIsWrittenOrCountedAsMissing) {
   EXPECT_EQ(result.written + result.missing, kFlood);
   EXPECT_EQ(result.problem, result.missing == 0 ? "" : "the disk was slower than the network");
   std::filesystem::remove(file);
+}
+
+TEST(LogWriter, TellsOfAFullDiskAtOnce) {
+  std::promise<std::string> told;
+  LogWriter writer("/dev/full", 0s, [&](const std::string& why) { told.set_value(why); });
+  std::future<std::string> why = told.get_future();
+  writer.on_verdict(Direction::up, {.number = 1, .arrival = 1ms, .delay = 2ms});
+  ASSERT_EQ(why.wait_for(20s), std::future_status::ready) << "its end would be too late";
+  EXPECT_EQ(why.get(), "No space left on device");
+  EXPECT_EQ(writer.finish().missing, 1U);
 }
 
 }  // namespace

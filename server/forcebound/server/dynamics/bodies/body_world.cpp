@@ -2,19 +2,18 @@
 
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/local_model/no_longer_than.hpp"
 #include "forcebound/server/dynamics/bodies/description.hpp"
 
 namespace forcebound::server {
 namespace {
 
 constexpr int kStepsMax = 50;
-// The coupling's force does not grow beyond this distance and speed: more than any hand, and less than what makes
-// bodies fly apart.
-constexpr double kReach_m = 0.2;
-constexpr double kSpeed_m_per_s_max = 5;
+constexpr double kReachMost_m = local_model::Mass::kReachMost_m;
 constexpr double kVelocityHeld_s = 0.01;
 // A position farther away comes from a faulty or hostile client and must not disturb other clients.
 constexpr double kFar_m = 100;
@@ -24,11 +23,15 @@ constexpr double kArrival_m_per_s_max = 0.6;
 // How often a ball that begins inside bodies is pushed out of the deepest one, and the depth that is ignored.
 constexpr int kPushesMax = 8;
 constexpr double kWithin_m = 1e-6;
-
-scene::Point at_most(const scene::Point& vector, double length) noexcept {
-  const double whole = vector.stableNorm();
-  return whole > length ? scene::Point(vector * (length / whole)) : vector;
-}
+// Of a local model: the most that gravity, joints and friction do to a body, and the least force with a direction.
+constexpr double kBias_m_per_s2_most = 30;
+constexpr double kFelt_N = 1e-6;
+constexpr double kGoes_m_per_s = 1e-3;
+// A body that a force moves by less than this share of what it might is held by its joints.
+constexpr double kHeld = 0.02;
+// How often a look ahead looks, and an estimate for what a local model takes beside looks and mobilities.
+constexpr int kLooksMost = 7;
+constexpr double kDescribe_ns = 2000;
 
 // A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling
 // return no more energy than it took.
@@ -42,14 +45,47 @@ scene::Point velocity_of(const mjModel& model, const mjData& data, int body) noe
   return {velocity[3], velocity[4], velocity[5]};
 }
 
+double largest_of(const Eigen::Matrix3d& mobility_per_kg) noexcept {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(mobility_per_kg, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+/// What does not give way is a limit, not a heavier mass: the body leaves it as it would without, by its own mass and
+/// what else pulls at it, and comes back to it. Where its joints do not let it go there, it does neither.
+void stop_at(const scene::Point& into, const scene::Point& free_m_per_s2, local_model::Mass& mass) noexcept {
+  const scene::Point gone = mass.free_per_kg * into;
+  const double along = gone.dot(into);
+  if (!(along > kHeld * gone.norm())) return;
+  // Takes the motion that a force along the contact makes, and leaves none into it.
+  const Eigen::Matrix3d leaving = gone * into.transpose() / along;
+  const Eigen::Matrix3d beside = Eigen::Matrix3d::Identity() - leaving;
+  mass.mobility_per_kg = beside * mass.mobility_per_kg * beside.transpose() + gone * gone.transpose() / along;
+  mass.bias_m_per_s2 = beside * mass.bias_m_per_s2 + leaving * free_m_per_s2;
+  mass.push = into;
+  mass.travel_m = 0;
+}
+
 bool touches(const mjModel& model, const mjContact& contact, int body) noexcept {
   return model.geom_bodyid[contact.geom1] == body || model.geom_bodyid[contact.geom2] == body;
+}
+
+struct Neighbour {
+  int body;
+  scene::Point into;  ///< unit, from the body towards it
+};
+
+Neighbour neighbour(const mjModel& model, const mjContact& contact, int body) noexcept {
+  // A contact's normal is out of its first geom.
+  const scene::Point normal = Eigen::Map<const scene::Point>(contact.frame);
+  const int first = model.geom_bodyid[contact.geom1];
+  return first == body ? Neighbour{model.geom_bodyid[contact.geom2], normal} : Neighbour{first, -normal};
 }
 
 }  // namespace
 
 BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes)
-    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling) {
+    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling), mobility_(*model_) {
   seats_.reserve(probes.size());
   for (const Probe& probe : probes) {
     seats_.push_back({probe});
@@ -115,8 +151,8 @@ void BodyWorld::appear(Seat& seat) noexcept {
 
 void BodyWorld::move(int at, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept {
   Seat& seat = seats_[static_cast<std::size_t>(at)];
-  seat.device_m = at_most(position_m, kFar_m);
-  seat.device_m_per_s = at_most(velocity_m_per_s, kSpeed_m_per_s_max);
+  seat.device_m = local_model::no_longer_than(position_m, kFar_m);
+  seat.device_m_per_s = local_model::no_longer_than(velocity_m_per_s, local_model::Mass::kSpeedMost_m_per_s);
   seat.heard = true;
   seat.unmoved_s = 0;
   if (!seat.placed) appear(seat);
@@ -197,7 +233,7 @@ void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
     end_m_per_s -= 6 * left * (1 - left) / seat.arrival_s * seat.begins_aside_m;
   }
   seat.pushed_m = position_of(*data_, seat.body) - end_m;
-  seat.force_N = coupling_.stiffness_N_per_m * at_most(seat.pushed_m, kReach_m) +
+  seat.force_N = coupling_.stiffness_N_per_m * local_model::no_longer_than(seat.pushed_m, kReachMost_m) +
                  coupling_.damping_N_s_per_m * (velocity_of(*model_, *data_, seat.body) - end_m_per_s);
   Eigen::Map<scene::Point>(data_->xfrc_applied + 6 * seat.body) = bearing_N(seat) - seat.force_N;
 }
@@ -211,13 +247,100 @@ scene::Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
 scene::ModelTouch BodyWorld::touch(int at) noexcept {
   const Seat& seat = seats_[static_cast<std::size_t>(at)];
   scene::ModelTouch touch{.force_N = seat.force_N};
-  bool in_contact = false;
-  for (int i = 0; i < data_->ncon && !in_contact; ++i) in_contact = touches(*model_, data_->contact[i], seat.body);
+  const bool in_contact = deepest_contact(seat.body) != nullptr;
   const double depth_m = seat.pushed_m.norm();
   if (!in_contact || !(depth_m > 0)) return touch;
   touch.normal = seat.pushed_m / depth_m;
   touch.penetration_m = depth_m;
   return touch;
+}
+
+/// Of a body; null: it touches nothing.
+const mjContact_* BodyWorld::deepest_contact(int body) const noexcept {
+  const mjContact* deepest = nullptr;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    if (touches(*model_, contact, body) && (deepest == nullptr || contact.dist < deepest->dist)) deepest = &contact;
+  }
+  return deepest;
+}
+
+double BodyWorld::room_m(int body, const scene::Point& direction, const scene::Point& velocity) const noexcept {
+  const double moved_m = (model_->opt.timestep + left_s_) * velocity.dot(direction);
+  return std::max(0.0, travel_m(*model_, *data_, body, direction) - moved_m);
+}
+
+/// In the air a mass answers the same in all directions: it is told of what it would meet first, since a hand may turn
+/// before the next answer comes.
+void BodyWorld::look_ahead(int body, local_model::Mass& mass) const noexcept {
+  // There is no contact to leave.
+  mass.free_per_kg = mass.mobility_per_kg;
+  const double held_per_kg = kHeld * largest_of(mass.free_per_kg);
+  const auto look = [&](const scene::Point& direction) {
+    if (!(direction.dot(mass.free_per_kg * direction) > held_per_kg)) return;
+    const double room = room_m(body, direction, mass.velocity_m_per_s);
+    if (!(room < mass.travel_m)) return;
+    mass.push = direction;
+    mass.travel_m = room;
+  };
+  // Along and against each axis, and where it goes: kLooksMost.
+  for (int axis = 0; axis < 3; ++axis) {
+    look(scene::Point::Unit(axis));
+    look(-scene::Point::Unit(axis));
+  }
+  if (const double speed = mass.velocity_m_per_s.norm(); speed > kGoes_m_per_s) look(mass.velocity_m_per_s / speed);
+}
+
+/// What is in the mass's way, and what answers to a push beside it.
+void BodyWorld::tell_what_it_meets(int body, const scene::Point& pushed_N, local_model::Mass& mass) noexcept {
+  const mjContact* const contact = deepest_contact(body);
+  if (contact == nullptr) return look_ahead(body, mass);
+  const Neighbour beside = neighbour(*model_, *contact, body);
+  if (model_->body_weldid[beside.body] == 0) {
+    const scene::Point acceleration = mobility_.acceleration_m_per_s2(*model_, *data_, body, false);
+    return stop_at(beside.into, acceleration - mass.free_per_kg * pushed_N, mass);
+  }
+  const double push_N = pushed_N.norm();
+  if (!(push_N > kFelt_N)) return;
+  // What it pushes goes ahead.
+  mass.push = pushed_N / push_N;
+  mass.travel_m = room_m(beside.body, mass.push, mass.velocity_m_per_s);
+}
+
+double BodyWorld::predicted_describe_cost_ns(const mjModel_& model) noexcept {
+  if (!BodyMobility::can_do(model)) return 0;
+  return kDescribe_ns + 2 * BodyMobility::predicted_cost_ns(model) + kLooksMost * predicted_travel_cost_ns(model);
+}
+
+bool BodyWorld::describe(int at, local_model::LocalModel& model) noexcept {
+  const Seat& seat = seats_[static_cast<std::size_t>(at)];
+  if (!sound_ || !seat.placed || seat.placed_s < seat.arrival_s) return false;
+  const auto free_per_kg = mobility_.per_kg(*model_, *data_, seat.body, false);
+  const bool constrained = BodyMobility::is_constrained(*data_);
+  const auto per_kg = constrained ? mobility_.per_kg(*model_, *data_, seat.body, true) : free_per_kg;
+  if (!free_per_kg || !per_kg || !(free_per_kg->trace() > 0)) return false;
+  const scene::Point pushed_N = -seat.force_N;
+  const double step_s = model_->opt.timestep;
+  const scene::Point acceleration = mobility_.acceleration_m_per_s2(*model_, *data_, seat.body, true);
+  const scene::Point velocity = velocity_of(*model_, *data_, seat.body) + step_s * acceleration;
+  local_model::Mass mass{.id = 0, .force_N = seat.force_N};
+  // MuJoCo has moved since its positions and velocities of bodies were computed, and time has passed since its step.
+  mass.place_m = position_of(*data_, seat.body) + (step_s + left_s_) * velocity;
+  mass.velocity_m_per_s = velocity;
+  const scene::Point bias = acceleration - *per_kg * pushed_N;
+  // A blow lasts for a step or two and says nothing of the time after it.
+  if (bias.norm() <= kBias_m_per_s2_most) mass.bias_m_per_s2 = bias;
+  mass.stiffness_N_per_m = coupling_.stiffness_N_per_m;
+  mass.damping_N_s_per_m = coupling_.damping_N_s_per_m;
+  mass.free_per_kg = *free_per_kg;
+  mass.mobility_per_kg = *per_kg;
+  // It may be here alone, where steps are shorter.
+  if (!local_model::is_stable(mass)) return false;
+  tell_what_it_meets(seat.body, pushed_N, mass);
+  mass.radius_m = 2 * kReachMost_m;
+  model.mass = mass;
+  model.has_mass = true;
+  return true;
 }
 
 }  // namespace forcebound::server

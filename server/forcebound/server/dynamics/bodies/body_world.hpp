@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "forcebound/scene/dynamic_model.hpp"
+#include "forcebound/server/dynamics/bodies/body_mobility.hpp"
 #include "forcebound/server/dynamics/bodies/coupling.hpp"
 #include "forcebound/server/dynamics/bodies/mujoco.hpp"
 
@@ -29,6 +30,13 @@ class BodyWorld final : public scene::DynamicModelState {
   void move(int seat, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept override;
   void advance(double elapsed_s) noexcept override;
   scene::ModelTouch touch(int seat) noexcept override;
+
+  /// The mass of the dragged body with all that it pushes, and how far that can go, once the coupling's far end has
+  /// reached the device; if its coupling is stable in a client's longer steps.
+  [[nodiscard]] bool describe(int seat, local_model::LocalModel& model) noexcept override;
+
+  /// Estimate for one `describe` where it takes the most: in the air, where it looks in all directions [ns].
+  [[nodiscard]] static double predicted_describe_cost_ns(const mjModel_& model) noexcept;
   [[nodiscard]] bool sound() const noexcept override { return sound_; }
   [[nodiscard]] scene::DynamicModelFaults faults() const noexcept override { return faults_; }
 
@@ -63,10 +71,15 @@ class BodyWorld final : public scene::DynamicModelState {
   void step_once(double before_end_s) noexcept;
   void pull(Seat& seat, double before_end_s) noexcept;
   [[nodiscard]] scene::Point bearing_N(const Probe& probe) const noexcept;
+  [[nodiscard]] const mjContact_* deepest_contact(int body) const noexcept;
+  [[nodiscard]] double room_m(int body, const scene::Point& direction, const scene::Point& velocity) const noexcept;
+  void look_ahead(int body, local_model::Mass& mass) const noexcept;
+  void tell_what_it_meets(int body, const scene::Point& pushed_N, local_model::Mass& mass) noexcept;
 
   ModelPointer model_;
   DataPointer data_;
   Coupling coupling_;
+  BodyMobility mobility_;
   std::vector<Seat> seats_;
   double left_s_ = 0;
   bool sound_ = true;

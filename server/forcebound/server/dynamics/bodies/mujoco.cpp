@@ -8,8 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
+#include <limits>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include "forcebound/server/dynamics/bodies/description.hpp"
@@ -125,6 +126,50 @@ ModelPointer load(const char* file, const mjVFS* files) {
   return model;
 }
 
+void check_text(const std::string& text) {
+  if (text.empty()) throw BodiesError("is empty, expected <mujoco>...</mujoco>");
+  check_mjcf(text);
+}
+
+/// MuJoCo's files in memory, with one file in it.
+std::unique_ptr<mjVFS, FreeVfs> with_file(const char* file, std::string_view content) {
+  if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    throw BodiesError("too large for MuJoCo");
+  }
+  // Room for 2000 file names: too large for a stack.
+  std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
+  mj_defaultVFS(files.get());
+  const int at = [&] {
+    const ErrorsThrow guard;
+    return mj_makeEmptyFileVFS(files.get(), file, static_cast<int>(content.size()));
+  }();
+  if (at != 0) throw BodiesError("too large for MuJoCo");
+  std::memcpy(files->filedata[at], content.data(), content.size());
+  return files;
+}
+
+ModelPointer compile_text(const std::string& text) {
+  constexpr const char* kFile = "bodies.xml";
+  return load(kFile, with_file(kFile, text).get());
+}
+
+/// All of a model, byte for byte.
+std::string saved(const mjModel& model) {
+  std::string bytes(static_cast<std::size_t>(mj_sizeModel(&model)), '\0');
+  const ErrorsThrow guard;
+  mj_saveModel(&model, nullptr, bytes.data(), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+ModelPointer restored(const std::string& bytes) {
+  constexpr const char* kFile = "bodies.mjb";
+  const auto files = with_file(kFile, bytes);
+  const ErrorsThrow guard;
+  ModelPointer model(mj_loadModel(kFile, files.get()));
+  if (!model) throw BodiesError("MuJoCo cannot read its compiled model");
+  return model;
+}
+
 template <class Load>
 ModelPointer named(const std::string& name, const Load& load) {
   install_handlers();
@@ -149,33 +194,33 @@ void DeleteData::operator()(mjData_* data) const noexcept { mj_deleteData(data);
 
 ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
   return named(name, [&] {
-    constexpr const char* kFile = "bodies.xml";
-    if (text.empty()) throw BodiesError("is empty, expected <mujoco>...</mujoco>");
-    check_mjcf(text, "");
-    // Room for 2000 file names: too large for a stack.
-    const std::unique_ptr<mjVFS, FreeVfs> files(new mjVFS);
-    mj_defaultVFS(files.get());
-    const int at = [&] {
-      const ErrorsThrow guard;
-      return mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size()));
-    }();
-    if (at < 0) throw BodiesError("too large for MuJoCo");
-    std::memcpy(files->filedata[at], text.data(), text.size());
-    return load(kFile, files.get());
+    check_text(text);
+    return compile_text(text);
+  });
+}
+
+ModelPointer compile_foreign_mjcf(const std::string& text, const std::string& name, const ChildLimits& limits) {
+  return named(name, [&] {
+    check_text(text);
+    std::string bytes;
+    try {
+      bytes = in_child([&text] { return saved(*compile_text(text)); }, limits);
+    } catch (const std::runtime_error& error) {
+      throw BodiesError(error.what());
+    }
+    return restored(bytes);
   });
 }
 
 ModelPointer load_mjcf(const std::string& path) {
+  constexpr std::size_t kMjcfBytesMost = std::size_t{16} << 20U;
   std::string text;
   try {
-    text = text::read_file(path);  // reports why it cannot be read, where MuJoCo would report an XML error
+    text = text::read_file(path, kMjcfBytesMost);
   } catch (const std::runtime_error& error) {
     throw BodiesError(error.what());
   }
-  return named(path, [&] {
-    check_mjcf(text, std::filesystem::path(path).parent_path().string());
-    return load(path.c_str(), nullptr);
-  });
+  return compile_foreign_mjcf(text, path);
 }
 
 ModelPointer copy_of(const mjModel_& model) {

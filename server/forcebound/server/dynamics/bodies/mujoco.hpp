@@ -4,8 +4,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/server/dynamics/bodies/in_child.hpp"
+
 struct mjModel_;
 struct mjData_;
+struct mjContact_;
 
 namespace forcebound::server {
 
@@ -40,10 +43,13 @@ struct DeleteData {
 using ModelPointer = std::unique_ptr<mjModel_, DeleteModel>;
 using DataPointer = std::unique_ptr<mjData_, DeleteData>;
 
-/// Compiles MJCF text. @param name for errors. @throws BodiesError
+/// Compiles MJCF text of our own, which check_mjcf accepts. @param name for errors. @throws BodiesError
 ModelPointer compile_mjcf(const std::string& text, const std::string& name);
 
-/// Compiles an MJCF file, with whatever it includes. @throws BodiesError
+/// The same model from the text of others, on which MuJoCo may crash or never end: see in_child. @throws BodiesError
+ModelPointer compile_foreign_mjcf(const std::string& text, const std::string& name, const ChildLimits& limits = {});
+
+/// The same from a file, of at most 16 MiB. @throws BodiesError
 ModelPointer load_mjcf(const std::string& path);
 
 /// @throws BodiesError if there is not enough memory.

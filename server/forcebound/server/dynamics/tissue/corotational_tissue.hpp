@@ -61,6 +61,8 @@ class CorotationalTissue {
                      const CorotationalOptions& options);
 
   [[nodiscard]] const TetrahedralMesh& mesh() const noexcept { return mesh_; }
+  [[nodiscard]] const CorotationalOptions& options() const noexcept { return options_; }
+  [[nodiscard]] const TissueSurface& surface() const noexcept { return surface_; }  ///< at rest
   [[nodiscard]] const StiffnessFactors& factors() const noexcept { return factors_; }
 
   /// Of a sphere; none of a point.

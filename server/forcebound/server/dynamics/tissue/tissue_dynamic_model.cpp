@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/server/dynamics/tissue/set_up.hpp"
 #include "forcebound/server/dynamics/tissue/tissue_world.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -76,6 +77,12 @@ Range stiffness_of(const LinearTissue& tissue, const std::vector<bool>& held, do
   return range;
 }
 
+double checked_set_up_s(const TissueDescription& tissue) {
+  const double set_up_s = predicted_set_up_s(tissue.mesh, tissue.held_nodes, tissue.large_motion);
+  check_set_up(tissue.mesh, set_up_s);
+  return set_up_s;
+}
+
 const ProbeOptions& checked(const ProbeOptions& probe) {
   probe.check();
   return probe;
@@ -103,6 +110,7 @@ TissueDynamicModel::TissueDynamicModel(TissueDescription description)
     : held_nodes_(description.held_nodes),
       probe_(checked(description.probe)),
       material_(description.material),
+      set_up_s_(checked_set_up_s(description)),
       law_(law_of(std::move(description), probe_)) {}
 
 TissueDynamicModel::Law TissueDynamicModel::law_of(TissueDescription&& description, const ProbeOptions& probe) {
@@ -130,6 +138,7 @@ scene::DynamicModelFacts TissueDynamicModel::facts() const {
   facts.on_surface_m = top_of(mesh, held) + probe_.radius_m * scene::Point::UnitZ();
   for (const scene::Point& node_m : mesh.nodes_m()) facts.bounds_m.extend(node_m);
   facts.stiffness_N_per_m = probe_.contact_stiffness_N_per_m;
+  facts.describes_itself = true;
   facts.lines = {
       std::to_string(mesh.nodes_m().size()) + " nodes, " + std::to_string(mesh.tetrahedra().size()) + " tetrahedra, " +
           std::to_string(mesh.surface_nodes().size()) + " nodes on the surface, " +
@@ -140,6 +149,7 @@ scene::DynamicModelFacts TissueDynamicModel::facts() const {
   } else {
     describe(std::get<CorotationalTissue>(law_), facts);
   }
+  facts.lines.push_back("set up in about " + rounded(set_up_s_, 1) + " s, or less");
   return facts;
 }
 

@@ -33,7 +33,7 @@ class TissueDynamicModel final : public scene::DynamicModel {
   /// @throws std::invalid_argument for a material, an invalid probe or held node, and for too stiff a
   /// contact under large motion
   /// @throws std::runtime_error beginning with the mesh's name, for what LinearTissue, TissueModel or
-  /// CorotationalTissue refuse
+  /// CorotationalTissue refuse, and at once if setting them up would take too long: see set_up.hpp
   explicit TissueDynamicModel(TissueDescription description);
 
   [[nodiscard]] std::unique_ptr<scene::DynamicModelState> make_state(int seats) const override;
@@ -51,6 +51,7 @@ class TissueDynamicModel final : public scene::DynamicModel {
   std::vector<int> held_nodes_;
   ProbeOptions probe_;
   ElasticMaterial material_;
+  double set_up_s_;  // predicted
   Law law_;
 };
 

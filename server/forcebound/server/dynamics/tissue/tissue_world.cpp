@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "forcebound/server/dynamics/tissue/contact_stiffness.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -14,7 +16,8 @@ constexpr int kDropsMax = 4;
 
 }  // namespace
 
-TissueWorld::TissueWorld(int seats, const TetrahedralMesh& mesh) : seats_(static_cast<std::size_t>(seats)) {
+TissueWorld::TissueWorld(int seats, const TetrahedralMesh& mesh)
+    : seats_(static_cast<std::size_t>(seats)), modelled_radius_m_(modelled_radius_m(mesh)) {
   Eigen::AlignedBox3d box;
   for (const scene::Point& node : mesh.nodes_m()) box.extend(node);
   middle_m_ = box.center();
@@ -56,6 +59,15 @@ scene::ModelTouch TissueWorld::touch(int seat) noexcept {
   return {.force_N = touched.result.force_N, .normal = touched.normal, .penetration_m = touched.result.depth_m};
 }
 
+bool TissueWorld::describe(int seat, local_model::LocalModel& model) noexcept {
+  local_model::Surface surface;
+  if (!sound_ || !describe_last(at(seat), surface)) return false;
+  surface.radius_m = modelled_radius_m_;
+  model.surfaces[0] = surface;
+  model.surface_count = 1;
+  return true;
+}
+
 LinearTissueWorld::LinearTissueWorld(const TissueModel& model, int seats)
     : TissueWorld(seats, model.tissue().mesh()),
       model_(model),
@@ -63,6 +75,10 @@ LinearTissueWorld::LinearTissueWorld(const TissueModel& model, int seats)
 
 TissueResult LinearTissueWorld::step(std::size_t seat, const scene::Point& probe_m) noexcept {
   return others_ == nullptr ? model_.step(seats()[seat].state, probe_m) : step_among(*others_, seat, probe_m);
+}
+
+bool LinearTissueWorld::describe_last(const Seat& seat, local_model::Surface& surface) noexcept {
+  return describe_contact(model_, others_.get(), seat.state, seat.result, surface);
 }
 
 int LinearTissueWorld::gather(OtherContacts& others, std::size_t seat) noexcept {
@@ -102,6 +118,10 @@ CorotationalTissueWorld::CorotationalTissueWorld(const CorotationalTissue& tissu
 TissueResult CorotationalTissueWorld::step(std::size_t seat, const scene::Point& probe_m) noexcept {
   const OtherProbes others = tissue_.pressure() ? spheres_beside(seat) : ties_beside(seat);
   return tissue_.step(seats()[seat].state, body_, probe_m, others);
+}
+
+bool CorotationalTissueWorld::describe_last(const Seat& seat, local_model::Surface& surface) noexcept {
+  return describe_contact(tissue_, body_, seat.state, seat.result, surface);
 }
 
 OtherProbes CorotationalTissueWorld::ties_beside(std::size_t seat) noexcept {

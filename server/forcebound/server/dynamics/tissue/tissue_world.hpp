@@ -22,6 +22,7 @@ class TissueWorld : public scene::DynamicModelState {
   void move(int seat, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept final;
   void advance(double elapsed_s) noexcept final;
   scene::ModelTouch touch(int seat) noexcept final;
+  [[nodiscard]] bool describe(int seat, local_model::LocalModel& model) noexcept final;
   [[nodiscard]] bool sound() const noexcept final { return sound_; }
   [[nodiscard]] scene::DynamicModelFaults faults() const noexcept final { return faults_; }
 
@@ -40,6 +41,9 @@ class TissueWorld : public scene::DynamicModelState {
   /// One probe has moved there.
   virtual TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept = 0;
 
+  /// The contact of the probe that has moved last. @returns whether there is one
+  [[nodiscard]] virtual bool describe_last(const Seat& seat, local_model::Surface& surface) noexcept = 0;
+
   [[nodiscard]] std::vector<Seat>& seats() noexcept { return seats_; }
 
  private:
@@ -50,6 +54,7 @@ class TissueWorld : public scene::DynamicModelState {
   std::vector<Seat> seats_;
   scene::Point middle_m_;
   double size_m_;  ///< of the tissue, from corner to corner
+  double modelled_radius_m_;
   bool sound_ = true;
   scene::DynamicModelFaults faults_;
 };
@@ -66,6 +71,7 @@ class LinearTissueWorld final : public TissueWorld {
 
  private:
   TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;
+  bool describe_last(const Seat& seat, local_model::Surface& surface) noexcept override;
   TissueResult step_among(OtherContacts& others, std::size_t seat, const scene::Point& probe_m) noexcept;
   int gather(OtherContacts& others, std::size_t seat) noexcept;
 
@@ -79,6 +85,7 @@ class CorotationalTissueWorld final : public TissueWorld {
 
  private:
   TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;
+  bool describe_last(const Seat& seat, local_model::Surface& surface) noexcept override;
 
   OtherProbes ties_beside(std::size_t seat) noexcept;
   OtherProbes spheres_beside(std::size_t seat) noexcept;

@@ -335,6 +335,23 @@ TEST(BodyDynamicModel, PredictsAsManyStepsAsAMotionTakes) {
   EXPECT_EQ(cost_ns(5e-3), cost_ns(1e-3)) << "the motion that takes the step takes all of it";
 }
 
+TEST(BodyDynamicModel, PredictsLooksAboutTheDraggedBodyPastEveryGeomAndTriangle) {
+  const auto cost_ns = [](int cubes) {
+    BodiesDescription description{.bodies = {floor_plate()}};
+    // They stand still: no more degrees of freedom.
+    for (int i = 0; i < cubes; ++i) {
+      BodyDescription still = cube(0, {0.1 * i, 0.5, 0.02});
+      still.name += " " + std::to_string(i);
+      description.bodies.push_back(std::move(still));
+    }
+    const BodyDynamicModel dynamic_model(std::move(description), "test");
+    return dynamic_model.facts().describe_cost_ns;
+  };
+  EXPECT_GT(cost_ns(0), 0);
+  EXPECT_GT(cost_ns(10), cost_ns(0));
+  EXPECT_NEAR(cost_ns(20) - cost_ns(10), cost_ns(10) - cost_ns(0), 1e-6);
+}
+
 TEST(BodyDynamicModel, AStateThatIsNotFiniteIsReportedAndWritesNoLogFile) {
   const bool before = std::filesystem::exists("MUJOCO_LOG.TXT");
   const BodyDynamicModel dynamic_model({.bodies = {floor_plate()}}, "test");

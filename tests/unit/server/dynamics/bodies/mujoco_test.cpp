@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -15,7 +18,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::Not;
 using testing::StartsWith;
 
 constexpr const char* kBall =
@@ -101,9 +103,6 @@ TEST(CompileMjcf, RefusesTexturesWhoseSizeMuJoCoCannotHold) {
   const std::string half = " builtin='flat' type='2d' width='8000' height='8000'/>";
   EXPECT_THAT(textures("<texture name='s'" + half + "<texture name='t'" + half),
               StartsWith("a.xml: texture 't': all textures must take at most"));
-  EXPECT_THAT(textures("<texture name='t' type='2d' file='none.png' width='16384' height='16384'/>"),
-              Not(HasSubstr("must take at most")))
-      << "the file's size counts";
 }
 
 TEST(CompileMjcf, RefusesHeightFieldsWhoseSizeMuJoCoCannotHold) {
@@ -116,18 +115,106 @@ TEST(CompileMjcf, RefusesHeightFieldsWhoseSizeMuJoCoCannotHold) {
             "a.xml: hfield 'h': all height fields must take at most 268435456 bytes together, got 17180131328");
 }
 
-TEST(LoadMjcf, ChecksIncludedFiles) {
-  const test::TemporaryFolder folder;
-  const std::string outer = folder.file("outer.xml");
-  std::ofstream(folder.file("faces.xml"))
-      << with_asset("<mesh name='n' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='-100000 2 1'/>");
-  for (const char* name : {"faces.xml", "/faces.xml"}) {
-    std::ofstream(outer) << "<mujoco><include file='" << name << "'/><include file=''/></mujoco>";
-    EXPECT_EQ(error_of([&] { return load_mjcf(outer); }),
-              outer + ": mesh 'n': face must have numbers of its 4 vertices, from 0 on, got -100000");
+TEST(CompileMjcf, RefusesCountsThatNoModelHas) {
+  const auto refusal = [](const std::string& element) {
+    return error_of([&] {
+      return compile_mjcf(
+          "<mujoco>" + element + "<worldbody><body name='a'><freejoint/><geom size='1'/></body></worldbody></mujoco>",
+          "a.xml");
+    });
+  };
+  EXPECT_EQ(refusal("<size njmax='500' nconmax='100' nuserdata='10' nuser_body='2'/>"), "no error");
+  EXPECT_EQ(refusal("<size nuserdata='2000000000'/>"),
+            "a.xml: size: nuserdata must be a whole number from -1 to 1000000, got '2000000000'");
+  EXPECT_EQ(refusal("<size njmax='100001'/>"),
+            "a.xml: size: njmax must be a whole number from -1 to 100000, got '100001'");
+  EXPECT_THAT(refusal("<size nconmax='-2'/>"), HasSubstr("nconmax must be a whole number from -1"));
+  EXPECT_THAT(refusal("<size nstack='1e12'/>"), HasSubstr("nstack must be a whole number from -1"));
+  EXPECT_THAT(refusal("<size nuser_geom='100000'/>"), HasSubstr("nuser_geom must be a whole number from -1"));
+  EXPECT_THAT(refusal("<custom><numeric name='n' size='999999999'/></custom>"),
+              HasSubstr("numeric 'n': size must be a whole number"));
+}
+
+TEST(CompileMjcf, RefusesCompositesOfTooManyBodies) {
+  const auto composite = [](const std::string& count) {
+    return error_of([&] {
+      return compile_mjcf("<mujoco><worldbody><body name='a'><composite type='particle' count='" + count +
+                              "' spacing='0.1'><geom size='0.01'/></composite></body></worldbody></mujoco>",
+                          "a.xml");
+    });
+  };
+  EXPECT_EQ(composite("2 2 2"), "no error");
+  EXPECT_EQ(composite("100 100 100"),
+            "a.xml: composite: count must be whole numbers with a product of at most 10000, got '100 100 100'");
+  EXPECT_THAT(composite("1000000000000 1 1"), HasSubstr("count must be whole numbers"));
+  EXPECT_THAT(composite("1e6 1 1"), HasSubstr("count must be whole numbers"));
+}
+
+TEST(CompileMjcf, RefusesWhatNamesAFile) {
+  const auto asset = [](const std::string& element) {
+    return error_of([&] { return compile_mjcf(with_asset(element), "a.xml"); });
+  };
+  EXPECT_EQ(asset("<mesh name='n' file='/etc/shadow.stl'/>"),
+            "a.xml: mesh 'n': file '/etc/shadow.stl': a model must name no file, its meshes have vertex and face");
+  EXPECT_THAT(asset("<texture name='t' type='2d' file='a.png'/>"), HasSubstr("must name no file"));
+  EXPECT_THAT(asset("<texture name='t' type='cube' fileright='a.png'/>"), HasSubstr("must name no file"));
+  EXPECT_THAT(asset("<hfield name='h' size='1 1 1 1' file='/dev/zero'/>"), HasSubstr("must name no file"));
+  EXPECT_EQ(error_of([] { return compile_mjcf("<mujoco><include file='b.xml'/></mujoco>", "a.xml"); }),
+            "a.xml: include: file 'b.xml': a model must name no file, its meshes have vertex and face");
+  EXPECT_THAT(error_of([] { return compile_mjcf("<mujoco><include file=''/></mujoco>", "a.xml"); }),
+              HasSubstr("must name no file"));
+  EXPECT_EQ(error_of([] { return compile_mjcf("<robot name='r'><link name='l'/></robot>", "a.xml"); }),
+            "a.xml: expected <mujoco>...</mujoco>, got <robot>")
+      << "whose meshes are files";
+}
+
+std::string bytes_of_model(const ModelPointer& model) {
+  std::string bytes(static_cast<std::size_t>(mj_sizeModel(model.get())), '\0');
+  mj_saveModel(model.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+constexpr const char* kMany = R"(<mujoco><option timestep="0.001" gravity="0 0 -5"/><asset><mesh name="m"
+  vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset><worldbody><light/><geom type="plane" size="1 1 1"/>
+  <body name="a" pos="0 0 1"><freejoint/><geom type="mesh" mesh="m"/></body>
+  <body name="b" pos="3 0 1"><joint name="hinge" axis="0 1 0" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/></body>
+  </worldbody><actuator><motor joint="hinge"/></actuator></mujoco>)";
+
+TEST(CompileForeignMjcf, GivesTheSameModel) {
+  for (const char* text : {kBall, kMany}) {
+    const ModelPointer direct = compile_mjcf(text, "a.xml");
+    const ModelPointer by_a_child = compile_foreign_mjcf(text, "a.xml");
+    EXPECT_EQ(bytes_of_model(direct), bytes_of_model(by_a_child));
+    const DataPointer one = make_data(*direct);
+    const DataPointer other = make_data(*by_a_child);
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(step(*direct, *one) && step(*by_a_child, *other));
+    EXPECT_TRUE(std::equal(one->qpos, one->qpos + direct->nq, other->qpos));
   }
-  std::ofstream(outer) << "<mujoco><include file='/dev/zero'/></mujoco>";
-  EXPECT_THAT(error_of([&] { return load_mjcf(outer); }), HasSubstr("/dev/zero")) << "and not: reads it without end";
+}
+
+TEST(CompileForeignMjcf, GivesTheSameErrors) {
+  for (const char* text : {"", "<mujoco><worldbody><bdy/></worldbody></mujoco>", "no XML",
+                           "<mujoco><option timestep='0'/></mujoco>", "<mujoco><option integrator='RK4'/></mujoco>"}) {
+    const std::string direct = error_of([&] { return compile_mjcf(text, "a.xml"); });
+    EXPECT_THAT(direct, StartsWith("a.xml: "));
+    EXPECT_EQ(error_of([&] { return compile_foreign_mjcf(text, "a.xml"); }), direct) << text;
+  }
+}
+
+TEST(CompileForeignMjcf, HasATimeLimit) {
+  const ChildLimits none{.time = std::chrono::milliseconds{0}};
+  EXPECT_EQ(error_of([&] { return compile_foreign_mjcf(kBall, "a.xml", none); }),
+            "a.xml: takes longer than 0 s: expected less");
+}
+
+TEST(LoadMjcf, TakesRegularFilesUpToASize) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.file("a.xml");
+  std::ofstream(file) << kBall;
+  EXPECT_EQ(error_of([&] { return load_mjcf(file); }), "no error");
+  std::filesystem::resize_file(file, (std::size_t{16} << 20U) + 1);
+  EXPECT_THAT(error_of([&] { return load_mjcf(file); }), HasSubstr("it has more than 16777216 bytes"));
+  EXPECT_THAT(error_of([] { return load_mjcf("/dev/zero"); }), HasSubstr("it is no regular file"));
 }
 
 TEST(CompileMjcf, TakesTheIntegratorsThatTheCouplingIsMadeFor) {

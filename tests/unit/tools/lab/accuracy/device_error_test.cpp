@@ -35,7 +35,7 @@ std::vector<DeviceTick> delayed(int age, int every, double model = 1, double let
 }
 
 double sum(const DeviceError& error) {
-  return error.model.share + error.age.share + error.hold.share + error.bounding.share;
+  return error.model.share + error.extrapolation.share + error.age.share + error.hold.share + error.bounding.share;
 }
 
 TEST(DeviceError, OfTheTrueForceInTimeIsNothing) {
@@ -79,6 +79,62 @@ TEST(DeviceError, SharesAddUpToTheWholeThoughPartsMakeUpForEachOther) {
   // A model too stiff by a fifth, bounded to four fifths: together 0.96.
   EXPECT_LT(error.model.share, 0.5 * error.model.alone);
   EXPECT_GT(error.bounding.alone, error.bounding.share);
+}
+
+/// As `delayed`, but rendered at the client: of a model of its own, by what it extrapolates of it.
+std::vector<DeviceTick> rendered(double model, double extrapolation, double let_through = 1) {
+  std::vector<DeviceTick> ticks = delayed(10, 1);
+  for (DeviceTick& tick : ticks) {
+    tick.rendering = record::ForceOrigin::at_client;
+    tick.own = model * tick.reference;
+    tick.request = extrapolation * tick.own;
+    tick.applied = let_through * tick.request;
+  }
+  return ticks;
+}
+
+TEST(DeviceError, OfWhatIsRenderedAtTheClientHasNoAge) {
+  const DeviceError error = device_error(rendered(0.9, 1));
+  EXPECT_NEAR(error.total, 0.1, 1e-12);
+  EXPECT_NEAR(error.model.share, 0.1, 1e-12);
+  EXPECT_EQ(error.age.alone, 0);
+  EXPECT_EQ(error.hold.alone, 0);
+  EXPECT_NEAR(error.extrapolation.alone, 0, 1e-12);
+}
+
+TEST(DeviceError, OfALocalModelThatIsOffIsTheExtrapolations) {
+  const DeviceError error = device_error(rendered(1, 0.8));
+  EXPECT_NEAR(error.total, 0.2, 1e-12);
+  EXPECT_NEAR(error.extrapolation.share, 0.2, 1e-12);
+  EXPECT_EQ(error.model.alone, 0);
+}
+
+TEST(DeviceError, OfAModelThatIsNotKnownIsMeasuredAgainstTheReference) {
+  std::vector<DeviceTick> ticks = rendered(1, 0.8);
+  for (DeviceTick& tick : ticks) tick.own = Vector();
+  EXPECT_NEAR(device_error(ticks).extrapolation.share, 0.2, 1e-12);
+}
+
+TEST(DeviceError, OfForcesThatAreHeldBesideIsTheHolds) {
+  std::vector<DeviceTick> ticks = rendered(1, 0.8);
+  for (DeviceTick& tick : ticks) tick.rendering = record::ForceOrigin::both;
+  const DeviceError error = device_error(ticks);
+  EXPECT_NEAR(error.hold.share, 0.2, 1e-12);
+  EXPECT_EQ(error.extrapolation.alone, 0);
+}
+
+TEST(DeviceError, SharesAddUpWhereRenderingsTakeTurns) {
+  std::vector<DeviceTick> ticks = delayed(12, 5, 1.2, 0.8);
+  const std::vector<DeviceTick> at_client = rendered(1.1, 0.7, 0.9);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    if (i % 7 < 4) ticks[i] = at_client[i];
+    if (i % 7 == 3) ticks[i].rendering = record::ForceOrigin::both;
+  }
+  const DeviceError error = device_error(ticks);
+  EXPECT_NEAR(sum(error), error.total, 1e-9);
+  for (const DeviceError::Part& part : {error.model, error.extrapolation, error.age, error.hold, error.bounding}) {
+    EXPECT_GT(part.alone, 0.01);
+  }
 }
 
 TEST(DeviceError, BeforeTheFirstAnswerAllIsHeldBack) {

@@ -33,6 +33,13 @@ TEST(LevelsText, IsWhatASceneNeedsToBeAuto) {
   EXPECT_EQ(parsed->accuracy()->levels[2].model_error, 0.002) << "as well as the reference is known";
 }
 
+TEST(LevelsText, HasTheExtrapolationOfAStudyThatWasRenderedLocally) {
+  StudyResult result = three_levels();
+  EXPECT_EQ(levels_text(result).find("extrapolation_per_s"), std::string::npos);
+  result.extrapolation_per_s = 0.25;
+  EXPECT_NE(levels_text(result).find("\nextrapolation_per_s = 0.25\n"), std::string::npos);
+}
+
 TEST(LevelsText, LeavesOutWhatFailed) {
   StudyResult result = three_levels();
   result.settings[1].trouble = "not converged";

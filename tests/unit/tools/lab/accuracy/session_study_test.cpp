@@ -27,14 +27,18 @@ const DeviceError& error_of(const StudyResult& result, std::size_t setting) {
   return result.settings[setting].behind[0].error;
 }
 
+double sum_of_parts(const DeviceError& error) {
+  return error.model.share + error.extrapolation.share + error.age.share + error.hold.share + error.bounding.share;
+}
+
 TEST(StudyOfASession, HasARowForEachLawWhosePartsAddUp) {
   const StudyResult result = swept(0.05, "law=none,fba-less,fba-more,fba-exact");
   ASSERT_EQ(result.settings.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     SCOPED_TRACE(result.settings[i].value);
     const DeviceError& error = error_of(result, i);
-    const double sum = error.model.share + error.age.share + error.hold.share + error.bounding.share;
-    EXPECT_NEAR(sum, error.total, 1e-9);
+    EXPECT_NEAR(sum_of_parts(error), error.total, 1e-9);
+    EXPECT_EQ(error.extrapolation.alone, 0) << "all forces are the server's";
     EXPECT_NEAR(error.model.alone, 0, 0.01) << "the scene is its own reference";
     EXPECT_EQ(result.settings[i].at_states.force, 0);
     EXPECT_EQ(result.settings[i].cost.median_us, 50);
@@ -57,6 +61,33 @@ TEST(StudyOfASession, AServerThatAnswersRarelyIsWrongForItsAgeAndHold) {
   EXPECT_GT(result.settings[0].behind[0].turns_missed, 0.9);
   EXPECT_GT(error_of(result, 0).least_age, std::chrono::milliseconds(50));
   EXPECT_GT(error_of(result, 0).total, 3 * error_of(result, 1).total);
+}
+
+TEST(StudyOfASession, LocalRenderingTakesTheAgeAwayAndItsPartsAddUp) {
+  const StudyResult result = swept(0.05, "rendering=remote,local");
+  const DeviceError& remote = error_of(result, 0);
+  const DeviceError& local = error_of(result, 1);
+  EXPECT_NEAR(sum_of_parts(remote), remote.total, 1e-9);
+  EXPECT_NEAR(sum_of_parts(local), local.total, 1e-9);
+  EXPECT_GT(remote.age.alone, 0.1);
+  EXPECT_EQ(remote.extrapolation.alone, 0);
+  EXPECT_LT(local.age.alone, 0.01);
+  EXPECT_LT(local.total, 0.1 * remote.total);
+}
+
+TEST(StudyOfASession, OfTissueThatIsExtrapolatedAddsUpToo) {
+  Study study = floor_study(0.02);
+  study.scene_text = server::scene_source("pad").text;
+  study.device = "firm-3dof";
+  study.session.renders_locally = true;
+  study.sweep = parse_sweep("law=none,fba-exact");
+  const StudyResult result = carry_out(study, EvenClock());
+  for (std::size_t i = 0; i < 2; ++i) {
+    const DeviceError& error = error_of(result, i);
+    EXPECT_NEAR(sum_of_parts(error), error.total, 1e-9) << result.settings[i].value;
+    EXPECT_GT(error.extrapolation.alone, 0) << result.settings[i].value;
+  }
+  EXPECT_GT(result.extrapolation_per_s, 0);
 }
 
 TEST(StudyOfASession, PressesAgainstASurfaceAcrossAnyAxis) {

@@ -1,4 +1,4 @@
-#include "forcebound/client/session/texture.hpp"
+#include "forcebound/client/rendering/texture.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,103 @@
+#include "forcebound/client/rendering/local_scene.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "forcebound/client/rendering/device_point.hpp"
+#include "forcebound/client/rendering/texture.hpp"
+#include "forcebound/scene/geometry/bvh.hpp"
+
+namespace forcebound::client {
+namespace {
+
+// Beyond what is touched: the triangles about the god object count too, and a tick's way.
+constexpr double kBorder_m = 2e-3;
+// Above a surface that the server says was touched.
+constexpr double kAbove_m = 1e-6;
+
+}  // namespace
+
+LocalScene::~LocalScene() {
+  // The tick is over; nobody counts allocations any more.
+  delete scene_;
+  delete used_;
+}
+
+void LocalScene::forget() noexcept {
+  active_ = false;
+  forgotten_ = true;
+  if (used_ == nullptr) used_ = std::exchange(scene_, nullptr);
+  if (exchange_.give_back(used_)) used_ = nullptr;
+}
+
+void LocalScene::adopt() noexcept {
+  if (used_ != nullptr) {
+    if (!exchange_.give_back(used_)) return;
+    used_ = nullptr;
+  }
+  BuiltScene* const next = exchange_.take(scene_);
+  if (next == scene_) return;
+  BuiltScene* const last = std::exchange(scene_, next);
+  const bool goes_on =
+      active_ && last != nullptr && last->generation == next->generation && next->state.go_on_from(last->state);
+  active_ = active_ && goes_on;
+  forgotten_ = false;
+  if (!exchange_.give_back(last)) used_ = last;
+}
+
+bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const noexcept {
+  const auto steps = scene_->assembled.scene->plan().steps();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double wanted_m = std::max(depth_m_, steps[i].reach_m) + more_m + kBorder_m;
+    if (!(scene_->assembled.coverage[i].known_within_m(place_m) >= wanted_m)) return false;
+  }
+  return true;
+}
+
+bool LocalScene::begin(const Vector& position, const scene::Point& place_m,
+                       const wire::EnvironmentForce& newest) noexcept {
+  const bool touched = newest.contact_normal.rows() == newest.position.rows();
+  Vector outside_m = newest.position;
+  if (touched) outside_m += (newest.penetration_m + kAbove_m) * newest.contact_normal;
+  if (outside_m.rows() != position.rows() || !outside_m.allFinite()) return false;
+  depth_m_ = 0;
+  if (!knows_about(place_m, (translation_of(outside_m) - place_m).norm())) return false;
+  scene_->state.begin_again(outside_m, first_time_);
+  return true;
+}
+
+std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanoseconds device_time,
+                                              const wire::EnvironmentForce* newest) noexcept {
+  const scene::Point place_m = translation_of(position);
+  exchange_.note_place(place_m);
+  adopt();
+  if (forgotten_) return std::nullopt;
+  const bool goes_on = active_;
+  const scene::SearchBudget budget(nodes_of_a_tick_);
+  if (active_) {
+    active_ = knows_about(place_m, 0);
+  } else {
+    const bool recent = newest != nullptr && device_time - newest->motion_device_time <= kAnswerAgeMax;
+    active_ = recent && begin(position, place_m, *newest);
+  }
+  if (!active_) return std::nullopt;
+
+  const scene::SceneAnswer answer = scene_->state.answer(position, device_time);
+  // Something may have been passed over, now and for what the scene remembers: it begins anew.
+  if (scene::SearchBudget::exhausted()) {
+    ++searches_exhausted_;
+    active_ = false;
+    return std::nullopt;
+  }
+  depth_m_ = answer.penetration_m;
+  quarantined_ += answer.quarantined.size();
+  const Contact touched{.normal = answer.contact_normal, .pushing_N = answer.force};
+  return LocalAnswer{.force_N = answer.force + ripples_N(answer.texture, touched, position),
+                     .contact_normal = answer.contact_normal,
+                     .penetration_m = answer.penetration_m,
+                     .driving_N = answer.driving,
+                     .scene = scene_->number,
+                     .swapped = !goes_on};
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "forcebound/client/rendering/scene_exchange.hpp"
+#include "forcebound/control/vector.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/wire/messages.hpp"
+
+namespace forcebound::client {
+
+using control::Vector;
+using time::Nanoseconds;
+
+/// The answer of the scene at the client for one tick.
+struct LocalAnswer {
+  Vector force_N{};          ///< of the parts that run here, ripples of textures included
+  Vector contact_normal{};   ///< unit, out of the surface touched; no rows: no contact
+  double penetration_m = 0;  ///< depth below that surface; 0: no contact
+  Vector driving_N{};        ///< of `force_N`, that of effects that drive; no rows: there are none
+  std::uint64_t scene = 0;   ///< number of the scene built
+  /// It does not go on from the last tick's. Where more of a scene has arrived, it does: what is about the device was
+  /// known before.
+  bool swapped = false;
+};
+
+/// The scene that runs at the device's position: takes the newest scene of the builder, and answers wherever all
+/// geometry around the device has arrived.
+///
+/// It begins from a position at which the server found the device outside of everything, or, in contact, on the surface
+/// touched, so that contacts begin on the right side; the geometry must be known around the way from there to the
+/// device. While all geometry around the device is known it goes on, also in larger parts of the scene as they arrive;
+/// otherwise it does not answer, because the border of what has arrived is no surface.
+///
+/// Real time: `answer` is noexcept, allocates and frees nothing, and takes what the scene takes at the server, but no
+/// longer than its bound on the nodes that are visited allows.
+class LocalScene {
+ public:
+  /// Beyond any round trip, and short enough that the device's way since is nearly straight.
+  static constexpr Nanoseconds kAnswerAgeMax = std::chrono::seconds{1};
+
+  /// @param nodes_of_a_tick of the trees of meshes; where a tick would visit more, the scene does not answer
+  LocalScene(SceneExchange& exchange, std::uint64_t nodes_of_a_tick)
+      : exchange_(exchange), nodes_of_a_tick_(nodes_of_a_tick) {}
+  ~LocalScene();
+  LocalScene(const LocalScene&) = delete;
+  LocalScene& operator=(const LocalScene&) = delete;
+
+  /// Another scene is to come, or none.
+  void forget() noexcept;
+
+  /// When the scene's time begins, by the device's clock: what happens at a time of its own happens as at the server.
+  void set_first_time(Nanoseconds first_time) noexcept { first_time_ = first_time; }
+
+  /// @param position of the device, with its rows; finite
+  /// @param newest of the server's answers in this scene, or null: where the device was outside, or which surface it
+  /// touched. It begins from none that is older than `kAnswerAgeMax`.
+  [[nodiscard]] std::optional<LocalAnswer> answer(const Vector& position, Nanoseconds device_time,
+                                                  const wire::EnvironmentForce* newest) noexcept;
+
+  /// Whether the last answer was one.
+  [[nodiscard]] bool active() const noexcept { return active_; }
+
+  /// Parts whose force was not finite, and which are left out from then on.
+  [[nodiscard]] std::uint64_t quarantined() const noexcept { return quarantined_; }
+
+  /// Ticks on which it would have visited more nodes than its bound, and did not answer.
+  [[nodiscard]] std::uint64_t searches_exhausted() const noexcept { return searches_exhausted_; }
+
+ private:
+  void adopt() noexcept;
+  [[nodiscard]] bool knows_about(const scene::Point& place_m, double more_m) const noexcept;
+  [[nodiscard]] bool begin(const Vector& position, const scene::Point& place_m,
+                           const wire::EnvironmentForce& newest) noexcept;
+
+  SceneExchange& exchange_;
+  std::uint64_t nodes_of_a_tick_;
+  BuiltScene* scene_ = nullptr;  // the builder's to destroy
+  BuiltScene* used_ = nullptr;   // on its way back, as long as there is no room
+  bool active_ = false;
+  bool forgotten_ = true;  // `scene_` does not count any more
+  double depth_m_ = 0;
+  std::uint64_t quarantined_ = 0;
+  std::uint64_t searches_exhausted_ = 0;
+  Nanoseconds first_time_{0};
+};
+
+}  // namespace forcebound::client

@@ -1,0 +1,65 @@
+#include "forcebound/client/rendering/request_rendering.hpp"
+
+#include <utility>
+
+#include "forcebound/client/rendering/texture.hpp"
+
+namespace forcebound::client {
+
+RequestRendering::Request RequestRendering::render(const std::optional<wire::EnvironmentForce>& newest,
+                                                   const Tick& tick) noexcept {
+  Request request{.force_N = Vector::Zero(tick.position.rows())};
+  if (newest) request.force_N = tick.share * (newest->force + texture_force_N(*newest, tick.position));
+  request.remote_N = request.force_N;
+  if (local_ != nullptr && tick.place.allFinite()) render_locally(newest, tick, request);
+  request.force_N = slew_.bound(request.force_N, tick.elapsed_s);
+  last_request_N_ = request.force_N;
+  return request;
+}
+
+/// In place of the server's answer for a past position: the answer of the scene at the client for the present one. The
+/// force of the parts that only the server computes is added, as its local models go on from it, or held.
+void RequestRendering::render_locally(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick,
+                                      Request& request) noexcept {
+  request.local = local_->answer(tick.place, tick.read_at, newest);
+  if (newest) {
+    request.models = answers_.render(*newest, {.now = tick.read_at,
+                                               .place = tick.place,
+                                               .server_parts_alone = request.local.has_value(),
+                                               .share = tick.share,
+                                               .age = tick.age,
+                                               .force_N_max = force_N_max_});
+  }
+  if (request.local) {
+    // What stands still stays when the server is silent; what drives the device does not go on without it.
+    if (tick.share < 1 && request.local->driving_N.rows() > 0)
+      request.local->force_N -= (1 - tick.share) * request.local->driving_N;
+    request.force_N = request.local->force_N;
+    request.with_server_parts = newest && tick.share > 0 && newest->server_parts_N.rows() == request.force_N.rows();
+    if (request.with_server_parts) request.force_N += tick.share * newest->server_parts_N;
+    if (request.with_server_parts && newest->texture_in_server_parts)
+      request.force_N += tick.share * texture_force_N(*newest, newest->server_parts_N, tick.position);
+  }
+  if (newest) request.force_N += request.models.correction_N;
+  swap_sources(tick.now, request);
+}
+
+/// Where the scene at the client takes over, or ends, the force goes on from what it was.
+void RequestRendering::swap_sources(Nanoseconds now, Request& request) noexcept {
+  const bool local = request.local.has_value();
+  const bool before = std::exchange(local_before_, local);
+  const bool swapped = local != before || (local && request.local->swapped);
+  if (swapped && last_request_N_.rows() == request.force_N.rows()) {
+    // What the source until now would request now: the server's answer says it, a scene that does not answer any more
+    // said it last.
+    Vector until_now_N = last_request_N_;
+    if (!before) {
+      until_now_N = request.remote_N + swap_.left_N(request.remote_N.rows(), now);
+      if (request.models.correction_N.rows() == until_now_N.rows()) until_now_N += request.models.correction_N;
+    }
+    swap_.swap(until_now_N, request.force_N, now);
+  }
+  request.force_N += swap_.left_N(request.force_N.rows(), now);
+}
+
+}  // namespace forcebound::client

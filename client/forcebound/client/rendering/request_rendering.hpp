@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "forcebound/client/rendering/answer_rendering.hpp"
+#include "forcebound/client/rendering/local_rendering.hpp"
+#include "forcebound/client/rendering/slew_bound.hpp"
+#include "forcebound/client/rendering/swap_offset.hpp"
+#include "forcebound/control/vector.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/wire/messages.hpp"
+
+namespace forcebound::client {
+
+/// The force that a tick requests, before the law bounds it: of the server's newest answer, of the scene at the client
+/// where its geometry is known, and of local models.
+///
+///     remote  share of the answer's force, with the ripples of its texture
+///     local   the scene here, in place of that, + share of the rest + what local models change of it
+///             -> goes on where the one before ended (SwapOffset) -> slew bound
+///
+/// Real time: noexcept, no allocation. Owned by the tick.
+class RequestRendering {
+ public:
+  /// @param local null: all forces are the server's
+  RequestRendering(LocalRendering* local, const SlewBound::Limits& limits) noexcept
+      : local_(local), force_N_max_(limits.force_N_max), swap_(limits.force_N_max), slew_(limits) {}
+
+  struct Tick {
+    Nanoseconds now{0};
+    Nanoseconds read_at{0};  ///< of the device's position
+    double elapsed_s = 0;    ///< since the reading before; zero on the first tick
+    const Vector& position;  ///< of the device
+    const Vector& place;     ///< where the environment is asked: the device's, unless the law moves it
+    double share = 0;        ///< what the late-force policy leaves of the newest answer; zero: there is none
+    ModelAge age{};          ///< of the state that it tells of
+  };
+
+  struct Request {
+    Vector force_N{};
+    Vector remote_N{};  ///< what the server's answers alone would ask for
+    std::optional<LocalAnswer> local{};
+    bool with_server_parts = false;      ///< of the server's answer there is a part in it, beside the scene here
+    AnswerRendering::Rendered models{};  ///< what local models change of the server's answer
+  };
+
+  /// @param newest of the server's answers; its vectors have the device's rows or none
+  [[nodiscard]] Request render(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick) noexcept;
+
+  /// The server ended that session.
+  void end(std::uint64_t session) noexcept {
+    if (local_ != nullptr) local_->end();
+    answers_.end(session);
+  }
+
+  [[nodiscard]] const AnswerRendering& answers() const noexcept { return answers_; }
+
+  /// Ticks on which the slew bound limited the request.
+  [[nodiscard]] std::uint64_t slew_bounded() const noexcept { return slew_.bounded(); }
+
+ private:
+  void render_locally(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick, Request& request) noexcept;
+  void swap_sources(Nanoseconds now, Request& request) noexcept;
+
+  LocalRendering* local_;
+  double force_N_max_;
+  AnswerRendering answers_;
+  SwapOffset swap_;
+  SlewBound slew_;
+  Vector last_request_N_{};
+  bool local_before_ = false;  // whether the last force was of the scene at the client
+};
+
+}  // namespace forcebound::client

@@ -1,0 +1,55 @@
+#include "forcebound/client/rendering/surface_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace forcebound::client {
+
+void SurfaceContact::take(const local_model::Surface& told, const DevicePoint& device, const ModelAge& age) noexcept {
+  const bool same = there_ && told.id == told_.id;
+  told_ = told;
+  there_ = true;
+  if (!same) relaxed_N_ = told.relaxed_N;
+  // Another answer may have the surface elsewhere: that is no motion to relax from.
+  depth_m_ = std::max(0.0, depth_m(device, age));
+}
+
+void SurfaceContact::advance(const DevicePoint& device, const ModelAge& age, double elapsed_s) noexcept {
+  const double before_m = std::exchange(depth_m_, std::max(0.0, depth_m(device, age)));
+  if (!(depth_m_ > 0) || !(told_.relaxing_N_per_m > 0)) {
+    relaxed_N_ = 0;
+    return;
+  }
+  relaxed_N_ += told_.relaxing_N_per_m * (depth_m_ - before_m);
+  relaxed_N_ *= std::exp(-elapsed_s / told_.relaxation_s);
+}
+
+Point SurfaceContact::away_m(const DevicePoint& device, const ModelAge& age) const noexcept {
+  const Point gone_m = age.s * (told_.velocity_m_per_s + 0.5 * age.s * age.certainty() * told_.acceleration_m_per_s2);
+  return device.place_m - told_.place_m - gone_m;
+}
+
+double SurfaceContact::depth_m(const DevicePoint& device, const ModelAge& age) const noexcept {
+  return -told_.normal.dot(away_m(device, age));
+}
+
+Point SurfaceContact::force_N(const DevicePoint& device, const ModelAge& age) const noexcept {
+  const Point apart_m = away_m(device, age);
+  if (!(told_.normal.dot(apart_m) < 0)) return Point::Zero();
+  const Point surface_m_per_s = told_.velocity_m_per_s + age.s * age.certainty() * told_.acceleration_m_per_s2;
+  const double nearing_m_per_s = -told_.normal.dot(device.velocity_m_per_s - surface_m_per_s);
+  const Point elastic_N = -(told_.stiffness_N_per_m * apart_m);
+  const Point pushed_N = elastic_N + (told_.damping_N_s_per_m * nearing_m_per_s + relaxed_N_) * told_.normal;
+  return pushed_N.dot(told_.normal) > 0 ? pushed_N : Point(Point::Zero());
+}
+
+double SurfaceContact::weight(const DevicePoint& device, const ModelAge& age) const noexcept {
+  Point apart_m = away_m(device, age);
+  const double height_m = told_.normal.dot(apart_m);
+  // Above the surface there is no force to be wrong about, however far.
+  if (height_m > 0) apart_m -= height_m * told_.normal;
+  return weight_at(apart_m.norm(), told_.radius_m);
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "forcebound/client/rendering/device_point.hpp"
+
+namespace forcebound::client {
+
+/// Renders a local_model::Surface at the device's own place and rate.
+///
+/// The surface goes on by the velocity and acceleration told, the acceleration by the share of the age that is certain:
+/// where the age is a guess, its square is twice as wrong. What relaxes belongs to the client, and goes on when another
+/// answer tells of the same surface.
+///
+/// Real time: noexcept, no allocation.
+class SurfaceContact {
+ public:
+  /// Another answer tells of a surface, of the same one if it has the same id.
+  void take(const local_model::Surface& told, const DevicePoint& device, const ModelAge& age) noexcept;
+
+  [[nodiscard]] bool is(std::uint32_t id) const noexcept { return there_ && told_.id == id; }
+
+  /// There is none in the newest answer.
+  void forget() noexcept { *this = {}; }
+
+  /// The relaxation goes on for the time since the last tick.
+  void advance(const DevicePoint& device, const ModelAge& age, double elapsed_s) noexcept;
+
+  /// Force on the device, without regard to the radius.
+  [[nodiscard]] Point force_N(const DevicePoint& device, const ModelAge& age) const noexcept;
+
+  /// How much it counts: by the distance across the normal, and by the depth.
+  [[nodiscard]] double weight(const DevicePoint& device, const ModelAge& age) const noexcept;
+
+  /// It does not move by itself, and nobody else moves it.
+  [[nodiscard]] bool stands() const noexcept {
+    return !told_.others_move_it && told_.velocity_m_per_s.isZero(0) && told_.acceleration_m_per_s2.isZero(0);
+  }
+
+  /// What the held force has in its place.
+  [[nodiscard]] const Point& held_N() const noexcept { return told_.force_N; }
+
+ private:
+  [[nodiscard]] Point away_m(const DevicePoint& device, const ModelAge& age) const noexcept;
+  [[nodiscard]] double depth_m(const DevicePoint& device, const ModelAge& age) const noexcept;
+
+  local_model::Surface told_{};
+  bool there_ = false;
+  double relaxed_N_ = 0;  // g
+  double depth_m_ = 0;    // on the last tick, >= 0
+};
+
+}  // namespace forcebound::client

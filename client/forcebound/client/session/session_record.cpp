@@ -1,0 +1,182 @@
+// What a session writes down: each tick, each force, and the totals.
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "forcebound/client/session/session.hpp"
+
+namespace forcebound::client {
+namespace {
+
+// An answer describes a surface by its tangent plane at one place. For a radius of curvature of 20 mm the plane is 25
+// um off at this distance; farther away no depth is given.
+constexpr double kPlaneReach_m = 1e-3;
+constexpr Eigen::Index kTranslationsMax = 3;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+record::ForceOrigin recorded(bool at_client, bool held) noexcept {
+  if (!at_client) return record::ForceOrigin::held;
+  return held ? record::ForceOrigin::both : record::ForceOrigin::at_client;
+}
+
+record::SessionState recorded(SessionState state) noexcept {
+  switch (state) {
+    case SessionState::connecting:
+      return record::SessionState::connecting;
+    case SessionState::active:
+      return record::SessionState::active;
+    case SessionState::stale:
+      return record::SessionState::stale;
+    case SessionState::reconnecting:
+      break;
+  }
+  return record::SessionState::reconnecting;
+}
+
+record::ForcePolicy recorded(ForcePolicy policy) noexcept {
+  switch (policy) {
+    case ForcePolicy::none:
+      return record::ForcePolicy::none;
+    case ForcePolicy::fresh:
+      return record::ForcePolicy::fresh;
+    case ForcePolicy::fading:
+      return record::ForcePolicy::fading;
+    case ForcePolicy::dropped:
+      break;
+  }
+  return record::ForcePolicy::dropped;
+}
+
+}  // namespace
+
+void Session::write_down(const Done& done) const noexcept {
+  record::TickRecord record{
+      .tick = ticks_,
+      .time = done.reading.latched,
+      .interval = done.interval,
+      .latency = done.latency,
+      .state = recorded(state()),
+      .policy = recorded(policy_),
+      .motion_sequence = done.motion_sequence,
+      .force_sequence = done.force_sequence,
+      .force_age = done.force_age,
+      .position = done.reading.position,
+      .joint = done.reading.joint,
+      .request = done.request.force_N,
+      .applied = done.applied,
+      .energy_J = law().energy_J(),
+      .xi = law().xi(),
+      .rendering = recorded(done.request.local || done.request.models.model_N.rows() > 0, done.request.models.held),
+      .remote = done.request.remote_N,
+      .model = done.request.models.model_N,
+      .model_deviation_m = done.request.models.deviation_m};
+  if (done.request.local) {
+    record.local = done.request.local->force_N;
+    record.local_scene = done.request.local->scene;
+    record.local_scene_age = now_ - local_since_;
+  }
+  note_contact(done, record);
+  if (const auto audit = device_.audit()) {
+    record.audit_J = audit->energy_J;
+    record.audit_minimum_J = audit->minimum_J;
+  }
+  for (record::TickSink* sink : sinks_.ticks) sink->on_tick(record);
+}
+
+void Session::write_down(const wire::EnvironmentForce& force, Nanoseconds arrival) const noexcept {
+  const record::ForceRecord record{
+      .receive_time = arrival,
+      .round_trip = std::max(Nanoseconds::zero(), arrival - ForceStream::reading_time(force)),
+      .force = force};
+  for (record::TickSink* sink : sinks_.ticks) sink->on_force(record);
+}
+
+void Session::note_contact(const Done& done, record::TickRecord& record) const noexcept {
+  record.contact = false;
+  record.penetration_m = kUnknown;
+  record.displayed_N = 0;
+  // Where nothing that runs here is touched, the contact may be with what the server alone computes.
+  if (const auto& local = done.request.local; local && (local->penetration_m > 0 || !done.request.with_server_parts)) {
+    record.contact = local->penetration_m > 0;
+    record.penetration_m = local->penetration_m;
+    if (record.contact) record.displayed_N = done.applied.dot(local->contact_normal);
+    return;
+  }
+  const auto& force = forces_.newest();
+  if (!force || policy_ == ForcePolicy::dropped) return;
+  const Vector away = done.reading.position - force->position;
+  const bool near = away.head(std::min(away.rows(), kTranslationsMax)).norm() <= kPlaneReach_m;
+  record.contact = force->contact_normal.rows() == done.applied.rows();
+  if (!record.contact) {
+    if (near) record.penetration_m = 0;
+    return;
+  }
+  record.displayed_N = done.applied.dot(force->contact_normal);
+  if (!near) return;
+  record.penetration_m = force->penetration_m - force->contact_normal.dot(away);
+  record.contact = record.penetration_m > 0;
+}
+
+record::RunTotals Session::totals() const {
+  const ForceStream::Counts network = forces_.counts(now_);
+  record::RunTotals totals;
+  totals.scene = scene_;
+  totals.simulated = simulated_;
+  totals.malformed = counts_.malformed;
+  totals.foreign_session = counts_.foreign_session;
+  totals.refusals = counts_.refusals;
+  totals.send_failures = counts_.send_failures;
+  totals.held_too_long = counts_.held_too_long;
+  totals.released_by_device = counts_.released_by_device;
+  const device::DeviceCounters device = device_.counters();
+  totals.device_gaps_cut = device.gaps_cut;
+  totals.device_frozen_joints = device.frozen_joints;
+  totals.device_faulty_commands = device.faulty_commands;
+  if (!device_.last_error().empty()) {
+    totals.notes.push_back(device_.facts().name + ": " + std::string(device_.last_error()));
+  }
+  totals.sent = network.sent;
+  totals.received = network.received;
+  totals.lost_up = network.lost_up;
+  totals.lost_down = network.lost_down;
+  totals.in_flight = network.in_flight;
+  totals.unanswered = network.unanswered;
+  totals.duplicated = network.duplicated + network.motions_duplicated;
+  totals.reordered = network.reordered + network.motions_reordered;
+  totals.foreign_session += network.foreign;
+  totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
+  totals.non_finite_requests = controller_.counts().requests_not_finite;
+  totals.impossible_intervals = controller_.counts().intervals_impossible;
+  totals.withdrawn_forces = controller_.counts().withdrawn;
+  totals.non_finite_readings = controller_.counts().readings_not_finite;
+  totals.readings_too_far = controller_.counts().readings_too_far;
+  totals.failed_writes = controller_.counts().writes_failed;
+  totals.effects_outside_facts = controller_.counts().effects_outside_facts;
+  totals.releases_outside_facts = controller_.counts().releases_outside_facts;
+  totals.longest_blackout = blackouts_.longest(last_tick_);
+  if (totals.longest_blackout.duration > Nanoseconds::zero()) {
+    totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));
+  }
+  totals.slew_bounded = rendering_.slew_bounded();
+  totals.models_refused = rendering_.answers().refused();
+  if (clocks_.known()) {
+    totals.server_ahead = clocks_.ahead();
+    totals.server_ahead_off = clocks_.uncertainty(last_tick_);
+  }
+  if (options_.local != nullptr) {
+    const HandoverCounts scenes = options_.local->builder().counts();
+    totals.scene_pieces = options_.local->pieces_received();
+    totals.scene_piece_bytes = options_.local->piece_bytes_received();
+    totals.scenes_from_cache = scenes.from_cache;
+    totals.scenes_refused = scenes.refused;
+    totals.parts_quarantined = options_.local->parts_quarantined();
+    totals.searches_exhausted = options_.local->searches_exhausted();
+    if (!scenes.why_refused.empty()) totals.notes.push_back("scene refused: " + scenes.why_refused);
+    if (!scenes.cache_problem.empty()) totals.notes.push_back(scenes.cache_problem);
+  }
+  totals.reconnects = connection_.sessions() > 0 ? connection_.sessions() - 1 : 0;
+  return totals;
+}
+
+}  // namespace forcebound::client

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "forcebound/handover/coverage.hpp"
+#include "forcebound/handover/limits.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
+#include "forcebound/scene/geometry/triangle_mesh.hpp"
+#include "forcebound/v1/handover.pb.h"
+
+/// Private to handover.
+namespace forcebound::handover {
+
+/// One mesh or grid of heights of a manifest, and the pieces of it that have arrived.
+class GeometryAssembly {
+ public:
+  /// @param first number of its first piece
+  /// @throws HandoverError if it contradicts itself
+  GeometryAssembly(const v1::Geometry& geometry, std::size_t first);
+
+  [[nodiscard]] std::size_t first() const noexcept { return first_; }
+  [[nodiscard]] std::size_t pieces() const noexcept { return contents_.size(); }
+  [[nodiscard]] std::size_t here() const noexcept { return here_; }
+  [[nodiscard]] bool whole() const noexcept { return here_ == pieces(); }
+
+  /// @throws HandoverError if it is not the piece of that number
+  void take(std::size_t number, std::span<const std::byte> bytes);
+
+  struct Made {
+    scene::ShapeGeometry geometry{};
+    std::size_t in_fullest_place = 0;  ///< triangles of a mesh, in about the fullest place
+  };
+
+  /// A geometry of the pieces that have arrived.
+  /// @throws HandoverError, scene::GeometryError
+  [[nodiscard]] Made made(const Limits& limits) const;
+
+  [[nodiscard]] Coverage coverage() const;
+  [[nodiscard]] double known_within_m(const Point& point_m) const;
+
+  void append_content(std::vector<std::byte>& to) const;
+
+ private:
+  static constexpr std::uint32_t kUnknown = 0xFFFFFFFF;
+
+  [[nodiscard]] bool is_mesh() const noexcept { return geometry_.triangles() > 0; }
+  [[nodiscard]] Eigen::AlignedBox3d whole_box_m() const;
+  [[nodiscard]] Eigen::AlignedBox3d box_m(std::size_t piece) const;
+  [[nodiscard]] Eigen::AlignedBox3d mesh_box_m(std::size_t piece) const;  // in the mesh's own frame
+  void take_triangles(const v1::MeshPiece& piece, std::size_t number_of_piece);
+  void take_heights(const v1::HeightPiece& piece, std::size_t number);
+  [[nodiscard]] std::shared_ptr<const scene::TriangleMesh> made_mesh() const;
+
+  v1::Geometry geometry_;
+  std::size_t first_;
+  std::size_t here_ = 0;
+  std::vector<std::string> contents_;  // of the pieces; empty: not there
+  scene::MeshFrame frame_{};
+  std::vector<Point> vertices_m_;           // not a number: not there
+  std::vector<scene::Triangle> triangles_;  // kUnknown: not there
+  std::vector<double> heights_m_;           // zero: not there
+};
+
+}  // namespace forcebound::handover

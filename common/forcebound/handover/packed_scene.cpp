@@ -1,0 +1,258 @@
+#include "forcebound/handover/packed_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "forcebound/handover/internal/proto_values.hpp"
+#include "forcebound/scene/geometry/bvh.hpp"
+#include "forcebound/scene/geometry/height_field.hpp"
+#include "forcebound/scene/part.hpp"
+
+namespace forcebound::handover {
+namespace {
+
+using Box = Eigen::AlignedBox3d;
+using scene::Point;
+
+struct Cut {
+  std::string bytes;
+  Box where_m;
+};
+
+Box everywhere() {
+  const Point far = Point::Constant(std::numeric_limits<double>::infinity());
+  const Point low = -far;
+  return {low, far};
+}
+
+/// The values that go beside a geometry: rows and files only where they must be given, and of files the name alone.
+config::Values without_geometry(const scene::NamedValues& shape) {
+  static const scene::Registry kKnown = scene::Registry::standard();
+  config::Values rest;
+  for (const config::Parameter& parameter : kKnown.find_shape(shape.name)->parameters) {
+    const std::string_view key = config::key_of(parameter);
+    if (!shape.values.has(key)) continue;
+    const auto* const text = std::get_if<config::TextParameter>(&parameter);
+    const bool is_file = text != nullptr && text->form == config::TextParameter::Form::file;
+    const bool replaced = is_file || std::holds_alternative<config::RowsParameter>(parameter);
+    if (replaced && config::may_be_left_out(parameter)) continue;
+    if (is_file) {
+      rest.set(key, std::filesystem::path(shape.values.text(key)).filename().string());
+    } else {
+      rest.set(key, shape.values.all().find(key)->second);
+    }
+  }
+  return rest;
+}
+
+/// Gathers triangles until a piece is full.
+class MeshPieceWriter {
+ public:
+  explicit MeshPieceWriter(const scene::TriangleMesh& mesh) : mesh_(mesh) {}
+
+  /// False, with nothing done, if it has no room for it.
+  [[nodiscard]] bool add(std::uint32_t triangle) {
+    // A vertex: its place (at most 5 bytes) and 24; a triangle: its number and three corners; the rest: tags, lengths.
+    constexpr std::size_t kVertexBytes = 29;
+    constexpr std::size_t kTriangleBytes = 8;
+    constexpr std::size_t kOtherBytes = 32;
+    constexpr std::size_t kVerticesMax = 256;
+    std::size_t vertices = vertices_.size();
+    for (const std::uint32_t vertex : mesh_.triangles()[triangle]) vertices += vertices_.contains(vertex) ? 0 : 1;
+    const std::size_t bytes = kOtherBytes + vertices * kVertexBytes + (triangles_.size() + 1) * kTriangleBytes;
+    if (bytes > kPieceBytesMax || vertices > kVerticesMax) return false;
+    triangles_.push_back(triangle);
+    for (const std::uint32_t vertex : mesh_.triangles()[triangle]) vertices_.emplace(vertex, 0);
+    return true;
+  }
+
+  [[nodiscard]] bool empty() const { return triangles_.empty(); }
+
+  Cut take() {
+    Cut cut;
+    v1::MeshPiece piece;
+    std::uint32_t before = 0;
+    std::uint32_t place = 0;
+    for (auto& [vertex, at] : vertices_) {
+      const Point& position_m = mesh_.vertices_m()[vertex];
+      piece.add_vertex(vertex - std::exchange(before, vertex));
+      for (Eigen::Index axis = 0; axis < 3; ++axis) piece.add_position(position_m[axis]);
+      cut.where_m.extend(position_m);
+      at = place++;
+    }
+    std::ranges::sort(triangles_);
+    before = 0;
+    for (const std::uint32_t triangle : triangles_) {
+      piece.add_triangle(triangle - std::exchange(before, triangle));
+      for (const std::uint32_t vertex : mesh_.triangles()[triangle])
+        piece.mutable_corners()->push_back(static_cast<char>(vertices_.at(vertex)));
+    }
+    cut.bytes = piece.SerializeAsString();
+    triangles_.clear();
+    vertices_.clear();
+    return cut;
+  }
+
+ private:
+  const scene::TriangleMesh& mesh_;
+  std::vector<std::uint32_t> triangles_;
+  std::map<std::uint32_t, std::uint32_t> vertices_;
+};
+
+void put_number(std::string& to, double steps) {
+  const auto number = static_cast<unsigned>(std::clamp(steps, 0.0, kBoxSteps));
+  to.push_back(static_cast<char>(number & 0xFFU));
+  to.push_back(static_cast<char>(number >> 8U));
+}
+
+/// A bit larger than it is.
+void put_box(std::string& to, const Box& box_m, const Box& whole_m) {
+  const auto steps = [&](const Point& corner, Eigen::Index axis) {
+    const double size_m = whole_m.sizes()[axis];
+    return size_m > 0 ? (corner[axis] - whole_m.min()[axis]) / size_m * kBoxSteps : 0.0;
+  };
+  for (Eigen::Index axis = 0; axis < 3; ++axis) put_number(to, std::floor(steps(box_m.min(), axis)) - 1);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) put_number(to, std::ceil(steps(box_m.max(), axis)) + 1);
+}
+
+std::vector<Cut> cut_mesh(const std::shared_ptr<const scene::TriangleMesh>& mesh, v1::Geometry& geometry) {
+  const scene::MeshFrame frame = mesh->frame();
+  fill(frame.origin_m, geometry.mutable_origin());
+  fill(frame.box_m.min(), geometry.mutable_box_low());
+  fill(frame.box_m.max(), geometry.mutable_box_high());
+  geometry.set_vertices(static_cast<std::uint32_t>(mesh->vertices_m().size()));
+  geometry.set_triangles(static_cast<std::uint32_t>(mesh->triangles().size()));
+  geometry.set_open_edges(static_cast<std::uint32_t>(frame.report.open_edges));
+  geometry.set_non_manifold_edges(static_cast<std::uint32_t>(frame.report.non_manifold_edges));
+  geometry.set_inconsistent_edges(static_cast<std::uint32_t>(frame.report.inconsistent_edges));
+  geometry.set_volume_m3(frame.report.volume_m3);
+
+  // In the order of the tree those near to each other follow each other.
+  const scene::Bvh bvh(mesh);
+  std::vector<Cut> cuts;
+  MeshPieceWriter writer(*mesh);
+  for (const std::uint32_t triangle : bvh.order()) {
+    if (writer.add(triangle)) continue;
+    cuts.push_back(writer.take());
+    (void)writer.add(triangle);
+  }
+  if (!writer.empty()) cuts.push_back(writer.take());
+  for (Cut& cut : cuts) {
+    put_box(*geometry.mutable_boxes(), cut.where_m, frame.box_m);
+    cut.where_m.translate(frame.origin_m);
+  }
+  return cuts;
+}
+
+std::vector<Cut> cut_heights(const scene::HeightGrid& grid, v1::Geometry& geometry) {
+  const std::size_t rows = grid.heights_m.size() / grid.columns;
+  fill(grid.origin_m, geometry.mutable_origin());
+  geometry.set_spacing(grid.spacing_m);
+  geometry.set_columns(static_cast<std::uint32_t>(grid.columns));
+  geometry.set_rows(static_cast<std::uint32_t>(rows));
+  std::vector<Cut> cuts;
+  for (std::size_t row = 0; row < rows; row += kTile) {
+    for (std::size_t column = 0; column < grid.columns; column += kTile) {
+      Cut cut;
+      v1::HeightPiece piece;
+      piece.set_column(static_cast<std::uint32_t>(column));
+      piece.set_row(static_cast<std::uint32_t>(row));
+      const std::size_t columns = std::min(kTile, grid.columns - column);
+      piece.set_columns(static_cast<std::uint32_t>(columns));
+      for (std::size_t r = row; r < std::min(row + kTile, rows); ++r) {
+        for (std::size_t c = column; c < column + columns; ++c) {
+          const double height_m = grid.heights_m[r * grid.columns + c];
+          piece.add_height(height_m);
+          cut.where_m.extend(grid.origin_m + Point(grid.spacing_m * static_cast<double>(c),
+                                                   grid.spacing_m * static_cast<double>(r), height_m));
+        }
+      }
+      cut.bytes = piece.SerializeAsString();
+      cuts.push_back(std::move(cut));
+    }
+  }
+  return cuts;
+}
+
+/// Writes the manifest, and with it the pieces of its geometries.
+class ManifestWriter {
+ public:
+  explicit ManifestWriter(const scene::Scene& scene) {
+    manifest_.set_name(scene.facts().name);
+    manifest_.set_degrees_of_freedom(scene.facts().degrees_of_freedom);
+    std::size_t part = 0;
+    for (const scene::SceneObject& object : scene.objects()) {
+      if (scene.rendering_of_part(part++).how == scene::Rendering::at_client) add(object, manifest_.add_objects());
+    }
+    for (const scene::SceneObject& field : scene.fields()) {
+      if (scene.rendering_of_part(part++).how == scene::Rendering::at_client) add(field, manifest_.add_fields());
+    }
+  }
+
+  [[nodiscard]] std::string manifest() const { return manifest_.SerializeAsString(); }
+  [[nodiscard]] std::vector<Cut>& cuts() { return cuts_; }
+
+ private:
+  void add(const scene::SceneObject& from, v1::ScenePart* to) {
+    const scene::PartDescription description = describe(from);
+    to->set_name(description.name);
+    if (description.shape) {
+      const scene::ShapeGeometry geometry = from.shape->geometry();
+      const bool has_geometry = geometry.kind() != scene::GeometryKind::none;
+      to->set_shape(description.shape->name);
+      fill(has_geometry ? without_geometry(*description.shape) : description.shape->values, to->mutable_shape_values());
+      if (has_geometry) to->set_geometry(add_geometry(geometry));
+    }
+    for (const scene::NamedValues& named : description.effects) {
+      v1::SceneEffect* const effect = to->add_effects();
+      effect->set_name(named.name);
+      fill(named.values, effect->mutable_values());
+    }
+  }
+
+  std::uint32_t add_geometry(const scene::ShapeGeometry& from) {
+    v1::Geometry* const geometry = manifest_.add_geometries();
+    std::vector<Cut> cuts = from.mesh ? cut_mesh(from.mesh, *geometry) : cut_heights(*from.heights, *geometry);
+    for (Cut& cut : cuts) {
+      const Hash hash = hash_of(std::as_bytes(std::span(cut.bytes)));
+      geometry->mutable_hashes()->append(reinterpret_cast<const char*>(hash.data()), kHashBytes);
+      cuts_.push_back(std::move(cut));
+    }
+    return static_cast<std::uint32_t>(manifest_.geometries_size());
+  }
+
+  v1::SceneManifest manifest_;
+  std::vector<Cut> cuts_;
+};
+
+}  // namespace
+
+PackedScene::PackedScene(const scene::Scene& scene) {
+  ManifestWriter writer(scene);
+  const std::string manifest = writer.manifest();
+  const auto put = [this](std::string_view bytes, const Box& where_m) {
+    if (bytes.size() > kPieceBytesMax) throw scene::GeometryError("a piece of the scene has no place in a datagram");
+    pieces_.push_back({bytes_.size(), bytes.size(), where_m});
+    const auto raw = std::as_bytes(std::span(bytes));
+    bytes_.insert(bytes_.end(), raw.begin(), raw.end());
+  };
+  for (std::size_t begin = 0; begin < manifest.size(); begin += kPieceBytesMax)
+    put(std::string_view(manifest).substr(begin, kPieceBytesMax), everywhere());
+  for (const Cut& cut : writer.cuts()) put(cut.bytes, cut.where_m);
+  announcement_ = {
+      .hash = hash_of(std::as_bytes(std::span(manifest))), .manifest_bytes = manifest.size(), .pieces = pieces_.size()};
+}
+
+std::span<const std::byte> PackedScene::piece(std::size_t number) const noexcept {
+  return std::span(bytes_).subspan(pieces_[number].begin, pieces_[number].bytes);
+}
+
+std::shared_ptr<const PackedScene> pack(const scene::Scene& scene) {
+  return scene.can_be_handed_over() ? std::make_shared<const PackedScene>(scene) : nullptr;
+}
+
+}  // namespace forcebound::handover

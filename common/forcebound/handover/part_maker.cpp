@@ -1,0 +1,59 @@
+#include "forcebound/handover/internal/part_maker.hpp"
+
+#include <set>
+
+#include "forcebound/handover/internal/proto_values.hpp"
+#include "forcebound/text/printable.hpp"
+
+namespace forcebound::handover {
+
+std::string one_line(const std::string& from) {
+  constexpr std::size_t kBytesMax = 200;
+  return text::printable(from.substr(0, kBytesMax));
+}
+
+void check_manifest(const v1::SceneManifest& manifest, const Limits& limits) {
+  const auto parts =
+      static_cast<std::size_t>(manifest.objects_size()) + static_cast<std::size_t>(manifest.fields_size());
+  if (parts > limits.parts || static_cast<std::size_t>(manifest.geometries_size()) > limits.parts) {
+    throw HandoverError("the scene has " + std::to_string(parts) + " parts and " +
+                        std::to_string(manifest.geometries_size()) + " geometries, at most " +
+                        std::to_string(limits.parts) + " of each are accepted");
+  }
+  // Each use of a geometry makes a shape of it.
+  std::set<std::uint32_t> used;
+  for (const auto* const list : {&manifest.objects(), &manifest.fields()}) {
+    for (const v1::ScenePart& part : *list) {
+      if (static_cast<std::size_t>(part.effects_size()) > limits.effects_of_a_part) {
+        throw HandoverError("part '" + one_line(part.name()) + "' has " + std::to_string(part.effects_size()) +
+                            " effects, at most " + std::to_string(limits.effects_of_a_part) + " are accepted");
+      }
+      if (part.geometry() > static_cast<std::uint32_t>(manifest.geometries_size())) {
+        throw HandoverError("part '" + one_line(part.name()) + "' refers to a geometry that the manifest lacks");
+      }
+      if (part.geometry() != 0 && !used.insert(part.geometry()).second) {
+        throw HandoverError("part '" + one_line(part.name()) + "' refers to the geometry of another part");
+      }
+    }
+  }
+  const int rows = manifest.degrees_of_freedom();
+  if (rows < 0 || rows > 3) {
+    throw HandoverError("the scene has " + std::to_string(rows) + " degrees of freedom, 0 (any) to 3 are accepted");
+  }
+}
+
+scene::PartDescription field_of(const v1::ScenePart& part) {
+  scene::PartDescription description{.name = one_line(part.name())};
+  for (const v1::SceneEffect& effect : part.effects()) {
+    description.effects.push_back({effect.name(), values_of(effect.values())});
+  }
+  return description;
+}
+
+scene::PartDescription object_of(const v1::ScenePart& part) {
+  scene::PartDescription description = field_of(part);
+  description.shape = scene::NamedValues{part.shape(), values_of(part.shape_values())};
+  return description;
+}
+
+}  // namespace forcebound::handover

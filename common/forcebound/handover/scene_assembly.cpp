@@ -1,0 +1,314 @@
+#include "forcebound/handover/scene_assembly.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "forcebound/handover/internal/geometry_assembly.hpp"
+#include "forcebound/handover/internal/part_maker.hpp"
+#include "forcebound/scene/cost.hpp"
+#include "forcebound/scene/geometry/bvh.hpp"
+#include "forcebound/scene/geometry/height_field.hpp"
+#include "forcebound/scene/part.hpp"
+
+namespace forcebound::handover {
+namespace {
+
+// In the time of a triangle or height.
+constexpr std::size_t kCoverageCells = 3;
+
+/// A shape of which the geometry is not there yet: nothing to touch, and nothing is known about it.
+class NotThereYet final : public scene::Shape {
+ public:
+  scene::SurfacePoint nearest(const Point&, std::byte*) const noexcept override {
+    return {.penetration_m = -std::numeric_limits<double>::max()};
+  }
+};
+
+/// One shape in several scenes, of which each owns its shapes.
+class SharedShape final : public scene::Shape {
+ public:
+  explicit SharedShape(std::shared_ptr<const scene::Shape> shape) : shape_(std::move(shape)) {}
+
+  scene::SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
+    return shape_->nearest(position_m, state);
+  }
+  scene::ShapeFacts facts() const override { return shape_->facts(); }
+  scene::ShapeGeometry geometry() const override { return shape_->geometry(); }
+  void begin_outside(const Point& free_m, std::byte* state) const noexcept override {
+    shape_->begin_outside(free_m, state);
+  }
+
+ private:
+  std::shared_ptr<const scene::Shape> shape_;
+};
+
+}  // namespace
+
+struct SceneAssembly::Parts {
+  /// A shape that was built last, and of how much of its geometry.
+  struct Built {
+    std::shared_ptr<const scene::Shape> shape;
+    std::size_t pieces = 0;
+    std::size_t in_fullest_place = 0;  // triangles
+    Coverage coverage{};
+  };
+
+  Announcement announcement;
+  scene::Registry registry;
+  Limits limits;
+  std::vector<std::byte> manifest_bytes;
+  std::vector<bool> here;  // of all pieces
+  std::size_t pieces_here = 0;
+  std::optional<v1::SceneManifest> manifest{};
+  std::vector<GeometryAssembly> geometries{};
+  std::vector<Built> built{};                             // of the objects
+  std::map<std::size_t, std::vector<std::byte>> early{};  // pieces of geometry that overtook the manifest
+
+  [[nodiscard]] std::size_t of_manifest() const { return handover::manifest_pieces(announcement.manifest_bytes); }
+
+  void take_manifest_piece(std::size_t number, std::span<const std::byte> bytes);
+  void read_manifest();
+  void take_geometry_piece(std::size_t number, std::span<const std::byte> bytes);
+  [[nodiscard]] Eigen::Index axes() const { return std::max(1, manifest->degrees_of_freedom()); }
+  void check_work(const scene::Scene& scene) const;
+  scene::SceneObject make_object(std::size_t number, AssembledScene& made);
+  scene::SceneObject make_from_geometry(std::size_t number, const scene::PartDescription& description,
+                                        const GeometryAssembly& geometry, AssembledScene& made);
+};
+
+SceneAssembly::SceneAssembly(const Announcement& announcement, scene::Registry registry, const Limits& limits) {
+  const auto over = [](const std::string& what, std::size_t got, std::size_t most) {
+    throw HandoverError("the server announces " + std::to_string(got) + " " + what + ", at most " +
+                        std::to_string(most) + " are taken");
+  };
+  if (announcement.manifest_bytes > limits.manifest_bytes)
+    over("bytes of manifest", announcement.manifest_bytes, limits.manifest_bytes);
+  if (announcement.pieces > limits.pieces) over("pieces", announcement.pieces, limits.pieces);
+  const std::size_t of_manifest = handover::manifest_pieces(announcement.manifest_bytes);
+  if (of_manifest == 0 || announcement.pieces < of_manifest)
+    throw HandoverError("the server announces fewer pieces than its manifest has");
+  parts_ = std::make_unique<Parts>(Parts{.announcement = announcement,
+                                         .registry = std::move(registry),
+                                         .limits = limits,
+                                         .manifest_bytes = std::vector<std::byte>(announcement.manifest_bytes),
+                                         .here = std::vector<bool>(announcement.pieces)});
+}
+
+SceneAssembly::~SceneAssembly() = default;
+SceneAssembly::SceneAssembly(SceneAssembly&&) noexcept = default;
+SceneAssembly& SceneAssembly::operator=(SceneAssembly&&) noexcept = default;
+
+const Announcement& SceneAssembly::announcement() const noexcept { return parts_->announcement; }
+std::size_t SceneAssembly::pieces_here() const noexcept { return parts_->pieces_here; }
+bool SceneAssembly::can_build() const noexcept { return parts_->manifest.has_value(); }
+
+void SceneAssembly::take(std::size_t number, std::span<const std::byte> bytes) {
+  Parts& p = *parts_;
+  if (number >= p.here.size()) {
+    throw HandoverError("piece " + std::to_string(number) + " of " + std::to_string(p.here.size()));
+  }
+  if (bytes.size() > kPieceBytesMax) {
+    throw HandoverError("piece " + std::to_string(number) + " is " + std::to_string(bytes.size()) +
+                        " bytes long, more than " + std::to_string(kPieceBytesMax));
+  }
+  if (p.here[number]) return;
+  if (number < p.of_manifest()) {
+    p.take_manifest_piece(number, bytes);
+  } else {
+    p.take_geometry_piece(number, bytes);
+  }
+}
+
+void SceneAssembly::Parts::take_manifest_piece(std::size_t number, std::span<const std::byte> bytes) {
+  const std::size_t begin = number * kPieceBytesMax;
+  if (bytes.size() != std::min(kPieceBytesMax, manifest_bytes.size() - begin))
+    throw HandoverError("a piece of the manifest has " + std::to_string(bytes.size()) + " bytes");
+  std::ranges::copy(bytes, manifest_bytes.begin() + static_cast<std::ptrdiff_t>(begin));
+  here[number] = true;
+  ++pieces_here;
+  const auto last = here.begin() + static_cast<std::ptrdiff_t>(of_manifest());
+  if (std::find(here.begin(), last, false) == last) read_manifest();
+}
+
+void SceneAssembly::Parts::read_manifest() {
+  if (hash_of(manifest_bytes) != announcement.hash)
+    throw HandoverError("the manifest is not that of the announced hash");
+  v1::SceneManifest read;
+  if (!read.ParseFromArray(manifest_bytes.data(), static_cast<int>(manifest_bytes.size())))
+    throw HandoverError("the manifest cannot be read");
+  check_manifest(read, limits);
+  std::size_t pieces = of_manifest();
+  std::size_t triangles = 0;
+  std::size_t heights = 0;
+  for (const v1::Geometry& geometry : read.geometries()) {
+    triangles += geometry.triangles();
+    heights += std::size_t{geometry.columns()} * geometry.rows();
+    if (triangles > limits.triangles || heights > limits.heights) {
+      throw HandoverError("the scene has more geometry than is taken: at most " + std::to_string(limits.triangles) +
+                          " triangles and " + std::to_string(limits.heights) + " heights");
+    }
+    geometries.emplace_back(geometry, pieces);
+    pieces += geometries.back().pieces();
+  }
+  if (pieces != announcement.pieces) throw HandoverError("the manifest has other pieces than were announced");
+  built.resize(static_cast<std::size_t>(read.objects_size()));
+  manifest = std::move(read);
+  for (const auto& [number, bytes] : std::exchange(early, {})) take_geometry_piece(number, bytes);
+}
+
+void SceneAssembly::Parts::take_geometry_piece(std::size_t number, std::span<const std::byte> bytes) {
+  if (!manifest) {
+    // The server sends the manifest first; no more than a network's worth of pieces overtakes it.
+    constexpr std::size_t kEarlyMax = 4096;
+    early.try_emplace(number, bytes.begin(), bytes.end());
+    if (early.size() > kEarlyMax) throw HandoverError("the server sends geometry without a manifest");
+    return;
+  }
+  if (here[number]) return;
+  const auto of = std::ranges::find_if(
+      geometries, [number](const GeometryAssembly& geometry) { return number < geometry.first() + geometry.pieces(); });
+  of->take(number, bytes);
+  here[number] = true;
+  ++pieces_here;
+}
+
+double SceneAssembly::known_within_m(const Point& point_m) const {
+  if (!can_build()) return 0;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const GeometryAssembly& geometry : parts_->geometries)
+    least_m = std::min(least_m, geometry.known_within_m(point_m));
+  return least_m;
+}
+
+scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, AssembledScene& made) {
+  const v1::ScenePart& part = manifest->objects(static_cast<int>(number));
+  const scene::PartDescription description = object_of(part);
+  // Without its geometry, a shape would be made of a file of this machine.
+  const bool has_geometry = part.geometry() != 0;
+  if ((scene::shape_kind(registry, part.shape(), axes()).geometry != scene::GeometryKind::none) != has_geometry) {
+    throw HandoverError("object '" + description.name + "': a " + part.shape() + " " +
+                        (has_geometry ? "has no geometry" : "needs a geometry"));
+  }
+  made.coverage.emplace_back();
+  if (!has_geometry) return make_part(description, registry, axes());
+  return make_from_geometry(number, description, geometries[part.geometry() - 1], made);
+}
+
+scene::SceneObject SceneAssembly::Parts::make_from_geometry(std::size_t number,
+                                                            const scene::PartDescription& description,
+                                                            const GeometryAssembly& geometry, AssembledScene& made) {
+  scene::SceneObject object{.name = description.name};
+  for (const scene::NamedValues& effect : description.effects) {
+    add_effect(object, effect_kind(registry, effect.name, true, object), effect.values, axes());
+  }
+  check_effects(object);
+  // A distance field is made of all of its mesh.
+  const auto& [kind, values] = *description.shape;
+  const bool usable = geometry.here() > 0 && (geometry.whole() || kind != "distance_field");
+  object.shape_kind = kind;
+  object.shape_values = values;
+  if (!usable) {
+    made.coverage.back() = Coverage::nothing();
+    object.shape = std::make_unique<NotThereYet>();
+    return object;
+  }
+  Built& last = built[number];
+  if (last.pieces != geometry.here()) {
+    const auto [so_far, in_fullest_place] = geometry.made(limits);
+    if (scene::SearchBudget::abandoned()) throw HandoverError("nobody waits for the scene any more");
+    made.elements_built += so_far.mesh ? so_far.mesh->triangles().size() : so_far.heights->heights_m.size();
+    set_shape(object, scene::shape_kind(registry, kind, axes()), values, axes(), {}, so_far);
+    last = {.shape = std::move(object.shape),
+            .pieces = geometry.here(),
+            .in_fullest_place = in_fullest_place,
+            .coverage = geometry.coverage()};
+    made.elements_built += last.coverage.cells() / kCoverageCells;
+    std::size_t bytes = 0;
+    for (const Built& other : built) bytes += other.shape ? other.shape->facts().memory_bytes : 0;
+    if (bytes > limits.shape_bytes) {
+      throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
+                          std::to_string(limits.shape_bytes) + " are accepted");
+    }
+  }
+  made.coverage.back() = last.coverage;
+  object.shape = std::make_unique<SharedShape>(last.shape);
+  return object;
+}
+
+/// Each limit may be kept, and still all of them together take a tick too long.
+void SceneAssembly::Parts::check_work(const scene::Scene& scene) const {
+  constexpr double kTriangleInPlace_ns = 20;
+  double work_ns = scene::predicted_cost_ns(scene);
+  for (const Built& one : built) work_ns += kTriangleInPlace_ns * static_cast<double>(one.in_fullest_place);
+  if (work_ns <= limits.tick_ns) return;
+  throw HandoverError("the scene would take about " + std::to_string(std::lround(1e-3 * work_ns)) +
+                      " us of each tick, at most " + std::to_string(std::lround(1e-3 * limits.tick_ns)) +
+                      " are accepted");
+}
+
+AssembledScene SceneAssembly::build(const std::stop_token& ended) try {
+  Parts& p = *parts_;
+  const scene::SearchBudget budget(p.limits.nodes_of_a_build, &ended);
+  AssembledScene made;
+  made.whole = whole();
+  scene::SceneFacts facts{
+      .name = one_line(p.manifest->name()), .description = {}, .degrees_of_freedom = p.manifest->degrees_of_freedom()};
+  scene::SceneParts parts;
+  for (int i = 0; i < p.manifest->objects_size(); ++i) {
+    parts.objects.push_back(p.make_object(static_cast<std::size_t>(i), made));
+  }
+  for (const v1::ScenePart& field : p.manifest->fields()) {
+    parts.fields.push_back(make_part(field_of(field), p.registry, p.axes()));
+    made.coverage.emplace_back();
+  }
+  made.scene = std::make_shared<const scene::Scene>(std::move(facts), std::move(parts));
+  p.check_work(*made.scene);
+  if (ended.stop_requested()) throw HandoverError("nobody waits for the scene any more");
+  return made;
+} catch (const HandoverError&) {
+  throw;
+} catch (const std::exception& error) {
+  throw HandoverError(one_line(error.what()));
+}
+
+void SceneAssembly::take_content(std::span<const std::byte> content) {
+  const auto next = [&content](std::size_t bytes) {
+    if (bytes > content.size()) throw HandoverError("the content ends too early");
+    const auto begin = content.first(bytes);
+    content = content.subspan(bytes);
+    return begin;
+  };
+  const std::size_t of_manifest = parts_->of_manifest();
+  for (std::size_t i = 0, left = announcement().manifest_bytes; i < of_manifest; ++i) {
+    const auto piece = next(std::min(left, kPieceBytesMax));
+    left -= piece.size();
+    take(i, piece);
+  }
+  for (std::size_t i = of_manifest; i < announcement().pieces; ++i) {
+    const auto length = next(2);
+    take(i, next(std::to_integer<std::size_t>(length[0]) + 256 * std::to_integer<std::size_t>(length[1])));
+  }
+  if (!content.empty()) throw HandoverError("the content goes on after its end");
+}
+
+std::vector<std::byte> SceneAssembly::content() const {
+  std::vector<std::byte> all = parts_->manifest_bytes;
+  for (const GeometryAssembly& geometry : parts_->geometries) geometry.append_content(all);
+  return all;
+}
+
+std::string why_refused(const scene::Scene& scene, const Limits& limits) try {
+  const std::shared_ptr<const PackedScene> packed = pack(scene);
+  if (!packed) return {};
+  SceneAssembly assembly(packed->announcement(), scene::Registry::standard(), limits);
+  for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+  (void)assembly.build();
+  return {};
+} catch (const std::exception& error) {
+  return one_line(error.what());
+}
+
+}  // namespace forcebound::handover

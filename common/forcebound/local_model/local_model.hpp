@@ -1,0 +1,119 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+/// What a server says of its environment near a device, so that a client can render it at its own rate until the next
+/// answer comes. Lengths in metres, in the scene's frame; forces on the device. Plain values, of bounded size.
+namespace forcebound::local_model {
+
+using Point = Eigen::Vector3d;
+
+/// A surface that moves by itself and is touched from one side. A device at x, so long after the state told of,
+///
+///     p(t) = p + v t + a t^2 / 2,    r = x - p(t),    d = -n . r
+///     f = -K r - B (n . (x' - p')) n + g n    while d > 0 and f . n > 0,    else zero
+///     g' = K_1 d' - g / T                     a spring K_1 in series with a damper K_1 T, along the normal
+///
+/// with p where a device at rest would begin to feel it. A contact of tissue without friction has K = k n n'. The
+/// tissue of scenes is quasi-static, and tells of no damping, motion or relaxation; an environment of one's own may.
+struct Surface {
+  std::uint32_t id = 0;           ///< the same in answers about the same contact, whose g the client keeps
+  Point force_N = Point::Zero();  ///< of it in the answer, at the answer's position
+  Point place_m = Point::Zero();  ///< p
+  Point normal = Point::UnitX();  ///< n, unit, out of it
+  Eigen::Matrix3d stiffness_N_per_m = Eigen::Matrix3d::Zero();  ///< K, symmetric, no eigenvalue below zero
+  double damping_N_s_per_m = 0;                                 ///< B
+  Point velocity_m_per_s = Point::Zero();                       ///< v
+  Point acceleration_m_per_s2 = Point::Zero();                  ///< a
+  double relaxing_N_per_m = 0;                                  ///< K_1; 0, as g is then: it does not relax
+  double relaxation_s = 0;                                      ///< T
+  double relaxed_N = 0;                                         ///< g when it was told
+  double radius_m = 0;                                          ///< it holds this far from p, with no claim beyond
+  /// Someone else may move or press it as well: at rest now, it may be elsewhere when the server is silent.
+  bool others_move_it = false;
+};
+
+/// A mass that the device drags and pushes through a virtual coupling. Its place is y, moved by the force f_c,
+///
+///     f_c = K (x - y) + B (x' - y')    on the mass,    f = -f_c on the device
+///     y'' = b + W f_c    while u . W_0 f_c >= 0,    else    b + W_0 f_c
+///
+/// and it goes no farther along u than s from where it was told to be: there it meets something that does not give way.
+/// In the coupling x - y counts up to kReachMost_m, x' and y' up to kSpeedMost_m_per_s: more than any hand, and less
+/// than what makes bodies fly apart.
+struct Mass {
+  static constexpr double kReachMost_m = 0.2;
+  static constexpr double kSpeedMost_m_per_s = 5;
+
+  std::uint32_t id = 0;
+  Point force_N = Point::Zero();                              ///< of it in the answer
+  Point place_m = Point::Zero();                              ///< y when it was told
+  Point velocity_m_per_s = Point::Zero();                     ///< y'
+  Point bias_m_per_s2 = Point::Zero();                        ///< b, of what else pulls at it
+  double stiffness_N_per_m = 0;                               ///< K of the coupling
+  double damping_N_s_per_m = 0;                               ///< B of the coupling
+  Eigen::Matrix3d mobility_per_kg = Eigen::Matrix3d::Zero();  ///< W, with all that it pushes; symmetric, <= W_0
+  Eigen::Matrix3d free_per_kg = Eigen::Matrix3d::Zero();      ///< W_0, as joints alone leave it; symmetric
+  Point push = Point::Zero();                                 ///< u, unit; zero: nothing is in its way
+  double travel_m = std::numeric_limits<double>::infinity();  ///< s
+  double radius_m = 0;                                        ///< it holds for devices this far from `place_m`
+  bool others_move_it = false;                                ///< as of a surface
+};
+
+/// A force with its first derivative:    f = f_0 + J (x - x_0).
+struct Field {
+  Point force_N = Point::Zero();  ///< f_0, of it in the answer
+  Point place_m = Point::Zero();  ///< x_0
+  Eigen::Matrix3d jacobian_N_per_m = Eigen::Matrix3d::Zero();
+  double radius_m = 0;  ///< it holds this far from x_0
+};
+
+/// The models of one answer. The forces in it are parts of the answer's force, which is held where there is no model
+/// of it.
+struct LocalModel {
+  static constexpr std::uint32_t kSurfacesMax = 3;
+
+  static constexpr std::chrono::nanoseconds kBeforeReadingMost = std::chrono::seconds{1};
+
+  /// The state told of is that at the reading of the motion that is answered, or so long before it (below zero: after
+  /// it), where the server plays the device's path later than it comes; else that at the motion's arrival.
+  bool by_device_clock = false;
+  std::chrono::nanoseconds before_reading{0};
+  std::array<Surface, kSurfacesMax> surfaces{};
+  std::uint32_t surface_count = 0;
+  bool has_mass = false;
+  Mass mass{};
+  bool has_field = false;
+  Field field{};
+
+  /// When the state told of was, by the device's clock, if the models go by that. @param read of the motion answered
+  [[nodiscard]] std::chrono::nanoseconds state_time(std::chrono::nanoseconds read) const noexcept {
+    return read - std::clamp<std::chrono::nanoseconds>(before_reading, -kBeforeReadingMost, kBeforeReadingMost);
+  }
+
+  [[nodiscard]] bool empty() const noexcept { return surface_count == 0 && !has_mass && !has_field; }
+
+  /// What of the answer's force the models tell of. Of a sound model.
+  [[nodiscard]] Point force_N() const noexcept;
+};
+
+/// Whether it is what the definitions above ask for: finite, within bounds far beyond what is real, with unit normals
+/// and with stiffness and mobility whose least eigenvalue is above -1e-4 of the largest: the numbers travel with 24
+/// bits. A mass must be stable on its coupling in steps of a millisecond. Real time: noexcept, no allocation.
+[[nodiscard]] bool is_sound(const LocalModel& model) noexcept;
+
+/// Whether a client can move it on its coupling in steps of a millisecond: Jury's criterion for an explicit step of
+/// position and velocity, h^2 K/m + 2 h B/m < 4, by the largest 1/m of `free_per_kg`, which is finite and symmetric.
+/// Real time.
+[[nodiscard]] bool is_stable(const Mass& mass) noexcept;
+
+/// Adds the models of another part of the environment. False, with nothing done, if there is no room for all of them:
+/// their forces are then held. Real time.
+[[nodiscard]] bool add(const LocalModel& part, LocalModel& to) noexcept;
+
+}  // namespace forcebound::local_model

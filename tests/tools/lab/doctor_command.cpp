@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/doctor/doctor_report.hpp"
+#include "tests/tools/lab/doctor/doctor_verdict.hpp"
+#include "tests/tools/lab/doctor/examination.hpp"
+#include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
+#include "tests/tools/lab/progress.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+// The client's own counts of losses look back over one minute.
+constexpr double kDoctorSeconds_max = 60;
+constexpr double kDoctorSeconds_min = 0.1;
+
+struct DoctorCommandOptions {
+  ExaminationSettings settings;
+  std::string json;
+};
+
+void run_doctor(const DoctorCommandOptions& options) {
+  prepare({.files = {options.json}});
+  const DoctorFindings findings = [&] {
+    Progress progress;
+    return examine(options.settings,
+                   [&progress](double share, const std::string& words) { progress.tell(share, words); });
+  }();
+  const DoctorVerdict verdict = doctor_verdict(findings);
+  std::fputs(doctor_text(findings, verdict).c_str(), stdout);
+  if (!options.json.empty()) text::write_file(options.json, doctor_json(findings, verdict).dump(2) + '\n');
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app) {
+  auto options = std::make_shared<DoctorCommandOptions>();
+  CLI::App* command = app.add_subcommand(
+      "doctor", "What the way to a server and this machine will feel like, and what to change first");
+  command->add_option("--server", options->settings.server, "server to examine the way to")
+      ->required()
+      ->check(program::accepted_by([](const std::string& peer) { (void)net::parse_peer(peer); }))
+      ->type_name("HOST:PORT");
+  command->add_option("--seconds", options->settings.seconds, "length of the measurement")
+      ->type_name("SECONDS")
+      ->check(program::number_within(kDoctorSeconds_min, kDoctorSeconds_max))
+      ->capture_default_str();
+  command->add_option("--scene", options->settings.scene, "scene to request; default: the server's")->type_name("NAME");
+  add_output(*command, "--json", options->json, "write all that was found to this file as well")
+      ->type_name("FILE.json");
+  command->footer(
+      "Measures the handshake, round trips, losses and reordering of each direction, the size of packets that arrive "
+      "whole, the offset and drift of the clocks, and the jitter of a tick beside a thread that only sleeps. Run it as "
+      "the user that will run the client, on the same machine. It takes a place in the scene, with a hand that rests "
+      "at the origin; name another scene where several people share one.\n"
+      "\n"
+      "Ends with 0 where the server answers, whatever the verdict says, and with 1 where it does not.\n"
+      "\n"
+      "Examples:\n"
+      "  forcebound-lab doctor --server 127.0.0.1:47800\n"
+      "  forcebound-lab doctor --server there.example:47800 --scene dome --seconds 20 --json found.json");
+  command->callback([options] { run_doctor(*options); });
+}
+
+}  // namespace forcebound::lab

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/measures/marks.hpp"
+#include "tests/tools/lab/rendering/rendering_study.hpp"
+
+namespace forcebound::lab {
+
+inline constexpr Marks kRenderingMarks{"<!-- rendering: made by deploy/rendering -->\n", "<!-- /rendering -->\n"};
+
+/// Each figure of each scene and network, without a network, remote and local: [median, least, most] over the seeds.
+/// What is infinite or not a number is null in a file: a contact that was never felt, for example.
+[[nodiscard]] nlohmann::ordered_json rendering_json(const RenderingStudySettings& settings,
+                                                    const std::vector<RenderingRow>& rows);
+
+/// What follows takes what `rendering_json` made, or a file of it. @throws nlohmann::json::exception for anything else
+
+/// As a file: a line for each scene and network.
+[[nodiscard]] std::string rendering_file(const nlohmann::ordered_json& study);
+
+/// For a terminal: a line for each scene and network, what the columns mean, and each class beside its goal.
+[[nodiscard]] std::string rendering_text(const nlohmann::ordered_json& study);
+
+/// Each class beside its goal, for a page: the worst of its scenes, of medians over the seeds.
+[[nodiscard]] std::string rendering_markdown(const nlohmann::ordered_json& study);
+
+/// A row for each scene, network, rendering and quantity.
+[[nodiscard]] std::string rendering_csv(const nlohmann::ordered_json& study);
+
+/// Displayed stiffness and E_dev of each class behind each network, remote and local (rendering.gnuplot): the worst of
+/// its scenes, of medians over the seeds.
+[[nodiscard]] Figure rendering_figure(const nlohmann::ordered_json& study);
+
+}  // namespace forcebound::lab

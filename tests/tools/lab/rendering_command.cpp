@@ -1,0 +1,188 @@
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "forcebound/client/session/motion_schedule.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
+#include "forcebound/text/printable.hpp"
+#include "forcebound/text/terminal.hpp"
+#include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/comparison/task.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/option_checks.hpp"
+#include "tests/tools/lab/outputs.hpp"
+#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/rendering/live_runs.hpp"
+#include "tests/tools/lab/rendering/rendering_results.hpp"
+#include "tests/tools/lab/rendering/rendering_study.hpp"
+#include "tests/tools/lab/rendering/two_people.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kRenderingPicture = "rendering.png";
+
+struct RenderingOptions {
+  RenderingStudySettings settings;
+  bool two_people = false;
+  std::vector<std::string> live;
+  std::string from;
+  std::string csv;
+  std::string json;
+  std::string readme;
+  std::string figures;
+};
+
+Json figures_json(const HandleFigures& figures) {
+  return {{"force_N", figures.force_N},
+          {"error", figures.error},
+          {"minimum_J", figures.minimum_J},
+          {"deviation_m", figures.deviation_m}};
+}
+
+void run_two_people(const RenderingOptions& options) {
+  const TwoPeopleSettings settings{.law = options.settings.law, .seeds = options.settings.seeds};
+  const std::vector<TwoPeopleRow> rows = study_two_people(settings);
+  std::fputs(two_people_table(settings, rows).c_str(), stdout);
+  if (options.json.empty()) return;
+  Json all = Json::array();
+  for (const TwoPeopleRow& row : rows) {
+    all.push_back({{"rendering", row.local ? "local" : "remote"},
+                   {"at_10_ms", figures_json(row.people[0])},
+                   {"at_80_ms", figures_json(row.people[1])},
+                   {"impulse", row.impulse}});
+  }
+  text::write_file(options.json, all.dump(2) + '\n');
+}
+
+void run_live(const RenderingOptions& options) {
+  std::vector<LiveRun> runs;
+  runs.reserve(options.live.size());
+  {
+    Progress progress;
+    for (const std::string& file : options.live) {
+      progress.tell(static_cast<double>(runs.size()) / static_cast<double>(options.live.size()), "reading the runs");
+      runs.push_back(read_live_run(file));
+    }
+  }
+  std::fputs(live_runs_table(runs, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
+}
+
+Json carried_out_rendering(const RenderingStudySettings& settings) {
+  note_left_out(standard_networks().absent);
+  Progress progress;
+  return rendering_json(settings, study_rendering(settings, [&](double share) { progress.tell(share, "rendering"); }));
+}
+
+Json read_rendering(const std::string& file) {
+  Json study = Json::parse(text::read_file(file), nullptr, false);
+  if (!study.is_object() || !study.contains("rows") || !study.contains("settings")) {
+    throw std::runtime_error(file + ": not a study of rendering; expected the output of --json");
+  }
+  return study;
+}
+
+void run_rendering(const RenderingOptions& options) {
+  if (!options.live.empty()) {
+    run_live(options);
+    return;
+  }
+  prepare({.inputs = {options.from},
+           .files = {options.csv, options.json},
+           .page = options.readme,
+           .marks = kRenderingMarks,
+           .folder = options.figures,
+           .figures = pictures_in(options.figures, {kRenderingPicture})});
+  if (options.two_people) {
+    run_two_people(options);
+    return;
+  }
+  const Json study = options.from.empty() ? carried_out_rendering(options.settings) : read_rendering(options.from);
+  std::fputs(text::printable_lines(rendering_text(study)).c_str(), stdout);
+  if (!options.csv.empty()) text::write_file(options.csv, rendering_csv(study));
+  if (!options.json.empty()) text::write_file(options.json, rendering_file(study));
+  if (!options.readme.empty()) {
+    text::write_file(options.readme, page_with(options.readme, kRenderingMarks, rendering_markdown(study)));
+  }
+  if (options.figures.empty()) return;
+  const auto drawn = draw(rendering_figure(study), std::filesystem::path(options.figures) / kRenderingPicture);
+  std::printf("\nFigure: %s\n", drawn.c_str());
+}
+
+}  // namespace
+
+void add_rendering(CLI::App& app) {
+  auto options = std::make_shared<RenderingOptions>();
+  CLI::App* command = app.add_subcommand(
+      "rendering", "Displayed stiffness and error of scenes, rendered at the server and at the client");
+  command->add_option("--law", options->settings.law, "law that bounds the force")
+      ->check(known_law())
+      ->type_name("LAW")
+      ->capture_default_str();
+  command->add_option("--seeds", options->settings.seeds, "runs for each scene and condition")
+      ->check(program::whole_within(1, 1000))
+      ->type_name("N")
+      ->capture_default_str();
+  CLI::Option* only =
+      command->add_option("--only", options->settings.only, "run only the scenes whose name contains this word")
+          ->type_name("WORD");
+  command
+      ->add_option_function<std::string>(
+          "--send-rate",
+          [options](const std::string& typed) { options->settings.send_rate = client::parse_send_rate(typed); },
+          "motions per second where rendering is local, as the client's; default: on each tick")
+      ->check(program::accepted_by([](const std::string& typed) { (void)client::parse_send_rate(typed); }))
+      ->type_name("HZ|auto");
+  CLI::Option* const from =
+      command->add_option("--from", options->from, "print and draw what --json wrote, without any run")
+          ->excludes(only)
+          ->type_name("FILE.json");
+  CLI::Option* const two_people =
+      command
+          ->add_flag("--two-people", options->two_people,
+                     "two people who move one block, behind 10 and 80 ms, in place of the scenes")
+          ->excludes(only)
+          ->excludes(from);
+  CLI::Option* const live =
+      command
+          ->add_option("--live", options->live,
+                       "recordings of clients, whose figures are printed side by side in place of any run")
+          ->excludes(only)
+          ->excludes(from)
+          ->excludes(two_people)
+          ->type_name("RUN.mcap");
+  add_output(*command, "--json", options->json, "write all figures to this file")
+      ->excludes(from)
+      ->excludes(live)
+      ->type_name("FILE.json");
+  add_output(*command, "--csv", options->csv, "write a row for each figure to this file")
+      ->excludes(two_people)
+      ->excludes(live)
+      ->type_name("FILE.csv");
+  add_output(*command, "--readme", options->readme, "put a table between the marks of this file")
+      ->excludes(two_people)
+      ->excludes(live)
+      ->type_name("PAGE.md");
+  add_figures(*command, options->figures, "draw stiffness and error of each class")
+      ->excludes(two_people)
+      ->excludes(live);
+  command->footer(
+      "Round trips of 20, 100 and 200 ms, the recorded networks of FORCEBOUND_DATA, and blackouts of 1 and 3 s; each "
+      "beside the same scene, device, hand and law without a network. Client and server are those of the programs; the "
+      "clock and the network are simulated. Ends with each class of scenes beside its goal.\n"
+      "\n"
+      "Examples:\n"
+      "  forcebound-lab rendering --only mesh --seeds 1\n"
+      "  forcebound-lab rendering --json all.json --csv all.csv --figures figures\n"
+      "  forcebound-lab rendering --live remote.mcap local.mcap");
+  command->callback([options] { run_rendering(*options); });
+}
+
+}  // namespace forcebound::lab
