@@ -10,8 +10,9 @@ constexpr std::uint64_t bit(std::uint64_t sequence) noexcept { return std::uint6
 
 }  // namespace
 
-SequenceWindow::Arrival SequenceWindow::note(std::uint64_t sequence) noexcept {
+SequenceWindow::Arrival SequenceWindow::note(std::uint64_t sequence, std::uint64_t ahead_most) noexcept {
   const auto ahead = static_cast<std::int64_t>(sequence - newest_);
+  if (any_ && ahead > 0 && static_cast<std::uint64_t>(ahead) > ahead_most) return Arrival::too_far_ahead;
   if (!any_ || ahead > 0) {
     advance_to(sequence);
     word(sequence) |= bit(sequence);

@@ -46,6 +46,29 @@ TEST(SequenceWindow, AJumpForgetsEverythingBefore) {
   EXPECT_EQ(window.note(5), Arrival::duplicate);
 }
 
+TEST(SequenceWindow, ANumberTooFarAheadChangesNothing) {
+  SequenceWindow window;
+  EXPECT_EQ(window.note(5, 100), Arrival::newest);
+  EXPECT_EQ(window.note(106, 100), Arrival::too_far_ahead);
+  EXPECT_EQ(window.note(5 + (std::uint64_t{1} << 62), 100), Arrival::too_far_ahead);
+  EXPECT_EQ(window.newest(), 5U);
+  EXPECT_EQ(window.note(5, 100), Arrival::duplicate);
+  EXPECT_EQ(window.note(105, 100), Arrival::newest);
+  EXPECT_EQ(window.note(104, 100), Arrival::late);
+}
+
+TEST(SequenceWindow, ANumberHalfACircleAwayIsOldAndChangesNothing) {
+  SequenceWindow window;
+  EXPECT_EQ(window.note(5, 100), Arrival::newest);
+  EXPECT_EQ(window.note(5 + (std::uint64_t{1} << 63), 100), Arrival::duplicate);
+  EXPECT_EQ(window.newest(), 5U);
+}
+
+TEST(SequenceWindow, TheFirstNumberIsNeverTooFarAhead) {
+  SequenceWindow window;
+  EXPECT_EQ(window.note(std::uint64_t{1} << 62, 100), Arrival::newest);
+}
+
 // Against a set that remembers all, wherever on the circle of 64-bit numbers.
 TEST(SequenceWindow, AgreesWithASetOfAllNumbersSeen) {
   ASSERT_TRUE(rc::check([] {

@@ -70,7 +70,10 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
   const Sent& motion = sent_[force.motion_sequence % kSentRing];
   const bool answers =
       force.motion_sequence != 0 && motion.sequence == force.motion_sequence && motion.time == force.motion_device_time;
-  const bool counts = force.sequence != 0 && can_count(force.motions_received, force.sequence);
+  // Each force answers another motion of this session, so that neither count can be ahead of the other's. That also
+  // bounds how far one datagram can move the window.
+  const bool counts = force.sequence != 0 && can_count(force.motions_received, force.sequence) &&
+                      force.motion_sequence > earlier_ && force.sequence <= force.motion_sequence - earlier_;
   if (!answers || !counts || !fits(force, degrees_of_freedom_)) {
     ++ended_.implausible;
     return Verdict::implausible;

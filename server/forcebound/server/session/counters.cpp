@@ -50,6 +50,7 @@ std::string ServerCounters::text() const {
                {"superseded by newer ones", motions_superseded},
                {"over the rate", motions_over_rate},
                {"after the end of their session", motions_after_end},
+               {"with numbers too far ahead", motions_far_ahead},
                {"of wrong size", motions_of_wrong_size},
                {"without a session", motions_without_session}}) +
          line("forces", {"sent", forces_sent},

@@ -36,6 +36,7 @@ struct ServerCounters {
   std::uint64_t motions_superseded = 0;       ///< received, but replaced by a newer one before its answer
   std::uint64_t motions_over_rate = 0;        ///< received, but not answered
   std::uint64_t motions_after_end = 0;        ///< received, but its session ended before its answer
+  std::uint64_t motions_far_ahead = 0;        ///< numbered as no client that keeps its rate can be; dropped
   std::uint64_t motions_of_wrong_size = 0;    ///< not as many rows as the session's device has
   std::uint64_t motions_without_session = 0;  ///< refused
   std::uint64_t forces_sent = 0;

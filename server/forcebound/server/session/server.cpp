@@ -15,6 +15,9 @@ namespace {
 constexpr Nanoseconds kRefusalInterval = std::chrono::milliseconds{1};
 constexpr int kRefusalsAtOnce = 100;
 
+// A motion may overtake the time since the newest by as much as the network's delay shrinks: 12 s has been observed.
+constexpr Nanoseconds kDelayShrinksMost = std::chrono::seconds{16};
+
 // Number of ended sessions remembered; searched for each motion of an unknown session.
 constexpr std::size_t kEndedMax = 64;
 
@@ -131,9 +134,18 @@ Server::Ended* Server::find_ended(std::uint64_t session) noexcept {
   return found == ended_.end() ? nullptr : &*found;
 }
 
-wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t sequence) noexcept {
+wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept {
   using Arrival = wire::SequenceWindow::Arrival;
-  const Arrival arrival = arrivals.window.note(sequence);
+  const double elapsed_s =
+      time::to_seconds(std::max(now - arrivals.newest_arrived, Nanoseconds{0}) + kDelayShrinksMost);
+  constexpr double kCountMost = 1e15;  // of a rate without end
+  const auto sent_most = static_cast<std::uint64_t>(std::min(elapsed_s * arrivals.motions_per_s_max, kCountMost));
+  const Arrival arrival = arrivals.window.note(sequence, std::max(sent_most, wire::SequenceWindow::kNumbers));
+  if (arrival == Arrival::too_far_ahead) {
+    ++counters_.motions_far_ahead;
+    return arrival;
+  }
+  if (arrival == Arrival::newest) arrivals.newest_arrived = now;
   if (arrival == Arrival::duplicate) {
     ++arrivals.counts.motions_duplicated;
     ++counters_.motions_duplicated;
@@ -150,10 +162,11 @@ wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t seq
 }
 
 void Server::on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept {
+  using Arrival = wire::SequenceWindow::Arrival;
   const auto found = sessions_.find(motion.session);
   if (found == sessions_.end()) {
     if (Ended* ended = find_ended(motion.session)) {
-      counters_.motions_after_end += note(ended->arrivals, motion.sequence) == wire::SequenceWindow::Arrival::newest;
+      counters_.motions_after_end += note(ended->arrivals, motion.sequence, now) == Arrival::newest;
       return;
     }
     ++counters_.motions_without_session;
@@ -166,10 +179,10 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
     ++counters_.motions_of_wrong_size;
     return;
   }
-  const auto arrival = note(session.arrivals, motion.sequence);
-  if (arrival == wire::SequenceWindow::Arrival::duplicate) return;
+  const auto arrival = note(session.arrivals, motion.sequence, now);
+  if (arrival == Arrival::duplicate || arrival == Arrival::too_far_ahead) return;
   session.last_heard = now;
-  if (arrival == wire::SequenceWindow::Arrival::late) return;
+  if (arrival == Arrival::late) return;
   if (session.info.address != from) {
     ++counters_.addresses_changed;
     session.info.address = from;

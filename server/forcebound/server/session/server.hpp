@@ -48,6 +48,8 @@ struct ServerOptions {
 ///   client receives the counts, so that both ends agree on losses and reordering. Motion of an unknown
 ///   session (the server restarted) is refused with fewer bytes than it had, which rules out amplification. The
 ///   session's address becomes that of its newest motion: only its client knows the session's 64-bit number.
+///   A motion whose number is further ahead than the client can have sent since the newest is dropped: a single forged
+///   one would make old ones of all that follow.
 /// - **Bye** is answered with the final counts, as often as it arrives. The server itself sends a Bye to a client whose
 ///   motion stopped arriving, because datagrams to the client may still get through.
 ///
@@ -96,6 +98,8 @@ class Server {
   struct Arrivals {
     wire::SequenceWindow window{};
     wire::Bye counts{};
+    double motions_per_s_max = 0;   ///< of the client that keeps its promise, times what the options allow
+    Nanoseconds newest_arrived{0};  ///< the newest motion
   };
 
   /// A motion that waits for its answer.
@@ -155,7 +159,7 @@ class Server {
   [[nodiscard]] bool evict_unproven(Nanoseconds now, const EnvironmentKind* kind);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
-  wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence) noexcept;
+  wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;
   void refuse_for_lack_of_memory(const wire::Hello& hello, const net::Address& from) noexcept;
   /// Makes the environment and opens a session in it, or refuses.
   void let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,

@@ -247,6 +247,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .last_heard = now};
   session.arrivals.counts.session = id;
+  session.arrivals.motions_per_s_max = options_.motions_per_promised / period_s;
   session.wants_models = renders_locally(hello);
   if (session.wants_models && session.made.packed)
     session.sender = std::make_unique<SceneSender>(session.made.packed, options_.handover, now);

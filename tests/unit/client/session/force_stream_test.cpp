@@ -62,6 +62,14 @@ TEST_F(ForceStreamTest, CountsAboveTheMotionsSentAreImplausible) {
   EXPECT_EQ(counts().implausible, 4U);
 }
 
+TEST_F(ForceStreamTest, AForceIsNumberedNoHigherThanTheMotionItAnswers) {
+  for (int i = 11; i <= 40'000; ++i) stream.note_sent(i * 1ms);
+  auto far_ahead = answer(39'000, 10);
+  far_ahead.motions_received = 39'000;
+  EXPECT_EQ(accept(far_ahead), Verdict::implausible);
+  EXPECT_EQ(accept(answer(1, 10)), Verdict::newest) << "its number has not become old";
+}
+
 TEST_F(ForceStreamTest, DropsCopies) {
   EXPECT_EQ(accept(answer(1, 3)), Verdict::newest);
   EXPECT_EQ(accept(answer(1, 3)), Verdict::duplicate);

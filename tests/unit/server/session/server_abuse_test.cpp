@@ -88,6 +88,30 @@ TEST_F(ServerAbuse, AnEarlierSessionReplayedWholeChangesNothing) {
   EXPECT_EQ(force.motions_received, 2u);
 }
 
+TEST_F(ServerAbuse, ANumberFarAheadDoesNotEndASession) {
+  const auto session = join();
+  arrive(motion(session, 1));
+  arrive(motion(session, 1 + (std::uint64_t{1} << 63)));
+  arrive(motion(session, std::uint64_t{1} << 62));
+  arrive(motion(session, std::uint64_t{1} << 20));
+  (void)answers();
+  arrive(motion(session, 2));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().motion_sequence, 2u);
+  EXPECT_EQ(server->counters().motions_far_ahead, 2u);
+  EXPECT_EQ(server->counters().motions_duplicated, 1u) << "half a circle away is behind";
+  EXPECT_EQ(server->counters().motions_received, 2u);
+}
+
+TEST_F(ServerAbuse, AfterABlackoutNumbersMayBeAsFarAheadAsItWasLong) {
+  const auto session = join();
+  arrive(motion(session, 1));
+  (void)answers();
+  clock.time += std::chrono::seconds{50};
+  arrive(motion(session, 50'001));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().motion_sequence, 50'001u);
+  EXPECT_EQ(server->counters().motions_far_ahead, 0u);
+}
+
 TEST_F(ServerAbuse, NonsenseInAHelloIsHarmless) {
   for (const double period_s : {-1.0, 0.0, 1e-300, 1e300}) {
     auto question = hello(static_cast<std::uint64_t>(link.sent.size()) + 1);
