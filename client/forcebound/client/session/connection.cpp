@@ -8,6 +8,8 @@ namespace {
 
 constexpr Nanoseconds kPauseFirst = std::chrono::milliseconds{100};
 constexpr Nanoseconds kPauseMax = std::chrono::seconds{2};
+// A Hello with the round trip that is not answered within twice that and this time failed: the server may be compiling.
+constexpr Nanoseconds kAnswerMost = std::chrono::seconds{10};
 
 }  // namespace
 
@@ -24,7 +26,7 @@ void Connection::on_blackout(Nanoseconds blackout, Nanoseconds hold, Nanoseconds
   }
   if (state_ == before) return;
   pause_ = kPauseFirst;
-  if (state_ == SessionState::reconnecting) round_trip_ = Nanoseconds{0};
+  if (state_ == SessionState::reconnecting) forget_round_trip();
 }
 
 bool Connection::on_welcome(const wire::Welcome& welcome) noexcept {
@@ -47,14 +49,16 @@ Connection::Refused Connection::on_refusal(const wire::Refusal& refusal, Nanosec
   }
   if (refusal.client_nonce != nonce_) return Refused::not_us;
   if (refusal.reason != wire::RefusalReason::round_trip_wanted) {
-    return session_ == 0 ? Refused::hello : Refused::not_us;
+    if (session_ != 0) return Refused::not_us;
+    forget_round_trip();
+    return Refused::hello;
   }
-  // Only the first refusal measures the round trip: later ones answer Hellos already sent. A time after `now` is
-  // forged.
-  const Nanoseconds round_trip = now - refusal.client_time;
-  if (round_trip < Nanoseconds{0}) return Refused::not_us;
+  const auto round_trip = round_trip_of(refusal.client_time, now);
+  if (!round_trip) return Refused::not_us;
+  // Only the first refusal measures the round trip: later ones answer Hellos already sent.
   if (round_trip_ != Nanoseconds{0}) return Refused::for_now;
-  round_trip_ = std::max(round_trip, Nanoseconds{1});  // zero would say that it is not known
+  round_trip_ = std::max(*round_trip, Nanoseconds{1});  // zero would say that it is not known
+  measured_ = now;
   next_hello_ = Nanoseconds::min();
   return Refused::for_now;
 }
@@ -66,7 +70,16 @@ void Connection::lose_session() noexcept {
   state_ = SessionState::reconnecting;
   next_hello_ = Nanoseconds::min();
   pause_ = kPauseFirst;
-  round_trip_ = Nanoseconds{0};
+  forget_round_trip();
+}
+
+void Connection::forget_round_trip() noexcept { round_trip_ = Nanoseconds{0}; }
+
+std::optional<Nanoseconds> Connection::round_trip_of(Nanoseconds client_time, Nanoseconds now) const noexcept {
+  if (std::find(hellos_.begin(), hellos_.end(), client_time) == hellos_.end()) return std::nullopt;
+  const Nanoseconds round_trip = now - client_time;
+  if (round_trip < Nanoseconds{0} || round_trip > kRoundTripMost) return std::nullopt;
+  return round_trip;
 }
 
 bool Connection::hello_due(Nanoseconds now) noexcept {
@@ -77,7 +90,9 @@ bool Connection::hello_due(Nanoseconds now) noexcept {
   return true;
 }
 
-wire::Hello Connection::hello(Nanoseconds now) const noexcept {
+wire::Hello Connection::hello(Nanoseconds now) noexcept {
+  if (round_trip_ != Nanoseconds{0} && now - measured_ > 2 * round_trip_ + kAnswerMost) forget_round_trip();
+  hellos_[hellos_next_++ % kHellosKept] = now;
   return {.client_nonce = nonce_,
           .degrees_of_freedom = static_cast<std::uint32_t>(facts_.degrees_of_freedom),
           .device = facts_.device,

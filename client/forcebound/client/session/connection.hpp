@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string>
 
@@ -18,9 +21,15 @@ using time::Nanoseconds;
 /// as the session may still exist. Pauses between Hellos grow from 100 ms to 2 s. The nonce changes only when the
 /// server has refused the session, so that a late Welcome is still valid.
 ///
+/// The round trip is measured only by the echo of a Hello that was sent, within kRoundTripMost: a forged time measures
+/// nothing. It is forgotten, and measured anew, once a Hello with it was refused or should long have been answered.
+///
 /// Real time: noexcept, no allocation after construction.
 class Connection {
  public:
+  /// No longer round trip is believed; 12 s has been observed.
+  static constexpr Nanoseconds kRoundTripMost = std::chrono::seconds{20};
+
   struct Facts {
     std::string device;
     std::string scene;         ///< requested; empty: the server's default
@@ -59,13 +68,19 @@ class Connection {
 
   /// Whether a Hello should go out now; if so, the next is due after the pause.
   [[nodiscard]] bool hello_due(Nanoseconds now) noexcept;
-  /// @param now as in `on_refusal`
-  [[nodiscard]] wire::Hello hello(Nanoseconds now) const noexcept;
+  /// The Hello to send now; its echo measures the round trip. @param now as in `on_refusal`
+  [[nodiscard]] wire::Hello hello(Nanoseconds now) noexcept;
 
   [[nodiscard]] std::uint64_t sessions() const noexcept { return sessions_; }
 
  private:
   void lose_session() noexcept;
+  void forget_round_trip() noexcept;
+  /// From the Hello that was sent at `client_time`; none: there was no such Hello, or it was too long ago.
+  [[nodiscard]] std::optional<Nanoseconds> round_trip_of(Nanoseconds client_time, Nanoseconds now) const noexcept;
+
+  // Enough for the longest round trip, with the pauses between Hellos.
+  static constexpr std::size_t kHellosKept = 32;
 
   Facts facts_;
   std::mt19937_64 random_;
@@ -77,6 +92,9 @@ class Connection {
   Nanoseconds next_hello_{Nanoseconds::min()};
   Nanoseconds pause_;
   Nanoseconds round_trip_{0};  // measured for a server that asked for it; 0: not measured
+  Nanoseconds measured_{0};    // when
+  std::array<std::optional<Nanoseconds>, kHellosKept> hellos_{};  // times of the last, a ring buffer
+  std::size_t hellos_next_ = 0;
 };
 
 }  // namespace forcebound::client

@@ -132,6 +132,34 @@ TEST_F(ConnectionTest, IgnoresAnImpossibleRoundTrip) {
   EXPECT_EQ(connection.hello(2s).round_trip, 0s);
 }
 
+TEST_F(ConnectionTest, OnlyAHelloThatWasSentMeasuresTheRoundTrip) {
+  wire::Refusal wanted = round_trip_wanted(connection.hello(100s));
+  wanted.client_time = -wire::kTimeMost;
+  EXPECT_EQ(connection.on_refusal(wanted, 100s + 20ms), Refused::not_us);
+  wanted.client_time = 100s - 1ns;
+  EXPECT_EQ(connection.on_refusal(wanted, 100s + 20ms), Refused::not_us);
+  EXPECT_EQ(connection.hello(101s).round_trip, 0s);
+  wanted.client_time = 100s;
+  EXPECT_EQ(connection.on_refusal(wanted, 100s + Connection::kRoundTripMost + 1ns), Refused::not_us);
+  EXPECT_EQ(connection.on_refusal(wanted, 100s + 20ms), Refused::for_now);
+  EXPECT_EQ(connection.hello(101s).round_trip, 20ms);
+}
+
+TEST_F(ConnectionTest, MeasuresTheRoundTripAnewAfterAHelloWithItFailed) {
+  EXPECT_EQ(connection.on_refusal(round_trip_wanted(connection.hello(1s)), 1s + 20ms), Refused::for_now);
+  const wire::Hello with = connection.hello(1s + 20ms);
+  EXPECT_EQ(with.round_trip, 20ms);
+  EXPECT_EQ(connection.on_refusal({.client_nonce = with.client_nonce, .reason = wire::RefusalReason::server_full}, 2s),
+            Refused::hello);
+  EXPECT_EQ(connection.hello(3s).round_trip, 0s);
+}
+
+TEST_F(ConnectionTest, MeasuresTheRoundTripAnewAfterHellosWithItWereNotAnswered) {
+  EXPECT_EQ(connection.on_refusal(round_trip_wanted(connection.hello(1s)), 1s + 20ms), Refused::for_now);
+  EXPECT_EQ(connection.hello(5s).round_trip, 20ms);
+  EXPECT_EQ(connection.hello(20s).round_trip, 0s);
+}
+
 TEST_F(ConnectionTest, MeasuresTheRoundTripAnewForEachServer) {
   EXPECT_EQ(connection.on_refusal(round_trip_wanted(connection.hello(1s)), 1s + 20ms), Refused::for_now);
   connection.on_welcome(welcome(5));
