@@ -60,6 +60,19 @@ std::string_view cut_text(std::string_view text) noexcept { return cut(text, kTe
 
 using Numbers = google::protobuf::RepeatedField<double>;
 
+// Tags of a fixed64.
+constexpr std::byte kNumberInField1{0x09};
+constexpr std::byte kNumberInField2{0x11};
+
+/// The fixed64 that a body begins with; 0 if it begins with another field.
+std::uint64_t first_number(std::span<const std::byte> body, std::byte tag) noexcept {
+  constexpr std::size_t kNumberBytes = sizeof(std::uint64_t);
+  if (body.size() < 1 + kNumberBytes || body[0] != tag) return 0;
+  std::uint64_t number = 0;
+  for (std::size_t i = 0; i < kNumberBytes; ++i) number |= std::to_integer<std::uint64_t>(body[1 + i]) << (8 * i);
+  return number;
+}
+
 }  // namespace
 
 struct Codec::Storage {
@@ -322,7 +335,7 @@ std::span<const std::byte> Codec::encode(const Message& message) noexcept {
   }
 }
 
-std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagram) noexcept {
+std::variant<Heading, Malformed> heading_of(std::span<const std::byte> datagram) noexcept {
   if (datagram.size() > kFrameBytesMax) return Malformed::oversize;
   if (datagram.size() < kHeaderBytes) return Malformed::truncated;
   if (!std::equal(kMark.begin(), kMark.end(), datagram.begin()) || datagram[2] != kFrameVersion) {
@@ -332,8 +345,28 @@ std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagr
   for (std::size_t i = 0; i < 4; ++i) sum |= std::to_integer<std::uint32_t>(datagram[kChecksumAt + i]) << (8 * i);
   if (sum != checksum(datagram)) return Malformed::corrupt;
 
-  const auto kind = std::to_integer<std::size_t>(datagram[kKindAt]);
-  switch (kind) {
+  // Kind 0 is none, and becomes the largest number.
+  Heading heading{.kind = std::to_integer<std::size_t>(datagram[kKindAt]) - 1};
+  const auto body = datagram.subspan(kHeaderBytes);
+  if (heading.is<Welcome>()) {
+    heading.client_nonce = first_number(body, kNumberInField1);
+  } else if (heading.is<Refusal>()) {
+    heading.client_nonce = first_number(body, kNumberInField1);
+    heading.session = first_number(body, kNumberInField2);
+  } else if (!heading.is<Hello>()) {
+    heading.session = first_number(body, kNumberInField1);
+  }
+  return heading;
+}
+
+std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagram) noexcept {
+  const auto heading = heading_of(datagram);
+  if (const auto* malformed = std::get_if<Malformed>(&heading)) return *malformed;
+  return decode(datagram, std::get<Heading>(heading));
+}
+
+std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagram, const Heading& heading) noexcept {
+  switch (heading.kind + 1) {
     case 1:
       return storage_->read(storage_->hello, datagram);
     case 2:

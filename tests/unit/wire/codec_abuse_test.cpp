@@ -225,5 +225,29 @@ TEST(CodecAbuse, RealBodiesWithChangedBytesAreHarmless) {
   EXPECT_GT(messages, 0);
 }
 
+TEST(Heading, TellsTheSessionOrTheNonceWithoutTheBody) {
+  Codec codec;
+  const auto of = [&](const Message& message) { return std::get<Heading>(heading_of(codec.encode(message))); };
+  constexpr std::uint64_t kNumber = 0x1234567890abcdef;
+  const control::Vector one = control::Vector::Ones(1);
+  EXPECT_EQ(of(MotionSample{.session = kNumber, .sequence = 1, .position = one}).session, kNumber);
+  EXPECT_EQ(of(EnvironmentForce{.session = kNumber, .sequence = 1, .force = one}).session, kNumber);
+  EXPECT_EQ(of(Bye{.session = kNumber, .forces_sent = 5}).session, kNumber);
+  EXPECT_EQ(of(ScenePiece{.session = kNumber, .transmission = 1}).session, kNumber);
+  EXPECT_EQ(of(Refusal{.session = kNumber, .reason = RefusalReason::unknown_session}).session, kNumber);
+  EXPECT_EQ(of(Refusal{.client_nonce = kNumber, .reason = RefusalReason::server_full}).client_nonce, kNumber);
+  EXPECT_EQ(of(Welcome{.client_nonce = kNumber, .session = 1}).client_nonce, kNumber);
+  EXPECT_TRUE(of(Hello{.client_nonce = kNumber}).is<Hello>());
+  EXPECT_EQ(of(Bye{}).session, 0U);
+}
+
+TEST(Heading, OfWhatHasTheWrongChecksumIsNone) {
+  Codec codec;
+  const auto encoded = codec.encode(Bye{.session = 5});
+  std::vector<std::byte> bytes(encoded.begin(), encoded.end());
+  bytes.back() ^= std::byte{1};
+  EXPECT_EQ(std::get<Malformed>(heading_of(bytes)), Malformed::corrupt);
+}
+
 }  // namespace
 }  // namespace forcebound::wire

@@ -29,6 +29,13 @@ void Connection::on_blackout(Nanoseconds blackout, Nanoseconds hold, Nanoseconds
   if (state_ == SessionState::reconnecting) forget_round_trip();
 }
 
+bool Connection::is_for_us(const wire::Heading& heading) const noexcept {
+  if (heading.is<wire::Welcome>()) return heading.client_nonce == nonce_;
+  const bool our_session = session_ != 0 && heading.session == session_;
+  if (heading.is<wire::Refusal>()) return heading.client_nonce == nonce_ || our_session;
+  return our_session;
+}
+
 bool Connection::on_welcome(const wire::Welcome& welcome) noexcept {
   if (welcome.client_nonce != nonce_ || welcome.session == 0 || welcome.session == session_) return false;
   // A late copy of a Welcome must not bring back a session that the server has forgotten since.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "forcebound/client/session/session_state.hpp"
+#include "forcebound/wire/codec.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::client {
@@ -49,6 +50,10 @@ class Connection {
 
   /// The force stream's blackout: time since the last new force, or since the session began.
   void on_blackout(Nanoseconds blackout, Nanoseconds hold, Nanoseconds drop) noexcept;
+
+  /// Whether a datagram with this heading can be meant for this client: of its session, or an answer to its Hello. All
+  /// others are foreign, whatever they say.
+  [[nodiscard]] bool is_for_us(const wire::Heading& heading) const noexcept;
 
   /// True if this begins a new session.
   bool on_welcome(const wire::Welcome& welcome) noexcept;

@@ -15,6 +15,9 @@ namespace {
 
 // A burst of more than this waits for the next tick: the tick's work is bounded.
 constexpr int kDatagramsPerTickMax = 64;
+// Those that are dropped by their address or heading cost little. If they counted, a flood of them would make all that
+// are not dropped wait.
+constexpr int kDroppedPerTickMax = 512;
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
@@ -236,22 +239,44 @@ bool Session::send(const wire::Message& message) noexcept {
 }
 
 void Session::receive_all(Nanoseconds now) noexcept {
-  for (int i = 0; i < kDatagramsPerTickMax; ++i) {
+  int dropped = 0;
+  for (int taken = 0; taken < kDatagramsPerTickMax && dropped < kDroppedPerTickMax;) {
     const auto received = link_.receive(buffer_);
     if (!received) return;
     const Nanoseconds read_at = clock_.now();
     if (received->from != options_.server) {
       ++counts_.foreign_session;
+      ++dropped;
       continue;
     }
-    const auto decoded = codec_.decode(std::span(buffer_).first(std::min(received->bytes, buffer_.size())));
-    if (const auto* reason = std::get_if<wire::Malformed>(&decoded)) {
-      ++counts_.malformed[static_cast<std::size_t>(*reason)];
-    } else {
-      // Waited until now, which is later than the tick's time by the reading and the sending.
-      receive(std::get<wire::Message>(decoded), now, read_at - received->waited);
-    }
+    const auto datagram = std::span(buffer_).first(std::min(received->bytes, buffer_.size()));
+    // Waited until now, which is later than the tick's time by the reading and the sending.
+    ++(receive(datagram, now, read_at - received->waited) ? taken : dropped);
   }
+}
+
+bool Session::receive(std::span<const std::byte> datagram, Nanoseconds now, Nanoseconds arrival) noexcept {
+  const auto heading = wire::heading_of(datagram);
+  if (const auto* reason = std::get_if<wire::Malformed>(&heading)) {
+    ++counts_.malformed[static_cast<std::size_t>(*reason)];
+    return false;
+  }
+  const auto& known = std::get<wire::Heading>(heading);
+  if (known.is<wire::Hello>() || known.is<wire::MotionSample>()) {
+    ++counts_.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)];
+    return false;
+  }
+  if (known.kind < std::variant_size_v<wire::Message> && !connection_.is_for_us(known)) {
+    ++counts_.foreign_session;
+    return false;
+  }
+  const auto decoded = codec_.decode(datagram, known);
+  if (const auto* reason = std::get_if<wire::Malformed>(&decoded)) {
+    ++counts_.malformed[static_cast<std::size_t>(*reason)];
+  } else {
+    receive(std::get<wire::Message>(decoded), now, arrival);
+  }
+  return true;
 }
 
 void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept {

@@ -109,6 +109,8 @@ class Session {
   std::uint64_t send_motion(const Vector& position, Nanoseconds read_at) noexcept;
   bool send(const wire::Message& message) noexcept;
   void receive_all(Nanoseconds now) noexcept;
+  /// False: dropped by its heading, and counted.
+  bool receive(std::span<const std::byte> datagram, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive(const wire::Message& message, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
   void tell_refused(const wire::Refusal& refusal, Nanoseconds now) noexcept;

@@ -13,7 +13,7 @@ namespace forcebound::server {
 struct ServerCounters {
   std::uint64_t datagrams = 0;
   std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< by wire::Malformed
-  std::uint64_t unexpected = 0;  ///< well formed, but of a kind that only a server sends
+  std::uint64_t unexpected = 0;  ///< of a kind that only a server sends; their content is not read
 
   std::uint64_t sessions_opened = 0;
   std::uint64_t sessions_ended = 0;     ///< by the client's Bye

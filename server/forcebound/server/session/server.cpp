@@ -78,7 +78,13 @@ bool Server::answer_next() noexcept {
 
 void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
   ++counters_.datagrams;
-  const auto decoded = codec_.decode(datagram);
+  const auto heading = wire::heading_of(datagram);
+  if (const auto* malformed = std::get_if<wire::Malformed>(&heading)) {
+    ++counters_.malformed[static_cast<std::size_t>(*malformed)];
+    return;
+  }
+  if (is_dropped(std::get<wire::Heading>(heading), datagram.size(), from, now)) return;
+  const auto decoded = codec_.decode(datagram, std::get<wire::Heading>(heading));
   if (const auto* malformed = std::get_if<wire::Malformed>(&decoded)) {
     ++counters_.malformed[static_cast<std::size_t>(*malformed)];
     return;
@@ -94,9 +100,24 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
     }
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     on_bye(*bye, from);
-  } else {
-    ++counters_.unexpected;
   }
+}
+
+bool Server::is_dropped(const wire::Heading& heading, std::size_t bytes, const net::Address& from,
+                        Nanoseconds now) noexcept {
+  if (heading.is<wire::MotionSample>()) {
+    if (sessions_.contains(heading.session) || find_ended(heading.session) != nullptr) return false;
+    ++counters_.motions_without_session;
+    // Nobody is answered more than was sent, whoever the address belongs to.
+    const wire::Refusal refusal{.session = heading.session, .reason = wire::RefusalReason::unknown_session};
+    if (refusals_.take(now) && codec_.encode(refusal).size() <= bytes) send(refusal, from);
+    return true;
+  }
+  if (heading.is<wire::Hello>() || heading.is<wire::Bye>() || heading.kind >= std::variant_size_v<wire::Message>) {
+    return false;
+  }
+  ++counters_.unexpected;
+  return true;
 }
 
 void Server::on_timer(Nanoseconds now) {
@@ -167,11 +188,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
   if (found == sessions_.end()) {
     if (Ended* ended = find_ended(motion.session)) {
       counters_.motions_after_end += note(ended->arrivals, motion.sequence, now) == Arrival::newest;
-      return;
     }
-    ++counters_.motions_without_session;
-    if (!refusals_.take(now)) return;
-    send(wire::Refusal{.session = motion.session, .reason = wire::RefusalReason::unknown_session}, from);
     return;
   }
   Session& session = found->second;

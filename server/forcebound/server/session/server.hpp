@@ -144,6 +144,9 @@ class Server {
   void on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
   void on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept;
   void on_bye(const wire::Bye& bye, const net::Address& from);
+  /// Drops what can be dropped by its heading: a flood of it must cost little.
+  [[nodiscard]] bool is_dropped(const wire::Heading& heading, std::size_t bytes, const net::Address& from,
+                                Nanoseconds now) noexcept;
 
   struct Refused {
     wire::RefusalReason reason;

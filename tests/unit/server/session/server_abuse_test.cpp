@@ -27,6 +27,14 @@ TEST_F(ServerAbuse, IgnoresMessagesThatOnlyServersSend) {
   EXPECT_TRUE(answers().empty());
 }
 
+TEST_F(ServerAbuse, AMotionTooShortForARefusalGetsNone) {
+  // A frame of a motion without any field: its checksum is that of the kind alone.
+  const std::vector<std::byte> empty{std::byte{'F'},  std::byte{'B'},  std::byte{1},    std::byte{4},
+                                     std::byte{0x94}, std::byte{0x2b}, std::byte{0x6f}, std::byte{0xd5}};
+  server->on_datagram(empty, address(1), clock.time);
+  EXPECT_TRUE(answers().empty());
+}
+
 TEST_F(ServerAbuse, RandomBytesGetNoAnswer) {
   std::mt19937 random(11);
   std::uniform_int_distribution<int> byte(0, 255);
