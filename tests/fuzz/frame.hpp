@@ -19,7 +19,7 @@ namespace forcebound::fuzz {
   if (kind == 1 && used + 128 <= wire::kFrameBytesMax) {
     const std::size_t padding = wire::kFrameBytesMax - used;
     padded.push_back(std::byte{0x7a});  // field 15, bytes
-    padded.push_back(std::byte(padding & 0x7fU | 0x80U));
+    padded.push_back(std::byte((padding & 0x7fU) | 0x80U));
     padded.push_back(std::byte(padding >> 7U));
     padded.resize(padded.size() + padding);
   }
