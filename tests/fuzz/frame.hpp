@@ -9,8 +9,8 @@
 
 namespace forcebound::fuzz {
 
-/// A valid frame around any body: no random change of a datagram would get past the checksum. A Hello (kind 1) is padded
-/// to the length that it must have, by a field of bytes at the end.
+/// A valid frame around any body: no random change of a datagram would get past the checksum. A Hello (kind 1) is
+/// padded to the length that it must have, by a field of bytes at the end.
 [[nodiscard]] inline std::vector<std::byte> framed(unsigned kind, Bytes body) {
   constexpr std::size_t kHeaderBytes = 8;
   constexpr std::size_t kPaddingOverhead = 3;

@@ -45,7 +45,8 @@ void may_refuse(Work&& work) {
 
 [[nodiscard]] inline std::string_view text_of(Bytes bytes) {
   // Of an empty span the pointer may be null.
-  return bytes.empty() ? std::string_view{} : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return bytes.empty() ? std::string_view{}
+                       : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
 /// One file in a folder of its own, for parsers that read files; removed with the program.

@@ -8,8 +8,9 @@
 /// What reads outside bytes, one function for each, to be fed with any bytes: by libFuzzer, and by fuzz_test with the
 /// committed corpus.
 ///
-/// A target returns, whatever the bytes are: what it throws, such as a Finding (input.hpp), is a mistake of ours. It keeps no state between calls, takes no time from the machine, and writes
-/// nothing but files in a folder of its own below the system's folder for temporary files.
+/// A target returns, whatever the bytes are: what it throws, such as a Finding (input.hpp), is a mistake of ours. It
+/// keeps no state between calls, takes no time from the machine, and writes nothing but files in a folder of its own
+/// below the system's folder for temporary files.
 namespace forcebound::fuzz {
 
 using Bytes = std::span<const std::byte>;

@@ -47,8 +47,12 @@ class ScriptedClient {
 
   void take_step() {
     switch (script_.byte() % 12) {
-      case 0: tick(1); break;
-      case 1: tick(script_.byte()); break;
+      case 0:
+        tick(1);
+        break;
+      case 1:
+        tick(script_.byte());
+        break;
       case 2:
         arrive(wire::Welcome{.client_nonce = nonce_,
                              .session = script_.byte(),
@@ -57,7 +61,9 @@ class ScriptedClient {
                              .offer = offer(),
                              .server_parts = static_cast<wire::ServerParts>(script_.byte() % 3)});
         break;
-      case 3: arrive(force()); break;
+      case 3:
+        arrive(force());
+        break;
       case 4:
         arrive(wire::Refusal{.client_nonce = nonce_,
                              .session = script_.byte(),
@@ -65,13 +71,16 @@ class ScriptedClient {
                              .text = "\x1b[31m",
                              .client_time = time::Nanoseconds{script_.value<std::int64_t>() >> 2}});
         break;
-      case 5: arrive(wire::Bye{.session = script_.byte(), .motions_received = script_.value<std::uint64_t>()}); break;
+      case 5:
+        arrive(wire::Bye{.session = script_.byte(), .motions_received = script_.value<std::uint64_t>()});
+        break;
       case 6: {
         const std::uint64_t session = script_.byte();
         const std::uint64_t transmission = script_.byte();
         const std::uint32_t number = script_.byte();
         const Bytes content = script_.take(script_.byte());
-        arrive(wire::ScenePiece{.session = session, .transmission = transmission, .number = number, .content = content});
+        arrive(
+            wire::ScenePiece{.session = session, .transmission = transmission, .number = number, .content = content});
         break;
       }
       case 7: {
@@ -79,12 +88,18 @@ class ScriptedClient {
         link_.arrive(framed(kind, script_.take(script_.byte())), kServerAddress);
         break;
       }
-      case 8: link_.arrive(script_.take(script_.value<std::uint16_t>() % net::kDatagramBytesMax), kServerAddress); break;
+      case 8:
+        link_.arrive(script_.take(script_.value<std::uint16_t>() % net::kDatagramBytesMax), kServerAddress);
+        break;
       case 9:
         for (double& place_m : device_.position) place_m = script_.value<std::int16_t>() * 1e-5;
         break;
-      case 10: (void)local_.builder().work(); break;
-      default: advance(script_.value<std::uint16_t>()); break;
+      case 10:
+        (void)local_.builder().work();
+        break;
+      default:
+        advance(script_.value<std::uint16_t>());
+        break;
     }
   }
 

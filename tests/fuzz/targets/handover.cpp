@@ -10,11 +10,13 @@ void fuzz_handover(Bytes bytes) {
   const std::size_t manifest_bytes = script.value<std::uint16_t>();
   const Bytes manifest = script.take(manifest_bytes);
   const Bytes content = bytes.subspan(std::min<std::size_t>(bytes.size(), 2));
-  const std::size_t others = (content.size() - manifest.size() + handover::kPieceBytesMax - 1) / handover::kPieceBytesMax;
+  const std::size_t others =
+      (content.size() - manifest.size() + handover::kPieceBytesMax - 1) / handover::kPieceBytesMax;
   const handover::Announcement announcement{.hash = handover::hash_of(manifest),
                                             .manifest_bytes = manifest.size(),
                                             .pieces = handover::manifest_pieces(manifest.size()) + others};
-  const handover::Limits limits{.triangles = 1000, .heights = 1000, .shape_bytes = 1U << 20U, .nodes_of_a_build = 100'000};
+  const handover::Limits limits{
+      .triangles = 1000, .heights = 1000, .shape_bytes = 1U << 20U, .nodes_of_a_build = 100'000};
   may_refuse([&] {
     handover::SceneAssembly assembly(announcement, scene::Registry::standard(), limits);
     for (std::size_t piece = 0; piece < handover::manifest_pieces(manifest.size()); ++piece) {

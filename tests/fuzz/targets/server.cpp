@@ -48,18 +48,32 @@ class ScriptedServer {
                            .server_law = kLaws[script_.byte() % std::size(kLaws)],
                            .renders_locally = script_.byte() % 2 == 1});
         break;
-      case 1: arrive(motion()); break;
-      case 2: arrive(wire::Bye{.session = script_.byte(), .motions_received = script_.byte()}); break;
+      case 1:
+        arrive(motion());
+        break;
+      case 2:
+        arrive(wire::Bye{.session = script_.byte(), .motions_received = script_.byte()});
+        break;
       case 3: {
         const std::uint8_t kind = script_.byte();
         arrive_bytes(framed(kind, script_.take(script_.byte())));
         break;
       }
-      case 4: arrive_bytes(script_.take(script_.value<std::uint16_t>() % net::kDatagramBytesMax)); break;
-      case 5: server_.answer_waiting(); break;
-      case 6: (void)server_.answer_next(); break;
-      case 7: clock_.time += std::chrono::milliseconds{script_.value<std::uint16_t>()}; break;
-      default: server_.on_timer(clock_.time); break;
+      case 4:
+        arrive_bytes(script_.take(script_.value<std::uint16_t>() % net::kDatagramBytesMax));
+        break;
+      case 5:
+        server_.answer_waiting();
+        break;
+      case 6:
+        (void)server_.answer_next();
+        break;
+      case 7:
+        clock_.time += std::chrono::milliseconds{script_.value<std::uint16_t>()};
+        break;
+      default:
+        server_.on_timer(clock_.time);
+        break;
     }
   }
 
