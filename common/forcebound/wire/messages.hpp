@@ -112,6 +112,7 @@ struct MotionSample {
   control::Vector position{};                      ///< [m], scene frame, dof rows
   control::ServerLawNumbers server_law_numbers{};  ///< from the law at the device to the server-side law
   PieceReceipt pieces{};
+  std::uint64_t challenge = 0;  ///< of the newest force, sent back from where it came; 0: it has none
 };
 
 /// Server to client: the answer to one motion.
@@ -142,6 +143,8 @@ struct EnvironmentForce {
   /// For a client that renders locally. Of `server_parts_N` where there is one, else of `force`. As it came, so that it
   /// may be unsound: local_model::is_sound.
   local_model::LocalModel model{};
+  /// The motions come from an address that is not proven to be the client's: to be sent back from there. 0: not needed.
+  std::uint64_t challenge = 0;
 };
 
 /// Either way: this session ends. The server's answer carries its final counts.

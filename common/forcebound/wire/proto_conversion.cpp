@@ -224,6 +224,7 @@ void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
   to.set_pieces_wanted(from.pieces.wanted);
   to.set_piece_newest(from.pieces.newest);
   to.set_piece_map(from.pieces.before);
+  to.set_challenge(from.challenge);
 }
 
 Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
@@ -234,6 +235,7 @@ Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
   taker.rows(from.position_m(), "position_m", to.position);
   taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
   to.pieces = {.wanted = from.pieces_wanted(), .newest = from.piece_newest(), .before = from.piece_map()};
+  to.challenge = from.challenge();
   return taker.flaws();
 }
 
@@ -259,6 +261,7 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   add_rows(from.server_law_numbers, to.mutable_server_law_numbers());
   add_rows(from.server_parts_N, to.mutable_server_parts_n());
   to.set_texture_in_server_parts(from.texture_in_server_parts);
+  to.set_challenge(from.challenge);
   if (!from.model.empty()) fill(from.model, to);
 }
 
@@ -284,6 +287,7 @@ Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
   taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
   taker.rows(from.server_parts_n(), "server_parts_N", to.server_parts_N);
   to.texture_in_server_parts = from.texture_in_server_parts();
+  to.challenge = from.challenge();
   take(from, to.model);
   return taker.flaws();
 }

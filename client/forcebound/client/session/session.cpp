@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "forcebound/control/assertion.hpp"
 #include "forcebound/text/printable.hpp"
@@ -227,9 +228,15 @@ std::uint64_t Session::send_motion(const Vector& position, Nanoseconds read_at) 
                                   .device_time = read_at,
                                   .position = position,
                                   .server_law_numbers = law().outgoing(),
-                                  .pieces = options_.local ? options_.local->receipt() : wire::PieceReceipt{}};
+                                  .pieces = options_.local ? options_.local->receipt() : wire::PieceReceipt{},
+                                  .challenge = challenge()};
   if (!send(motion)) forces_.note_not_sent();
   return sequence;
+}
+
+std::uint64_t Session::challenge() const noexcept {
+  const auto& newest = forces_.newest();
+  return newest && newest->session == connection_.session() ? newest->challenge : 0;
 }
 
 bool Session::send(const wire::Message& message) noexcept {

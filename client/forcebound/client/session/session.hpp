@@ -107,6 +107,8 @@ class Session {
 
   [[nodiscard]] device::Reading read_device(Nanoseconds now) noexcept;
   std::uint64_t send_motion(const Vector& position, Nanoseconds read_at) noexcept;
+  /// What the server asks for to prove this address; 0: nothing.
+  [[nodiscard]] std::uint64_t challenge() const noexcept;
   bool send(const wire::Message& message) noexcept;
   void receive_all(Nanoseconds now) noexcept;
   /// False: dropped by its heading, and counted.

@@ -49,6 +49,7 @@ std::string ServerCounters::text() const {
                {"reordered", motions_reordered},
                {"superseded by newer ones", motions_superseded},
                {"over the rate", motions_over_rate},
+               {"from addresses not yet proven", motions_unproven},
                {"after the end of their session", motions_after_end},
                {"with numbers too far ahead", motions_far_ahead},
                {"of wrong size", motions_of_wrong_size},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -91,7 +92,7 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
   }
   const auto& message = std::get<wire::Message>(decoded);
   if (const auto* motion = std::get_if<wire::MotionSample>(&message)) {
-    on_motion(*motion, from, now);
+    on_motion(*motion, datagram.size(), from, now);
   } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
     try {
       on_hello(*hello, from, now);
@@ -99,7 +100,7 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
       refuse_for_lack_of_memory(*hello, from);
     }
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
-    on_bye(*bye, from);
+    on_bye(*bye, datagram.size(), from);
   }
 }
 
@@ -126,7 +127,7 @@ void Server::on_timer(Nanoseconds now) {
     if (now - session.last_heard < options_.idle_timeout) return false;
     ++counters_.sessions_idle;
     // If only the direction to the server is dead, the client learns it. A client that never sent motion may be forged.
-    if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.info.address);
+    if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.proven_at);
     close(session, CloseReason::idle);
     return true;
   });
@@ -134,7 +135,7 @@ void Server::on_timer(Nanoseconds now) {
 
 void Server::stop() {
   for (const auto& [id, session] : sessions_) {
-    send(session.arrivals.counts, session.info.address);
+    send(session.arrivals.counts, session.proven_at);
     close(session, CloseReason::server_stops);
   }
   sessions_.clear();
@@ -182,7 +183,8 @@ wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t seq
   return arrival;
 }
 
-void Server::on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept {
+void Server::on_motion(const wire::MotionSample& motion, std::size_t bytes, const net::Address& from,
+                       Nanoseconds now) noexcept {
   using Arrival = wire::SequenceWindow::Arrival;
   const auto found = sessions_.find(motion.session);
   if (found == sessions_.end()) {
@@ -200,10 +202,7 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
   if (arrival == Arrival::duplicate || arrival == Arrival::too_far_ahead) return;
   session.last_heard = now;
   if (arrival == Arrival::late) return;
-  if (session.info.address != from) {
-    ++counters_.addresses_changed;
-    session.info.address = from;
-  }
+  follow(session, motion, bytes, from);
   if (!session.rate.take(now)) {
     ++counters_.motions_over_rate;
     return;
@@ -216,6 +215,26 @@ void Server::on_motion(const wire::MotionSample& motion, const net::Address& fro
   if (waiting_.size() == waiting_.capacity()) answer_waiting();
   FORCEBOUND_ASSERT(waiting_.size() < waiting_.capacity(), "a motion that waits needs no memory of its own");
   waiting_.push_back(motion.session);
+}
+
+void Server::follow(Session& session, const wire::MotionSample& motion, std::size_t bytes,
+                    const net::Address& from) noexcept {
+  if (session.info.address != from) {
+    ++counters_.addresses_changed;
+    session.info.address = from;
+    session.allowance.begin(new_challenge());
+    if (from == session.proven_at) session.allowance.prove();
+  }
+  session.allowance.take_in(bytes, motion.challenge);
+  if (session.allowance.proven()) session.proven_at = from;
+}
+
+std::uint64_t Server::new_challenge() noexcept {
+  try {
+    return session_ids_();
+  } catch (const std::exception&) {
+    return 0;  // without randomness no address can be proven
+  }
 }
 
 Vector Server::ServerSide::place(const wire::MotionSample& motion) noexcept {
@@ -266,33 +285,39 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
   const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
 
-  const wire::EnvironmentForce force{.session = motion.session,
-                                     .sequence = session.arrivals.counts.forces_sent + 1,
-                                     .motion_sequence = motion.sequence,
-                                     .motion_device_time = motion.device_time,
-                                     .force = said.force,
-                                     .position = place,
-                                     .contact_normal = response.contact_normal,
-                                     .penetration_m = response.penetration_m,
-                                     .server_receive_time = now,
-                                     .server_send_time = end,
-                                     .compute_time = end - begin,
-                                     .motions_received = session.arrivals.counts.motions_received,
-                                     .motions_duplicated = session.arrivals.counts.motions_duplicated,
-                                     .motions_reordered = session.arrivals.counts.motions_reordered,
-                                     .texture_N = response.texture_N,
-                                     .texture_wave = response.texture_wave,
-                                     .texture_across = response.texture_across,
-                                     .server_law_numbers = said.numbers,
-                                     .server_parts_N = session.sender ? response.server_parts_N : Vector(),
-                                     .texture_in_server_parts = response.texture_in_server_parts,
-                                     .model = model_of(session, response)};
+  const wire::EnvironmentForce force{
+      .session = motion.session,
+      .sequence = session.arrivals.counts.forces_sent + 1,
+      .motion_sequence = motion.sequence,
+      .motion_device_time = motion.device_time,
+      .force = said.force,
+      .position = place,
+      .contact_normal = response.contact_normal,
+      .penetration_m = response.penetration_m,
+      .server_receive_time = now,
+      .server_send_time = end,
+      .compute_time = end - begin,
+      .motions_received = session.arrivals.counts.motions_received,
+      .motions_duplicated = session.arrivals.counts.motions_duplicated,
+      .motions_reordered = session.arrivals.counts.motions_reordered,
+      .texture_N = response.texture_N,
+      .texture_wave = response.texture_wave,
+      .texture_across = response.texture_across,
+      .server_law_numbers = said.numbers,
+      .server_parts_N = session.sender ? response.server_parts_N : Vector(),
+      .texture_in_server_parts = response.texture_in_server_parts,
+      .model = session.allowance.proven() ? model_of(session, response) : local_model::LocalModel{},
+      .challenge = session.allowance.challenge()};
   for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
+  if (!session.allowance.proven() && !session.allowance.spend(codec_.encode(force).size())) {
+    ++counters_.motions_unproven;
+    return;
+  }
   if (!send(force, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
   observer_.on_force(force);
-  if (session.sender) hand_over(session, motion, now);
+  if (session.sender && session.allowance.proven()) hand_over(session, motion, now);
 }
 
 void Server::hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {
@@ -312,11 +337,11 @@ void Server::hand_over(Session& session, const wire::MotionSample& motion, Nanos
   }
 }
 
-void Server::on_bye(const wire::Bye& bye, const net::Address& from) {
+void Server::on_bye(const wire::Bye& bye, std::size_t bytes, const net::Address& from) {
   if (const auto found = sessions_.find(bye.session); found != sessions_.end()) {
     const Session& session = found->second;
-    send(session.arrivals.counts, from);
-    ended_[ended_next_++ % ended_.size()] = {session.nonce, session.info.address, session.arrivals};
+    answer_bye(session.arrivals.counts, bytes, from, session.proven_at);
+    ended_[ended_next_++ % ended_.size()] = {session.nonce, session.proven_at, session.arrivals};
     ++counters_.sessions_ended;
     close(session, CloseReason::client_said_bye);
     sessions_.erase(found);
@@ -324,10 +349,15 @@ void Server::on_bye(const wire::Bye& bye, const net::Address& from) {
   }
   if (const Ended* ended = find_ended(bye.session)) {
     ++counters_.byes_repeated;
-    send(ended->arrivals.counts, from);
+    answer_bye(ended->arrivals.counts, bytes, from, ended->address);
     return;
   }
   ++counters_.byes_unknown;
+}
+
+void Server::answer_bye(const wire::Bye& counts, std::size_t bytes, const net::Address& from,
+                        const net::Address& proven_at) {
+  if (from == proven_at || codec_.encode(counts).size() <= bytes) send(counts, from);
 }
 
 bool Server::send(const wire::Message& message, const net::Address& to) noexcept {

@@ -14,6 +14,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/server/environment/environment_library.hpp"
+#include "forcebound/server/session/answer_allowance.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
@@ -47,7 +48,8 @@ struct ServerOptions {
 /// - **Motion** is answered if it is the newest of its session. Duplicates and reordered motions are counted, and the
 ///   client receives the counts, so that both ends agree on losses and reordering. Motion of an unknown
 ///   session (the server restarted) is refused with fewer bytes than it had, which rules out amplification. The
-///   session's address becomes that of its newest motion: only its client knows the session's 64-bit number.
+///   session's address becomes that of its newest motion: only its client knows the session's 64-bit number. Until the
+///   client has sent back a challenge from there, no more bytes are answered to it than come from it.
 ///   A motion whose number is further ahead than the client can have sent since the newest is dropped: a single forged
 ///   one would make old ones of all that follow.
 /// - **Bye** is answered with the final counts, as often as it arrives. The server itself sends a Bye to a client whose
@@ -126,6 +128,8 @@ class Server {
     ServerSide server_side;
     time::TokenBucket rate;
     Nanoseconds last_heard;
+    net::Address proven_at;  ///< the last address that was proven
+    AnswerAllowance allowance{};
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
     std::unique_ptr<SceneSender> sender{};  ///< null: nothing is handed over
@@ -142,8 +146,15 @@ class Server {
   };
 
   void on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
-  void on_motion(const wire::MotionSample& motion, const net::Address& from, Nanoseconds now) noexcept;
-  void on_bye(const wire::Bye& bye, const net::Address& from);
+  /// @param bytes of the datagram
+  void on_motion(const wire::MotionSample& motion, std::size_t bytes, const net::Address& from,
+                 Nanoseconds now) noexcept;
+  void on_bye(const wire::Bye& bye, std::size_t bytes, const net::Address& from);
+  /// The newest motion came from there.
+  void follow(Session& session, const wire::MotionSample& motion, std::size_t bytes, const net::Address& from) noexcept;
+  [[nodiscard]] std::uint64_t new_challenge() noexcept;
+  /// Sends the final counts to the client's address, or to one that sent at least as much.
+  void answer_bye(const wire::Bye& counts, std::size_t bytes, const net::Address& from, const net::Address& proven_at);
   /// Drops what can be dropped by its heading: a flood of it must cost little.
   [[nodiscard]] bool is_dropped(const wire::Heading& heading, std::size_t bytes, const net::Address& from,
                                 Nanoseconds now) noexcept;

@@ -245,7 +245,8 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
       .server_side = {.law =
                           options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))},
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
-      .last_heard = now};
+      .last_heard = now,
+      .proven_at = from};
   session.arrivals.counts.session = id;
   session.arrivals.motions_per_s_max = options_.motions_per_promised / period_s;
   session.wants_models = renders_locally(hello);

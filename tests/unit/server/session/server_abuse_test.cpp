@@ -64,6 +64,28 @@ TEST_F(ServerAbuse, NoAnswerToAnUntrustedClientIsLargerThanItsRequest) {
   }
 }
 
+TEST_F(ServerAbuse, AnAddressThatIsNotProvenGetsNoMoreBytesThanItSent) {
+  const auto session = join();
+  arrive(motion(session, 1));
+  (void)answers();
+  wire::Codec client;
+  std::size_t sent = 0;
+  for (std::uint64_t sequence = 2; sequence < 1000; ++sequence) {
+    const auto datagram = motion(session, sequence);
+    sent += client.encode(datagram).size();
+    arrive(datagram, address(66));
+  }
+  const wire::Bye bye{.session = session};
+  sent += client.encode(bye).size();
+  arrive(bye, address(66));
+  std::size_t answered = 0;
+  for (const auto& answer : link.sent) answered += answer.bytes.size();
+  EXPECT_GT(answered, 0u);
+  EXPECT_LE(answered, sent);
+  const auto counters = server->counters();
+  EXPECT_EQ(counters.motions_unanswered() + counters.forces_sent, counters.motions_received);
+}
+
 TEST_F(ServerAbuse, AFloodOfHellosIsBounded) {
   for (std::uint64_t nonce = 1; nonce <= 10000; ++nonce) {
     clock.time = milliseconds{nonce};

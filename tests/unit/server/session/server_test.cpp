@@ -211,11 +211,20 @@ TEST_F(ServerTest, DropsMotionOfAnotherSize) {
 
 TEST_F(ServerTest, FollowsAClientToItsNewAddress) {
   const auto session = join(1, address(1));
-  arrive(motion(session, 1), address(2));
-  arrive(motion(session, 2), address(2));
+  std::uint64_t sequence = 0;
+  while (link.sent.empty() && sequence < 10) arrive(motion(session, ++sequence), address(2));
+  const auto challenged = only_answer<wire::EnvironmentForce>();
+  ASSERT_NE(challenged.challenge, 0u);
+  auto proof = motion(session, ++sequence);
+  proof.challenge = challenged.challenge;
+  arrive(proof, address(2));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().challenge, 0u) << "proven";
+  arrive(motion(session, ++sequence), address(2));
   answers();
-  EXPECT_THAT(sent_to, ElementsAre(address(1), address(2), address(2)));
+  EXPECT_THAT(sent_to, ElementsAre(address(1), address(2), address(2), address(2)));
   EXPECT_EQ(server->counters().addresses_changed, 1u);
+  arrive(motion(session, ++sequence), address(3));
+  EXPECT_TRUE(answers().empty()) << "another address, of which nothing is known";
 }
 
 TEST_F(ServerTest, ACopyOfOldMotionDoesNotMoveASession) {
