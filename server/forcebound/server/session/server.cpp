@@ -43,7 +43,7 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
       session_ids_(std::move(session_ids)),
       observer_(observer == nullptr ? nobody_ : *observer),
       hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
-              std::max(1, options_.hellos_per_s_max), clock.now()),
+              std::max(1, options_.hellos_per_s_max), clock.now(), session_ids_()),
       refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
   if (!environments_.find(options_.scene)) throw std::invalid_argument(environments_.unknown_text(options_.scene));
   if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||

@@ -18,6 +18,7 @@
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
+#include "forcebound/server/session/source_buckets.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/token_bucket.hpp"
 #include "forcebound/wire/codec.hpp"
@@ -35,7 +36,7 @@ struct ServerOptions {
   Nanoseconds idle_timeout =
       std::chrono::seconds{60};     ///< without motion; must exceed any round trip (12 s has been observed)
   double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
-  int hellos_per_s_max = 50;        ///< over all clients
+  int hellos_per_s_max = 50;        ///< from each source: an IPv4 address or IPv6 network
   HandoverRate handover{};          ///< of scenes, to each client that renders locally
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
@@ -60,8 +61,8 @@ struct ServerOptions {
 ///
 /// A session for which there is no memory is refused with that reason, and does not touch the others.
 ///
-/// Everything is bounded: sessions, idle time, Hellos per second, answers per second and session. Time and randomness
-/// are arguments. Not thread-safe.
+/// Everything is bounded: sessions, idle time, Hellos per second of each source and session, answers per second and
+/// session. Time and randomness are arguments. Not thread-safe.
 class Server {
  public:
   /// @param session_ids unguessable numbers
@@ -127,6 +128,7 @@ class Server {
     MadeEnvironment made;
     ServerSide server_side;
     time::TokenBucket rate;
+    time::TokenBucket hellos;  ///< repeated ones
     Nanoseconds last_heard;
     net::Address proven_at;  ///< the last address that was proven
     AnswerAllowance allowance{};
@@ -207,7 +209,7 @@ class Server {
   std::size_t next_waiting_ = 0;        ///< index into waiting_; those before it are answered
   std::vector<Ended> ended_;            ///< ring buffer of the latest
   std::size_t ended_next_ = 0;
-  time::TokenBucket hellos_;
+  SourceBuckets hellos_;
   time::TokenBucket refusals_;
   ServerCounters counters_;
 };

@@ -22,6 +22,10 @@ using wire::RefusalReason;
 constexpr double kPeriodLeast_s = 100e-6;
 constexpr double kPeriodMost_s = 1;
 
+// Of a session: a client repeats its Hello no faster, and a network may hold some up and deliver them together.
+constexpr Nanoseconds kRepeatedHelloInterval = std::chrono::milliseconds{50};
+constexpr int kRepeatedHellosAtOnce = 20;
+
 double believed_period_s(const wire::Hello& hello) { return std::clamp(hello.period_s, kPeriodLeast_s, kPeriodMost_s); }
 
 // A server-side law exchanges the environment's force through the network: it needs all of it from here.
@@ -82,12 +86,16 @@ std::string refusal_of_dof(const EnvironmentKind& kind, const wire::Hello& hello
 
 void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
   // A client with a session is answered even while untrusted clients use up the rate.
-  if (const Session* session = find(from, hello.client_nonce)) {
+  if (Session* session = find(from, hello.client_nonce)) {
+    if (!session->hellos.take(now)) {
+      ++counters_.hellos_over_rate;
+      return;
+    }
     ++counters_.hellos_repeated;
     welcome(*session);
     return;
   }
-  if (!hellos_.take(now)) {
+  if (!hellos_.take(from, now)) {
     ++counters_.hellos_over_rate;
     return;
   }
@@ -245,6 +253,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
       .server_side = {.law =
                           options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))},
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
+      .hellos = time::TokenBucket(kRepeatedHelloInterval, kRepeatedHellosAtOnce, now),
       .last_heard = now,
       .proven_at = from};
   session.arrivals.counts.session = id;

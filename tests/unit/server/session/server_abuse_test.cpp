@@ -98,6 +98,26 @@ TEST_F(ServerAbuse, AFloodOfHellosIsBounded) {
   EXPECT_EQ(counters.hellos_over_rate + counters.hellos_refused + counters.sessions_opened, 10000u);
 }
 
+TEST_F(ServerAbuse, AFloodOfHellosLetsClientsFromElsewhereIn) {
+  for (std::uint64_t nonce = 1; nonce <= 1000; ++nonce) arrive(hello(nonce), address(9));
+  (void)answers();
+  // One of them may share the flood's bucket.
+  std::size_t answered = 0;
+  for (std::uint8_t last = 1; last <= 8; ++last) {
+    net::Address elsewhere{.ip = {0x20, last}, .port = 1};
+    arrive(hello(5000), elsewhere);
+    answered += answers().size();
+  }
+  EXPECT_GE(answered, 6u);
+}
+
+TEST_F(ServerAbuse, AFloodOfCopiesOfAHelloIsBounded) {
+  (void)join();
+  for (int i = 0; i < 1000; ++i) arrive(hello());
+  EXPECT_EQ(link.sent.size(), 20u);
+  EXPECT_EQ(server->counters().hellos_over_rate, 980u);
+}
+
 TEST_F(ServerAbuse, AnEarlierSessionReplayedWholeChangesNothing) {
   const auto old_session = join(1, address(1));
   arrive(motion(old_session, 1), address(1));

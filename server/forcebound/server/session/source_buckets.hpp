@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/time/token_bucket.hpp"
+
+namespace forcebound::server {
+
+/// A token bucket for each source of datagrams, so that a flood from one uses up its own rate and no other's.
+///
+/// A source is an IPv4 address, or the 64 bits of an IPv6 network, whatever the port. A fixed number of buckets is
+/// shared by all, by a keyed hash: memory and the total rate stay bounded however many sources are forged, and nobody
+/// who does not know the key can choose a bucket. [Stochastic fairness, McKenney 1990]
+///
+/// Real time: `take` is noexcept, allocates nothing, O(1). Not thread-safe.
+class SourceBuckets {
+ public:
+  static constexpr std::size_t kBuckets = 64;
+
+  /// @param key random
+  SourceBuckets(time::Nanoseconds interval, int burst, time::Nanoseconds now, std::uint64_t key)
+      : key_(key), buckets_(kBuckets, time::TokenBucket(interval, burst, now)) {}
+
+  [[nodiscard]] bool take(const net::Address& from, time::Nanoseconds now) noexcept {
+    return buckets_[index(from)].take(now);
+  }
+
+  [[nodiscard]] std::size_t index(const net::Address& from) const noexcept {
+    const bool is_ipv4 = from.ip[10] == 0xff && from.ip[11] == 0xff;
+    std::uint64_t hash = mixed(key_ ^ word(from, is_ipv4 ? 8 : 0));
+    hash = mixed(hash ^ key_);
+    return static_cast<std::size_t>(hash % kBuckets);
+  }
+
+ private:
+  static std::uint64_t word(const net::Address& from, std::size_t at) noexcept {
+    std::uint64_t value = 0;
+    for (std::size_t i = at; i < at + 8; ++i) value = value << 8U | from.ip[i];
+    return value;
+  }
+
+  // SplitMix64's finaliser [Steele, Lea and Flood 2014].
+  static std::uint64_t mixed(std::uint64_t x) noexcept {
+    x = (x ^ x >> 30U) * 0xbf58476d1ce4e5b9ULL;
+    x = (x ^ x >> 27U) * 0x94d049bb133111ebULL;
+    return x ^ x >> 31U;
+  }
+
+  std::uint64_t key_;
+  std::vector<time::TokenBucket> buckets_;
+};
+
+}  // namespace forcebound::server
