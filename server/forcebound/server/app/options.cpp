@@ -84,6 +84,16 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->type_name("N")
       ->check(program::whole_within(1, 10000))
       ->capture_default_str();
+  app.add_option("--scenes", options.server.scenes,
+                 "scenes that clients may request, besides --scene; all if not given")
+      ->type_name("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(program::not_empty());
+  app.add_option("--sessions-per-address", options.server.sessions_per_address,
+                 "most clients at the same time from one IP address; no such limit if not given")
+      ->type_name("N")
+      ->check(program::whole_within(1, 10000));
   app.add_option("--idle-timeout", idle_timeout_s,
                  "end a client's session after this time without datagrams; mobile networks pause 15 s")
       ->type_name("SECONDS")

@@ -2,9 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "forcebound/program/command_line.hpp"
@@ -13,6 +16,7 @@
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/runtime/udp_server.hpp"
+#include "forcebound/text/names.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -74,6 +78,12 @@ int serve(ProgramOptions options) {
   SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
   scenes.add(scene);
   options.server.scene = scene->facts().name;
+  for (const std::string& name : options.server.scenes) {
+    const auto known = scenes.all_names();
+    if (std::ranges::find(known, name) == known.end()) {
+      throw std::invalid_argument("--scenes: no scene '" + name + "'" + text::suggestion(name, known));
+    }
+  }
 
   stop_on_signals();
   auto link = listen(options.listen);

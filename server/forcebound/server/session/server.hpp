@@ -31,8 +31,10 @@ using time::Nanoseconds;
 
 /// A server's limits, default scene and server-side laws. The defaults are those of forcebound-server.
 struct ServerOptions {
-  std::string scene = "wall";     ///< for clients that request none; must be in the library
-  std::size_t sessions_max = 64;  ///< at once
+  std::string scene = "wall";            ///< for clients that request none; must be in the library
+  std::vector<std::string> scenes{};     ///< that clients may request, besides `scene`; empty: all of the library
+  std::size_t sessions_max = 64;         ///< at once
+  std::size_t sessions_per_address = 0;  ///< at once, of an IP address whatever the port; 0: no such limit
   Nanoseconds idle_timeout =
       std::chrono::seconds{60};     ///< without motion; must exceed any round trip (12 s has been observed)
   double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
@@ -169,7 +171,7 @@ class Server {
 
   /// None: there is room, if need be after evicting a session that never sent motion.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
-                                                  Nanoseconds now);
+                                                  const net::Address& from, Nanoseconds now);
 
   /// @param kind evict only from this one; null: from any
   [[nodiscard]] bool evict_unproven(Nanoseconds now, const EnvironmentKind* kind);
@@ -183,6 +185,10 @@ class Server {
   Session& open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, MadeEnvironment made,
                 const net::Address& from, Nanoseconds now);
   [[nodiscard]] bool is_full(const EnvironmentKind& kind) const;
+  /// Whether clients may request it, whatever the library has. @param scene empty: the default
+  [[nodiscard]] bool is_allowed(std::string_view scene) const;
+  [[nodiscard]] std::string refusal_of_scene(std::string_view scene) const;
+  [[nodiscard]] std::size_t sessions_of(const net::Address& address) const noexcept;
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
   void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;

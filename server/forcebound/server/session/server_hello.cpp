@@ -112,6 +112,11 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     refuse(hello, from, {RefusalReason::version_mismatch, std::string(mismatch.text())});
     return;
   }
+  // Before it would be compiled.
+  if (!is_allowed(hello.scene)) {
+    refuse(hello, from, {RefusalReason::unknown_scene, refusal_of_scene(hello.scene)});
+    return;
+  }
   auto wanted = environments_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
   if (wanted.coming) {
     // Compiling here would delay the answers of other sessions; the client repeats its Hello.
@@ -126,7 +131,7 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     refuse(hello, from, {RefusalReason::unknown_scene, environments_.unknown_text(printable(hello.scene))});
     return;
   }
-  if (const auto refusal = refusal_of(hello, *wanted.kind, now)) {
+  if (const auto refusal = refusal_of(hello, *wanted.kind, from, now)) {
     refuse(hello, from, *refusal);
     return;
   }
@@ -181,13 +186,17 @@ void Server::refuse(const wire::Hello& hello, const net::Address& from, const Re
 }
 
 std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
-                                                  Nanoseconds now) {
+                                                  const net::Address& from, Nanoseconds now) {
   if (!kind.accepts(hello.degrees_of_freedom)) {
     return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(kind, hello)};
   }
   if (!hello.server_law.empty() &&
       !options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))) {
     return Refused{RefusalReason::unknown_server_law, refusal_of_server_law(options_.laws, hello.server_law)};
+  }
+  if (options_.sessions_per_address > 0 && sessions_of(from) >= options_.sessions_per_address) {
+    return Refused{RefusalReason::server_full, "this server takes " + std::to_string(options_.sessions_per_address) +
+                                                   " sessions at once from each address, end one or try again later"};
   }
   if (is_full(kind) && !evict_unproven(now, &kind)) {
     return Refused{RefusalReason::server_full, "all " + std::to_string(kind.sessions_max) +
@@ -199,6 +208,24 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
                    "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later"};
   }
   return std::nullopt;
+}
+
+bool Server::is_allowed(std::string_view scene) const {
+  return options_.scenes.empty() || scene.empty() || scene == options_.scene ||
+         std::ranges::find(options_.scenes, scene) != options_.scenes.end();
+}
+
+std::string Server::refusal_of_scene(std::string_view scene) const {
+  std::string known = options_.scene;
+  for (const std::string& name : options_.scenes) {
+    if (name != options_.scene) known += ", " + name;
+  }
+  return "this server does not offer scene '" + printable(scene) + "' (offered: " + known + ")";
+}
+
+std::size_t Server::sessions_of(const net::Address& address) const noexcept {
+  return static_cast<std::size_t>(std::count_if(
+      sessions_.begin(), sessions_.end(), [&](const auto& entry) { return entry.second.proven_at.ip == address.ip; }));
 }
 
 bool Server::is_full(const EnvironmentKind& kind) const {
