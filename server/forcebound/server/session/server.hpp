@@ -36,10 +36,12 @@ struct ServerOptions {
   std::size_t sessions_max = 64;         ///< at once
   std::size_t sessions_per_address = 0;  ///< at once, of an IP address whatever the port; 0: no such limit
   Nanoseconds idle_timeout =
-      std::chrono::seconds{60};     ///< without motion; must exceed any round trip (12 s has been observed)
-  double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
-  int hellos_per_s_max = 50;        ///< from each source: an IPv4 address or IPv6 network
-  HandoverRate handover{};          ///< of scenes, to each client that renders locally
+      std::chrono::seconds{60};  ///< without motion; must exceed any round trip (12 s has been observed)
+  /// Without motion for so long, a client loses its place in a shared scene to one who asks for it while it is full.
+  Nanoseconds presence_timeout = std::chrono::seconds{20};
+  double motions_per_promised = 4;                        ///< answers per motion that the client promised in its Hello
+  int hellos_per_s_max = 50;                              ///< from each source: an IPv4 address or IPv6 network
+  HandoverRate handover{};                                ///< of scenes, to each client that renders locally
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 
@@ -169,12 +171,12 @@ class Server {
   };
   void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
 
-  /// None: there is room, if need be after evicting a session that never sent motion.
+  /// None: there is room, if need be after evicting a session that never sent motion, or has left a shared scene.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
                                                   const net::Address& from, Nanoseconds now);
 
   /// @param kind evict only from this one; null: from any
-  [[nodiscard]] bool evict_unproven(Nanoseconds now, const EnvironmentKind* kind);
+  [[nodiscard]] bool evict_one(Nanoseconds now, const EnvironmentKind* kind);
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;

@@ -198,12 +198,12 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
     return Refused{RefusalReason::server_full, "this server takes " + std::to_string(options_.sessions_per_address) +
                                                    " sessions at once from each address, end one or try again later"};
   }
-  if (is_full(kind) && !evict_unproven(now, &kind)) {
+  if (is_full(kind) && !evict_one(now, &kind)) {
     return Refused{RefusalReason::server_full, "all " + std::to_string(kind.sessions_max) +
                                                    " places in the shared scene '" + kind.name +
                                                    "' are taken, try again later"};
   }
-  if (sessions_.size() >= options_.sessions_max && !evict_unproven(now, nullptr)) {
+  if (sessions_.size() >= options_.sessions_max && !evict_one(now, nullptr)) {
     return Refused{RefusalReason::server_full,
                    "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later"};
   }
@@ -235,7 +235,7 @@ bool Server::is_full(const EnvironmentKind& kind) const {
   return static_cast<std::size_t>(there) >= kind.sessions_max;
 }
 
-bool Server::evict_unproven(Nanoseconds now, const EnvironmentKind* kind) {
+bool Server::evict_one(Nanoseconds now, const EnvironmentKind* kind) {
   // A real client sends motion at once; one that never did may have a forged address.
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
   auto oldest = sessions_.end();
@@ -243,10 +243,14 @@ bool Server::evict_unproven(Nanoseconds now, const EnvironmentKind* kind) {
     const Session& session = it->second;
     const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
     if (kind != nullptr && session.kind.get() != kind) continue;
-    if (unproven && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard)) oldest = it;
+    const bool absent = kind != nullptr && now - session.last_heard > options_.presence_timeout;
+    if ((unproven || absent) && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard))
+      oldest = it;
   }
   if (oldest == sessions_.end()) return false;
   ++counters_.sessions_idle;
+  if (oldest->second.arrivals.counts.motions_received > 0)
+    send(oldest->second.arrivals.counts, oldest->second.proven_at);
   close(oldest->second, CloseReason::idle);
   sessions_.erase(oldest);
   return true;

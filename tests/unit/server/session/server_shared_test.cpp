@@ -66,6 +66,24 @@ TEST_F(SharedSceneTest, OneClientFeelsWhatTheOtherPushes) {
   EXPECT_GT(push(left, right), 0.05);
 }
 
+TEST_F(SharedSceneTest, APlaceIsLostToWhoAsksForItOnceNobodyMovesThere) {
+  const auto left = enter(1);
+  const auto right = enter(2);
+  (void)force_N(left, 1, -0.04, 1);
+  (void)force_N(right, 1, 0.04, 2);
+  clock.time += seconds{15};
+  (void)force_N(right, 2, 0.04, 2);
+  arrive(hello_of(3), address(3));
+  EXPECT_EQ(only_answer<wire::Refusal>().reason, wire::RefusalReason::server_full);
+  clock.time += seconds{10};
+  arrive(hello_of(3), address(3));
+  const auto answered = answers();
+  ASSERT_EQ(answered.size(), 2u);
+  EXPECT_EQ(std::get<wire::Bye>(answered[0]).session, left) << "it was silent for longest";
+  EXPECT_NE(std::get<wire::Welcome>(answered[1]).session, 0u);
+  (void)force_N(right, 3, 0.04, 2);
+}
+
 TEST_F(SharedSceneTest, TellsAClientThatRendersLocallyWhichReadingItsModelBelongsTo) {
   auto hello = hello_of(1);
   hello.renders_locally = true;
