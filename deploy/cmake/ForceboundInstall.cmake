@@ -6,6 +6,7 @@ set(FORCEBOUND_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Forcebound)
 # How a consumer finds the packages that a component links, by the namespace of the linked target.
 set(FORCEBOUND_PACKAGE_Eigen3 Eigen3)
 set(FORCEBOUND_PACKAGE_OpenSSL OpenSSL)
+set(FORCEBOUND_PACKAGE_Sodium Sodium)
 set(FORCEBOUND_PACKAGE_Threads Threads)
 set(FORCEBOUND_PACKAGE_ZLIB ZLIB)
 set(FORCEBOUND_PACKAGE_assimp assimp)
@@ -72,5 +73,6 @@ function(forcebound_install_package)
                                 NO_SET_AND_CHECK_MACRO)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/ForceboundConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/ForceboundConfig.cmake ${PROJECT_BINARY_DIR}/ForceboundConfigVersion.cmake
+                ${PROJECT_SOURCE_DIR}/deploy/cmake/FindSodium.cmake
           DESTINATION ${FORCEBOUND_CMAKE_DIR} COMPONENT package)
 endfunction()

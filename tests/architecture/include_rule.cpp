@@ -28,6 +28,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/local_model", {}},
       {"forcebound/wire", {"forcebound/control", "forcebound/local_model", "forcebound/time"}},
       {"forcebound/net", {"forcebound/text", "forcebound/time"}},
+      {"forcebound/security", {"forcebound/config", "forcebound/text", "forcebound/time"}},
       {"forcebound/record", {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire"}},
       {"forcebound/device", {"forcebound/control", "forcebound/config", "forcebound/text", "forcebound/time"}},
       {"forcebound/scene/geometry", {"forcebound/config", "forcebound/text"}},
@@ -138,8 +139,11 @@ const std::vector<Privilege>& privileges() {
                   kChild),
        "common/forcebound/time's steady_clock, periodic_timer and real_time, the bodies' in_child.cpp and the shells"},
       {"random numbers without a seed of ours",
-       std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\()"), std::regex(kShells),
-       "the shells, which draw a seed once and print it"},
+       std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()"),
+       shells_and(R"(common/forcebound/security/random\.[ch]pp)"),
+       "common/forcebound/security/random, which gives keys, and the shells, which draw a seed once and print it"},
+      {"libsodium", std::regex(R"(#include\s*[<"]sodium)"), std::regex(R"(common/forcebound/security/.*\.cpp)"),
+       "the .cpp files of common/forcebound/security"},
   };
   return kPrivileges;
 }

@@ -1,0 +1,52 @@
+#include "forcebound/security/keys.hpp"
+
+#include <sodium.h>
+
+#include "forcebound/security/internal/raw.hpp"
+
+namespace forcebound::security {
+namespace {
+
+constexpr int kBase64 = sodium_base64_VARIANT_ORIGINAL;
+constexpr std::size_t kBase64Characters = sodium_base64_ENCODED_LEN(kKeyBytes, kBase64) - 1;
+
+}  // namespace
+
+KeyPair key_pair_from(const KeyBytes& random) {
+  KeyPair pair;
+  *pair.secret = random;
+  ::crypto_scalarmult_base(raw(pair.public_key.bytes), raw(*pair.secret));
+  return pair;
+}
+
+std::string to_base64(const KeyBytes& key) {
+  std::string text(kBase64Characters + 1, '\0');
+  ::sodium_bin2base64(text.data(), text.size(), raw(key), key.size(), kBase64);
+  text.pop_back();
+  return text;
+}
+
+bool from_base64(std::string_view text, KeyBytes& key) noexcept {
+  key = {};
+  std::size_t bytes = 0;
+  const char* end = nullptr;
+  if (text.size() == kBase64Characters &&
+      ::sodium_base642bin(raw(key), key.size(), text.data(), text.size(), nullptr, &bytes, &end, kBase64) == 0 &&
+      bytes == key.size() && end == text.data() + text.size()) {
+    return true;
+  }
+  wipe(key.data(), key.size());
+  return false;
+}
+
+std::optional<PublicKey> public_key_from_base64(std::string_view text) {
+  PublicKey key;
+  if (!from_base64(text, key.bytes)) return std::nullopt;
+  // Any scalar shows whether the point is of low order, since all are multiples of eight.
+  const KeyBytes any_scalar{std::byte{1}};
+  KeyBytes product{};
+  if (::crypto_scalarmult(raw(product), raw(any_scalar), raw(key.bytes)) != 0) return std::nullopt;
+  return key;
+}
+
+}  // namespace forcebound::security
