@@ -142,7 +142,8 @@ const std::vector<Privilege>& privileges() {
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()"),
        shells_and(R"(common/forcebound/security/random\.[ch]pp)"),
        "common/forcebound/security/random, which gives keys, and the shells, which draw a seed once and print it"},
-      {"libsodium", std::regex(R"(#include\s*[<"]sodium)"), std::regex(R"(common/forcebound/security/.*\.cpp|tests/unit/security/.*)"),
+      {"libsodium", std::regex(R"(#include\s*[<"]sodium)"),
+       std::regex(R"(common/forcebound/security/.*\.cpp|tests/unit/security/.*)"),
        "the .cpp files of common/forcebound/security, and their tests"},
   };
   return kPrivileges;

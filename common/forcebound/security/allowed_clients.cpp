@@ -47,8 +47,8 @@ AllowedClients AllowedClients::parse(std::string_view toml_text, const std::stri
       table.refuse("public_key", "another for each client; client '" + same->name + "' has this one");
     }
     if (table.find("rate_per_s_max") != nullptr) {
-      client.rate_per_s_max = table.number(
-          {.key = "rate_per_s_max", .least = 0, .least_excluded = true, .most = kRateMost_per_s});
+      client.rate_per_s_max =
+          table.number({.key = "rate_per_s_max", .least = 0, .least_excluded = true, .most = kRateMost_per_s});
     }
     table.refuse_unknown_keys();
     allowed.clients_.push_back(std::move(client));

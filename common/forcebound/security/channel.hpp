@@ -69,11 +69,11 @@ struct SessionNumbers {
 /// without a gap.
 ///
 /// Each handshake has a number, counted by who begins it. Who began seals with the new key at once, since the answer
-/// shows that the other has it. Who answered goes on with the key before until a record under the new one arrives, which
-/// confirms it. Until then both open records under either, afterwards for kOldKeyKept more.
+/// shows that the other has it. Who answered goes on with the key before until a record under the new one arrives,
+/// which confirms it. Until then both open records under either, afterwards for kOldKeyKept more.
 ///
-/// `now` is any steady time of this end. Real time: `seal` and `open` are noexcept and allocate nothing; about 1 us for a
-/// datagram. Not thread-safe.
+/// `now` is any steady time of this end. Real time: `seal` and `open` are noexcept and allocate nothing; about 1 us for
+/// a datagram. Not thread-safe.
 class Channel {
  public:
   /// @throws std::bad_alloc if there is no memory for keys

@@ -150,8 +150,9 @@ void write_key_file(const std::string& path, std::string_view kind, const KeyByt
 
   const KeyDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL, mode);
   if (file.get() < 0 && errno == EEXIST) {
-    refuse_key_file(path, "it is there already and is not replaced, since its key would be lost; accepted is a new "
-                          "name, or remove it first");
+    refuse_key_file(path,
+                    "it is there already and is not replaced, since its key would be lost; accepted is a new "
+                    "name, or remove it first");
   }
   if (file.get() < 0) refuse_key_file(path, "cannot be written: " + reason_of(errno));
   for (std::size_t written = 0; written < line->size;) {

@@ -118,7 +118,9 @@ struct Handshake::State {
   PublicKey peer_ephemeral{};
   KeyBytes shared{};
 
-  [[nodiscard]] bool writes_now() const noexcept { return messages < 2 && (messages == 0) == (role == Role::initiator); }
+  [[nodiscard]] bool writes_now() const noexcept {
+    return messages < 2 && (messages == 0) == (role == Role::initiator);
+  }
   [[nodiscard]] bool reads_now() const noexcept { return messages < 2 && !writes_now(); }
 
   void mix_hash(std::span<const std::byte> data) noexcept {
@@ -253,7 +255,8 @@ Handshake::Handshake(const HandshakeSetup& setup) {
   if (ik && begins && setup.peer == nullptr) {
     throw std::invalid_argument("who begins a handshake of the pattern IKpsk2 needs the other's public key");
   }
-  if (!ik && setup.shared == nullptr) throw std::invalid_argument("a handshake of the pattern NNpsk0 needs a shared key");
+  if (!ik && setup.shared == nullptr)
+    throw std::invalid_argument("a handshake of the pattern NNpsk0 needs a shared key");
 
   State& state = both_->now;
   state.pattern = setup.pattern;

@@ -4,10 +4,10 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
-#include <vector>
+#include <span>
+#include <string>
 
-#include "forcebound/security/channel.hpp"
+#include "forcebound/security/keys.hpp"
 #include "forcebound/security/noise.hpp"
 
 namespace forcebound::security {
@@ -25,6 +25,10 @@ inline SecretKey secret_key(std::uint8_t number) {
   *key = key_bytes(number);
   return key;
 }
+
+inline PublicKey public_key(std::uint8_t number) { return key_pair_from(key_bytes(number)).public_key; }
+
+inline std::string public_text(std::uint8_t number) { return to_base64(public_key(number).bytes); }
 
 /// Keys of both ends and the handshake between them.
 struct Ends {

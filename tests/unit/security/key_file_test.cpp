@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <functional>
 #include <string>
 
@@ -19,7 +18,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
-using testing::StrEq;
 using testing::ThrowsMessage;
 
 class KeyFile : public testing::Test {

@@ -59,10 +59,10 @@ constexpr std::string_view kResponderStatic = "4a3acbfdb163dec651dfa3194dece676d
 constexpr std::string_view kResponderPublic = "31e0303fd6418d2f8c0e78b91f22e8caed0fbe48656dcf4767e4834f701b8f62";
 constexpr std::string_view kResponderEphemeral = "bbdb4cdbd309f1a1f2e1456967fe288cadd6f712d65dc7b7793d5e63da6b375b";
 constexpr std::array<std::string_view, 2> kHandshakePayloads{"4c756477696720766f6e204d69736573",
-                                                              "4d757272617920526f746862617264"};
-constexpr std::array<std::string_view, 4> kLaterPayloads{
-    "462e20412e20486179656b", "4361726c204d656e676572", "4a65616e2d426170746973746520536179",
-    "457567656e2042f6686d20766f6e2042617765726b"};
+                                                             "4d757272617920526f746862617264"};
+constexpr std::array<std::string_view, 4> kLaterPayloads{"462e20412e20486179656b", "4361726c204d656e676572",
+                                                         "4a65616e2d426170746973746520536179",
+                                                         "457567656e2042f6686d20766f6e2042617765726b"};
 
 constexpr Vector kIkVector{
     Pattern::ik_psk2,
@@ -100,11 +100,8 @@ void expect_vector(const Vector& vector) {
                     .own = &initiator,
                     .peer = &responder.public_key,
                     .shared = &shared});
-  Handshake answers({.pattern = vector.pattern,
-                     .role = Role::responder,
-                     .prologue = prologue,
-                     .own = &responder,
-                     .shared = &shared});
+  Handshake answers(
+      {.pattern = vector.pattern, .role = Role::responder, .prologue = prologue, .own = &responder, .shared = &shared});
   Handshake* writer = &begins;
   Handshake* reader = &answers;
   for (std::size_t i = 0; i < kHandshakePayloads.size(); ++i) {
@@ -170,7 +167,8 @@ TEST(Handshake, RefusesEveryFlippedBitAndThenTakesTheTrueMessage) {
   };
   const Bytes payload(20, std::byte{7});
   expect_only_the_true_one(answers, std::span(ends.first).first(begins.write(payload, ends.first, key_bytes(4)).bytes));
-  expect_only_the_true_one(begins, std::span(ends.second).first(answers.write(payload, ends.second, key_bytes(5)).bytes));
+  expect_only_the_true_one(begins,
+                           std::span(ends.second).first(answers.write(payload, ends.second, key_bytes(5)).bytes));
 }
 
 TEST(Handshake, RefusesAnotherServersKey) {

@@ -1,10 +1,10 @@
+#include "forcebound/security/known_servers.hpp"
+
 #include <gmock/gmock.h>
 
 #include <string>
 
 #include "forcebound/config/config_error.hpp"
-#include "forcebound/security/allowed_clients.hpp"
-#include "forcebound/security/known_servers.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/tools/temporary_folder.hpp"
 #include "tests/unit/security/handshakes.hpp"
@@ -17,9 +17,6 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 using testing::ThrowsMessage;
-
-PublicKey public_key(std::uint8_t number) { return key_pair_from(key_bytes(number)).public_key; }
-std::string public_text(std::uint8_t number) { return to_base64(public_key(number).bytes); }
 
 TEST(KnownServers, AreThoseOfTheFile) {
   const test::TemporaryFolder folder;
@@ -60,10 +57,9 @@ TEST(KnownServers, RefuseAnotherKeyEvenIfAskedToTrustNewOnes) {
   KnownServers servers = KnownServers::from_file(folder.file("servers"));
   servers.expect("a:1", public_key(1), NewServers::trusted);
   EXPECT_THAT([&] { servers.expect("a:1", public_key(2), NewServers::trusted); },
-              ThrowsMessage<config::ConfigError>(
-                  AllOf(HasSubstr("server a:1 has the key " + public_text(2) + ", but is known with the key " +
-                                  public_text(1)),
-                        Not(HasSubstr("\n")))));
+              ThrowsMessage<config::ConfigError>(AllOf(HasSubstr("server a:1 has the key " + public_text(2) +
+                                                                 ", but is known with the key " + public_text(1)),
+                                                       Not(HasSubstr("\n")))));
   EXPECT_EQ(servers.find("a:1"), public_key(1));
 }
 
@@ -89,48 +85,6 @@ TEST(KnownServers, SayWhichLineIsWrong) {
   expect_refused("\na:1 AAAA\n", "this is no public key");
   expect_refused("a:1 " + public_text(1) + "\na:1 " + public_text(2), "the server is named above already");
   EXPECT_THROW((void)KnownServers::from_file(folder.path().string()), config::ConfigError);
-}
-
-TEST(AllowedClients, AreThoseOfTheFile) {
-  const AllowedClients clients = AllowedClients::parse("[[client]]\nname = 'anna'\npublic_key = '" + public_text(1) +
-                                                           "'\nscenes = ['wall', 'palpation']\nrate_per_s_max = 500\n"
-                                                           "[[client]]\nname = 'ben'\npublic_key = '" +
-                                                           public_text(2) + "'\n",
-                                                       "clients.toml");
-  ASSERT_EQ(clients.all().size(), 2U);
-  const AllowedClient* const anna = clients.find(public_key(1));
-  ASSERT_NE(anna, nullptr);
-  EXPECT_EQ(anna->name, "anna");
-  EXPECT_EQ(anna->rate_per_s_max, 500.0);
-  EXPECT_TRUE(anna->may_use("wall"));
-  EXPECT_FALSE(anna->may_use("soft_pad"));
-  const AllowedClient* const ben = clients.find(public_key(2));
-  ASSERT_NE(ben, nullptr);
-  EXPECT_EQ(ben->rate_per_s_max, std::nullopt);
-  EXPECT_TRUE(ben->may_use("soft_pad"));
-  EXPECT_EQ(clients.find(public_key(3)), nullptr);
-  EXPECT_TRUE(AllowedClients::parse("", "clients.toml").all().empty()) << "nobody is let in";
-}
-
-TEST(AllowedClients, SayWhatIsWrongAndWhere) {
-  const auto expect_refused = [](const std::string& more, const std::string& why) {
-    EXPECT_THAT([&] { (void)AllowedClients::parse("[[client]]\nname = 'anna'\n" + more, "clients.toml"); },
-                ThrowsMessage<config::ConfigError>(
-                    AllOf(StartsWith("clients.toml:"), HasSubstr(why), Not(HasSubstr("\n")))));
-  };
-  const std::string key = "public_key = '" + public_text(1) + "'\n";
-  expect_refused("", "public_key");
-  expect_refused("public_key = 'AAAA'\n", "public_key must be a public key: 44 characters of base64");
-  expect_refused("public_key = '" + to_base64(KeyBytes{}) + "'\n", "public_key must be a public key");
-  expect_refused(key + "scenes = []\n", "scenes must be a list of at least one scene's name");
-  expect_refused(key + "scenes = 'wall'\n", "scenes must be a list of at least one scene's name");
-  expect_refused(key + "scenes = [1]\n", "scenes must be a list of at least one scene's name");
-  expect_refused(key + "rate_per_s_max = 0\n", "rate_per_s_max must be");
-  expect_refused(key + "rate_per_s_max = nan\n", "rate_per_s_max must be");
-  expect_refused(key + "scene = ['wall']\n", "did you mean");
-  expect_refused(key + "[[client]]\nname = 'ben'\n" + key, "client 'anna' has this one");
-  expect_refused(key + "[[client]]\nname = 'anna'\npublic_key = '" + public_text(2) + "'\n", "anna");
-  EXPECT_THROW((void)AllowedClients::from_file("/nonexistent/clients.toml"), config::ConfigError);
 }
 
 }  // namespace
