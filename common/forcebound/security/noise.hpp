@@ -42,7 +42,7 @@ struct HandshakeMessage {
   std::size_t bytes = 0;  ///< of `out` that were written
 };
 
-/// Keys for what follows a handshake: one for each direction.
+/// Keys for what follows a handshake: one for each direction. Keep them in a Locked, or wipe them after use.
 struct TransportKeys {
   KeyBytes send{};
   KeyBytes receive{};
@@ -53,7 +53,7 @@ inline constexpr std::size_t kHandshakeHashBytes = 64;
 
 /// The two messages of Noise_IKpsk2_25519_ChaChaPoly_BLAKE2b or Noise_NNpsk0_25519_ChaChaPoly_BLAKE2b, after which
 /// both ends have the same keys that nobody else has. Payloads travel with the messages; the first one's may be
-/// replayed by anybody who saw it.
+/// replayed by anybody who saw it, and be read by who gets the responder's or the shared key later.
 ///
 ///     initiator.write(...) -> responder.read(...) -> responder.write(...) -> initiator.read(...); both: split(...)
 ///
@@ -72,7 +72,7 @@ class Handshake {
   /// How many bytes a message is longer than its payload. @param message 0 or 1
   [[nodiscard]] static std::size_t overhead(Pattern pattern, int message) noexcept;
 
-  /// @param random 32 bytes that nobody can guess and nobody uses again
+  /// @param random 32 bytes that nobody can guess and nobody uses again; wipe them afterwards
   [[nodiscard]] HandshakeMessage write(std::span<const std::byte> payload, std::span<std::byte> out,
                                        const KeyBytes& random) noexcept;
 
