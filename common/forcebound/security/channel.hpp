@@ -80,6 +80,8 @@ class Channel {
   explicit Channel(const SessionNumbers& numbers) : numbers_(numbers) {}
 
   /// Takes the keys of handshake number `handshake`; the answering end keeps only the newest that is not confirmed.
+  /// So let later handshakes travel as records of this channel: a first message that somebody repeats would otherwise
+  /// take the place of the one that the client waits for.
   /// @return false, and nothing changed, if the number modulo 256 is that of a key in use
   [[nodiscard]] bool install(std::uint8_t handshake, const TransportKeys& keys, Role role,
                              time::Nanoseconds now) noexcept;
