@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "forcebound/security/internal/little_end.hpp"
 #include "forcebound/security/internal/nonce.hpp"
 #include "forcebound/security/internal/raw.hpp"
 
@@ -15,22 +16,6 @@ constexpr std::array kRecordMark{std::byte{'F'}, std::byte{'S'}, std::byte{1}};
 constexpr std::size_t kHandshakeAt = 3;
 constexpr std::size_t kSessionAt = 4;
 constexpr std::size_t kCounterAt = 8;
-constexpr unsigned kBitsOfByte = 8;
-
-template <class Whole>
-Whole little_end_first(std::span<const std::byte> bytes) noexcept {
-  Whole value = 0;
-  for (std::size_t i = sizeof(Whole); i > 0; --i) {
-    value = static_cast<Whole>(value << kBitsOfByte | std::to_integer<Whole>(bytes[i - 1]));
-  }
-  return value;
-}
-
-template <class Whole>
-void put_little_end_first(Whole value, std::span<std::byte> bytes) noexcept {
-  for (std::size_t i = 0; i < sizeof(Whole); ++i) bytes[i] = static_cast<std::byte>(value >> kBitsOfByte * i & 0xff);
-}
-
 }  // namespace
 
 bool is_record(std::span<const std::byte> datagram) noexcept {
@@ -39,6 +24,11 @@ bool is_record(std::span<const std::byte> datagram) noexcept {
 
 std::uint32_t session_of_record(std::span<const std::byte> record) noexcept {
   return little_end_first<std::uint32_t>(record.subspan(kSessionAt, sizeof(std::uint32_t)));
+}
+
+void Channel::begin(const SessionNumbers& numbers) noexcept {
+  for (std::size_t slot = 0; slot < kSlots; ++slot) forget(slot);
+  numbers_ = numbers;
 }
 
 bool Channel::install(std::uint8_t handshake, const TransportKeys& keys, Role role, time::Nanoseconds now) noexcept {

@@ -79,6 +79,9 @@ class Channel {
   /// @throws std::bad_alloc if there is no memory for keys
   explicit Channel(const SessionNumbers& numbers) : numbers_(numbers) {}
 
+  /// Another session: forgets all keys.
+  void begin(const SessionNumbers& numbers) noexcept;
+
   /// Takes the keys of handshake number `handshake`; the answering end keeps only the newest that is not confirmed.
   /// So let later handshakes travel as records of this channel: a first message that somebody repeats would otherwise
   /// take the place of the one that the client waits for.
