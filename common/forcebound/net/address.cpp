@@ -7,8 +7,20 @@
 
 namespace forcebound::net {
 
+namespace {
+
+constexpr std::array<std::uint8_t, 12> kMappedPrefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+
+}  // namespace
+
+bool is_loopback(const Address& address) noexcept {
+  constexpr std::array<std::uint8_t, 16> kLoopback{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+  constexpr std::uint8_t kLoopbackNetwork = 127;
+  const bool mapped = std::equal(kMappedPrefix.begin(), kMappedPrefix.end(), address.ip.begin());
+  return mapped ? address.ip[kMappedPrefix.size()] == kLoopbackNetwork : address.ip == kLoopback;
+}
+
 std::string to_string(const Address& address) {
-  constexpr std::array<std::uint8_t, 12> kMappedPrefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
   const auto& ip = address.ip;
   const std::string port = ":" + std::to_string(address.port);
   std::array<char, INET6_ADDRSTRLEN> text{};

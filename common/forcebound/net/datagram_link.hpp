@@ -26,6 +26,9 @@ struct Address {
 /// "127.0.0.1:47800" or "[::1]:47800".
 std::string to_string(const Address& address);
 
+/// Whether it is of this machine itself: ::1, or 127.0.0.0/8.
+[[nodiscard]] bool is_loopback(const Address& address) noexcept;
+
 struct Received {
   std::size_t bytes;  ///< the datagram's whole size; larger than the buffer if it was cut
   Address from;
@@ -44,6 +47,9 @@ class DatagramLink {
 
   /// The oldest waiting datagram, or nothing. Oversize datagrams are cut to the buffer, `bytes` tells.
   virtual std::optional<Received> receive(std::span<std::byte> buffer) noexcept = 0;
+
+  /// Whether a datagram can be sent at all now; until then, who begins a conversation waits.
+  [[nodiscard]] virtual bool ready() const noexcept { return true; }
 };
 
 }  // namespace forcebound::net

@@ -30,7 +30,7 @@ std::span<const Token> tokens_of(Pattern pattern, int message) noexcept {
   return message == 0 ? std::span<const Token>(kFirstOfNn) : std::span<const Token>(kSecondOfNn);
 }
 
-std::string_view name_of(Pattern pattern) noexcept {
+std::string_view protocol_of(Pattern pattern) noexcept {
   return pattern == Pattern::ik_psk2 ? "Noise_IKpsk2_25519_ChaChaPoly_BLAKE2b"
                                      : "Noise_NNpsk0_25519_ChaChaPoly_BLAKE2b";
 }
@@ -99,6 +99,8 @@ std::span<Byte> take(std::span<Byte>& from, std::size_t bytes) noexcept {
 }
 
 }  // namespace
+
+std::string_view name_of(Pattern pattern) noexcept { return pattern == Pattern::ik_psk2 ? "IKpsk2" : "NNpsk0"; }
 
 /// CipherState, SymmetricState and HandshakeState of section 5.
 struct Handshake::State {
@@ -261,7 +263,7 @@ Handshake::Handshake(const HandshakeSetup& setup) {
   State& state = both_->now;
   state.pattern = setup.pattern;
   state.role = setup.role;
-  const std::string_view name = name_of(setup.pattern);
+  const std::string_view name = protocol_of(setup.pattern);
   std::ranges::copy(std::as_bytes(std::span(name)), state.hash.begin());
   state.chaining_key = state.hash;
   if (setup.shared != nullptr) state.shared = **setup.shared;

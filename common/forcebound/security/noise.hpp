@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "forcebound/security/keys.hpp"
 #include "forcebound/security/locked.hpp"
@@ -15,6 +16,9 @@ enum class Pattern : std::uint8_t {
   ik_psk2,  ///< the initiator knows the responder's public key and shows its own; a shared key is optional
   nn_psk0,  ///< both know a shared key, and nothing else
 };
+
+/// IKpsk2 or NNpsk0.
+[[nodiscard]] std::string_view name_of(Pattern pattern) noexcept;
 
 enum class Role : std::uint8_t { initiator, responder };
 

@@ -31,6 +31,8 @@ constexpr std::string_view kMore =
     "Example, with forcebound-server --scene sphere running on this machine:\n"
     "  forcebound-client --server 127.0.0.1:47800 --device omni \\\n"
     "    --operator trace-sphere --law fba-more --duration 20\n"
+    "With a server on another machine, whose public key its owner has told:\n"
+    "  forcebound-client --server haptics.example.org:47800 --key my.key --server-key server.pub\n"
     "\n";
 
 /// Folder of the user's files that programs can make again; "none" if the environment names none.
@@ -58,6 +60,27 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
              std::string(program::kExitCodes));
   app.add_option("--server", options.server, "the server, or a relay in front of it (required)")
       ->type_name("HOST:PORT");
+  app.add_option("--key", options.identity.key,
+                 "encrypt; file of this client's secret key, as forcebound-lab keygen writes it; default: a new one")
+      ->check(program::not_empty())
+      ->type_name("FILE");
+  app.add_option("--server-key", options.identity.server_key, "encrypt; the server's public key, or its file")
+      ->check(program::not_empty())
+      ->type_name("KEY|FILE");
+  app.add_option("--known-servers", options.identity.known_servers,
+                 "encrypt; file of servers and their public keys; default, where keys are used: "
+                 "forcebound/known_servers in the user's settings folder")
+      ->check(program::not_empty())
+      ->type_name("FILE");
+  app.add_flag("--trust-new", options.identity.trust_new,
+               "encrypt; believe the key of a server that is not known yet, and add it to the known servers");
+  app.add_option("--psk", options.identity.shared_key,
+                 "encrypt; file of a key that the server has too; alone, or beside the other keys")
+      ->check(program::not_empty())
+      ->type_name("FILE");
+  app.add_flag("--insecure", options.insecure,
+               "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
+               "forge");
   app.add_option("--scene", options.scene, "scene to request; default: the server's")->type_name("NAME");
   app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml");
   app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
@@ -128,7 +151,10 @@ void expect_files_apart(const Options& options) {
   const bool has_device_file = device::names_a_file(options.device.device);
   const std::vector<program::FileOption> inputs{{"--device", has_device_file ? options.device.device : ""},
                                                 {"--operator", device::recorded_hand(options.device.hand)},
-                                                {"--law-parameters", options.law_parameters}};
+                                                {"--law-parameters", options.law_parameters},
+                                                {"--key", options.identity.key},
+                                                {"--known-servers", options.identity.known_servers},
+                                                {"--psk", options.identity.shared_key}};
   program::expect_apart({"--record", options.record}, inputs);
   program::expect_apart({"--summary", options.summary}, inputs);
   program::expect_apart({"--summary", options.summary}, {{"--record", options.record}});
@@ -147,6 +173,9 @@ Options parse_options(int argc, const char* const* argv) {
   const CLI::Option* const seed = describe(app, options, typed, laws, devices);
   program::parse(app, argc, argv);
   expect_files_apart(options);
+  if (options.insecure && options.identity.any()) {
+    throw std::invalid_argument("--insecure excludes --key, --server-key, --known-servers, --trust-new and --psk");
+  }
 
   options.policy = {.hold = time::from_seconds(typed.hold_ms * 1e-3), .drop = time::from_seconds(typed.drop_ms * 1e-3)};
   program::value_of("--hold, --drop", [&] { options.policy.validate(); });

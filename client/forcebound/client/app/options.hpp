@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/law_registry.hpp"
@@ -12,6 +13,8 @@ namespace forcebound::client {
 /// The command line of forcebound-client.
 struct Options {
   std::string server;
+  IdentityFiles identity;
+  bool insecure = false;
   std::string scene;
   device::DeviceRequest device;  ///< the hand is the operator's specification
   std::string law = "fba-exact";

@@ -45,6 +45,8 @@ control::LawOptions law_options(const Options& options, const control::LawRegist
 
 Client::Settings settings_of(const Options& options) {
   return {.server = options.server,
+          .identity = options.identity,
+          .insecure = options.insecure,
           .scene = options.scene,
           .policy = options.policy,
           .renders_locally = options.rendering == "local",
@@ -58,6 +60,11 @@ Client::Settings settings_of(const Options& options) {
           .program = "forcebound-client " FORCEBOUND_VERSION,
           .law = options.law,
           .hand = options.device.hand};
+}
+
+std::string_view encryption_in_words(const Options& options) {
+  if (options.identity.any()) return "encrypted";
+  return options.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: on this machine";
 }
 
 }  // namespace
@@ -83,9 +90,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
 
   LiveLine line;
   Client client(settings, *device, std::move(law), {&line});
-  spdlog::info("device '{}'{}; law {}, server {}", device->facts().name,
+  spdlog::info("device '{}'{}; law {}, server {}, {}", device->facts().name,
                device->is_simulated() ? " and its hand '" + options.device.hand + "' are simulated" : "", options.law,
-               options.server);
+               options.server, encryption_in_words(options));
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
   bool grant_told = false;
@@ -93,6 +100,10 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     if (!grant_told && client.real_time_grant() != nullptr) {
       grant_told = true;
       spdlog::info("tick thread: {}", *client.real_time_grant());
+    }
+    if (const std::string news = client.take_security_news(); !news.empty()) screen.tell_security(news);
+    if (const std::string problem = client.take_security_problem(); !problem.empty()) {
+      screen.tell_security_problem(problem);
     }
     screen.refresh(now, elapsed);
     if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);

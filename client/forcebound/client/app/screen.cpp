@@ -52,6 +52,16 @@ void Screen::tell_recording_fault(const std::string& fault) const {
   spdlog::error("{}; the run goes on", fault);
 }
 
+void Screen::tell_security(const std::string& news) const {
+  clear();
+  spdlog::info("{}", news);
+}
+
+void Screen::tell_security_problem(const std::string& problem) const {
+  clear();
+  spdlog::warn("{}; retrying", problem);
+}
+
 void Screen::clear() const {
   if (live_) std::fputs(kClearLine, stderr);
 }

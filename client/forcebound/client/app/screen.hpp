@@ -21,6 +21,10 @@ class Screen {
   /// Logs that the recording has become incomplete.
   void tell_recording_fault(const std::string& fault) const;
 
+  /// Logs what the handshakes came to, or why one does not succeed.
+  void tell_security(const std::string& news) const;
+  void tell_security_problem(const std::string& problem) const;
+
   /// Erases the live line and logs the remaining events.
   void end(time::Nanoseconds now);
 

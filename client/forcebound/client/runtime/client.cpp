@@ -1,6 +1,9 @@
 #include "forcebound/client/runtime/client.hpp"
 
+#include <new>
 #include <optional>
+#include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -9,11 +12,14 @@
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/client/runtime/tick_loop.hpp"
 #include "forcebound/client/runtime/zero_force_first.hpp"
+#include "forcebound/client/security/handshaker.hpp"
+#include "forcebound/client/security/secure_link.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/recording_watch.hpp"
+#include "forcebound/security/random.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::client {
@@ -21,9 +27,10 @@ namespace {
 
 constexpr Nanoseconds kHousekeeping = std::chrono::milliseconds{50};
 constexpr Nanoseconds kBuilding = std::chrono::milliseconds{2};
+constexpr Nanoseconds kHandshaking = std::chrono::milliseconds{2};
 
 record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
-                         const control::PassivityLaw& law, const time::Clock& clock) {
+                         const control::PassivityLaw& law, const time::Clock& clock, std::string_view encryption) {
   const control::DeviceFacts& facts = device.facts();
   record::RunInfo info;
   info.program = settings.program;
@@ -36,6 +43,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   info.scene = settings.scene;
   info.rendering = settings.renders_locally ? "local" : "remote";
   info.network = "server " + settings.server;
+  info.encryption = encryption;
   info.seed = settings.seed;
   info.period = time::from_seconds(facts.period_s);
   info.hold = settings.policy.hold;
@@ -46,6 +54,29 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   info.force_N_max = facts.force_N_max;
   info.epoch = time::wall_clock_now() - clock.now();
   return info;
+}
+
+/// Null: nothing is encrypted. @throws std::invalid_argument if the user has not accepted that on the way to another
+/// machine
+std::unique_ptr<Handshaker> make_handshaker(const Client::Settings& settings, const net::Address& server) {
+  if (settings.identity.any()) {
+    return std::make_unique<Handshaker>(read_identity(settings.identity, settings.server), security::fill_with_random);
+  }
+  if (settings.insecure || net::is_loopback(server)) return nullptr;
+  throw std::invalid_argument("server " + settings.server +
+                              " is on another machine, and no keys are given; accepted are --server-key or "
+                              "--known-servers, --psk, or --insecure if everybody on the way is trusted");
+}
+
+/// Works until the thread is to end.
+void shake_hands(Handshaker& handshaker, const time::Clock& clock, const std::stop_token& ended) {
+  while (!ended.stop_requested()) {
+    try {
+      handshaker.work(clock.now());
+    } catch (const std::bad_alloc&) {  // begun again when there is memory
+    }
+    std::this_thread::sleep_for(kHandshaking);
+  }
 }
 
 /// Ends the loop's thread if an exception is thrown.
@@ -63,9 +94,11 @@ struct Client::Parts {
         device(its_device),
         server(net::resolve(net::parse_endpoint(settings.server))),
         link(net::UdpLink::towards(server)),
-        info(run_info(settings, device, *law, clock)),
+        handshaker(make_handshaker(settings, server)),
+        info(run_info(settings, device, *law, clock, handshaker ? name_of(handshaker->pattern()) : "none")),
         summary(info),
         sinks(std::move(others)) {
+    if (handshaker) secure_link.emplace(link, server, *handshaker, clock);
     sinks.push_back(&summary);
     if (!settings.recording.empty()) {
       writer.emplace(settings.recording, info);
@@ -84,7 +117,8 @@ struct Client::Parts {
                                      .local = local ? &*local : nullptr,
                                      .force_slew_N_per_s = settings.force_slew_N_per_s,
                                      .send_rate = settings.send_rate},
-                    device, std::move(law), link, clock, Session::Sinks{.ticks = sinks, .events = &events});
+                    device, std::move(law), secure_link ? static_cast<net::DatagramLink&>(*secure_link) : link, clock,
+                    Session::Sinks{.ticks = sinks, .events = &events});
   }
 
   void finish(record::RunTotals totals) {
@@ -106,6 +140,8 @@ struct Client::Parts {
   time::SteadyClock clock;
   net::Address server;
   net::UdpLink link;
+  std::unique_ptr<Handshaker> handshaker;
+  std::optional<SecureLink> secure_link;
   record::RunInfo info;
   record::Summary summary;
   record::Recorder recorder;
@@ -115,6 +151,7 @@ struct Client::Parts {
   std::optional<LocalRendering> local;
   std::optional<Session> session;
   record::RecordingWatch recording_watch;
+  std::string problem_told;
   GrantText grant;
   TickLoop::Outcome outcome;
 };
@@ -142,6 +179,11 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
         std::this_thread::sleep_for(kBuilding);
       }
     });
+  }
+  std::jthread shaking_hands;
+  if (p.handshaker) {
+    shaking_hands = std::jthread(
+        [&p](const std::stop_token& ended) { shake_hands(*p.handshaker, p.clock, ended); });
   }
   std::jthread tick([&loop] { loop.run(); });
   const EndOfLoop end{loop};
@@ -173,6 +215,18 @@ std::string Client::take_recording_fault() {
   return parts_->writer ? parts_->recording_watch.take(parts_->recorder, *parts_->writer) : std::string();
 }
 
+std::string Client::take_security_news() {
+  return parts_->handshaker ? parts_->handshaker->take_news() : std::string();
+}
+
+std::string Client::take_security_problem() {
+  if (!parts_->handshaker) return {};
+  std::string problem = parts_->handshaker->problem();
+  if (problem == parts_->problem_told) return {};
+  parts_->problem_told = problem;
+  return problem;
+}
+
 bool Client::recording_complete() const {
   const Parts& p = *parts_;
   return !p.writer || (p.recorder.dropped() == 0 && p.writer->problem().empty());
@@ -185,6 +239,9 @@ std::string Client::why_no_session() const {
   if (!parts_->outcome.gave_up) return {};
   const std::string& server = parts_->settings.server;
   if (parts_->session->refused()) return server + " refused";
+  if (const std::string problem = parts_->handshaker ? parts_->handshaker->problem() : ""; !problem.empty()) {
+    return problem;
+  }
   const bool unreachable = parts_->link.counters().refused > 0;
   return "no answer from " + server + (unreachable ? ": port unreachable (ICMP)" : "");
 }

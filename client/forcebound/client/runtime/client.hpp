@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/law.hpp"
@@ -32,7 +33,9 @@ class Client {
   /// Whom to connect to, how long, and what is written down. All but the server may be left out.
   struct Settings {
     std::string server;   ///< HOST:PORT
-    std::string scene{};  ///< requested; empty: the server's default
+    IdentityFiles identity{};  ///< keys; none: not encrypted, which is accepted on this machine alone
+    bool insecure = false;     ///< not encrypted is accepted to any server
+    std::string scene{};       ///< requested; empty: the server's default
     LateForcePolicy policy{};
     bool renders_locally = true;    ///< the static parts of the scene are handed over and run here
     std::string scene_cache{};      ///< folder of scenes that were handed over; empty: none are kept
@@ -54,7 +57,8 @@ class Client {
   using Housekeeping = std::function<void(time::Nanoseconds now, time::Nanoseconds elapsed)>;
 
   /// Connects and opens the recording; does not start the device yet. `device` and `sinks` must outlive it.
-  /// @throws std::exception with a message of one line: server, recording, policy or what the controller refuses.
+  /// @throws std::invalid_argument if the server is on another machine, and neither keys nor `insecure` are given;
+  /// std::exception with a message of one line: server, keys, recording, policy or what the controller refuses.
   Client(const Settings& settings, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
          std::vector<record::TickSink*> sinks = {});
   ~Client();
@@ -72,6 +76,10 @@ class Client {
 
   /// Why the recording is incomplete, once and as soon as it is known; else empty. For housekeeping.
   [[nodiscard]] std::string take_recording_fault();
+
+  /// What the handshakes came to, in one line, and why one does not succeed; each once, else empty. For housekeeping.
+  [[nodiscard]] std::string take_security_news();
+  [[nodiscard]] std::string take_security_problem();
 
   /// After `run`.
   [[nodiscard]] const record::Summary& summary() const noexcept;

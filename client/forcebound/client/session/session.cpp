@@ -399,7 +399,7 @@ void Session::note_news(Nanoseconds now) noexcept {
 
 void Session::keep_connected(Nanoseconds now) noexcept {
   connection_.on_blackout(now - silent_since_, options_.policy.hold, options_.policy.drop);
-  if (connection_.hello_due(now)) (void)send(connection_.hello(clock_.now()));
+  if (link_.ready() && connection_.hello_due(now)) (void)send(connection_.hello(clock_.now()));
 }
 
 bool Session::close(Nanoseconds now) noexcept {

@@ -1,0 +1,94 @@
+#include "forcebound/client/security/secure_link.hpp"
+
+#include <algorithm>
+
+namespace forcebound::client {
+
+SecureLink::SecureLink(net::DatagramLink& link, const net::Address& server, Handshaker& handshaker,
+                       const time::Clock& clock)
+    : link_(link), server_(server), handshaker_(handshaker), clock_(clock) {
+  handshaker_.want(wanted(clock_.now()), 0);
+}
+
+bool SecureLink::ready() const noexcept { return newest().can_seal(clock_.now()); }
+
+bool SecureLink::send(std::span<const std::byte> datagram, const net::Address& /*to*/) noexcept {
+  return send_sealed(datagram, clock_.now());
+}
+
+bool SecureLink::send_sealed(std::span<const std::byte> content, Nanoseconds now) noexcept {
+  const auto bytes = newest().seal(content, sealed_, now);
+  return bytes && link_.send(std::span(sealed_).first(*bytes), server_);
+}
+
+std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) noexcept {
+  const Nanoseconds now = clock_.now();
+  exchange(now);
+  for (int cost = 0; cost < kCostMost; ++cost) {
+    auto received = link_.receive(received_);
+    if (!received) return std::nullopt;
+    const auto datagram = std::span(received_).first(std::min(received->bytes, received_.size()));
+    if (received->from != server_) continue;
+    const std::uint64_t forged = counted(security::Opening::not_authentic);
+    if (const auto bytes = open(datagram, buffer, now)) {
+      received->bytes = *bytes;
+      return received;
+    }
+    if (counted(security::Opening::not_authentic) > forged) cost += kForgedCost;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram, std::span<std::byte> buffer,
+                                            Nanoseconds now) noexcept {
+  if (security::is_handshake(datagram)) {
+    counters_.handshakes_dropped += !handshaker_.hear(datagram);
+    return std::nullopt;
+  }
+  if (!security::is_record(datagram)) {
+    ++counters_.in_clear;
+    return std::nullopt;
+  }
+  const bool is_newest = security::session_of_record(datagram) == newest().numbers().own;
+  security::Channel& channel = is_newest ? newest() : channels_[1 - newest_];
+  const security::Opened opened = channel.open(datagram, buffer, now);
+  ++counted(opened.result);
+  if (opened.result != security::Opening::opened) return std::nullopt;
+  heard_ = now;
+  const auto content = buffer.first(opened.bytes);
+  if (!security::is_handshake(content)) return opened.bytes;
+  if (is_newest) (void)handshaker_.hear(content);
+  return std::nullopt;
+}
+
+/// With the handshaker: its keys, what it wants sent, what is wanted of it.
+void SecureLink::exchange(Nanoseconds now) noexcept {
+  const auto made = handshaker_.made();
+  if (made) take_keys(*made, now);
+  handshaker_.want(wanted(now), newest().handshake());
+  if (made) handshaker_.keys_taken();
+  while (handshaker_.take(said_)) {
+    const auto bytes = std::span<const std::byte>(said_.bytes).first(said_.length);
+    (void)(said_.sealed ? send_sealed(bytes, now) : link_.send(bytes, server_));
+  }
+}
+
+void SecureLink::take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept {
+  if (made.of_new_session) {
+    newest_ = 1 - newest_;
+    newest().begin(made.numbers);
+    ++counters_.sessions;
+  } else {
+    ++counters_.rekeys;
+  }
+  // False only for a number that is in use, which the handshaker does not ask for.
+  (void)newest().install(made.handshake, *made.keys, security::Role::initiator, now);
+  heard_ = now;
+}
+
+Handshaker::Wanted SecureLink::wanted(Nanoseconds now) const noexcept {
+  if (!newest().can_seal(now) || now - heard_ >= kSilence) return Handshaker::Wanted::session;
+  return newest().wants_rekey(now) ? Handshaker::Wanted::next_key : Handshaker::Wanted::nothing;
+}
+
+}  // namespace forcebound::client

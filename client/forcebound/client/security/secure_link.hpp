@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "forcebound/client/security/handshaker.hpp"
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/security/channel.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::client {
+
+/// Seals all that a client sends to its server, and passes on only what the server has sealed: a link in front of
+/// another, of which the session above knows nothing.
+///
+/// Until a handshake has given keys, nothing is sent (`ready`). A new session of keys begins when there is none, when
+/// its keys have expired, or when nothing from the server could be opened for kSilence: it may have been restarted, and
+/// then knows the old ones no more. Meanwhile the old keys are used as before, since it may just as well be the network
+/// that is silent.
+///
+/// Real time: noexcept, no allocation; handshakes are the handshaker's, on another thread. A datagram costs about 1 us.
+/// Owned by the tick's thread.
+class SecureLink final : public net::DatagramLink {
+ public:
+  static constexpr Nanoseconds kSilence = std::chrono::seconds{5};
+
+  /// All must outlive it. @throws std::bad_alloc if there is no memory for keys
+  SecureLink(net::DatagramLink& link, const net::Address& server, Handshaker& handshaker, const time::Clock& clock);
+
+  bool send(std::span<const std::byte> datagram, const net::Address& to) noexcept override;
+
+  /// The content of the oldest sealed datagram. What cannot be opened is dropped and counted; after many the
+  /// rest waits for the next tick.
+  std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override;
+
+  [[nodiscard]] bool ready() const noexcept override;
+
+  struct Counters {
+    std::uint64_t sessions = 0;                             ///< first handshakes that gave keys
+    std::uint64_t rekeys = 0;                               ///< later ones
+    std::uint64_t in_clear = 0;                             ///< datagrams that are not sealed, nor of a handshake
+    std::uint64_t handshakes_dropped = 0;                   ///< datagrams of handshakes that nobody waits for
+    std::array<std::uint64_t, security::kOpenings> by_opening{};  ///< sealed ones
+  };
+  [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+
+ private:
+  // Most datagrams that one call drops; one that only its tag shows to be forged counts for more, as it takes longer.
+  static constexpr int kCostMost = 512;
+  static constexpr int kForgedCost = 7;
+
+  void exchange(Nanoseconds now) noexcept;
+  void take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
+  [[nodiscard]] Handshaker::Wanted wanted(Nanoseconds now) const noexcept;
+  bool send_sealed(std::span<const std::byte> content, Nanoseconds now) noexcept;
+  /// The content's length; nothing: dropped and counted, or a handshake's.
+  [[nodiscard]] std::optional<std::size_t> open(std::span<const std::byte> datagram, std::span<std::byte> buffer,
+                                                Nanoseconds now) noexcept;
+  [[nodiscard]] std::uint64_t& counted(security::Opening result) noexcept {
+    return counters_.by_opening[static_cast<std::size_t>(result)];
+  }
+  [[nodiscard]] security::Channel& newest() noexcept { return channels_[newest_]; }
+  [[nodiscard]] const security::Channel& newest() const noexcept { return channels_[newest_]; }
+
+  net::DatagramLink& link_;
+  net::Address server_;
+  Handshaker& handshaker_;
+  const time::Clock& clock_;
+  // The session of keys that is used, and the one before, of which datagrams may be on their way.
+  std::array<security::Channel, 2> channels_{security::Channel({}), security::Channel({})};
+  std::size_t newest_ = 0;
+  Nanoseconds heard_{0};  ///< when something was opened, or keys came
+  Handshaker::Said said_{};
+  std::array<std::byte, net::kDatagramBytesMax> sealed_{};
+  std::array<std::byte, net::kDatagramBytesMax + 1> received_{};  // one more, so that an oversize datagram shows
+  Counters counters_;
+};
+
+}  // namespace forcebound::client

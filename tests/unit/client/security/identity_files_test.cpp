@@ -1,0 +1,76 @@
+#include "forcebound/client/security/identity_files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <string>
+
+#include "forcebound/config/config_error.hpp"
+#include "forcebound/security/key_file.hpp"
+#include "tests/tools/temporary_folder.hpp"
+#include "tests/unit/security/handshakes.hpp"
+
+namespace forcebound::client {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class IdentityFilesTest : public testing::Test {
+ protected:
+  IdentityFilesTest() {
+    security::write_secret_key(key_, security::secret_key(1));
+    security::write_shared_key(shared_, security::secret_key(3));
+  }
+
+  test::TemporaryFolder folder_;
+  std::string key_ = folder_.file("my.key");
+  std::string shared_ = folder_.file("shared.key");
+  std::string known_ = folder_.file("known");
+};
+
+TEST_F(IdentityFilesTest, OfASharedKeyAloneIsNNpsk0) {
+  const Identity identity = read_identity({.shared_key = shared_}, "a:1");
+  EXPECT_EQ(identity.pattern, security::Pattern::nn_psk0);
+  EXPECT_TRUE(identity.shared.has_value());
+  EXPECT_FALSE(identity.own.has_value());
+}
+
+TEST_F(IdentityFilesTest, OfAServersKeyIsIKpsk2WithANewKeyForEachRun) {
+  const IdentityFiles files{.server_key = security::public_text(2)};
+  const Identity first = read_identity(files, "a:1");
+  const Identity second = read_identity(files, "a:1");
+  EXPECT_EQ(first.pattern, security::Pattern::ik_psk2);
+  EXPECT_EQ(first.server_key, security::public_key(2));
+  EXPECT_NE(first.own->public_key, second.own->public_key);
+}
+
+TEST_F(IdentityFilesTest, ReadsTheOwnKeyAndTheKnownServers) {
+  const Identity identity =
+      read_identity({.key = key_, .known_servers = known_, .shared_key = shared_, .trust_new = true}, "a:1");
+  EXPECT_EQ(identity.own->public_key, security::public_key(1));
+  EXPECT_TRUE(identity.known.has_value());
+  EXPECT_TRUE(identity.shared.has_value());
+  EXPECT_EQ(identity.new_servers, security::NewServers::trusted);
+}
+
+TEST_F(IdentityFilesTest, RefuseAServersKeyBesideKnownServers) {
+  EXPECT_THAT(
+      [&] { (void)read_identity({.server_key = security::public_text(2), .known_servers = known_}, "a:1"); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("--known-servers and --trust-new go without it")));
+}
+
+TEST_F(IdentityFilesTest, RefuseAKeyThatAnybodyCanRead) {
+  ASSERT_EQ(::chmod(key_.c_str(), 0644), 0);
+  EXPECT_THAT([&] { (void)read_identity({.key = key_, .known_servers = known_}, "a:1"); },
+              ThrowsMessage<config::ConfigError>(HasSubstr(key_)));
+}
+
+TEST_F(IdentityFilesTest, AreNoneUnlessSomethingIsGiven) {
+  EXPECT_FALSE(IdentityFiles{}.any());
+  EXPECT_TRUE(IdentityFiles{.trust_new = true}.any());
+}
+
+}  // namespace
+}  // namespace forcebound::client
