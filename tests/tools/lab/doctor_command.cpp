@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
@@ -49,6 +50,7 @@ void add_doctor(CLI::App& app) {
       ->required()
       ->check(program::accepted_by([](const std::string& peer) { (void)net::parse_peer(peer); }))
       ->type_name("HOST:PORT");
+  client::add_identity_options(*command, options->settings.identity);
   command->add_option("--seconds", options->settings.seconds, "length of the measurement")
       ->type_name("SECONDS")
       ->check(program::number_within(kDoctorSeconds_min, kDoctorSeconds_max))
@@ -66,6 +68,7 @@ void add_doctor(CLI::App& app) {
       "\n"
       "Examples:\n"
       "  forcebound-lab doctor --server 127.0.0.1:47800\n"
+      "  forcebound-lab doctor --server there.example:47800 --key my.key --server-key server.pub\n"
       "  forcebound-lab doctor --server there.example:47800 --scene dome --seconds 20 --json found.json");
   command->callback([options] { run_doctor(*options); });
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/device/load_device.hpp"
@@ -60,24 +61,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
              std::string(program::kExitCodes));
   app.add_option("--server", options.server, "the server, or a relay in front of it (required)")
       ->type_name("HOST:PORT");
-  app.add_option("--key", options.identity.key,
-                 "encrypt; file of this client's secret key, as forcebound-lab keygen writes it; default: a new one")
-      ->check(program::not_empty())
-      ->type_name("FILE");
-  app.add_option("--server-key", options.identity.server_key, "encrypt; the server's public key, or its file")
-      ->check(program::not_empty())
-      ->type_name("KEY|FILE");
-  app.add_option("--known-servers", options.identity.known_servers,
-                 "encrypt; file of servers and their public keys; default, where keys are used: "
-                 "forcebound/known_servers in the user's settings folder")
-      ->check(program::not_empty())
-      ->type_name("FILE");
-  app.add_flag("--trust-new", options.identity.trust_new,
-               "encrypt; believe the key of a server that is not known yet, and add it to the known servers");
-  app.add_option("--psk", options.identity.shared_key,
-                 "encrypt; file of a key that the server has too; alone, or beside the other keys")
-      ->check(program::not_empty())
-      ->type_name("FILE");
+  add_identity_options(app, options.identity);
   app.add_flag("--insecure", options.insecure,
                "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
                "forge");

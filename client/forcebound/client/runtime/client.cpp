@@ -1,25 +1,22 @@
 #include "forcebound/client/runtime/client.hpp"
 
-#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
 #include <utility>
 
+#include "forcebound/client/runtime/encryption.hpp"
 #include "forcebound/client/runtime/event_queue.hpp"
 #include "forcebound/client/runtime/idle_timer.hpp"
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/client/runtime/tick_loop.hpp"
 #include "forcebound/client/runtime/zero_force_first.hpp"
-#include "forcebound/client/security/handshaker.hpp"
-#include "forcebound/client/security/secure_link.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/recording_watch.hpp"
-#include "forcebound/security/random.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::client {
@@ -27,7 +24,6 @@ namespace {
 
 constexpr Nanoseconds kHousekeeping = std::chrono::milliseconds{50};
 constexpr Nanoseconds kBuilding = std::chrono::milliseconds{2};
-constexpr Nanoseconds kHandshaking = std::chrono::milliseconds{2};
 
 record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
                          const control::PassivityLaw& law, const time::Clock& clock, std::string_view encryption) {
@@ -58,25 +54,15 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
 
 /// Null: nothing is encrypted. @throws std::invalid_argument if the user has not accepted that on the way to another
 /// machine
-std::unique_ptr<Handshaker> make_handshaker(const Client::Settings& settings, const net::Address& server) {
+std::unique_ptr<Encryption> make_encryption(const Client::Settings& settings, const net::Address& server,
+                                            net::DatagramLink& link, const time::Clock& clock) {
   if (settings.identity.any()) {
-    return std::make_unique<Handshaker>(read_identity(settings.identity, settings.server), security::fill_with_random);
+    return std::make_unique<Encryption>(read_identity(settings.identity, settings.server), link, server, clock);
   }
   if (settings.insecure || net::is_loopback(server)) return nullptr;
   throw std::invalid_argument("server " + settings.server +
                               " is on another machine, and no keys are given; accepted are --server-key or "
                               "--known-servers, --psk, or --insecure if everybody on the way is trusted");
-}
-
-/// Works until the thread is to end.
-void shake_hands(Handshaker& handshaker, const time::Clock& clock, const std::stop_token& ended) {
-  while (!ended.stop_requested()) {
-    try {
-      handshaker.work(clock.now());
-    } catch (const std::bad_alloc&) {  // begun again when there is memory
-    }
-    std::this_thread::sleep_for(kHandshaking);
-  }
 }
 
 /// Ends the loop's thread if an exception is thrown.
@@ -94,11 +80,11 @@ struct Client::Parts {
         device(its_device),
         server(net::resolve(net::parse_endpoint(settings.server))),
         link(net::UdpLink::towards(server)),
-        handshaker(make_handshaker(settings, server)),
-        info(run_info(settings, device, *law, clock, handshaker ? name_of(handshaker->pattern()) : "none")),
+        encryption(make_encryption(settings, server, link, clock)),
+        info(run_info(settings, device, *law, clock,
+                      encryption ? security::name_of(encryption->handshaker().pattern()) : "none")),
         summary(info),
         sinks(std::move(others)) {
-    if (handshaker) secure_link.emplace(link, server, *handshaker, clock);
     sinks.push_back(&summary);
     if (!settings.recording.empty()) {
       writer.emplace(settings.recording, info);
@@ -117,7 +103,7 @@ struct Client::Parts {
                                      .local = local ? &*local : nullptr,
                                      .force_slew_N_per_s = settings.force_slew_N_per_s,
                                      .send_rate = settings.send_rate},
-                    device, std::move(law), secure_link ? static_cast<net::DatagramLink&>(*secure_link) : link, clock,
+                    device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link, clock,
                     Session::Sinks{.ticks = sinks, .events = &events});
   }
 
@@ -140,8 +126,7 @@ struct Client::Parts {
   time::SteadyClock clock;
   net::Address server;
   net::UdpLink link;
-  std::unique_ptr<Handshaker> handshaker;
-  std::optional<SecureLink> secure_link;
+  std::unique_ptr<Encryption> encryption;
   record::RunInfo info;
   record::Summary summary;
   record::Recorder recorder;
@@ -180,11 +165,6 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
       }
     });
   }
-  std::jthread shaking_hands;
-  if (p.handshaker) {
-    shaking_hands = std::jthread(
-        [&p](const std::stop_token& ended) { shake_hands(*p.handshaker, p.clock, ended); });
-  }
   std::jthread tick([&loop] { loop.run(); });
   const EndOfLoop end{loop};
   while (!loop.done()) {
@@ -216,12 +196,12 @@ std::string Client::take_recording_fault() {
 }
 
 std::string Client::take_security_news() {
-  return parts_->handshaker ? parts_->handshaker->take_news() : std::string();
+  return parts_->encryption ? parts_->encryption->handshaker().take_news() : std::string();
 }
 
 std::string Client::take_security_problem() {
-  if (!parts_->handshaker) return {};
-  std::string problem = parts_->handshaker->problem();
+  if (!parts_->encryption) return {};
+  std::string problem = parts_->encryption->handshaker().problem();
   if (problem == parts_->problem_told) return {};
   parts_->problem_told = problem;
   return problem;
@@ -239,8 +219,8 @@ std::string Client::why_no_session() const {
   if (!parts_->outcome.gave_up) return {};
   const std::string& server = parts_->settings.server;
   if (parts_->session->refused()) return server + " refused";
-  if (const std::string problem = parts_->handshaker ? parts_->handshaker->problem() : ""; !problem.empty()) {
-    return problem;
+  if (parts_->encryption) {
+    if (std::string problem = parts_->encryption->handshaker().problem(); !problem.empty()) return problem;
   }
   const bool unreachable = parts_->link.counters().refused > 0;
   return "no answer from " + server + (unreachable ? ": port unreachable (ICMP)" : "");

@@ -13,24 +13,24 @@ SecureLink::SecureLink(net::DatagramLink& link, const net::Address& server, Hand
 bool SecureLink::ready() const noexcept { return newest().can_seal(clock_.now()); }
 
 bool SecureLink::send(std::span<const std::byte> datagram, const net::Address& /*to*/) noexcept {
-  return send_sealed(datagram, clock_.now());
+  const auto sealed = seal(datagram);
+  return !sealed.empty() && link_.send(sealed, server_);
 }
 
-bool SecureLink::send_sealed(std::span<const std::byte> content, Nanoseconds now) noexcept {
-  const auto bytes = newest().seal(content, sealed_, now);
-  return bytes && link_.send(std::span(sealed_).first(*bytes), server_);
+std::span<const std::byte> SecureLink::seal(std::span<const std::byte> content) noexcept {
+  const auto bytes = newest().seal(content, sealed_, clock_.now());
+  return std::span(sealed_).first(bytes.value_or(0));
 }
 
 std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) noexcept {
-  const Nanoseconds now = clock_.now();
-  exchange(now);
+  exchange();
   for (int cost = 0; cost < kCostMost; ++cost) {
     auto received = link_.receive(received_);
     if (!received) return std::nullopt;
     const auto datagram = std::span(received_).first(std::min(received->bytes, received_.size()));
     if (received->from != server_) continue;
     const std::uint64_t forged = counted(security::Opening::not_authentic);
-    if (const auto bytes = open(datagram, buffer, now)) {
+    if (const auto bytes = open(datagram, buffer)) {
       received->bytes = *bytes;
       return received;
     }
@@ -39,8 +39,8 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
   return std::nullopt;
 }
 
-std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram, std::span<std::byte> buffer,
-                                            Nanoseconds now) noexcept {
+std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
+                                            std::span<std::byte> buffer) noexcept {
   if (security::is_handshake(datagram)) {
     counters_.handshakes_dropped += !handshaker_.hear(datagram);
     return std::nullopt;
@@ -49,6 +49,7 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
     ++counters_.in_clear;
     return std::nullopt;
   }
+  const Nanoseconds now = clock_.now();
   const bool is_newest = security::session_of_record(datagram) == newest().numbers().own;
   security::Channel& channel = is_newest ? newest() : channels_[1 - newest_];
   const security::Opened opened = channel.open(datagram, buffer, now);
@@ -61,15 +62,15 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
   return std::nullopt;
 }
 
-/// With the handshaker: its keys, what it wants sent, what is wanted of it.
-void SecureLink::exchange(Nanoseconds now) noexcept {
+void SecureLink::exchange() noexcept {
+  const Nanoseconds now = clock_.now();
   const auto made = handshaker_.made();
   if (made) take_keys(*made, now);
   handshaker_.want(wanted(now), newest().handshake());
   if (made) handshaker_.keys_taken();
   while (handshaker_.take(said_)) {
     const auto bytes = std::span<const std::byte>(said_.bytes).first(said_.length);
-    (void)(said_.sealed ? send_sealed(bytes, now) : link_.send(bytes, server_));
+    (void)(said_.sealed ? send(bytes, server_) : link_.send(bytes, server_));
   }
 }
 

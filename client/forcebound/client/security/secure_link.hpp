@@ -38,6 +38,18 @@ class SecureLink final : public net::DatagramLink {
 
   [[nodiscard]] bool ready() const noexcept override;
 
+  // What `send` and `receive` consist of, for a program that sends or receives many datagrams in one system call.
+
+  /// The sealed datagram, valid until the next is asked for; empty: there are no keys.
+  [[nodiscard]] std::span<const std::byte> seal(std::span<const std::byte> content) noexcept;
+
+  /// The content's length; nothing: dropped and counted, or of a handshake.
+  [[nodiscard]] std::optional<std::size_t> open(std::span<const std::byte> datagram,
+                                                std::span<std::byte> buffer) noexcept;
+
+  /// Takes keys from the handshaker, and sends for it. To be called every few milliseconds.
+  void exchange() noexcept;
+
   struct Counters {
     std::uint64_t sessions = 0;                             ///< first handshakes that gave keys
     std::uint64_t rekeys = 0;                               ///< later ones
@@ -52,13 +64,8 @@ class SecureLink final : public net::DatagramLink {
   static constexpr int kCostMost = 512;
   static constexpr int kForgedCost = 7;
 
-  void exchange(Nanoseconds now) noexcept;
   void take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
   [[nodiscard]] Handshaker::Wanted wanted(Nanoseconds now) const noexcept;
-  bool send_sealed(std::span<const std::byte> content, Nanoseconds now) noexcept;
-  /// The content's length; nothing: dropped and counted, or a handshake's.
-  [[nodiscard]] std::optional<std::size_t> open(std::span<const std::byte> datagram, std::span<std::byte> buffer,
-                                                Nanoseconds now) noexcept;
   [[nodiscard]] std::uint64_t& counted(security::Opening result) noexcept {
     return counters_.by_opening[static_cast<std::size_t>(result)];
   }

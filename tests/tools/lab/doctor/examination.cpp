@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "forcebound/client/runtime/encryption.hpp"
 #include "forcebound/client/runtime/idle_timer.hpp"
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/net/endpoint.hpp"
@@ -56,10 +57,17 @@ std::uint64_t random_seed() {
 
 /// A link to the server, and a session on it.
 struct DoctorLine {
-  DoctorLine(const net::Address& server, const DoctorSession::Settings& settings, const time::Clock& clock)
-      : link(net::UdpLink::towards(server)), session(settings, link, clock) {}
+  DoctorLine(const net::Address& server, const ExaminationSettings& examination,
+             const DoctorSession::Settings& settings, const time::Clock& clock)
+      : link(net::UdpLink::towards(server)),
+        encryption(examination.identity.any()
+                       ? std::make_unique<client::Encryption>(
+                             client::read_identity(examination.identity, examination.server), link, server, clock)
+                       : nullptr),
+        session(settings, encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link, clock) {}
 
   net::UdpLink link;
+  std::unique_ptr<client::Encryption> encryption;
   DoctorSession session;
 };
 
@@ -88,6 +96,8 @@ void expect_introduced(Introduced introduced, const DoctorLine& line, const std:
     case Introduced::unanswered:
       break;
   }
+  const std::string problem = line.encryption ? line.encryption->handshaker().problem() : std::string();
+  if (!problem.empty()) throw std::runtime_error(problem);
   throw std::runtime_error("no answer from " + server + " within 5 s; is forcebound-server listening there, and does " +
                            "the network let UDP packets of " + std::to_string(wire::kFrameBytesMax + 28) +
                            " bytes through both ways?");
@@ -101,7 +111,7 @@ std::unique_ptr<DoctorLine> introduced_line(const net::Address& address, const E
   std::unique_ptr<DoctorLine> line;
   Introduced introduced = Introduced::unanswered;
   for (const int degrees_of_freedom : kDegreesOfFreedom) {
-    line = std::make_unique<DoctorLine>(address,
+    line = std::make_unique<DoctorLine>(address, settings,
                                         DoctorSession::Settings{.server = address,
                                                                 .scene = settings.scene,
                                                                 .degrees_of_freedom = degrees_of_freedom,
@@ -219,14 +229,14 @@ bool size_passes(std::size_t bytes, Nanoseconds patience, DoctorLine& line, cons
 
 PathFindings path_findings(const net::Address& address, const ExaminationSettings& settings,
                            const DoctorFindings& so_far, const time::Clock& clock) {
-  DoctorLine line(address,
+  DoctorLine line(address, settings,
                   {.server = address,
                    .scene = settings.scene,
                    .degrees_of_freedom = so_far.degrees_of_freedom,
                    .renders_locally = false,
                    .seed = random_seed()},
                   clock);
-  PathFindings path{.up_most_bytes = wire::kFrameBytesMax, .header_bytes = header_bytes(address)};
+  PathFindings path{.up_most_bytes = wire::kFrameBytesMax, .header_bytes = header_bytes(address) + (settings.identity.any() ? security::kRecordOverhead : 0)};
   path.up_tried = introduce(line, clock) == Introduced::yes;
   if (path.up_tried) {
     const Nanoseconds patience =

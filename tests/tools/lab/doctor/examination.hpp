@@ -3,12 +3,14 @@
 #include <functional>
 #include <string>
 
+#include "forcebound/client/security/identity_files.hpp"
 #include "tests/tools/lab/doctor/findings.hpp"
 
 namespace forcebound::lab {
 
 struct ExaminationSettings {
   std::string server;   ///< HOST:PORT
+  client::IdentityFiles identity{};  ///< keys; none: not encrypted
   std::string scene{};  ///< requested; empty: the server's default
   double seconds = 5;   ///< of the measurement
 };

@@ -51,6 +51,13 @@ LoadGenerator::Settings with_new_nonces(LoadGenerator::Settings settings) {
 
 }  // namespace
 
+Load::Line::Line(const net::Address& server, const LoadOptions& options, const time::Clock& clock)
+    : link(net::UdpLink::towards(server)), batch(link) {
+  if (!options.identity.any()) return;
+  encryption = std::make_unique<client::Encryption>(client::read_identity(options.identity, options.server), link,
+                                                    server, clock);
+}
+
 Load::Load(const LoadOptions& options)
     : options_(options),
       server_(net::resolve(net::parse_endpoint(options.server))),
@@ -61,7 +68,7 @@ Load::Load(const LoadOptions& options)
     throw std::runtime_error("real-time scheduling is not permitted");
   }
   for (std::size_t i = 0; i < options.sockets; ++i) {
-    lines_.emplace_back(server_);
+    lines_.emplace_back(server_, options_, clock_);
     descriptors_.push_back(lines_.back().link.descriptor());
     lines_.back().link.wait_at_most(kPeriod);
   }
@@ -96,7 +103,7 @@ LoadResult Load::run(std::size_t clients) {
       if (time > due(i) + kTooLate) {
         ++result.unsent;
       } else {
-        const auto motion = load_generator_.motion(client, time);
+        const auto motion = sealed(load_generator_.motion(client, time), client);
         if (!burst_.take(motion)) {
           result.unsent += send_burst(first);
           static_cast<void>(burst_.take(motion));
@@ -132,10 +139,15 @@ void Load::connect(std::size_t clients) {
         throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
       const bool unreachable = line_of(client).link.counters().refused > kRefusalsBorne;
       if (unreachable || now() - first > kServerPatience) {
+        const std::string problem =
+            line_of(client).encryption ? line_of(client).encryption->handshaker().problem() : std::string();
+        if (!problem.empty()) throw std::runtime_error(problem);
         throw std::runtime_error("no answer from " + options_.server +
                                  (unreachable ? ": port unreachable (ICMP)" : ""));
       }
-      send(load_generator_.hello(client, now()), client);
+      if (const Line& line = line_of(client); !line.encryption || line.encryption->link().ready()) {
+        send(load_generator_.hello(client, now()), client);
+      }
       rest(now() + kHelloPause);
     }
   }
@@ -174,24 +186,41 @@ void Load::wait(Nanoseconds until) {
   const bool answer_missing = tally.answered + given_up_ < tally.sent;
   const bool asleep = options_.waiting == Waiting::asleep || (options_.waiting == Waiting::ping_pong && answer_missing);
   // With an answer to wait for on one socket, one call sleeps and receives, as sockperf's does.
-  if (asleep && answer_missing && lines_.size() == 1) return take_in(lines_.front().batch.wait_for_some());
+  if (asleep && answer_missing && lines_.size() == 1) {
+    return take_in(lines_.front(), lines_.front().batch.wait_for_some());
+  }
   if (asleep) net::wait_readable(descriptors_, until - now());
   receive();
 }
 
 void Load::receive() {
-  for (Line& line : lines_) take_in(line.batch.receive_all());
-}
-
-void Load::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
-  const Nanoseconds time = now();
-  for (const auto& datagram : arrived) {
-    load_generator_.on_datagram(datagram.bytes, time - datagram.received.waited, time);
+  for (Line& line : lines_) {
+    take_in(line, line.batch.receive_all());
+    if (line.encryption) line.encryption->link().exchange();
   }
 }
 
+void Load::take_in(Line& line, std::span<const net::UdpBatch::Arrived> arrived) {
+  const Nanoseconds time = now();
+  for (const auto& datagram : arrived) {
+    std::span<const std::byte> bytes = datagram.bytes;
+    if (line.encryption) {
+      const auto opened = line.encryption->link().open(bytes, opened_);
+      if (!opened) continue;
+      bytes = std::span(opened_).first(*opened);
+    }
+    load_generator_.on_datagram(bytes, time - datagram.received.waited, time);
+  }
+}
+
+std::span<const std::byte> Load::sealed(std::span<const std::byte> datagram, std::size_t client) noexcept {
+  Line& line = line_of(client);
+  return line.encryption ? line.encryption->link().seal(datagram) : datagram;
+}
+
 bool Load::send(std::span<const std::byte> datagram, std::size_t client) {
-  return line_of(client).link.send(datagram, server_);
+  Line& line = line_of(client);
+  return (line.encryption ? static_cast<net::DatagramLink&>(line.encryption->link()) : line.link).send(datagram, server_);
 }
 
 Load::Line& Load::line_of(std::size_t client) noexcept { return lines_[client / Burst::kDatagramsMax % lines_.size()]; }

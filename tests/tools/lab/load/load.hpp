@@ -1,11 +1,17 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "forcebound/client/runtime/encryption.hpp"
+#include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/net/udp_batch.hpp"
+#include "forcebound/time/steady_clock.hpp"
 #include "tests/tools/lab/load/burst.hpp"
 #include "tests/tools/lab/load/load_generator.hpp"
 
@@ -13,6 +19,7 @@ namespace forcebound::lab {
 
 struct LoadOptions {
   std::string server;  ///< HOST:PORT
+  client::IdentityFiles identity{};  ///< keys; none: not encrypted
   LoadGenerator::Settings load_generator{};
   Nanoseconds duration{};   ///< of one measurement
   std::size_t sockets = 4;  ///< shared by the clients
@@ -53,15 +60,18 @@ class Load {
  private:
   /// Shared by several clients: a socket, and room to receive a batch.
   struct Line {
-    explicit Line(const net::Address& server) : link(net::UdpLink::towards(server)), batch(link) {}
+    Line(const net::Address& server, const LoadOptions& options, const time::Clock& clock);
     net::UdpLink link;
     net::UdpBatch batch;
+    std::unique_ptr<client::Encryption> encryption;  ///< null: none
   };
 
   void connect(std::size_t clients);
   void receive_scene(std::size_t clients);
   void receive();
-  void take_in(std::span<const net::UdpBatch::Arrived> arrived);
+  void take_in(Line& line, std::span<const net::UdpBatch::Arrived> arrived);
+  /// If its line is encrypted, else as it is; valid until the next is asked for.
+  [[nodiscard]] std::span<const std::byte> sealed(std::span<const std::byte> datagram, std::size_t client) noexcept;
   void rest(Nanoseconds until);  ///< asleep, but for reading
   void wait(Nanoseconds until);  ///< for anything to read, at most until then
   bool send(std::span<const std::byte> datagram, std::size_t client);
@@ -69,11 +79,13 @@ class Load {
   [[nodiscard]] Line& line_of(std::size_t client) noexcept;
 
   LoadOptions options_;
+  time::SteadyClock clock_;
   net::Address server_;
   std::deque<Line> lines_;
   std::vector<int> descriptors_;
   LoadGenerator load_generator_;
   Burst burst_;
+  std::array<std::byte, net::kDatagramBytesMax> opened_{};
   std::uint64_t given_up_ = 0;  ///< answers missing when the next motion was due; `rest` sleeps no longer for them
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
@@ -138,6 +139,7 @@ void add_load(CLI::App& app) {
       ->required()
       ->check(program::accepted_by([](const std::string& peer) { (void)net::parse_peer(peer); }))
       ->type_name("HOST:PORT");
+  client::add_identity_options(*command, options->load.identity);
   CLI::Option* const clients = command->add_option("--clients", options->clients, "how many");
   clients->type_name("N")->check(program::whole_within(1, 10000))->capture_default_str();
   command->add_option("--sockets", options->load.sockets, "number of sockets that the clients share")

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <stop_token>
+#include <thread>
+
+#include "forcebound/client/security/handshaker.hpp"
+#include "forcebound/client/security/secure_link.hpp"
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::client {
+
+/// A client's encrypted way to its server: a link in front of another, with a thread of its own for handshakes, which
+/// runs from the beginning. `link` is for the one thread that ticks; its thread sleeps but for a handshake.
+class Encryption {
+ public:
+  /// Link and clock must outlive it. @throws std::invalid_argument if a key is missing that the pattern needs
+  Encryption(Identity identity, net::DatagramLink& link, const net::Address& server, const time::Clock& clock);
+  Encryption(const Encryption&) = delete;
+  Encryption& operator=(const Encryption&) = delete;
+
+  [[nodiscard]] SecureLink& link() noexcept { return link_; }
+  [[nodiscard]] Handshaker& handshaker() noexcept { return handshaker_; }
+
+ private:
+  void work(const std::stop_token& ended);
+
+  const time::Clock& clock_;
+  Handshaker handshaker_;
+  SecureLink link_;
+  std::jthread thread_;
+};
+
+}  // namespace forcebound::client
