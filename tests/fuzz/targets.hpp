@@ -22,6 +22,7 @@ void fuzz_gmsh(Bytes bytes);          ///< a mesh of tetrahedra
 void fuzz_hand(Bytes bytes);          ///< a recorded hand
 void fuzz_handover(Bytes bytes);      ///< a scene as a server hands it over: the manifest, its hash made right
 void fuzz_height_field(Bytes bytes);  ///< heights in a file of comma-separated numbers
+void fuzz_keys(Bytes bytes);          ///< files of keys and datagrams of handshakes; the first byte says which
 void fuzz_laws(Bytes bytes);          ///< a TOML file of laws' parameters
 void fuzz_mesh(Bytes bytes);          ///< a mesh; the first byte says whether it is OBJ, OFF or STL
 void fuzz_mjcf(Bytes bytes);          ///< MJCF, before MuJoCo sees it
@@ -47,6 +48,7 @@ inline constexpr std::array kTargets{
     Target{"hand", fuzz_hand},
     Target{"handover", fuzz_handover},
     Target{"height_field", fuzz_height_field},
+    Target{"keys", fuzz_keys},
     Target{"laws", fuzz_laws},
     Target{"mesh", fuzz_mesh},
 #ifdef FORCEBOUND_FUZZ_MUJOCO
