@@ -94,6 +94,16 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
                  "most clients at the same time from one IP address; no such limit if not given")
       ->type_name("N")
       ->check(program::whole_within(1, 10000));
+  app.add_option("--session-compute", options.server.session_compute_max,
+                 "share of a processor that the answers of one client may take while there are others")
+      ->type_name("SHARE")
+      ->check(program::number_within(0.001, 1))
+      ->capture_default_str();
+  app.add_option("--load-max", options.server.load_max,
+                 "share of a processor above which no more clients are let in")
+      ->type_name("SHARE")
+      ->check(program::number_within(0.01, 1))
+      ->capture_default_str();
   app.add_option("--idle-timeout", idle_timeout_s,
                  "end a client's session after this time without datagrams; mobile networks pause 15 s")
       ->type_name("SECONDS")

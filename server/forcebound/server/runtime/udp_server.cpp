@@ -9,6 +9,8 @@ namespace {
 
 // Also the longest delay of the end: a signal between two waits does not end the next one.
 constexpr Nanoseconds kTimerPeriod = std::chrono::milliseconds{100};
+// Over so long the share of time is taken in which the thread did not wait.
+constexpr Nanoseconds kBusyMean = std::chrono::seconds{1};
 // A flood must not delay the loop's timer and its end.
 constexpr int kBatchesPerTurn = 64;
 // Longest time that answers wait to be sent together.
@@ -43,12 +45,15 @@ UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const Envi
                   if (observer != nullptr) observer->on_scene_failed(scene, why);
                 }),
       server_(options, environments, batch_, clock_, random_session_id, observer),
-      timer_(clock_.now() + kTimerPeriod) {
+      timer_(clock_.now() + kTimerPeriod),
+      busy_since_(clock_.now()) {
   link_.wait_at_most(kTimerPeriod);
 }
 
 void UdpServer::turn() {
+  const Nanoseconds before = clock_.now();
   const auto arrived = batch_.wait_for_some();
+  note_busy(clock_.now() - before);
   unless_out_of_memory([this] { compiler_.deliver(); });
   if (!arrived.empty()) {
     take_in(arrived);
@@ -59,6 +64,17 @@ void UdpServer::turn() {
   unless_out_of_memory([&] { server_.on_timer(now); });
   batch_.flush();
   timer_ = now + kTimerPeriod;
+}
+
+void UdpServer::note_busy(Nanoseconds waited) noexcept {
+  waited_ += waited;
+  const Nanoseconds now = clock_.now();
+  const Nanoseconds elapsed = now - busy_since_;
+  if (elapsed < kBusyMean) return;
+  server_.note_busy(1 - time::to_seconds(waited_) / time::to_seconds(elapsed), arrived_);
+  busy_since_ = now;
+  arrived_ = 0;
+  waited_ = Nanoseconds{0};
 }
 
 void UdpServer::run(const std::stop_token& wanted) {
@@ -75,6 +91,7 @@ void UdpServer::stop() {
 void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
   for (int i = 0; i < kBatchesPerTurn; ++i, arrived = batch_.receive_all()) {
     const Nanoseconds now = clock_.now();
+    arrived_ += arrived.size();
     for (const auto& datagram : arrived) server_.take_in(datagram.bytes, datagram.received.from, now);
     // Another check for datagrams would cost a system call; the next wait checks anyway.
     if (arrived.size() < net::UdpBatch::kDatagramsMax) return;

@@ -55,6 +55,7 @@ class UdpServer {
  private:
   void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void answer_all();
+  void note_busy(Nanoseconds waited) noexcept;
 
   time::SteadyClock clock_;
   net::UdpLink link_;
@@ -62,6 +63,10 @@ class UdpServer {
   SceneCompiler compiler_;
   Server server_;
   Nanoseconds timer_;
+  // Since `busy_since_`, what came, and the time that was spent waiting.
+  std::uint64_t arrived_ = 0;
+  Nanoseconds busy_since_{0};
+  Nanoseconds waited_{0};
 };
 
 }  // namespace forcebound::server

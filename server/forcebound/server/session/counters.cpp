@@ -49,6 +49,7 @@ std::string ServerCounters::text() const {
                {"reordered", motions_reordered},
                {"superseded by newer ones", motions_superseded},
                {"over the rate", motions_over_rate},
+               {"beyond their session's share of the processor", motions_over_budget},
                {"from addresses not yet proven", motions_unproven},
                {"after the end of their session", motions_after_end},
                {"with numbers too far ahead", motions_far_ahead},

@@ -35,6 +35,7 @@ struct ServerCounters {
   std::uint64_t motions_reordered = 0;        ///< received after a newer one, and not answered
   std::uint64_t motions_superseded = 0;       ///< received, but replaced by a newer one before its answer
   std::uint64_t motions_over_rate = 0;        ///< received, but not answered
+  std::uint64_t motions_over_budget = 0;      ///< received, but the session had used up its share of the processor
   std::uint64_t motions_unproven = 0;         ///< received, but not answered to a new address before that is proven
   std::uint64_t motions_after_end = 0;        ///< received, but its session ended before its answer
   std::uint64_t motions_far_ahead = 0;        ///< numbered as no client that keeps its rate can be; dropped
@@ -57,7 +58,8 @@ struct ServerCounters {
 
   /// Motions received and not answered: motions_received - forces_sent, if every send succeeded and no motion waits.
   [[nodiscard]] std::uint64_t motions_unanswered() const noexcept {
-    return motions_reordered + motions_superseded + motions_over_rate + motions_after_end + motions_unproven;
+    return motions_reordered + motions_superseded + motions_over_rate + motions_after_end + motions_unproven +
+           motions_over_budget;
   }
 
   /// Adds the faults of one session.

@@ -47,8 +47,10 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
       refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
   if (!environments_.find(options_.scene)) throw std::invalid_argument(environments_.unknown_text(options_.scene));
   if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
-      !(options_.motions_per_promised > 0)) {
-    throw std::invalid_argument("sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max must be > 0");
+      !(options_.motions_per_promised > 0) || !(options_.session_compute_max > 0) || !(options_.load_max > 0)) {
+    throw std::invalid_argument(
+        "sessions_max, idle_timeout, motions_per_promised, hellos_per_s_max, session_compute_max and load_max must be "
+        "> 0");
   }
   sessions_.reserve(options_.sessions_max);
   waiting_.reserve(2 * options_.sessions_max);
@@ -60,6 +62,12 @@ void Server::on_datagram(std::span<const std::byte> datagram, const net::Address
   answer_waiting();
 }
 
+void Server::note_busy(double share, std::uint64_t datagrams) noexcept {
+  const std::uint64_t before = std::exchange(motions_when_noted_, counters_.motions_received);
+  const double motions = static_cast<double>(counters_.motions_received - before);
+  busy_ = share * std::min(1.0, motions / static_cast<double>(std::max<std::uint64_t>(1, datagrams)));
+}
+
 void Server::answer_waiting() noexcept {
   while (answer_next()) {
   }
@@ -69,6 +77,11 @@ bool Server::answer_next() noexcept {
   while (next_waiting_ < waiting_.size()) {
     const auto found = sessions_.find(waiting_[next_waiting_++]);
     if (found == sessions_.end() || !found->second.waiting) continue;
+    if (sessions_.size() > 1 && !found->second.compute.may_answer(clock_.now())) {
+      found->second.waiting.reset();
+      ++counters_.motions_over_budget;
+      continue;
+    }
     answer(found->second, *std::exchange(found->second.waiting, std::nullopt));
     return true;
   }
@@ -284,6 +297,7 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
       {.position = place, .device_time = motion.device_time, .server_time = now, .wants_model = session.wants_models});
   const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
+  session.compute.note(end - begin, end);
 
   const wire::EnvironmentForce force{
       .session = motion.session,

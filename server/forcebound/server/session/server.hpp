@@ -15,6 +15,7 @@
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/server/environment/environment_library.hpp"
 #include "forcebound/server/session/answer_allowance.hpp"
+#include "forcebound/server/session/compute_share.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
@@ -40,6 +41,8 @@ struct ServerOptions {
   /// Without motion for so long, a client loses its place in a shared scene to one who asks for it while it is full.
   Nanoseconds presence_timeout = std::chrono::seconds{20};
   double motions_per_promised = 4;                        ///< answers per motion that the client promised in its Hello
+  double session_compute_max = 0.5;  ///< share of the server's thread that answers of one session may take beside others
+  double load_max = 0.9;             ///< share of the server's thread above which nobody more is let in
   int hellos_per_s_max = 50;                              ///< from each source: an IPv4 address or IPv6 network
   HandoverRate handover{};                                ///< of scenes, to each client that renders locally
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
@@ -64,6 +67,10 @@ struct ServerOptions {
 /// and the force that is sent to the device; each session has a new instance.
 ///
 /// A session for which there is no memory is refused with that reason, and does not touch the others.
+///
+/// No session's answers take more than their share of the processor while there are others: motions beyond that are
+/// counted and not answered. Who asks for a session is refused, with that reason, if answers to it and the others would
+/// take more than the server has.
 ///
 /// Everything is bounded: sessions, idle time, Hellos per second of each source and session, answers per second and
 /// session. Time and randomness are arguments. Not thread-safe.
@@ -96,6 +103,11 @@ class Server {
 
   /// Sends Bye to all clients and ends their sessions.
   void stop();
+
+  /// Tells which share of its time the thread that serves has not waited since the last call, and how many datagrams
+  /// came meanwhile: what the system takes for datagrams is in no session's share. Of that time counts as much as
+  /// motions of sessions are of the datagrams, so that a flood keeps nobody out.
+  void note_busy(double share, std::uint64_t datagrams) noexcept;
 
   [[nodiscard]] std::size_t sessions() const noexcept { return sessions_.size(); }
   [[nodiscard]] ServerCounters counters() const noexcept;
@@ -135,6 +147,7 @@ class Server {
     time::TokenBucket hellos;  ///< repeated ones
     Nanoseconds last_heard;
     net::Address proven_at;  ///< the last address that was proven
+    ComputeShare compute;
     AnswerAllowance allowance{};
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
@@ -187,6 +200,8 @@ class Server {
   Session& open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, MadeEnvironment made,
                 const net::Address& from, Nanoseconds now);
   [[nodiscard]] bool is_full(const EnvironmentKind& kind) const;
+  /// Why another session in it would be one too many for the processor; empty: it would not.
+  [[nodiscard]] std::string refusal_of_load(const EnvironmentKind& kind, Nanoseconds now);
   /// Whether clients may request it, whatever the library has. @param scene empty: the default
   [[nodiscard]] bool is_allowed(std::string_view scene) const;
   [[nodiscard]] std::string refusal_of_scene(std::string_view scene) const;
@@ -219,6 +234,8 @@ class Server {
   std::size_t ended_next_ = 0;
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
+  double busy_ = 0;  ///< share of the thread's time for the sessions
+  std::uint64_t motions_when_noted_ = 0;
   ServerCounters counters_;
 };
 

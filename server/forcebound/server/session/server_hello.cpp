@@ -1,6 +1,7 @@
 // The server's answers to Hellos: admission of clients, or refusal with the reason.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <exception>
 #include <memory>
@@ -198,6 +199,9 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
     return Refused{RefusalReason::server_full, "this server takes " + std::to_string(options_.sessions_per_address) +
                                                    " sessions at once from each address, end one or try again later"};
   }
+  if (std::string busy = refusal_of_load(kind, now); !busy.empty()) {
+    return Refused{RefusalReason::server_full, std::move(busy)};
+  }
   if (is_full(kind) && !evict_one(now, &kind)) {
     return Refused{RefusalReason::server_full, "all " + std::to_string(kind.sessions_max) +
                                                    " places in the shared scene '" + kind.name +
@@ -226,6 +230,27 @@ std::string Server::refusal_of_scene(std::string_view scene) const {
 std::size_t Server::sessions_of(const net::Address& address) const noexcept {
   return static_cast<std::size_t>(std::count_if(
       sessions_.begin(), sessions_.end(), [&](const auto& entry) { return entry.second.proven_at.ip == address.ip; }));
+}
+
+/// Another session will take as much as those in the same scene do on average; and as much of what belongs to no scene.
+std::string Server::refusal_of_load(const EnvironmentKind& kind, Nanoseconds now) {
+  if (sessions_.empty()) return {};
+  double all = 0;
+  double of_kind = 0;
+  int there = 0;
+  for (auto& [id, session] : sessions_) {
+    const double share = session.compute.share(now);
+    all += share;
+    if (session.kind.get() != &kind) continue;
+    of_kind += share;
+    ++there;
+  }
+  const double load = std::max(all, busy_);
+  const double expected = std::max(there > 0 ? of_kind / there : 0, (load - all) / static_cast<double>(sessions_.size()));
+  if (load + expected <= options_.load_max) return {};
+  const auto percent = [](double share) { return std::to_string(std::lround(share * 1e2)) + " %"; };
+  return "this server is busy: its sessions take " + percent(load) + " of its processor's time, and one more would take " +
+         percent(expected) + ", of " + percent(options_.load_max) + " at most; try again later";
 }
 
 bool Server::is_full(const EnvironmentKind& kind) const {
@@ -286,7 +311,8 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
       .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
       .hellos = time::TokenBucket(kRepeatedHelloInterval, kRepeatedHellosAtOnce, now),
       .last_heard = now,
-      .proven_at = from};
+      .proven_at = from,
+      .compute = ComputeShare(options_.session_compute_max, now)};
   session.arrivals.counts.session = id;
   session.arrivals.motions_per_s_max = options_.motions_per_promised / period_s;
   session.wants_models = renders_locally(hello);
