@@ -27,6 +27,7 @@ void each_field(Info& info, Visit&& visit) {
   visit("simulated", info.simulated);
   visit("rendering", info.rendering);
   visit("network", info.network);
+  visit("encryption", info.encryption);
   visit("seed", info.seed);
   visit("period_ns", info.period);
   visit("hold_ns", info.hold);

@@ -33,6 +33,7 @@ struct RunInfo {
   std::string simulated;            ///< what is simulated, as text
   std::string rendering{"remote"};  ///< as asked for: "remote" or "local"
   std::string network;              ///< emulated network conditions, as far as this side knows
+  std::string encryption;           ///< of the datagrams: "none", "IKpsk2" or "NNpsk0"; empty: not said
   std::uint64_t seed = 0;
   Nanoseconds period{1'000'000};        ///< nominal length of a tick
   Nanoseconds hold{250'000'000};        ///< late-force policy: forces older than this fade

@@ -36,6 +36,8 @@ namespace forcebound::record {
 ///   are those of the ticks on which a local model counted. `asked` is "local" or "remote";
 ///   `scene_pieces` and `scene_piece_bytes` count what was received of scenes; `scenes_from_cache` came from the cache
 ///   instead.
+/// - `encryption`: of the datagrams, by the handshake's pattern: "IKpsk2", "NNpsk0", or "none"; null: the program that
+///   made the recording did not say.
 /// - `server_clock_ms`: how far the server's clock is `ahead` of the client's at the end, and by how much that may be
 ///   `off`, from the least delays of both ways; null: not known.
 /// - `force_age_ms`: on each tick that has any force, the time since the reading that the newest force answers.

@@ -65,6 +65,7 @@ void SummaryView::add_run(Json& json) const {
   json["device"] = info.device;
   json["operator"] = info.operator_name;
   json["scene"] = scene();
+  json["encryption"] = info.encryption.empty() ? Json(nullptr) : Json(info.encryption);
   json["duration_s"] = duration_s();
   json["ticks"] = s.ticks_;
   json["period_us"] = percentiles(s.period_ns_, 1e3, true, true);

@@ -65,6 +65,7 @@ void SummaryView::print_run(std::string& out) const {
   print_field(out, "operator", info.hand.empty() ? info.operator_name : info.hand);
   print_field(out, "scene", scene() + (simulated().empty() ? "" : ": " + simulated()));
   print_field(out, "network", info.network);
+  print_field(out, "encryption", info.encryption);
   if (s.ticks_ < 2) return;
   print_field(out, "period",
               percentiles(s.period_ns_, 1e3, "us") + ", " + rounded(s.period_ns_.percentile(0.999) * 1e-3) +

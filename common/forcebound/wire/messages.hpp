@@ -92,6 +92,7 @@ enum class RefusalReason : std::uint8_t {
   unknown_session,    ///< the answer to a motion of an unknown session: the server restarted, or closed it
   round_trip_wanted,  ///< the scene's accuracy depends on it: send Hello again with the round trip from the echoed time
   unknown_server_law,  ///< the server has no server-side law of that name
+  encryption_wanted,   ///< the server takes encrypted sessions alone; sent in the clear, hence by anybody
 };
 
 struct Refusal {

@@ -32,6 +32,7 @@ inline RunInfo sample_info() {
   info.hand = "0.08 kg, 150 N/m, 0.3 N s/m";
   info.scene = "sphere";
   info.simulated = "a sphere of radius 20 mm, 10 N/mm";
+  info.encryption = "IKpsk2";
   info.seed = 18446744073709551615U;
   info.epoch = Nanoseconds{1'700'000'000'000'000'000};
   return info;

@@ -395,6 +395,18 @@ TEST(Summary, SaysWhetherTheDeviceIsSimulated) {
   EXPECT_EQ(json_of(Summary(info))["run"]["device_simulated"], false);
 }
 
+TEST(Summary, SaysHowDatagramsWereEncryptedUnlessTheRecordingDoesNot) {
+  RunInfo info = test::sample_info();
+  EXPECT_THAT(Summary(info).to_text(), HasSubstr("encryption    IKpsk2\n"));
+  EXPECT_EQ(json_of(Summary(info))["encryption"], "IKpsk2");
+  info.encryption = "none";
+  EXPECT_THAT(Summary(info).to_text(), HasSubstr("encryption    none\n"));
+  EXPECT_EQ(json_of(Summary(info))["encryption"], "none");
+  info.encryption.clear();
+  EXPECT_THAT(Summary(info).to_text(), Not(HasSubstr("encryption")));
+  EXPECT_EQ(json_of(Summary(info))["encryption"], nullptr);
+}
+
 TEST(Summary, ShowsANegativePInRedWhereColoursAreWanted) {
   Summary summary(audited());
   TickRecord tick = connected(contact_at(1, 1, 1e-3));

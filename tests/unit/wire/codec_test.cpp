@@ -263,7 +263,7 @@ TEST(Codec, GivesEveryRefusalBack) {
   for (const auto reason :
        {RefusalReason::unspecified, RefusalReason::version_mismatch, RefusalReason::unknown_scene,
         RefusalReason::wrong_degrees_of_freedom, RefusalReason::server_full, RefusalReason::unknown_session,
-        RefusalReason::round_trip_wanted, RefusalReason::unknown_server_law}) {
+        RefusalReason::round_trip_wanted, RefusalReason::unknown_server_law, RefusalReason::encryption_wanted}) {
     const auto back = round_trip(
         codec,
         Refusal{.client_nonce = 1, .session = 2, .reason = reason, .text = "why", .client_time = Nanoseconds{-12}});
