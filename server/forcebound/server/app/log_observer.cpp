@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <string>
 #include <utility>
 
 #include "forcebound/text/terminal.hpp"
@@ -22,17 +23,23 @@ const char* words(CloseReason reason) {
   return "";
 }
 
+/// Its address, and its name if it has shown who it is.
+std::string who(const SessionInfo& info) {
+  const std::string address = net::to_string(info.address);
+  return info.client.empty() ? address : address + " (client " + info.client + ")";
+}
+
 }  // namespace
 
 // The session's number is its key, so it is in no log line.
 void LogObserver::on_opened(const SessionInfo& info) {
-  spdlog::info("{} connected to scene '{}' with device '{}' ({})", net::to_string(info.address), info.scene,
-               info.device, text::counted(info.degrees_of_freedom, "degree of freedom", "degrees of freedom"));
-  if (!info.choice.empty()) spdlog::info("{} {}", net::to_string(info.address), info.choice);
+  spdlog::info("{} connected to scene '{}' with device '{}' ({})", who(info), info.scene, info.device,
+               text::counted(info.degrees_of_freedom, "degree of freedom", "degrees of freedom"));
+  if (!info.choice.empty()) spdlog::info("{} {}", who(info), info.choice);
 }
 
 void LogObserver::on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) {
-  spdlog::info("{} {}: {} received, {} duplicated, {} reordered, {} sent", net::to_string(info.address), words(reason),
+  spdlog::info("{} {}: {} received, {} duplicated, {} reordered, {} sent", who(info), words(reason),
                text::counted(final_counts.motions_received, "motion"), final_counts.motions_duplicated,
                final_counts.motions_reordered, text::counted(final_counts.forces_sent, "force"));
 }
@@ -42,13 +49,13 @@ void LogObserver::on_scene_failed(std::string_view scene, std::string_view why) 
 }
 
 void LogObserver::on_unsound_response(const SessionInfo& info) noexcept {
-  spdlog::error("{} is sent zero force: environment '{}' answered what is not finite or of wrong size",
-                net::to_string(info.address), info.scene);
+  spdlog::error("{} is sent zero force: environment '{}' answered what is not finite or of wrong size", who(info),
+                info.scene);
 }
 
 void LogObserver::on_quarantined(const SessionInfo& info, std::string_view object) noexcept {
-  spdlog::error("{}: '{}' of scene '{}' is left out from now on: its force was not finite",
-                net::to_string(info.address), object, info.scene);
+  spdlog::error("{}: '{}' of scene '{}' is left out from now on: its force was not finite", who(info), object,
+                info.scene);
 }
 
 void LogObserver::on_refused(const net::Address& address, std::string_view text) {

@@ -18,6 +18,7 @@ struct SessionInfo {
   std::string device;  ///< as the client calls it; printable
   std::uint32_t degrees_of_freedom = 0;
   std::string scene;
+  std::string client{};  ///< who it is, if it has shown that; printable
   std::string choice{};  ///< the level picked for this client, and the reason; empty: there was no choice
 };
 

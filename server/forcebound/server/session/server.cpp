@@ -57,8 +57,9 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
   ended_.resize(std::min(options_.sessions_max, kEndedMax));
 }
 
-void Server::on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
-  take_in(datagram, from, now);
+void Server::on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+                         const ClientRights& rights) {
+  take_in(datagram, from, now, rights);
   answer_waiting();
 }
 
@@ -90,7 +91,8 @@ bool Server::answer_next() noexcept {
   return false;
 }
 
-void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+                     const ClientRights& rights) {
   ++counters_.datagrams;
   const auto heading = wire::heading_of(datagram);
   if (const auto* malformed = std::get_if<wire::Malformed>(&heading)) {
@@ -108,7 +110,7 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
     on_motion(*motion, datagram.size(), from, now);
   } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
     try {
-      on_hello(*hello, from, now);
+      on_hello(*hello, {.address = from, .rights = rights}, now);
     } catch (const std::bad_alloc&) {
       refuse_for_lack_of_memory(*hello, from);
     }

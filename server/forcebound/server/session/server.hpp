@@ -15,6 +15,7 @@
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/server/environment/environment_library.hpp"
 #include "forcebound/server/session/answer_allowance.hpp"
+#include "forcebound/server/session/client_rights.hpp"
 #include "forcebound/server/session/compute_share.hpp"
 #include "forcebound/server/session/counters.hpp"
 #include "forcebound/server/session/observer.hpp"
@@ -85,7 +86,9 @@ class Server {
 
   /// Takes in a datagram that arrived at `now`. Motion waits for `answer_waiting`; a newer one of its session replaces
   /// it. Real time for motion: no allocation.
-  void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  /// @param rights of who sent it; they count for a Hello
+  void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+               const ClientRights& rights = {});
 
   /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
   /// than a tick is answered less often, but its delay does not grow. Real time: no allocation, O(objects of the
@@ -96,7 +99,8 @@ class Server {
   bool answer_next() noexcept;
 
   /// `take_in` and `answer_waiting` for one datagram.
-  void on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  void on_datagram(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+                   const ClientRights& rights = {});
 
   /// Closes idle sessions. To be called a few times a second.
   void on_timer(Nanoseconds now);
@@ -164,7 +168,12 @@ class Server {
     Arrivals arrivals;
   };
 
-  void on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now);
+  /// Who says Hello, and what it may do.
+  struct Guest {
+    const net::Address& address;
+    const ClientRights& rights;
+  };
+  void on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds now);
   /// @param bytes of the datagram
   void on_motion(const wire::MotionSample& motion, std::size_t bytes, const net::Address& from,
                  Nanoseconds now) noexcept;
@@ -195,10 +204,10 @@ class Server {
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;
   void refuse_for_lack_of_memory(const wire::Hello& hello, const net::Address& from) noexcept;
   /// Makes the environment and opens a session in it, or refuses.
-  void let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,
+  void let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const Guest& guest,
               Nanoseconds now);
   Session& open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, MadeEnvironment made,
-                const net::Address& from, Nanoseconds now);
+                const Guest& guest, Nanoseconds now);
   [[nodiscard]] bool is_full(const EnvironmentKind& kind) const;
   /// Why another session in it would be one too many for the processor; empty: it would not.
   [[nodiscard]] std::string refusal_of_load(const EnvironmentKind& kind, Nanoseconds now);

@@ -73,6 +73,21 @@ void expect_spare_memory() {
   static_cast<volatile char*>(spare.get())[0] = 0;
 }
 
+std::string refusal_of_rights(const ClientRights& rights, std::string_view scene) {
+  std::string allowed;
+  for (const std::string& name : rights.scenes) allowed += (allowed.empty() ? "" : ", ") + printable(name);
+  return "client '" + printable(rights.name) + "' may not use scene '" + printable(scene) + "' (allowed: " + allowed +
+         ")";
+}
+
+/// The least time between motions that are answered, in the mean [s].
+double answered_every_s(double period_s, double motions_per_promised, const ClientRights& rights) {
+  constexpr double kMost_s = 3600;  // so that a token bucket can count it
+  const double interval_s = period_s / motions_per_promised;
+  if (!rights.motions_per_s_max) return interval_s;
+  return std::max(interval_s, std::min(1 / *rights.motions_per_s_max, kMost_s));
+}
+
 std::string refusal_for_now(const std::string& scene, std::string_view why) {
   return "scene '" + scene + "' is not available at the moment: " + std::string(why);
 }
@@ -85,7 +100,8 @@ std::string refusal_of_dof(const EnvironmentKind& kind, const wire::Hello& hello
 
 }  // namespace
 
-void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanoseconds now) {
+void Server::on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds now) {
+  const net::Address& from = guest.address;
   // A client with a session is answered even while untrusted clients use up the rate.
   if (Session* session = find(from, hello.client_nonce)) {
     if (!session->hellos.take(now)) {
@@ -118,7 +134,12 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
     refuse(hello, from, {RefusalReason::unknown_scene, refusal_of_scene(hello.scene)});
     return;
   }
-  auto wanted = environments_.request(hello.scene.empty() ? std::string_view{options_.scene} : hello.scene);
+  const std::string_view scene = hello.scene.empty() ? std::string_view{options_.scene} : hello.scene;
+  if (!guest.rights.may_use(scene)) {
+    refuse(hello, from, {RefusalReason::unknown_scene, refusal_of_rights(guest.rights, scene)});
+    return;
+  }
+  auto wanted = environments_.request(scene);
   if (wanted.coming) {
     // Compiling here would delay the answers of other sessions; the client repeats its Hello.
     ++counters_.hellos_too_early;
@@ -145,17 +166,18 @@ void Server::on_hello(const wire::Hello& hello, const net::Address& from, Nanose
          from);
     return;
   }
-  let_in(hello, std::move(wanted.kind), from, now);
+  let_in(hello, std::move(wanted.kind), guest, now);
 }
 
-void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const net::Address& from,
+void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const Guest& guest,
                     Nanoseconds now) {
+  const net::Address& from = guest.address;
   const std::string name = kind->name;
   const Session* session = nullptr;
   try {
     MadeEnvironment made = make_for(hello, *kind);
     expect_spare_memory();
-    session = &open(hello, std::move(kind), std::move(made), from, now);
+    session = &open(hello, std::move(kind), std::move(made), guest, now);
   } catch (const std::bad_alloc&) {
     refuse(hello, from, {RefusalReason::server_full, refusal_for_now(name, kNoMemory)});
     return;
@@ -289,31 +311,33 @@ Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) 
 }
 
 Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind,
-                              MadeEnvironment made, const net::Address& from, Nanoseconds now) {
+                              MadeEnvironment made, const Guest& guest, Nanoseconds now) {
   std::uint64_t id = session_ids_();
   // Zero means "no session" on the wire.
   while (id == 0 || sessions_.contains(id)) id = session_ids_();
 
   const double period_s = believed_period_s(hello);
+  const double interval_s = answered_every_s(period_s, options_.motions_per_promised, guest.rights);
   SessionInfo info{.session = id,
-                   .address = from,
+                   .address = guest.address,
                    .device = printable(hello.device),
                    .degrees_of_freedom = hello.degrees_of_freedom,
                    .scene = kind->name,
+                   .client = printable(guest.rights.name),
                    .choice = made.choice};
-  Session session{
-      .info = std::move(info),
-      .nonce = hello.client_nonce,
-      .kind = std::move(kind),
-      .made = std::move(made),
-      .server_side = {.law =
-                          options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))},
-      .rate = time::TokenBucket(time::from_seconds(period_s / options_.motions_per_promised), burst(period_s), now),
-      .hellos = time::TokenBucket(kRepeatedHelloInterval, kRepeatedHellosAtOnce, now),
-      .last_heard = now,
-      .proven_at = from,
-      .compute = ComputeShare(options_.session_compute_max, now)};
+  Session session{.info = std::move(info),
+                  .nonce = hello.client_nonce,
+                  .kind = std::move(kind),
+                  .made = std::move(made),
+                  .server_side = {.law = options_.laws.make_server_side(hello.server_law,
+                                                                        static_cast<int>(hello.degrees_of_freedom))},
+                  .rate = time::TokenBucket(time::from_seconds(interval_s), burst(std::max(period_s, interval_s)), now),
+                  .hellos = time::TokenBucket(kRepeatedHelloInterval, kRepeatedHellosAtOnce, now),
+                  .last_heard = now,
+                  .proven_at = guest.address,
+                  .compute = ComputeShare(options_.session_compute_max, now)};
   session.arrivals.counts.session = id;
+  // What it may send is not what is answered: its numbers go on meanwhile.
   session.arrivals.motions_per_s_max = options_.motions_per_promised / period_s;
   session.wants_models = renders_locally(hello);
   if (session.wants_models && session.made.packed)

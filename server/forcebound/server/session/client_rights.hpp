@@ -1,0 +1,22 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace forcebound::server {
+
+/// What one may do who has shown who it is. The default is of anybody: whatever the server offers.
+struct ClientRights {
+  std::string_view name{};                    ///< of the client; empty: not known
+  std::span<const std::string> scenes{};      ///< by name; empty: all that the server offers
+  std::optional<double> motions_per_s_max{};  ///< answered; nothing: the server's own limit
+
+  [[nodiscard]] bool may_use(std::string_view scene) const noexcept {
+    return scenes.empty() || std::ranges::find(scenes, scene) != scenes.end();
+  }
+};
+
+}  // namespace forcebound::server
