@@ -31,7 +31,7 @@ void Connection::on_blackout(Nanoseconds blackout, Nanoseconds hold, Nanoseconds
 
 bool Connection::is_for_us(const wire::Heading& heading) const noexcept {
   if (heading.is<wire::Welcome>()) return heading.client_nonce == nonce_;
-  const bool our_session = session_ != 0 && heading.session == session_;
+  const bool our_session = heading.session != 0 && (heading.session == session_ || heading.session == lost_);
   if (heading.is<wire::Refusal>()) return heading.client_nonce == nonce_ || our_session;
   return our_session;
 }
@@ -71,6 +71,7 @@ Connection::Refused Connection::on_refusal(const wire::Refusal& refusal, Nanosec
 }
 
 void Connection::lose_session() noexcept {
+  lost_ = session_;
   session_ = 0;
   replaced_ = 0;
   nonce_ = random_();

@@ -43,14 +43,16 @@ TEST_F(SessionWithServerSideLaw, ReceivesOnlyItsDataOfTheNewestForce) {
   connect();
   for (int i = 0; i < 4; ++i) tick();
   const auto motions = sent<wire::MotionSample>();
+  const auto first = saying(motions.at(0), 1);
   const auto second = saying(motions.at(1), 2);
-  arrive(second);
-  arrive(second);
-  arrive(saying(motions.at(0), 1));
+  const auto third = saying(motions.at(2), 3);
   auto of_another = saying(motions.at(3), 4);
   of_another.session = kSession + 1;
+  arrive(second);
+  arrive(second);
+  arrive(first);
   arrive(of_another);
-  arrive(saying(motions.at(2), 3));
+  arrive(third);
   tick();
   EXPECT_EQ(heard().answers_heard, (std::vector<double>{2, 3}));
 }
