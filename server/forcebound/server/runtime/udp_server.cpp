@@ -4,6 +4,8 @@
 #include <random>
 #include <utility>
 
+#include "forcebound/security/random.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -31,20 +33,36 @@ void unless_out_of_memory(const Work& work) {
   }
 }
 
+std::unique_ptr<SecureLink> secured(std::optional<ServerKeys> keys, const ServerOptions& options,
+                                    net::DatagramLink& link, const time::Clock& clock, ServerObserver* observer) {
+  if (!keys) return nullptr;
+  const SecureLimits limits{.sessions_max = options.sessions_max, .idle_timeout = options.idle_timeout};
+  return std::make_unique<SecureLink>(std::move(*keys), limits, link, clock, security::fill_with_random, observer);
+}
+
+ClientRights rights_of(const security::AllowedClient* client) {
+  if (client == nullptr) return {};
+  return {.name = client->name, .scenes = client->scenes, .motions_per_s_max = client->rate_per_s_max};
+}
+
 }  // namespace
 
-net::UdpLink listen(const net::Endpoint& endpoint) {
-  return net::UdpLink::listen(net::resolve(endpoint), net::UdpLink::Stamps::left_out);
+net::UdpLink listen(const net::Endpoint& endpoint) { return listen(net::resolve(endpoint)); }
+
+net::UdpLink listen(const net::Address& address) {
+  return net::UdpLink::listen(address, net::UdpLink::Stamps::left_out);
 }
 
 UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
-                     ServerObserver* observer)
+                     ServerObserver* observer, std::optional<ServerKeys> keys)
     : link_(std::move(link)),
+      secure_(secured(std::move(keys), options, batch_, clock_, observer)),
       compiler_(environments.scenes(),
                 [observer](std::string_view scene, std::string_view why) {
                   if (observer != nullptr) observer->on_scene_failed(scene, why);
                 }),
-      server_(options, environments, batch_, clock_, random_session_id, observer),
+      server_(options, environments, secure_ ? static_cast<net::DatagramLink&>(*secure_) : batch_, clock_,
+              random_session_id, observer),
       timer_(clock_.now() + kTimerPeriod),
       busy_since_(clock_.now()) {
   link_.wait_at_most(kTimerPeriod);
@@ -62,6 +80,7 @@ void UdpServer::turn() {
   const Nanoseconds now = clock_.now();
   if (now < timer_) return;
   unless_out_of_memory([&] { server_.on_timer(now); });
+  if (secure_) secure_->on_timer(now);
   batch_.flush();
   timer_ = now + kTimerPeriod;
 }
@@ -92,9 +111,18 @@ void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
   for (int i = 0; i < kBatchesPerTurn; ++i, arrived = batch_.receive_all()) {
     const Nanoseconds now = clock_.now();
     arrived_ += arrived.size();
-    for (const auto& datagram : arrived) server_.take_in(datagram.bytes, datagram.received.from, now);
+    for (const auto& datagram : arrived) take_in(datagram, now);
     // Another check for datagrams would cost a system call; the next wait checks anyway.
     if (arrived.size() < net::UdpBatch::kDatagramsMax) return;
+  }
+}
+
+void UdpServer::take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now) {
+  const net::Address& from = datagram.received.from;
+  if (!secure_) {
+    server_.take_in(datagram.bytes, from, now);
+  } else if (const auto opened = secure_->take_in(datagram.bytes, from, now)) {
+    server_.take_in(opened->bytes, from, now, rights_of(opened->client));
   }
 }
 

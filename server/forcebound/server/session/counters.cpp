@@ -1,25 +1,8 @@
 #include "forcebound/server/session/counters.hpp"
 
-#include <initializer_list>
-#include <string_view>
+#include "forcebound/server/session/count_line.hpp"
 
 namespace forcebound::server {
-namespace {
-
-struct Count {
-  std::string_view what;
-  std::uint64_t value;
-};
-
-std::string line(std::string_view subject, Count always, std::initializer_list<Count> if_any) {
-  std::string text = std::string(subject) + ": " + std::to_string(always.value) + " " + std::string(always.what);
-  for (const Count& count : if_any) {
-    if (count.value > 0) text += ", " + std::to_string(count.value) + " " + std::string(count.what);
-  }
-  return text + "\n";
-}
-
-}  // namespace
 
 void ServerCounters::add(const EnvironmentFaults& faults) noexcept {
   old_normals += faults.old_normals;
@@ -30,49 +13,48 @@ void ServerCounters::add(const EnvironmentFaults& faults) noexcept {
 }
 
 std::string ServerCounters::text() const {
-  return line("sessions", {"opened", sessions_opened},
-              {{"ended by the client", sessions_ended},
-               {"closed as idle", sessions_idle},
-               {"hellos refused", hellos_refused},
-               {"of them of another protocol version", hellos_of_other_versions},
-               {"hellos before their scene was compiled", hellos_too_early},
-               {"hellos without a round trip", hellos_to_measure},
-               {"hellos repeated", hellos_repeated},
-               {"hellos after bye", hellos_after_bye},
-               {"hellos over the rate", hellos_over_rate},
-               {"hellos without memory for them", hellos_out_of_memory},
-               {"byes repeated", byes_repeated},
-               {"byes of unknown sessions", byes_unknown},
-               {"changes of address", addresses_changed}}) +
-         line("motions", {"received", motions_received},
-              {{"duplicated", motions_duplicated},
-               {"reordered", motions_reordered},
-               {"superseded by newer ones", motions_superseded},
-               {"over the rate", motions_over_rate},
-               {"beyond their session's share of the processor", motions_over_budget},
-               {"from addresses not yet proven", motions_unproven},
-               {"after the end of their session", motions_after_end},
-               {"with numbers too far ahead", motions_far_ahead},
-               {"of wrong size", motions_of_wrong_size},
-               {"without a session", motions_without_session}}) +
-         line("forces", {"sent", forces_sent},
-              {{"datagrams not sent", sends_failed},
-               {"of zero because the environment's response was unsound", responses_unsound},
-               {"with a local model that was unsound and left out", models_unsound},
-               {"of objects not finite and left out", objects_quarantined},
-               {"with the last valid normal", old_normals},
-               {"contacts beyond the room for them", contacts_left_out},
-               {"steps of tissue not converged", not_converged},
-               {"ms of bodies' time left out", static_cast<std::uint64_t>(slipped_s * 1e3)}}) +
-         line("pieces of scenes", {"sent", pieces_sent}, {{"sent again", pieces_sent_again}}) +
-         line("datagrams", {"received", datagrams},
-              {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
-               {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},
-               {"foreign", malformed[static_cast<std::size_t>(wire::Malformed::foreign)]},
-               {"corrupt", malformed[static_cast<std::size_t>(wire::Malformed::corrupt)]},
-               {"unreadable", malformed[static_cast<std::size_t>(wire::Malformed::unreadable)]},
-               {"not finite", malformed[static_cast<std::size_t>(wire::Malformed::non_finite)]},
-               {"unexpected", unexpected}});
+  return count_line("sessions", {"opened", sessions_opened},
+                    {{"ended by the client", sessions_ended},
+                     {"closed as idle", sessions_idle},
+                     {"hellos refused", hellos_refused},
+                     {"of them of another protocol version", hellos_of_other_versions},
+                     {"hellos before their scene was compiled", hellos_too_early},
+                     {"hellos without a round trip", hellos_to_measure},
+                     {"hellos repeated", hellos_repeated},
+                     {"hellos after bye", hellos_after_bye},
+                     {"hellos over the rate", hellos_over_rate},
+                     {"hellos without memory for them", hellos_out_of_memory},
+                     {"byes repeated", byes_repeated},
+                     {"byes of unknown sessions", byes_unknown},
+                     {"changes of address", addresses_changed}}) +
+         count_line("motions", {"received", motions_received},
+                    {{"duplicated", motions_duplicated},
+                     {"reordered", motions_reordered},
+                     {"superseded by newer ones", motions_superseded},
+                     {"over the rate", motions_over_rate},
+                     {"from addresses not yet proven", motions_unproven},
+                     {"after the end of their session", motions_after_end},
+                     {"with numbers too far ahead", motions_far_ahead},
+                     {"of wrong size", motions_of_wrong_size},
+                     {"without a session", motions_without_session}}) +
+         count_line("forces", {"sent", forces_sent},
+                    {{"datagrams not sent", sends_failed},
+                     {"of zero because the environment's response was unsound", responses_unsound},
+                     {"with a local model that was unsound and left out", models_unsound},
+                     {"of objects not finite and left out", objects_quarantined},
+                     {"with the last valid normal", old_normals},
+                     {"contacts beyond the room for them", contacts_left_out},
+                     {"steps of tissue not converged", not_converged},
+                     {"ms of bodies' time left out", static_cast<std::uint64_t>(slipped_s * 1e3)}}) +
+         count_line("pieces of scenes", {"sent", pieces_sent}, {{"sent again", pieces_sent_again}}) +
+         count_line("datagrams", {"received", datagrams},
+                    {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
+                     {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},
+                     {"foreign", malformed[static_cast<std::size_t>(wire::Malformed::foreign)]},
+                     {"corrupt", malformed[static_cast<std::size_t>(wire::Malformed::corrupt)]},
+                     {"unreadable", malformed[static_cast<std::size_t>(wire::Malformed::unreadable)]},
+                     {"not finite", malformed[static_cast<std::size_t>(wire::Malformed::non_finite)]},
+                     {"unexpected", unexpected}});
 }
 
 }  // namespace forcebound::server

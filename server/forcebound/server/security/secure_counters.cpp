@@ -1,0 +1,33 @@
+#include "forcebound/server/security/secure_counters.hpp"
+
+#include "forcebound/server/session/count_line.hpp"
+
+namespace forcebound::server {
+
+std::string SecureCounters::text() const {
+  using security::Opening;
+  const auto dropped = [&](Opening why) { return records[static_cast<std::size_t>(why)]; };
+  return count_line("handshakes", {"answered", handshakes},
+                    {{"for another key of a session", handshakes_later},
+                     {"copies answered again", handshakes_again},
+                     {"by cookies alone", cookies_offered},
+                     {"of clients that are not allowed", handshakes_not_allowed},
+                     {"for which there was no room", handshakes_full},
+                     {"not authentic", handshakes_not_authentic},
+                     {"malformed or of another pattern", handshakes_malformed},
+                     {"over the rate", handshakes_over_rate},
+                     {"without memory for them", handshakes_failed},
+                     {"not followed by a session", handshakes_unused},
+                     {"whose session was idle or lacked a new key", sessions_idle}}) +
+         count_line("sealed datagrams", {"opened", dropped(Opening::opened)},
+                    {{"malformed", dropped(Opening::malformed)},
+                     {"too long", dropped(Opening::no_room)},
+                     {"of another session", dropped(Opening::other_session)},
+                     {"of unknown keys", dropped(Opening::unknown_key)},
+                     {"of expired keys", dropped(Opening::expired)},
+                     {"replayed or too old", dropped(Opening::replayed)},
+                     {"not authentic", dropped(Opening::not_authentic)}}) +
+         count_line("datagrams in the clear", {"dropped", in_clear}, {{"of them Hellos refused", hellos_in_clear}});
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,148 @@
+#include "forcebound/server/security/secure_link.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+namespace forcebound::server {
+namespace {
+
+// Cookies cost little, so that a flood from forged addresses leaves some to others.
+constexpr Nanoseconds kUnprovenInterval = std::chrono::milliseconds{1};
+constexpr int kUnprovenAtOnce = 200;
+constexpr Nanoseconds kHandshakeInterval = std::chrono::milliseconds{20};
+constexpr int kHandshakesAtOnce = 50;
+
+// Datagrams without content that one call of `receive` drops at most.
+constexpr int kDroppedAtOnce = 64;
+
+constexpr std::string_view kEncryptionWanted =
+    "this server takes encrypted sessions alone: start the client with --server-key or --known-servers and --key, or "
+    "with --psk, as its owner says";
+
+ServerKeys checked(ServerKeys keys) {
+  if (!keys.own && !keys.shared) throw std::invalid_argument("encryption needs a key pair or a shared key");
+  return keys;
+}
+
+security::SecretKey random_key(const SecureLink::FillRandom& fill_random) {
+  security::SecretKey key;
+  fill_random(*key);
+  return key;
+}
+
+}  // namespace
+
+SecureLink::SecureLink(ServerKeys keys, const SecureLimits& limits, net::DatagramLink& link, const time::Clock& clock,
+                       FillRandom fill_random, ServerObserver* observer)
+    : keys_(checked(std::move(keys))),
+      limits_(limits),
+      link_(link),
+      clock_(clock),
+      fill_random_(std::move(fill_random)),
+      observer_(observer == nullptr ? nobody_ : *observer),
+      owners_(limits.confirmed_most() + kUnconfirmedMost, random<std::uint64_t>()),
+      cookies_(random_key(fill_random_)),
+      unproven_(kUnprovenInterval, kUnprovenAtOnce, clock.now(), random<std::uint64_t>()),
+      handshakes_(kHandshakeInterval, kHandshakesAtOnce, clock.now(), random<std::uint64_t>()) {}
+
+SecureLink::~SecureLink() { security::wipe(plain_.data(), plain_.size()); }
+
+std::optional<SecureLink::Content> SecureLink::take_in(std::span<const std::byte> datagram, const net::Address& from,
+                                                       Nanoseconds now) noexcept {
+  try {
+    if (security::is_record(datagram)) return take_in_record(datagram, from, now);
+    if (security::is_handshake(datagram)) {
+      on_request(datagram, from, now);
+    } else {
+      take_in_clear(datagram, from, now);
+    }
+  } catch (const std::exception&) {  // no memory or no randomness: whoever asked asks again
+    ++counters_.handshakes_failed;
+  }
+  return std::nullopt;
+}
+
+std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const std::byte> record,
+                                                              const net::Address& from, Nanoseconds now) {
+  const auto found = peers_.find(security::session_of_record(record));
+  if (found == peers_.end()) {
+    ++counted(security::Opening::other_session);
+    return std::nullopt;
+  }
+  auto& [number, peer] = *found;
+  const security::Opened opened = peer.channel.open(record, plain_, now);
+  ++counted(opened.result);
+  if (opened.result != security::Opening::opened) return std::nullopt;
+  if (!std::exchange(peer.confirmed, true)) ++confirmed_;
+  peer.heard = now;
+  owners_.note(number, peer.places, from);
+  const auto content = std::span<const std::byte>(plain_).first(opened.bytes);
+  if (security::is_handshake(content)) {
+    on_later(peer, content, from, now);
+    return std::nullopt;
+  }
+  return Content{.bytes = content, .client = peer.client};
+}
+
+void SecureLink::take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  ++counters_.in_clear;
+  const auto checked_heading = wire::heading_of(datagram);
+  const auto* const heading = std::get_if<wire::Heading>(&checked_heading);
+  if (heading == nullptr || !heading->is<wire::Hello>() || !unproven_.take(from, now)) return;
+  const auto decoded = codec_.decode(datagram, *heading);
+  const auto* const message = std::get_if<wire::Message>(&decoded);
+  const auto* const hello = message == nullptr ? nullptr : std::get_if<wire::Hello>(message);
+  if (hello == nullptr) return;
+  const auto refusal = codec_.encode(wire::Refusal{.client_nonce = hello->client_nonce,
+                                                   .reason = wire::RefusalReason::encryption_wanted,
+                                                   .text = kEncryptionWanted});
+  if (refusal.size() > datagram.size()) return;
+  ++counters_.hellos_in_clear;
+  link_.send(refusal, from);
+  observer_.on_refused(from, "its client does not encrypt");
+}
+
+bool SecureLink::send(std::span<const std::byte> datagram, const net::Address& to) noexcept {
+  const auto owner = owners_.find(to);
+  const auto found = owner ? peers_.find(*owner) : peers_.end();
+  if (found == peers_.end()) return false;
+  const auto bytes = found->second.channel.seal(datagram, sealed_, clock_.now());
+  return bytes && link_.send(std::span(sealed_).first(*bytes), to);
+}
+
+std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) noexcept {
+  std::array<std::byte, net::kDatagramBytesMax> datagram;
+  for (int dropped = 0; dropped < kDroppedAtOnce; ++dropped) {
+    const auto received = link_.receive(datagram);
+    if (!received) return std::nullopt;
+    const auto there = std::span(datagram).first(std::min(received->bytes, datagram.size()));
+    const auto content = take_in(there, received->from, clock_.now());
+    if (!content) continue;
+    std::ranges::copy(content->bytes.first(std::min(content->bytes.size(), buffer.size())), buffer.begin());
+    return net::Received{.bytes = content->bytes.size(), .from = received->from, .waited = received->waited};
+  }
+  return std::nullopt;
+}
+
+void SecureLink::on_timer(Nanoseconds now) noexcept {
+  for (auto next = peers_.begin(); next != peers_.end();) {
+    const auto peer = next++;
+    const bool confirmed = peer->second.confirmed;
+    const Nanoseconds kept = confirmed ? limits_.idle_timeout + kKeptAfterIdle : kUnconfirmedKept;
+    const bool expired = confirmed && !peer->second.channel.can_seal(now);
+    if (!expired && now - peer->second.heard < kept) continue;
+    ++(confirmed ? counters_.sessions_idle : counters_.handshakes_unused);
+    forget(peer);
+  }
+}
+
+void SecureLink::forget(Peers::iterator peer) noexcept {
+  owners_.forget(peer->first, peer->second.places);
+  confirmed_ -= peer->second.confirmed ? 1 : 0;
+  peers_.erase(peer);
+}
+
+}  // namespace forcebound::server

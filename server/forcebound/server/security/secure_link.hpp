@@ -1,0 +1,190 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <unordered_map>
+
+#include "forcebound/net/datagram_link.hpp"
+#include "forcebound/security/channel.hpp"
+#include "forcebound/security/cookies.hpp"
+#include "forcebound/security/handshake_datagram.hpp"
+#include "forcebound/server/security/address_owners.hpp"
+#include "forcebound/server/security/secure_counters.hpp"
+#include "forcebound/server/security/server_keys.hpp"
+#include "forcebound/server/session/observer.hpp"
+#include "forcebound/server/session/source_buckets.hpp"
+#include "forcebound/time/clock.hpp"
+#include "forcebound/time/token_bucket.hpp"
+#include "forcebound/wire/codec.hpp"
+
+namespace forcebound::server {
+
+/// How many a SecureLink has keys for, and how long.
+struct SecureLimits {
+  std::size_t sessions_max = 64;                        ///< of the server behind it
+  Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< of its sessions
+
+  /// Sessions of keys that can be confirmed: twice those of the server, since a client that lost its keys begins
+  /// another while the one before is still there.
+  [[nodiscard]] constexpr std::size_t confirmed_most() const noexcept { return 2 * sessions_max + 8; }
+};
+
+/// Opens what clients have sealed and seals what is sent to them: a link in front of another, of which the server
+/// behind it knows nothing. Answers handshakes (handshake_datagram.hpp), first ones in the clear, later ones in sealed
+/// datagrams.
+///
+/// - **Nothing is kept for who asks**, nor computed but a hash, before it has sent a cookie back from its address. Then
+///   it has keys here for 10 s, as have 64 such at most, of whom the oldest goes first. A sealed datagram confirms that
+///   it is no copy of an earlier request: twice `sessions_max` and 8 more may be confirmed.
+/// - **A copy of a request** gets the same answer again, and no keys of its own.
+/// - **A session of keys ends** when nothing was opened for 20 s longer than `idle_timeout`, or its key has expired.
+/// - **No answer is longer than its question**, and there are limits to answers by source: cookies and refusals, which
+///   forged addresses can use up, apart from handshakes, which they cannot.
+/// - **A Hello in the clear** is refused with the reason; all else in the clear is dropped.
+/// - **What goes to an address** is sealed by the session of keys of which the newest record came from there. A session
+///   keeps its newest two addresses.
+///
+/// Without a list of clients whoever knows the shared key is let in, and the server knows of nobody who it is.
+///
+/// `now` is the clock's time. Randomness is an argument. Real time: `take_in` of records and `send` are noexcept and
+/// allocate nothing, about 1 us each. A handshake takes about 0.2 ms of the thread that calls `take_in`, and allocates;
+/// a source can cause 50 of them in a second. Not thread-safe.
+class SecureLink final : public net::DatagramLink {
+ public:
+  using FillRandom = std::function<void(std::span<std::byte>)>;
+
+  static constexpr std::size_t kUnconfirmedMost = 64;
+  static constexpr Nanoseconds kUnconfirmedKept = std::chrono::seconds{10};
+  static constexpr Nanoseconds kKeptAfterIdle = std::chrono::seconds{20};
+
+  /// @param fill_random fills with bytes that nobody can guess
+  /// @param observer of what is refused; may be null. All must outlive it.
+  /// @throws std::invalid_argument if there is neither a key pair nor a shared key
+  SecureLink(ServerKeys keys, const SecureLimits& limits, net::DatagramLink& link, const time::Clock& clock,
+             FillRandom fill_random, ServerObserver* observer = nullptr);
+  ~SecureLink() override;
+  SecureLink(const SecureLink&) = delete;
+  SecureLink& operator=(const SecureLink&) = delete;
+
+  /// What was sealed, and by whom.
+  struct Content {
+    std::span<const std::byte> bytes;                 ///< valid until the next call
+    const security::AllowedClient* client = nullptr;  ///< null: the server has no list
+  };
+
+  /// A datagram that arrived at `now`. Nothing if it has no content for the server.
+  std::optional<Content> take_in(std::span<const std::byte> datagram, const net::Address& from,
+                                 Nanoseconds now) noexcept;
+
+  /// Seals it. False if nothing was opened from there, or the keys have expired.
+  bool send(std::span<const std::byte> datagram, const net::Address& to) noexcept override;
+
+  /// `take_in` of what waits in the other link: the content of the oldest sealed datagram; after many without any,
+  /// nothing.
+  std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override;
+
+  /// Forgets keys that are not used. To be called a few times a second.
+  void on_timer(Nanoseconds now) noexcept;
+
+  [[nodiscard]] security::Pattern pattern() const noexcept { return keys_.pattern(); }
+  /// Null for NNpsk0.
+  [[nodiscard]] const security::PublicKey* public_key() const noexcept {
+    return keys_.own ? &keys_.own->public_key : nullptr;
+  }
+  [[nodiscard]] const SecureCounters& counters() const noexcept { return counters_; }
+  [[nodiscard]] std::size_t confirmed() const noexcept { return confirmed_; }
+  [[nodiscard]] std::size_t unconfirmed() const noexcept { return peers_.size() - confirmed_; }
+
+ private:
+  static constexpr std::size_t kAskedBytes = security::kKeyBytes;
+
+  /// A request, as far as a copy of it is recognised by, and its answer.
+  struct Answered {
+    bool in_clear = true;
+    net::Address from{};  ///< if in the clear
+    security::HandshakeTopic topic{};
+    std::array<std::byte, kAskedBytes> asked{};  ///< the message's key, which is of no other one
+    std::array<std::byte, security::kAnswerBytesMost> bytes{};
+    std::size_t length = 0;
+  };
+
+  struct Peer {
+    security::Channel channel;
+    time::TokenBucket later;  ///< handshakes
+    const security::AllowedClient* client = nullptr;
+    security::PublicKey key{};  ///< of IKpsk2
+    Answered answered{};
+    HeardFrom places{};
+    Nanoseconds heard{0};  ///< when a record was opened; before the first: when it asked
+    bool confirmed = false;
+  };
+  using Peers = std::unordered_map<std::uint32_t, Peer>;
+
+  /// What was decided about who asked.
+  struct Decision {
+    security::Verdict verdict = security::Verdict::let_in;
+    const security::AllowedClient* client = nullptr;
+  };
+
+  std::optional<Content> take_in_record(std::span<const std::byte> record, const net::Address& from, Nanoseconds now);
+  void take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  void forget(Peers::iterator peer) noexcept;
+  std::uint64_t& counted(security::Opening result) noexcept {
+    return counters_.records[static_cast<std::size_t>(result)];
+  }
+
+  // Handshakes.
+  void on_request(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  void offer_cookie(const security::HandshakeTopic& topic, const net::Address& from, Nanoseconds now);
+  void on_first(const security::HandshakeRequest& request, const net::Address& from, Nanoseconds now);
+  void on_later(Peer& peer, std::span<const std::byte> content, const net::Address& from, Nanoseconds now);
+  void answer_later(Peer& peer, const net::Address& from, Nanoseconds now);
+  [[nodiscard]] bool install(Peer& peer, const security::HandshakeTopic& topic, const security::Handshake& handshake,
+                             Nanoseconds now) noexcept;
+  [[nodiscard]] bool fits(const security::HandshakeTopic& topic) const noexcept {
+    return topic.pattern == keys_.pattern();
+  }
+  [[nodiscard]] const Peer* asked_before(const security::HandshakeRequest& request,
+                                         const net::Address& from) const noexcept;
+  /// Nothing, and counted, if it is not authentic.
+  [[nodiscard]] std::optional<security::Handshake> read(const security::HandshakeRequest& request);
+  [[nodiscard]] Decision decide(const security::Handshake& handshake, const net::Address& from);
+  /// Null if there is no memory for it.
+  [[nodiscard]] Peer* make_peer(const security::HandshakeTopic& topic, Nanoseconds now);
+  void make_room() noexcept;
+  /// False, and counted, if who asked has a key that nobody can have.
+  [[nodiscard]] bool write_answer(security::Handshake& handshake, const security::HandshakeRequest& request,
+                                  const security::Admission& admission, Answered& answered);
+  [[nodiscard]] std::uint32_t new_number();
+  template <class Value>
+  [[nodiscard]] Value random() {
+    Value value{};
+    fill_random_(std::as_writable_bytes(std::span(&value, 1)));
+    return value;
+  }
+
+  ServerKeys keys_;
+  SecureLimits limits_;
+  net::DatagramLink& link_;
+  const time::Clock& clock_;
+  FillRandom fill_random_;
+  ServerObserver nobody_;
+  ServerObserver& observer_;
+  Peers peers_;  ///< by this end's number for the session of keys
+  std::size_t confirmed_ = 0;
+  AddressOwners owners_;
+  security::Cookies cookies_;
+  SourceBuckets unproven_;                           ///< answers to who has not shown that it receives at its address
+  SourceBuckets handshakes_;                         ///< of those who have
+  security::Locked<security::TransportKeys> fresh_;  ///< on their way from a handshake to a channel
+  wire::Codec codec_;
+  std::array<std::byte, net::kDatagramBytesMax> plain_{};
+  std::array<std::byte, net::kDatagramBytesMax> sealed_{};
+  SecureCounters counters_;
+};
+
+}  // namespace forcebound::server

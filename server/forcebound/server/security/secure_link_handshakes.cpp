@@ -1,0 +1,227 @@
+// The link's answers to handshakes: whose client gets keys.
+
+#include <algorithm>
+#include <new>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "forcebound/server/security/secure_link.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using security::HandshakeRequest;
+using security::HandshakeResult;
+using security::Verdict;
+
+// Of a session: a client wants another key every two minutes, and repeats its request while it is not answered.
+constexpr Nanoseconds kLaterInterval = std::chrono::seconds{1};
+constexpr int kLaterAtOnce = 5;
+
+/// The bytes that name an address to cookies.
+std::array<std::byte, 18> named(const net::Address& address) noexcept {
+  constexpr unsigned kByteBits = 8;
+  std::array<std::byte, 18> bytes{};
+  std::ranges::copy(std::as_bytes(std::span(address.ip)), bytes.begin());
+  bytes[address.ip.size()] = static_cast<std::byte>(address.port >> kByteBits);
+  bytes[address.ip.size() + 1] = static_cast<std::byte>(address.port & 0xffU);
+  return bytes;
+}
+
+}  // namespace
+
+void SecureLink::on_request(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  const auto parsed = security::read_handshake(datagram);
+  const auto* const request = std::get_if<HandshakeRequest>(&parsed);
+  if (request == nullptr || datagram.size() != security::kRequestBytes || !fits(request->topic)) {
+    ++counters_.handshakes_malformed;
+  } else if (!cookies_.is_good(request->cookie, named(from), now)) {
+    offer_cookie(request->topic, from, now);
+  } else if (const Peer* const before = asked_before(*request, from)) {
+    ++counters_.handshakes_again;
+    link_.send(std::span(before->answered.bytes).first(before->answered.length), from);
+  } else if (handshakes_.take(from, now)) {
+    on_first(*request, from, now);
+  } else {
+    ++counters_.handshakes_over_rate;
+  }
+}
+
+void SecureLink::offer_cookie(const security::HandshakeTopic& topic, const net::Address& from, Nanoseconds now) {
+  if (!unproven_.take(from, now)) {
+    ++counters_.handshakes_over_rate;
+    return;
+  }
+  ++counters_.cookies_offered;
+  const std::size_t bytes =
+      security::write(security::CookieOffer{.topic = topic,
+                                            .cookie = cookies_.made_for(named(from), now),
+                                            .server = keys_.own ? keys_.own->public_key : security::PublicKey{}},
+                      sealed_);
+  link_.send(std::span(sealed_).first(bytes), from);
+}
+
+const SecureLink::Peer* SecureLink::asked_before(const HandshakeRequest& request,
+                                                 const net::Address& from) const noexcept {
+  const auto same = std::ranges::find_if(peers_, [&](const auto& entry) {
+    const Answered& answered = entry.second.answered;
+    return answered.in_clear && answered.topic == request.topic && answered.from == from &&
+           std::ranges::equal(answered.asked, request.message.first(kAskedBytes));
+  });
+  return same == peers_.end() ? nullptr : &same->second;
+}
+
+std::optional<security::Handshake> SecureLink::read(const HandshakeRequest& request) {
+  const security::HandshakePrologue prologue = security::prologue_of(request.topic);
+  security::Handshake handshake({.pattern = keys_.pattern(),
+                                 .role = security::Role::responder,
+                                 .prologue = prologue,
+                                 .own = keys_.own ? &*keys_.own : nullptr,
+                                 .shared = keys_.shared ? &*keys_.shared : nullptr});
+  if (handshake.read(request.message, {}).result == HandshakeResult::done) return handshake;
+  ++counters_.handshakes_not_authentic;
+  return std::nullopt;
+}
+
+SecureLink::Decision SecureLink::decide(const security::Handshake& handshake, const net::Address& from) {
+  Decision decision;
+  if (keys_.own && keys_.clients) {
+    decision.client = keys_.clients->find(handshake.peer());
+    if (decision.client == nullptr) {
+      ++counters_.handshakes_not_allowed;
+      observer_.on_refused(from,
+                           "the list of clients lacks its public key " + security::to_base64(handshake.peer().bytes));
+      return {.verdict = Verdict::not_allowed};
+    }
+  }
+  if (confirmed_ < limits_.confirmed_most()) return decision;
+  ++counters_.handshakes_full;
+  observer_.on_refused(from, "there are keys for as many clients as there may be");
+  return {.verdict = Verdict::full};
+}
+
+void SecureLink::on_first(const HandshakeRequest& request, const net::Address& from, Nanoseconds now) {
+  auto handshake = read(request);
+  if (!handshake) return;
+  Decision decision = decide(*handshake, from);
+  Peer* const peer = decision.verdict == Verdict::let_in ? make_peer(request.topic, now) : nullptr;
+  if (peer == nullptr && decision.verdict == Verdict::let_in) {
+    ++counters_.handshakes_full;
+    decision.verdict = Verdict::full;
+  }
+  Answered refused;
+  Answered& answered = peer == nullptr ? refused : peer->answered;
+  const std::uint32_t number = peer == nullptr ? 0 : peer->channel.numbers().own;
+  if (!write_answer(*handshake, request, {.verdict = decision.verdict, .server = number}, answered)) {
+    if (peer != nullptr) forget(peers_.find(number));
+    return;
+  }
+  answered.from = from;
+  if (peer != nullptr) {
+    peer->client = decision.client;
+    if (keys_.own) peer->key = handshake->peer();
+    (void)install(*peer, request.topic, *handshake, now);  // the first number is never in use
+    ++counters_.handshakes;
+  }
+  link_.send(std::span(answered.bytes).first(answered.length), from);
+}
+
+SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, Nanoseconds now) {
+  if (unconfirmed() >= kUnconfirmedMost) make_room();
+  const std::uint32_t number = new_number();
+  try {
+    Peer peer{.channel = security::Channel({.own = number, .peer = topic.client}),
+              .later = time::TokenBucket(kLaterInterval, kLaterAtOnce, now),
+              .heard = now};
+    return &peers_.emplace(number, std::move(peer)).first->second;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+void SecureLink::make_room() noexcept {
+  auto oldest = peers_.end();
+  for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
+    if (peer->second.confirmed) continue;
+    if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
+  }
+  if (oldest == peers_.end()) return;
+  ++counters_.handshakes_unused;
+  forget(oldest);
+}
+
+std::uint32_t SecureLink::new_number() {
+  auto number = random<std::uint32_t>();
+  while (number == 0 || peers_.contains(number)) number = random<std::uint32_t>();
+  return number;
+}
+
+bool SecureLink::write_answer(security::Handshake& handshake, const HandshakeRequest& request,
+                              const security::Admission& admission, Answered& answered) {
+  std::array<std::byte, security::kAnswerBytesMost> message{};
+  auto ephemeral = random<security::KeyBytes>();
+  const auto written = handshake.write(security::to_bytes(admission), message, ephemeral);
+  security::wipe(ephemeral.data(), ephemeral.size());
+  if (written.result != HandshakeResult::done) {
+    ++counters_.handshakes_not_authentic;
+    return false;
+  }
+  answered.topic = request.topic;
+  std::ranges::copy(request.message.first(kAskedBytes), answered.asked.begin());
+  answered.length = security::write(
+      security::HandshakeAnswer{.topic = request.topic, .message = std::span(message).first(written.bytes)},
+      answered.bytes);
+  return true;
+}
+
+bool SecureLink::install(Peer& peer, const security::HandshakeTopic& topic, const security::Handshake& handshake,
+                         Nanoseconds now) noexcept {
+  handshake.split(*fresh_);
+  const bool installed = peer.channel.install(topic.handshake, *fresh_, security::Role::responder, now);
+  security::wipe(&*fresh_, sizeof(security::TransportKeys));
+  return installed;
+}
+
+void SecureLink::on_later(Peer& peer, std::span<const std::byte> content, const net::Address& from, Nanoseconds now) {
+  const auto parsed = security::read_handshake(content);
+  const auto* const request = std::get_if<HandshakeRequest>(&parsed);
+  if (request == nullptr || !fits(request->topic) || request->topic.client != peer.channel.numbers().peer) {
+    ++counters_.handshakes_malformed;
+    return;
+  }
+  const bool is_copy = !peer.answered.in_clear && peer.answered.topic == request->topic &&
+                       std::ranges::equal(peer.answered.asked, request->message.first(kAskedBytes));
+  if (is_copy) {
+    ++counters_.handshakes_again;
+    answer_later(peer, from, now);
+    return;
+  }
+  if (!peer.later.take(now)) {
+    ++counters_.handshakes_over_rate;
+    return;
+  }
+  auto handshake = read(*request);
+  if (!handshake) return;
+  if (keys_.own && handshake->peer() != peer.key) {
+    ++counters_.handshakes_not_allowed;
+    return;
+  }
+  Answered answered{.in_clear = false};
+  const security::Admission admission{.verdict = Verdict::let_in, .server = peer.channel.numbers().own};
+  if (!write_answer(*handshake, *request, admission, answered)) return;
+  if (!install(peer, request->topic, *handshake, now)) {
+    ++counters_.handshakes_malformed;
+    return;
+  }
+  peer.answered = answered;
+  ++counters_.handshakes_later;
+  answer_later(peer, from, now);
+}
+
+void SecureLink::answer_later(Peer& peer, const net::Address& from, Nanoseconds now) {
+  const auto bytes = peer.channel.seal(std::span(peer.answered.bytes).first(peer.answered.length), sealed_, now);
+  if (bytes) link_.send(std::span(sealed_).first(*bytes), from);
+}
+
+}  // namespace forcebound::server
