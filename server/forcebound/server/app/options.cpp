@@ -29,9 +29,11 @@ std::string footer() {
          "      and what it costs here\n"
          "  forcebound-server --schema\n"
          "      how to write a scene, with every effect\n"
-         "  forcebound-server --listen 0.0.0.0:47800\n"
-         "      for clients elsewhere: there is neither encryption nor a password, so use it within a network that you "
-         "trust\n"
+         "  forcebound-server --listen 0.0.0.0:47800 --key server.key --clients clients.toml\n"
+         "      for clients elsewhere, which clients.toml names with their public keys; forcebound-lab keygen "
+         "server.key makes the key\n"
+         "  forcebound-server --listen 0.0.0.0:47800 --psk shared.key\n"
+         "      for everybody elsewhere who has the same shared.key\n"
          "\n"
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals.\n" +
          std::string(program::kExitCodes);
@@ -45,6 +47,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
   app.add_option("--listen", listen, "address to serve; port 0 takes a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
+  add_key_options(app, options.keys);
   app.add_option("--scene", options.scene, "scene for clients that request none")
       ->type_name("NAME|FILE.toml")
       ->capture_default_str();
@@ -126,6 +129,10 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   if (is_scene_file(options.scene)) {
     program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
   }
+  expect_bounds(options.keys);
+  program::expect_apart(
+      {"--record", options.record},
+      {{"--key", options.keys.key}, {"--clients", options.keys.clients}, {"--psk", options.keys.psk}});
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(listen); });
   options.device.round_trip_s = round_trip_ms * 1e-3;
   options.server.idle_timeout = time::from_seconds(idle_timeout_s);

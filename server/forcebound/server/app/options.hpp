@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/server/app/key_options.hpp"
 #include "forcebound/server/environment/stability.hpp"
 #include "forcebound/server/session/server.hpp"
 
@@ -20,6 +21,7 @@ struct ProgramOptions {
   bool calibrate = false;                ///< measure its cost too
   RingingDevice device{};                ///< for the stability margins
   std::string record;                    ///< file; empty: no recording
+  KeyOptions keys;
   bool verbose = false;
   bool realtime = false;
   ServerOptions server;  ///< `scene` in it is not set yet

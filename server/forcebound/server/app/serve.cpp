@@ -6,6 +6,7 @@
 #include <csignal>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -58,20 +59,32 @@ void run(UdpServer& server, const time::Clock& clock, bool verbose) {
 }
 
 std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const scene::Scene& scene,
-                                           const time::Clock& clock) {
+                                           const std::string& encryption, const time::Clock& clock) {
   if (options.record.empty()) return std::make_unique<LogObserver>(clock);
   record::RunInfo info;
   info.program = "forcebound-server " FORCEBOUND_VERSION;
   info.scene = scene.facts().name;
   info.simulated =
       (scene.accuracy() == nullptr ? "" : "accuracy auto, a level for each client; the file's: ") + summary(scene);
+  info.encryption = encryption;
   info.epoch = time::wall_clock_now() - clock.now();
   return std::make_unique<RecordingObserver>(clock, options.record, info);
+}
+
+std::string totals(const UdpServer& server, const std::string& encryption) {
+  std::string text = server.server().counters().text() + "encryption: " + encryption + "\n";
+  if (server.encryption() != nullptr) text += server.encryption()->counters().text();
+  return text;
 }
 
 }  // namespace
 
 int serve(ProgramOptions options) {
+  const net::Address address = net::resolve(options.listen);
+  expect_encryption(options.keys, address);
+  std::optional<ServerKeys> keys = read_keys(options.keys);
+  const std::string encryption = encryption_name(keys);
+  const std::string encryption_words = encryption_in_words(options.keys, keys);
   const time::SteadyClock clock;
   const scene::MeasureCost measure = measured_by(clock);
   const auto scene = build_scene(options, measure);
@@ -86,16 +99,17 @@ int serve(ProgramOptions options) {
   }
 
   stop_on_signals();
-  auto link = listen(options.listen);
-  const auto observer = make_observer(options, *scene, clock);
-  UdpServer server(std::move(link), options.server, scenes, observer.get());
+  auto link = listen(address);
+  const auto observer = make_observer(options, *scene, encryption, clock);
+  UdpServer server(std::move(link), options.server, scenes, observer.get(), std::move(keys));
+  spdlog::info("{}", encryption_words);
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
                summary(*scene));
 
   run(server, clock, options.verbose);
   server.stop();
-  std::cout << text::wrapped(server.server().counters().text(), 2);
+  std::cout << text::wrapped(totals(server, encryption), 2);
   if (server.overflowed() > 0) {
     std::cout << "socket: " << text::counted(server.overflowed(), "datagram") << " lost because it was full\n";
   }
