@@ -14,9 +14,9 @@ namespace forcebound::server {
 
 /// The command line's options on encryption: files, by name; empty: not given.
 struct KeyOptions {
-  std::string key;      ///< of the server's secret key
-  std::string clients;  ///< of the clients that are let in
-  std::string psk;      ///< of the key that all share
+  std::string key{};      ///< of the server's secret key
+  std::string clients{};  ///< of the clients that are let in
+  std::string psk{};      ///< of the key that all share
   bool insecure = false;
 
   [[nodiscard]] bool any() const noexcept { return !key.empty() || !psk.empty(); }
