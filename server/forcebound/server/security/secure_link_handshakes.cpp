@@ -34,9 +34,9 @@ std::array<std::byte, 18> named(const net::Address& address) noexcept {
 void SecureLink::on_request(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
   const auto parsed = security::read_handshake(datagram);
   const auto* const request = std::get_if<HandshakeRequest>(&parsed);
-  if (request == nullptr || datagram.size() != security::kRequestBytes || !fits(request->topic)) {
+  if (request == nullptr || datagram.size() != security::kRequestBytes) {
     ++counters_.handshakes_malformed;
-  } else if (!cookies_.is_good(request->cookie, named(from), now)) {
+  } else if (!fits(request->topic) || !cookies_.is_good(request->cookie, named(from), now)) {
     offer_cookie(request->topic, from, now);
   } else if (const Peer* const before = asked_before(*request, from)) {
     ++counters_.handshakes_again;
@@ -55,7 +55,9 @@ void SecureLink::offer_cookie(const security::HandshakeTopic& topic, const net::
   }
   ++counters_.cookies_offered;
   const std::size_t bytes =
-      security::write(security::CookieOffer{.topic = topic,
+      security::write(security::CookieOffer{.topic = {.pattern = keys_.pattern(),
+                                                      .handshake = topic.handshake,
+                                                      .client = topic.client},
                                             .cookie = cookies_.made_for(named(from), now),
                                             .server = keys_.own ? keys_.own->public_key : security::PublicKey{}},
                       sealed_);
