@@ -99,7 +99,7 @@ int serve(ProgramOptions options) {
   }
 
   stop_on_signals();
-  auto link = listen(address);
+  auto link = listen_at(address);
   const auto observer = make_observer(options, *scene, encryption, clock);
   UdpServer server(std::move(link), options.server, scenes, observer.get(), std::move(keys));
   spdlog::info("{}", encryption_words);

@@ -47,9 +47,9 @@ ClientRights rights_of(const security::AllowedClient* client) {
 
 }  // namespace
 
-net::UdpLink listen(const net::Endpoint& endpoint) { return listen(net::resolve(endpoint)); }
+net::UdpLink listen(const net::Endpoint& endpoint) { return listen_at(net::resolve(endpoint)); }
 
-net::UdpLink listen(const net::Address& address) {
+net::UdpLink listen_at(const net::Address& address) {
   return net::UdpLink::listen(address, net::UdpLink::Stamps::left_out);
 }
 

@@ -19,7 +19,7 @@ namespace forcebound::server {
 /// A socket for a server; port 0 takes any free one.
 /// @throws std::runtime_error with the reason why the address is not available
 net::UdpLink listen(const net::Endpoint& endpoint);
-net::UdpLink listen(const net::Address& address);
+net::UdpLink listen_at(const net::Address& address);
 
 /// Serves environments by UDP, as forcebound-server does:
 ///

@@ -1,0 +1,131 @@
+#include <gmock/gmock.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "forcebound/server/runtime/udp_server.hpp"
+#include "forcebound/time/steady_clock.hpp"
+#include "tests/support/vector_of.hpp"
+#include "tests/unit/server/security/client_end.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using test::vector_of;
+using testing::HasSubstr;
+
+class Pull final : public Environment {
+ public:
+  Response respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
+};
+
+EnvironmentLibrary pulling() {
+  EnvironmentLibrary environments;
+  for (const char* const name : {"pull", "another"}) {
+    environments.add({.name = name, .make = [](const ClientFacts&) {
+                        return MadeEnvironment{.environment = std::make_unique<Pull>(), .simulated = "a pull"};
+                      }});
+  }
+  return environments;
+}
+
+class Names final : public ServerObserver {
+ public:
+  void on_opened(const SessionInfo& info) override { clients.push_back(info.client); }
+  std::vector<std::string> clients;
+};
+
+ServerKeys keys_with_anna_in_pull() {
+  ServerKeys keys{.own = security::key_pair_from(security::key_bytes(2))};
+  keys.clients = security::AllowedClients::parse(
+      "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(1) + "\"\nscenes = [\"pull\"]\n",
+      "clients.toml");
+  return keys;
+}
+
+/// The other end, a plain client that encrypts.
+class SecureAsker {
+ public:
+  explicit SecureAsker(const net::Address& server) : link_(net::UdpLink::towards(server)), server_(server) {
+    link_.send(end_.request(), server_);
+    EXPECT_TRUE(end_.take_offer(hear_datagram()).has_value());
+    link_.send(end_.request(), server_);
+    EXPECT_TRUE(end_.take_answer(hear_datagram(), clock_.now()).has_value());
+  }
+
+  template <class Answer>
+  Answer ask(const wire::Message& question) {
+    link_.send(end_.seal(codec_.encode(question), clock_.now()), server_);
+    return hear<Answer>();
+  }
+
+  template <class Answer>
+  Answer hear() {
+    content_ = end_.open(hear_datagram(), clock_.now()).value();
+    return std::get<Answer>(std::get<wire::Message>(codec_.decode(content_)));
+  }
+
+ private:
+  std::span<const std::byte> hear_datagram() {
+    net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds{10});
+    const auto received = link_.receive(buffer_);
+    if (!received) throw std::runtime_error("nothing came in 10 s");
+    return std::span(buffer_).first(received->bytes);
+  }
+
+  time::SteadyClock clock_;
+  net::UdpLink link_;
+  net::Address server_;
+  security::KeyPair own_ = security::key_pair_from(security::key_bytes(1));
+  security::PublicKey server_key_ = security::public_key(2);
+  ClientEnd end_{{.own = &own_, .server = &server_key_}, 7};
+  wire::Codec codec_;
+  Bytes content_;
+  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
+};
+
+//   asker ==( sealed datagrams by UDP of this machine )== UdpServer, on a thread of its own
+TEST(EncryptedUdpServer, AnswersSealedDatagramsAndKnowsWhoseTheyAre) {
+  Names names;
+  UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling(), &names, keys_with_anna_in_pull());
+  std::jthread thread([&](const std::stop_token& stop) { server.run(stop); });
+  SecureAsker asker(server.address());
+  const auto refusal = asker.ask<wire::Refusal>(
+      wire::Hello{.client_nonce = 1, .degrees_of_freedom = 1, .period_s = 1e-3, .scene = "another"});
+  EXPECT_THAT(std::string(refusal.text), HasSubstr("client 'anna' may not use scene 'another' (allowed: pull)"));
+  const auto welcome =
+      asker.ask<wire::Welcome>(wire::Hello{.client_nonce = 2, .degrees_of_freedom = 1, .period_s = 1e-3});
+  EXPECT_EQ(welcome.scene, "pull");
+  const auto session = welcome.session;
+  const auto force = asker.ask<wire::EnvironmentForce>(
+      wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({0.02})});
+  EXPECT_EQ(force.force, vector_of({-2}));
+  thread.request_stop();
+  EXPECT_EQ(asker.hear<wire::Bye>().session, session);
+  thread.join();
+  EXPECT_EQ(names.clients, std::vector<std::string>{"anna"});
+  ASSERT_NE(server.encryption(), nullptr);
+  EXPECT_EQ(server.encryption()->counters().handshakes, 1U);
+  EXPECT_EQ(server.server().counters().sends_failed, 0U);
+}
+
+TEST(EncryptedUdpServer, LetsNobodyInWithoutKeys) {
+  UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling(), nullptr, keys_with_anna_in_pull());
+  wire::Codec codec;
+  net::UdpLink link = net::UdpLink::towards(server.address());
+  link.send(codec.encode(wire::Hello{.client_nonce = 1, .degrees_of_freedom = 1, .period_s = 1e-3}), server.address());
+  while (server.encryption()->counters().in_clear == 0) server.turn();
+  EXPECT_EQ(server.server().sessions(), 0U);
+  EXPECT_EQ(server.server().counters().datagrams, 0U) << "the server behind sees none of it";
+}
+
+TEST(EncryptedUdpServer, IsNoneWithoutKeys) {
+  const UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling());
+  EXPECT_EQ(server.encryption(), nullptr);
+}
+
+}  // namespace
+}  // namespace forcebound::server
