@@ -112,7 +112,7 @@ TEST_F(Encryption, OfKeyPairsLetsInWhoIsListedAndHidesEverythingFromWhoRecords) 
   Client client(recorder.address(), with(kRun, {"--key", file("client.key"), "--server-key", server_key}));
   EXPECT_EQ(client.wait(20s), client.expected_end()) << client.err();
   EXPECT_THAT(client.err(), HasSubstr("encrypted (IKpsk2), server's key " + server_key));
-  EXPECT_EQ(client.summary()["run"]["encryption"], "IKpsk2");
+  EXPECT_EQ(client.summary()["encryption"], "IKpsk2");
   const std::string recorded = recorder.end();
   EXPECT_GT(recorded.size(), 100'000U);
   for (const std::string_view word : {"sphere", "omni", "fba", "ball", "stiffness"}) {
@@ -128,7 +128,7 @@ TEST_F(Encryption, RecordedInTheClearIsReadable) {
   Recorder recorder(server.address());
   Client client(recorder.address(), kRun);
   EXPECT_EQ(client.wait(20s), client.expected_end()) << client.err();
-  EXPECT_EQ(client.summary()["run"]["encryption"], "none");
+  EXPECT_EQ(client.summary()["encryption"], "none");
   const std::string recorded = recorder.end();
   EXPECT_NE(recorded.find("sphere"), std::string::npos) << "so the recorder records";
   EXPECT_NE(recorded.find("FB\x01"), std::string::npos);
@@ -140,7 +140,7 @@ TEST_F(Encryption, OfASharedKeyAloneLetsInWhoHasIt) {
   Server server({"--psk", file("shared.key")});
   Client client(server.address(), with(kRun, {"--psk", file("shared.key")}));
   EXPECT_EQ(client.wait(20s), client.expected_end()) << client.err();
-  EXPECT_EQ(client.summary()["run"]["encryption"], "NNpsk0");
+  EXPECT_EQ(client.summary()["encryption"], "NNpsk0");
   Client other(server.address(), with(kRun, {"--psk", file("other.key")}));
   EXPECT_EQ(other.wait(20s), 1);
   EXPECT_THAT(other.err(), HasSubstr("does not answer the handshake: it has another --psk"));

@@ -123,9 +123,19 @@ TEST_F(Handshakes, AreNotAnsweredToWhoHasAnotherKey) {
   EXPECT_EQ(link->unconfirmed(), 0U);
 }
 
-TEST_F(Handshakes, OfAnotherPatternOrLengthAreDropped) {
+TEST_F(Handshakes, OfAnotherPatternAreToldTheServersOwn) {
   start_with_list();
   arrive(shared_end().request());
+  const auto answers = sent();
+  ASSERT_EQ(answers.size(), 1U);
+  const auto read = security::read_handshake(answers[0].bytes);
+  ASSERT_TRUE(std::holds_alternative<security::CookieOffer>(read));
+  EXPECT_EQ(std::get<security::CookieOffer>(read).topic.pattern, security::Pattern::ik_psk2);
+  EXPECT_EQ(link->unconfirmed(), 0U);
+}
+
+TEST_F(Handshakes, OfAnotherLengthAreDropped) {
+  start_with_list();
   ClientEnd client = anna_end();
   arrive(client.later_request());
   Bytes longer = client.request();
@@ -133,7 +143,7 @@ TEST_F(Handshakes, OfAnotherPatternOrLengthAreDropped) {
   arrive(longer);
   arrive(std::span(longer).first(security::kHandshakePrologueBytes));
   EXPECT_THAT(sent(), IsEmpty());
-  EXPECT_EQ(link->counters().handshakes_malformed, 4U);
+  EXPECT_EQ(link->counters().handshakes_malformed, 3U);
 }
 
 TEST_F(Handshakes, WithAnyBitOfTheRequestFlippedGiveNoKeys) {
