@@ -64,7 +64,8 @@ struct Totals {
 
 class Flood {
  public:
-  Flood(std::string kind, const std::string& server) : kind_(std::move(kind)), server_(net::resolve(net::parse_peer(server))) {
+  Flood(std::string kind, const std::string& server)
+      : kind_(std::move(kind)), server_(net::resolve(net::parse_peer(server))) {
     for (std::size_t i = 0; i < kAddresses; ++i) sources_.emplace_back(i);
   }
 
@@ -94,10 +95,11 @@ class Flood {
 
   void print() const {
     std::printf(
-        "{\"kind\":\"%s\",\"sent\":%llu,\"sent_bytes\":%llu,\"answers\":%llu,\"answer_bytes\":%llu,\"sessions\":%llu}\n",
-        kind_.c_str(), static_cast<unsigned long long>(totals_.sent), static_cast<unsigned long long>(totals_.sent_bytes),
-        static_cast<unsigned long long>(totals_.answers), static_cast<unsigned long long>(totals_.answer_bytes),
-        static_cast<unsigned long long>(totals_.sessions));
+        "{\"kind\":\"%s\",\"sent\":%llu,\"sent_bytes\":%llu,\"answers\":%llu,\"answer_bytes\":%llu,\"sessions\":%llu}"
+        "\n",
+        kind_.c_str(), static_cast<unsigned long long>(totals_.sent),
+        static_cast<unsigned long long>(totals_.sent_bytes), static_cast<unsigned long long>(totals_.answers),
+        static_cast<unsigned long long>(totals_.answer_bytes), static_cast<unsigned long long>(totals_.sessions));
   }
 
  private:
@@ -141,10 +143,10 @@ class Flood {
     by_chance(security::Handshake::overhead(security::Pattern::ik_psk2, 0));
     const Bytes message = bytes_;
     bytes_.assign(security::kRequestBytes, std::byte{0});
-    security::write(security::HandshakeRequest{.topic = {.client = static_cast<std::uint32_t>(random_() | 1U)},
-                                               .cookie = cookie,
-                                               .message = message},
-                    bytes_);
+    security::write(
+        security::HandshakeRequest{
+            .topic = {.client = static_cast<std::uint32_t>(random_() | 1U)}, .cookie = cookie, .message = message},
+        bytes_);
     return bytes_;
   }
 

@@ -142,8 +142,8 @@ TEST_F(Encryption, OfASharedKeyAloneLetsInWhoHasIt) {
   EXPECT_EQ(client.wait(20s), client.expected_end()) << client.err();
   EXPECT_EQ(client.summary()["encryption"], "NNpsk0");
   // No answer means nothing before 3 s.
-  Client other(server.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "5", "--once", "--psk",
-                                  file("other.key")});
+  Client other(server.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "5", "--once",
+                                  "--psk", file("other.key")});
   EXPECT_EQ(other.wait(20s), 1);
   EXPECT_THAT(other.err(), HasSubstr("does not answer the handshake: it has another --psk"));
 }

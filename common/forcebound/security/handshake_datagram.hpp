@@ -32,8 +32,9 @@ namespace forcebound::security {
 //
 // A later handshake of the same session travels as the content of sealed datagrams, without cookie and padding.
 //
-// The first twelve bytes of the request are the handshake's prologue: who changes them on the way changes the keys at one end. A
-// cookie datagram is not authentic: the key in it is believed only after a handshake with it, and where a user wants so.
+// The first twelve bytes of the request are the handshake's prologue: who changes them on the way changes the keys at
+// one end. A cookie datagram is not authentic: the key in it is believed only after a handshake with it, and where a
+// user wants so.
 
 /// Length of a request outside of sealed datagrams: no answer is longer.
 inline constexpr std::size_t kRequestBytes = 1200;

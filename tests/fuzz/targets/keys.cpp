@@ -22,8 +22,8 @@ void read_and_write(Bytes datagram) {
   if (const auto* offer = std::get_if<security::CookieOffer>(&read)) bytes = write(*offer, written);
   if (const auto* answer = std::get_if<security::HandshakeAnswer>(&read)) bytes = write(*answer, written);
   must(std::holds_alternative<std::monostate>(read) == (bytes == 0), "what was read cannot be written");
-  must(bytes <= datagram.size() && std::equal(written.begin(), written.begin() + static_cast<std::ptrdiff_t>(bytes),
-                                              datagram.begin()),
+  must(bytes <= datagram.size() &&
+           std::equal(written.begin(), written.begin() + static_cast<std::ptrdiff_t>(bytes), datagram.begin()),
        "what was read is written as something else");
 }
 
@@ -49,7 +49,8 @@ void fuzz_keys(Bytes bytes) {
       return may_refuse([&] { (void)security::read_shared_key(file.path()); });
     case 4: {
       const auto key = security::public_key_from_base64(text_of(rest));
-      must(!key || security::to_base64(key->bytes) == text_of(rest), "a key is written as something else than was read");
+      must(!key || security::to_base64(key->bytes) == text_of(rest),
+           "a key is written as something else than was read");
       return;
     }
     default:

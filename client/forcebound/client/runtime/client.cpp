@@ -103,8 +103,8 @@ struct Client::Parts {
                                      .local = local ? &*local : nullptr,
                                      .force_slew_N_per_s = settings.force_slew_N_per_s,
                                      .send_rate = settings.send_rate},
-                    device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link, clock,
-                    Session::Sinks{.ticks = sinks, .events = &events});
+                    device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link,
+                    clock, Session::Sinks{.ticks = sinks, .events = &events});
   }
 
   void finish(record::RunTotals totals) {

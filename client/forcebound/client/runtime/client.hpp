@@ -32,7 +32,7 @@ class Client {
  public:
   /// Whom to connect to, how long, and what is written down. All but the server may be left out.
   struct Settings {
-    std::string server;   ///< HOST:PORT
+    std::string server;        ///< HOST:PORT
     IdentityFiles identity{};  ///< keys; none: not encrypted, which is accepted on this machine alone
     bool insecure = false;     ///< not encrypted is accepted to any server
     std::string scene{};       ///< requested; empty: the server's default

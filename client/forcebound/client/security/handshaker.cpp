@@ -163,7 +163,8 @@ void Handshaker::on_offer(const security::CookieOffer& offer, Nanoseconds now) {
   if (offer.topic.pattern != topic_.pattern) {
     set_problem(offer.topic.pattern == security::Pattern::nn_psk0
                     ? identity_.server + " has no key pair; accepted is its shared key alone: --psk"
-                    : identity_.server + " has a key pair; accepted is its public key: --server-key or --known-servers");
+                    : identity_.server +
+                          " has a key pair; accepted is its public key: --server-key or --known-servers");
     return;
   }
   if (topic_.pattern == security::Pattern::ik_psk2) {

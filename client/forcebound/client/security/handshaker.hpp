@@ -25,12 +25,12 @@ using time::Nanoseconds;
 /// Whom a client believes, and how it shows who it is.
 struct Identity {
   security::Pattern pattern = security::Pattern::ik_psk2;
-  std::string server;                                ///< HOST:PORT as the user wrote it
-  std::optional<security::KeyPair> own{};            ///< ik_psk2: must be there
-  std::optional<security::PublicKey> server_key{};   ///< ik_psk2: as given; nothing: as in `known`
-  std::optional<security::KnownServers> known{};     ///< ik_psk2 without `server_key`: must be there
+  std::string server;                               ///< HOST:PORT as the user wrote it
+  std::optional<security::KeyPair> own{};           ///< ik_psk2: must be there
+  std::optional<security::PublicKey> server_key{};  ///< ik_psk2: as given; nothing: as in `known`
+  std::optional<security::KnownServers> known{};    ///< ik_psk2 without `server_key`: must be there
   security::NewServers new_servers = security::NewServers::refused;
-  std::optional<security::SecretKey> shared{};       ///< nn_psk0: must be there
+  std::optional<security::SecretKey> shared{};  ///< nn_psk0: must be there
 };
 
 /// The client's side of handshakes, apart from the tick: the products on the curve take tenths of a millisecond, and a

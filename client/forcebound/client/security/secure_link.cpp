@@ -39,8 +39,7 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
   return std::nullopt;
 }
 
-std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
-                                            std::span<std::byte> buffer) noexcept {
+std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram, std::span<std::byte> buffer) noexcept {
   if (security::is_handshake(datagram)) {
     counters_.handshakes_dropped += !handshaker_.hear(datagram);
     return std::nullopt;

@@ -51,10 +51,10 @@ class SecureLink final : public net::DatagramLink {
   void exchange() noexcept;
 
   struct Counters {
-    std::uint64_t sessions = 0;                             ///< first handshakes that gave keys
-    std::uint64_t rekeys = 0;                               ///< later ones
-    std::uint64_t in_clear = 0;                             ///< datagrams that are not sealed, nor of a handshake
-    std::uint64_t handshakes_dropped = 0;                   ///< datagrams of handshakes that nobody waits for
+    std::uint64_t sessions = 0;                                   ///< first handshakes that gave keys
+    std::uint64_t rekeys = 0;                                     ///< later ones
+    std::uint64_t in_clear = 0;                                   ///< datagrams that are not sealed, nor of a handshake
+    std::uint64_t handshakes_dropped = 0;                         ///< datagrams of handshakes that nobody waits for
     std::array<std::uint64_t, security::kOpenings> by_opening{};  ///< sealed ones
   };
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }

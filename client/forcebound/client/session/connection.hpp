@@ -51,8 +51,8 @@ class Connection {
   /// The force stream's blackout: time since the last new force, or since the session began.
   void on_blackout(Nanoseconds blackout, Nanoseconds hold, Nanoseconds drop) noexcept;
 
-  /// Whether a datagram with this heading can be meant for this client: of its session or the one that ended last, or an
-  /// answer to its Hello. All others are foreign, whatever they say.
+  /// Whether a datagram with this heading can be meant for this client: of its session or the one that ended last, or
+  /// an answer to its Hello. All others are foreign, whatever they say.
   [[nodiscard]] bool is_for_us(const wire::Heading& heading) const noexcept;
 
   /// True if this begins a new session.

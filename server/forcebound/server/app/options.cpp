@@ -102,8 +102,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->type_name("SHARE")
       ->check(program::number_within(0.001, 1))
       ->capture_default_str();
-  app.add_option("--load-max", options.server.load_max,
-                 "share of a processor above which no more clients are let in")
+  app.add_option("--load-max", options.server.load_max, "share of a processor above which no more clients are let in")
       ->type_name("SHARE")
       ->check(program::number_within(0.01, 1))
       ->capture_default_str();

@@ -54,13 +54,11 @@ void SecureLink::offer_cookie(const security::HandshakeTopic& topic, const net::
     return;
   }
   ++counters_.cookies_offered;
-  const std::size_t bytes =
-      security::write(security::CookieOffer{.topic = {.pattern = keys_.pattern(),
-                                                      .handshake = topic.handshake,
-                                                      .client = topic.client},
-                                            .cookie = cookies_.made_for(named(from), now),
-                                            .server = keys_.own ? keys_.own->public_key : security::PublicKey{}},
-                      sealed_);
+  const std::size_t bytes = security::write(
+      security::CookieOffer{.topic = {.pattern = keys_.pattern(), .handshake = topic.handshake, .client = topic.client},
+                            .cookie = cookies_.made_for(named(from), now),
+                            .server = keys_.own ? keys_.own->public_key : security::PublicKey{}},
+      sealed_);
   link_.send(std::span(sealed_).first(bytes), from);
 }
 

@@ -10,8 +10,8 @@ namespace forcebound::server {
 /// How much of a processor's time the answers of one session take, and whether it may have more now.
 ///
 /// The share is a mean over about kMean. The budget is time that a session may still use: it fills at the share that it
-/// is allowed, up to kBurst of time at that share, and every answer takes from it what it took. An answer is begun while
-/// something is left, however long it will take, so that a scene whose single answer takes longer than kBurst is
+/// is allowed, up to kBurst of time at that share, and every answer takes from it what it took. An answer is begun
+/// while something is left, however long it will take, so that a scene whose single answer takes longer than kBurst is
 /// answered, only less often.
 ///
 /// Real time: noexcept, no allocation. Not thread-safe.

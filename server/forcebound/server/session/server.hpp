@@ -41,11 +41,12 @@ struct ServerOptions {
       std::chrono::seconds{60};  ///< without motion; must exceed any round trip (12 s has been observed)
   /// Without motion for so long, a client loses its place in a shared scene to one who asks for it while it is full.
   Nanoseconds presence_timeout = std::chrono::seconds{20};
-  double motions_per_promised = 4;                        ///< answers per motion that the client promised in its Hello
-  double session_compute_max = 0.5;  ///< share of the server's thread that answers of one session may take beside others
-  double load_max = 0.9;             ///< share of the server's thread above which nobody more is let in
-  int hellos_per_s_max = 50;                              ///< from each source: an IPv4 address or IPv6 network
-  HandoverRate handover{};                                ///< of scenes, to each client that renders locally
+  double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
+  double session_compute_max =
+      0.5;                    ///< share of the server's thread that answers of one session may take beside others
+  double load_max = 0.9;      ///< share of the server's thread above which nobody more is let in
+  int hellos_per_s_max = 50;  ///< from each source: an IPv4 address or IPv6 network
+  HandoverRate handover{};    ///< of scenes, to each client that renders locally
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 

@@ -268,11 +268,13 @@ std::string Server::refusal_of_load(const EnvironmentKind& kind, Nanoseconds now
     ++there;
   }
   const double load = std::max(all, busy_);
-  const double expected = std::max(there > 0 ? of_kind / there : 0, (load - all) / static_cast<double>(sessions_.size()));
+  const double expected =
+      std::max(there > 0 ? of_kind / there : 0, (load - all) / static_cast<double>(sessions_.size()));
   if (load + expected <= options_.load_max) return {};
   const auto percent = [](double share) { return std::to_string(std::lround(share * 1e2)) + " %"; };
-  return "this server is busy: its sessions take " + percent(load) + " of its processor's time, and one more would take " +
-         percent(expected) + ", of " + percent(options_.load_max) + " at most; try again later";
+  return "this server is busy: its sessions take " + percent(load) +
+         " of its processor's time, and one more would take " + percent(expected) + ", of " +
+         percent(options_.load_max) + " at most; try again later";
 }
 
 bool Server::is_full(const EnvironmentKind& kind) const {

@@ -236,7 +236,8 @@ PathFindings path_findings(const net::Address& address, const ExaminationSetting
                    .renders_locally = false,
                    .seed = random_seed()},
                   clock);
-  PathFindings path{.up_most_bytes = wire::kFrameBytesMax, .header_bytes = header_bytes(address) + (settings.identity.any() ? security::kRecordOverhead : 0)};
+  PathFindings path{.up_most_bytes = wire::kFrameBytesMax,
+                    .header_bytes = header_bytes(address) + (settings.identity.any() ? security::kRecordOverhead : 0)};
   path.up_tried = introduce(line, clock) == Introduced::yes;
   if (path.up_tried) {
     const Nanoseconds patience =

@@ -9,10 +9,10 @@
 namespace forcebound::lab {
 
 struct ExaminationSettings {
-  std::string server;   ///< HOST:PORT
+  std::string server;                ///< HOST:PORT
   client::IdentityFiles identity{};  ///< keys; none: not encrypted
-  std::string scene{};  ///< requested; empty: the server's default
-  double seconds = 5;   ///< of the measurement
+  std::string scene{};               ///< requested; empty: the server's default
+  double seconds = 5;                ///< of the measurement
 };
 
 /// Examines the way to a server and this machine, over real sockets and in real time: asks for a session as a client

@@ -220,7 +220,8 @@ std::span<const std::byte> Load::sealed(std::span<const std::byte> datagram, std
 
 bool Load::send(std::span<const std::byte> datagram, std::size_t client) {
   Line& line = line_of(client);
-  return (line.encryption ? static_cast<net::DatagramLink&>(line.encryption->link()) : line.link).send(datagram, server_);
+  return (line.encryption ? static_cast<net::DatagramLink&>(line.encryption->link()) : line.link)
+      .send(datagram, server_);
 }
 
 Load::Line& Load::line_of(std::size_t client) noexcept { return lines_[client / Burst::kDatagramsMax % lines_.size()]; }

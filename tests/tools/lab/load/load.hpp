@@ -18,7 +18,7 @@
 namespace forcebound::lab {
 
 struct LoadOptions {
-  std::string server;  ///< HOST:PORT
+  std::string server;                ///< HOST:PORT
   client::IdentityFiles identity{};  ///< keys; none: not encrypted
   LoadGenerator::Settings load_generator{};
   Nanoseconds duration{};   ///< of one measurement

@@ -56,9 +56,8 @@ TEST_F(IdentityFilesTest, ReadsTheOwnKeyAndTheKnownServers) {
 }
 
 TEST_F(IdentityFilesTest, RefuseAServersKeyBesideKnownServers) {
-  EXPECT_THAT(
-      [&] { (void)read_identity({.server_key = security::public_text(2), .known_servers = known_}, "a:1"); },
-      ThrowsMessage<std::invalid_argument>(HasSubstr("--known-servers and --trust-new go without it")));
+  EXPECT_THAT([&] { (void)read_identity({.server_key = security::public_text(2), .known_servers = known_}, "a:1"); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("--known-servers and --trust-new go without it")));
 }
 
 TEST_F(IdentityFilesTest, RefuseAKeyThatAnybodyCanRead) {

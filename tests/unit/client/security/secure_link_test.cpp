@@ -43,7 +43,8 @@ class SecureLinkTest : public testing::Test {
  protected:
   void begin(Identity identity) {
     handshaker_ = std::make_unique<Handshaker>(std::move(identity), [this](std::span<std::byte> bytes) {
-      std::ranges::generate(bytes, [this] { return static_cast<std::byte>(random_ = static_cast<std::uint8_t>(random_ * 73 + 41)); });
+      std::ranges::generate(
+          bytes, [this] { return static_cast<std::byte>(random_ = static_cast<std::uint8_t>(random_ * 73 + 41)); });
     });
     secure_ = std::make_unique<SecureLink>(link_, kServer, *handshaker_, clock_);
   }
@@ -221,8 +222,8 @@ TEST_F(KnownServersOfALink, RefuseANewOneWithItsKey) {
   for (const auto& datagram : sent()) {
     EXPECT_THAT(ServerEnd::request_in(datagram).message, testing::Each(std::byte{0}));
   }
-  EXPECT_THAT(handshaker_->problem(), AllOf(HasSubstr("is not named there"), HasSubstr(security::public_text(2)),
-                                            HasSubstr("--trust-new")));
+  EXPECT_THAT(handshaker_->problem(),
+              AllOf(HasSubstr("is not named there"), HasSubstr(security::public_text(2)), HasSubstr("--trust-new")));
 }
 
 TEST_F(KnownServersOfALink, AddANewOneOnceItHasShownThatTheKeyIsItsOwn) {

@@ -41,10 +41,10 @@ struct ServerEnd {
     auto topic = request.topic;
     topic.pattern = pattern;
     const bool has_pair = pattern == security::Pattern::ik_psk2;
-    EXPECT_EQ(security::write(security::CookieOffer{.topic = topic,
-                                                    .cookie = cookie,
-                                                    .server = has_pair ? own.public_key : security::PublicKey{}},
-                              offer),
+    EXPECT_EQ(security::write(
+                  security::CookieOffer{
+                      .topic = topic, .cookie = cookie, .server = has_pair ? own.public_key : security::PublicKey{}},
+                  offer),
               offer.size());
     return offer;
   }
@@ -52,11 +52,8 @@ struct ServerEnd {
   /// The answer to Noise's first message; empty: it is not authentic. Keys of a first handshake begin a channel.
   [[nodiscard]] Bytes answer_to(const security::HandshakeRequest& request, time::Nanoseconds now) {
     const auto prologue = security::prologue_of(request.topic);
-    security::Handshake handshake({.pattern = pattern,
-                                   .role = security::Role::responder,
-                                   .prologue = prologue,
-                                   .own = &own,
-                                   .shared = &shared});
+    security::Handshake handshake(
+        {.pattern = pattern, .role = security::Role::responder, .prologue = prologue, .own = &own, .shared = &shared});
     Bytes nothing(64);
     if (handshake.read(request.message, nothing).result != security::HandshakeResult::done) return {};
     Bytes message(security::kAnswerBytesMost);

@@ -35,7 +35,8 @@ class ServerLoad : public ServerFixture {
 
   EnvironmentKind taking(const std::string& name, Nanoseconds cost) {
     return {.name = name, .degrees_of_freedom = {1}, .make = [this, cost](const ClientFacts&) {
-              return MadeEnvironment{.environment = std::make_unique<SlowEnvironment>(clock, cost), .simulated = "time"};
+              return MadeEnvironment{.environment = std::make_unique<SlowEnvironment>(clock, cost),
+                                     .simulated = "time"};
             }};
   }
 
