@@ -129,9 +129,11 @@ const std::vector<Privilege>& privileges() {
       {"threads",
        std::regex(R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|)"
                   R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
-       shells_and(R"(common/forcebound/time/real_time\.cpp|client/forcebound/client/rendering/scene_builder\.hpp|)" +
+       shells_and(R"(common/forcebound/time/real_time\.cpp|client/forcebound/client/rendering/scene_builder\.hpp|)"
+                  R"(client/forcebound/client/security/handshaker\.hpp|)" +
                   kChild),
-       "common/forcebound/time/real_time.cpp, the client's scene_builder.hpp, whose counts another thread reads, the "
+       "common/forcebound/time/real_time.cpp, the client's scene_builder.hpp and handshaker.hpp, whose counts "
+       "and texts another thread reads, the "
        "bodies' in_child.cpp and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),

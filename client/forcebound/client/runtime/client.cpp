@@ -57,7 +57,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
 std::unique_ptr<Encryption> make_encryption(const Client::Settings& settings, const net::Address& server,
                                             net::DatagramLink& link, const time::Clock& clock) {
   if (settings.identity.any()) {
-    return std::make_unique<Encryption>(read_identity(settings.identity, settings.server), link, server, clock);
+    return std::make_unique<Encryption>(settings.identity, settings.server, link, server, clock);
   }
   if (settings.insecure || net::is_loopback(server)) return nullptr;
   throw std::invalid_argument("server " + settings.server +

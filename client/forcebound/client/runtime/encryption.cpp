@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <new>
-#include <utility>
 
 #include "forcebound/security/random.hpp"
 
@@ -13,9 +12,10 @@ constexpr Nanoseconds kHandshakePause = std::chrono::milliseconds{2};
 
 }  // namespace
 
-Encryption::Encryption(Identity identity, net::DatagramLink& link, const net::Address& server, const time::Clock& clock)
+Encryption::Encryption(const IdentityFiles& files, const std::string& server_name, net::DatagramLink& link,
+                       const net::Address& server, const time::Clock& clock)
     : clock_(clock),
-      handshaker_(std::move(identity), security::fill_with_random),
+      handshaker_(read_identity(files, server_name, security::fill_with_random), security::fill_with_random),
       link_(link, server, handshaker_, clock),
       thread_([this](const std::stop_token& ended) { work(ended); }) {}
 

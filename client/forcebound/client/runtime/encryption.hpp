@@ -1,9 +1,11 @@
 #pragma once
 
 #include <stop_token>
+#include <string>
 #include <thread>
 
 #include "forcebound/client/security/handshaker.hpp"
+#include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/client/security/secure_link.hpp"
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/time/clock.hpp"
@@ -14,8 +16,10 @@ namespace forcebound::client {
 /// runs from the beginning. `link` is for the one thread that ticks; its thread sleeps but for a handshake.
 class Encryption {
  public:
-  /// Link and clock must outlive it. @throws std::invalid_argument if a key is missing that the pattern needs
-  Encryption(Identity identity, net::DatagramLink& link, const net::Address& server, const time::Clock& clock);
+  /// @param server_name HOST:PORT as the user wrote it
+  /// Link and clock must outlive it. @throws what `read_identity` does
+  Encryption(const IdentityFiles& files, const std::string& server_name, net::DatagramLink& link,
+             const net::Address& server, const time::Clock& clock);
   Encryption(const Encryption&) = delete;
   Encryption& operator=(const Encryption&) = delete;
 

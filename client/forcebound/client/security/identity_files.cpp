@@ -6,14 +6,13 @@
 
 #include "forcebound/config/config_error.hpp"
 #include "forcebound/security/key_file.hpp"
-#include "forcebound/security/random.hpp"
 
 namespace forcebound::client {
 namespace {
 
-security::KeyPair new_key_pair() {
+security::KeyPair new_key_pair(const Handshaker::FillRandom& fill) {
   security::SecretKey random;
-  security::fill_with_random(*random);
+  fill(*random);
   return security::key_pair_from(*random);
 }
 
@@ -44,7 +43,7 @@ std::string default_known_servers() {
   return home != nullptr && *home != 0 ? std::string(home) + "/.config/forcebound/known_servers" : std::string();
 }
 
-Identity read_identity(const IdentityFiles& files, const std::string& server) {
+Identity read_identity(const IdentityFiles& files, const std::string& server, const Handshaker::FillRandom& random) {
   if (!files.server_key.empty() && (files.trust_new || !files.known_servers.empty())) {
     throw std::invalid_argument("--server-key says the server's key; --known-servers and --trust-new go without it");
   }
@@ -56,7 +55,7 @@ Identity read_identity(const IdentityFiles& files, const std::string& server) {
     identity.pattern = security::Pattern::nn_psk0;
     return identity;
   }
-  identity.own = files.key.empty() ? new_key_pair() : security::read_key_pair(files.key);
+  identity.own = files.key.empty() ? new_key_pair(random) : security::read_key_pair(files.key);
   if (!files.server_key.empty()) {
     identity.server_key = security::read_public_key(files.server_key);
   } else {

@@ -27,8 +27,10 @@ struct IdentityFiles {
 
 /// Reads the files; the pattern is nn_psk0 if a shared key is all that is given. For set-up only.
 /// @param server HOST:PORT as the user wrote it
+/// @param random fills with bytes that nobody can guess, where no key is given
 /// @throws config::ConfigError in one line, which never contains a secret; std::invalid_argument for words that exclude
 /// each other, or where no file of known servers can be found
-[[nodiscard]] Identity read_identity(const IdentityFiles& files, const std::string& server);
+[[nodiscard]] Identity read_identity(const IdentityFiles& files, const std::string& server,
+                                     const Handshaker::FillRandom& random);
 
 }  // namespace forcebound::client

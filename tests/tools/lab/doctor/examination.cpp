@@ -60,10 +60,9 @@ struct DoctorLine {
   DoctorLine(const net::Address& server, const ExaminationSettings& examination,
              const DoctorSession::Settings& settings, const time::Clock& clock)
       : link(net::UdpLink::towards(server)),
-        encryption(examination.identity.any()
-                       ? std::make_unique<client::Encryption>(
-                             client::read_identity(examination.identity, examination.server), link, server, clock)
-                       : nullptr),
+        encryption(examination.identity.any() ? std::make_unique<client::Encryption>(
+                                                    examination.identity, examination.server, link, server, clock)
+                                              : nullptr),
         session(settings, encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link, clock) {}
 
   net::UdpLink link;

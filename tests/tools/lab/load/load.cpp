@@ -54,8 +54,7 @@ LoadGenerator::Settings with_new_nonces(LoadGenerator::Settings settings) {
 Load::Line::Line(const net::Address& server, const LoadOptions& options, const time::Clock& clock)
     : link(net::UdpLink::towards(server)), batch(link) {
   if (!options.identity.any()) return;
-  encryption = std::make_unique<client::Encryption>(client::read_identity(options.identity, options.server), link,
-                                                    server, clock);
+  encryption = std::make_unique<client::Encryption>(options.identity, options.server, link, server, clock);
 }
 
 Load::Load(const LoadOptions& options)

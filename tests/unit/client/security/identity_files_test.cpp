@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "forcebound/config/config_error.hpp"
@@ -25,13 +29,15 @@ class IdentityFilesTest : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
+  std::uint8_t next_ = 1;
+  Handshaker::FillRandom fill_ = [this](std::span<std::byte> bytes) { std::ranges::fill(bytes, std::byte{next_++}); };
   std::string key_ = folder_.file("my.key");
   std::string shared_ = folder_.file("shared.key");
   std::string known_ = folder_.file("known");
 };
 
 TEST_F(IdentityFilesTest, OfASharedKeyAloneIsNNpsk0) {
-  const Identity identity = read_identity({.shared_key = shared_}, "a:1");
+  const Identity identity = read_identity({.shared_key = shared_}, "a:1", fill_);
   EXPECT_EQ(identity.pattern, security::Pattern::nn_psk0);
   EXPECT_TRUE(identity.shared.has_value());
   EXPECT_FALSE(identity.own.has_value());
@@ -39,8 +45,8 @@ TEST_F(IdentityFilesTest, OfASharedKeyAloneIsNNpsk0) {
 
 TEST_F(IdentityFilesTest, OfAServersKeyIsIKpsk2WithANewKeyForEachRun) {
   const IdentityFiles files{.server_key = security::public_text(2)};
-  const Identity first = read_identity(files, "a:1");
-  const Identity second = read_identity(files, "a:1");
+  const Identity first = read_identity(files, "a:1", fill_);
+  const Identity second = read_identity(files, "a:1", fill_);
   EXPECT_EQ(first.pattern, security::Pattern::ik_psk2);
   EXPECT_EQ(first.server_key, security::public_key(2));
   EXPECT_NE(first.own->public_key, second.own->public_key);
@@ -48,7 +54,7 @@ TEST_F(IdentityFilesTest, OfAServersKeyIsIKpsk2WithANewKeyForEachRun) {
 
 TEST_F(IdentityFilesTest, ReadsTheOwnKeyAndTheKnownServers) {
   const Identity identity =
-      read_identity({.key = key_, .known_servers = known_, .shared_key = shared_, .trust_new = true}, "a:1");
+      read_identity({.key = key_, .known_servers = known_, .shared_key = shared_, .trust_new = true}, "a:1", fill_);
   EXPECT_EQ(identity.own->public_key, security::public_key(1));
   EXPECT_TRUE(identity.known.has_value());
   EXPECT_TRUE(identity.shared.has_value());
@@ -56,13 +62,14 @@ TEST_F(IdentityFilesTest, ReadsTheOwnKeyAndTheKnownServers) {
 }
 
 TEST_F(IdentityFilesTest, RefuseAServersKeyBesideKnownServers) {
-  EXPECT_THAT([&] { (void)read_identity({.server_key = security::public_text(2), .known_servers = known_}, "a:1"); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("--known-servers and --trust-new go without it")));
+  EXPECT_THAT(
+      [&] { (void)read_identity({.server_key = security::public_text(2), .known_servers = known_}, "a:1", fill_); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("--known-servers and --trust-new go without it")));
 }
 
 TEST_F(IdentityFilesTest, RefuseAKeyThatAnybodyCanRead) {
   ASSERT_EQ(::chmod(key_.c_str(), 0644), 0);
-  EXPECT_THAT([&] { (void)read_identity({.key = key_, .known_servers = known_}, "a:1"); },
+  EXPECT_THAT([&] { (void)read_identity({.key = key_, .known_servers = known_}, "a:1", fill_); },
               ThrowsMessage<config::ConfigError>(HasSubstr(key_)));
 }
 
