@@ -68,7 +68,7 @@ void add_doctor(CLI::App& app) {
       "\n"
       "Examples:\n"
       "  forcebound-lab doctor --server 127.0.0.1:47800\n"
-      "  forcebound-lab doctor --server there.example:47800 --key my.key --server-key server.pub\n"
+      "  forcebound-lab doctor --server there.example:47800 --psk shared.key\n"
       "  forcebound-lab doctor --server there.example:47800 --scene dome --seconds 20 --json found.json");
   command->callback([options] { run_doctor(*options); });
 }
