@@ -52,8 +52,8 @@ class SealedConversation {
     server::ServerKeys keys;
     keys.own = security::key_pair_from(security::key_bytes(2));
     keys.shared = security::secret_key(3);
-    server_ = std::make_unique<server::SecureLink>(std::move(keys), server::SecureLimits{}, network_.server_link(), clock_,
-                                                   fill());
+    server_ = std::make_unique<server::SecureLink>(std::move(keys), server::SecureLimits{}, network_.server_link(),
+                                                   clock_, fill());
   }
 
   /// A number from the client each 10 ms.
@@ -143,7 +143,8 @@ TEST(EncryptionOnANetwork, ChangesKeysThroughLossDuplicationAndReordering) {
   EXPECT_EQ(conversation.from_server.size(), conversation.received()) << "none twice";
   EXPECT_GT(conversation.from_client.size(), conversation.client_sent() * 7 / 10);
   const auto& by_opening = conversation.client().counters().by_opening;
-  EXPECT_GT(by_opening[static_cast<std::size_t>(security::Opening::replayed)], 100U) << "duplicates are counted as such";
+  EXPECT_GT(by_opening[static_cast<std::size_t>(security::Opening::replayed)], 100U)
+      << "duplicates are counted as such";
   EXPECT_EQ(by_opening[static_cast<std::size_t>(security::Opening::not_authentic)], 0U);
   EXPECT_EQ(by_opening[static_cast<std::size_t>(security::Opening::unknown_key)], 0U);
 }
