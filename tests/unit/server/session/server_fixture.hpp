@@ -96,9 +96,13 @@ class ServerFixture : public testing::Test {
     return only_answer<wire::Welcome>().session;
   }
 
+  /// One motion each millisecond. Of a number far ahead the lower 32 bits tell the time, which then has a
+  /// representation.
   static wire::MotionSample motion(std::uint64_t session, std::uint64_t sequence, double x_m = 0.001) {
-    return {
-        .session = session, .sequence = sequence, .device_time = milliseconds{sequence}, .position = vector_of({x_m})};
+    return {.session = session,
+            .sequence = sequence,
+            .device_time = milliseconds{static_cast<std::uint32_t>(sequence)},
+            .position = vector_of({x_m})};
   }
 
   test::FakeLink link;
