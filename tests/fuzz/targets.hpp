@@ -18,6 +18,7 @@ using Bytes = std::span<const std::byte>;
 void fuzz_client(Bytes bytes);        ///< a script of answers, times and places, fed to the client's session
 void fuzz_csv(Bytes bytes);           ///< a table of numbers of forcebound-lab
 void fuzz_device(Bytes bytes);        ///< a device's TOML file
+void fuzz_encryption(Bytes bytes);    ///< a script of what a network does between both ends of encryption
 void fuzz_gmsh(Bytes bytes);          ///< a mesh of tetrahedra
 void fuzz_hand(Bytes bytes);          ///< a recorded hand
 void fuzz_handover(Bytes bytes);      ///< a scene as a server hands it over: the manifest, its hash made right
@@ -41,27 +42,19 @@ struct Target {
 };
 
 inline constexpr std::array kTargets{
-    Target{"client", fuzz_client},
-    Target{"csv", fuzz_csv},
-    Target{"device", fuzz_device},
-    Target{"gmsh", fuzz_gmsh},
-    Target{"hand", fuzz_hand},
-    Target{"handover", fuzz_handover},
-    Target{"height_field", fuzz_height_field},
-    Target{"keys", fuzz_keys},
-    Target{"laws", fuzz_laws},
+    Target{"client", fuzz_client},       Target{"csv", fuzz_csv},
+    Target{"device", fuzz_device},       Target{"encryption", fuzz_encryption},
+    Target{"gmsh", fuzz_gmsh},           Target{"hand", fuzz_hand},
+    Target{"handover", fuzz_handover},   Target{"height_field", fuzz_height_field},
+    Target{"keys", fuzz_keys},           Target{"laws", fuzz_laws},
     Target{"mesh", fuzz_mesh},
 #ifdef FORCEBOUND_FUZZ_MUJOCO
     Target{"mjcf", fuzz_mjcf},
 #endif
-    Target{"recording", fuzz_recording},
-    Target{"scene", fuzz_scene},
-    Target{"server", fuzz_server},
-    Target{"summary", fuzz_summary},
-    Target{"toml", fuzz_toml},
-    Target{"trace", fuzz_trace},
-    Target{"wire", fuzz_wire},
-    Target{"words", fuzz_words},
+    Target{"recording", fuzz_recording}, Target{"scene", fuzz_scene},
+    Target{"server", fuzz_server},       Target{"summary", fuzz_summary},
+    Target{"toml", fuzz_toml},           Target{"trace", fuzz_trace},
+    Target{"wire", fuzz_wire},           Target{"words", fuzz_words},
 };
 
 }  // namespace forcebound::fuzz
