@@ -17,6 +17,8 @@ const char* words(CloseReason reason) {
       return "ended its session";
     case CloseReason::idle:
       return "was idle too long";
+    case CloseReason::did_not_move:
+      return "did not move for a minute, and another asked for its place";
     case CloseReason::server_stops:
       return "is disconnected: the server stops";
   }

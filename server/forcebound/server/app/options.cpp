@@ -2,11 +2,17 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstddef>
+#include <cstdint>
+
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/server/runtime/memory_in_use.hpp"
 
 namespace forcebound::server {
 namespace {
+
+constexpr std::size_t kMebibyte = std::size_t{1} << 20U;
 
 constexpr const char* kDescription =
     "Computes the forces of a virtual environment for haptic clients.\n"
@@ -39,8 +45,14 @@ std::string footer() {
          std::string(program::kExitCodes);
 }
 
+/// As a user writes it.
+struct MemoryInMebibytes {
+  std::uint64_t session = MemoryLimits{}.session_most / kMebibyte;
+  std::uint64_t all = memory_of_machine() / 2 / kMebibyte;
+};
+
 void describe(CLI::App& app, ProgramOptions& options, std::string& listen, double& idle_timeout_s,
-              double& round_trip_ms) {
+              double& round_trip_ms, MemoryInMebibytes& memory) {
   program::set_up(app, kProgram);
   app.description(kDescription);
   app.footer(footer());
@@ -106,6 +118,15 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->type_name("SHARE")
       ->check(program::number_within(0.01, 1))
       ->capture_default_str();
+  constexpr int kMebibytesMost = 1 << 24;
+  app.add_option("--session-memory", memory.session, "memory that one client's scene may take")
+      ->type_name("MIB")
+      ->check(program::whole_within(1, kMebibytesMost))
+      ->capture_default_str();
+  app.add_option("--memory-max", memory.all,
+                 "memory of the server above which no more clients are let in; if not given, half of the machine's")
+      ->type_name("MIB")
+      ->check(program::whole_within(1, kMebibytesMost));
   app.add_option("--idle-timeout", idle_timeout_s,
                  "end a client's session after this time without datagrams; mobile networks pause 15 s")
       ->type_name("SECONDS")
@@ -122,8 +143,9 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   std::string listen = "127.0.0.1:47800";
   double idle_timeout_s = time::to_seconds(options.server.idle_timeout);
   double round_trip_ms = 0;
+  MemoryInMebibytes memory;
   CLI::App app;
-  describe(app, options, listen, idle_timeout_s, round_trip_ms);
+  describe(app, options, listen, idle_timeout_s, round_trip_ms, memory);
   program::parse(app, argc, argv);
   if (is_scene_file(options.scene)) {
     program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
@@ -134,6 +156,8 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
       {{"--key", options.keys.key}, {"--clients", options.keys.clients}, {"--psk", options.keys.psk}});
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(listen); });
   options.device.round_trip_s = round_trip_ms * 1e-3;
+  options.server.memory = {
+      .session_most = memory.session * kMebibyte, .all_most = memory.all * kMebibyte, .in_use = memory_in_use};
   options.server.idle_timeout = time::from_seconds(idle_timeout_s);
   return options;
 }

@@ -42,6 +42,7 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
       clock_(clock),
       session_ids_(std::move(session_ids)),
       observer_(observer == nullptr ? nobody_ : *observer),
+      memory_(options_.memory),
       hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
               std::max(1, options_.hellos_per_s_max), clock.now(), session_ids_()),
       refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
@@ -217,6 +218,7 @@ void Server::on_motion(const wire::MotionSample& motion, std::size_t bytes, cons
   if (arrival == Arrival::duplicate || arrival == Arrival::too_far_ahead) return;
   session.last_heard = now;
   if (arrival == Arrival::late) return;
+  note_place(session, motion.position, now);
   follow(session, motion, bytes, from);
   if (!session.rate.take(now)) {
     ++counters_.motions_over_rate;
@@ -230,6 +232,13 @@ void Server::on_motion(const wire::MotionSample& motion, std::size_t bytes, cons
   if (waiting_.size() == waiting_.capacity()) answer_waiting();
   FORCEBOUND_ASSERT(waiting_.size() < waiting_.capacity(), "a motion that waits needs no memory of its own");
   waiting_.push_back(motion.session);
+}
+
+void Server::note_place(Session& session, const Vector& position, Nanoseconds now) noexcept {
+  constexpr double kStill_m = 1e-3;
+  if (session.stays_at.rows() == position.rows() && (position - session.stays_at).norm() <= kStill_m) return;
+  session.stays_at = position;
+  session.last_moved = now;
 }
 
 void Server::follow(Session& session, const wire::MotionSample& motion, std::size_t bytes,

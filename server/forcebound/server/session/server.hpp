@@ -18,6 +18,7 @@
 #include "forcebound/server/session/client_rights.hpp"
 #include "forcebound/server/session/compute_share.hpp"
 #include "forcebound/server/session/counters.hpp"
+#include "forcebound/server/session/memory_budget.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
 #include "forcebound/server/session/source_buckets.hpp"
@@ -41,12 +42,15 @@ struct ServerOptions {
       std::chrono::seconds{60};  ///< without motion; must exceed any round trip (12 s has been observed)
   /// Without motion for so long, a client loses its place in a shared scene to one who asks for it while it is full.
   Nanoseconds presence_timeout = std::chrono::seconds{20};
+  /// Its device not moved by more than 1 mm for so long, it does too, although its motions arrive.
+  Nanoseconds stillness_timeout = std::chrono::seconds{60};
   double motions_per_promised = 4;  ///< answers per motion that the client promised in its Hello
   double session_compute_max =
       0.5;                    ///< share of the server's thread that answers of one session may take beside others
   double load_max = 0.9;      ///< share of the server's thread above which nobody more is let in
   int hellos_per_s_max = 50;  ///< from each source: an IPv4 address or IPv6 network
-  HandoverRate handover{};    ///< of scenes, to each client that renders locally
+  MemoryLimits memory{};
+  HandoverRate handover{};                                ///< of scenes, to each client that renders locally
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 
@@ -68,7 +72,8 @@ struct ServerOptions {
 /// A server-side law is requested by name in the Hello. It chooses the position at which the environment is evaluated,
 /// and the force that is sent to the device; each session has a new instance.
 ///
-/// A session for which there is no memory is refused with that reason, and does not touch the others.
+/// A session for which there is no memory, or whose environment takes more than is allowed, is refused with that
+/// reason, and does not touch the others.
 ///
 /// No session's answers take more than their share of the processor while there are others: motions beyond that are
 /// counted and not answered. Who asks for a session is refused, with that reason, if answers to it and the others would
@@ -151,6 +156,8 @@ class Server {
     time::TokenBucket rate;
     time::TokenBucket hellos;  ///< repeated ones
     Nanoseconds last_heard;
+    Nanoseconds last_moved;
+    Vector stays_at{};       ///< no place from then on was far from it; no rows: no motion came
     net::Address proven_at;  ///< the last address that was proven
     ComputeShare compute;
     AnswerAllowance allowance{};
@@ -179,6 +186,8 @@ class Server {
   void on_motion(const wire::MotionSample& motion, std::size_t bytes, const net::Address& from,
                  Nanoseconds now) noexcept;
   void on_bye(const wire::Bye& bye, std::size_t bytes, const net::Address& from);
+  /// Whether it still has its place for a reason.
+  static void note_place(Session& session, const Vector& position, Nanoseconds now) noexcept;
   /// The newest motion came from there.
   void follow(Session& session, const wire::MotionSample& motion, std::size_t bytes, const net::Address& from) noexcept;
   [[nodiscard]] std::uint64_t new_challenge() noexcept;
@@ -194,12 +203,16 @@ class Server {
   };
   void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
 
-  /// None: there is room, if need be after evicting a session that never sent motion, or has left a shared scene.
+  /// None: there is room, if need be after evicting a session that never sent motion, or does nothing in a shared
+  /// scene.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
                                                   const net::Address& from, Nanoseconds now);
 
   /// @param kind evict only from this one; null: from any
   [[nodiscard]] bool evict_one(Nanoseconds now, const EnvironmentKind* kind);
+  /// Since when it does nothing, where that is reason enough to give its place to another; else nothing.
+  [[nodiscard]] std::optional<Nanoseconds> idle_since(const Session& session, Nanoseconds now,
+                                                      bool of_shared_scene) const noexcept;
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;
@@ -242,6 +255,7 @@ class Server {
   std::size_t next_waiting_ = 0;        ///< index into waiting_; those before it are answered
   std::vector<Ended> ended_;            ///< ring buffer of the latest
   std::size_t ended_next_ = 0;
+  MemoryBudget memory_;
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
   double busy_ = 0;  ///< share of the thread's time for the sessions

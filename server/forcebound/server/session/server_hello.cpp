@@ -174,9 +174,16 @@ void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentK
   const net::Address& from = guest.address;
   const std::string name = kind->name;
   const Session* session = nullptr;
+  const auto refuse_for_memory = [&](const MemoryBudget::Refusal& too_much) {
+    refuse(hello, from, {too_much.for_now ? RefusalReason::server_full : RefusalReason::unknown_scene, too_much.text});
+  };
   try {
+    if (const auto too_much = memory_.refusal_of(name); !too_much.text.empty()) return refuse_for_memory(too_much);
+    const std::size_t before = memory_.in_use();
     MadeEnvironment made = make_for(hello, *kind);
     expect_spare_memory();
+    if (const auto too_much = memory_.refusal_of_made(name, before); !too_much.text.empty())
+      return refuse_for_memory(too_much);
     session = &open(hello, std::move(kind), std::move(made), guest, now);
   } catch (const std::bad_alloc&) {
     refuse(hello, from, {RefusalReason::server_full, refusal_for_now(name, kNoMemory)});
@@ -284,23 +291,34 @@ bool Server::is_full(const EnvironmentKind& kind) const {
   return static_cast<std::size_t>(there) >= kind.sessions_max;
 }
 
-bool Server::evict_one(Nanoseconds now, const EnvironmentKind* kind) {
+std::optional<Nanoseconds> Server::idle_since(const Session& session, Nanoseconds now,
+                                              bool of_shared_scene) const noexcept {
   // A real client sends motion at once; one that never did may have a forged address.
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
+  const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
+  const bool absent = of_shared_scene && now - session.last_heard > options_.presence_timeout;
+  if (unproven || absent) return session.last_heard;
+  const bool still = of_shared_scene && now - session.last_moved > options_.stillness_timeout;
+  return still ? std::optional(session.last_moved) : std::nullopt;
+}
+
+bool Server::evict_one(Nanoseconds now, const EnvironmentKind* kind) {
   auto oldest = sessions_.end();
+  Nanoseconds since = now;
   for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
-    const Session& session = it->second;
-    const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
-    if (kind != nullptr && session.kind.get() != kind) continue;
-    const bool absent = kind != nullptr && now - session.last_heard > options_.presence_timeout;
-    if ((unproven || absent) && (oldest == sessions_.end() || session.last_heard < oldest->second.last_heard))
-      oldest = it;
+    if (kind != nullptr && it->second.kind.get() != kind) continue;
+    const auto idle = idle_since(it->second, now, kind != nullptr);
+    if (!idle || *idle >= since) continue;
+    since = *idle;
+    oldest = it;
   }
   if (oldest == sessions_.end()) return false;
-  ++counters_.sessions_idle;
-  if (oldest->second.arrivals.counts.motions_received > 0)
-    send(oldest->second.arrivals.counts, oldest->second.proven_at);
-  close(oldest->second, CloseReason::idle);
+  const Session& session = oldest->second;
+  const bool is_there =
+      session.arrivals.counts.motions_received > 0 && now - session.last_heard <= options_.presence_timeout;
+  ++(is_there ? counters_.sessions_still : counters_.sessions_idle);
+  if (session.arrivals.counts.motions_received > 0) send(session.arrivals.counts, session.proven_at);
+  close(session, is_there ? CloseReason::did_not_move : CloseReason::idle);
   sessions_.erase(oldest);
   return true;
 }
@@ -336,6 +354,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
                   .rate = time::TokenBucket(time::from_seconds(interval_s), burst(std::max(period_s, interval_s)), now),
                   .hellos = time::TokenBucket(kRepeatedHelloInterval, kRepeatedHellosAtOnce, now),
                   .last_heard = now,
+                  .last_moved = now,
                   .proven_at = guest.address,
                   .compute = ComputeShare(options_.session_compute_max, now)};
   session.arrivals.counts.session = id;

@@ -66,6 +66,29 @@ TEST_F(SharedSceneTest, OneClientFeelsWhatTheOtherPushes) {
   EXPECT_GT(push(left, right), 0.05);
 }
 
+TEST_F(SharedSceneTest, APlaceIsLostToWhoAsksForItByADeviceThatStaysWhereItIsForAMinute) {
+  const auto left = enter(1);
+  const auto right = enter(2);
+  auto for_50_s = [&, i = std::uint64_t{0}](double right_x_m) mutable {
+    for (const auto end = clock.time + seconds{50}; clock.time < end; clock.time += milliseconds{100}) {
+      ++i;
+      (void)force_N(left, i, -0.04 + (i % 2 == 0 ? 4e-4 : 0), 1);
+      (void)force_N(right, i, right_x_m, 2);
+    }
+  };
+  for_50_s(0.04);
+  arrive(hello_of(3), address(3));
+  EXPECT_EQ(only_answer<wire::Refusal>().reason, wire::RefusalReason::server_full) << "it may go on in a moment";
+  for_50_s(0.042);
+  arrive(hello_of(3), address(3));
+  const auto said = answers();
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_EQ(std::get<wire::Bye>(said[0]).session, left) << "an encoder's steps are no motion";
+  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(said[1]));
+  EXPECT_EQ(server->counters().sessions_still, 1U);
+  EXPECT_EQ(server->counters().sessions_idle, 0U);
+}
+
 TEST_F(SharedSceneTest, APlaceIsLostToWhoAsksForItOnceNobodyMovesThere) {
   const auto left = enter(1);
   const auto right = enter(2);
