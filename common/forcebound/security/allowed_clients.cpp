@@ -35,11 +35,12 @@ bool AllowedClient::may_use(std::string_view scene) const noexcept {
 
 AllowedClients AllowedClients::parse(std::string_view toml_text, const std::string& place) {
   constexpr double kRateMost_per_s = 1e6;
+  constexpr double kSessionsMost = 1e6;
   const config::Node node = config::parse_toml(toml_text, place);
   config::CheckedTable file(node, place, "allowed clients");
   AllowedClients allowed;
   file.each("client", [&](config::CheckedTable& table, const std::string& name) {
-    AllowedClient client{.name = name, .key = {}, .scenes = scenes_of(table), .rate_per_s_max = std::nullopt};
+    AllowedClient client{.name = name, .key = {}, .scenes = scenes_of(table), .rate_per_s_max = {}, .sessions_max = {}};
     const std::optional<PublicKey> key = public_key_from_base64(table.text("public_key"));
     if (!key) table.refuse("public_key", "a public key: 44 characters of base64, as forcebound-lab keygen prints them");
     client.key = *key;
@@ -49,6 +50,10 @@ AllowedClients AllowedClients::parse(std::string_view toml_text, const std::stri
     if (table.find("rate_per_s_max") != nullptr) {
       client.rate_per_s_max =
           table.number({.key = "rate_per_s_max", .least = 0, .least_excluded = true, .most = kRateMost_per_s});
+    }
+    if (table.find("sessions_max") != nullptr) {
+      client.sessions_max =
+          static_cast<std::size_t>(table.whole({.key = "sessions_max", .least = 1, .most = kSessionsMost}));
     }
     table.refuse_unknown_keys();
     allowed.clients_.push_back(std::move(client));

@@ -14,8 +14,9 @@ namespace forcebound::security {
 struct AllowedClient {
   std::string name;
   PublicKey key;
-  std::vector<std::string> scenes;       ///< by name; empty: all that the server has
-  std::optional<double> rate_per_s_max;  ///< motions; nothing: the server's own limit
+  std::vector<std::string> scenes;          ///< by name; empty: all that the server has
+  std::optional<double> rate_per_s_max;     ///< motions; nothing: the server's own limit
+  std::optional<std::size_t> sessions_max;  ///< at once; nothing: the server's own limit
   [[nodiscard]] bool may_use(std::string_view scene) const noexcept;
 };
 
@@ -26,6 +27,7 @@ struct AllowedClient {
 ///     public_key = "mDdhKl+gZ1ZbZ0fQhZ1sV8oM7wSO5xUjqkBbVvHZ0Dk="
 ///     scenes = ["wall", "palpation"]   # left out: all
 ///     rate_per_s_max = 1000            # motions; left out: the server's limit
+///     sessions_max = 2                 # at once; left out: the server's limit
 ///
 /// For set-up, and for handshakes, which never run on the tick's thread.
 class AllowedClients {

@@ -73,7 +73,7 @@ Opened Channel::open(std::span<const std::byte> record, std::span<std::byte> pla
   while (slot < kSlots && !(keys_[slot].held && keys_[slot].handshake == handshake)) ++slot;
   if (slot == kSlots) return {Opening::unknown_key};
   if (now >= keys_[slot].until) {
-    wipe(&(*secrets_)[slot], sizeof(TransportKeys));
+    expire(slot);
     return {Opening::expired};
   }
   const auto counter = little_end_first<std::uint64_t>(header.subspan(kCounterAt));
@@ -85,7 +85,7 @@ Opened Channel::open(std::span<const std::byte> record, std::span<std::byte> pla
   }
   keys_[slot].window.note(counter);
   if (!keys_[slot].confirmed) confirm(slot, now);
-  return {Opening::opened, bytes};
+  return {.result = Opening::opened, .bytes = bytes, .handshake = handshake, .counter = counter};
 }
 
 bool Channel::wants_rekey(time::Nanoseconds now) const noexcept {
@@ -96,6 +96,22 @@ bool Channel::wants_rekey(time::Nanoseconds now) const noexcept {
 bool Channel::can_seal(time::Nanoseconds now) const noexcept {
   const Key& key = keys_[kCurrent];
   return key.held && now < key.until && key.sealed < kRecordsMost;
+}
+
+void Channel::wipe_expired(time::Nanoseconds now) noexcept {
+  for (std::size_t slot = 0; slot < kSlots; ++slot) {
+    if (keys_[slot].held && now >= keys_[slot].until) expire(slot);
+  }
+}
+
+void Channel::end_by(time::Nanoseconds end) noexcept {
+  for (Key& key : keys_) key.until = std::min(key.until, end);
+}
+
+/// It is still known as one that was.
+void Channel::expire(std::size_t slot) noexcept {
+  wipe(&(*secrets_)[slot], sizeof(TransportKeys));
+  keys_[slot].until = time::Nanoseconds::min();  // whatever the time: these bytes are no key any more
 }
 
 void Channel::forget(std::size_t slot) noexcept {

@@ -56,7 +56,9 @@ inline constexpr std::size_t kOpenings = 8;
 
 struct Opened {
   Opening result = Opening::malformed;
-  std::size_t bytes = 0;  ///< of `plain` that were written
+  std::size_t bytes = 0;       ///< of `plain` that were written
+  std::uint8_t handshake = 0;  ///< of an opened one: whose key it is
+  std::uint64_t counter = 0;   ///< and its counter under that
 };
 
 /// Both ends' numbers for a session; each end chooses its own.
@@ -98,6 +100,12 @@ class Channel {
   [[nodiscard]] Opened open(std::span<const std::byte> record, std::span<std::byte> plain,
                             time::Nanoseconds now) noexcept;
 
+  /// Wipes keys that have expired. To be called now and then: nothing else does where nothing is sealed or comes.
+  void wipe_expired(time::Nanoseconds now) noexcept;
+
+  /// No key lasts longer than that.
+  void end_by(time::Nanoseconds end) noexcept;
+
   /// Whether who begins handshakes should begin one.
   [[nodiscard]] bool wants_rekey(time::Nanoseconds now) const noexcept;
 
@@ -125,6 +133,7 @@ class Channel {
     ReplayWindow window{};
   };
 
+  void expire(std::size_t slot) noexcept;
   void forget(std::size_t slot) noexcept;
   void make_current(std::size_t slot) noexcept;
   void confirm(std::size_t slot, time::Nanoseconds now) noexcept;

@@ -74,7 +74,16 @@ void KnownServers::expect(const std::string& server, const PublicKey& key, NewSe
   if (server.empty() || text::split_at_blanks(server).size() != 1 || server != name || server.starts_with('#')) {
     throw config::ConfigError(file + ": '" + name + "' is no name for a server; accepted is HOST:PORT");
   }
-  std::string text = text_;
+  // Believed from now on, whether or not it can be written down.
+  servers_.push_back({server, key});
+  // Others may have written there since.
+  const KnownServers there = from_file(path_);
+  if (const std::optional<PublicKey> known = there.find(server)) {
+    if (*known == key) return;
+    throw config::ConfigError(file + ": server " + name + " was given another key there meanwhile: " +
+                              to_base64(known->bytes) + ", but it has the key " + offered);
+  }
+  std::string text = there.text_;
   if (!text.empty() && !text.ends_with('\n')) text += '\n';
   text.append(server).append(" ").append(offered).append("\n");
   try {
@@ -82,8 +91,6 @@ void KnownServers::expect(const std::string& server, const PublicKey& key, NewSe
   } catch (const std::runtime_error& error) {
     throw config::ConfigError(error.what());
   }
-  text_ = text;
-  servers_.push_back({server, key});
 }
 
 }  // namespace forcebound::security

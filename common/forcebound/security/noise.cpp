@@ -84,11 +84,8 @@ struct Derived {
   Derived& operator=(const Derived&) = delete;
 };
 
-KeyBytes key_of(const Hash& hash) noexcept {
-  KeyBytes key;
-  std::copy_n(hash.begin(), key.size(), key.begin());
-  return key;
-}
+/// Into its place, so that no copy stays behind.
+void take_key(KeyBytes& key, const Hash& hash) noexcept { std::copy_n(hash.begin(), key.size(), key.begin()); }
 
 /// Reads or writes a message from its beginning.
 template <class Byte>
@@ -132,7 +129,7 @@ struct Handshake::State {
   }
 
   void set_key(const Hash& from) noexcept {
-    key = key_of(from);
+    take_key(key, from);
     nonce = 0;
     has_key = true;
   }
@@ -323,8 +320,8 @@ void Handshake::split(TransportKeys& keys) const noexcept {
   const State& now = both_->now;
   const Derived derived(now.chaining_key, {});
   const bool begins = now.role == Role::initiator;
-  keys.send = key_of(derived.out[begins ? 0 : 1]);
-  keys.receive = key_of(derived.out[begins ? 1 : 0]);
+  take_key(keys.send, derived.out[begins ? 0 : 1]);
+  take_key(keys.receive, derived.out[begins ? 1 : 0]);
 }
 
 }  // namespace forcebound::security

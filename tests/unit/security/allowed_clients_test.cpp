@@ -19,6 +19,7 @@ using testing::ThrowsMessage;
 TEST(AllowedClients, AreThoseOfTheFile) {
   const AllowedClients clients = AllowedClients::parse("[[client]]\nname = 'anna'\npublic_key = '" + public_text(1) +
                                                            "'\nscenes = ['wall', 'palpation']\nrate_per_s_max = 500\n"
+                                                           "sessions_max = 3\n"
                                                            "[[client]]\nname = 'ben'\npublic_key = '" +
                                                            public_text(2) + "'\n",
                                                        "clients.toml");
@@ -27,11 +28,13 @@ TEST(AllowedClients, AreThoseOfTheFile) {
   ASSERT_NE(anna, nullptr);
   EXPECT_EQ(anna->name, "anna");
   EXPECT_EQ(anna->rate_per_s_max, 500.0);
+  EXPECT_EQ(anna->sessions_max, 3U);
   EXPECT_TRUE(anna->may_use("wall"));
   EXPECT_FALSE(anna->may_use("soft_pad"));
   const AllowedClient* const ben = clients.find(public_key(2));
   ASSERT_NE(ben, nullptr);
   EXPECT_EQ(ben->rate_per_s_max, std::nullopt);
+  EXPECT_EQ(ben->sessions_max, std::nullopt);
   EXPECT_TRUE(ben->may_use("soft_pad"));
   EXPECT_EQ(clients.find(public_key(3)), nullptr);
   EXPECT_TRUE(AllowedClients::parse("", "clients.toml").all().empty()) << "nobody is let in";
@@ -52,6 +55,8 @@ TEST(AllowedClients, SayWhatIsWrongAndWhere) {
   expect_refused(key + "scenes = [1]\n", "scenes must be a list of at least one scene's name");
   expect_refused(key + "rate_per_s_max = 0\n", "rate_per_s_max must be");
   expect_refused(key + "rate_per_s_max = nan\n", "rate_per_s_max must be");
+  expect_refused(key + "sessions_max = 0\n", "sessions_max must be");
+  expect_refused(key + "sessions_max = 1.5\n", "sessions_max must be");
   expect_refused(key + "scene = ['wall']\n", "did you mean");
   expect_refused(key + "[[client]]\nname = 'ben'\n" + key, "client 'anna' has this one");
   expect_refused(key + "[[client]]\nname = 'anna'\npublic_key = '" + public_text(2) + "'\n", "anna");

@@ -44,6 +44,26 @@ TEST(KnownServers, RefuseANewOneUnlessAsked) {
   EXPECT_EQ(KnownServers::from_file(file).find("b:2"), public_key(2));
 }
 
+TEST(KnownServers, LoseNothingThatOthersWroteMeanwhile) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.file("servers");
+  KnownServers one = KnownServers::from_file(file);
+  KnownServers other = KnownServers::from_file(file);
+  one.expect("a:1", public_key(1), NewServers::trusted);
+  other.expect("b:2", public_key(2), NewServers::trusted);
+  EXPECT_EQ(text::read_file(file), "a:1 " + public_text(1) + "\nb:2 " + public_text(2) + "\n");
+  EXPECT_THAT([&] { one.expect("b:2", public_key(3), NewServers::trusted); },
+              ThrowsMessage<config::ConfigError>(HasSubstr("server b:2 was given another key there meanwhile")));
+}
+
+TEST(KnownServers, AreRememberedEvenIfTheyCannotBeWritten) {
+  const test::TemporaryFolder folder;
+  KnownServers servers = KnownServers::from_file((folder.path() / "none" / "servers").string());
+  EXPECT_THROW(servers.expect("a:1", public_key(1), NewServers::trusted), config::ConfigError);
+  EXPECT_NO_THROW(servers.expect("a:1", public_key(1), NewServers::trusted));
+  EXPECT_THROW(servers.expect("a:1", public_key(2), NewServers::trusted), config::ConfigError);
+}
+
 TEST(KnownServers, KeepWhatAUserWrote) {
   const test::TemporaryFolder folder;
   const std::string file = folder.file("servers");

@@ -213,10 +213,14 @@ void Handshaker::on_answer(const security::HandshakeAnswer& answer, Nanoseconds 
     on_admitted(*admission);
     return;
   }
-  set_problem(admission->verdict == security::Verdict::full
-                  ? identity_.server + " is full: it takes no more clients now"
-                  : identity_.server + " does not let this client in: its list of clients lacks the key " +
-                        security::to_base64(identity_.own->public_key.bytes));
+  if (admission->verdict == security::Verdict::full) {
+    set_problem(identity_.server + " is full: it takes no more clients now");
+  } else {
+    set_problem(identity_.server + " does not let this client in" +
+                (identity_.own
+                     ? ": its list of clients lacks the key " + security::to_base64(identity_.own->public_key.bytes)
+                     : std::string()));
+  }
   // Asked again later: it may be let in then.
   handshake_.reset();
   message_bytes_ = 0;

@@ -63,6 +63,7 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
 
 void SecureLink::exchange() noexcept {
   const Nanoseconds now = clock_.now();
+  for (security::Channel& channel : channels_) channel.wipe_expired(now);
   const auto made = handshaker_.made();
   if (made) take_keys(*made, now);
   handshaker_.want(wanted(now), newest().handshake());
@@ -75,6 +76,7 @@ void SecureLink::exchange() noexcept {
 
 void SecureLink::take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept {
   if (made.of_new_session) {
+    newest().end_by(now + security::kOldKeyKept);
     newest_ = 1 - newest_;
     newest().begin(made.numbers);
     ++counters_.sessions;

@@ -17,8 +17,8 @@ void add_key_options(CLI::App& app, KeyOptions& keys) {
           ->type_name("FILE");
   CLI::Option* const clients =
       app.add_option("--clients", keys.clients,
-                     "file of the clients that are let in: for each a name, a public key, and where wanted scenes and "
-                     "a rate")
+                     "file of the clients that are let in: for each a name, a public key, and where wanted scenes, a "
+                     "rate and a most of sessions")
           ->check(program::not_empty())
           ->type_name("FILE.toml")
           ->needs(key);

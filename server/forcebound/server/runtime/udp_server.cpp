@@ -42,7 +42,10 @@ std::unique_ptr<SecureLink> secured(std::optional<ServerKeys> keys, const Server
 
 ClientRights rights_of(const security::AllowedClient* client) {
   if (client == nullptr) return {};
-  return {.name = client->name, .scenes = client->scenes, .motions_per_s_max = client->rate_per_s_max};
+  return {.name = client->name,
+          .scenes = client->scenes,
+          .motions_per_s_max = client->rate_per_s_max,
+          .sessions_max = client->sessions_max};
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ std::string SecureCounters::text() const {
                      {"not authentic", handshakes_not_authentic},
                      {"malformed or of another pattern", handshakes_malformed},
                      {"over the rate", handshakes_over_rate},
+                     {"overtaken by a newer one", handshakes_overtaken},
                      {"without memory for them", handshakes_failed},
                      {"not followed by a session", handshakes_unused},
                      {"whose session was idle or lacked a new key", sessions_idle}}) +
@@ -26,7 +27,8 @@ std::string SecureCounters::text() const {
                      {"of unknown keys", dropped(Opening::unknown_key)},
                      {"of expired keys", dropped(Opening::expired)},
                      {"replayed or too old", dropped(Opening::replayed)},
-                     {"not authentic", dropped(Opening::not_authentic)}}) +
+                     {"not authentic", dropped(Opening::not_authentic)},
+                     {"opened, but from another client's address", addresses_of_others}}) +
          count_line("datagrams in the clear", {"dropped", in_clear}, {{"of them Hellos refused", hellos_in_clear}});
 }
 

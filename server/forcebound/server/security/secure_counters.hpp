@@ -19,6 +19,8 @@ struct SecureCounters {
   std::uint64_t handshakes_not_authentic = 0;  ///< forged or damaged, or another server's or shared key
   std::uint64_t handshakes_malformed = 0;      ///< too short, of another pattern, or no request
   std::uint64_t handshakes_over_rate = 0;
+  std::uint64_t handshakes_overtaken = 0;                    ///< requests for another key that came after a newer one
+  std::uint64_t addresses_of_others = 0;                     ///< records from where another client was just heard
   std::uint64_t handshakes_failed = 0;                       ///< not answered for lack of memory or randomness
   std::uint64_t handshakes_unused = 0;                       ///< let in, and then no record came
   std::uint64_t sessions_idle = 0;                           ///< no record came for too long, or no new key

@@ -12,8 +12,10 @@ namespace {
 // Cookies cost little, so that a flood from forged addresses leaves some to others.
 constexpr Nanoseconds kUnprovenInterval = std::chrono::milliseconds{1};
 constexpr int kUnprovenAtOnce = 200;
-constexpr Nanoseconds kHandshakeInterval = std::chrono::milliseconds{20};
-constexpr int kHandshakesAtOnce = 50;
+constexpr Nanoseconds kHandshakeInterval = std::chrono::milliseconds{100};
+constexpr int kHandshakesAtOnce = 30;
+// Of an address, where another client was heard.
+constexpr Nanoseconds kOwnsAfterSilence = std::chrono::seconds{1};
 
 // Datagrams without content that one call of `receive` drops at most.
 constexpr int kDroppedAtOnce = 64;
@@ -76,15 +78,48 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
   const security::Opened opened = peer.channel.open(record, plain_, now);
   ++counted(opened.result);
   if (opened.result != security::Opening::opened) return std::nullopt;
-  if (!std::exchange(peer.confirmed, true)) ++confirmed_;
   peer.heard = now;
-  owners_.note(number, peer.places, from);
+  if (!peer.confirmed) confirm(found);
+  if (may_own(from, number, peer, now)) {
+    owners_.note(number, peer.places, from);
+  } else {
+    ++counters_.addresses_of_others;
+  }
   const auto content = std::span<const std::byte>(plain_).first(opened.bytes);
   if (security::is_handshake(content)) {
-    on_later(peer, content, from, now);
+    on_later(peer, opened, content, from, now);
     return std::nullopt;
   }
   return Content{.bytes = content, .client = peer.client};
+}
+
+void SecureLink::confirm(Peers::iterator peer) noexcept {
+  peer->second.confirmed = true;
+  ++confirmed_;
+  if (peer->second.client != nullptr) keep_to_most_of(*peer->second.client, peer);
+}
+
+void SecureLink::keep_to_most_of(const security::AllowedClient& client, Peers::iterator newest) noexcept {
+  if (!client.sessions_max) return;
+  std::size_t held = 1;
+  auto oldest = peers_.end();
+  for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
+    if (peer == newest || !peer->second.confirmed || peer->second.client != &client) continue;
+    ++held;
+    if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
+  }
+  if (held <= SecureLimits::confirmed_most_of(*client.sessions_max)) return;
+  ++counters_.sessions_idle;
+  forget(oldest);
+}
+
+/// Not if another client was just heard from there: who forges its address would get what is meant for it.
+bool SecureLink::may_own(const net::Address& address, std::uint32_t number, const Peer& peer,
+                         Nanoseconds now) const noexcept {
+  const auto owner = owners_.find(address);
+  if (!owner || *owner == number || !keys_.own) return true;
+  const auto other = peers_.find(*owner);
+  return other == peers_.end() || other->second.key == peer.key || now - other->second.heard > kOwnsAfterSilence;
 }
 
 void SecureLink::take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
@@ -132,6 +167,7 @@ void SecureLink::on_timer(Nanoseconds now) noexcept {
     const auto peer = next++;
     const bool confirmed = peer->second.confirmed;
     const Nanoseconds kept = confirmed ? limits_.idle_timeout + kKeptAfterIdle : kUnconfirmedKept;
+    peer->second.channel.wipe_expired(now);
     const bool expired = confirmed && !peer->second.channel.can_seal(now);
     if (!expired && now - peer->second.heard < kept) continue;
     ++(confirmed ? counters_.sessions_idle : counters_.handshakes_unused);

@@ -30,7 +30,10 @@ struct SecureLimits {
 
   /// Sessions of keys that can be confirmed: twice those of the server, since a client that lost its keys begins
   /// another while the one before is still there.
-  [[nodiscard]] constexpr std::size_t confirmed_most() const noexcept { return 2 * sessions_max + 8; }
+  [[nodiscard]] constexpr std::size_t confirmed_most() const noexcept { return confirmed_most_of(sessions_max); }
+  [[nodiscard]] static constexpr std::size_t confirmed_most_of(std::size_t sessions) noexcept {
+    return 2 * sessions + 8;
+  }
 };
 
 /// Opens what clients have sealed and seals what is sent to them: a link in front of another, of which the server
@@ -40,6 +43,8 @@ struct SecureLimits {
 /// - **Nothing is kept for who asks**, nor computed but a hash, before it has sent a cookie back from its address. Then
 ///   it has keys here for 10 s, as have 64 such at most, of whom the oldest goes first. A sealed datagram confirms that
 ///   it is no copy of an earlier request: twice `sessions_max` and 8 more may be confirmed.
+/// - **A client with a most of sessions** may have confirmed as many for each; the next takes the place of the one that
+///   was silent longest.
 /// - **A copy of a request** gets the same answer again, and no keys of its own.
 /// - **A session of keys ends** when nothing was opened for 20 s longer than `idle_timeout`, or its key has expired.
 /// - **No answer is longer than its question**, and there are limits to answers by source: cookies and refusals, which
@@ -52,7 +57,7 @@ struct SecureLimits {
 ///
 /// `now` is the clock's time. Randomness is an argument. Real time: `take_in` of records and `send` are noexcept and
 /// allocate nothing, about 1 us each. A handshake takes about 0.2 ms of the thread that calls `take_in`, and allocates;
-/// a source can cause 50 of them in a second. Not thread-safe.
+/// a source can cause 10 of them in a second. Not thread-safe.
 class SecureLink final : public net::DatagramLink {
  public:
   using FillRandom = std::function<void(std::span<std::byte>)>;
@@ -105,7 +110,6 @@ class SecureLink final : public net::DatagramLink {
   /// A request, as far as a copy of it is recognised by, and its answer.
   struct Answered {
     bool in_clear = true;
-    net::Address from{};  ///< if in the clear
     security::HandshakeTopic topic{};
     std::array<std::byte, kAskedBytes> asked{};  ///< the message's key, which is of no other one
     std::array<std::byte, security::kAnswerBytesMost> bytes{};
@@ -118,6 +122,8 @@ class SecureLink final : public net::DatagramLink {
     const security::AllowedClient* client = nullptr;
     security::PublicKey key{};  ///< of IKpsk2
     Answered answered{};
+    std::uint64_t asked_at = 0;  ///< counter of the record with the newest later request, under the key that sealed it
+    std::uint8_t asked_under = 0;  ///< the number of that key's handshake; 0: there was none
     HeardFrom places{};
     Nanoseconds heard{0};  ///< when a record was opened; before the first: when it asked
     bool confirmed = false;
@@ -133,6 +139,12 @@ class SecureLink final : public net::DatagramLink {
   std::optional<Content> take_in_record(std::span<const std::byte> record, const net::Address& from, Nanoseconds now);
   void take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   void forget(Peers::iterator peer) noexcept;
+  void confirm(Peers::iterator peer) noexcept;
+  /// @param newest is not forgotten
+  void keep_to_most_of(const security::AllowedClient& client, Peers::iterator newest) noexcept;
+  /// Whether what goes to the address may be sealed for this session from now on.
+  [[nodiscard]] bool may_own(const net::Address& address, std::uint32_t number, const Peer& peer,
+                             Nanoseconds now) const noexcept;
   std::uint64_t& counted(security::Opening result) noexcept {
     return counters_.records[static_cast<std::size_t>(result)];
   }
@@ -141,21 +153,24 @@ class SecureLink final : public net::DatagramLink {
   void on_request(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   void offer_cookie(const security::HandshakeTopic& topic, const net::Address& from, Nanoseconds now);
   void on_first(const security::HandshakeRequest& request, const net::Address& from, Nanoseconds now);
-  void on_later(Peer& peer, std::span<const std::byte> content, const net::Address& from, Nanoseconds now);
+  void on_later(Peer& peer, const security::Opened& record, std::span<const std::byte> content,
+                const net::Address& from, Nanoseconds now);
   void answer_later(Peer& peer, const net::Address& from, Nanoseconds now);
   [[nodiscard]] bool install(Peer& peer, const security::HandshakeTopic& topic, const security::Handshake& handshake,
                              Nanoseconds now) noexcept;
   [[nodiscard]] bool fits(const security::HandshakeTopic& topic) const noexcept {
     return topic.pattern == keys_.pattern();
   }
-  [[nodiscard]] const Peer* asked_before(const security::HandshakeRequest& request,
-                                         const net::Address& from) const noexcept;
+  [[nodiscard]] const Peer* asked_before(const security::HandshakeRequest& request) const noexcept;
   /// Nothing, and counted, if it is not authentic.
   [[nodiscard]] std::optional<security::Handshake> read(const security::HandshakeRequest& request);
   [[nodiscard]] Decision decide(const security::Handshake& handshake, const net::Address& from);
   /// Null if there is no memory for it.
   [[nodiscard]] Peer* make_peer(const security::HandshakeTopic& topic, Nanoseconds now);
   void make_room() noexcept;
+  /// Forgets the session of keys that was silent longest of whoever has most; false: nobody has more than one more than
+  /// who asks.
+  [[nodiscard]] bool take_from_who_has_most(const security::Handshake& asking);
   /// False, and counted, if who asked has a key that nobody can have.
   [[nodiscard]] bool write_answer(security::Handshake& handshake, const security::HandshakeRequest& request,
                                   const security::Admission& admission, Answered& answered);

@@ -1,6 +1,7 @@
 // The link's answers to handshakes: whose client gets keys.
 
 #include <algorithm>
+#include <map>
 #include <new>
 #include <string>
 #include <utility>
@@ -38,13 +39,13 @@ void SecureLink::on_request(std::span<const std::byte> datagram, const net::Addr
     ++counters_.handshakes_malformed;
   } else if (!fits(request->topic) || !cookies_.is_good(request->cookie, named(from), now)) {
     offer_cookie(request->topic, from, now);
-  } else if (const Peer* const before = asked_before(*request, from)) {
+  } else if (!handshakes_.take(from, now)) {
+    ++counters_.handshakes_over_rate;
+  } else if (const Peer* const before = asked_before(*request)) {
     ++counters_.handshakes_again;
     link_.send(std::span(before->answered.bytes).first(before->answered.length), from);
-  } else if (handshakes_.take(from, now)) {
-    on_first(*request, from, now);
   } else {
-    ++counters_.handshakes_over_rate;
+    on_first(*request, from, now);
   }
 }
 
@@ -62,11 +63,10 @@ void SecureLink::offer_cookie(const security::HandshakeTopic& topic, const net::
   link_.send(std::span(sealed_).first(bytes), from);
 }
 
-const SecureLink::Peer* SecureLink::asked_before(const HandshakeRequest& request,
-                                                 const net::Address& from) const noexcept {
+const SecureLink::Peer* SecureLink::asked_before(const HandshakeRequest& request) const noexcept {
   const auto same = std::ranges::find_if(peers_, [&](const auto& entry) {
     const Answered& answered = entry.second.answered;
-    return answered.in_clear && answered.topic == request.topic && answered.from == from &&
+    return answered.in_clear && answered.topic == request.topic &&
            std::ranges::equal(answered.asked, request.message.first(kAskedBytes));
   });
   return same == peers_.end() ? nullptr : &same->second;
@@ -95,7 +95,7 @@ SecureLink::Decision SecureLink::decide(const security::Handshake& handshake, co
       return {.verdict = Verdict::not_allowed};
     }
   }
-  if (confirmed_ < limits_.confirmed_most()) return decision;
+  if (confirmed_ < limits_.confirmed_most() || take_from_who_has_most(handshake)) return decision;
   ++counters_.handshakes_full;
   observer_.on_refused(from, "there are keys for as many clients as there may be");
   return {.verdict = Verdict::full};
@@ -117,7 +117,6 @@ void SecureLink::on_first(const HandshakeRequest& request, const net::Address& f
     if (peer != nullptr) forget(peers_.find(number));
     return;
   }
-  answered.from = from;
   if (peer != nullptr) {
     peer->client = decision.client;
     if (keys_.own) peer->key = handshake->peer();
@@ -138,6 +137,22 @@ SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, N
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
+}
+
+bool SecureLink::take_from_who_has_most(const security::Handshake& asking) {
+  if (!keys_.own) return false;  // nobody is known from another
+  std::map<security::KeyBytes, std::size_t> held;
+  for (const auto& [number, peer] : peers_) held[peer.key.bytes] += peer.confirmed ? 1 : 0;
+  const auto most = std::ranges::max_element(held, {}, [](const auto& key_and_count) { return key_and_count.second; });
+  if (most == held.end() || most->second <= held[asking.peer().bytes] + 1) return false;
+  auto oldest = peers_.end();
+  for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
+    if (!peer->second.confirmed || peer->second.key.bytes != most->first) continue;
+    if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
+  }
+  ++counters_.sessions_idle;
+  forget(oldest);
+  return true;
 }
 
 void SecureLink::make_room() noexcept {
@@ -183,7 +198,8 @@ bool SecureLink::install(Peer& peer, const security::HandshakeTopic& topic, cons
   return installed;
 }
 
-void SecureLink::on_later(Peer& peer, std::span<const std::byte> content, const net::Address& from, Nanoseconds now) {
+void SecureLink::on_later(Peer& peer, const security::Opened& record, std::span<const std::byte> content,
+                          const net::Address& from, Nanoseconds now) {
   const auto parsed = security::read_handshake(content);
   const auto* const request = std::get_if<HandshakeRequest>(&parsed);
   if (request == nullptr || !fits(request->topic) || request->topic.client != peer.channel.numbers().peer) {
@@ -195,6 +211,11 @@ void SecureLink::on_later(Peer& peer, std::span<const std::byte> content, const 
   if (is_copy) {
     ++counters_.handshakes_again;
     answer_later(peer, from, now);
+    return;
+  }
+  // The client no longer has the keys of an earlier request that comes later.
+  if (record.handshake == peer.asked_under && record.counter < peer.asked_at) {
+    ++counters_.handshakes_overtaken;
     return;
   }
   if (!peer.later.take(now)) {
@@ -215,6 +236,8 @@ void SecureLink::on_later(Peer& peer, std::span<const std::byte> content, const 
     return;
   }
   peer.answered = answered;
+  peer.asked_under = record.handshake;
+  peer.asked_at = record.counter;
   ++counters_.handshakes_later;
   answer_later(peer, from, now);
 }

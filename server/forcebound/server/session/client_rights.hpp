@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,7 @@ struct ClientRights {
   std::string_view name{};                    ///< of the client; empty: not known
   std::span<const std::string> scenes{};      ///< by name; empty: all that the server offers
   std::optional<double> motions_per_s_max{};  ///< answered; nothing: the server's own limit
+  std::optional<std::size_t> sessions_max{};  ///< at once; nothing: the server's own limit
 
   [[nodiscard]] bool may_use(std::string_view scene) const noexcept {
     return scenes.empty() || std::ranges::find(scenes, scene) != scenes.end();

@@ -38,7 +38,8 @@ std::string ServerCounters::text() const {
                      {"after the end of their session", motions_after_end},
                      {"with numbers too far ahead", motions_far_ahead},
                      {"of wrong size", motions_of_wrong_size},
-                     {"without a session", motions_without_session}}) +
+                     {"without a session", motions_without_session},
+                     {"or Byes for another client's session", datagrams_of_others}}) +
          count_line("forces", {"sent", forces_sent},
                     {{"datagrams not sent", sends_failed},
                      {"of zero because the environment's response was unsound", responses_unsound},

@@ -42,6 +42,7 @@ struct ServerCounters {
   std::uint64_t motions_far_ahead = 0;        ///< numbered as no client that keeps its rate can be; dropped
   std::uint64_t motions_of_wrong_size = 0;    ///< not as many rows as the session's device has
   std::uint64_t motions_without_session = 0;  ///< refused
+  std::uint64_t datagrams_of_others = 0;      ///< motions and Byes for a session that another client opened
   std::uint64_t forces_sent = 0;
   std::uint64_t sends_failed = 0;
   std::uint64_t pieces_sent = 0;        ///< of scenes that clients render themselves

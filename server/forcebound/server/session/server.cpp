@@ -68,6 +68,7 @@ void Server::note_busy(double share, std::uint64_t datagrams) noexcept {
   const std::uint64_t before = std::exchange(motions_when_noted_, counters_.motions_received);
   const double motions = static_cast<double>(counters_.motions_received - before);
   busy_ = share * std::min(1.0, motions / static_cast<double>(std::max<std::uint64_t>(1, datagrams)));
+  busy_with_ = std::exchange(sessions_since_noted_, sessions_.size());
 }
 
 void Server::answer_waiting() noexcept {
@@ -107,6 +108,10 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
     return;
   }
   const auto& message = std::get<wire::Message>(decoded);
+  if (is_of_another(message, rights)) {
+    ++counters_.datagrams_of_others;
+    return;
+  }
   if (const auto* motion = std::get_if<wire::MotionSample>(&message)) {
     on_motion(*motion, datagram.size(), from, now);
   } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
@@ -118,6 +123,14 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     on_bye(*bye, datagram.size(), from);
   }
+}
+
+bool Server::is_of_another(const wire::Message& message, const ClientRights& rights) const noexcept {
+  const auto* const motion = std::get_if<wire::MotionSample>(&message);
+  const auto* const bye = std::get_if<wire::Bye>(&message);
+  if (motion == nullptr && bye == nullptr) return false;
+  const auto found = sessions_.find(motion != nullptr ? motion->session : bye->session);
+  return found != sessions_.end() && found->second.client != rights.name;
 }
 
 bool Server::is_dropped(const wire::Heading& heading, std::size_t bytes, const net::Address& from,

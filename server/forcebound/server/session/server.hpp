@@ -92,7 +92,8 @@ class Server {
 
   /// Takes in a datagram that arrived at `now`. Motion waits for `answer_waiting`; a newer one of its session replaces
   /// it. Real time for motion: no allocation.
-  /// @param rights of who sent it; they count for a Hello
+  /// @param rights of who sent it; they count for a Hello, and a session takes motions and a Bye of the client alone
+  /// that opened it
   void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
                const ClientRights& rights = {});
 
@@ -163,6 +164,7 @@ class Server {
     AnswerAllowance allowance{};
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
+    std::string client{};                   ///< who opened it, as the server's list has it; empty: not known
     std::unique_ptr<SceneSender> sender{};  ///< null: nothing is handed over
     bool wants_models = false;              ///< its client renders locally
     bool unsound_noted = false;
@@ -193,6 +195,8 @@ class Server {
   [[nodiscard]] std::uint64_t new_challenge() noexcept;
   /// Sends the final counts to the client's address, or to one that sent at least as much.
   void answer_bye(const wire::Bye& counts, std::size_t bytes, const net::Address& from, const net::Address& proven_at);
+  /// Whether it is about a session that another client opened.
+  [[nodiscard]] bool is_of_another(const wire::Message& message, const ClientRights& rights) const noexcept;
   /// Drops what can be dropped by its heading: a flood of it must cost little.
   [[nodiscard]] bool is_dropped(const wire::Heading& heading, std::size_t bytes, const net::Address& from,
                                 Nanoseconds now) noexcept;
@@ -203,16 +207,18 @@ class Server {
   };
   void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
 
-  /// None: there is room, if need be after evicting a session that never sent motion, or does nothing in a shared
-  /// scene.
+  /// None: there is room, if need be after evicting a session that never sent motion, or one that does nothing in a
+  /// shared scene or among those that its client may have.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
-                                                  const net::Address& from, Nanoseconds now);
+                                                  const Guest& guest, Nanoseconds now);
 
-  /// @param kind evict only from this one; null: from any
-  [[nodiscard]] bool evict_one(Nanoseconds now, const EnvironmentKind* kind);
+  /// Among which sessions places are few.
+  using Among = std::function<bool(const Session&)>;
+  /// @param among evict one of these, also if it sent motion but does nothing now; empty: any that never did
+  [[nodiscard]] bool evict_one(Nanoseconds now, const Among& among);
   /// Since when it does nothing, where that is reason enough to give its place to another; else nothing.
   [[nodiscard]] std::optional<Nanoseconds> idle_since(const Session& session, Nanoseconds now,
-                                                      bool of_shared_scene) const noexcept;
+                                                      bool places_are_few) const noexcept;
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
   wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;
@@ -222,13 +228,13 @@ class Server {
               Nanoseconds now);
   Session& open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, MadeEnvironment made,
                 const Guest& guest, Nanoseconds now);
-  [[nodiscard]] bool is_full(const EnvironmentKind& kind) const;
   /// Why another session in it would be one too many for the processor; empty: it would not.
   [[nodiscard]] std::string refusal_of_load(const EnvironmentKind& kind, Nanoseconds now);
   /// Whether clients may request it, whatever the library has. @param scene empty: the default
   [[nodiscard]] bool is_allowed(std::string_view scene) const;
   [[nodiscard]] std::string refusal_of_scene(std::string_view scene) const;
   [[nodiscard]] std::size_t sessions_of(const net::Address& address) const noexcept;
+  [[nodiscard]] std::size_t sessions_among(const Among& among) const;
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
   void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
@@ -258,7 +264,9 @@ class Server {
   MemoryBudget memory_;
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
-  double busy_ = 0;  ///< share of the thread's time for the sessions
+  double busy_ = 0;                       ///< share of the thread's time for the sessions
+  std::size_t busy_with_ = 0;             ///< so many sessions at once
+  std::size_t sessions_since_noted_ = 0;  ///< most at once since `busy_` was noted
   std::uint64_t motions_when_noted_ = 0;
   ServerCounters counters_;
 };

@@ -153,7 +153,7 @@ void Server::on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds 
     refuse(hello, from, {RefusalReason::unknown_scene, environments_.unknown_text(printable(hello.scene))});
     return;
   }
-  if (const auto refusal = refusal_of(hello, *wanted.kind, from, now)) {
+  if (const auto refusal = refusal_of(hello, *wanted.kind, guest, now)) {
     refuse(hello, from, *refusal);
     return;
   }
@@ -216,7 +216,7 @@ void Server::refuse(const wire::Hello& hello, const net::Address& from, const Re
 }
 
 std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
-                                                  const net::Address& from, Nanoseconds now) {
+                                                  const Guest& guest, Nanoseconds now) {
   if (!kind.accepts(hello.degrees_of_freedom)) {
     return Refused{RefusalReason::wrong_degrees_of_freedom, refusal_of_dof(kind, hello)};
   }
@@ -224,19 +224,27 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
       !options_.laws.make_server_side(hello.server_law, static_cast<int>(hello.degrees_of_freedom))) {
     return Refused{RefusalReason::unknown_server_law, refusal_of_server_law(options_.laws, hello.server_law)};
   }
-  if (options_.sessions_per_address > 0 && sessions_of(from) >= options_.sessions_per_address) {
+  if (options_.sessions_per_address > 0 && sessions_of(guest.address) >= options_.sessions_per_address) {
     return Refused{RefusalReason::server_full, "this server takes " + std::to_string(options_.sessions_per_address) +
                                                    " sessions at once from each address, end one or try again later"};
+  }
+  const auto of_client = [&](const Session& session) { return session.client == guest.rights.name; };
+  if (const auto most = guest.rights.sessions_max;
+      most && sessions_among(of_client) >= *most && !evict_one(now, of_client)) {
+    return Refused{RefusalReason::server_full, "client '" + printable(guest.rights.name) +
+                                                   "' has as many sessions as it may, " + std::to_string(*most) +
+                                                   ": end one or try again later"};
   }
   if (std::string busy = refusal_of_load(kind, now); !busy.empty()) {
     return Refused{RefusalReason::server_full, std::move(busy)};
   }
-  if (is_full(kind) && !evict_one(now, &kind)) {
+  const auto in_scene = [&](const Session& session) { return session.kind.get() == &kind; };
+  if (kind.sessions_max > 0 && sessions_among(in_scene) >= kind.sessions_max && !evict_one(now, in_scene)) {
     return Refused{RefusalReason::server_full, "all " + std::to_string(kind.sessions_max) +
                                                    " places in the shared scene '" + kind.name +
                                                    "' are taken, try again later"};
   }
-  if (sessions_.size() >= options_.sessions_max && !evict_one(now, nullptr)) {
+  if (sessions_.size() >= options_.sessions_max && !evict_one(now, {})) {
     return Refused{RefusalReason::server_full,
                    "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later"};
   }
@@ -275,8 +283,9 @@ std::string Server::refusal_of_load(const EnvironmentKind& kind, Nanoseconds now
     ++there;
   }
   const double load = std::max(all, busy_);
-  const double expected =
-      std::max(there > 0 ? of_kind / there : 0, (load - all) / static_cast<double>(sessions_.size()));
+  // Those that the load is of may have left.
+  const auto sharing = static_cast<double>(std::max(sessions_.size(), busy_with_));
+  const double expected = std::max(there > 0 ? of_kind / there : 0, (load - all) / sharing);
   if (load + expected <= options_.load_max) return {};
   const auto percent = [](double share) { return std::to_string(std::lround(share * 1e2)) + " %"; };
   return "this server is busy: its sessions take " + percent(load) +
@@ -284,30 +293,28 @@ std::string Server::refusal_of_load(const EnvironmentKind& kind, Nanoseconds now
          percent(options_.load_max) + " at most; try again later";
 }
 
-bool Server::is_full(const EnvironmentKind& kind) const {
-  if (kind.sessions_max == 0) return false;
-  const auto there = std::count_if(sessions_.begin(), sessions_.end(),
-                                   [&](const auto& entry) { return entry.second.kind.get() == &kind; });
-  return static_cast<std::size_t>(there) >= kind.sessions_max;
+std::size_t Server::sessions_among(const Among& among) const {
+  return static_cast<std::size_t>(
+      std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& entry) { return among(entry.second); }));
 }
 
 std::optional<Nanoseconds> Server::idle_since(const Session& session, Nanoseconds now,
-                                              bool of_shared_scene) const noexcept {
+                                              bool places_are_few) const noexcept {
   // A real client sends motion at once; one that never did may have a forged address.
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
   const bool unproven = session.arrivals.counts.motions_received == 0 && now - session.last_heard > kProofTime;
-  const bool absent = of_shared_scene && now - session.last_heard > options_.presence_timeout;
+  const bool absent = places_are_few && now - session.last_heard > options_.presence_timeout;
   if (unproven || absent) return session.last_heard;
-  const bool still = of_shared_scene && now - session.last_moved > options_.stillness_timeout;
+  const bool still = places_are_few && now - session.last_moved > options_.stillness_timeout;
   return still ? std::optional(session.last_moved) : std::nullopt;
 }
 
-bool Server::evict_one(Nanoseconds now, const EnvironmentKind* kind) {
+bool Server::evict_one(Nanoseconds now, const Among& among) {
   auto oldest = sessions_.end();
   Nanoseconds since = now;
   for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
-    if (kind != nullptr && it->second.kind.get() != kind) continue;
-    const auto idle = idle_since(it->second, now, kind != nullptr);
+    if (among && !among(it->second)) continue;
+    const auto idle = idle_since(it->second, now, static_cast<bool>(among));
     if (!idle || *idle >= since) continue;
     since = *idle;
     oldest = it;
@@ -360,11 +367,14 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
   session.arrivals.counts.session = id;
   // What it may send is not what is answered: its numbers go on meanwhile.
   session.arrivals.motions_per_s_max = options_.motions_per_promised / period_s;
+  session.client = guest.rights.name;
   session.wants_models = renders_locally(hello);
   if (session.wants_models && session.made.packed)
     session.sender = std::make_unique<SceneSender>(session.made.packed, options_.handover, now);
   ++counters_.sessions_opened;
-  return sessions_.emplace(id, std::move(session)).first->second;
+  Session& opened = sessions_.emplace(id, std::move(session)).first->second;
+  sessions_since_noted_ = std::max(sessions_since_noted_, sessions_.size());
+  return opened;
 }
 
 void Server::welcome(const Session& session) {

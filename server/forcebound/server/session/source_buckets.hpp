@@ -29,7 +29,9 @@ class SourceBuckets {
   }
 
   [[nodiscard]] std::size_t index(const net::Address& from) const noexcept {
-    const bool is_ipv4 = from.ip[10] == 0xff && from.ip[11] == 0xff;
+    // ::ffff:a.b.c.d (RFC 4291, section 2.5.5.2); not just any address with these two bytes in its lower half.
+    const bool is_ipv4 =
+        word(from, 0) == 0 && from.ip[8] == 0 && from.ip[9] == 0 && from.ip[10] == 0xff && from.ip[11] == 0xff;
     std::uint64_t hash = mixed(key_ ^ word(from, is_ipv4 ? 8 : 0));
     hash = mixed(hash ^ key_);
     return static_cast<std::size_t>(hash % kBuckets);

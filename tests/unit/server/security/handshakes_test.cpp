@@ -82,18 +82,39 @@ TEST_F(Handshakes, GiveACopyOfARequestTheSameAnswerAndNoSecondKeys) {
   const Bytes request = client.request();
   arrive(request);
   const Bytes answer = only_answer();
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 20; ++i) {
     arrive(request);
     EXPECT_EQ(only_answer(), answer);
   }
   EXPECT_EQ(link->unconfirmed(), 1U);
   EXPECT_EQ(link->counters().handshakes, 1U);
-  EXPECT_EQ(link->counters().handshakes_again, 100U);
+  EXPECT_EQ(link->counters().handshakes_again, 20U);
+  for (int i = 0; i < 100; ++i) arrive(request);
+  EXPECT_EQ(sent().size(), 9U) << "thirty at once";
+  clock.time += 10s;
   ASSERT_TRUE(client.take_answer(answer, clock.time).has_value());
   EXPECT_TRUE(arrive(client.seal("motion", clock.time)).has_value());
   arrive(request);
   EXPECT_EQ(only_answer(), answer) << "a late copy";
   EXPECT_EQ(link->confirmed() + link->unconfirmed(), 1U);
+}
+
+TEST_F(Handshakes, OfACopyFromElsewhereGiveNoKeysOfItsOwnEither) {
+  start_with_list();
+  ClientEnd client = anna_end();
+  get_cookie(client);
+  Bytes request = client.request();
+  arrive(request);
+  const Bytes answer = only_answer();
+  // Whoever has recorded it has a cookie for an address of its own.
+  ClientEnd records = anna_end(99);
+  get_cookie(records, at_port(9));
+  const Bytes own = records.request();
+  std::copy_n(own.begin() + security::kHandshakePrologueBytes, security::kCookieBytes,
+              request.begin() + security::kHandshakePrologueBytes);
+  arrive(request, at_port(9));
+  EXPECT_EQ(only_answer(), answer);
+  EXPECT_EQ(link->unconfirmed(), 1U);
 }
 
 TEST_F(Handshakes, TellAClientThatIsNotListedSoAndKeepNothing) {
@@ -154,7 +175,7 @@ TEST_F(Handshakes, WithAnyBitOfTheRequestFlippedGiveNoKeys) {
   for (std::size_t bit = 0; bit < 8 * client.later_request().size(); ++bit) {
     Bytes flipped = request;
     flipped[bit / 8] ^= std::byte{1} << bit % 8;
-    clock.time += 20ms;
+    clock.time += 100ms;
     EXPECT_FALSE(arrive(flipped)) << bit;
     for (const auto& answer : sent()) EXPECT_FALSE(client.take_answer(answer.bytes, clock.time)) << bit;
     ASSERT_EQ(link->unconfirmed(), 0U) << bit;
@@ -183,7 +204,7 @@ TEST_F(Handshakes, ThatAreNotUsedTakeBoundedRoomAndAreForgotten) {
   clients.reserve(200);
   for (std::uint32_t i = 0; i < 200; ++i) {
     clients.push_back(anna_end(i + 1));
-    clock.time += 20ms;
+    clock.time += 100ms;
     ASSERT_TRUE(shake_hands(clients.back(), at_port(static_cast<std::uint16_t>(i + 1))).has_value());
     ASSERT_LE(link->unconfirmed(), SecureLink::kUnconfirmedMost);
   }
@@ -213,6 +234,52 @@ TEST_F(Handshakes, AreRefusedWhereThereAreKeysForAsManyAsThereMayBe) {
   EXPECT_EQ(link->unconfirmed(), 0U);
 }
 
+TEST_F(Handshakes, OfAClientWithAMostOfSessionsTakeThePlaceOfItsOwnAlone) {
+  start_with_list({.sessions_max = 64}, "sessions_max = 1\n");
+  const std::size_t most = SecureLimits::confirmed_most_of(1);
+  std::vector<ClientEnd> clients;
+  for (std::uint32_t i = 0; i < most + 5; ++i) {
+    clients.push_back(anna_end(i + 1));
+    clock.time += 20ms;
+    join(clients.back(), at_port(static_cast<std::uint16_t>(i + 1)));
+    // One that is heard keeps its place.
+    ASSERT_TRUE(arrive(clients.front().seal("motion", clock.time)).has_value()) << i;
+  }
+  EXPECT_EQ(link->confirmed(), most);
+  EXPECT_FALSE(arrive(clients[1].seal("motion", clock.time), at_port(2)).has_value()) << "silent longest";
+  EXPECT_TRUE(arrive(clients.back().seal("motion", clock.time), at_port(20)).has_value());
+}
+
+TEST_F(Handshakes, ThatAreConfirmedAllInOneInstantForgetNoneThatIsInUse) {
+  start_with_list({.sessions_max = 64}, "sessions_max = 1\n");
+  const std::size_t most = SecureLimits::confirmed_most_of(1);
+  std::vector<ClientEnd> clients;
+  for (std::uint32_t i = 0; i < 2 * most; ++i) {
+    clients.push_back(anna_end(i + 1));
+    join(clients.back(), at_port(static_cast<std::uint16_t>(i + 1)));
+    ASSERT_TRUE(
+        arrive(clients.back().seal("motion", clock.time), at_port(static_cast<std::uint16_t>(i + 1))).has_value());
+  }
+  EXPECT_EQ(link->confirmed(), most);
+}
+
+TEST_F(Handshakes, WhereThereIsNoRoomTakeItFromWhoHasMost) {
+  const SecureLimits limits{.sessions_max = 4};
+  start_with_two(limits);
+  for (std::uint32_t i = 0; i < limits.confirmed_most(); ++i) {
+    ClientEnd client = anna_end(i + 1);
+    clock.time += 100ms;
+    join(client, at_port(static_cast<std::uint16_t>(i + 1)));
+  }
+  ClientEnd other({.own = &bert, .server = &server}, 100);
+  clock.time += 100ms;
+  join(other, at_port(100));
+  EXPECT_EQ(link->confirmed(), limits.confirmed_most());
+  ClientEnd again = anna_end(101);
+  clock.time += 100ms;
+  EXPECT_EQ(shake_hands(again, at_port(101))->verdict, Verdict::full) << "anna has most herself";
+}
+
 TEST_F(Handshakes, OfOneSourceAreLimitedAndLeaveOthersTheirs) {
   start_with_list();
   for (std::uint32_t i = 0; i < 120; ++i) {
@@ -221,8 +288,8 @@ TEST_F(Handshakes, OfOneSourceAreLimitedAndLeaveOthersTheirs) {
     arrive(client.request());
     sent();
   }
-  EXPECT_EQ(link->counters().handshakes, 50U);
-  EXPECT_EQ(link->counters().handshakes_over_rate, 70U);
+  EXPECT_EQ(link->counters().handshakes, 30U);
+  EXPECT_EQ(link->counters().handshakes_over_rate, 90U);
 }
 
 TEST_F(Handshakes, ShowNoSecretInWhatIsSentOrSaid) {

@@ -45,13 +45,18 @@ class SecureLinkFixture : public testing::Test {
         &refusals);
   }
 
-  /// With a list of one client, anna.
-  void start_with_list(const SecureLimits& limits = {}) {
+  /// With a list of one client, anna. @param more lines about her
+  void start_with_list(const SecureLimits& limits = {}, const std::string& more = {}) {
     ServerKeys keys{.own = security::key_pair_from(security::key_bytes(2))};
     keys.clients = security::AllowedClients::parse(
-        "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(1) + "\"\nscenes = [\"wall\"]\n",
+        "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(1) + "\"\nscenes = [\"wall\"]\n" + more,
         "clients.toml");
     start(std::move(keys), limits);
+  }
+
+  /// With a list of two clients, anna and bert.
+  void start_with_two(const SecureLimits& limits = {}) {
+    start_with_list(limits, "[[client]]\nname = \"bert\"\npublic_key = \"" + security::public_text(4) + "\"\n");
   }
 
   void start_with_shared_key(const SecureLimits& limits = {}) {

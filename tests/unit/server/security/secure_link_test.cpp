@@ -83,6 +83,21 @@ TEST_F(SealedDatagrams, DecideByTheNewestWhoseKeysAnAddressGets) {
   EXPECT_EQ(heard_by(client, "force", at_port(1)), "force");
 }
 
+TEST_F(SealedDatagrams, FromTheAddressOfAnotherClientDoNotGetWhatIsMeantForIt) {
+  start_with_two();
+  ClientEnd honest = anna_end();
+  ClientEnd forges({.own = &bert, .server = &server}, 12);
+  join(honest, at_port(1));
+  join(forges, at_port(2));
+  EXPECT_TRUE(arrive(forges.seal("motion", clock.time), at_port(1)).has_value());
+  EXPECT_EQ(heard_by(honest, "force", at_port(1)), "force");
+  EXPECT_EQ(link->counters().addresses_of_others, 1U);
+  // An address that is used no more may become another's.
+  clock.time += 2s;
+  EXPECT_TRUE(arrive(forges.seal("motion", clock.time), at_port(1)).has_value());
+  EXPECT_EQ(heard_by(forges, "force", at_port(1)), "force");
+}
+
 TEST_F(SealedDatagrams, KeepTheSessionForTheIdleTimeoutAndAWhileMore) {
   const SecureLimits limits;
   clock.time += limits.idle_timeout + SecureLink::kKeptAfterIdle - 1ns;

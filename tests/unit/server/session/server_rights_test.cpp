@@ -11,8 +11,10 @@ using testing::HasSubstr;
 class ServerRights : public ServerFixture {
  protected:
   void arrive_with(const wire::Message& message, const ClientRights& rights) {
-    server->on_datagram(codec_.encode(message), address(1), clock.time, rights);
+    server->on_datagram(encoded(message), address(1), clock.time, rights);
   }
+
+  std::span<const std::byte> encoded(const wire::Message& message) { return codec_.encode(message); }
 
   static wire::Hello hello_for(std::string_view scene) {
     wire::Hello wanted = hello();
@@ -52,12 +54,13 @@ TEST_F(ServerRights, WithoutAListLetAClientUseEveryScene) {
 }
 
 TEST_F(ServerRights, BoundTheMotionsThatAreAnsweredAndLoseNoneOfTheirNumbers) {
-  arrive_with(hello(), {.name = "bert", .motions_per_s_max = 10});
+  const ClientRights bert{.name = "bert", .motions_per_s_max = 10};
+  arrive_with(hello(), bert);
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   constexpr std::uint64_t kMotions = 5000;
   for (std::uint64_t i = 1; i <= kMotions; ++i) {
     clock.time += milliseconds{1};
-    arrive(motion(session, i));
+    arrive_with(motion(session, i), bert);
   }
   const ServerCounters counters = server->counters();
   EXPECT_EQ(counters.motions_received, kMotions);
@@ -66,12 +69,60 @@ TEST_F(ServerRights, BoundTheMotionsThatAreAnsweredAndLoseNoneOfTheirNumbers) {
   EXPECT_GE(counters.forces_sent, 10U * 5);
 }
 
+TEST_F(ServerRights, BoundTheSessionsOfAClientWhereverTheyComeFrom) {
+  const ClientRights two{.name = "anna", .sessions_max = 2};
+  const ClientRights others{.name = "bert", .sessions_max = 2};
+  const auto join_as = [&](const ClientRights& rights, std::uint16_t number) {
+    server->on_datagram(encoded(hello(number)), address(number), clock.time, rights);
+    return answers();
+  };
+  const auto first = join_as(two, 1);
+  const std::uint64_t session = std::get<wire::Welcome>(first.at(0)).session;
+  ASSERT_EQ(join_as(two, 2).size(), 1U);
+  const auto third = join_as(two, 3);
+  ASSERT_TRUE(std::holds_alternative<wire::Refusal>(third.at(0)));
+  EXPECT_EQ(std::get<wire::Refusal>(third.at(0)).text,
+            "client 'anna' has as many sessions as it may, 2: end one or try again later");
+  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(join_as(others, 4).at(0)));
+  arrive_with(wire::Bye{.session = session}, two);
+  (void)answers();
+  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(join_as(two, 5).at(0)));
+}
+
+TEST_F(ServerRights, LeaveASessionToTheClientThatOpenedIt) {
+  const ClientRights other{.name = "bert"};
+  arrive_with(hello(), {.name = "anna"});
+  const std::uint64_t session = only_answer<wire::Welcome>().session;
+  arrive_with(motion(session, 1), other);
+  arrive_with(wire::Bye{.session = session}, other);
+  EXPECT_TRUE(answers().empty());
+  EXPECT_EQ(server->sessions(), 1U);
+  EXPECT_EQ(server->counters().datagrams_of_others, 2U);
+  EXPECT_EQ(server->counters().motions_received, 0U);
+}
+
+TEST_F(ServerRights, LetAClientThatWasCutOffBackIn) {
+  const ClientRights one{.name = "anna", .sessions_max = 1};
+  arrive_with(hello(1), one);
+  const std::uint64_t session = only_answer<wire::Welcome>().session;
+  arrive_with(motion(session, 1), one);
+  (void)answers();
+  arrive_with(hello(2), one);
+  EXPECT_THAT(only_answer<wire::Refusal>().text, HasSubstr("as many sessions as it may"));
+  clock.time += std::chrono::seconds{21};
+  server->on_datagram(encoded(hello(3)), address(3), clock.time, one);
+  const auto last = answers();
+  ASSERT_FALSE(last.empty());
+  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(last.back()));
+}
+
 TEST_F(ServerRights, WithoutARateAreTheServersOwn) {
-  arrive_with(hello(), {.name = "bert"});
+  const ClientRights bert{.name = "bert"};
+  arrive_with(hello(), bert);
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   for (std::uint64_t i = 1; i <= 1000; ++i) {
     clock.time += milliseconds{1};
-    arrive(motion(session, i));
+    arrive_with(motion(session, i), bert);
   }
   EXPECT_EQ(server->counters().forces_sent, 1000U);
 }

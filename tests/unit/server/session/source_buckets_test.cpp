@@ -38,6 +38,12 @@ TEST(SourceBuckets, AnIpv6NetworkIsOneSource) {
   net::Address other = one;
   other.ip[15] = 99;
   EXPECT_EQ(buckets.index(one), buckets.index(other));
+  // Bytes as in an address of IPv4, which whoever has the network can choose.
+  one.ip[10] = one.ip[11] = other.ip[10] = other.ip[11] = 0xff;
+  for (std::uint8_t last = 0; last < 255; ++last) {
+    other.ip[15] = last;
+    ASSERT_EQ(buckets.index(one), buckets.index(other));
+  }
 }
 
 TEST(SourceBuckets, SourcesSpreadOverBucketsAsTheKeySays) {
