@@ -34,8 +34,8 @@ void DevicePath::note(const Motion& motion) noexcept {
   if (count_ == 0) {
     played_at_ = motion.arrived;
     begin(motion, position_m);
-    place_ = {.position_m = position_m};
-    aside_m_.setZero();
+    if (!placed_) place_at(position_m);
+    aside_m_ = place_.position_m - position_m;
     return;
   }
   const Nanoseconds read = wrapped_difference(motion.read, epoch_);

@@ -65,7 +65,16 @@ class DevicePath {
   /// first motion nothing is played.
   const Place& play(Nanoseconds moment) noexcept;
 
-  void forget() noexcept { count_ = 0; }
+  void forget() noexcept {
+    count_ = 0;
+    placed_ = false;
+  }
+
+  /// A path that begins next goes to what its motions tell from there, as after a jump. Finite.
+  void place_at(const Point& position_m) noexcept {
+    place_ = {.position_m = position_m};
+    placed_ = true;
+  }
 
   [[nodiscard]] bool begun() const noexcept { return count_ > 0; }
 
@@ -108,6 +117,7 @@ class DevicePath {
   Nanoseconds played_{0};     // p, since `epoch_`
   Nanoseconds played_at_{0};  // t
   Place place_{};
+  bool placed_ = false;
   Point aside_m_ = Point::Zero();  // what is played, less what the motions tell of
 };
 

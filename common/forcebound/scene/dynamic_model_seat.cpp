@@ -11,32 +11,51 @@ double seconds_between(Nanoseconds from, Nanoseconds to) noexcept {
 
 DynamicModelNow::DynamicModelNow(const SceneDynamicModel& dynamic_model, int seats, bool shared)
     : dynamic_model_(dynamic_model), state_(dynamic_model.dynamic_model->make_state(seats)) {
-  if (shared && dynamic_model.dynamic_model->facts().inputs.time) paths_.resize(static_cast<std::size_t>(seats));
+  if (!shared) return;
+  devices_.resize(static_cast<std::size_t>(seats));
+  if (dynamic_model.dynamic_model->facts().inputs.time) paths_.resize(static_cast<std::size_t>(seats));
 }
 
 int DynamicModelNow::join() {
   const int seat = state_->join();
-  const bool has_no_path = !paths_.empty() && seat >= static_cast<int>(paths_.size());
-  if (!has_no_path) return seat;
+  const bool has_no_place = !devices_.empty() && seat >= static_cast<int>(devices_.size());
+  if (!has_no_place) return seat;
   state_->leave(seat);
   return -1;
 }
 
 void DynamicModelNow::leave(int seat) {
-  if (!paths_.empty()) paths_[static_cast<std::size_t>(seat)].forget();
+  const auto i = static_cast<std::size_t>(seat);
+  if (!paths_.empty()) paths_[i].forget();
+  if (!devices_.empty()) devices_[i] = {};
   state_->leave(seat);
 }
 
 void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexcept {
-  if (paths_.empty()) {
+  if (devices_.empty()) {
     state_->move(seat, probe.position_m, probe.velocity_m_per_s);
     return;
   }
-  DevicePath& path = paths_[static_cast<std::size_t>(seat)];
-  if (!at.reading) path.forget();
-  // Also with a path, a probe needs a place to begin at.
-  if (!path.begun()) state_->move(seat, probe.position_m, probe.velocity_m_per_s);
-  if (at.reading) path.note({.position_m = probe.position_m, .read = *at.reading, .arrived = at.moment});
+  const auto i = static_cast<std::size_t>(seat);
+  Device& device = devices_[i];
+  device.told_m = probe.position_m.cwiseMax(-DevicePath::kFar_m).cwiseMin(DevicePath::kFar_m);
+  device.told_m_per_s = probe.velocity_m_per_s;
+  if (!device.placed) place(i, device.told_m, device.told_m_per_s);
+  const bool goes_by_path = !paths_.empty() && at.reading;
+  if (!goes_by_path) {
+    if (!paths_.empty()) paths_[i].forget();
+    follow(i);
+    return;
+  }
+  DevicePath& path = paths_[i];
+  if (!path.begun()) path.place_at(device.at_m);
+  path.note({.position_m = probe.position_m, .read = *at.reading, .arrived = at.moment});
+}
+
+void DynamicModelNow::place(std::size_t seat, const Point& position_m, const Point& velocity_m_per_s) noexcept {
+  devices_[seat].placed = true;
+  devices_[seat].at_m = position_m;
+  state_->move(static_cast<int>(seat), position_m, velocity_m_per_s);
 }
 
 const DevicePath* DynamicModelNow::path_of(int seat) const noexcept {
@@ -48,15 +67,18 @@ const DevicePath* DynamicModelNow::path_of(int seat) const noexcept {
 bool DynamicModelNow::plays() const noexcept { return std::ranges::any_of(paths_, &DevicePath::begun); }
 
 void DynamicModelNow::advance_to(Nanoseconds moment) noexcept {
-  const double elapsed_s = begun_ ? seconds_between(moment_, moment) : 0;
-  if (begun_ && !(elapsed_s > 0)) return;
-  if (begun_ && plays()) {
-    play_until(moment);
+  if (!begun_) {
+    begun_ = true;
+    moment_ = moment;
+    state_->advance(0);
     return;
   }
-  begun_ = true;
-  moment_ = moment;
-  state_->advance(elapsed_s);
+  if (!(seconds_between(moment_, moment) > 0)) return;
+  if (plays()) {
+    play_until(moment);
+  } else {
+    step_to(moment);
+  }
 }
 
 /// In whole beats; the rest of the time stays due.
@@ -67,13 +89,40 @@ void DynamicModelNow::play_until(Nanoseconds moment) noexcept {
 }
 
 void DynamicModelNow::step_to(Nanoseconds moment) noexcept {
-  for (std::size_t i = 0; i < paths_.size(); ++i) {
-    if (!paths_[i].begun()) continue;
-    const DevicePath::Place& place = paths_[i].play(moment);
-    state_->move(static_cast<int>(i), place.position_m, place.velocity_m_per_s);
-  }
-  state_->advance(time::to_seconds(moment - moment_));
+  move_devices(moment);
+  state_->advance(seconds_between(moment_, moment));
   moment_ = moment;
+}
+
+/// To where they are by then.
+void DynamicModelNow::move_devices(Nanoseconds moment) noexcept {
+  const double more_m = kFollows_m_per_s * seconds_between(moment_, moment);
+  for (std::size_t i = 0; i < devices_.size(); ++i) {
+    Device& device = devices_[i];
+    if (!device.placed) continue;
+    device.may_move_m = std::min(device.may_move_m + more_m, std::max(more_m, kFollowsAtOnce_m));
+    if (!paths_.empty() && paths_[i].begun()) {
+      const DevicePath::Place& played = paths_[i].play(moment);
+      place(i, played.position_m, played.velocity_m_per_s);
+    } else {
+      follow(i);
+    }
+  }
+}
+
+/// To where it was told to be, as far as it may.
+void DynamicModelNow::follow(std::size_t seat) noexcept {
+  Device& device = devices_[seat];
+  const Point left_m = device.told_m - device.at_m;
+  const double left = left_m.norm();
+  if (left > device.may_move_m) {
+    const double share = device.may_move_m / left;
+    device.may_move_m = 0;
+    place(seat, device.at_m + share * left_m, left_m * (kFollows_m_per_s / left));
+  } else {
+    device.may_move_m -= left;
+    place(seat, device.told_m, device.told_m_per_s);
+  }
 }
 
 DynamicModelsNow begin_dynamic_models(const Scene& scene, int clients) {

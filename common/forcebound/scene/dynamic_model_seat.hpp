@@ -29,12 +29,15 @@ struct FeltAt {
 /// is the server's, and motions come when their networks let them. Where what moves has a time of its own (bodies, not
 /// tissue, which is quasi-static), the paths of all devices can therefore be played (DevicePath), in beats of a
 /// millisecond: each beat moves every device whose path is played to where it was, and the model steps by that. A
-/// motion thus moves its device in the model later than it came, by about the jitter on its way.
+/// motion thus moves its device in the model later than it came, by about the jitter on its way. A device whose path is
+/// not played goes to where it is at 2 m/s at most, so that nobody's hand is struck by somebody else's jump.
 class DynamicModelNow {
  public:
   /// How far all devices go at once; what is due beyond eight of them is gone in one.
   static constexpr Nanoseconds kBeat = std::chrono::milliseconds{1};
   static constexpr std::int64_t kBeatsMost = 8;
+  static constexpr double kFollows_m_per_s = 2;
+  static constexpr double kFollowsAtOnce_m = 0.004;  ///< without time going on
 
   /// @param dynamic_model must outlive this
   /// @param shared the clock is the server's, and paths can be played; else it is the one device's
@@ -44,7 +47,8 @@ class DynamicModelNow {
   [[nodiscard]] int join();
   void leave(int seat);
 
-  /// The probe's device was there: at once, or when its path is played as far. Real time.
+  /// The probe's device was there: at once, in a shared model as far as its speed allows, or when its path is played as
+  /// far. Real time.
   void take(int seat, const Probe& probe, const FeltAt& at) noexcept;
 
   /// Real time. The first call sets the start; a time that is not later than the last one changes nothing.
@@ -57,12 +61,25 @@ class DynamicModelNow {
   [[nodiscard]] const SceneDynamicModel& dynamic_model() const noexcept { return dynamic_model_; }
 
  private:
+  /// A device in a shared model.
+  struct Device {
+    bool placed = false;
+    Point told_m = Point::Zero();
+    Point told_m_per_s = Point::Zero();
+    Point at_m = Point::Zero();  ///< in the model
+    double may_move_m = 0;
+  };
+
   [[nodiscard]] bool plays() const noexcept;
+  void place(std::size_t seat, const Point& position_m, const Point& velocity_m_per_s) noexcept;
+  void follow(std::size_t seat) noexcept;
+  void move_devices(Nanoseconds moment) noexcept;
   void play_until(Nanoseconds moment) noexcept;
   void step_to(Nanoseconds moment) noexcept;
 
   const SceneDynamicModel& dynamic_model_;
   std::unique_ptr<DynamicModelState> state_;
+  std::vector<Device> devices_;    ///< of all seats; empty: not shared
   std::vector<DevicePath> paths_;  ///< of all seats; empty: none can be played
   Nanoseconds moment_{0};
   bool begun_ = false;

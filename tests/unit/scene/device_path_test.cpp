@@ -59,6 +59,22 @@ class PlayedPath : public ::testing::Test {
   bool begun = false;
 };
 
+TEST_F(PlayedPath, BegunElsewhereItGoesToItsMotionsAtTheSpeedOfAJump) {
+  path.place_at(along_x(-0.3));
+  played.position_m = along_x(-0.3);
+  begun = true;
+  play_until(1000);
+  EXPECT_LT(fastest_m_per_s, DevicePath::kEase_m_per_s + 2 * kSpeed_m_per_s);
+  EXPECT_NEAR(late_s(), 0.021, 2e-3);
+}
+
+TEST_F(PlayedPath, ForgottenItBeginsWhereItsMotionsDo) {
+  path.place_at(along_x(-0.3));
+  path.forget();
+  play_until(25);
+  EXPECT_GT(played.position_m.x(), -0.01);
+}
+
 /// Between 20 and 29 ms, so that most motions come after a newer one.
 Nanoseconds jittered(int i) { return 20ms + (7 * i % 10) * 1ms; }
 

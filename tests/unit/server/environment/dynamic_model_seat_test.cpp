@@ -182,6 +182,51 @@ TEST(SharedScene, PlaysTheTimesOfAnUntrustedClientWithoutHarmToTheOthers) {
   }
 }
 
+std::shared_ptr<const Scene> shared_pad() {
+  return parse_scene(
+      "[scene]\nname = \"pad\"\ndescription = \"\"\ndegrees_of_freedom = 3\nshared = true\nclients_max = 2\n"
+      "[[tissue]]\nname = \"pad\"\nyoung_Pa = 20000\npoisson = 0.4\nprobe_radius_m = 0.006\n"
+      "shape = { kind = \"block\", center_m = [0, 0, -0.02], size_m = [0.06, 0.06, 0.04], cells = [4, 4, 3] }\n"
+      "held = { through_m = [0, 0, -0.039], normal = [0, 0, 1] }\n",
+      "pad.toml");
+}
+
+Vector over_pad(double x, double z) { return Vector{Eigen::Vector3d(x, 0, z)}; }
+
+//   z = 0.1 m   jumps ----+         0.1 m at 2 m/s: 50 ms
+//                         v
+//   pad        rests   ===+===
+TEST(SharedScene, AJumpIntoTissueReachesTheOthersNoFasterThanAHandWouldMove) {
+  const auto scene = shared_pad();
+  SceneState rests(scene, 3, begin_dynamic_models(*scene, 2));
+  SceneState jumps(scene, 3, rests.dynamic_models());
+  const auto force_N = [&](int i, double z) {
+    (void)jumps.answer(over_pad(0.012, z), milliseconds(i), milliseconds(i));
+    return rests.answer(over_pad(-0.012, -0.004), milliseconds(i), milliseconds(i)).force[2];
+  };
+  double quiet_N = 0;
+  for (int i = 0; i < 100; ++i) quiet_N = force_N(i, 0.1);
+  ASSERT_GT(quiet_N, 0.1) << "the other one presses";
+  for (int i = 100; i < 140; ++i) ASSERT_NEAR(force_N(i, -0.01), quiet_N, 1e-9) << i;
+  double then_N = 0;
+  for (int i = 140; i < 200; ++i) then_N = force_N(i, -0.01);
+  EXPECT_LT(then_N, 0.99 * quiet_N) << "the surface between both has gone down";
+}
+
+TEST(SharedScene, AHandOfTheSpeedOfHandsIsWhereItIsAtOnce) {
+  const auto scene = shared_pad();
+  SceneState shared(scene, 3, begin_dynamic_models(*scene, 2));
+  SceneState other(scene, 3, shared.dynamic_models());
+  SceneState own(scene, 3, begin_dynamic_models(*scene, 2));
+  for (int i = 0; i < 200; ++i) {
+    const Vector place = over_pad(0.012, 0.002 - 0.008 * std::sin(0.15 * i));
+    (void)other.answer(over_pad(-0.02, 0.1), milliseconds(i), milliseconds(i));
+    ASSERT_EQ(shared.answer(place, milliseconds(i), milliseconds(i)).force[2],
+              own.answer(place, milliseconds(i), milliseconds(i)).force[2])
+        << i;
+  }
+}
+
 TEST(SharedScene, PlaysPathsWithoutAllocating) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const auto scene = table_with_ball(true);
