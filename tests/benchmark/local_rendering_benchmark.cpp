@@ -1,7 +1,7 @@
-// Cost of a client's tick with remote and with local rendering, on each scene of `forcebound-lab rendering`: median, 99
-// and 99.9 % and the longest of the ticks since the hand came, how many of them were rendered at the client, and the
-// heap operations in them. Simulated device and hand are within a tick; the server, which answers before the next one,
-// and the building of scenes are not. Build it optimised:
+// Cost of a client's tick with remote rendering, with local, and with local and encryption, on each scene of
+// `forcebound-lab rendering`: median, 99 and 99.9 % and the longest of the ticks since the hand came, how many of them
+// were rendered at the client, and the heap operations in them. Simulated device and hand are within a tick; the
+// server, which answers before the next one, and the building of scenes are not. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target local_rendering_benchmark
 //     build/release/bin/local_rendering_benchmark --benchmark_filter=mesh
@@ -19,9 +19,13 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/client/security/handshaker.hpp"
+#include "forcebound/client/security/secure_link.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
+#include "forcebound/security/random.hpp"
 #include "forcebound/server/environment/scene_environment.hpp"
+#include "forcebound/server/security/secure_link.hpp"
 #include "forcebound/server/session/server.hpp"
 #include "forcebound/time/heap_operations.hpp"
 #include "forcebound/time/percentile.hpp"
@@ -99,14 +103,37 @@ class RenderedTicks final : public record::TickSink {
   double at_client = 0;
 };
 
+security::SecretKey shared_key() {
+  security::SecretKey key;
+  key->fill(std::byte{7});
+  return key;
+}
+
+/// Encryption at both ends of a line, with a key that both have.
+struct Encryption {
+  Encryption(net::DatagramLink& client_end, net::DatagramLink& server_end, const time::Clock& clock)
+      : client(client_end, {}, handshaker, clock),
+        server({.shared = shared_key()}, {}, server_end, clock, security::fill_with_random) {}
+
+  Handshaker handshaker{{.pattern = security::Pattern::nn_psk0, .server = "server", .shared = shared_key()},
+                        security::fill_with_random};
+  SecureLink client;
+  server::SecureLink server;
+};
+
+enum class How : std::uint8_t { remote, local, local_encrypted };
+
 /// A client and its server in virtual time, the server's answer a tick later.
 class Pair {
  public:
-  Pair(const lab::RenderingTask& task, bool renders_locally)
+  Pair(const lab::RenderingTask& task, How how)
       : device_(task.device, task.make_hand()),
+        encryption_(how == How::local_encrypted
+                        ? std::make_unique<Encryption>(client_line_end_, server_line_end_, clock_)
+                        : nullptr),
         server_({.scene = task.scene->facts().name}, library_of(task), server_end_, clock_,
                 [random = std::mt19937_64(1)]() mutable { return random() | 1U; }),
-        session_({.server = {}, .local = renders_locally ? &local_ : nullptr}, device_,
+        session_({.server = {}, .local = how == How::remote ? nullptr : &local_}, device_,
                  baselines::shipped_laws().make("fba-exact", device_.facts(), {}), client_end_, clock_,
                  {.ticks = sinks_}) {}
 
@@ -119,7 +146,11 @@ class Pair {
     const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     heap_operations_ += static_cast<double>(time::heap_operations_of_this_thread() - heap_before);
     if (++ticks_ % 2 == 0) (void)local_.builder().work();
-    if (ticks_ % 250 == 0) server_.on_timer(clock_.now());
+    if (encryption_) encryption_->handshaker.work(clock_.now());
+    if (ticks_ % 250 == 0) {
+      server_.on_timer(clock_.now());
+      if (encryption_) encryption_->server.on_timer(clock_.now());
+    }
     while (const auto received = server_end_.receive(buffer_)) {
       server_.on_datagram(std::span(buffer_).first(received->bytes), received->from, clock_.now());
     }
@@ -140,21 +171,26 @@ class Pair {
   sim::VirtualClock clock_;
   Way up_;
   Way down_;
-  LineEnd client_end_{up_, down_, {}};
-  LineEnd server_end_{down_, up_, {}};
+  LineEnd client_line_end_{up_, down_, {}};
+  LineEnd server_line_end_{down_, up_, {}};
   std::array<std::byte, net::kDatagramBytesMax> buffer_{};
   RenderedTicks rendered_;
   std::array<record::TickSink*, 1> sinks_{&rendered_};
   LocalRendering local_{SceneBuilder::Options{}};
   device::SimulatedDevice device_;
+  std::unique_ptr<Encryption> encryption_;
+  net::DatagramLink& client_end_ =
+      encryption_ ? static_cast<net::DatagramLink&>(encryption_->client) : client_line_end_;
+  net::DatagramLink& server_end_ =
+      encryption_ ? static_cast<net::DatagramLink&>(encryption_->server) : server_line_end_;
   server::Server server_;
   Session session_;
   int ticks_ = 0;
   double heap_operations_ = 0;
 };
 
-void ticks_of(benchmark::State& state, const lab::RenderingTask& task, bool renders_locally) {
-  Pair pair(task, renders_locally);
+void ticks_of(benchmark::State& state, const lab::RenderingTask& task, How how) {
+  Pair pair(task, how);
   for (int i = 0; i < kTicksBeforeContact; ++i) (void)pair.tick();
   std::vector<double> took_ns;
   took_ns.reserve(kTicksTimed);
@@ -176,10 +212,10 @@ void ticks_of(benchmark::State& state, const lab::RenderingTask& task, bool rend
 
 void add_benchmarks() {
   for (const lab::RenderingTask& task : lab::rendering_tasks()) {
-    for (const bool locally : {false, true}) {
-      const std::string name = task.name + (locally ? "/local" : "/remote");
-      const auto run = [task, locally](benchmark::State& state) { ticks_of(state, task, locally); };
-      benchmark::RegisterBenchmark(name.c_str(), run)->UseManualTime()->Iterations(kTicksTimed);
+    for (const auto& [how, rendering] :
+         {std::pair{How::remote, "/remote"}, {How::local, "/local"}, {How::local_encrypted, "/local/encrypted"}}) {
+      const auto run = [task, how](benchmark::State& state) { ticks_of(state, task, how); };
+      benchmark::RegisterBenchmark((task.name + rendering).c_str(), run)->UseManualTime()->Iterations(kTicksTimed);
     }
   }
 }

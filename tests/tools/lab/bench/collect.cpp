@@ -42,6 +42,10 @@ constexpr Beside kBeside[]{
     {"the same bent far and sliding", "corotational_step/tetrahedra:600", "eight sparse solves",
      "eight_sparse_solves/tetrahedra:600"},
     {"a client's tick with --record", "tick/recorded", "without", "tick/plain"},
+    {"a client's tick with local rendering of a plane", "plane/local", "remote rendering", "plane/remote"},
+    {"the same encrypted", "plane/local/encrypted", "not encrypted", "plane/local"},
+    {"a motion's 64 bytes sealed", "seal/64", "copied with a checksum", "copy_and_checksum/64"},
+    {"a motion's 64 bytes sealed and opened", "seal_and_open/64", "copied with a checksum", "copy_and_checksum/64"},
 };
 
 struct Growing {
@@ -116,12 +120,21 @@ void add_round_trips(const fs::path& folder, const std::string& state, const cha
                            "sockperf ping-pong", p50_us, wanted[0]));
   rows.push_back(turns_row("round trip of motion and force: p99", "us", conditions, ours("/read_us/p99"),
                            "sockperf ping-pong", p99_us, wanted[1]));
+  for (const auto& [what, path] : {std::pair{"median", "/read_us/p50"}, {"p99", "/read_us/p99"}}) {
+    rows.push_back(turns_row(std::string("encrypted round trip of motion and force: ") + what, "us", conditions,
+                             of_runs(folder, state + "-encrypted.json", path), "not encrypted", ours(path)));
+  }
   if (state != "awake") return;
   // The client keeps the processors awake by itself.
   rows.push_back(turns_row("client's round trip from reading to arrival: median", "us", conditions,
                            of_runs(folder, "client.json", "/rtt_us/p50"), "sockperf ping-pong", p50_us));
   rows.push_back(turns_row("client's round trip from reading to arrival: p99", "us", conditions,
                            of_runs(folder, "client.json", "/rtt_us/p99"), "sockperf ping-pong", p99_us));
+  for (const auto& [what, path] : {std::pair{"median", "/rtt_us/p50"}, {"p99", "/rtt_us/p99"}}) {
+    rows.push_back(turns_row(std::string("client's encrypted round trip from reading to arrival: ") + what, "us",
+                             conditions, of_runs(folder, "client-encrypted.json", path), "not encrypted",
+                             of_runs(folder, "client.json", path)));
+  }
 }
 
 void add_periods(const fs::path& folder, std::vector<BenchRow>& rows) {
@@ -144,9 +157,9 @@ struct CapacityOf {
 };
 
 constexpr CapacityOf kCapacities[]{
-    {"most clients at 1 kHz on one core: a ball, local rendering", "sphere"},
-    {"most clients at 1 kHz on one core: tissue, local rendering", "pad"},
-    {"most clients at 1 kHz on one core: a dragged body, local rendering", "block_and_stop"},
+    {"most clients at 1 kHz on one core: local rendering of a ball", "sphere"},
+    {"most clients at 1 kHz on one core: local rendering of tissue", "pad"},
+    {"most clients at 1 kHz on one core: local rendering of a dragged body", "block_and_stop"},
 };
 
 void add_capacity(const fs::path& folder, std::vector<BenchRow>& rows) {
@@ -155,6 +168,8 @@ void add_capacity(const fs::path& folder, std::vector<BenchRow>& rows) {
   };
   rows.push_back(turns_row("most clients at 1 kHz on one core", "clients", kAwake, clients("sphere-remote"),
                            "plain echo server", clients("echo"), ">= 0.7"));
+  rows.push_back(turns_row("most encrypted clients at 1 kHz on one core", "clients", kAwake,
+                           clients("sphere-encrypted"), "not encrypted", clients("sphere-remote")));
   for (const CapacityOf& capacity : kCapacities) {
     const std::string scene = capacity.scene;
     rows.push_back(turns_row(capacity.what, "clients", kAwake, clients(scene + "-local"), "remote rendering",

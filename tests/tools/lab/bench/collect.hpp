@@ -9,8 +9,10 @@ namespace forcebound::lab {
 /// The results from the files that deploy/bench wrote to a folder:
 ///
 ///     machine.txt                            "key: value" lines
-///     N-sockperf.txt  N-ours.json  N-client.json  N-cyclictest.txt   alternating runs, N = 1, 2, ...
-///     N-capacity-echo.json  N-capacity-SCENE-RENDERING.json
+///     N-STATE-sockperf.txt  N-STATE-ours.json  N-STATE-encrypted.json   alternating runs, N = 1, 2, ...; processors
+///                                                                       "awake" or "asleep"
+///     N-cyclictest.txt  N-client.json  N-client-encrypted.json
+///     N-capacity-echo.json  N-capacity-SCENE-RENDERING.json  N-capacity-sphere-encrypted.json
 ///     *_benchmark.json                       Google Benchmark's
 ///
 /// Figures are medians over the alternating runs.

@@ -134,8 +134,11 @@ void Load::connect(std::size_t clients) {
   load_generator_.grow(std::max(clients, load_generator_.size()));
   for (std::size_t client = 0; client < clients; ++client) {
     for (const Nanoseconds first = now(); !load_generator_.connected(client);) {
-      if (!load_generator_.refusal().empty())
-        throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
+      if (!load_generator_.refusal().empty()) {
+        if (!load_generator_.refused_for_now() || now() - first > kServerPatience)
+          throw std::runtime_error(options_.server + " refused: " + load_generator_.refusal());
+        load_generator_.forget_refusal();
+      }
       const bool unreachable = line_of(client).link.counters().refused > kRefusalsBorne;
       if (unreachable || now() - first > kServerPatience) {
         const std::string problem =

@@ -123,6 +123,7 @@ void LoadGenerator::on_piece(const wire::ScenePiece& piece) noexcept {
 
 void LoadGenerator::on_refusal(const wire::Refusal& refusal, Nanoseconds now) {
   if (refusal.reason != wire::RefusalReason::round_trip_wanted) {
+    refused_for_now_ = refusal.reason == wire::RefusalReason::server_full;
     refusal_ = refusal.reason == wire::RefusalReason::unknown_session ? "the server does not know a session any more"
                                                                       : text::printable(refusal.text);
     return;

@@ -83,6 +83,10 @@ class LoadGenerator {
   /// The server's reason for refusing a client; empty if it refused none.
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
 
+  /// Whether another Hello may be let in.
+  [[nodiscard]] bool refused_for_now() const noexcept { return refused_for_now_; }
+  void forget_refusal() noexcept { refusal_.clear(); }
+
  private:
   struct VirtualClient {
     std::uint64_t nonce;
@@ -111,6 +115,7 @@ class LoadGenerator {
   Tally tally_;
   HandedOver handed_over_;
   std::string refusal_;
+  bool refused_for_now_ = false;
 };
 
 }  // namespace forcebound::lab

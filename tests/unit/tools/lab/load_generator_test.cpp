@@ -95,6 +95,11 @@ TEST_F(LoadGeneratorTest, KeepsTheServersRefusal) {
   load_generator.grow(1);
   arrive(load_generator, wire::Refusal{.text = "all 64 sessions are taken"});
   EXPECT_THAT(load_generator.refusal(), HasSubstr("64 sessions"));
+  EXPECT_FALSE(load_generator.refused_for_now());
+  load_generator.forget_refusal();
+  arrive(load_generator, wire::Refusal{.reason = wire::RefusalReason::server_full, .text = "try again later"});
+  EXPECT_THAT(load_generator.refusal(), HasSubstr("later"));
+  EXPECT_TRUE(load_generator.refused_for_now());
 }
 
 TEST_F(LoadGeneratorTest, SaysTheRoundTripToAServerThatWantsItAndIsNotRefusedByThat) {
