@@ -14,9 +14,19 @@ namespace {
 struct KeygenOptions {
   std::string file;
   bool shared = false;
+  bool show_public = false;
 };
 
+/// As files of public keys have it.
+void print_public(const security::KeyPair& pair) {
+  std::printf("forcebound-public-key %s\n", security::to_base64(pair.public_key.bytes).c_str());
+}
+
 void run_keygen(const KeygenOptions& options) {
+  if (options.show_public) {
+    print_public(security::read_key_pair(options.file));
+    return;
+  }
   security::SecretKey random;
   security::fill_with_random(*random);
   const std::string file = text::printable(options.file);
@@ -36,17 +46,25 @@ void run_keygen(const KeygenOptions& options) {
 void add_keygen(CLI::App& app) {
   auto options = std::make_shared<KeygenOptions>();
   CLI::App* command = app.add_subcommand("keygen", "A new key of a client, a server, or for both to share");
-  command->add_option("file", options->file, "new file for the key, which only its owner may read")
+  command
+      ->add_option("file", options->file,
+                   "new file for the key, which only its owner may read; with --public one that is there")
       ->required()
       ->type_name("FILE");
-  command->add_flag("--shared", options->shared, "a key that both ends have, in place of a pair of keys");
+  auto* const shared =
+      command->add_flag("--shared", options->shared, "a key that both ends have, in place of a pair of keys");
+  command
+      ->add_flag("--public", options->show_public,
+                 "print the public key of a secret one, as files of public keys have it, and write nothing")
+      ->excludes(shared);
   command->footer(
       "Draws a key from the system's random numbers. A file that is there already is never replaced. The public key "
       "follows from the secret one and may be known to all.\n"
       "\n"
       "Examples:\n"
       "  forcebound-lab keygen server.key\n"
-      "  forcebound-lab keygen shared.key --shared");
+      "  forcebound-lab keygen shared.key --shared\n"
+      "  forcebound-lab keygen server.key --public >server.pub");
   command->callback([options] { run_keygen(*options); });
 }
 

@@ -5,6 +5,7 @@
 
 #include "forcebound/config/config_error.hpp"
 #include "forcebound/security/key_file.hpp"
+#include "forcebound/text/file.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
@@ -51,6 +52,18 @@ TEST(KeygenCommand, WritesASharedKeyAndNeverPrintsIt) {
   const std::string printed = keygen(folder.file("shared.key") + " --shared");
   const security::SecretKey key = security::read_shared_key(folder.file("shared.key"));
   EXPECT_THAT(printed, Not(HasSubstr(security::to_base64(*key))));
+}
+
+TEST(KeygenCommand, PrintsThePublicKeyOfASecretOneAsAFileHasIt) {
+  const test::TemporaryFolder folder;
+  (void)keygen(folder.file("anna.key"));
+  const security::KeyPair pair = security::read_key_pair(folder.file("anna.key"));
+  const std::string printed = keygen(folder.file("anna.key") + " --public");
+  EXPECT_EQ(printed, "forcebound-public-key " + security::to_base64(pair.public_key.bytes) + "\n");
+  text::write_file(folder.file("anna.pub"), printed);
+  EXPECT_EQ(security::read_public_key(folder.file("anna.pub")), pair.public_key);
+  EXPECT_THROW((void)keygen(folder.file("nobody.key") + " --public"), config::ConfigError);
+  EXPECT_THROW((void)keygen(folder.file("shared.key") + " --public --shared"), CLI::ParseError);
 }
 
 TEST(KeygenCommand, ReplacesNoKey) {
