@@ -85,7 +85,7 @@ function(forcebound_library name)
 
   if(FORCEBOUND_INSTALL AND NOT arg_NOT_INSTALLED AND NOT folder MATCHES "^tests/")
     install(DIRECTORY ${root}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT ${name}
-            FILES_MATCHING PATTERN "*.hpp" PATTERN "internal" EXCLUDE)
+            FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "internal" EXCLUDE)
     forcebound_component(${name} LINKED ${arg_LINK} ${arg_LINK_PRIVATE})
   endif()
 endfunction()

@@ -31,6 +31,9 @@ const std::vector<Folder>& folders() {
       {"forcebound/security", {"forcebound/config", "forcebound/text", "forcebound/time"}},
       {"forcebound/record", {"forcebound/control", "forcebound/text", "forcebound/time", "forcebound/wire"}},
       {"forcebound/device", {"forcebound/control", "forcebound/config", "forcebound/text", "forcebound/time"}},
+      {"forcebound/child", {"forcebound/text"}},
+      {"forcebound/driver",
+       {"forcebound/child", "forcebound/control", "forcebound/device", "forcebound/text", "forcebound/time"}},
       {"forcebound/scene/geometry", {"forcebound/config", "forcebound/text"}},
       {"forcebound/scene/effects",
        {"forcebound/config", "forcebound/control", "forcebound/text", "forcebound/scene/geometry"}},
@@ -50,9 +53,11 @@ const std::vector<Folder>& folders() {
         "forcebound/client/session"}},
       {"forcebound/client/app",
        {"forcebound/control", "forcebound/baselines", "forcebound/program", "forcebound/text", "forcebound/time",
-        "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/client"}},
+        "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/driver",
+        "forcebound/client"}},
       {"forcebound/server/dynamics/tissue", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
-      {"forcebound/server/dynamics/bodies", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
+      {"forcebound/server/dynamics/bodies",
+       {"forcebound/child", "forcebound/local_model", "forcebound/text", "forcebound/scene"}},
       {"forcebound/server/environment",
        {"forcebound/config", "forcebound/control", "forcebound/device", "forcebound/local_model", "forcebound/text",
         "forcebound/time", "forcebound/scene", "forcebound/handover", "forcebound/server/dynamics"}},
@@ -110,7 +115,7 @@ constexpr std::string_view kShellsInWords =
     "the folders app, runtime and common/forcebound/program, tests/tools/relay, tests/tools/lab and the tests";
 
 // It waits for a process that reads untrusted files.
-const std::string kChild = R"(server/forcebound/server/dynamics/bodies/in_child\.cpp)";
+const std::string kChild = R"(common/forcebound/child/in_child\.cpp)";
 
 const std::vector<Privilege>& privileges() {
   const auto shells_and = [](const std::string& more) { return std::regex(kShells + "|" + more); };
@@ -133,11 +138,11 @@ const std::vector<Privilege>& privileges() {
                   R"(client/forcebound/client/security/handshaker\.hpp|)" +
                   kChild),
        "common/forcebound/time/real_time.cpp, the client's scene_builder.hpp and handshaker.hpp, whose counts "
-       "and texts another thread reads, the "
-       "bodies' in_child.cpp and the shells"},
+       "and texts another thread reads, "
+       "common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
-       "common/forcebound/net/udp*, the bodies' in_child.cpp and the shells"},
+       "common/forcebound/net/udp*, common/forcebound/child and the shells"},
       {"the system's clock",
        std::regex(
            R"((system|steady|high_resolution)_clock\b|\bclock_(gettime|nanosleep)\b|\bgettimeofday\b|)"
@@ -145,7 +150,7 @@ const std::vector<Privilege>& privileges() {
        shells_and(R"(common/forcebound/net/(internal/)?udp.*|)"
                   R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|)" +
                   kChild),
-       "common/forcebound/time's steady_clock, periodic_timer and real_time, the bodies' in_child.cpp and the shells"},
+       "common/forcebound/time's steady_clock, periodic_timer and real_time, common/forcebound/child and the shells"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()"),
        shells_and(R"(common/forcebound/security/random\.[ch]pp)"),

@@ -23,6 +23,8 @@ class FakeDevice final : public device::HapticDevice {
   }
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
+  /// None: forces are as a test asks for them.
+  [[nodiscard]] device::Safety safety() const noexcept override { return {}; }
 
   device::Reading read(time::Nanoseconds now) noexcept override {
     const Eigen::Index dof = position.rows();

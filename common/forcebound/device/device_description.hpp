@@ -5,6 +5,7 @@
 
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/device/kinematics.hpp"
+#include "forcebound/device/safety.hpp"
 
 namespace forcebound::device {
 
@@ -14,6 +15,7 @@ struct DeviceDescription {
   control::DeviceFacts facts;
   Matrix inertia;                  ///< of the joints: symmetric, positive definite [kg], [kg m^2]
   std::optional<ArmGeometry> arm;  ///< none: Cartesian
+  Safety safety{};                 ///< for the hand on it
 };
 
 /// One line to print: name, degrees of freedom, inertia, damping, friction, encoder, each with its unit.

@@ -62,6 +62,9 @@ std::string DeviceRegistry::help() const {
 }
 
 const DeviceFamily* DeviceRegistry::find(const std::string& name_or_file) const {
+  const auto knows = [&](const DeviceFamily& family) { return family.knows && family.knows(name_or_file); };
+  const auto by_itself = std::ranges::find_if(families_, knows);
+  if (by_itself != families_.end()) return &*by_itself;
   const bool file = names_a_file(name_or_file);
   const auto serves = [&](const DeviceFamily& family) {
     return file ? family.takes_files : std::ranges::count(family.names, name_or_file) > 0;
@@ -73,8 +76,10 @@ const DeviceFamily* DeviceRegistry::find(const std::string& name_or_file) const 
 const DeviceFamily& DeviceRegistry::known(const std::string& name_or_file) const {
   if (const DeviceFamily* family = find(name_or_file)) return *family;
   const bool files = std::ranges::any_of(families_, &DeviceFamily::takes_files);
+  std::string hints;
+  for (const DeviceFamily& family : families_) hints += family.hint.empty() ? "" : "; " + family.hint;
   throw std::invalid_argument("unknown device '" + name_or_file + "'" + text::suggestion(name_or_file, names()) +
-                              (files ? "; or the path of a .toml file" : ""));
+                              (files ? "; or the path of a .toml file" : "") + hints);
 }
 
 }  // namespace forcebound::device

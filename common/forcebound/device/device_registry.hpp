@@ -21,6 +21,11 @@ struct DeviceFamily {
   std::vector<std::string> names{};  ///< of its devices
   bool takes_files = false;          ///< whether a file can describe another one
   std::string help{};                ///< devices and hands, a line each, for --help
+  std::string hint{};                ///< for whoever names an unknown device: where this family looks; may be empty
+
+  /// Whether a name that is not among `names`, such as one with settings, is a device of this family; no function:
+  /// none.
+  std::function<bool(const std::string& name)> knows{};
 
   /// Fills in the default device for a hand and the default hand for a device. Leaves the device empty if this family
   /// does not know the hand: another family may. No function: the family has no defaults.

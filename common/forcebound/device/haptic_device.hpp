@@ -9,6 +9,7 @@
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/vector.hpp"
+#include "forcebound/device/safety.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::device {
@@ -77,6 +78,11 @@ class HapticDevice {
   /// The simulated hand that moves it, with its parameters; empty: a person moves it, or that is unknown.
   [[nodiscard]] virtual std::string hand_in_words() const { return {}; }
 
+  /// Limits for the hand on it. A person's are on unless the device says otherwise; a simulated hand has none.
+  [[nodiscard]] virtual Safety safety() const noexcept {
+    return is_simulated() ? Safety{} : Safety::of_a_person(facts());
+  }
+
   /// Makes it ready; the force is zero until the first command.
   /// @throws std::runtime_error naming what is missing.
   virtual void start() {}
@@ -88,8 +94,8 @@ class HapticDevice {
   /// layer then releases it, in the facts' stages.
   virtual void apply(Nanoseconds now, const Vector& force_N) noexcept = 0;
 
-  /// Commands zero force at once. Called at the end, and when an assertion fails: then in any state and on any
-  /// thread.
+  /// Commands zero force at once. Called at the end; when an assertion fails, then in any state and on any thread; and
+  /// unless it is simulated, when the tick has not run for the time that a force is held, then on another thread.
   virtual void stop(Nanoseconds now) noexcept { apply(now, Vector::Zero(facts().degrees_of_freedom())); }
 
   /// When the last commanded force took effect at the motors, by the caller's clock; none: the device cannot tell, and

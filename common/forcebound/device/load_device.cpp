@@ -19,10 +19,14 @@ constexpr double kLatencyMax_s = 0.01;
 NumberParameter positive(std::string_view key) { return {.key = key, .least = 0, .least_excluded = true}; }
 NumberParameter not_negative(std::string_view key) { return {.key = key, .preset = 0, .least = 0}; }
 
-void read_joints(config::CheckedTable& file, DeviceDescription& device, int dof) {
-  const bool arm = device.arm.has_value();
+/// What a description is for: a simulation needs inertia and geometry too.
+enum class Use : std::uint8_t { simulation, facts };
+
+void read_joints(config::CheckedTable& file, DeviceDescription& device, int dof, Use use) {
+  const bool arm = !device.facts.cartesian;
   control::DeviceFacts& facts = device.facts;
-  device.inertia = file.matrix(arm ? "joint_inertia_kg_m2" : "mass_kg", dof);
+  const char* const inertia = arm ? "joint_inertia_kg_m2" : "mass_kg";
+  if (use == Use::simulation || file.find(inertia) != nullptr) device.inertia = file.matrix(inertia, dof);
   facts.damping = file.matrix(arm ? "joint_damping_N_m_s_per_rad" : "damping_N_s_per_m", dof);
   facts.friction = file.vector(not_negative(arm ? "joint_friction_N_m" : "friction_N"), dof);
   facts.encoder_step = file.vector(not_negative(arm ? "encoder_step_rad" : "encoder_step_m"), dof);
@@ -94,29 +98,63 @@ ArmGeometry read_arm(config::CheckedTable section) {
   return arm;
 }
 
-}  // namespace
+Safety read_safety(config::CheckedTable section, Safety safety) {
+  const auto limit = [&](std::string_view key, double preset, double most) {
+    return section.number({.key = key, .preset = preset, .least = 0, .most = most});
+  };
+  constexpr double kLongest_s = 60;
+  constexpr double kMost = 1e3;
+  safety.ramp_s = limit("ramp_s", safety.ramp_s, kLongest_s);
+  safety.speed_m_per_s_max = limit("speed_m_per_s_max", safety.speed_m_per_s_max, kMost);
+  safety.workspace_radius_m = limit("workspace_radius_m", safety.workspace_radius_m, kMost);
+  safety.workspace_fade_m = section.number({.key = "workspace_fade_m",
+                                            .preset = safety.workspace_fade_m,
+                                            .least = 0,
+                                            .least_excluded = true,
+                                            .most = kMost});
+  safety.rms_force_N_max = limit("rms_force_N_max", safety.rms_force_N_max, kMost);
+  safety.rms_s =
+      section.number({.key = "rms_s", .preset = safety.rms_s, .least = 0, .least_excluded = true, .most = 3600});
+  section.refuse_unknown_keys();
+  return safety;
+}
 
-DeviceDescription parse_device(std::string_view toml_text, const std::string& place) {
+DeviceDescription parse_description(std::string_view toml_text, const std::string& place, Use use) {
   const config::Node node = config::parse_toml(toml_text, place);
   DeviceDescription device;
   device.facts.name = std::filesystem::path(place).stem().string();
   config::CheckedTable file(node, place, "device '" + device.facts.name + "'");
   const std::string kind = file.choice({.key = "kind", .choices = {"cartesian", "arm"}});
   device.facts.cartesian = kind == "cartesian";
-  const int dof_least = device.facts.cartesian ? 1 : 3;
-  const int dof_most = device.facts.cartesian ? control::kDofMax : 3;
+  const bool any_dof = device.facts.cartesian || use == Use::facts;
+  const int dof_least = any_dof ? 1 : 3;
+  const int dof_most = any_dof ? control::kDofMax : 3;
   const int dof = file.whole(
       {.key = "degrees_of_freedom", .least = static_cast<double>(dof_least), .most = static_cast<double>(dof_most)});
-  if (kind == "arm") device.arm = read_arm(file.table("arm"));
-  read_joints(file, device, dof);
+  const bool has_arm = kind == "arm" && (use == Use::simulation || file.find("arm") != nullptr);
+  if (has_arm) device.arm = read_arm(file.table("arm"));
+  read_joints(file, device, dof, use);
   read_limits(file, device.facts);
-  const char* const speed = device.arm ? "joint_speed_rad_per_s_max" : "speed_m_per_s_max";
+  const char* const speed = !device.facts.cartesian ? "joint_speed_rad_per_s_max" : "speed_m_per_s_max";
   if (file.find(speed) != nullptr) device.facts.speed_max = file.vector(positive(speed), dof);
   if (file.find("uncertainty") != nullptr) {
     device.facts.uncertainty = read_uncertainty(file.table("uncertainty"), device.facts);
   }
+  if (use == Use::facts) device.safety = Safety::of_a_person(device.facts);
+  if (file.find("safety") != nullptr) device.safety = read_safety(file.table("safety"), device.safety);
   file.refuse_unknown_keys();
   return device;
+}
+
+}  // namespace
+
+DeviceDescription parse_device(std::string_view toml_text, const std::string& place) {
+  return parse_description(toml_text, place, Use::simulation);
+}
+
+RealDevice parse_facts(std::string_view toml_text, const std::string& place) {
+  DeviceDescription description = parse_description(toml_text, place, Use::facts);
+  return {.facts = std::move(description.facts), .safety = description.safety};
 }
 
 bool names_a_file(std::string_view name_or_file) noexcept {

@@ -24,11 +24,25 @@ namespace forcebound::device {
 ///                                     what the facts say; shares clock_share, damping_share, friction_share,
 ///                                     torque_share; encoder_steps beyond half a step; actuator_lag_s
 ///
+///     [safety]                        limits for the hand (Safety): ramp_s, speed_m_per_s_max, workspace_radius_m,
+///                                     workspace_fade_m, rms_force_N_max, rms_s; those of a simulated device are 0
+///                                     unless said
+///
 /// A number holds for all axes; a list has one for each; inertia and damping may also be full matrices (lists of rows).
 ///
 /// @param place the file's name, for errors.
 /// @throws std::runtime_error `PLACE:LINE: device 'NAME': KEY must be ..., got ...`; unknown keys are errors.
 [[nodiscard]] DeviceDescription parse_device(std::string_view toml_text, const std::string& place);
+
+/// A device that is not simulated, as far as its file says.
+struct RealDevice {
+  control::DeviceFacts facts;
+  Safety safety;
+};
+
+/// As above, only what a law may rely on, for a device that is not simulated: mass, inertia and [arm] may be left out,
+/// and an arm may have 1 to 6 joints.
+[[nodiscard]] RealDevice parse_facts(std::string_view toml_text, const std::string& place);
 
 /// Whether this is a file's path (has a '/' or ends with ".toml") rather than the name of a device.
 [[nodiscard]] bool names_a_file(std::string_view name_or_file) noexcept;

@@ -87,6 +87,10 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("server_ahead_ns", totals.server_ahead);
   visit("server_ahead_off_ns", totals.server_ahead_off);
   visit("slew_bounded", totals.slew_bounded);
+  visit("trips_of_speed", totals.trips_of_speed);
+  visit("trips_of_workspace", totals.trips_of_workspace);
+  visit("trips_of_heat", totals.trips_of_heat);
+  visit("watchdog_stops", totals.watchdog_stops);
   visit("send_failures", totals.send_failures);
   visit("missed_ticks", totals.missed_ticks);
   visit("device_gaps_cut", totals.device_gaps_cut);
@@ -289,6 +293,14 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "local models of the server refused: their forces were held instead"},
       {"slew_bounded", t.slew_bounded, "tick on which --force-slew limited the change of the requested force",
        "ticks on which --force-slew limited the change of the requested force"},
+      {"trips_of_speed", t.trips_of_speed, "time the hand was faster than the device's limit: no force meanwhile",
+       "times the hand was faster than the device's limit: no force meanwhile"},
+      {"trips_of_workspace", t.trips_of_workspace, "time the hand left the device's workspace: the force faded",
+       "times the hand left the device's workspace: the force faded"},
+      {"trips_of_heat", t.trips_of_heat, "time the motors' load was above the device's limit: the force was bounded",
+       "times the motors' load was above the device's limit: the force was bounded"},
+      {"watchdog_stops", t.watchdog_stops, "time the device was stopped because the tick did not run",
+       "times the device was stopped because the tick did not run"},
       {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},
       {"missed_ticks", t.missed_ticks, "tick left out: the loop woke too late for it",
        "ticks left out: the loop woke too late for them"},

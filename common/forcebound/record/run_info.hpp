@@ -97,6 +97,10 @@ struct RunTotals {
   std::optional<Nanoseconds> server_ahead{};      ///< the server's clock less the client's, if that is known
   std::optional<Nanoseconds> server_ahead_off{};  ///< and by how much it may be off
   std::uint64_t slew_bounded = 0;                 ///< ticks on which the slew bound limited the requested force
+  std::uint64_t trips_of_speed = 0;               ///< times the hand was too fast for a force
+  std::uint64_t trips_of_workspace = 0;           ///< times it left the workspace that the device's safety limits name
+  std::uint64_t trips_of_heat = 0;                ///< times the mean square of the force was too large for the motors
+  std::uint64_t watchdog_stops = 0;               ///< times the device was stopped because the tick did not run
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
   std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile

@@ -188,6 +188,29 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
 }
 
+TEST(ParseFacts, NeedNeitherMassNorGeometry) {
+  const RealDevice rail =
+      parse_facts("kind = 'cartesian'\ndegrees_of_freedom = 1\ndamping_N_s_per_m = 5\nforce_N_max = 10\n", "mine.toml");
+  EXPECT_EQ(rail.facts.damping(0, 0), 5);
+  EXPECT_EQ(rail.safety, Safety::of_a_person(rail.facts));
+  EXPECT_EQ(rail.safety.rms_force_N_max, 6);
+  const RealDevice arm = parse_facts(
+      "kind = 'arm'\ndegrees_of_freedom = 5\njoint_damping_N_m_s_per_rad = 0.1\nforce_N_max = 10\n", "mine.toml");
+  EXPECT_FALSE(arm.facts.cartesian);
+  EXPECT_EQ(arm.facts.degrees_of_freedom(), 5);
+}
+
+TEST(ParseFacts, HaveLimitsForTheHand) {
+  const std::string safety = "[safety]\nramp_s = 2\nworkspace_radius_m = 0.1\nspeed_m_per_s_max = 0\n";
+  const Safety wanted{.ramp_s = 2, .speed_m_per_s_max = 0, .workspace_radius_m = 0.1, .rms_force_N_max = 18};
+  EXPECT_EQ(parse_facts(kPoint + safety, "mine.toml").safety, wanted);
+  EXPECT_EQ(parse_device(kPoint, "mine.toml").safety, Safety{}) << "a simulated hand needs none";
+  EXPECT_EQ(parse_device(kPoint + safety, "mine.toml").safety.ramp_s, 2);
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nramp_s = -1\n"), HasSubstr("ramp_s must be"));
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nworkspace_fade_m = 0\n"), HasSubstr("workspace_fade_m"));
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nramp = 1\n"), HasSubstr("did you mean 'ramp_s'"));
+}
+
 TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {
   const std::string what = refusal([] { (void)load_device("wall-2dof"); });
   EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));

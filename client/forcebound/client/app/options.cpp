@@ -8,6 +8,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/client/app/identity_options.hpp"
+#include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/device/load_device.hpp"
@@ -66,7 +67,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
                "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
                "forge");
   app.add_option("--scene", options.scene, "scene to request; default: the server's")->type_name("NAME");
-  app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml");
+  app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml|DRIVER");
   app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
   app.add_option("--law", options.law, "law that bounds the force, see below")
       ->check(program::one_of("law", laws.names()))
@@ -152,7 +153,7 @@ Options parse_options(int argc, const char* const* argv) {
   Typed typed{.hold_ms = time::to_seconds(options.policy.hold) * 1e3,
               .drop_ms = time::to_seconds(options.policy.drop) * 1e3};
   const control::LawRegistry laws = baselines::shipped_laws();
-  const device::DeviceRegistry devices = device::DeviceRegistry::standard();
+  const device::DeviceRegistry devices = known_devices();
   CLI::App app;
   const CLI::Option* const seed = describe(app, options, typed, laws, devices);
   program::parse(app, argc, argv);

@@ -9,6 +9,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
+#include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/screen.hpp"
 #include "forcebound/client/runtime/client.hpp"
@@ -71,7 +72,7 @@ std::string_view encryption_in_words(const Options& options) {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const control::LawRegistry laws = baselines::shipped_laws();
-  const device::DeviceRegistry devices = device::DeviceRegistry::standard();
+  const device::DeviceRegistry devices = known_devices();
   if (!options.law_help.empty()) {
     const std::string help = laws.help(options.law_help, devices.facts(options.device.device));
     std::fputs(text::wrapped_help(text::printable_lines(help)).c_str(), stdout);

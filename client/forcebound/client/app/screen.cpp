@@ -102,6 +102,8 @@ void Screen::log_connection() const {
       return spdlog::info("the scene has arrived: its static parts run at the client");
     case Event::Kind::scene_refused:
       return spdlog::error("the server's scene is refused, its forces are held instead: {}", event_.words());
+    case Event::Kind::limited_for_safety:
+      return spdlog::warn("{}", event_.words());
     case Event::Kind::force_fading:
     case Event::Kind::force_dropped:
     case Event::Kind::force_fresh:

@@ -1,5 +1,6 @@
 #include "forcebound/client/runtime/client.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "forcebound/client/runtime/idle_timer.hpp"
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/client/runtime/tick_loop.hpp"
+#include "forcebound/client/runtime/watchdog.hpp"
 #include "forcebound/client/runtime/zero_force_first.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/net/endpoint.hpp"
@@ -63,6 +65,12 @@ std::unique_ptr<Encryption> make_encryption(const Client::Settings& settings, co
   throw std::invalid_argument("server " + settings.server +
                               " is on another machine, and no keys are given; accepted are --server-key or "
                               "--known-servers, --psk, or --insecure if everybody on the way is trusted");
+}
+
+/// Without a tick, before the watchdog stops the device: the time that it holds a force, and two ticks at least.
+Nanoseconds longest_pause(const control::DeviceFacts& facts) {
+  constexpr double kTicks = 2;
+  return time::from_seconds(std::max(facts.hold_s_max, kTicks * facts.period_s));
 }
 
 /// Ends the loop's thread if an exception is thrown.
@@ -153,8 +161,13 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   ZeroForceFirst zero_force_first(p.device, *p.session, p.clock, p.settings.seed);
   const control::LastResortScope scope(zero_force_first);
   IdleTimer idle(p.clock, p.info.period, kTickPriority);
-  TickLoop loop({.period = p.info.period, .duration_s = p.settings.duration_s, .once = p.settings.once}, *p.session,
-                p.clock, p.grant, stop);
+  std::optional<Watchdog> watchdog;
+  if (!p.device.is_simulated()) watchdog.emplace(p.device, p.clock, longest_pause(p.device.facts()));
+  TickLoop loop({.period = p.info.period,
+                 .duration_s = p.settings.duration_s,
+                 .once = p.settings.once,
+                 .watchdog = watchdog ? &*watchdog : nullptr},
+                *p.session, p.clock, p.grant, stop);
   const Nanoseconds start = p.clock.now();
   std::jthread building;
   if (p.local) {
@@ -179,11 +192,14 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
     building.join();
   }
   p.outcome = loop.outcome();
+  const std::uint64_t watchdog_stops = watchdog ? watchdog->stops() : 0;
+  watchdog.reset();
 
   record::RunTotals totals = p.session->totals();
   totals.idle_timer = idle.stop();
   totals.tick_allocations = p.outcome.allocations;
   totals.missed_ticks = p.outcome.missed_ticks;
+  totals.watchdog_stops = watchdog_stops;
   totals.events_dropped = p.events.dropped();
   totals.datagrams_overflowed = p.link.counters().overflowed;
   totals.port_unreachable = p.link.counters().refused;

@@ -23,10 +23,13 @@ void TickLoop::run() {
   std::uint64_t allocations_at_start = 0;
   for (Nanoseconds now = timer.wait(); !stop_ && !ended_ && !over(now - start); now = timer.wait()) {
     session_.tick(now);
+    if (settings_.watchdog != nullptr) settings_.watchdog->note_tick(clock_.now());
     if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
   }
   if (ticks > kSettlingTicks) outcome_.allocations = time::heap_operations_of_this_thread() - allocations_at_start;
   outcome_.missed_ticks = timer.missed();
+  // The device has zero force from the first call of `close` on.
+  if (settings_.watchdog != nullptr) settings_.watchdog->rest();
   const Nanoseconds closing = clock_.now();
   for (Nanoseconds now = timer.wait(); !session_.close(now) && now - closing < kClosing; now = timer.wait()) {
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "forcebound/client/runtime/watchdog.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -36,8 +37,9 @@ class TickLoop {
  public:
   struct Settings {
     Nanoseconds period;
-    double duration_s = 0;  ///< 0: until stopped
-    bool once = false;      ///< give up if the server refuses, or does not answer for 5 s
+    double duration_s = 0;         ///< 0: until stopped
+    bool once = false;             ///< give up if the server refuses, or does not answer for 5 s
+    Watchdog* watchdog = nullptr;  ///< is told of each tick; may be null
   };
 
   /// The results of a run.

@@ -15,15 +15,16 @@ namespace forcebound::client {
 /// An event to report to the user. Fixed size: the tick hands it to another thread for printing.
 struct Event {
   enum class Kind : std::uint8_t {
-    welcomed,         ///< text: the scene and its summary
-    refused,          ///< text: the server's reason
-    session_unknown,  ///< the server restarted or has dropped the session
-    server_left,      ///< the server ended the session
-    force_fading,     ///< forces are older than the hold time; `duration` is the age
-    force_dropped,    ///< ... than the drop time
-    force_fresh,      ///< forces are fresh again; `duration` is the time without fresh forces
-    scene_here,       ///< all pieces of the scene that runs at the client have arrived
-    scene_refused,    ///< the scene that the server handed over; text: the error
+    welcomed,            ///< text: the scene and its summary
+    refused,             ///< text: the server's reason
+    session_unknown,     ///< the server restarted or has dropped the session
+    server_left,         ///< the server ended the session
+    force_fading,        ///< forces are older than the hold time; `duration` is the age
+    force_dropped,       ///< ... than the drop time
+    force_fresh,         ///< forces are fresh again; `duration` is the time without fresh forces
+    scene_here,          ///< all pieces of the scene that runs at the client have arrived
+    scene_refused,       ///< the scene that the server handed over; text: the error
+    limited_for_safety,  ///< a limit for the hand began to act; text: which, and what ends it
   };
 
   Kind kind = Kind::welcomed;

@@ -33,6 +33,18 @@ Connection::Facts connection_facts(const control::DeviceFacts& device, const Ses
           .renders_locally = options.local != nullptr};
 }
 
+std::string_view words_of(HandSafety::Trip trip) noexcept {
+  switch (trip) {
+    case HandSafety::Trip::speed:
+      return "the hand is faster than the device's limit: no force until it is half as fast, then a ramp";
+    case HandSafety::Trip::workspace:
+      return "the hand has left the device's workspace: the force fades there";
+    case HandSafety::Trip::heat:
+      return "the motors' load is above the device's limit: the force is bounded until it is 10 % below";
+  }
+  return {};
+}
+
 }  // namespace
 
 Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
@@ -51,7 +63,9 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       forces_(device.facts().degrees_of_freedom()),
       blackouts_(options_.policy.hold),
       rendering_(options_.local,
-                 {.slew_N_per_s = options_.force_slew_N_per_s, .force_N_max = device.facts().force_N_max}) {
+                 {.slew_N_per_s = options_.force_slew_N_per_s, .force_N_max = device.facts().force_N_max}),
+      safety_(device.safety()),
+      last_applied_N_(Vector::Zero(device.facts().degrees_of_freedom())) {
   options_.policy.validate();
   const std::string_view server_law = controller_.law().server_law();
   const Nanoseconds interval = options_.send_rate.interval(time::from_seconds(device.facts().period_s));
@@ -89,6 +103,7 @@ void Session::tick(Nanoseconds now) noexcept {
   FORCEBOUND_ASSERT(done.applied.rows() == device_.facts().degrees_of_freedom() && done.applied.allFinite(),
                     "a force on its way to the device is finite, with a row for each degree of freedom");
   device_.apply(commanded, done.applied);
+  last_applied_N_ = done.applied;
 
   done.interval = previous_reading_ ? reading.latched - *previous_reading_ : Nanoseconds::zero();
   previous_reading_ = reading.latched;
@@ -157,6 +172,9 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
   if (options_.local != nullptr && done.place.allFinite()) tell_of_scene(now);
   note_late_force(request, done.force_age, now);
   schedule_.note(need_of(request));
+  request.force_N = safety_.limited(
+      request.force_N, {.position = reading.position, .applied_N = last_applied_N_, .elapsed_s = tick.elapsed_s});
+  if (const auto trip = safety_.take_trip()) tell(Event::Kind::limited_for_safety, now, words_of(*trip));
   return request;
 }
 

@@ -14,6 +14,7 @@
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/event.hpp"
 #include "forcebound/client/session/force_stream.hpp"
+#include "forcebound/client/session/hand_safety.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/passivity_controller.hpp"
@@ -33,6 +34,7 @@ using time::Nanoseconds;
 ///
 ///     read the device -> send the motion -> take in what has come -> choose the newest force -> late-force policy
 ///     -> local rendering in its place, where the geometry is known, and of local models (RequestRendering)
+///     -> limits for the hand on the device (HandSafety)
 ///     -> saturate, bound, round (PassivityController)
 ///     -> apply -> write down
 ///
@@ -159,6 +161,8 @@ class Session {
   Nanoseconds newest_arrived_{0};
   ClockOffset clocks_;
   RequestRendering rendering_;
+  HandSafety safety_;
+  Vector last_applied_N_;
   Nanoseconds last_tick_{0};
   std::optional<Nanoseconds> previous_reading_;
   std::optional<Nanoseconds> previous_command_;

@@ -159,6 +159,9 @@ record::RunTotals Session::totals() const {
     totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));
   }
   totals.slew_bounded = rendering_.slew_bounded();
+  totals.trips_of_speed = safety_.trips(HandSafety::Trip::speed);
+  totals.trips_of_workspace = safety_.trips(HandSafety::Trip::workspace);
+  totals.trips_of_heat = safety_.trips(HandSafety::Trip::heat);
   totals.models_refused = rendering_.answers().refused();
   if (clocks_.known()) {
     totals.server_ahead = clocks_.ahead();

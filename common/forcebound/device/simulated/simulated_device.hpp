@@ -53,6 +53,7 @@ class SimulatedDevice final : public HapticDevice {
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return description_.facts; }
   [[nodiscard]] bool is_simulated() const noexcept override { return true; }
+  [[nodiscard]] Safety safety() const noexcept override { return description_.safety; }
   [[nodiscard]] std::string facts_in_words() const override { return describe(description_); }
   [[nodiscard]] std::string hand_in_words() const override { return operator_->description(); }
   Reading read(Nanoseconds now) noexcept override;

@@ -199,12 +199,12 @@ ModelPointer compile_mjcf(const std::string& text, const std::string& name) {
   });
 }
 
-ModelPointer compile_foreign_mjcf(const std::string& text, const std::string& name, const ChildLimits& limits) {
+ModelPointer compile_foreign_mjcf(const std::string& text, const std::string& name, const child::ChildLimits& limits) {
   return named(name, [&] {
     check_text(text);
     std::string bytes;
     try {
-      bytes = in_child([&text] { return saved(*compile_text(text)); }, limits);
+      bytes = child::in_child([&text] { return saved(*compile_text(text)); }, limits);
     } catch (const std::runtime_error& error) {
       throw BodiesError(error.what());
     }

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "forcebound/server/dynamics/bodies/in_child.hpp"
+#include "forcebound/child/in_child.hpp"
 
 struct mjModel_;
 struct mjData_;
@@ -46,8 +46,10 @@ using DataPointer = std::unique_ptr<mjData_, DeleteData>;
 /// Compiles MJCF text of our own, which check_mjcf accepts. @param name for errors. @throws BodiesError
 ModelPointer compile_mjcf(const std::string& text, const std::string& name);
 
-/// The same model from the text of others, on which MuJoCo may crash or never end: see in_child. @throws BodiesError
-ModelPointer compile_foreign_mjcf(const std::string& text, const std::string& name, const ChildLimits& limits = {});
+/// The same model from the text of others, on which MuJoCo may crash or never end: see child::in_child. @throws
+/// BodiesError
+ModelPointer compile_foreign_mjcf(const std::string& text, const std::string& name,
+                                  const child::ChildLimits& limits = {});
 
 /// The same from a file, of at most 16 MiB. @throws BodiesError
 ModelPointer load_mjcf(const std::string& path);

@@ -202,7 +202,7 @@ TEST(CompileForeignMjcf, GivesTheSameErrors) {
 }
 
 TEST(CompileForeignMjcf, HasATimeLimit) {
-  const ChildLimits none{.time = std::chrono::milliseconds{0}};
+  const child::ChildLimits none{.time = std::chrono::milliseconds{0}};
   EXPECT_EQ(error_of([&] { return compile_foreign_mjcf(kBall, "a.xml", none); }),
             "a.xml: takes longer than 0 s: expected less");
 }

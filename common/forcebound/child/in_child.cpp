@@ -1,4 +1,4 @@
-#include "forcebound/server/dynamics/bodies/in_child.hpp"
+#include "forcebound/child/in_child.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -25,7 +25,7 @@
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
 
-namespace forcebound::server {
+namespace forcebound::child {
 namespace {
 
 using Deadline = std::chrono::steady_clock::time_point;
@@ -76,8 +76,10 @@ struct Ends {
   const ::sched_param ordinary{};
   ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
   limit_to(RLIMIT_CORE, 0);
-  limit_to(RLIMIT_FSIZE, 0);
-  limit_to(RLIMIT_NOFILE, 0);  // what is open stays so
+  if (!limits.opens_files) {
+    limit_to(RLIMIT_FSIZE, 0);
+    limit_to(RLIMIT_NOFILE, 0);  // what is open stays so
+  }
   limit_to(RLIMIT_CPU, 1 + static_cast<std::size_t>(limits.time.count()) / 1000);
   if (kLimitsMemoryOfChildren && data_most > 0) limit_to(RLIMIT_DATA, data_most);
   try {
@@ -184,7 +186,7 @@ std::string in_child(const std::function<std::string()>& work, const ChildLimits
   const int status = child.wait();
   if (said.empty() || WIFSIGNALED(status)) {
     const char* const signal = WIFSIGNALED(status) ? ::strsignal(WTERMSIG(status)) : "no answer";
-    throw std::runtime_error("ends the process that reads it: " + std::string(signal));
+    throw std::runtime_error("ends the process that does it: " + std::string(signal));
   }
   const char kind = said.front();
   said.erase(0, 1);
@@ -193,4 +195,4 @@ std::string in_child(const std::function<std::string()>& work, const ChildLimits
   return said;
 }
 
-}  // namespace forcebound::server
+}  // namespace forcebound::child

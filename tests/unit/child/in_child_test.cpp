@@ -1,4 +1,4 @@
-#include "forcebound/server/dynamics/bodies/in_child.hpp"
+#include "forcebound/child/in_child.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 
 #include "tests/tools/temporary_folder.hpp"
 
-namespace forcebound::server {
+namespace forcebound::child {
 namespace {
 
 using testing::ThrowsMessage;
@@ -44,10 +44,10 @@ TEST(InChild, OutlivesItsCrash) {
   for (const int number : {SIGSEGV, SIGABRT, SIGKILL}) {
     EXPECT_THAT(
         [&] { (void)in_child([&]() -> std::string { return ::raise(number) == 0 ? "" : "no signal"; }); },
-        ThrowsMessage<std::runtime_error>(std::string("ends the process that reads it: ") + ::strsignal(number)));
+        ThrowsMessage<std::runtime_error>(std::string("ends the process that does it: ") + ::strsignal(number)));
   }
   EXPECT_THAT([] { (void)in_child([]() -> std::string { ::_exit(0); }); },
-              ThrowsMessage<std::runtime_error>("ends the process that reads it: no answer"));
+              ThrowsMessage<std::runtime_error>("ends the process that does it: no answer"));
 }
 
 TEST(InChild, EndsWhatTakesTooLong) {
@@ -98,4 +98,4 @@ TEST(InChild, RunsOnSeveralThreadsAtOnce) {
 }
 
 }  // namespace
-}  // namespace forcebound::server
+}  // namespace forcebound::child

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace forcebound::server {
+namespace forcebound::child {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kLimitsMemoryOfChildren = false;  ///< a sanitizer has terabytes of its own
@@ -18,10 +18,11 @@ struct ChildLimits {
   std::chrono::milliseconds time{20'000};
   std::size_t memory_bytes = std::size_t{1} << 30U;  ///< beyond what this process has; see kLimitsMemoryOfChildren
   std::size_t answer_bytes = std::size_t{1} << 30U;
+  bool opens_files = false;  ///< else it can open none and write none
 };
 
-/// Runs work on untrusted input, by a library that may crash on it, in a child process: a copy of this one, which can
-/// open no file and write none. Neither a crash nor damaged memory reaches this process.
+/// Runs work by a library that may crash, on untrusted input for example, in a child process: a copy of this one.
+/// Neither a crash nor damaged memory reaches this process.
 ///
 /// Other threads may hold locks at the moment of the copy, for ever as the child sees it: `work` must need none of its
 /// program's own. Memory is all right. Blocks until the child has ended, at the latest when its time is over.
@@ -30,4 +31,4 @@ struct ChildLimits {
 /// @throws std::runtime_error in one line: the error of `work`, or what limit was reached, or the signal that ended it
 [[nodiscard]] std::string in_child(const std::function<std::string()>& work, const ChildLimits& limits = {});
 
-}  // namespace forcebound::server
+}  // namespace forcebound::child

@@ -1,0 +1,93 @@
+#include "forcebound/client/session/hand_safety.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace forcebound::client {
+namespace {
+
+constexpr double kSpeedMean_s = 5e-3;
+constexpr double kSlowAgain = 0.5;     // of the speed limit
+constexpr double kCoolAgain = 0.9;     // of the mean square
+constexpr double kCapMoves_per_s = 1;  // of the limit
+constexpr double kCapNone = 10;        // of the limit: there is no cap any more
+
+/// Share of a mean that the newest `elapsed_s` have.
+double share_of_newest(double elapsed_s, double mean_s) noexcept { return 1 - std::exp(-elapsed_s / mean_s); }
+
+}  // namespace
+
+Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
+  const double elapsed_s = std::max(0.0, tick.elapsed_s);
+  note_heat(tick);
+  if (!tick.position.allFinite()) {
+    last_.reset();
+    speed_m_per_s_ = 0;
+    ramp_ = 0;
+    return Vector::Zero(wanted_N.rows());
+  }
+  note_speed(tick);
+  if (too_fast_) {
+    ramp_ = 0;
+    return Vector::Zero(wanted_N.rows());
+  }
+  ramp_ = limits_.ramp_s > 0 ? std::min(1.0, ramp_ + elapsed_s / limits_.ramp_s) : 1;
+  Vector asked_N = ramp_ * fade(tick.position) * wanted_N;
+  const double length_N = asked_N.norm();
+  if (length_N > cap_N_) asked_N *= cap_N_ / length_N;
+  return asked_N;
+}
+
+void HandSafety::note_speed(const Tick& tick) noexcept {
+  if (!(limits_.speed_m_per_s_max > 0)) return;
+  if (last_ && tick.elapsed_s > 0) {
+    const double now_m_per_s = (tick.position - *last_).norm() / tick.elapsed_s;
+    speed_m_per_s_ += share_of_newest(tick.elapsed_s, kSpeedMean_s) * (now_m_per_s - speed_m_per_s_);
+  }
+  last_ = tick.position;
+  if (speed_m_per_s_ > limits_.speed_m_per_s_max) {
+    if (!std::exchange(too_fast_, true)) begin(Trip::speed);
+  } else if (speed_m_per_s_ < kSlowAgain * limits_.speed_m_per_s_max) {
+    too_fast_ = false;
+  }
+}
+
+void HandSafety::note_heat(const Tick& tick) noexcept {
+  const double most_N = limits_.rms_force_N_max;
+  if (!(most_N > 0) || !(tick.elapsed_s > 0) || !tick.applied_N.allFinite()) return;
+  const double force_N = tick.applied_N.norm();
+  mean_square_N2_ += share_of_newest(tick.elapsed_s, limits_.rms_s) * (force_N * force_N - mean_square_N2_);
+  if (mean_square_N2_ > most_N * most_N) {
+    if (!std::exchange(hot_, true)) {
+      cap_N_ = std::max(std::min(cap_N_, force_N), most_N);
+      begin(Trip::heat);
+    }
+  } else if (mean_square_N2_ < kCoolAgain * most_N * most_N) {
+    hot_ = false;
+  }
+  const double moves_N = kCapMoves_per_s * most_N * tick.elapsed_s;
+  cap_N_ = hot_ ? std::max(most_N, cap_N_ - moves_N) : cap_N_ + moves_N;
+  if (cap_N_ > kCapNone * most_N) cap_N_ = std::numeric_limits<double>::infinity();
+}
+
+double HandSafety::fade(const Vector& position) noexcept {
+  if (!(limits_.workspace_radius_m > 0)) return 1;
+  const double beyond_m = position.norm() - limits_.workspace_radius_m;
+  if (beyond_m <= 0) {
+    outside_ = false;
+    return 1;
+  }
+  if (!std::exchange(outside_, true)) begin(Trip::workspace);
+  return std::max(0.0, 1 - beyond_m / limits_.workspace_fade_m);
+}
+
+void HandSafety::begin(Trip which) noexcept {
+  ++trips_[static_cast<std::size_t>(which)];
+  newest_ = which;
+}
+
+std::optional<HandSafety::Trip> HandSafety::take_trip() noexcept { return std::exchange(newest_, std::nullopt); }
+
+}  // namespace forcebound::client

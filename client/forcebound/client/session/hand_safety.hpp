@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "forcebound/control/vector.hpp"
+#include "forcebound/device/safety.hpp"
+
+namespace forcebound::client {
+
+using control::Vector;
+
+/// Bounds the force that is asked of the law by a device's Safety:
+///
+///     asked = ramp(t) fade(x) F, its length at most cap,    zero while the tip is too fast
+///
+/// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, or after the tip
+/// was too fast. fade goes from 1 at workspace_radius_m to 0 at workspace_fade_m beyond. cap is no limit while the mean
+/// square of the force that was applied, over rms_s, is below rms_force_N_max^2; above, it falls to rms_force_N_max by
+/// as much in each second, and rises likewise once the mean square is 10 % below.
+///
+/// The speed is that between readings, smoothed over 5 ms, so that one jump of an encoder trips nothing.
+///
+/// Real time: noexcept, no allocation, O(dof). Deterministic.
+class HandSafety {
+ public:
+  enum class Trip : std::uint8_t { speed, workspace, heat };
+  static constexpr std::size_t kTrips = 3;
+
+  explicit HandSafety(const device::Safety& limits) noexcept : limits_(limits) {}
+
+  struct Tick {
+    const Vector& position;   ///< [m]; not finite: there is no usable reading
+    const Vector& applied_N;  ///< since the last tick
+    double elapsed_s = 0;     ///< since the last reading
+  };
+  /// @param wanted_N of the rendering @returns what may be asked of the law
+  [[nodiscard]] Vector limited(const Vector& wanted_N, const Tick& tick) noexcept;
+
+  /// The limit that began to act since the last call, to tell the user.
+  [[nodiscard]] std::optional<Trip> take_trip() noexcept;
+
+  /// How often each began to act.
+  [[nodiscard]] std::uint64_t trips(Trip which) const noexcept { return trips_[static_cast<std::size_t>(which)]; }
+
+  [[nodiscard]] const device::Safety& limits() const noexcept { return limits_; }
+
+ private:
+  void note_speed(const Tick& tick) noexcept;
+  void note_heat(const Tick& tick) noexcept;
+  [[nodiscard]] double fade(const Vector& position) noexcept;
+  void begin(Trip which) noexcept;
+
+  device::Safety limits_;
+  std::optional<Vector> last_{};
+  double speed_m_per_s_ = 0;
+  bool too_fast_ = false;
+  double ramp_ = 0;
+  bool outside_ = false;
+  double mean_square_N2_ = 0;
+  bool hot_ = false;
+  double cap_N_ = std::numeric_limits<double>::infinity();
+  std::optional<Trip> newest_{};
+  std::array<std::uint64_t, kTrips> trips_{};
+};
+
+}  // namespace forcebound::client

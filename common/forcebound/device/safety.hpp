@@ -1,0 +1,25 @@
+#pragma once
+
+#include "forcebound/control/device_facts.hpp"
+
+namespace forcebound::device {
+
+/// Limits for a person's hand and the motors, beside what passivity needs. They bound the force that is asked of the
+/// law, so that what the law promises holds whatever they do. 0: there is no such limit.
+struct Safety {
+  double ramp_s = 0;               ///< the force grows to all of it in so long: after start, failed readings, a trip
+  double speed_m_per_s_max = 0;    ///< a tip that is faster feels nothing until it is half as fast
+  double workspace_radius_m = 0;   ///< beyond this distance from the origin the force fades to zero
+  double workspace_fade_m = 0.01;  ///< over this one
+  double rms_force_N_max = 0;      ///< root mean square of the force over about `rms_s`: more heats the motors
+  double rms_s = 10;
+
+  /// For a device that is not simulated, unless its file says otherwise.
+  [[nodiscard]] static Safety of_a_person(const control::DeviceFacts& facts) noexcept {
+    return {.ramp_s = 0.5, .speed_m_per_s_max = 2, .rms_force_N_max = 0.6 * facts.force_N_max};
+  }
+
+  friend bool operator==(const Safety&, const Safety&) = default;
+};
+
+}  // namespace forcebound::device

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "forcebound/device/haptic_device.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/driver/driver_library.hpp"
+
+namespace forcebound::driver {
+
+using control::Matrix;
+using control::Vector;
+using time::Nanoseconds;
+
+/// `NAME[:KEY=VALUE,...]` of a command line.
+struct DriverRequest {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> settings{};
+  std::string facts_file{};  ///< of the key `facts`, which no driver sees
+
+  /// @throws std::invalid_argument in one line
+  [[nodiscard]] static DriverRequest parse(std::string_view text);
+};
+
+/// A device behind a driver of forcebound_device.h.
+///
+/// What a driver returns is checked before it is used: numbers that are not finite, stamps that run backwards or lie in
+/// the future, and a driver that throws are failed readings, each counted, and a reading that is not new is stale.
+/// Without a usable reading the law commands no force.
+class DriverDevice final : public device::HapticDevice {
+ public:
+  /// Opens it. @param own facts and limits in place of those that the driver tells; none: the driver's
+  /// @throws std::runtime_error in one line: what the driver says, or what is wrong with its facts
+  DriverDevice(std::shared_ptr<const DriverLibrary> library, const DriverRequest& request,
+               std::optional<device::RealDevice> own = std::nullopt);
+  ~DriverDevice() override;
+  DriverDevice(const DriverDevice&) = delete;
+  DriverDevice& operator=(const DriverDevice&) = delete;
+
+  [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
+  [[nodiscard]] std::string facts_in_words() const override;
+  [[nodiscard]] device::Safety safety() const noexcept override { return safety_; }
+  void start() override;
+  device::Reading read(Nanoseconds now) noexcept override;
+  void apply(Nanoseconds now, const Vector& force_N) noexcept override;
+  void stop(Nanoseconds now) noexcept override;
+  [[nodiscard]] std::optional<Nanoseconds> effective_at() const noexcept override { return effective_at_; }
+  [[nodiscard]] bool write_failed() const noexcept override { return write_failed_; }
+  [[nodiscard]] std::optional<Nanoseconds> released_at() const noexcept override { return released_at_; }
+  [[nodiscard]] device::DeviceCounters counters() const noexcept override { return counters_; }
+  [[nodiscard]] std::string_view last_error() const noexcept override { return {error_.data(), error_bytes_}; }
+
+ private:
+  [[nodiscard]] const forcebound_driver& driver() const noexcept { return library_->functions(); }
+  void note_error(std::string_view text) noexcept;
+  void note_drivers_error(std::string_view otherwise) noexcept;
+  [[nodiscard]] device::Reading failed() const noexcept;
+  [[nodiscard]] device::Reading reading_of(const forcebound_reading& told, Nanoseconds now) noexcept;
+  void note_reports(const forcebound_reading& told) noexcept;
+
+  std::shared_ptr<const DriverLibrary> library_;
+  forcebound_device* device_ = nullptr;
+  control::DeviceFacts facts_;
+  device::Safety safety_{};
+  bool identified_ = true;
+  control::Damping damping_ = control::Damping::of_axis(1);
+  std::optional<Nanoseconds> latched_{};
+  std::optional<Nanoseconds> effective_at_{};
+  std::optional<Nanoseconds> released_at_{};
+  bool write_failed_ = false;
+  device::DeviceCounters counters_{};
+  std::array<char, FORCEBOUND_TEXT_BYTES> error_{};
+  std::size_t error_bytes_ = 0;
+};
+
+}  // namespace forcebound::driver

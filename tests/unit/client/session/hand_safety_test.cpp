@@ -1,0 +1,105 @@
+#include "forcebound/client/session/hand_safety.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace forcebound::client {
+namespace {
+
+using Trip = HandSafety::Trip;
+
+Vector one(double value) { return Vector::Constant(1, value); }
+
+/// A hand at 1 kHz, which feels what may be asked.
+struct Hand {
+  double tick(double at_m, double wanted_N) {
+    applied = safety.limited(one(wanted_N), {.position = one(at_m), .applied_N = applied, .elapsed_s = 1e-3});
+    return applied[0];
+  }
+  double ticks(int count, double at_m, double wanted_N) {
+    double asked_N = 0;
+    for (int i = 0; i < count; ++i) asked_N = tick(at_m, wanted_N);
+    return asked_N;
+  }
+  HandSafety safety;
+  Vector applied = one(0);
+};
+
+TEST(HandSafety, WithoutLimitsChangesNothing) {
+  Hand hand{HandSafety({})};
+  EXPECT_EQ(hand.tick(0, 7), 7);
+  EXPECT_EQ(hand.tick(5, -7), -7);
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt);
+}
+
+TEST(HandSafety, RampsAfterTheStartAndAfterReadingsThatFailed) {
+  Hand hand{HandSafety({.ramp_s = 0.1})};
+  EXPECT_NEAR(hand.ticks(50, 0, 4), 2, 0.1);
+  EXPECT_EQ(hand.ticks(60, 0, 4), 4);
+  EXPECT_EQ(hand.tick(std::numeric_limits<double>::quiet_NaN(), 4), 0);
+  EXPECT_NEAR(hand.ticks(50, 0, 4), 2, 0.1);
+  EXPECT_EQ(hand.ticks(60, 0, 4), 4);
+}
+
+TEST(HandSafety, GivesNoForceWhileTheHandIsTooFastAndThenARamp) {
+  Hand hand{HandSafety({.ramp_s = 0.1, .speed_m_per_s_max = 2})};
+  EXPECT_EQ(hand.ticks(200, 0, 4), 4);
+  double at_m = 0;
+  double asked_N = 0;
+  for (int i = 0; i < 50; ++i) asked_N = hand.tick(at_m += 3e-3, 4);
+  EXPECT_EQ(asked_N, 0);
+  EXPECT_EQ(hand.safety.take_trip(), Trip::speed);
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt) << "told once";
+  for (int i = 0; i < 50; ++i) asked_N = hand.tick(at_m += 1.5e-3, 4);
+  EXPECT_EQ(asked_N, 0) << "not yet half as fast";
+  EXPECT_NEAR(hand.ticks(50, at_m, 4), 2, 0.3);
+  EXPECT_EQ(hand.ticks(100, at_m, 4), 4);
+  EXPECT_EQ(hand.safety.trips(Trip::speed), 1U);
+}
+
+TEST(HandSafety, OneJumpOfAnEncoderTripsNothing) {
+  Hand hand{HandSafety({.speed_m_per_s_max = 2})};
+  EXPECT_EQ(hand.ticks(10, 0, 4), 4);
+  EXPECT_EQ(hand.ticks(10, 0.005, 4), 4) << "5 m/s for a millisecond";
+}
+
+TEST(HandSafety, FadesBeyondTheWorkspace) {
+  Hand hand{HandSafety({.workspace_radius_m = 0.1, .workspace_fade_m = 0.02})};
+  EXPECT_EQ(hand.tick(0.1, 4), 4);
+  EXPECT_NEAR(hand.tick(-0.105, 4), 3, 1e-9);
+  EXPECT_NEAR(hand.tick(0.115, 4), 1, 1e-9);
+  EXPECT_EQ(hand.tick(0.2, 4), 0);
+  EXPECT_EQ(hand.tick(0.09, 4), 4);
+  EXPECT_EQ(hand.tick(0.2, 4), 0);
+  EXPECT_EQ(hand.safety.trips(Trip::workspace), 2U);
+}
+
+TEST(HandSafety, BoundsTheMeanSquareOfTheForceWithoutAJump) {
+  Hand hand{HandSafety({.rms_force_N_max = 3, .rms_s = 2})};
+  double before_N = hand.tick(0, 6);
+  double greatest_change_N = 0;
+  double asked_N = 6;
+  for (int i = 0; i < 20'000; ++i) {
+    asked_N = hand.tick(0, 6);
+    greatest_change_N = std::max(greatest_change_N, std::abs(asked_N - before_N));
+    before_N = asked_N;
+  }
+  EXPECT_NEAR(asked_N, 3, 1e-9);
+  EXPECT_LT(greatest_change_N, 0.004) << "3 N in each second";
+  EXPECT_EQ(hand.safety.trips(Trip::heat), 1U);
+  // A hand that rests lets the motors cool.
+  (void)hand.ticks(10'000, 0, 0);
+  EXPECT_EQ(hand.tick(0, 6), 6);
+  EXPECT_EQ(hand.tick(0, -2), -2);
+}
+
+TEST(HandSafety, LeavesAShortPushAlone) {
+  Hand hand{HandSafety({.rms_force_N_max = 3, .rms_s = 10})};
+  EXPECT_EQ(hand.ticks(1000, 0, 6), 6);
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt);
+}
+
+}  // namespace
+}  // namespace forcebound::client

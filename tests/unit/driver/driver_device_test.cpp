@@ -1,0 +1,263 @@
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "forcebound/driver/driver_device.hpp"
+#include "forcebound/driver/driver_facts.hpp"
+#include "forcebound/driver/driver_family.hpp"
+#include "forcebound/text/file.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/tools/temporary_folder.hpp"
+
+namespace forcebound::driver {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::ThrowsMessage;
+using namespace std::chrono_literals;
+using Status = device::Reading::Status;
+
+const std::string kDrivers = FORCEBOUND_TEST_DRIVERS;
+
+std::string file_of(const std::string& name) { return find_driver(name, {kDrivers}).value_or(""); }
+
+std::unique_ptr<DriverDevice> slider(const std::string& settings = {}) {
+  const DriverRequest request = DriverRequest::parse("slider:" + settings);
+  return std::make_unique<DriverDevice>(std::make_shared<const DriverLibrary>(file_of("slider"), "slider"), request);
+}
+
+device::DeviceRegistry registry(std::vector<std::string> folders = {kDrivers}) {
+  device::DeviceRegistry devices = device::DeviceRegistry::standard();
+  devices.add(driver_family(std::move(folders)));
+  return devices;
+}
+
+/// Reads and commands at 1 kHz; the readings' states.
+std::vector<Status> run(DriverDevice& device, double force_N, int ticks, Nanoseconds begin = 1s) {
+  std::vector<Status> states;
+  const Vector force = Vector::Constant(device.facts().degrees_of_freedom(), force_N);
+  for (int tick = 0; tick < ticks; ++tick) {
+    const Nanoseconds now = begin + tick * 1ms;
+    states.push_back(device.read(now).status);
+    device.apply(now, force);
+  }
+  return states;
+}
+
+TEST(DriverFolders, AreThoseOfTheVariableThenTheInstalledOne) {
+  EXPECT_THAT(driver_folders("/a:/b::/c", "/opt/forcebound/bin/forcebound-client"),
+              ElementsAre("/a", "/b", "/c", "/opt/forcebound/lib/forcebound/devices"));
+  EXPECT_THAT(driver_folders(nullptr, "/usr/bin/forcebound-client"), ElementsAre("/usr/lib/forcebound/devices"));
+}
+
+TEST(DriverFolders, TheFirstThatHasADriverCounts) {
+  const test::TemporaryFolder first;
+  text::write_file(first.file("forcebound-device-slider.so"), "");
+  EXPECT_EQ(find_driver("slider", {first.path(), kDrivers}), first.file("forcebound-device-slider.so"));
+  EXPECT_EQ(find_driver("slider", {"/nonexistent", kDrivers}), kDrivers + "/forcebound-device-slider.so");
+  EXPECT_EQ(find_driver("../slider", {kDrivers}), std::nullopt);
+  EXPECT_EQ(find_driver("", {kDrivers}), std::nullopt);
+  EXPECT_THAT(drivers_in({kDrivers, kDrivers, "/nonexistent"}),
+              ElementsAre("crashing", "empty", "mute", "nameless", "newer", "slider"));
+}
+
+TEST(DriverLibrary, SaysWhatIsWrongWithAFile) {
+  const auto refused = [](const std::string& name, const std::string& why) {
+    EXPECT_THAT(
+        [&] { const DriverLibrary library(file_of(name), name); },
+        ThrowsMessage<std::runtime_error>(AllOf(HasSubstr(file_of(name)), HasSubstr(why), Not(HasSubstr("\n")))));
+  };
+  refused("newer", "has interface 99, this program has 1");
+  refused("nameless", "calls itself 'somebody else', but its file is named for 'nameless'");
+  refused("mute", "lacks the function 'command'");
+  refused("empty", "is no driver: it lacks the function 'forcebound_driver_entry'");
+  const test::TemporaryFolder folder;
+  text::write_file(folder.file("forcebound-device-text.so"), "no library");
+  EXPECT_THAT([&] { const DriverLibrary library(folder.file("forcebound-device-text.so"), "text"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("cannot be loaded")));
+}
+
+TEST(DriverRequest, HasSettingsAndAFileOfFacts) {
+  const DriverRequest request = DriverRequest::parse("haply:port=10001,facts=my/facts.toml,name=a=b");
+  EXPECT_EQ(request.name, "haply");
+  EXPECT_EQ(request.facts_file, "my/facts.toml");
+  EXPECT_THAT(request.settings, ElementsAre(testing::Pair("port", "10001"), testing::Pair("name", "a=b")));
+  EXPECT_THAT(DriverRequest::parse("haply").settings, IsEmpty());
+  EXPECT_THROW((void)DriverRequest::parse("haply:port"), std::invalid_argument);
+  EXPECT_THROW((void)DriverRequest::parse("haply:=1"), std::invalid_argument);
+  EXPECT_THROW((void)DriverRequest::parse("haply:a=1,a=2"), std::invalid_argument);
+  EXPECT_THROW((void)DriverRequest::parse("haply:facts="), std::invalid_argument);
+}
+
+TEST(DriverDevice, HasTheFactsThatItsDriverTells) {
+  const auto device = slider("axes=2");
+  EXPECT_EQ(device->facts().name, "slider 7");
+  EXPECT_EQ(device->facts().degrees_of_freedom(), 2);
+  EXPECT_EQ(device->facts().damping, (Matrix(5 * Matrix::Identity(2, 2))));
+  EXPECT_EQ(device->facts().force_N_max, 8);
+  EXPECT_EQ(device->facts().hold_s_max, 0.01);
+  EXPECT_TRUE(device->facts().releases);
+  EXPECT_FALSE(device->is_simulated());
+  EXPECT_EQ(device->audit(), std::nullopt) << "nobody audits a person's device";
+  EXPECT_THAT(device->facts_in_words(), Not(HasSubstr("not identified")));
+  EXPECT_THAT(slider("fault=guessed")->facts_in_words(), HasSubstr("bounds not identified"));
+}
+
+TEST(DriverDevice, MovesAlongTheForce) {
+  const auto device = slider();
+  device->start();
+  EXPECT_THAT(run(*device, 1, 100), testing::Each(Status::ok));
+  const device::Reading reading = device->read(2s);
+  EXPECT_GT(reading.position[0], 0.01);
+  EXPECT_EQ(reading.joint, reading.position);
+  EXPECT_EQ(reading.latched, 2s);
+  EXPECT_EQ(device->effective_at(), 1s + 99ms);
+  EXPECT_EQ(device->released_at(), std::nullopt);
+  EXPECT_EQ(device->counters().failed_writes, 0U);
+}
+
+TEST(DriverDevice, StopsAtOnce) {
+  const auto device = slider();
+  device->start();
+  (void)run(*device, 1, 100);
+  device->stop(1s + 100ms);
+  const double at_m = device->read(3s).position[0];
+  EXPECT_NEAR(device->read(4s).position[0], at_m, 1e-9);
+}
+
+TEST(DriverDevice, FaultyReadingsAreNotUsedAndTheNextGoodOneIs) {
+  for (const auto& [fault, status, why] : std::initializer_list<std::tuple<std::string, Status, std::string>>{
+           {"nan", Status::failed, "not finite"},
+           {"backwards", Status::failed, "backwards in time"},
+           {"future", Status::failed, "in the future"},
+           {"stale", Status::stale, ""},
+           {"fails", Status::failed, "the bus is busy"},
+           {"unplugged", Status::failed, "unplugged"}}) {
+    const auto device = slider("fault=" + fault);
+    device->start();
+    EXPECT_THAT(run(*device, 0, 100), testing::Each(Status::ok)) << fault;
+    EXPECT_THAT(run(*device, 0, 100, 2s), testing::Each(status)) << fault;
+    EXPECT_THAT(std::string(device->last_error()), AllOf(HasSubstr(why), Not(HasSubstr("\n")))) << fault;
+    EXPECT_THAT(run(*device, 0, 100, 3s), testing::Each(Status::ok)) << fault;
+  }
+}
+
+TEST(DriverDevice, AReadingOfTheSameTimeIsStale) {
+  const auto device = slider();
+  device->start();
+  EXPECT_EQ(device->read(1s).status, Status::ok);
+  EXPECT_EQ(device->read(1s).status, Status::stale);
+}
+
+TEST(DriverDevice, CountsCommandsThatFailAndShowsFaultyOnesAsZero) {
+  const auto device = slider("fault=write");
+  device->start();
+  (void)run(*device, 1, 3);
+  EXPECT_TRUE(device->write_failed());
+  EXPECT_EQ(device->counters().failed_writes, 3U);
+  const auto good = slider();
+  good->start();
+  (void)run(*good, std::numeric_limits<double>::quiet_NaN(), 100);
+  good->apply(2s, Vector::Ones(3));
+  EXPECT_EQ(good->counters().faulty_commands, 101U);
+  EXPECT_EQ(good->read(3s).position[0], 0);
+}
+
+TEST(DriverDevice, SaysWhyItDoesNotOpenOrStart) {
+  EXPECT_THAT(
+      [] { (void)slider("serial=3"); },
+      ThrowsMessage<std::runtime_error>(HasSubstr("driver 'slider': 'serial=3' is not accepted; accepted are")));
+  EXPECT_THAT([] { (void)slider("fault=undamped"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("driver 'slider': its device's damping")));
+  const auto device = slider("fault=start");
+  EXPECT_THAT([&] { device->start(); }, ThrowsMessage<std::runtime_error>("driver 'slider': no power"));
+}
+
+TEST(DriverDevice, DoesNotAllocateInATick) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const auto device = slider("axes=3,fault=nan");
+  device->start();
+  const Vector force = Vector::Zero(3);
+  const test::AllocationGuard guard;
+  for (int tick = 0; tick < 300; ++tick) {
+    (void)device->read(1s + tick * 1ms);
+    device->apply(1s + tick * 1ms, force);
+  }
+  EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+TEST(DriverFacts, AreCheckedBeforeALawSeesThem) {
+  forcebound_facts good{};
+  good.size = sizeof good;
+  good.degrees_of_freedom = 1;
+  good.period_s = 1e-3;
+  good.damping[0] = 2;
+  good.force_N_max = 3;
+  EXPECT_FALSE(facts_of(good, "pen").releases) << "no hold time: it holds a force for ever";
+  EXPECT_EQ(facts_of(good, "pen").name, "pen");
+  const auto refused = [&](auto change, const std::string& why) {
+    forcebound_facts bad = good;
+    change(bad);
+    EXPECT_THAT([&] { (void)facts_of(bad, "pen"); },
+                ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("driver 'pen': its device's"), HasSubstr(why))));
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  refused([](auto& facts) { facts.degrees_of_freedom = 7; }, "degrees_of_freedom must be from 1 to 6, got 7");
+  refused([](auto& facts) { facts.degrees_of_freedom = 0; }, "degrees_of_freedom");
+  refused([](auto& facts) { facts.damping[0] = -1; }, "damping");
+  refused([](auto& facts) { facts.period_s = 1; }, "period_s must be from 0.0001 to 0.1, got 1");
+  refused([](auto& facts) { facts.friction[0] = kNan; }, "friction must be finite and >= 0");
+  refused([](auto& facts) { facts.force_N_max = 0; }, "force_N_max must be finite and > 0, got 0");
+  refused([](auto& facts) { facts.hold_s_max = 1e-4; }, "hold_s_max");
+  refused([](auto& facts) { facts.latency_s = kNan; }, "latency_s");
+}
+
+TEST(DriverFamily, MakesTheDeviceWhoseFactsWereAskedFor) {
+  const device::DeviceRegistry devices = registry();
+  EXPECT_EQ(devices.facts("slider:axes=2").degrees_of_freedom(), 2);
+  const auto device = devices.make({.device = "slider:axes=2"});
+  EXPECT_EQ(device->facts().degrees_of_freedom(), 2);
+  EXPECT_EQ(devices.make({.device = "slider"})->facts().degrees_of_freedom(), 1);
+  EXPECT_EQ(devices.facts("omni").degrees_of_freedom(), 3) << "the simulated ones are there as before";
+}
+
+TEST(DriverFamily, TakesAFileOfFactsInPlaceOfTheDrivers) {
+  const test::TemporaryFolder folder;
+  text::write_file(folder.file("mine.toml"),
+                   "kind = 'cartesian'\ndegrees_of_freedom = 1\ndamping_N_s_per_m = 3\nforce_N_max = 2\n");
+  const device::DeviceRegistry devices = registry();
+  const auto device = devices.make({.device = "slider:fault=guessed,facts=" + folder.file("mine.toml")});
+  EXPECT_EQ(device->facts().damping(0, 0), 3);
+  EXPECT_THAT(device->facts_in_words(), Not(HasSubstr("not identified")));
+  EXPECT_THAT([&] { (void)devices.make({.device = "slider:axes=2,facts=" + folder.file("mine.toml")}); },
+              ThrowsMessage<std::runtime_error>(
+                  HasSubstr("has 1 axes of the tip, but the device of driver 'slider' has 2 axes")));
+  EXPECT_THROW((void)devices.make({.device = "slider:facts=/nonexistent.toml"}), std::runtime_error);
+}
+
+TEST(DriverFamily, ADriverThatCrashesEndsAChildAlone) {
+  EXPECT_THAT([] { (void)registry().make({.device = "crashing"}); },
+              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("driver 'crashing' (" + file_of("crashing") + ")"),
+                                                      HasSubstr("ends the process that does it: Aborted"))));
+}
+
+TEST(DriverFamily, SaysWhereDriversAreLookedFor) {
+  EXPECT_THAT([] { (void)registry().facts("slidr"); },
+              ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("unknown device 'slidr'"), HasSubstr("slider"),
+                                                         HasSubstr("looked for in " + kDrivers))));
+  EXPECT_THAT([] { (void)registry().make({.device = "slider", .hand = "press"}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("moved by a person")));
+}
+
+}  // namespace
+}  // namespace forcebound::driver
