@@ -109,8 +109,7 @@ std::vector<std::string> drivers_in(const std::vector<std::string>& folders) {
     }
   }
   std::ranges::sort(names);
-  const auto repeated = std::ranges::unique(names);
-  names.erase(repeated.begin(), repeated.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 
