@@ -212,10 +212,12 @@ void ticks_of(benchmark::State& state, const lab::RenderingTask& task, How how) 
 
 void add_benchmarks() {
   for (const lab::RenderingTask& task : lab::rendering_tasks()) {
-    for (const auto& [how, rendering] :
+    for (const auto& rendering :
          {std::pair{How::remote, "/remote"}, {How::local, "/local"}, {How::local_encrypted, "/local/encrypted"}}) {
-      const auto run = [task, how](benchmark::State& state) { ticks_of(state, task, how); };
-      benchmark::RegisterBenchmark((task.name + rendering).c_str(), run)->UseManualTime()->Iterations(kTicksTimed);
+      const auto run = [task, how = rendering.first](benchmark::State& state) { ticks_of(state, task, how); };
+      benchmark::RegisterBenchmark((task.name + rendering.second).c_str(), run)
+          ->UseManualTime()
+          ->Iterations(kTicksTimed);
     }
   }
 }
