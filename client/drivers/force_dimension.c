@@ -7,7 +7,8 @@
  *     transport's thread: dhdGetPosition -> readings mailbox -> tick
  *                         dhdSetForce    <- commands mailbox <- tick
  *
- * It sends zero force once no command has come for kHold_s, and looks for a device that is gone every half second.
+ * It sends zero force once no command has come for kHold_s, and looks for a device that is gone every half second. The
+ * watchdog of the device itself, where it has one, ends the force when this process is killed or stopped.
  *
  * libdhd's frame has x towards the user, y to his right, z up; the scene's x is libdhd's y, its y libdhd's -x.
  *
@@ -22,11 +23,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <time.h>
 
 #include "mailbox.h"
+#include "pause.h"
 
 enum { kReadingNumbers = 6, kCommandNumbers = 4, kDhdTimeGuard = 1 };
+/* 20 ms in the 125 us of dhdSetWatchdog, which not all devices have: twice as long as a force lasts here. */
+static const unsigned char kWatchdog = 160;
+static const double kWatchdogUnit_s = 125e-6;
 static const double kHold_s = 0.01;
 static const int kPriority = 79;
 static const long kLookAgain_ns = 500000000;
@@ -45,7 +49,8 @@ typedef struct dhd {
   int (*set_force)(double, double, double, char);
   unsigned int (*get_button_mask)(char);
   const char* (*error_get_last_str)(void);
-  int (*set_time_guard)(int, char); /* may be missing */
+  int (*set_time_guard)(int, char);         /* may be missing */
+  int (*set_watchdog)(unsigned char, char); /* likewise */
 } dhd;
 
 struct forcebound_device {
@@ -55,6 +60,7 @@ struct forcebound_device {
   double force_N_max;
   char name[FORCEBOUND_TEXT_BYTES];
   char error[FORCEBOUND_TEXT_BYTES];
+  double sent_s;     /* when the last force was sent; the transport's */
   uint64_t taken;    /* readings that the tick has taken */
   mailbox readings;  /* latched [s], x, y, z, buttons, whether the device is there */
   mailbox commands;  /* at [s], x, y, z */
@@ -83,17 +89,6 @@ static kind kind_of(const char* name) {
     if (last != NULL && strncasecmp(last + 1, kKinds[i].begins, length) == 0) return kKinds[i];
   }
   return kAnyKind;
-}
-
-static double now_s(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void rest(long ns) {
-  const struct timespec pause = {.tv_sec = 0, .tv_nsec = ns};
-  nanosleep(&pause, NULL);
 }
 
 static int look_up(dhd* to, const char* path, char* error, size_t error_bytes) {
@@ -128,6 +123,7 @@ static int look_up(dhd* to, const char* path, char* error, size_t error_bytes) {
   LOOK_UP(error_get_last_str, "dhdErrorGetLastStr");
 #undef LOOK_UP
   *(void**)&to->set_time_guard = dlsym(to->library, "dhdSetTimeGuard");
+  *(void**)&to->set_watchdog = dlsym(to->library, "dhdSetWatchdog");
   return 1;
 }
 
@@ -220,9 +216,20 @@ static int read_once(forcebound_device* device) {
   return 1;
 }
 
+/* Switches the force on. Below zero: it cannot be. */
+static int enable(forcebound_device* device) {
+  /* The device's own: it ends the force when this process is killed or stopped. */
+  if (device->dhd.set_watchdog != NULL) device->dhd.set_watchdog(kWatchdog, device->id);
+  device->sent_s = now_s();
+  return device->dhd.enable_force(1, device->id);
+}
+
 /* Sends the newest force, or none if it is too old. 0: the device is gone. */
 static int command_once(forcebound_device* device) {
   double command[kCommandNumbers] = {0};
+  /* Its watchdog has switched the force off, and may wait to be told to switch it on. */
+  if (now_s() - device->sent_s > kWatchdogUnit_s * kWatchdog && enable(device) < 0) return 0;
+  device->sent_s = now_s();
   const uint64_t there = mailbox_read(&device->commands, command, kCommandNumbers);
   const int holds = there > 0 && now_s() - command[0] <= kHold_s && !__atomic_load_n(&device->stopping, __ATOMIC_ACQUIRE);
   if (!holds) return device->dhd.set_force(0, 0, 0, device->id) >= 0;
@@ -234,7 +241,7 @@ static void look_again(forcebound_device* device) {
   mailbox_write(&device->readings, gone, kReadingNumbers);
   device->dhd.close(device->id);
   while (!__atomic_load_n(&device->ending, __ATOMIC_ACQUIRE) && !open_at_library(device)) rest(kLookAgain_ns);
-  device->dhd.enable_force(1, device->id);
+  (void)enable(device);
 }
 
 static void* transport(void* of) {
@@ -250,7 +257,7 @@ static void* transport(void* of) {
 }
 
 static int fd_start(forcebound_device* device) {
-  if (device->dhd.enable_force(1, device->id) < 0) {
+  if (enable(device) < 0) {
     const char* const why = device->dhd.error_get_last_str();
     snprintf(device->error, sizeof device->error, "forces cannot be switched on: %s", why != NULL ? why : "");
     return FORCEBOUND_FAILED;

@@ -191,6 +191,9 @@ bool StandInDevice::obey(std::string_view line) {
     plug(word == "plug");
   } else if (word == "press" && value && *value >= 0) {
     press(static_cast<std::uint32_t>(*value));
+  } else if (word == "mark") {
+    const std::scoped_lock lock(guard_);
+    note(advance(), "mark");
   } else if (word == "hold" && value && *value >= 0) {
     set_hold(*value);
   } else {
@@ -256,7 +259,8 @@ void StandInDevice::take_control() {
   for (std::size_t end = heard_.find('\n'); end != std::string::npos; end = heard_.find('\n')) {
     const std::string line = heard_.substr(0, end);
     heard_.erase(0, end + 1);
-    if (!obey(line)) std::fprintf(stderr, "stand-in: '%s' is not unplug, plug, press N or hold S\n", line.c_str());
+    if (!obey(line))
+      std::fprintf(stderr, "stand-in: '%s' is not unplug, plug, press N, hold S or mark\n", line.c_str());
   }
 }
 

@@ -35,7 +35,7 @@ struct StandInSettings {
 /// The recording is a CSV file with a row for each call and event, written at once so that it is whole whenever the
 /// process ends: time_s (of CLOCK_MONOTONIC), event, x_m, y_m, z_m, force_x_N, force_y_N, force_z_N, energy_J,
 /// least_energy_J. The force is the one at the motors from then on. Events: start, read, command, enable, disable,
-/// release (by the watchdog, at the time when it was due), unplug, plug, press.
+/// release (by the watchdog, at the time when it was due), unplug, plug, press, mark.
 class StandInDevice final : public StandIn {
  public:
   /// @throws std::runtime_error, std::invalid_argument in one line
@@ -50,7 +50,8 @@ class StandInDevice final : public StandIn {
   void press(std::uint32_t buttons) override;
   [[nodiscard]] State look() override;
 
-  /// What a line of the control FIFO says: `unplug`, `plug`, `press MASK`, `hold SECONDS`. False: none of these.
+  /// What a line of the control FIFO says: `unplug`, `plug`, `press MASK`, `hold SECONDS`, `mark`, which is but a row.
+  /// False: none of these.
   bool obey(std::string_view line);
 
  private:

@@ -1,17 +1,9 @@
-#include <dlfcn.h>
 #include <gmock/gmock.h>
 
-#include <array>
-#include <chrono>
-#include <cmath>
-#include <memory>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
-#include "forcebound/driver/driver_device.hpp"
-#include "forcebound/driver/driver_library.hpp"
-#include "forcebound/time/steady_clock.hpp"
+#include "tests/unit/driver/driver_on_stand_in.hpp"
 
 namespace forcebound::driver {
 namespace {
@@ -19,67 +11,15 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-using namespace std::chrono_literals;
-using Status = device::Reading::Status;
 
-const std::string kStandIn = std::string(FORCEBOUND_TEST_DRIVERS) + "/libstand_in_dhd.so";
-
-std::unique_ptr<DriverDevice> force_dimension(const std::string& settings) {
-  const std::string file = std::string(FORCEBOUND_DRIVERS) + "/forcebound-device-force-dimension.so";
-  return std::make_unique<DriverDevice>(std::make_shared<const DriverLibrary>(file, "force-dimension"),
-                                        DriverRequest::parse("force-dimension:" + settings));
-}
-
-/// The driver with a library in place of libdhd, behind which a device is simulated in real time.
-class ForceDimension : public testing::Test {
+class ForceDimension : public DriverOnStandIn {
  protected:
-  ForceDimension() : library_(::dlopen(kStandIn.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    if (library_ == nullptr) throw std::runtime_error(::dlerror());
-    of("stand_in_plug", plug);
-    of("stand_in_press", press);
-    of("stand_in_force", force);
-    plug(1);
-    press(0);
-    device = force_dimension("library=" + kStandIn);
-  }
-  ~ForceDimension() override {
-    device.reset();
-    ::dlclose(library_);
+  ForceDimension() : DriverOnStandIn("force-dimension", "libstand_in_dhd.so") {
+    of("stand_in_stall", stall_ms);
+    open();
   }
 
-  /// Reads and commands at about 1 kHz until the condition holds, however long that takes.
-  template <class Condition>
-  void tick_until(const Vector& force_N, Condition condition) {
-    do {
-      reading = device->read(clock.now());
-      if (reading.status == Status::ok) last = reading;
-      device->apply(clock.now(), force_N);
-      std::this_thread::sleep_for(1ms);
-    } while (!condition());
-  }
-
-  [[nodiscard]] std::array<double, 3> felt_N() const {
-    std::array<double, 3> now{};
-    force(now.data());
-    return now;
-  }
-
-  void (*plug)(int) = nullptr;
-  void (*press)(unsigned) = nullptr;
-  void (*force)(double*) = nullptr;
-  time::SteadyClock clock;
-  std::unique_ptr<DriverDevice> device;
-  device::Reading reading;
-  device::Reading last;
-
- private:
-  template <class Function>
-  void of(const char* name, Function& function) {
-    function = reinterpret_cast<Function>(::dlsym(library_, name));
-    if (function == nullptr) throw std::runtime_error(name);
-  }
-
-  void* library_;
+  void (*stall_ms)(int) = nullptr;
 };
 
 TEST_F(ForceDimension, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
@@ -91,14 +31,7 @@ TEST_F(ForceDimension, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
 
 TEST_F(ForceDimension, MovesAlongTheForceInTheScenesFrame) {
   device->start();
-  for (int axis = 0; axis < 3; ++axis) {
-    Vector push = Vector::Zero(3);
-    tick_until(push, [&] { return reading.status == Status::ok; });
-    const Vector from = last.position;
-    push[axis] = 2;
-    tick_until(push, [&] { return std::abs(last.position[axis] - from[axis]) > 0.01; });
-    EXPECT_GT(last.position[axis], from[axis]) << axis;
-  }
+  for (int axis = 0; axis < 3; ++axis) EXPECT_GT(moved_m(axis, 2), 0) << axis;
   Vector right = Vector::Zero(3);
   right[0] = 1;
   tick_until(right, [&] { return felt_N()[1] == 1; });
@@ -108,20 +41,28 @@ TEST_F(ForceDimension, MovesAlongTheForceInTheScenesFrame) {
 TEST_F(ForceDimension, GivesNoForceOnceNoCommandComes) {
   device->start();
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
-  while (felt_N()[2] != 0) std::this_thread::sleep_for(1ms);
+  wait_for_no_force();
 }
 
 TEST_F(ForceDimension, StopsAtOnceAndGoesOnWithTheNextCommand) {
   device->start();
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
   device->stop(clock.now());
-  while (felt_N()[2] != 0) std::this_thread::sleep_for(1ms);
+  wait_for_no_force();
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+}
+
+TEST_F(ForceDimension, LetsTheDevicesWatchdogEndTheForceAndSwitchesItOnAgain) {
+  device->start();
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+  stall_ms(300);  // the driver's only thread that talks to the device
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 0; });
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
 }
 
 TEST_F(ForceDimension, FailsWhileUnpluggedAndResumesAfterwards) {
   device->start();
-  tick_until(Vector::Ones(3), [&] { return reading.status == Status::ok; });
+  tick_until_read();
   plug(0);
   tick_until(Vector::Ones(3), [&] { return reading.status == Status::failed; });
   EXPECT_THAT(std::string(device->last_error()), HasSubstr("omega.3 does not answer"));
@@ -138,20 +79,20 @@ TEST_F(ForceDimension, EndsWithZeroForce) {
 }
 
 TEST_F(ForceDimension, SaysWhatIsMissing) {
-  EXPECT_THAT([] { (void)force_dimension("library=/nonexistent/libdhd.so"); },
+  EXPECT_THAT([&] { (void)opened("library=/nonexistent/libdhd.so"); },
               ThrowsMessage<std::runtime_error>(
                   AllOf(HasSubstr("driver 'force-dimension': Force Dimension's library /nonexistent/libdhd.so is not "
                                   "there"),
                         HasSubstr("forcedimension.com"))));
-  EXPECT_THAT([] { (void)force_dimension("library=libm.so.6"); },
+  EXPECT_THAT([&] { (void)opened("library=libm.so.6"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("lacks the function dhdGetDeviceCount")));
-  EXPECT_THAT([] { (void)force_dimension("speed=1"); },
+  EXPECT_THAT([&] { (void)opened("speed=1"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("'speed=1' is not accepted; accepted are number=0 to 15")));
   device.reset();
-  EXPECT_THAT([] { (void)force_dimension("number=3,library=" + kStandIn); },
+  EXPECT_THAT([&] { (void)opened("number=3,library=" + stand_in); },
               ThrowsMessage<std::runtime_error>(HasSubstr("no device number 3 among the 1 that libdhd finds")));
   plug(0);
-  EXPECT_THAT([] { (void)force_dimension("library=" + kStandIn); },
+  EXPECT_THAT([&] { (void)opened("library=" + stand_in); },
               ThrowsMessage<std::runtime_error>(HasSubstr("no device found")));
 }
 
