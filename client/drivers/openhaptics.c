@@ -6,7 +6,7 @@
  *
  * libHD has a thread of its own, the scheduler, at 1 kHz. It calls us once in each round:
  *
- *     scheduler: hdBeginFrame, HD_CURRENT_POSITION -> readings mailbox -> tick
+ *     scheduler: hdBeginFrame, HD_CURRENT_POSITION -> readings queue   -> tick
  *                HD_CURRENT_FORCE, hdEndFrame      <- commands mailbox <- tick
  *
  * The force is zero once no command has come for kHold_s. A thread of ours, the keeper, looks every half second for a
@@ -50,8 +50,7 @@ struct forcebound_device {
   double force_N_max;
   char name[FORCEBOUND_TEXT_BYTES];
   char error[FORCEBOUND_TEXT_BYTES];
-  uint64_t taken; /* readings that the tick has taken */
-  mailbox readings;
+  mailbox_queue readings;
   mailbox commands;
   uint64_t rounds;   /* atomic: that the scheduler has called */
   unsigned int lost; /* atomic: the device is gone, by this error of libHD */
@@ -242,7 +241,7 @@ static unsigned int round_of(void* of) {
   reading[kButtons] = buttons;
   reading[kFault] = hd_means_no_force(code) ? code : calibration == kHdCalibrationNeedsHand ? calibration : 0;
   scene_orientation(transform, reading + kQuaternion);
-  mailbox_write(&device->readings, reading, kReadingNumbers);
+  mailbox_queue_write(&device->readings, reading, kReadingNumbers);
   if (ends) set(&device->ended, 1);
   return ends ? kHdDone : kHdContinue;
 }
@@ -318,16 +317,14 @@ static int hd_start(forcebound_device* device) {
 static int hd_read(forcebound_device* device, int64_t now_ns, forcebound_reading* reading) {
   double newest[kReadingNumbers];
   const unsigned int lost = __atomic_load_n(&device->lost, __ATOMIC_ACQUIRE);
-  uint64_t writes;
   (void)now_ns;
   if (lost != kHdSuccess) {
+    mailbox_queue_forget(&device->readings);
     snprintf(device->error, sizeof device->error, "%.150s does not answer (libHD's error 0x%04x); looking for it",
              device->name, lost);
     return FORCEBOUND_UNPLUGGED;
   }
-  writes = mailbox_read(&device->readings, newest, kReadingNumbers);
-  if (writes == 0 || writes == device->taken) return FORCEBOUND_STALE;
-  device->taken = writes;
+  if (!mailbox_queue_read(&device->readings, newest, kReadingNumbers)) return FORCEBOUND_STALE;
   if (newest[kFault] == kHdCalibrationNeedsHand) {
     snprintf(device->error, sizeof device->error, "%.150s must be calibrated: put its stylus into the inkwell",
              device->name);

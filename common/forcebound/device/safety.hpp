@@ -7,7 +7,7 @@ namespace forcebound::device {
 /// Limits for a person's hand and the motors, beside what passivity needs. They bound the force that is asked of the
 /// law, so that what the law promises holds whatever they do. 0: there is no such limit.
 struct Safety {
-  double ramp_s = 0;               ///< the force grows to all of it in so long: after start, failed readings, a trip
+  double ramp_s = 0;               ///< the force grows in so long: after start, 20 ms without readings, a trip
   double speed_m_per_s_max = 0;    ///< a tip that is faster feels nothing until it is half as fast
   double workspace_radius_m = 0;   ///< beyond this distance from the origin the force fades to zero
   double workspace_fade_m = 0.01;  ///< over this one

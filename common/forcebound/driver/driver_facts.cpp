@@ -81,7 +81,9 @@ control::DeviceFacts facts_of(const forcebound_facts& told, const std::string& d
     facts.release_share = checks.number("release_share", told.release_share, 0, 1);
     facts.release_s = checks.number("release_s", told.release_s, 0, 1 - facts.hold_s_max);
   }
+  // At most so long: it may be none.
   facts.latency_s = checks.number("latency_s", told.latency_s, 0, kDelayMost_s);
+  facts.uncertainty.latency_s = {-facts.latency_s, 0};
   const double stamp_s = checks.number("stamp_s_most", told.stamp_s_most, 0, kDelayMost_s);
   facts.uncertainty.stamp_s = {-stamp_s, stamp_s};
   return facts;

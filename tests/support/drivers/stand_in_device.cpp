@@ -111,6 +111,7 @@ StandInDevice::StandInDevice(StandInSettings settings)
     control_ = ::open(settings.control.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (control_ < 0) throw std::runtime_error(settings.control + ": " + std::strerror(errno));
   }
+  note_position(device_.truth().position);
   note(advance(), "start");
   thread_ = std::thread([this] { run(); });
 }
@@ -122,6 +123,7 @@ StandInDevice::~StandInDevice() {
   }
   ends_.notify_all();
   thread_.join();
+  note(advance(), "end");
   if (log_ != nullptr) std::fclose(log_);
   if (control_ >= 0) ::close(control_);
 }
@@ -148,6 +150,7 @@ bool StandInDevice::enable(bool on) {
   const std::scoped_lock lock(guard_);
   const Nanoseconds now = advance();
   if (!plugged_) return false;
+  begun_ = begun_ || on;
   enabled_ = on;
   push(now, {});
   note(now, on ? "enable" : "disable");
@@ -206,20 +209,24 @@ bool StandInDevice::obey(std::string_view line) {
 /// thread is. `guard_` is held.
 Nanoseconds StandInDevice::advance() {
   const Nanoseconds now = clock_.now();
+  if (!begun_) return now;
   const bool holds = hold_ > 0ns && force_N_ != Axes{};
   const Nanoseconds due = commanded_ + hold_;
   if (holds && due <= now) {
     push(due, {});
     note(due, "release");
   }
-  const device::Vector tip = device_.read(now).position;
-  for (int axis = 0; axis < kAxes; ++axis) position_m_[static_cast<std::size_t>(axis)] = tip[axis];
+  note_position(device_.read(now).position);
   return now;
+}
+
+void StandInDevice::note_position(const device::Vector& tip) {
+  for (int axis = 0; axis < kAxes; ++axis) position_m_[static_cast<std::size_t>(axis)] = tip[axis];
 }
 
 void StandInDevice::push(Nanoseconds now, const Axes& force_N) {
   force_N_ = force_N;
-  device_.apply(now, Eigen::Map<const Eigen::Vector3d>(force_N.data()));
+  if (begun_) device_.apply(now, Eigen::Map<const Eigen::Vector3d>(force_N.data()));
 }
 
 StandIn::State StandInDevice::state() const {

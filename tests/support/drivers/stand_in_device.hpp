@@ -30,12 +30,13 @@ struct StandInSettings {
 };
 
 /// The simulated device of forcebound::device, run by the real clock: exact motion, exact audit. A thread of its own
-/// runs it on while nobody calls, so that its watchdog releases a force when it is due.
+/// runs it on while nobody calls, so that its watchdog releases a force when it is due. Device and hand begin to move
+/// when the motors are switched on for the first time.
 ///
 /// The recording is a CSV file with a row for each call and event, written at once so that it is whole whenever the
 /// process ends: time_s (of CLOCK_MONOTONIC), event, x_m, y_m, z_m, force_x_N, force_y_N, force_z_N, energy_J,
 /// least_energy_J. The force is the one at the motors from then on. Events: start, read, command, enable, disable,
-/// release (by the watchdog, at the time when it was due), unplug, plug, press, mark.
+/// release (by the watchdog, at the time when it was due), unplug, plug, press, mark, end.
 class StandInDevice final : public StandIn {
  public:
   /// @throws std::runtime_error, std::invalid_argument in one line
@@ -56,6 +57,7 @@ class StandInDevice final : public StandIn {
 
  private:
   [[nodiscard]] time::Nanoseconds advance();
+  void note_position(const device::Vector& tip);
   void push(time::Nanoseconds now, const Axes& force_N);
   void note(time::Nanoseconds at, const char* event);
   [[nodiscard]] State state() const;
@@ -71,6 +73,7 @@ class StandInDevice final : public StandIn {
   std::uint32_t buttons_ = 0;
   bool plugged_ = true;
   bool enabled_ = false;
+  bool begun_ = false;
   bool ending_ = false;
   time::Nanoseconds hold_{0};
   time::Nanoseconds commanded_{0};

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "forcebound/time/real_time.hpp"
 #include "tests/support/drivers/stand_in_cable.hpp"
 #include "tests/support/drivers/stand_in_device.hpp"
 
@@ -22,6 +23,9 @@ int main(int argc, char** argv) {
     sigaddset(&ends, SIGINT);
     sigaddset(&ends, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+    // Hardware waits for no program: before its thread is made, which does likewise, and above the client's.
+    constexpr int kPriority = 90;
+    (void)forcebound::time::ask_for_real_time(kPriority);
     const int until = signalfd(-1, &ends, SFD_CLOEXEC);
     forcebound::test::StandInDevice device(forcebound::test::StandInSettings::from_environment());
     forcebound::test::serve(device, argv[1], until);

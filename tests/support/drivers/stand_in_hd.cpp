@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "forcebound/time/real_time.hpp"
 #include "tests/support/drivers/stand_in_library.hpp"
 
 namespace {
@@ -118,6 +119,8 @@ void schedule_round() {
 }
 
 void run_scheduler() {
+  constexpr int kPriority = 79;
+  (void)forcebound::time::ask_for_first_in_first_out(kPriority);
   auto next = std::chrono::steady_clock::now();
   while (the().runs) {
     schedule_round();

@@ -72,8 +72,10 @@ TEST_F(OpenHaptics, FailsWhileUnpluggedAndResumesAfterwards) {
   plug(0);
   tick_until(Vector::Ones(3), [&] { return reading.status == Status::failed; });
   EXPECT_THAT(why(), HasSubstr("Touch X 0042 does not answer (libHD's error 0x0302)"));
+  const time::Nanoseconds plugged_in = clock.now();
   plug(1);
   tick_until(Vector::Ones(3), [&] { return reading.status == Status::ok; });
+  EXPECT_GT(last.latched, plugged_in) << "not a reading from before";
   expect_force();
 }
 

@@ -9,6 +9,8 @@ namespace forcebound::client {
 namespace {
 
 constexpr double kSpeedMean_s = 5e-3;
+constexpr double kTickMost_s = 0.005;
+constexpr double kGone_s = 0.02;       // without a usable reading: more than a reading or two that were late
 constexpr double kSlowAgain = 0.5;     // of the speed limit
 constexpr double kCoolAgain = 0.9;     // of the mean square
 constexpr double kCapMoves_per_s = 1;  // of the limit
@@ -25,7 +27,8 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   if (!tick.position.allFinite()) {
     last_.reset();
     speed_m_per_s_ = 0;
-    ramp_ = 0;
+    missing_s_ += elapsed_s;
+    if (missing_s_ > kGone_s) ramp_ = 0;
     return Vector::Zero(wanted_N.rows());
   }
   note_speed(tick);
@@ -33,10 +36,14 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
     ramp_ = 0;
     return Vector::Zero(wanted_N.rows());
   }
-  ramp_ = limits_.ramp_s > 0 ? std::min(1.0, ramp_ + elapsed_s / limits_.ramp_s) : 1;
+  // By ticks: a pause between two readings is no time in which the force grew.
+  ramp_ = limits_.ramp_s > 0 ? std::min(1.0, ramp_ + std::min(elapsed_s, kTickMost_s) / limits_.ramp_s) : 1;
+  missing_s_ = 0;
   Vector asked_N = ramp_ * fade(tick.position) * wanted_N;
   const double length_N = asked_N.norm();
-  if (length_N > cap_N_) asked_N *= cap_N_ / length_N;
+  // Deep in a stiff object a small share of what is wanted is all that the device has.
+  const double most_N = ramp_ < 1 ? std::min(cap_N_, ramp_ * force_N_max_) : cap_N_;
+  if (length_N > most_N) asked_N *= most_N / length_N;
   return asked_N;
 }
 

@@ -22,6 +22,8 @@ using control::Vector;
 /// square of the force that was applied, over rms_s, is below rms_force_N_max^2; above, it falls to rms_force_N_max by
 /// as much in each second, and rises likewise once the mean square is 10 % below.
 ///
+/// While it grows the length is at most ramp force_N_max. Readings that are missing for less than 20 ms begin no ramp.
+///
 /// The speed is that between readings, smoothed over 5 ms, so that one jump of an encoder trips nothing.
 ///
 /// Real time: noexcept, no allocation, O(dof). Deterministic.
@@ -30,7 +32,10 @@ class HandSafety {
   enum class Trip : std::uint8_t { speed, workspace, heat };
   static constexpr std::size_t kTrips = 3;
 
-  explicit HandSafety(const device::Safety& limits) noexcept : limits_(limits) {}
+  /// @param force_N_max the device's largest
+  explicit HandSafety(const device::Safety& limits,
+                      double force_N_max = std::numeric_limits<double>::infinity()) noexcept
+      : limits_(limits), force_N_max_(force_N_max) {}
 
   struct Tick {
     const Vector& position;   ///< [m]; not finite: there is no usable reading
@@ -65,6 +70,8 @@ class HandSafety {
   double cap_N_ = std::numeric_limits<double>::infinity();
   std::optional<Trip> newest_{};
   std::array<std::uint64_t, kTrips> trips_{};
+  double force_N_max_;
+  double missing_s_ = 0;  ///< without a usable reading
 };
 
 }  // namespace forcebound::client

@@ -64,7 +64,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       blackouts_(options_.policy.hold),
       rendering_(options_.local,
                  {.slew_N_per_s = options_.force_slew_N_per_s, .force_N_max = device.facts().force_N_max}),
-      safety_(device.safety()),
+      safety_(device.safety(), device.facts().force_N_max),
       last_applied_N_(Vector::Zero(device.facts().degrees_of_freedom())) {
   options_.policy.validate();
   const std::string_view server_law = controller_.law().server_law();

@@ -38,9 +38,30 @@ TEST(HandSafety, RampsAfterTheStartAndAfterReadingsThatFailed) {
   Hand hand{HandSafety({.ramp_s = 0.1})};
   EXPECT_NEAR(hand.ticks(50, 0, 4), 2, 0.1);
   EXPECT_EQ(hand.ticks(60, 0, 4), 4);
-  EXPECT_EQ(hand.tick(std::numeric_limits<double>::quiet_NaN(), 4), 0);
+  EXPECT_EQ(hand.ticks(30, std::numeric_limits<double>::quiet_NaN(), 4), 0);
   EXPECT_NEAR(hand.ticks(50, 0, 4), 2, 0.1);
   EXPECT_EQ(hand.ticks(60, 0, 4), 4);
+}
+
+TEST(HandSafety, AReadingThatIsLateBeginsNoRamp) {
+  Hand hand{HandSafety({.ramp_s = 0.1})};
+  EXPECT_EQ(hand.ticks(110, 0, 4), 4);
+  EXPECT_EQ(hand.ticks(2, std::numeric_limits<double>::quiet_NaN(), 4), 0);
+  EXPECT_EQ(hand.tick(0, 4), 4);
+}
+
+TEST(HandSafety, APauseBetweenReadingsIsNoPartOfTheRamp) {
+  HandSafety safety({.ramp_s = 0.1});
+  const Vector none = one(0);
+  const Vector wanted = one(4);
+  EXPECT_NEAR(safety.limited(wanted, {.position = none, .applied_N = none, .elapsed_s = 2})[0], 0.2, 1e-9);
+}
+
+TEST(HandSafety, TheRampIsOneOfTheDevicesForceHoweverMuchIsWanted) {
+  Hand hand{HandSafety({.ramp_s = 0.1}, 8)};
+  EXPECT_NEAR(hand.ticks(10, 0, 1000), 0.8, 1e-9);
+  EXPECT_NEAR(hand.ticks(40, 0, -1000), -4, 1e-9);
+  EXPECT_NEAR(hand.ticks(10, 0, 2), 1.2, 1e-9) << "as without a bound";
 }
 
 TEST(HandSafety, GivesNoForceWhileTheHandIsTooFastAndThenARamp) {
