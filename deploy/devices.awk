@@ -1,7 +1,7 @@
 # What deploy/devices says of the recordings of a client and of a device's stand-in: -v what=contact, run, unplugged or
 # ended. Files: of the device; for run and unplugged the client's before it.
 BEGIN { FS = "," }
-FNR == 1 { file++; next }
+what != "contact" && FNR == 1 { file++; next }
 function length_of(x, y, z) { return sqrt(x * x + y * y + z * z) }
 # Without the sign of a zero.
 function force_as_text(x, y, z) { return sprintf("%.9g %.9g %.9g", x + 0, y + 0, z + 0) }
@@ -45,16 +45,11 @@ function take_command(time, text,    i) {
   if (text != "0 0 0") altered++
 }
 
-function take_return(time, newtons,    i) {
-  if (!back_at) {
-    back_at = time
-    for (i = 1; i <= ticks && at[i] < unplugged_at; i++) {
-      if (at[i] > unplugged_at - 0.5) { sum += size[i]; count++ }
-    }
-    before = count ? sum / count : 0
-  }
+# In 0.1 s a ramp of 0.5 s lets a fifth of the largest force pass, in 0.3 s three.
+function take_return(time, newtons) {
+  if (!back_at) back_at = time
   if (time < back_at + 0.1 && newtons > early) early = newtons
-  if (!full_at && newtons >= 0.9 * before) full_at = time
+  if (time < back_at + 0.3 && newtons > later) later = newtons
 }
 
 # Heapsort, from 1.
@@ -95,8 +90,7 @@ END {
     for (; i <= ticks && size[i] > 0; i++) { }
     printf "%.3g\n", 1e3 * (at[i] - unplugged_at)
     printf "%.3g\n", back_at - plugged_at
-    printf "%.3g\n", before > 0 ? 100 * early / before : 0
-    printf "%.3g\n", full_at - back_at
+    printf "%.3g, %.3g\n", early, later
   }
   if (what == "ended") {
     if (!held) print "no contact"
