@@ -77,7 +77,7 @@ END {
   if (what == "contact") exit !(newest > 0.5)
   if (what == "run") {
     sort_numbers(period, ticks - 1)
-    printf "%.4g, %.4g, %.4g\n", at_share(period, ticks - 1, 0.5), at_share(period, ticks - 1, 0.99), period[ticks - 1]
+    printf "%.0f, %.0f, %.0f\n", at_share(period, ticks - 1, 0.5), at_share(period, ticks - 1, 0.99), period[ticks - 1]
     print median_and_p99(reading, ticks)
     print median_and_p99(commanding, ticks)
     printf "%.2f\n", ticks ? 100 * arrivals / ticks : 0

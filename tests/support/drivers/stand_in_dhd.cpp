@@ -48,6 +48,8 @@ int result(bool done) {
 
 }  // namespace
 
+// NOLINTBEGIN(readability-identifier-naming): the names are the vendor's.
+
 STAND_IN_EXPORT int dhdGetDeviceCount() { return plugged() ? 1 : 0; }
 
 STAND_IN_EXPORT int dhdOpenID(char id) {
@@ -106,6 +108,8 @@ STAND_IN_EXPORT unsigned int dhdGetButtonMask(char /*id*/) {
 }
 
 STAND_IN_EXPORT const char* dhdErrorGetLastStr() { return plugged() ? "no error" : "no device found"; }
+
+// NOLINTEND(readability-identifier-naming)
 
 STAND_IN_EXPORT void stand_in_plug(int in) {
   if (StandIn* const device = device_of_library()) device->plug(in != 0);

@@ -155,6 +155,8 @@ std::array<double, 16> transform_of(const Axes& position_m) {
 
 }  // namespace
 
+// NOLINTBEGIN(readability-identifier-naming): the names are the vendor's.
+
 STAND_IN_EXPORT unsigned hdInitDevice(const char* name) {
   StandIn* const device = device_of_library();
   const bool known = name == nullptr || std::strcmp(name, "Default Device") == 0 || std::strcmp(name, "Left") == 0;
@@ -296,6 +298,8 @@ STAND_IN_EXPORT void hdUnschedule(unsigned long handle) {
   }
   if (erased == 0) fail(kInvalidOperation);
 }
+
+// NOLINTEND(readability-identifier-naming)
 
 STAND_IN_EXPORT void stand_in_plug(int in) {
   if (StandIn* const device = device_of_library()) device->plug(in != 0);

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <time.h>
 
-#define ROWS 400000 /* 100 s at 4 kHz */
+#define ROWS 1000000 /* 1000 s at 1 kHz */
 #define SETTINGS 16
 
 typedef struct row {

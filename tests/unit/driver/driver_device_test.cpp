@@ -222,6 +222,19 @@ TEST(DriverFacts, AreCheckedBeforeALawSeesThem) {
   refused([](auto& facts) { facts.latency_s = kNan; }, "latency_s");
 }
 
+TEST(DriverFacts, ALatencyIsABound) {
+  forcebound_facts told{};
+  told.size = sizeof told;
+  told.degrees_of_freedom = 1;
+  told.period_s = 1e-3;
+  told.damping[0] = 2;
+  told.force_N_max = 3;
+  told.latency_s = 2e-3;
+  const control::DeviceFacts facts = facts_of(told, "pen");
+  EXPECT_EQ(facts.latency_s, 2e-3);
+  EXPECT_EQ(facts.uncertainty.latency_s, (control::Bracket{-2e-3, 0})) << "it may be none";
+}
+
 TEST(DriverFamily, MakesTheDeviceWhoseFactsWereAskedFor) {
   const device::DeviceRegistry devices = registry();
   EXPECT_EQ(devices.facts("slider:axes=2").degrees_of_freedom(), 2);
