@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,7 @@ class FakeDevice final : public device::HapticDevice {
   [[nodiscard]] std::optional<time::Nanoseconds> released_at() const noexcept override { return released; }
   [[nodiscard]] std::optional<time::Nanoseconds> effective_at() const noexcept override { return effective; }
   [[nodiscard]] bool write_failed() const noexcept override { return write_lost; }
+  [[nodiscard]] std::string_view last_error() const noexcept override { return "it is unplugged"; }
 
   control::Vector position;
   control::Vector applied;

@@ -104,6 +104,11 @@ void Screen::log_connection() const {
       return spdlog::error("the server's scene is refused, its forces are held instead: {}", event_.words());
     case Event::Kind::limited_for_safety:
       return spdlog::warn("{}", event_.words());
+    case Event::Kind::device_gone:
+      return spdlog::warn("no readings of the device, and no force until there are: {}",
+                          event_.words().empty() ? "no reason given" : event_.words());
+    case Event::Kind::device_back:
+      return spdlog::info("the device is back after {}", in_words(event_.duration));
     case Event::Kind::force_fading:
     case Event::Kind::force_dropped:
     case Event::Kind::force_fresh:

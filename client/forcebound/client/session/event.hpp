@@ -25,6 +25,8 @@ struct Event {
     scene_here,          ///< all pieces of the scene that runs at the client have arrived
     scene_refused,       ///< the scene that the server handed over; text: the error
     limited_for_safety,  ///< a limit for the hand began to act; text: which, and what ends it
+    device_gone,         ///< the device gives no readings; text: what its driver says of it, or nothing
+    device_back,         ///< it does again; `duration` is the time without
   };
 
   Kind kind = Kind::welcomed;

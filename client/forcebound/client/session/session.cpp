@@ -82,6 +82,7 @@ void Session::tick(Nanoseconds now) noexcept {
   now_ = now;
   Done done{.reading = read_device(now)};
   const device::Reading& reading = done.reading;
+  tell_of_device(reading.position.allFinite(), now);
   done.place = controller_.law().proxy_position(reading.position);
   if (schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading.latched);
   receive_all(now);
@@ -126,6 +127,12 @@ device::Reading Session::read_device(Nanoseconds now) noexcept {
   reading.jacobian = device::Matrix::Identity(dof, dof);
   reading.latched = now;
   return reading;
+}
+
+void Session::tell_of_device(bool usable, Nanoseconds now) noexcept {
+  const DeviceWatch::Change change = device_watch_.note(usable, now);
+  if (change == DeviceWatch::Change::gone) tell(Event::Kind::device_gone, now, device_.last_error());
+  if (change == DeviceWatch::Change::back) tell(Event::Kind::device_back, now, {}, device_watch_.pause());
 }
 
 control::Motion Session::motion_at(const device::Reading& reading) const noexcept {

@@ -12,6 +12,7 @@
 #include "forcebound/client/session/choosing_time.hpp"
 #include "forcebound/client/session/clock_offset.hpp"
 #include "forcebound/client/session/connection.hpp"
+#include "forcebound/client/session/device_watch.hpp"
 #include "forcebound/client/session/event.hpp"
 #include "forcebound/client/session/force_stream.hpp"
 #include "forcebound/client/session/hand_safety.hpp"
@@ -127,6 +128,7 @@ class Session {
   [[nodiscard]] RequestRendering::Request request_at(Done& done, Nanoseconds now) noexcept;
   [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
   void tell_of_scene(Nanoseconds now) noexcept;
+  void tell_of_device(bool usable, Nanoseconds now) noexcept;
   [[nodiscard]] ServerNeed need_of(const RequestRendering::Request& request) const noexcept;
   void note_late_force(const RequestRendering::Request& request, Nanoseconds age, Nanoseconds now) noexcept;
   void note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
@@ -174,6 +176,7 @@ class Session {
   Nanoseconds last_news_{0};
   Nanoseconds now_{0};
   Counts counts_;
+  DeviceWatch device_watch_;
   // They hold all that a Welcome can carry, so that the tick does not allocate.
   std::string scene_;
   std::string simulated_;

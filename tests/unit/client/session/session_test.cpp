@@ -404,6 +404,25 @@ TEST_F(SessionTest, GivesZeroForceOnAReadingThatFailedOrIsStale) {
   }
 }
 
+TEST_F(SessionTest, TellsOnceWhenTheDeviceIsGoneAndWhenItIsBack) {
+  connect();
+  const std::size_t before = events.kinds.size();
+  device.status = device::Reading::Status::failed;
+  for (int i = 0; i < 20; ++i) tick();
+  EXPECT_EQ(events.kinds.size(), before) << "a late reading is no news";
+  for (int i = 0; i < 80; ++i) tick();
+  ASSERT_EQ(events.kinds.size(), before + 1);
+  EXPECT_EQ(events.kinds.back(), Event::Kind::device_gone);
+  EXPECT_EQ(events.words, device.last_error());
+  device.status = device::Reading::Status::ok;
+  tick();
+  ASSERT_EQ(events.kinds.size(), before + 2);
+  EXPECT_EQ(events.kinds.back(), Event::Kind::device_back);
+  EXPECT_EQ(events.duration, 101ms);
+  tick();
+  EXPECT_EQ(events.kinds.size(), before + 2);
+}
+
 TEST_F(SessionTest, GivesZeroForceOnAReadingOfTheWrongSize) {
   connect();
   tick();
