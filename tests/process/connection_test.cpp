@@ -3,6 +3,8 @@
 #include <array>
 #include <chrono>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <thread>
 
 #include "forcebound/net/endpoint.hpp"
@@ -139,6 +141,38 @@ TEST(ARelayWithoutAServer, SaysSoInItsTotals) {
   EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + relay.address() + "\n"));
   EXPECT_EQ(relay.stop(), 0);
   EXPECT_THAT(relay.out(), HasSubstr("datagrams refused by " + closed_port + ": port unreachable (ICMP)"));
+}
+
+/// Asks a relay's control, again until it answers, since a datagram may be lost.
+std::string ask_control(const std::string& address, std::string_view line) {
+  const net::Address to = net::resolve(net::parse_peer(address));
+  net::UdpLink link = net::UdpLink::towards(to);
+  std::array<std::byte, net::kDatagramBytesMax> buffer{};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    link.send(std::as_bytes(std::span(line)), to);
+    const std::array descriptors{link.descriptor()};
+    net::wait_readable(descriptors, 200ms);
+    if (const auto received = link.receive(buffer)) {
+      return {reinterpret_cast<const char*>(buffer.data()), received->bytes};
+    }
+  }
+  return "no answer";
+}
+
+TEST(ARelaysControl, ChangesTheNetworkWhileItRuns) {
+  const std::string control = free_address();
+  Relay relay(free_address(), {"--control", control});
+  EXPECT_EQ(ask_control(control, "both loss 5%\n"), "up: loss 5%; down: loss 5%\n");
+  EXPECT_TRUE(relay.wait_for("info: up: loss 5%; down: loss 5%")) << "each change is printed";
+  EXPECT_THAT(ask_control(control, "up loss"), testing::StartsWith("error: "));
+  EXPECT_EQ(relay.stop(), 0);
+}
+
+TEST(ARelaysControl, IsForThisMachineAlone) {
+  const Ran relay =
+      run(kRelay, {"--listen", "127.0.0.1:0", "--upstream", free_address(), "--control", "0.0.0.0:47802"});
+  EXPECT_EQ(relay.exit_code, 2);
+  EXPECT_THAT(relay.err, HasSubstr("--control: 0.0.0.0:47802 can be reached from other machines; expected"));
 }
 
 TEST(AServerThatEnds, TellsItsClients) {

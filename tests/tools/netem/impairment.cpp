@@ -28,7 +28,7 @@ Impairment::Impairment(const ImpairmentSettings& settings)
       rtt_trace_(trace_of<RttTrace>(settings.trace)),
       blackholes_(settings.blackholes),
       origin_(settings.origin),
-      limit_packets_(netem_.limit_packets.value_or(rtt_trace_ ? kTracedLimitPackets : kLimitPackets)),
+      limit_packets_(limit_packets()),
       random_(settings.seed),
       delay_distribution_(netem_.delay, random_),
       loss_(netem_.loss, random_),
@@ -38,6 +38,23 @@ Impairment::Impairment(const ImpairmentSettings& settings)
       slots_(netem_.slot, settings.origin) {
   if (auto schedule = trace_of<DeliveryTrace>(settings.trace))
     opportunities_.emplace(*std::move(schedule), settings.origin);
+}
+
+std::uint32_t Impairment::limit_packets() const noexcept {
+  return netem_.limit_packets.value_or(rtt_trace_ ? kTracedLimitPackets : kLimitPackets);
+}
+
+void Impairment::change(Nanoseconds now, const NetemParameters& netem) {
+  settle(now);
+  netem_ = netem;
+  limit_packets_ = limit_packets();
+  delay_distribution_ = DelayDistribution(netem.delay, random_);
+  loss_ = LossModel(netem.loss, random_);
+  duplicate_ = Event(netem.duplicate, random_);
+  corrupt_ = Event(netem.corrupt, random_);
+  reorder_ = Event(netem.reorder.chance, random_);
+  slots_ = Slots(netem.slot, now);
+  delayed_since_reordered_ = 0;
 }
 
 Verdicts Impairment::push(Nanoseconds now, std::span<const std::byte> bytes, std::uint64_t tag) {

@@ -61,6 +61,11 @@ class Impairment {
  public:
   explicit Impairment(const ImpairmentSettings& settings);
 
+  /// Other parameters for packets that come from now on. Draws go on with the same randomness, so that the same seed
+  /// and the same changes at the same times give the same fates; correlations and states of loss begin anew, slots at
+  /// `now`. Packets that wait keep their delays; trace and blackholes stay. Allocates.
+  void change(Nanoseconds now, const NetemParameters& netem);
+
   /// A packet arrives. `tag` is returned with its departures.
   Verdicts push(Nanoseconds now, std::span<const std::byte> bytes, std::uint64_t tag = 0);
 
@@ -82,6 +87,7 @@ class Impairment {
     bool copy;
   };
 
+  [[nodiscard]] std::uint32_t limit_packets() const noexcept;
   [[nodiscard]] bool in_blackhole(Nanoseconds now) const noexcept;
   void admit(const Arrival& arrival, Verdicts& verdicts);
   void corrupt(std::span<std::byte> bytes) noexcept;

@@ -3,20 +3,24 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <random>
 #include <stdexcept>
+#include <string_view>
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/tools/relay/control.hpp"
 #include "tests/tools/relay/log_writer.hpp"
 #include "tests/tools/relay/options.hpp"
 #include "tests/tools/relay/summary.hpp"
@@ -95,14 +99,54 @@ void announce(const relay::Options& options, const relay::Address& listen, const
   }
 }
 
-void run(relay::Relay& relay, const net::UdpLink& downstream, const relay::UdpUpstream& upstream) {
+/// New impairments from this machine, while the relay runs.
+class ControlSocket {
+ public:
+  /// @throws std::invalid_argument if others than this machine could send there; std::runtime_error if it is in use.
+  ControlSocket(const net::Endpoint& at, relay::Control control) : link_(listen(at)), control_(std::move(control)) {}
+
+  /// One line at most, so that a flood of them delays no packet for long.
+  void receive() {
+    const auto received = link_.receive(buffer_);
+    if (!received) return;
+    const std::size_t bytes = std::min(received->bytes, buffer_.size());
+    const std::string_view line(reinterpret_cast<const char*>(buffer_.data()), bytes);
+    const relay::Control::Answer answer = control_.answer(line, now());
+    if (answer.changed) spdlog::info("{}", answer.text);
+    const std::string text = answer.text + "\n";
+    (void)link_.send(std::as_bytes(std::span(text)), received->from);
+  }
+
+  [[nodiscard]] int descriptor() const noexcept { return link_.descriptor(); }
+  [[nodiscard]] relay::Address address() const noexcept { return link_.local_address(); }
+
+ private:
+  static net::UdpLink listen(const net::Endpoint& at) {
+    const relay::Address address = net::resolve(at);
+    if (!net::is_loopback(address)) {
+      throw std::invalid_argument("--control: " + to_string(address) +
+                                  " can be reached from other machines; expected an address of this one alone, such "
+                                  "as 127.0.0.1:47802");
+    }
+    return net::UdpLink::listen(address);
+  }
+
+  net::UdpLink link_;
+  relay::Control control_;
+  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
+};
+
+void run(relay::Relay& relay, const net::UdpLink& downstream, const relay::UdpUpstream& upstream,
+         std::optional<ControlSocket>& control) {
   std::vector<int> descriptors;
   while (stop_asked == 0) {
     relay.forward(now());
     relay.receive(now());
     relay.forward(now());
+    if (control) control->receive();
     descriptors = upstream.descriptors();
     descriptors.push_back(downstream.descriptor());
+    if (control) descriptors.push_back(control->descriptor());
     const Nanoseconds time = now();
     const Nanoseconds wake = std::min(relay.next_departure().value_or(Nanoseconds::max()), time + kLongestWait);
     if (wake > time) net::wait_readable(descriptors, wake - time);
@@ -149,11 +193,14 @@ int relay_until_stopped(const relay::Options& options) {
     });
   }
   relay::Relay relay(settings, downstream, upstream, log.get());
+  std::optional<ControlSocket> control;
+  if (options.control) control.emplace(*options.control, relay::Control(relay, {options.up_words, options.down_words}));
 
   stop_on_signals();
   announce(options, downstream.local_address(), upstream_address);
+  if (control) spdlog::info("new impairments are taken at {}", to_string(control->address()));
   wake_up_precisely();
-  run(relay, downstream, upstream);
+  run(relay, downstream, upstream, control);
 
   fmt::print("{}", relay::summary(relay));
   if (upstream.refused() != 0)

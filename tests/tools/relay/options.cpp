@@ -34,6 +34,14 @@ constexpr std::string_view kMore =
     "with duplicate+, corrupted+ or reordered+ in front where they apply. A thread of its own writes it, so a slow "
     "disk delays no packet.\n"
     "\n"
+    "While it runs, --control takes new impairments, by UDP from this machine alone, each datagram a line:\n"
+    "  both WORDS   both directions from now on, for packets that come from now on; without words: a perfect network\n"
+    "  up WORDS     from client to server alone; down WORDS: from server to client\n"
+    "  status       changes nothing\n"
+    "The answer is a line with the impairments that hold, or \"error: \" and what would be accepted. Trace and "
+    "blackholes "
+    "stay. Each change is printed.\n"
+    "\n"
     "Up to 256 clients at once, if the limit on open files allows it (a warning says so), each forgotten after 60 s "
     "without a datagram. Ctrl-C or SIGTERM ends it with totals.\n"
     "\n"
@@ -42,6 +50,8 @@ constexpr std::string_view kMore =
     "  forcebound-relay ... --netem-up 'loss gemodel 1% 10%' --seed 7\n"
     "  forcebound-relay ... --trace 5g-rural-n8.csv --log packets.csv\n"
     "  forcebound-relay ... --blackhole down:10-70 --blackhole both:90-95\n"
+    "  forcebound-relay ... --control 127.0.0.1:47802, then in bash:\n"
+    "    echo both delay 100ms >/dev/udp/127.0.0.1/47802\n"
     "\n";
 
 struct Texts {
@@ -51,6 +61,7 @@ struct Texts {
   std::string netem_up;
   std::string netem_down;
   std::vector<std::string> blackholes;
+  std::string control;
 };
 
 void declare(CLI::App& app, Options& options, Texts& texts) {
@@ -68,6 +79,9 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
          "--blackhole", texts.blackholes,
          "direction (up, down or both) that is dead from FROM to TO, in seconds since the start; may be repeated")
       ->type_name("WAY:FROM-TO");
+  app.add_option("--control", texts.control, "take new impairments there while it runs; an address of this machine")
+      ->check(program::not_empty())
+      ->type_name("HOST:PORT");
   app.add_option("--trace", options.trace, "recorded network to play")->check(program::not_empty())->type_name("FILE");
   app.add_option("--seed", options.seed, "decides every random choice; default: a new one, printed")
       ->check(program::whole_within(0))
@@ -91,6 +105,9 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
   program::expect_apart({"--log", options.log}, {{"--trace", options.trace}});
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(texts.listen); });
   options.upstream = program::value_of("--upstream", [&] { return net::parse_peer(texts.upstream); });
+  if (!texts.control.empty()) {
+    options.control = program::value_of("--control", [&] { return net::parse_endpoint(texts.control); });
+  }
   for (const std::string& text : texts.blackholes) {
     const BlackholeOption blackhole = program::value_of("--blackhole", [&] { return parse_blackhole(text); });
     if (blackhole.up) options.up_blackholes.push_back(blackhole.when);

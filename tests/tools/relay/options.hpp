@@ -24,8 +24,9 @@ struct Options {
   std::string down_words;
   std::vector<netem::Blackhole> up_blackholes;
   std::vector<netem::Blackhole> down_blackholes;
-  std::string trace;  ///< file, empty: none
-  std::string log;    ///< file, empty: none
+  std::optional<net::Endpoint> control{};  ///< where new impairments come from while it runs
+  std::string trace;                       ///< file, empty: none
+  std::string log;                         ///< file, empty: none
   std::uint64_t seed = 0;
 };
 

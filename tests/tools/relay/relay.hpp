@@ -79,6 +79,11 @@ class Relay {
   /// Sends due packets. To be called before and after `receive`.
   void forward(Nanoseconds now);
 
+  /// Other impairments of one direction, for packets that come from now on.
+  void change(Direction direction, const netem::NetemParameters& netem, Nanoseconds now) {
+    way(direction).change(now, netem);
+  }
+
   /// When `forward` has work again, unless something is received before.
   [[nodiscard]] std::optional<Nanoseconds> next_departure() const noexcept;
 

@@ -164,6 +164,17 @@ TEST(ImpairmentDelay, SlotsCountBytesOnTheWire) {
   EXPECT_THAT(times, ElementsAre(20ms, 20ms, 40ms, 40ms));
 }
 
+TEST(ImpairmentDelay, AChangeHoldsForWhatComesAfterIt) {
+  Way way("delay 30ms limit 1");
+  way.send(0ms);
+  way.impairment().change(1ms, parse_netem("delay 5ms"));
+  way.send(1ms);
+  const auto& left = way.finish();
+  ASSERT_EQ(left.size(), 2U) << "the limit is the new one";
+  EXPECT_EQ(left[0].time, 6ms);
+  EXPECT_EQ(left[1].time, 30ms);
+}
+
 TEST(ImpairmentDelay, TraceAddsItsDelayAndItsBlackouts) {
   Way way({.netem = parse_netem("delay 1ms"), .trace = RttTrace({{0s, 20ms}, {2s, 20ms}, {3s, 40ms}}), .origin = 10s});
   way.send(10s);

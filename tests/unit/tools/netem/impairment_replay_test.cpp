@@ -77,6 +77,22 @@ TEST(ImpairmentReplay, HowOftenItIsAskedChangesNothing) {
   EXPECT_EQ(from_eager, from_lazy);
 }
 
+TEST(ImpairmentReplay, TheSameChangesAtTheSameTimesGiveTheSameFates) {
+  const auto fates = [](const ImpairmentSettings& settings) {
+    Way way(settings);
+    std::string text;
+    for (int i = 0; i < 2000; ++i) {
+      if (i == 500) way.impairment().change(i * 1ms, parse_netem(kEverything));
+      if (i == 1500) way.impairment().change(i * 1ms, {});
+      for (const Verdict& verdict : way.send(i * 1ms)) text += verdict_text(verdict) + ' ';
+    }
+    return text;
+  };
+  const ImpairmentSettings settings{.netem = parse_netem("loss 50%"), .seed = 7};
+  EXPECT_EQ(fates(settings), fates(settings));
+  EXPECT_NE(fates(settings), fates({.netem = parse_netem("loss 50%"), .seed = 8}));
+}
+
 TEST(ImpairmentReplay, DirectionsOfOneSeedAreIndependent) {
   EXPECT_NE(direction_seed(1, Direction::up), direction_seed(1, Direction::down));
   EXPECT_NE(direction_seed(1, Direction::down), direction_seed(2, Direction::up));
