@@ -2,6 +2,8 @@
 
 #include <sodium.h>
 
+#include <algorithm>
+
 #include "forcebound/security/internal/raw.hpp"
 
 namespace forcebound::security {
@@ -27,10 +29,12 @@ std::string to_base64(const KeyBytes& key) {
 }
 
 bool from_base64(std::string_view text, KeyBytes& key) noexcept {
+  // libsodium 1.0.18 takes some bytes beyond ASCII for characters of base64.
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80U; };
   key = {};
   std::size_t bytes = 0;
   const char* end = nullptr;
-  if (text.size() == kBase64Characters &&
+  if (text.size() == kBase64Characters && std::ranges::all_of(text, is_ascii) &&
       ::sodium_base642bin(raw(key), key.size(), text.data(), text.size(), nullptr, &bytes, &end, kBase64) == 0 &&
       bytes == key.size() && end == text.data() + text.size()) {
     return true;

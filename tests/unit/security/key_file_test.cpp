@@ -127,6 +127,18 @@ TEST(PublicKeyText, IsRefusedForAPointOfLowOrder) {
   EXPECT_TRUE(public_key_from_base64(to_base64(key_pair_from(key_bytes(1)).public_key.bytes)));
 }
 
+// Found by fuzzing: libsodium read the byte 0x82 as 'M', so that one key could be written in several ways.
+TEST(PublicKeyText, IsRefusedWithAByteBeyondAscii) {
+  const std::string text = to_base64(key_pair_from(key_bytes(1)).public_key.bytes);
+  for (int byte = 0x80; byte <= 0xff; ++byte) {
+    for (std::size_t place = 0; place < text.size(); ++place) {
+      std::string other = text;
+      other[place] = static_cast<char>(byte);
+      EXPECT_FALSE(public_key_from_base64(other)) << "byte " << byte << " at " << place;
+    }
+  }
+}
+
 TEST(Wipe, LeavesZeros) {
   KeyBytes key = key_bytes(1);
   wipe(key.data(), key.size());
