@@ -1,0 +1,319 @@
+#include <gmock/gmock.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "forcebound/driver/driver_device.hpp"
+#include "forcebound/driver/driver_library.hpp"
+#include "forcebound/time/steady_clock.hpp"
+#include "tests/support/process.hpp"
+
+namespace forcebound::driver {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+using namespace std::chrono_literals;
+using Status = device::Reading::Status;
+
+constexpr auto kLong = 10min;
+
+std::unique_ptr<DriverDevice> haply(const std::string& settings) {
+  const std::string file = std::string(FORCEBOUND_DRIVERS) + "/forcebound-device-haply.so";
+  return std::make_unique<DriverDevice>(std::make_shared<const DriverLibrary>(file, "haply"),
+                                        DriverRequest::parse("haply:" + settings));
+}
+
+/// The driver and, in a process of its own, what stands in for the Inverse service.
+class Haply : public testing::Test {
+ protected:
+  struct Seen {
+    std::array<double, 3> force_N{};
+    std::string spelling{};
+    std::string basis{};
+    int sessions = 0;
+  };
+
+  /// @param port 0: a free one
+  void serve(const std::string& version = "3.5", const std::string& port = "0") {
+    service = std::make_unique<test::Process>(FORCEBOUND_INVERSE_SERVICE, std::vector<std::string>{port, version},
+                                              test::Process::Input::pipe);
+    if (!service->wait_for("listening on port ", kLong)) throw std::runtime_error("no service");
+    const std::string out = service->out();
+    port_ = out.substr(out.rfind(' ') + 1);
+    port_.pop_back();
+  }
+
+  [[nodiscard]] std::string address() const { return "address=127.0.0.1:" + port_; }
+  [[nodiscard]] const std::string& port() const { return port_; }
+  void open(const std::string& more = "") { device = haply(address() + more); }
+
+  void tell(const std::string& line) const { service->write(line + "\n"); }
+
+  /// What the service and its device know now.
+  Seen seen() {
+    const std::string name = "look " + std::to_string(++looks_) + " ";
+    tell(name);
+    std::string out = service->out();
+    while (out.find(name) == std::string::npos || out.back() != '\n') {
+      std::this_thread::sleep_for(100us);
+      out = service->out();
+    }
+    std::istringstream line(out.substr(out.find(name) + name.size()));
+    Seen now;
+    line >> now.force_N[0] >> now.force_N[1] >> now.force_N[2] >> now.spelling >> now.basis >> now.sessions;
+    return now;
+  }
+
+  std::array<double, 3> felt_N() { return seen().force_N; }
+
+  /// Reads and commands until the condition holds, however long that takes.
+  template <class Condition>
+  void tick_until(const Vector& force_N, Condition condition) {
+    do {
+      reading = device->read(clock.now());
+      if (reading.status == Status::ok) last = reading;
+      device->apply(clock.now(), force_N);
+      std::this_thread::sleep_for(1ms);
+    } while (!condition());
+  }
+
+  void tick_until_read() {
+    tick_until(Vector::Zero(3), [&] { return reading.status == Status::ok; });
+  }
+  /// Until the device moves by less than its encoder's step in 20 ms.
+  void tick_until_rest() {
+    Vector before = Vector::Ones(3);
+    int ticks = 0;
+    tick_until(Vector::Zero(3), [&] {
+      if (++ticks % 20 != 0) return false;
+      return (std::exchange(before, last.position) - last.position).norm() < 1e-6;
+    });
+  }
+  void tick_until_felt() {
+    tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+  }
+  void tick_until_failed() {
+    tick_until(Vector::Ones(3), [&] { return reading.status == Status::failed; });
+  }
+  void wait_for_no_force() {
+    while (felt_N() != std::array<double, 3>{}) std::this_thread::sleep_for(1ms);
+  }
+
+  std::unique_ptr<test::Process> service;
+  time::SteadyClock clock;
+  std::unique_ptr<DriverDevice> device;
+  device::Reading reading;
+  device::Reading last;
+
+ private:
+  std::string port_;
+  int looks_ = 0;
+};
+
+TEST_F(Haply, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
+  serve();
+  open(",force_N_max=7");
+  EXPECT_EQ(device->facts().name, "Inverse3 04BA");
+  EXPECT_EQ(device->facts().degrees_of_freedom(), 3);
+  EXPECT_EQ(device->facts().force_N_max, 7);
+  EXPECT_THAT(device->facts_in_words(), HasSubstr("bounds not identified"));
+}
+
+TEST_F(Haply, MovesAlongTheForceInTheScenesFrame) {
+  serve();
+  open();
+  device->start();
+  tick_until_read();
+  EXPECT_LT(last.position.norm(), 1e-3) << "the middle of the workspace";
+  for (int axis = 0; axis < 3; ++axis) {
+    tick_until_rest();
+    const Vector from = last.position;
+    Vector push = Vector::Zero(3);
+    push[axis] = 2;
+    tick_until(push, [&] { return (last.position - from).norm() > 0.01; });
+    EXPECT_GT(last.position[axis] - from[axis], 0.0099) << axis;
+  }
+}
+
+TEST_F(Haply, SpellsAForceAsTheServicesVersionDoes) {
+  serve("3.5");
+  open();
+  device->start();
+  tick_until_felt();
+  EXPECT_EQ(seen().spelling, "vector");
+  EXPECT_EQ(seen().basis, "XYZ");
+  device.reset();
+  serve("3.1");
+  open();
+  device->start();
+  tick_until_felt();
+  EXPECT_EQ(seen().spelling, "values");
+  EXPECT_EQ(seen().basis, "none");
+}
+
+TEST_F(Haply, SpellsAForceAsItIsTold) {
+  serve();
+  open(",spelling=values");
+  device->start();
+  tick_until_felt();
+  EXPECT_EQ(seen().spelling, "values");
+}
+
+TEST_F(Haply, TellsOrientationAndButtonsOfTheGripIfThereIsOne) {
+  serve();
+  const DriverLibrary library(std::string(FORCEBOUND_DRIVERS) + "/forcebound-device-haply.so", "haply");
+  const forcebound_driver& driver = library.functions();
+  const std::string value = "127.0.0.1:" + port();
+  const forcebound_setting setting{.key = "address", .value = value.c_str()};
+  forcebound_device* opened = nullptr;
+  std::array<char, FORCEBOUND_TEXT_BYTES> error{};
+  ASSERT_EQ(driver.open(&setting, 1, &opened, error.data(), error.size()), FORCEBOUND_OK) << error.data();
+  ASSERT_EQ(driver.start(opened), FORCEBOUND_OK);
+  const auto told_until = [&](auto condition) {
+    for (;;) {
+      forcebound_reading told{};
+      told.size = sizeof told;
+      if (driver.read(opened, clock.now().count(), &told) == FORCEBOUND_OK && condition(told)) return told;
+      std::this_thread::sleep_for(1ms);
+    }
+  };
+  constexpr std::uint32_t kBoth = FORCEBOUND_HAS_ORIENTATION | FORCEBOUND_HAS_BUTTONS;
+  tell("turn 0 0.6 0 0.8");
+  tell("press 6");
+  forcebound_reading told = told_until([](const auto& t) { return t.buttons == 6U && t.orientation[0] == 0; });
+  EXPECT_EQ(told.has, kBoth);
+  EXPECT_THAT(told.orientation, ElementsAre(0, 0.6, 0, 0.8));
+  tell("grip wired");
+  tell("press 1");
+  told = told_until([](const auto& t) { return t.buttons == 1U; });
+  EXPECT_EQ(told.has, kBoth);
+  tell("grip none");
+  told = told_until([](const auto& t) { return t.has == 0; });
+  EXPECT_EQ(told.buttons, 0U);
+  driver.close(opened);
+}
+
+TEST_F(Haply, GivesNoForceOnceNoCommandComes) {
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  wait_for_no_force();
+  EXPECT_EQ(seen().sessions, 1);
+}
+
+TEST_F(Haply, StopsAtOnceAndGoesOnWithTheNextCommand) {
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  device->stop(clock.now());
+  wait_for_no_force();
+  tick_until_felt();
+}
+
+TEST_F(Haply, FailsWhileUnpluggedAndResumesAfterwards) {
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  tell("unplug");
+  tick_until_failed();
+  EXPECT_EQ(std::string(device->last_error()), "Inverse3 04BA is unplugged; looking for it");
+  tell("plug");
+  tick_until_read();
+  tick_until_felt();
+}
+
+TEST_F(Haply, LooksForAServiceThatEndedUntilItIsStartedAgain) {
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  service->signal(SIGKILL);
+  tick_until_failed();
+  EXPECT_THAT(std::string(device->last_error()), HasSubstr("the Inverse service at 127.0.0.1:" + port() + " does not"));
+  serve("3.5", port());
+  tick_until_felt();
+}
+
+TEST_F(Haply, LooksForAServiceThatDoesNotAnswerUntilItDoes) {
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  tell("mute");
+  tick_until_failed();
+  EXPECT_THAT(std::string(device->last_error()), HasSubstr("does not answer"));
+  wait_for_no_force();
+  tell("talk");
+  tick_until_felt();
+}
+
+TEST_F(Haply, FailsWhileItIsToldNothingItUnderstandsAndResumesAfterwards) {
+  serve();
+  open();
+  device->start();
+  for (const char* const nonsense :
+       {"say hello", "say {", "say []", R"(say {"inverse3":{}})", R"(say {"inverse3":[{"device_id":"04BA"}]})",
+        R"(say {"inverse3":[{"device_id":"04BA","state":{"cursor_position":{"x":"a","y":0,"z":0}}}]})",
+        "say-bytes 60000", "say-bytes 70000", "say-bytes 30000000"}) {
+    SCOPED_TRACE(nonsense);
+    tick_until_felt();
+    tell(nonsense);
+    tick_until_failed();
+    EXPECT_THAT(std::string(device->last_error()), HasSubstr("looking for it"));
+    tell("talk");
+    tick_until_read();
+  }
+}
+
+TEST_F(Haply, EndsWithZeroForce) {
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  device.reset();
+  wait_for_no_force();
+}
+
+TEST_F(Haply, SaysWhatIsMissing) {
+  serve();
+  const auto refused = [&](const std::string& settings, const auto& message) {
+    EXPECT_THAT([&] { (void)haply(settings); }, ThrowsMessage<std::runtime_error>(message));
+  };
+  for (const char* const wrong : {"speed=1", "address=localhost", "address=:1", "address=127.0.0.1:70000",
+                                  "spelling=vectors", "device_id=a b", "force_N_max=0", "x_m=2", "z_m=up"}) {
+    refused(wrong, HasSubstr("driver 'haply': '" + std::string(wrong) + "' is not accepted; accepted are address="));
+  }
+  refused("address=localhos:7", HasSubstr("no Inverse service at localhos:7"));
+  refused(address() + ",device_id=049D",
+          HasSubstr("no Inverse3 049D among those that the service at 127.0.0.1:" + port() + " lists: 04BA"));
+  tell("unplug");
+  (void)seen();
+  refused(address(), HasSubstr("no Inverse3 among those that the service at 127.0.0.1:" + port() + " lists: none"));
+  tell(R"(say {"devices":[]})");
+  (void)seen();
+  refused(address(), HasSubstr("is no Inverse service 3.1 or later"));
+  tell("mute");
+  (void)seen();
+  refused(address(), HasSubstr("no answer within 2000 ms"));
+  service->signal(SIGKILL);
+  (void)service->wait(kLong);
+  refused(address(), AllOf(HasSubstr("no Inverse service at 127.0.0.1:" + port() + " (Connection refused)"),
+                           HasSubstr("it comes with Haply Hub, see docs.haply.co")));
+}
+
+}  // namespace
+}  // namespace forcebound::driver
