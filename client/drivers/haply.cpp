@@ -1,8 +1,8 @@
 // Haply's Inverse3 with a VerseGrip if there is one, through Haply's Inverse service 3.1 or later, which runs on the
 // user's computer and is looked for when the device is opened.
 //
-// Interface: JSON over a WebSocket on port 10001, as docs.haply.co/inverseSDK (3.1 to 3.5: websocket-protocol, simulation,
-// control-commands, basis) and public programs describe it:
+// Interface: JSON over a WebSocket on port 10001, as docs.haply.co/inverseSDK (3.1 to 3.5: websocket-protocol,
+// simulation, control-commands, basis) and public programs describe it:
 //  - the service first lists its devices, then sends one state for each message that it gets;
 //  - a force holds for one message: the device becomes idle if none comes, after a time that is not published;
 //  - force and position have x to the right, y forward, z up; the origin is at the device's base, so that the middle of
@@ -32,7 +32,6 @@
 #include <exception>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "haply_connection.hpp"
 #include "haply_message.hpp"
@@ -368,11 +367,12 @@ constexpr forcebound_driver kHaply{
     .interface_version = FORCEBOUND_DEVICE_INTERFACE,
     .name = "haply",
     .description = "Inverse3, with a VerseGrip if there is one, by Haply's Inverse service",
-    .settings = "  address=IP:PORT  of the service; 127.0.0.1:10001 unless said\n"
-                "  device_id=ID     of several; the first unless said\n"
-                "  force_N_max=N    largest force; 5 unless said\n"
-                "  spelling=WORD    of a force: vector, values or auto, by the service\n"
-                "  x_m=M y_m= z_m=  middle of the workspace; 0, -0.12, 0.15 unless said\n",
+    .settings =
+        "  address=IP:PORT  of the service; 127.0.0.1:10001 unless said\n"
+        "  device_id=ID     of several; the first unless said\n"
+        "  force_N_max=N    largest force; 5 unless said\n"
+        "  spelling=WORD    of a force: vector, values or auto, by the service\n"
+        "  x_m=M y_m= z_m=  middle of the workspace; 0, -0.12, 0.15 unless said\n",
     .open = haply_open,
     .describe = haply_describe,
     .start = haply_start,

@@ -151,9 +151,8 @@ void write_command(const Command& command, std::string& text) {
   const int length = std::snprintf(
       text.data(), text.size(),
       R"({%s"inverse3":[{"device_id":"%.*s","commands":{"set_cursor_force":{"%s":{"x":%.9g,"y":%.9g,"z":%.9g}}}}]})",
-      command.introduces
-          ? R"("session":{"configure":{"profile":{"name":"forcebound"},"basis":{"permutation":"XYZ"}}},)"
-          : "",
+      command.introduces ? R"("session":{"configure":{"profile":{"name":"forcebound"},"basis":{"permutation":"XYZ"}}},)"
+                         : "",
       static_cast<int>(command.device_id.size()), command.device_id.data(),
       command.spelling == Spelling::values ? "values" : "vector", command.force_N[0], command.force_N[1],
       command.force_N[2]);

@@ -26,14 +26,14 @@ struct State {
   Axes position_m{};
   bool has_orientation = false;
   bool has_buttons = false;
-  std::uint32_t buttons = 0;                        ///< bit 0: a, or the only one; then b, c and the fourth
+  std::uint32_t buttons = 0;                      ///< bit 0: a, or the only one; then b, c and the fourth
   std::array<double, 4> orientation{1, 0, 0, 0};  ///< unit quaternion w, x, y, z
 };
 
 enum class Answer {
-  state,         ///< of the device
-  gone,          ///< the device is not among those listed
-  not_understood ///< no JSON, or without a position of finite numbers
+  state,          ///< of the device
+  gone,           ///< the device is not among those listed
+  not_understood  ///< no JSON, or without a position of finite numbers
 };
 
 /// Nothing: it is not what a service of version 3.1 or later begins with.

@@ -55,6 +55,8 @@ const std::vector<Folder>& folders() {
        {"forcebound/control", "forcebound/baselines", "forcebound/program", "forcebound/text", "forcebound/time",
         "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/driver",
         "forcebound/client"}},
+      // Plug-ins: C, or C++, with no more of ours than the interface of drivers.
+      {"drivers", {"forcebound/driver"}},
       {"forcebound/server/dynamics/tissue", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
       {"forcebound/server/dynamics/bodies",
        {"forcebound/child", "forcebound/local_model", "forcebound/text", "forcebound/scene"}},
@@ -110,9 +112,10 @@ struct Privilege {
 
 // Programs, and code that runs the core on threads and sockets. Tests may too, except for the tools that ship.
 const std::string kShells =
-    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|common/forcebound/program/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
+    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|client/drivers/.*|common/forcebound/program/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
 constexpr std::string_view kShellsInWords =
-    "the folders app, runtime and common/forcebound/program, tests/tools/relay, tests/tools/lab and the tests";
+    "the folders app, runtime and common/forcebound/program, client/drivers, tests/tools/relay, tests/tools/lab and "
+    "the tests";
 
 // It waits for a process that reads untrusted files.
 const std::string kChild = R"(common/forcebound/child/in_child\.cpp)";
@@ -216,6 +219,7 @@ std::string_view page_of(std::string_view folder) {
   for (const std::string_view side : {"client", "server"}) {
     if (is_below(folder, kOurs) && folder.substr(kOurs.size() + 1).starts_with(side)) return side;
   }
+  if (folder == "drivers") return "client";
   return folder.starts_with(kOurs) ? "common" : "tests";
 }
 

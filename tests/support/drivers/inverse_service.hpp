@@ -12,9 +12,9 @@
 namespace forcebound::test {
 
 /// What Haply's Inverse service says and does, with a simulated device in place of an Inverse3: its side of the JSON
-/// messages, without their transport. Version 3.1 takes a force by `values` alone; 3.5 takes `vector` too and numbers its
-/// sessions. As the real one it tells a state for each message, and lets go of a force when the session ends or once no
-/// other came for the device's hold time. Any thread may call anything.
+/// messages, without their transport. Version 3.1 takes a force by `values` alone; 3.5 takes `vector` too and numbers
+/// its sessions. As the real one it tells a state for each message, and lets go of a force when the session ends or
+/// once no other came for the device's hold time. Any thread may call anything.
 class InverseService {
  public:
   InverseService(StandIn& device, bool numbers_sessions) : device_(device), numbers_sessions_(numbers_sessions) {}

@@ -1,7 +1,7 @@
 // Stands in for Haply's Inverse service: `inverse-service PORT [3.1]`, a WebSocket server on 127.0.0.1 with a simulated
 // device behind it, which the environment sets up (stand_in_device.hpp; the hold time is 0.1 s unless said). PORT 0: a
-// free one. It says on which port it listens, takes a command from each line of standard input (inverse_service.hpp), and
-// runs until SIGINT or SIGTERM.
+// free one. It says on which port it listens, takes a command from each line of standard input (inverse_service.hpp),
+// and runs until SIGINT or SIGTERM.
 #include <poll.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -71,7 +71,8 @@ void obey_lines(std::string& heard, InverseService& service) {
 /// Takes commands until a signal comes.
 void run(int until, InverseService& service) {
   std::string heard;
-  std::array<pollfd, 2> waits{{{.fd = until, .events = POLLIN, .revents = 0}, {.fd = 0, .events = POLLIN, .revents = 0}}};
+  std::array<pollfd, 2> waits{
+      {{.fd = until, .events = POLLIN, .revents = 0}, {.fd = 0, .events = POLLIN, .revents = 0}}};
   for (;;) {
     ::poll(waits.data(), waits.size(), -1);
     if (waits[0].revents != 0) return;

@@ -94,10 +94,17 @@ TEST(HaplyMessage, TakesNothingFromChangedMessagesButFinitePositionsAndRotations
     for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
       const std::size_t at = below(text.size());
       switch (below(4)) {
-        case 0: text[at] = static_cast<char>(below(256)); break;
-        case 1: text.erase(at, 1 + below(8)); break;
-        case 2: text.insert(at, text.substr(below(text.size()), below(20))); break;
-        default: text.resize(std::max<std::size_t>(1, text.size() - below(10)));
+        case 0:
+          text[at] = static_cast<char>(below(256));
+          break;
+        case 1:
+          text.erase(at, 1 + below(8));
+          break;
+        case 2:
+          text.insert(at, text.substr(below(text.size()), below(20)));
+          break;
+        default:
+          text.resize(std::max<std::size_t>(1, text.size() - below(10)));
       }
     }
     State state;
