@@ -34,7 +34,8 @@ class FakeDevice final : public device::HapticDevice {
             .jacobian = control::Matrix::Identity(dof, dof),
             .damping = &damping_,
             .latched = now - latched_before,
-            .status = status};
+            .status = status,
+            .handle = handle};
   }
 
   void apply(time::Nanoseconds now, const control::Vector& force_N) noexcept override {
@@ -55,6 +56,7 @@ class FakeDevice final : public device::HapticDevice {
   bool write_lost = false;
   time::Nanoseconds latched_before{0};  ///< how long before its reading
   device::Reading::Status status = device::Reading::Status::ok;
+  control::Handle handle{};
 
  private:
   control::DeviceFacts facts_;

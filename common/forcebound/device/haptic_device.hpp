@@ -8,12 +8,14 @@
 #include "forcebound/control/audit.hpp"
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/device/safety.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::device {
 
+using control::Handle;
 using control::Matrix;
 using control::Vector;
 using time::Nanoseconds;
@@ -35,6 +37,7 @@ struct Reading {
   const control::Damping* damping = nullptr;  ///< task-space lower bound here, owned by the device
   Nanoseconds latched{0};                     ///< stamp of the encoders' sampling, caller's clock
   Status status = Status::ok;
+  Handle handle{};  ///< buttons, gripper and orientation, where there are any; all that is there can be true
 };
 
 /// Whether a law may use it: ok, and finite numbers of the right sizes.
@@ -52,6 +55,7 @@ struct DeviceCounters {
   std::uint64_t failed_writes = 0;    ///< commands that may not have reached the motors
   std::uint64_t frozen_joints = 0;    ///< simulated: more stick-slip events in 1 ms than it resolves
   std::uint64_t gaps_cut = 0;         ///< simulated: pauses between two calls too long to simulate in full
+  std::uint64_t handle_refused = 0;   ///< orientations and gripper openings that cannot be true: taken for absent
 };
 
 /// A haptic device, real or simulated. The client's tick uses one to push a person's hand; a robot at the server is

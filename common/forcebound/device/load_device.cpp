@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "forcebound/config/checked_table.hpp"
+#include "forcebound/control/handle.hpp"
 #include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -115,6 +116,9 @@ Safety read_safety(config::CheckedTable section, Safety safety) {
   safety.rms_force_N_max = limit("rms_force_N_max", safety.rms_force_N_max, kMost);
   safety.rms_s =
       section.number({.key = "rms_s", .preset = safety.rms_s, .least = 0, .least_excluded = true, .most = 3600});
+  constexpr NumberParameter kButton{
+      .key = "dead_man_button", .least = 0, .most = control::Handle::kButtons - 1, .whole = true};
+  if (section.find(kButton.key) != nullptr) safety.dead_man_button = section.whole(kButton);
   section.refuse_unknown_keys();
   return safety;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "forcebound/control/device_facts.hpp"
 
 namespace forcebound::device {
@@ -13,6 +15,7 @@ struct Safety {
   double workspace_fade_m = 0.01;  ///< over this one
   double rms_force_N_max = 0;      ///< root mean square of the force over about `rms_s`: more heats the motors
   double rms_s = 10;
+  std::optional<int> dead_man_button{};  ///< the hand feels nothing unless this button is pressed; none: as always
 
   /// For a device that is not simulated, unless its file says otherwise.
   [[nodiscard]] static Safety of_a_person(const control::DeviceFacts& facts) noexcept {

@@ -23,6 +23,15 @@ control::DeviceFacts told_by(const forcebound_driver& driver, forcebound_device*
   return facts_of(told, driver.name);
 }
 
+control::Handle handle_of(const forcebound_reading& told) noexcept {
+  control::Handle handle;
+  if ((told.has & FORCEBOUND_HAS_BUTTONS) != 0) handle.buttons = told.buttons;
+  if ((told.has & FORCEBOUND_HAS_GRIPPER) != 0) handle.gripper = told.gripper;
+  if ((told.has & FORCEBOUND_HAS_ORIENTATION) != 0)
+    std::ranges::copy(told.orientation, handle.orientation.emplace().begin());
+  return handle;
+}
+
 std::string axes_in_words(const control::DeviceFacts& facts) {
   const int dof = facts.degrees_of_freedom();
   return std::to_string(dof) + (facts.cartesian ? " axes of the tip" : " joints");
@@ -165,6 +174,12 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
   if (!device::is_usable(reading, dof)) {
     note_error("its reading has numbers that are not finite");
     return failed();
+  }
+  const control::SoundHandle handle = control::sound(handle_of(told));
+  reading.handle = handle.handle;
+  if (handle.refused > 0) {
+    counters_.handle_refused += static_cast<std::uint64_t>(handle.refused);
+    note_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
   }
   latched_ = latched;
   return reading;

@@ -31,7 +31,8 @@ struct DriverRequest {
 ///
 /// What a driver returns is checked before it is used: numbers that are not finite, stamps that run backwards or lie in
 /// the future, and a driver that throws are failed readings, each counted, and a reading that is not new is stale.
-/// Without a usable reading the law commands no force.
+/// Without a usable reading the law commands no force. An orientation or gripper opening that cannot be true is absent
+/// from the reading, and counted (control::sound); the rest of that reading counts.
 class DriverDevice final : public device::HapticDevice {
  public:
   /// Opens it. @param own facts and limits in place of those that the driver tells; none: the driver's

@@ -2,6 +2,7 @@
 
 #include <google/protobuf/descriptor.pb.h>
 
+#include <algorithm>
 #include <set>
 #include <stdexcept>
 
@@ -42,6 +43,20 @@ Enum enum_from(int value, Enum last, const char* name) {
                                 ", got " + std::to_string(value));
   }
   return static_cast<Enum>(value);
+}
+
+control::Handle handle_from(const v1::TickRecord& in) {
+  control::Handle handle;
+  if (in.has_buttons()) handle.buttons = in.buttons();
+  if (in.has_gripper()) handle.gripper = in.gripper();
+  if (in.orientation().empty()) return handle;
+  auto& orientation = handle.orientation.emplace();
+  if (in.orientation_size() != static_cast<int>(orientation.size())) {
+    throw std::invalid_argument("orientation must have 4 numbers or none, got " +
+                                std::to_string(in.orientation_size()));
+  }
+  std::ranges::copy(in.orientation(), orientation.begin());
+  return handle;
 }
 
 template <class Proto, class Value>
@@ -113,6 +128,10 @@ std::string encode(const TickRecord& tick) {
   out.set_local_scene_age_ns(tick.local_scene_age.count());
   put(tick.model, *out.mutable_model_n());
   out.set_model_deviation_m(tick.model_deviation_m);
+  if (tick.handle.buttons) out.set_buttons(*tick.handle.buttons);
+  if (tick.handle.gripper) out.set_gripper(*tick.handle.gripper);
+  if (tick.handle.orientation)
+    out.mutable_orientation()->Add(tick.handle.orientation->begin(), tick.handle.orientation->end());
   return out.SerializeAsString();
 }
 
@@ -145,6 +164,7 @@ void decode(std::string_view bytes, TickRecord& tick) {
   tick.local_scene_age = time_from(in.local_scene_age_ns(), "local_scene_age_ns");
   tick.model = vector_from(in.model_n(), "model_N");
   tick.model_deviation_m = in.model_deviation_m();
+  tick.handle = handle_from(in);
 }
 
 std::string encode(const ForceRecord& force) {

@@ -90,12 +90,14 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("trips_of_speed", totals.trips_of_speed);
   visit("trips_of_workspace", totals.trips_of_workspace);
   visit("trips_of_heat", totals.trips_of_heat);
+  visit("trips_of_dead_man", totals.trips_of_dead_man);
   visit("watchdog_stops", totals.watchdog_stops);
   visit("send_failures", totals.send_failures);
   visit("missed_ticks", totals.missed_ticks);
   visit("device_gaps_cut", totals.device_gaps_cut);
   visit("device_frozen_joints", totals.device_frozen_joints);
   visit("device_faulty_commands", totals.device_faulty_commands);
+  visit("device_handle_refused", totals.device_handle_refused);
   visit("datagrams_overflowed", totals.datagrams_overflowed);
   visit("port_unreachable", totals.port_unreachable);
   visit("events_dropped", totals.events_dropped);
@@ -299,6 +301,8 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "times the hand left the device's workspace: the force faded"},
       {"trips_of_heat", t.trips_of_heat, "time the motors' load was above the device's limit: the force was bounded",
        "times the motors' load was above the device's limit: the force was bounded"},
+      {"trips_of_dead_man", t.trips_of_dead_man, "time the dead-man button was not pressed: no force meanwhile",
+       "times the dead-man button was not pressed: no force meanwhile"},
       {"watchdog_stops", t.watchdog_stops, "time the device was stopped because the tick did not run",
        "times the device was stopped because the tick did not run"},
       {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},
@@ -310,6 +314,9 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "times the simulation of a joint's friction failed for 1 ms"},
       {"device_faulty_commands", t.device_faulty_commands, "command not finite at the device, shown as zero",
        "commands not finite at the device, shown as zero"},
+      {"device_handle_refused", t.device_handle_refused,
+       "orientation or gripper opening of the device that cannot be true, taken for absent",
+       "orientations or gripper openings of the device that cannot be true, taken for absent"},
       {"datagrams_overflowed", t.datagrams_overflowed, "datagram lost here: the socket was full",
        "datagrams lost here: the socket was full"},
       {"port_unreachable", t.port_unreachable, "datagram refused by the server's machine: port unreachable (ICMP)",

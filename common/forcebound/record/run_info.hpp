@@ -100,12 +100,14 @@ struct RunTotals {
   std::uint64_t trips_of_speed = 0;               ///< times the hand was too fast for a force
   std::uint64_t trips_of_workspace = 0;           ///< times it left the workspace that the device's safety limits name
   std::uint64_t trips_of_heat = 0;                ///< times the mean square of the force was too large for the motors
+  std::uint64_t trips_of_dead_man = 0;            ///< times the dead-man button was let go, or not pressed at the start
   std::uint64_t watchdog_stops = 0;               ///< times the device was stopped because the tick did not run
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
   std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile
   std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which the simulation of its friction failed
   std::uint64_t device_faulty_commands = 0;  ///< not finite, shown as zero
+  std::uint64_t device_handle_refused = 0;   ///< orientations and gripper openings that cannot be true
   std::uint64_t datagrams_overflowed = 0;    ///< arrived, but the socket was full
   std::uint64_t port_unreachable = 0;        ///< port unreachable (ICMP) received from the server's machine
   std::uint64_t events_dropped = 0;          ///< log lines for which the queue had no room

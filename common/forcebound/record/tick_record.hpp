@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
@@ -58,6 +59,7 @@ struct TickRecord {
   Nanoseconds local_scene_age{0};  ///< since it was taken into use
   control::Vector model{};         ///< force of the server's local models at the device's own place [N]; no rows: none
   double model_deviation_m = 0;    ///< of a mass at the client from where the server has it: being corrected
+  control::Handle handle{};        ///< buttons, gripper and orientation at the reading; absent: it has none
 };
 
 /// One environment force as it arrived.

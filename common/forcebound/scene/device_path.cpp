@@ -53,7 +53,10 @@ void DevicePath::note(const Motion& motion) noexcept {
   note_transit({.least = transit, .most = outage ? transit : newest_was}, motion.arrived);
   const Point until_now_m = told_at(played_).position_m;
   const Point mean_m_per_s = (position_m - newest.position_m) / time::to_seconds(read - newest.read);
-  add({.read = read, .position_m = position_m, .velocity_m_per_s = no_faster_than(mean_m_per_s, kFast_m_per_s)});
+  add({.read = read,
+       .position_m = position_m,
+       .velocity_m_per_s = no_faster_than(mean_m_per_s, kFast_m_per_s),
+       .buttons = motion.buttons});
   aside_m_ += until_now_m - told_at(played_).position_m;
 }
 
@@ -61,7 +64,7 @@ void DevicePath::begin(const Motion& motion, const Point& position_m) noexcept {
   epoch_ = motion.read;
   first_ = 0;
   count_ = 0;
-  add({.position_m = position_m});
+  add({.position_m = position_m, .buttons = motion.buttons});
   now_ = {.least = motion.arrived, .most = motion.arrived};
   before_ = {};
   window_began_ = motion.arrived;
@@ -144,16 +147,18 @@ DevicePath::Place DevicePath::told_at(Nanoseconds reading) const noexcept {
   std::size_t i = 0;
   while (i + 1 < count_ && knot(i + 1).read <= reading) ++i;
   const Knot& from = knot(i);
-  if (reading < from.read) return {.position_m = from.position_m};
+  if (reading < from.read) return {.position_m = from.position_m, .buttons = from.buttons};
   if (i + 1 < count_) {
     const Knot& to = knot(i + 1);
     const double share = time::to_seconds(reading - from.read) / time::to_seconds(to.read - from.read);
     return {.position_m = from.position_m + share * (to.position_m - from.position_m),
-            .velocity_m_per_s = to.velocity_m_per_s};
+            .velocity_m_per_s = to.velocity_m_per_s,
+            .buttons = from.buttons};
   }
   const double fades = std::exp(-time::to_seconds(reading - from.read) / kGoesOn_s);
   return {.position_m = from.position_m + kGoesOn_s * (1 - fades) * from.velocity_m_per_s,
-          .velocity_m_per_s = fades * from.velocity_m_per_s};
+          .velocity_m_per_s = fades * from.velocity_m_per_s,
+          .buttons = from.buttons};
 }
 
 Nanoseconds DevicePath::played_before(Nanoseconds device_time) const noexcept {

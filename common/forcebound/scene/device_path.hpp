@@ -25,9 +25,9 @@ using time::Nanoseconds;
 /// by at most a tenth of a second in each second. M is how old the newest reading was at most when the next one came,
 /// so that the path at p is known; a gap that is longer than the 100 ms is an outage and does not count. Between
 /// motions it is straight, also where some were lost. After the newest motion it goes on with the last velocity v,
-/// which fades by v e^(-s/10 ms) as p is later by s, and is held then. Where motions that come after that, or a place
-/// the device jumped to, are elsewhere, what is played goes there from where it is: with a time constant of 20 ms, and
-/// at 0.6 m/s at most.
+/// which fades by v e^(-s/10 ms) as p is later by s, and is held then. Buttons are pressed and let go as the path comes
+/// to the motion that says so. Where motions that come after that, or a place the device jumped to, are elsewhere, what
+/// is played goes there from where it is: with a time constant of 20 ms, and at 0.6 m/s at most.
 ///
 /// Motions are untrusted. A reading that is not later than the newest is left out. One whose a_i - r_i is more than a
 /// second from the least is of another clock: the path begins anew with it. What is played stays within 100 m and
@@ -52,12 +52,14 @@ class DevicePath {
   struct Place {
     Point position_m = Point::Zero();
     Point velocity_m_per_s = Point::Zero();
+    std::uint32_t buttons = 0;  ///< as of the newest motion that was read by then
   };
 
   struct Motion {
     const Point& position_m;  ///< finite
     Nanoseconds read{0};      ///< by the device's clock
     Nanoseconds arrived{0};   ///< by the model's clock
+    std::uint32_t buttons = 0;
   };
   void note(const Motion& motion) noexcept;
 
@@ -87,6 +89,7 @@ class DevicePath {
     Nanoseconds read{0};  ///< since `epoch_`
     Point position_m = Point::Zero();
     Point velocity_m_per_s = Point::Zero();  ///< mean since the motion before
+    std::uint32_t buttons = 0;
   };
 
   /// The least of a_i - r_i, and M.

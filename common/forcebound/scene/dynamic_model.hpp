@@ -30,8 +30,8 @@ struct DynamicModelFaults {
 
 /// The state of a dynamic model: of one client, or of all clients of a shared scene.
 ///
-/// Real time: `move`, `advance`, `touch` and `describe` are noexcept, allocate nothing and take bounded time. Not
-/// thread-safe.
+/// Real time: `press`, `move`, `advance`, `touch` and `describe` are noexcept, allocate nothing and take bounded time.
+/// Not thread-safe.
 class DynamicModelState {
  public:
   virtual ~DynamicModelState() = default;
@@ -43,6 +43,13 @@ class DynamicModelState {
   /// Sets the position and velocity (both finite) of the probe's device. Over the time that passes next, the device is
   /// taken to have come to this position on a straight line at this velocity.
   virtual void move(int seat, const Point& position_m, const Point& velocity_m_per_s) noexcept = 0;
+
+  /// Sets the buttons of the probe's device, bit k: button k is pressed; as of its next `move`. A seat that was taken
+  /// anew has none pressed.
+  virtual void press(int seat, std::uint32_t buttons) noexcept {
+    (void)seat;
+    (void)buttons;
+  }
 
   /// Advances time for all probes; `elapsed_s` >= 0.
   virtual void advance(double elapsed_s) noexcept = 0;

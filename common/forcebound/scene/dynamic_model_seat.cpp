@@ -32,7 +32,9 @@ void DynamicModelNow::leave(int seat) {
 }
 
 void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexcept {
+  const std::uint32_t buttons = probe.handle.buttons.value_or(0);
   if (devices_.empty()) {
+    state_->press(seat, buttons);
     state_->move(seat, probe.position_m, probe.velocity_m_per_s);
     return;
   }
@@ -40,7 +42,8 @@ void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexc
   Device& device = devices_[i];
   device.told_m = probe.position_m.cwiseMax(-DevicePath::kFar_m).cwiseMin(DevicePath::kFar_m);
   device.told_m_per_s = probe.velocity_m_per_s;
-  if (!device.placed) place(i, device.told_m, device.told_m_per_s);
+  device.told_buttons = buttons;
+  if (!device.placed) place(i, {device.told_m, device.told_m_per_s, buttons});
   const bool goes_by_path = !paths_.empty() && at.reading;
   if (!goes_by_path) {
     if (!paths_.empty()) paths_[i].forget();
@@ -49,13 +52,14 @@ void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexc
   }
   DevicePath& path = paths_[i];
   if (!path.begun()) path.place_at(device.at_m);
-  path.note({.position_m = probe.position_m, .read = *at.reading, .arrived = at.moment});
+  path.note({.position_m = probe.position_m, .read = *at.reading, .arrived = at.moment, .buttons = buttons});
 }
 
-void DynamicModelNow::place(std::size_t seat, const Point& position_m, const Point& velocity_m_per_s) noexcept {
+void DynamicModelNow::place(std::size_t seat, const DevicePath::Place& place) noexcept {
   devices_[seat].placed = true;
-  devices_[seat].at_m = position_m;
-  state_->move(static_cast<int>(seat), position_m, velocity_m_per_s);
+  devices_[seat].at_m = place.position_m;
+  state_->press(static_cast<int>(seat), place.buttons);
+  state_->move(static_cast<int>(seat), place.position_m, place.velocity_m_per_s);
 }
 
 const DevicePath* DynamicModelNow::path_of(int seat) const noexcept {
@@ -102,8 +106,7 @@ void DynamicModelNow::move_devices(Nanoseconds moment) noexcept {
     if (!device.placed) continue;
     device.may_move_m = std::min(device.may_move_m + more_m, std::max(more_m, kFollowsAtOnce_m));
     if (!paths_.empty() && paths_[i].begun()) {
-      const DevicePath::Place& played = paths_[i].play(moment);
-      place(i, played.position_m, played.velocity_m_per_s);
+      place(i, paths_[i].play(moment));
     } else {
       follow(i);
     }
@@ -118,10 +121,10 @@ void DynamicModelNow::follow(std::size_t seat) noexcept {
   if (left > device.may_move_m) {
     const double share = device.may_move_m / left;
     device.may_move_m = 0;
-    place(seat, device.at_m + share * left_m, left_m * (kFollows_m_per_s / left));
+    place(seat, {device.at_m + share * left_m, left_m * (kFollows_m_per_s / left), device.told_buttons});
   } else {
     device.may_move_m -= left;
-    place(seat, device.told_m, device.told_m_per_s);
+    place(seat, {device.told_m, device.told_m_per_s, device.told_buttons});
   }
 }
 

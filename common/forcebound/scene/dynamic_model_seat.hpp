@@ -66,12 +66,13 @@ class DynamicModelNow {
     bool placed = false;
     Point told_m = Point::Zero();
     Point told_m_per_s = Point::Zero();
+    std::uint32_t told_buttons = 0;
     Point at_m = Point::Zero();  ///< in the model
     double may_move_m = 0;
   };
 
   [[nodiscard]] bool plays() const noexcept;
-  void place(std::size_t seat, const Point& position_m, const Point& velocity_m_per_s) noexcept;
+  void place(std::size_t seat, const DevicePath::Place& place) noexcept;
   void follow(std::size_t seat) noexcept;
   void move_devices(Nanoseconds moment) noexcept;
   void play_until(Nanoseconds moment) noexcept;

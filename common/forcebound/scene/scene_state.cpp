@@ -50,10 +50,11 @@ SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t
 }
 
 SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time,
-                               local_model::LocalModel* model) noexcept {
+                               local_model::LocalModel* model, const Handle& handle) noexcept {
   const Plan& plan = scene_->plan();
   Probe probe;
   probe.position_m = place(position);
+  probe.handle = handle;
   if (scene_->inputs().velocity || scene_->inputs().time) look_at_time(probe, device_time);
 
   Point total_N = Point::Zero();

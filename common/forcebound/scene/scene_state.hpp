@@ -57,10 +57,11 @@ class SceneState {
   /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
   /// clock. The velocity is the mean since the previous call; it is zero where time has not advanced.
   /// @param server_time time of the answer; used only by shared dynamic models
+  /// @param handle of the device at `device_time`
   /// @param model if given, it becomes the local models of the dynamic models' part of `server_parts_N`
   [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time,
-                                   Nanoseconds server_time = Nanoseconds{0},
-                                   local_model::LocalModel* model = nullptr) noexcept;
+                                   Nanoseconds server_time = Nanoseconds{0}, local_model::LocalModel* model = nullptr,
+                                   const Handle& handle = {}) noexcept;
 
   /// Forgets all that was: effects, contacts and velocity begin anew, contacts from a place that is known to be outside
   /// of everything solid [m], and the scene's time at a time of the device's clock. Real time.

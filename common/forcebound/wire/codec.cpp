@@ -119,6 +119,7 @@ Codec::Storage::Storage() {
                            motion.mutable_server_law_numbers(), force.mutable_server_law_numbers()}) {
     numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
   }
+  motion.mutable_orientation()->Reserve(static_cast<int>(kFrameBytesMax / sizeof(float)));
   reserve_models();
   // The first call makes those of all messages.
   (void)v1::Hello::descriptor();

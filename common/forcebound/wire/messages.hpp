@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/local_model/local_model.hpp"
@@ -114,6 +115,8 @@ struct MotionSample {
   control::ServerLawNumbers server_law_numbers{};  ///< from the law at the device to the server-side law
   PieceReceipt pieces{};
   std::uint64_t challenge = 0;  ///< of the newest force, sent back from where it came; 0: it has none
+  /// With 24 bits to each number. As it came, so that it may be unsound: control::sound.
+  control::Handle handle{};
 };
 
 /// Server to client: the answer to one motion.

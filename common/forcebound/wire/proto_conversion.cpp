@@ -212,6 +212,23 @@ void take(const v1::EnvironmentForce& from, LocalModel& to) noexcept {
   if (to.has_field) to.field = to_model(from.model_field(0));
 }
 
+void fill(const control::Handle& from, v1::MotionSample& to) noexcept {
+  if (from.buttons) to.set_buttons(*from.buttons);
+  if (from.gripper) to.set_gripper(static_cast<float>(*from.gripper));
+  if (!from.orientation) return;
+  for (const double number : *from.orientation) to.add_orientation(static_cast<float>(number));
+}
+
+/// An orientation that has not four numbers is none.
+void take(const v1::MotionSample& from, FieldTaker& taker, control::Handle& to) noexcept {
+  if (from.has_buttons()) to.buttons = from.buttons();
+  if (from.has_gripper()) taker.number(static_cast<double>(from.gripper()), to.gripper.emplace());
+  if (from.orientation_size() != static_cast<int>(control::Handle::Orientation{}.size())) return;
+  control::Handle::Orientation& orientation = to.orientation.emplace();
+  for (std::size_t i = 0; i < orientation.size(); ++i)
+    taker.number(static_cast<double>(from.orientation(static_cast<int>(i))), orientation.at(i));
+}
+
 }  // namespace
 
 void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
@@ -225,6 +242,7 @@ void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
   to.set_piece_newest(from.pieces.newest);
   to.set_piece_map(from.pieces.before);
   to.set_challenge(from.challenge);
+  fill(from.handle, to);
 }
 
 Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
@@ -236,6 +254,7 @@ Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
   taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
   to.pieces = {.wanted = from.pieces_wanted(), .newest = from.piece_newest(), .before = from.piece_map()};
   to.challenge = from.challenge();
+  take(from, taker, to.handle);
   return taker.flaws();
 }
 

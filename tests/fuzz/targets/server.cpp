@@ -85,7 +85,13 @@ class ScriptedServer {
     for (double& place_m : motion.position) place_m = script_.value<std::int16_t>() * 1e-5;
     motion.server_law_numbers = control::ServerLawNumbers::Zero(script_.byte() % 17);
     for (double& number : motion.server_law_numbers) number = script_.value<std::int16_t>() * 1e-2;
-    motion.pieces = {.wanted = script_.byte() % 2 == 1, .newest = script_.byte(), .before = script_.byte()};
+    const std::uint8_t has = script_.byte();
+    motion.pieces = {.wanted = has % 2 == 1, .newest = script_.byte(), .before = script_.byte()};
+    if ((has & 2U) != 0) motion.handle.buttons = script_.byte();
+    if ((has & 4U) != 0) motion.handle.gripper = script_.value<std::int16_t>() * 1e-3;
+    if ((has & 8U) != 0) {
+      for (double& number : motion.handle.orientation.emplace()) number = script_.value<std::int16_t>() * 1e-3;
+    }
     return motion;
   }
 

@@ -1,7 +1,8 @@
 /* A driver of a slider that is simulated: a mass on a rail with viscous friction, read and pushed as real ones are.
  *
  *   axes=N          1 to 3, each the same; 1 unless said
- *   fault=KIND      from the 100th reading on: nan, backwards, future, stale, fails, unplugged (for 100 readings)
+ *   fault=KIND      from the 100th reading on: nan, backwards, future, stale, fails, unplugged (for 100 readings);
+ *                   handle: an orientation and a gripper, which cannot be true from then on
  */
 #include <forcebound/driver/forcebound_device.h>
 
@@ -97,6 +98,11 @@ static int slider_read(forcebound_device* slider, int64_t now_ns, forcebound_rea
   reading->has = FORCEBOUND_HAS_EFFECTIVE | FORCEBOUND_HAS_BUTTONS;
   reading->buttons = 2;
   reading->effective_ns = slider->commanded_ns;
+  if (strcmp(slider->fault, "handle") == 0) {
+    reading->has |= FORCEBOUND_HAS_ORIENTATION | FORCEBOUND_HAS_GRIPPER;
+    reading->orientation[3] = faulty ? 2 : 1.005;
+    reading->gripper = faulty ? strtod("nan", NULL) : 1.005;
+  }
   slider->error[0] = '\0';
   if (!faulty) return FORCEBOUND_OK;
   if (strcmp(slider->fault, "nan") == 0) reading->position_m[0] = strtod("nan", NULL);

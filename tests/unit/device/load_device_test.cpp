@@ -207,6 +207,11 @@ TEST(ParseFacts, HaveLimitsForTheHand) {
   EXPECT_EQ(parse_device(kPoint, "mine.toml").safety, Safety{}) << "a simulated hand needs none";
   EXPECT_EQ(parse_device(kPoint + safety, "mine.toml").safety.ramp_s, 2);
   EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nramp_s = -1\n"), HasSubstr("ramp_s must be"));
+  EXPECT_EQ(parse_facts(kPoint, "mine.toml").safety.dead_man_button, std::nullopt);
+  EXPECT_EQ(parse_facts(std::string(kPoint) + "[safety]\ndead_man_button = 0\n", "mine.toml").safety.dead_man_button,
+            0);
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\ndead_man_button = 32\n"),
+              HasSubstr("dead_man_button must be a whole number from 0 to 31, got 32"));
   EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nworkspace_fade_m = 0\n"), HasSubstr("workspace_fade_m"));
   EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nramp = 1\n"), HasSubstr("did you mean 'ramp_s'"));
 }

@@ -126,6 +126,23 @@ TEST(DriverDevice, MovesAlongTheForce) {
   EXPECT_EQ(device->counters().failed_writes, 0U);
 }
 
+TEST(DriverDevice, TellsOfTheHandleWhatItsDriverHas) {
+  const device::Reading reading = slider()->read(1s);
+  EXPECT_EQ(reading.handle, control::Handle{.buttons = 2});
+  EXPECT_TRUE(reading.handle.pressed(1));
+  const auto whole = slider("fault=handle");
+  EXPECT_EQ(whole->read(1s).handle, (control::Handle{.buttons = 2, .gripper = 1, .orientation = {{0, 0, 0, 1}}}));
+  EXPECT_EQ(whole->counters().handle_refused, 0U);
+}
+
+TEST(DriverDevice, AnOrientationOrGripperThatCannotBeTrueIsAbsentAndCounted) {
+  const auto device = slider("fault=handle");
+  EXPECT_THAT(run(*device, 0, 101), testing::Each(Status::ok)) << "the rest of the reading counts";
+  EXPECT_EQ(device->counters().handle_refused, 2U);
+  EXPECT_THAT(std::string(device->last_error()), HasSubstr("orientation"));
+  EXPECT_EQ(device->read(2s).handle, control::Handle{.buttons = 2});
+}
+
 TEST(DriverDevice, StopsAtOnce) {
   const auto device = slider();
   device->start();

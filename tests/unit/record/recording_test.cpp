@@ -112,6 +112,7 @@ TEST(Recording, KeepsEveryFieldOfATickAndAForce) {
     EXPECT_EQ(a.applied, b.applied);
     EXPECT_EQ(std::tie(a.rendering, a.local_scene, a.local_scene_age, a.model_deviation_m),
               std::tie(b.rendering, b.local_scene, b.local_scene_age, b.model_deviation_m));
+    EXPECT_EQ(a.handle, b.handle);
     EXPECT_EQ(a.remote, b.remote);
     EXPECT_EQ(a.local, b.local);
     EXPECT_EQ(a.model, b.model);

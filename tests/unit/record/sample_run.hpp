@@ -94,6 +94,7 @@ inline void play_sample_run(TickSink& sink, std::uint64_t ticks) {
       tick.local_scene_age = Nanoseconds{static_cast<std::int64_t>(n) * 1'000'000};
       tick.model = vector_of({0, 0, 1.5});
       tick.model_deviation_m = 1e-4;
+      tick.handle = {.buttons = n % 2 == 0 ? 1U : 0U, .gripper = 0.25, .orientation = {{0.6, 0, -0.8, 0}}};
     }
     const bool blackout = n > 1000 && n < 1400;
     if (n >= 10 && !blackout) {

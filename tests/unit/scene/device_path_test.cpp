@@ -34,7 +34,7 @@ class PlayedPath : public ::testing::Test {
         const Nanoseconds took = transit(i);
         const Nanoseconds arrived = i * kBeat + took;
         if (took < 0ns || arrived <= (now - 1) * kBeat || arrived > now * kBeat) continue;
-        path.note({.position_m = place(i), .read = i * kBeat - 10h, .arrived = arrived});
+        path.note({.position_m = place(i), .read = i * kBeat - 10h, .arrived = arrived, .buttons = buttons(i)});
       }
       if (!path.begun()) continue;
       const Point before_m = played.position_m;
@@ -51,6 +51,7 @@ class PlayedPath : public ::testing::Test {
   static constexpr int kReach = 200;
   Transit transit = [](int) { return 20ms; };
   std::function<Point(int i)> place = [](int i) { return along_x(1e-3 * kSpeed_m_per_s * i); };
+  std::function<std::uint32_t(int i)> buttons = [](int) { return 0U; };
   DevicePath path;
   DevicePath::Place played;
   double step_m = 0;
@@ -73,6 +74,19 @@ TEST_F(PlayedPath, ForgottenItBeginsWhereItsMotionsDo) {
   path.forget();
   play_until(25);
   EXPECT_GT(played.position_m.x(), -0.01);
+}
+
+TEST_F(PlayedPath, AButtonIsPressedWhereOnItsPathTheDevicePressedIt) {
+  // Some motions come after newer ones, and some of those about the press never.
+  transit = [](int i) { return i > 490 && i < 500 ? -1ms : 20ms + (7 * i % 10) * 1ms; };
+  buttons = [](int i) { return i >= 500 && i < 800 ? 5U : 0U; };
+  for (int end = 400; end < 1200; ++end) {
+    play_until(end);
+    const double at = played.position_m.x() / (1e-3 * kSpeed_m_per_s);
+    if (std::abs(at - 500) < 1 || std::abs(at - 800) < 1) continue;  // within a motion of the change
+    ASSERT_EQ(played.buttons, at > 500 && at < 800 ? 5U : 0U) << at;
+  }
+  EXPECT_EQ(played.buttons, 0U);
 }
 
 /// Between 20 and 29 ms, so that most motions come after a newer one.

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/support/special_numbers.hpp"
 #include "tests/unit/wire/sample_messages.hpp"
 
 namespace forcebound::wire {
@@ -81,6 +82,45 @@ TEST(Codec, KeepsItsBytes) {
             "10ac02"
             "18c0843d"
             "2210000000000000d03f00000000000000c0");
+}
+
+TEST(Codec, WhatAHandleHasNotTakesNoBytes) {
+  Codec codec;
+  MotionSample motion{.session = 1, .sequence = 1, .position = vector_of({0.25, -2})};
+  const std::size_t without = codec.encode(motion).size();
+  motion.handle.buttons = 0;
+  EXPECT_EQ(codec.encode(motion).size(), without + 2) << "none pressed is not none there";
+  EXPECT_EQ(round_trip(codec, motion).handle, control::Handle{.buttons = 0});
+  motion.handle.gripper = 0;
+  EXPECT_EQ(codec.encode(motion).size(), without + 7);
+  motion.handle.orientation = {{1, 0, 0, 0}};
+  EXPECT_EQ(codec.encode(motion).size(), without + 25);
+  motion.handle = {};
+  EXPECT_EQ(codec.encode(motion).size(), without);
+}
+
+TEST(Codec, AMotionWhoseHandleIsNotFiniteIsRefused) {
+  Codec codec;
+  MotionSample motion{.session = 1, .sequence = 1, .position = vector_of({0}), .handle = {.gripper = test::kNaN}};
+  EXPECT_EQ(std::get<Malformed>(codec.decode(codec.encode(motion))), Malformed::non_finite);
+  motion.handle = control::Handle{.orientation = {{1, test::kInfinity, 0, 0}}};
+  EXPECT_EQ(std::get<Malformed>(codec.decode(codec.encode(motion))), Malformed::non_finite);
+}
+
+TEST(Codec, AnOrientationThatHasNotFourNumbersIsNone) {
+  Codec codec;
+  Bytes body{std::byte{0x22}, std::byte{8}};  // one position, zero
+  body.insert(body.end(), 8, std::byte{0});
+  const auto with = [&](std::size_t numbers) {
+    Bytes longer = body;
+    longer.push_back(std::byte{0x62});
+    longer.push_back(std::byte(4 * numbers));
+    for (std::size_t i = 0; i < numbers; ++i)
+      longer.insert(longer.end(), {std::byte{0}, std::byte{0}, std::byte{0x80}, std::byte{0x3f}});
+    return std::get<MotionSample>(std::get<Message>(codec.decode(framed(4, longer)))).handle;
+  };
+  EXPECT_EQ(with(4).orientation, (control::Handle::Orientation{1, 1, 1, 1})) << "as it came";
+  for (const std::size_t numbers : {1U, 3U, 5U, 20U}) EXPECT_EQ(with(numbers), control::Handle{}) << numbers;
 }
 
 /// Hex digits as bytes, with zeros up to that length.
@@ -184,6 +224,8 @@ TEST(Codec, GivesAPieceOfASceneAndItsReceiptBack) {
   EXPECT_TRUE(std::ranges::equal(piece.content, kPieceContent));
   EXPECT_EQ(round_trip(codec, std::get<MotionSample>(one_of_each()[3])).pieces,
             (PieceReceipt{.wanted = true, .newest = 70, .before = 0xfedcba9876543210}));
+  EXPECT_EQ(round_trip(codec, std::get<MotionSample>(one_of_each()[3])).handle,
+            (control::Handle{.buttons = 0x80000001, .gripper = 0.25, .orientation = {{0.5, -0.5, 0.5, -0.5}}}));
   const auto force = round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4]));
   EXPECT_EQ(force.server_parts_N, vector_of({0, 1, 0}));
   EXPECT_TRUE(force.texture_in_server_parts);

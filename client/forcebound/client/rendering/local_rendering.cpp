@@ -48,7 +48,8 @@ wire::PieceReceipt LocalRendering::receipt() const noexcept {
 }
 
 std::optional<LocalAnswer> LocalRendering::answer(const Vector& position, Nanoseconds device_time,
-                                                  const std::optional<wire::EnvironmentForce>& newest) noexcept {
+                                                  const std::optional<wire::EnvironmentForce>& newest,
+                                                  const control::Handle& handle) noexcept {
   if (pending_ != Pending::nothing) settle();
   // Until the builder has room for the order, the exchange still hands out the scene that ended.
   if (pending_ != Pending::nothing) return std::nullopt;
@@ -58,7 +59,7 @@ std::optional<LocalAnswer> LocalRendering::answer(const Vector& position, Nanose
     return std::nullopt;
   }
   // Where the device was in another session's scene says nothing about this one.
-  return scene_.answer(position, device_time, newest && newest->session == session_ ? &*newest : nullptr);
+  return scene_.answer(position, device_time, newest && newest->session == session_ ? &*newest : nullptr, handle);
 }
 
 }  // namespace forcebound::client

@@ -48,7 +48,8 @@ class LocalRendering {
   [[nodiscard]] wire::PieceReceipt receipt() const noexcept;
 
   [[nodiscard]] std::optional<LocalAnswer> answer(const Vector& position, Nanoseconds device_time,
-                                                  const std::optional<wire::EnvironmentForce>& newest) noexcept;
+                                                  const std::optional<wire::EnvironmentForce>& newest,
+                                                  const control::Handle& handle = {}) noexcept;
 
   [[nodiscard]] BuildPhase phase() const noexcept { return exchange_.phase(); }
 

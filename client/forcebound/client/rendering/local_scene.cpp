@@ -67,7 +67,8 @@ bool LocalScene::begin(const Vector& position, const scene::Point& place_m,
 }
 
 std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanoseconds device_time,
-                                              const wire::EnvironmentForce* newest) noexcept {
+                                              const wire::EnvironmentForce* newest,
+                                              const control::Handle& handle) noexcept {
   const scene::Point place_m = translation_of(position);
   exchange_.note_place(place_m);
   adopt();
@@ -82,7 +83,7 @@ std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanosecond
   }
   if (!active_) return std::nullopt;
 
-  const scene::SceneAnswer answer = scene_->state.answer(position, device_time);
+  const scene::SceneAnswer answer = scene_->state.answer(position, device_time, {}, nullptr, handle);
   // Something may have been passed over, now and for what the scene remembers: it begins anew.
   if (scene::SearchBudget::exhausted()) {
     ++searches_exhausted_;

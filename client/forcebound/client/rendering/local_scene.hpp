@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "forcebound/client/rendering/scene_exchange.hpp"
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
@@ -54,10 +55,12 @@ class LocalScene {
   void set_first_time(Nanoseconds first_time) noexcept { first_time_ = first_time; }
 
   /// @param position of the device, with its rows; finite
+  /// @param handle of the device at `device_time`
   /// @param newest of the server's answers in this scene, or null: where the device was outside, or which surface it
   /// touched. It begins from none that is older than `kAnswerAgeMax`.
   [[nodiscard]] std::optional<LocalAnswer> answer(const Vector& position, Nanoseconds device_time,
-                                                  const wire::EnvironmentForce* newest) noexcept;
+                                                  const wire::EnvironmentForce* newest,
+                                                  const control::Handle& handle = {}) noexcept;
 
   /// Whether the last answer was one.
   [[nodiscard]] bool active() const noexcept { return active_; }

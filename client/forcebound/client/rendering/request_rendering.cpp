@@ -21,7 +21,7 @@ RequestRendering::Request RequestRendering::render(const std::optional<wire::Env
 /// force of the parts that only the server computes is added, as its local models go on from it, or held.
 void RequestRendering::render_locally(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick,
                                       Request& request) noexcept {
-  request.local = local_->answer(tick.place, tick.read_at, newest);
+  request.local = local_->answer(tick.place, tick.read_at, newest, tick.handle);
   if (newest) {
     request.models = answers_.render(*newest, {.now = tick.read_at,
                                                .place = tick.place,

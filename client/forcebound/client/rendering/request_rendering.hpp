@@ -29,12 +29,13 @@ class RequestRendering {
 
   struct Tick {
     Nanoseconds now{0};
-    Nanoseconds read_at{0};  ///< of the device's position
-    double elapsed_s = 0;    ///< since the reading before; zero on the first tick
-    const Vector& position;  ///< of the device
-    const Vector& place;     ///< where the environment is asked: the device's, unless the law moves it
-    double share = 0;        ///< what the late-force policy leaves of the newest answer; zero: there is none
-    ModelAge age{};          ///< of the state that it tells of
+    Nanoseconds read_at{0};    ///< of the device's position
+    double elapsed_s = 0;      ///< since the reading before; zero on the first tick
+    const Vector& position;    ///< of the device
+    const Vector& place;       ///< where the environment is asked: the device's, unless the law moves it
+    double share = 0;          ///< what the late-force policy leaves of the newest answer; zero: there is none
+    ModelAge age{};            ///< of the state that it tells of
+    control::Handle handle{};  ///< of the device at `read_at`
   };
 
   struct Request {

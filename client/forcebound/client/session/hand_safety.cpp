@@ -32,7 +32,8 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
     return Vector::Zero(wanted_N.rows());
   }
   note_speed(tick);
-  if (too_fast_) {
+  note_button(tick);
+  if (too_fast_ || let_go_) {
     ramp_ = 0;
     return Vector::Zero(wanted_N.rows());
   }
@@ -59,6 +60,13 @@ void HandSafety::note_speed(const Tick& tick) noexcept {
   } else if (speed_m_per_s_ < kSlowAgain * limits_.speed_m_per_s_max) {
     too_fast_ = false;
   }
+}
+
+void HandSafety::note_button(const Tick& tick) noexcept {
+  if (!limits_.dead_man_button) return;
+  const bool up = !tick.handle.pressed(*limits_.dead_man_button);
+  if (up && !let_go_) begin(Trip::dead_man);
+  let_go_ = up;
 }
 
 void HandSafety::note_heat(const Tick& tick) noexcept {

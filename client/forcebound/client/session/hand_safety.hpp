@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/device/safety.hpp"
 
@@ -15,12 +16,14 @@ using control::Vector;
 
 /// Bounds the force that is asked of the law by a device's Safety:
 ///
-///     asked = ramp(t) fade(x) F, its length at most cap,    zero while the tip is too fast
+///     asked = ramp(t) fade(x) F, its length at most cap,    zero while the tip is too fast or the dead-man button is
+///     up
 ///
-/// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, or after the tip
-/// was too fast. fade goes from 1 at workspace_radius_m to 0 at workspace_fade_m beyond. cap is no limit while the mean
-/// square of the force that was applied, over rms_s, is below rms_force_N_max^2; above, it falls to rms_force_N_max by
-/// as much in each second, and rises likewise once the mean square is 10 % below.
+/// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, after the tip
+/// was too fast, or from when the dead-man button was pressed. A device without that button has it up. fade goes from 1
+/// at workspace_radius_m to 0 at workspace_fade_m beyond. cap is no limit while the mean square of the force that was
+/// applied, over rms_s, is below rms_force_N_max^2; above, it falls to rms_force_N_max by as much in each second, and
+/// rises likewise once the mean square is 10 % below.
 ///
 /// While it grows the length is at most ramp force_N_max. Readings that are missing for less than 20 ms begin no ramp.
 ///
@@ -29,8 +32,8 @@ using control::Vector;
 /// Real time: noexcept, no allocation, O(dof). Deterministic.
 class HandSafety {
  public:
-  enum class Trip : std::uint8_t { speed, workspace, heat };
-  static constexpr std::size_t kTrips = 3;
+  enum class Trip : std::uint8_t { speed, workspace, heat, dead_man };
+  static constexpr std::size_t kTrips = 4;
 
   /// @param force_N_max the device's largest
   explicit HandSafety(const device::Safety& limits,
@@ -41,6 +44,7 @@ class HandSafety {
     const Vector& position;   ///< [m]; not finite: there is no usable reading
     const Vector& applied_N;  ///< since the last tick
     double elapsed_s = 0;     ///< since the last reading
+    control::Handle handle{};
   };
   /// @param wanted_N of the rendering @returns what may be asked of the law
   [[nodiscard]] Vector limited(const Vector& wanted_N, const Tick& tick) noexcept;
@@ -56,6 +60,7 @@ class HandSafety {
  private:
   void note_speed(const Tick& tick) noexcept;
   void note_heat(const Tick& tick) noexcept;
+  void note_button(const Tick& tick) noexcept;
   [[nodiscard]] double fade(const Vector& position) noexcept;
   void begin(Trip which) noexcept;
 
@@ -63,6 +68,7 @@ class HandSafety {
   std::optional<Vector> last_{};
   double speed_m_per_s_ = 0;
   bool too_fast_ = false;
+  bool let_go_ = false;  ///< of the dead-man button
   double ramp_ = 0;
   bool outside_ = false;
   double mean_square_N2_ = 0;

@@ -41,6 +41,8 @@ std::string_view words_of(HandSafety::Trip trip) noexcept {
       return "the hand has left the device's workspace: the force fades there";
     case HandSafety::Trip::heat:
       return "the motors' load is above the device's limit: the force is bounded until it is 10 % below";
+    case HandSafety::Trip::dead_man:
+      return "the dead-man button is not pressed: no force until it is, then a ramp";
   }
   return {};
 }
@@ -84,7 +86,7 @@ void Session::tick(Nanoseconds now) noexcept {
   const device::Reading& reading = done.reading;
   tell_of_device(reading.position.allFinite(), now);
   done.place = controller_.law().proxy_position(reading.position);
-  if (schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading.latched);
+  if (schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading);
   receive_all(now);
   keep_connected(now);
 
@@ -125,6 +127,7 @@ device::Reading Session::read_device(Nanoseconds now) noexcept {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   reading.position = reading.joint = Vector::Constant(dof, unknown);
   reading.jacobian = device::Matrix::Identity(dof, dof);
+  reading.handle = {};
   reading.latched = now;
   return reading;
 }
@@ -165,7 +168,8 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
       .read_at = reading.latched,
       .elapsed_s = previous_reading_ ? time::to_seconds(reading.latched - *previous_reading_) : 0,
       .position = reading.position,
-      .place = done.place};
+      .place = done.place,
+      .handle = reading.handle};
   if (newest) {
     FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().degrees_of_freedom() && newest->force.allFinite(),
                       "a force that was accepted is finite, with a row for each degree of freedom");
@@ -179,8 +183,10 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
   if (options_.local != nullptr && done.place.allFinite()) tell_of_scene(now);
   note_late_force(request, done.force_age, now);
   schedule_.note(need_of(request));
-  request.force_N = safety_.limited(
-      request.force_N, {.position = reading.position, .applied_N = last_applied_N_, .elapsed_s = tick.elapsed_s});
+  request.force_N = safety_.limited(request.force_N, {.position = reading.position,
+                                                      .applied_N = last_applied_N_,
+                                                      .elapsed_s = tick.elapsed_s,
+                                                      .handle = reading.handle});
   if (const auto trip = safety_.take_trip()) tell(Event::Kind::limited_for_safety, now, words_of(*trip));
   return request;
 }
@@ -244,17 +250,18 @@ void Session::note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) 
   tell(policy == ForcePolicy::fading ? Event::Kind::force_fading : Event::Kind::force_dropped, now, {}, age);
 }
 
-std::uint64_t Session::send_motion(const Vector& position, Nanoseconds read_at) noexcept {
-  if (connection_.session() == 0 || !position.allFinite()) return 0;
-  const std::uint64_t sequence = forces_.note_sent(read_at);
-  if (options_.local != nullptr) options_.local->note_motion(read_at);
+std::uint64_t Session::send_motion(const Vector& place, const device::Reading& reading) noexcept {
+  if (connection_.session() == 0 || !place.allFinite()) return 0;
+  const std::uint64_t sequence = forces_.note_sent(reading.latched);
+  if (options_.local != nullptr) options_.local->note_motion(reading.latched);
   const wire::MotionSample motion{.session = connection_.session(),
                                   .sequence = sequence,
-                                  .device_time = read_at,
-                                  .position = position,
+                                  .device_time = reading.latched,
+                                  .position = place,
                                   .server_law_numbers = law().outgoing(),
                                   .pieces = options_.local ? options_.local->receipt() : wire::PieceReceipt{},
-                                  .challenge = challenge()};
+                                  .challenge = challenge(),
+                                  .handle = reading.handle};
   if (!send(motion)) forces_.note_not_sent();
   return sequence;
 }

@@ -109,7 +109,8 @@ class Session {
   };
 
   [[nodiscard]] device::Reading read_device(Nanoseconds now) noexcept;
-  std::uint64_t send_motion(const Vector& position, Nanoseconds read_at) noexcept;
+  /// @param place where the environment is asked
+  std::uint64_t send_motion(const Vector& place, const device::Reading& reading) noexcept;
   /// What the server asks for to prove this address; 0: nothing.
   [[nodiscard]] std::uint64_t challenge() const noexcept;
   bool send(const wire::Message& message) noexcept;

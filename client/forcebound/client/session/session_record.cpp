@@ -70,7 +70,8 @@ void Session::write_down(const Done& done) const noexcept {
       .rendering = recorded(done.request.local || done.request.models.model_N.rows() > 0, done.request.models.held),
       .remote = done.request.remote_N,
       .model = done.request.models.model_N,
-      .model_deviation_m = done.request.models.deviation_m};
+      .model_deviation_m = done.request.models.deviation_m,
+      .handle = done.reading.handle};
   if (done.request.local) {
     record.local = done.request.local->force_N;
     record.local_scene = done.request.local->scene;
@@ -133,6 +134,7 @@ record::RunTotals Session::totals() const {
   totals.device_gaps_cut = device.gaps_cut;
   totals.device_frozen_joints = device.frozen_joints;
   totals.device_faulty_commands = device.faulty_commands;
+  totals.device_handle_refused = device.handle_refused;
   if (!device_.last_error().empty()) {
     totals.notes.push_back(device_.facts().name + ": " + std::string(device_.last_error()));
   }
@@ -162,6 +164,7 @@ record::RunTotals Session::totals() const {
   totals.trips_of_speed = safety_.trips(HandSafety::Trip::speed);
   totals.trips_of_workspace = safety_.trips(HandSafety::Trip::workspace);
   totals.trips_of_heat = safety_.trips(HandSafety::Trip::heat);
+  totals.trips_of_dead_man = safety_.trips(HandSafety::Trip::dead_man);
   totals.models_refused = rendering_.answers().refused();
   if (clocks_.known()) {
     totals.server_ahead = clocks_.ahead();

@@ -19,7 +19,7 @@ struct Entry {
   Made (*make)(OperatorSettings settings, int dof);
 };
 
-constexpr std::array<Entry, 5> kOperators = {{
+constexpr std::array<Entry, 6> kOperators = {{
     {"press", [](OperatorSettings s, int dof) -> Made { return std::make_unique<PressOperator>(std::move(s), dof); }},
     {"stroke", [](OperatorSettings s, int dof) -> Made { return std::make_unique<StrokeOperator>(std::move(s), dof); }},
     {"trace-circle",
@@ -30,6 +30,7 @@ constexpr std::array<Entry, 5> kOperators = {{
      [](OperatorSettings s, int dof) -> Made {
        return std::make_unique<TraceOperator>(std::move(s), dof, TraceOperator::Wall::inside);
      }},
+    {"carry", [](OperatorSettings s, int dof) -> Made { return std::make_unique<CarryOperator>(std::move(s), dof); }},
     {"wave", [](OperatorSettings s, int dof) -> Made { return std::make_unique<WaveOperator>(std::move(s), dof); }},
 }};
 
@@ -70,6 +71,7 @@ std::string operators_help() {
     text += entry.make(OperatorSettings(std::string(entry.name), ""), kDof)->description() + "\n";
   const std::vector<MotionSample> still = {{0, Vector::Zero(kDof)}, {1, Vector::Zero(kDof)}};
   text += ReplayOperator(OperatorSettings("replay:FILE.csv", ""), kDof, still).description() + "\n";
+  text += "each but carry, to press a button of the handle: button=0,button_from_s=0,button_until_s=TIME\n";
   return text;
 }
 

@@ -18,6 +18,7 @@ constexpr Hand kPressHand{.mass_kg = 0.05, .stiffness_N_per_m = 1000, .damping_N
 constexpr Hand kCircleHand{.mass_kg = 0.12, .stiffness_N_per_m = 100, .damping_N_s_per_m = 2.25};
 constexpr Hand kSphereHand{.mass_kg = 0.1, .stiffness_N_per_m = 200, .damping_N_s_per_m = 0.3};
 constexpr Hand kStrokeHand{.mass_kg = 0.1, .stiffness_N_per_m = 200, .damping_N_s_per_m = 1};
+constexpr Hand kCarryHand{.mass_kg = 0.1, .stiffness_N_per_m = 300, .damping_N_s_per_m = 3};
 constexpr Hand kWaveHand{.mass_kg = 0, .stiffness_N_per_m = 150, .damping_N_s_per_m = 0.3};
 
 Operator::Target at_rest(int dof) noexcept { return {Vector::Zero(dof), Vector::Zero(dof)}; }
@@ -101,6 +102,47 @@ Operator::Target StrokeOperator::target(double time_s) const noexcept {
   target.velocity.head(3) << full_speed * turning.value * half_m *
                                  Eigen::Vector2d(std::cos(angle), std::cos(2 * angle)),
       -(height_m_ + depth_m_) / approach_s_ * approach.slope;
+  return target;
+}
+
+CarryOperator::CarryOperator(OperatorSettings settings, int dof)
+    : SpecifiedOperator(settings, dof, kCarryHand),
+      height_m_(settings.number("height_m", Allowed::not_negative, 0.02)),
+      depth_m_(settings.number("depth_m", Allowed::any, 0.004)),
+      lift_m_(settings.number("lift_m", Allowed::not_negative, 0.03)),
+      length_m_(settings.number("length_m", Allowed::any, 0.06)),
+      approach_s_(settings.number("approach_s", Allowed::positive, 1)),
+      wait_s_(settings.number("wait_s", Allowed::not_negative, 0.5)),
+      carry_s_(settings.number("carry_s", Allowed::positive, 2)),
+      offset_m_(settings.offset(dof)) {
+  if (dof < 3) {
+    throw std::invalid_argument("operator '" + settings.name() + "': needs 3 degrees of freedom, has " +
+                                std::to_string(dof));
+  }
+  const double down_s = approach_s_ + 0.5 * wait_s_;
+  presses({.button = settings.integer("button", 0, control::Handle::kButtons - 1, 0),
+           .from_s = down_s,
+           .until_s = down_s + wait_s_ + 2 * approach_s_ + carry_s_});
+  finish(settings);
+}
+
+Operator::Target CarryOperator::target(double time_s) const noexcept {
+  const double lift_from_s = approach_s_ + wait_s_;
+  const double carry_from_s = lift_from_s + approach_s_;
+  const double lower_from_s = carry_from_s + carry_s_;
+  const double leave_from_s = lower_from_s + approach_s_ + wait_s_;
+  Target target{offset_m_, Vector::Zero(degrees_of_freedom())};
+  target.position[2] += height_m_;
+  const auto go = [&](int axis, double way_m, double from_s, double for_s) {
+    const SmoothStep step = smooth_step((time_s - from_s) / for_s);
+    target.position[axis] += way_m * step.value;
+    target.velocity[axis] += way_m / for_s * step.slope;
+  };
+  go(2, -height_m_ - depth_m_, 0, approach_s_);
+  go(2, depth_m_ + lift_m_, lift_from_s, approach_s_);
+  go(0, length_m_, carry_from_s, carry_s_);
+  go(2, -depth_m_ - lift_m_, lower_from_s, approach_s_);
+  go(2, height_m_ + depth_m_, leave_from_s, approach_s_);
   return target;
 }
 

@@ -50,6 +50,24 @@ class StrokeOperator final : public SpecifiedOperator {
   Vector offset_m_;
 };
 
+/// Picks up what lies at the offset, carries it along the first axis and puts it down, `carry`: comes down along the
+/// third axis, presses the button, lifts, carries, lowers, lets the button go, and goes up again.
+class CarryOperator final : public SpecifiedOperator {
+ public:
+  CarryOperator(OperatorSettings settings, int dof);
+  [[nodiscard]] Target target(double time_s) const noexcept override;
+
+ private:
+  double height_m_;
+  double depth_m_;
+  double lift_m_;
+  double length_m_;
+  double approach_s_;  ///< each way down or up
+  double wait_s_;      ///< down there; the button changes half way
+  double carry_s_;
+  Vector offset_m_;
+};
+
 /// Free motion, `wave`: on each axis two sines of unrelated frequencies, faded in during the first second.
 class WaveOperator final : public SpecifiedOperator {
  public:

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 
 namespace forcebound::device {
@@ -20,7 +21,7 @@ struct Hand {
 
 /// A simulated person: the hand's target for the tip, as a function of time.
 ///
-/// Real time: `target` is noexcept and allocates nothing. Owned by the device that it moves.
+/// Real time: `target` and `handle` are noexcept and allocate nothing. Owned by the device that it moves.
 class Operator {
  public:
   /// Position [m] and velocity [m/s] in the scene frame, `dof` rows each.
@@ -41,6 +42,12 @@ class Operator {
 
   /// @param time_s since the device was first read, >= 0. Smooth in time; the device takes a sample each millisecond.
   [[nodiscard]] virtual Target target(double time_s) const noexcept = 0;
+
+  /// What it does with the handle then; absent: the handle has nothing.
+  [[nodiscard]] virtual control::Handle handle(double time_s) const noexcept {
+    (void)time_s;
+    return {};
+  }
 
   /// One line to print: name, hand and motion, each number with its unit.
   [[nodiscard]] virtual std::string description() const = 0;

@@ -68,6 +68,19 @@ Hand OperatorSettings::hand(const Hand& otherwise) {
           .damping_N_s_per_m = number("damping_N_s_per_m", Allowed::not_negative, otherwise.damping_N_s_per_m)};
 }
 
+std::optional<Press> OperatorSettings::press() {
+  also_known_ = {"button", "button_from_s", "button_until_s"};
+  const bool any = std::ranges::any_of(
+      given_, [&](const auto& item) { return std::ranges::find(also_known_, item.first) != also_known_.end(); });
+  if (!any) return std::nullopt;
+  Press press{.button = integer("button", 0, control::Handle::kButtons - 1, 0),
+              .from_s = number("button_from_s", Allowed::not_negative, 0)};
+  const bool ends =
+      std::ranges::find(given_, "button_until_s", [](const auto& item) { return item.first; }) != given_.end();
+  if (ends) press.until_s = number("button_until_s", Allowed::not_negative, 0);
+  return press;
+}
+
 Vector OperatorSettings::offset(int dof) {
   constexpr std::string_view kAxes = "xyzuvw";
   Vector offset(dof);
@@ -81,6 +94,9 @@ Vector OperatorSettings::offset(int dof) {
 void OperatorSettings::refuse_other_keys() const {
   std::vector<std::string> known;
   for (const auto& item : used_) known.push_back(item.first);
+  for (const std::string& key : also_known_) {
+    if (std::ranges::find(known, key) == known.end()) known.push_back(key);
+  }
   for (const auto& [key, value] : given_) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     refuse("unknown key '" + key + "'" + text::suggestion(key, known));
@@ -96,6 +112,12 @@ std::string OperatorSettings::complete() const {
     separator = ',';
   }
   return text;
+}
+
+control::Handle SpecifiedOperator::handle(double time_s) const noexcept {
+  if (!press_) return {};
+  const bool pressed = time_s >= press_->from_s && time_s < press_->until_s;
+  return {.buttons = pressed ? 1U << static_cast<unsigned>(press_->button) : 0U};
 }
 
 }  // namespace forcebound::device

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,6 +10,13 @@
 #include "forcebound/device/simulated/operator.hpp"
 
 namespace forcebound::device {
+
+/// A button of the handle that the hand presses for a time.
+struct Press {
+  int button = 0;
+  double from_s = 0;
+  double until_s = std::numeric_limits<double>::infinity();
+};
 
 /// The `key=value,...` of an operator's specification, read key by key.
 ///
@@ -28,6 +37,9 @@ class OperatorSettings {
   /// offset_x_m, offset_y_m, ... of as many axes, 0 otherwise.
   [[nodiscard]] Vector offset(int dof);
 
+  /// button, button_from_s, button_until_s; none of them given: it presses none, and none is in `complete`.
+  [[nodiscard]] std::optional<Press> press();
+
   /// To be called when all has been read.
   void refuse_other_keys() const;
 
@@ -41,6 +53,7 @@ class OperatorSettings {
   std::string name_;
   std::vector<std::pair<std::string, double>> given_;
   std::vector<std::pair<std::string, double>> used_;
+  std::vector<std::string> also_known_;
 };
 
 /// Common base of the operators made from a specification.
@@ -50,13 +63,18 @@ class SpecifiedOperator : public Operator {
   [[nodiscard]] const Hand& hand() const noexcept final { return hand_; }
   [[nodiscard]] int degrees_of_freedom() const noexcept final { return dof_; }
   [[nodiscard]] std::string description() const final { return description_; }
+  [[nodiscard]] control::Handle handle(double time_s) const noexcept final;
 
  protected:
   SpecifiedOperator(OperatorSettings& settings, int dof, const Hand& hand)
       : name_(settings.name()), dof_(dof), hand_(settings.hand(hand)) {}
 
+  /// By itself, in place of what the settings say.
+  void presses(const Press& press) noexcept { press_ = press; }
+
   /// To be called last by the constructor: no other key is known.
-  void finish(const OperatorSettings& settings) {
+  void finish(OperatorSettings& settings) {
+    if (!press_) press_ = settings.press();
     settings.refuse_other_keys();
     description_ = settings.complete();
   }
@@ -65,6 +83,7 @@ class SpecifiedOperator : public Operator {
   std::string name_;
   int dof_;
   Hand hand_;
+  std::optional<Press> press_{};
   std::string description_;
 };
 

@@ -81,6 +81,7 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
   reading.damping = &tip_damping_;
   reading.latched = std::min(now, shown_time(time_) - off);
   if (framed_ || off == Nanoseconds{0}) reading.latched = now;
+  reading.handle = control::sound(operator_->handle(time::to_seconds(time_))).handle;
   return reading;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "forcebound/config/parameter.hpp"
+#include "forcebound/control/handle.hpp"
 #include "forcebound/scene/geometry/point.hpp"
 
 namespace forcebound::scene {
@@ -19,8 +20,10 @@ using config::NumberParameter;
 using config::Parameter;
 using config::PointParameter;
 using config::Values;
+using control::Handle;
 
-/// Inputs of an effect beside position and contact. The plan computes an input only if an effect of the scene uses it.
+/// Inputs of an effect beside position, contact and handle. The plan computes an input only if an effect of the scene
+/// uses it.
 struct Inputs {
   bool velocity = false;
   bool time = false;      ///< since the session's first motion, and since the previous one
@@ -31,7 +34,7 @@ struct Inputs {
   }
 };
 
-/// Input of an effect: the device's point. All numbers are finite.
+/// Input of an effect: the device's point and handle. All numbers are finite.
 struct Probe {
   Point position_m = Point::Zero();
   Point velocity_m_per_s = Point::Zero();  ///< Inputs::velocity: mean since the previous motion; zero on the first
@@ -40,6 +43,7 @@ struct Probe {
   Point normal = Point::UnitX();           ///< of an object: unit, out of its surface where it is nearest
   double penetration_m = 0;                ///< of an object: depth below that surface, < 0 the distance above it
   double pressure_N = 0;                   ///< Inputs::pressure: along the normal, >= 0
+  Handle handle{};                         ///< what the device has of it: buttons, gripper, orientation
 };
 
 /// Ripples that the client renders at the device, because a force from the server would be too late and too slow:

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/handover/packed_scene.hpp"
 #include "forcebound/local_model/local_model.hpp"
@@ -25,6 +26,8 @@ struct Motion {
   Nanoseconds device_time{0};  ///< client's clock at the reading; it may jump, since clients are untrusted
   Nanoseconds server_time{0};  ///< server's clock at its arrival
   bool wants_model = false;    ///< the client renders locally: a local model would be sent to it
+  /// Buttons, gripper and orientation at the reading, where the device has them; all that is there can be true.
+  control::Handle handle{};
 };
 
 /// Output of an environment for one motion. All numbers are finite; vectors have one row per degree of freedom of the

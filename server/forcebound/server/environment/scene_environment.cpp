@@ -17,7 +17,7 @@ class SceneEnvironment final : public Environment {
   Response respond(const Motion& motion) noexcept override {
     Response response;
     const scene::SceneAnswer answer = state_.answer(motion.position, motion.device_time, motion.server_time,
-                                                    motion.wants_model ? &response.model : nullptr);
+                                                    motion.wants_model ? &response.model : nullptr, motion.handle);
     const auto wave = [&](int i) {
       const bool any = answer.texture.amplitude_N > 0 && i < answer.texture.waves;
       return any ? state_.in_device_rows(answer.texture.waves_rad_per_m.at(static_cast<std::size_t>(i))) : Vector();

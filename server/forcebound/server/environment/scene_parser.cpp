@@ -205,37 +205,37 @@ class Parser {
 
 config::TableDescription scene_table() {
   using config::TextParameter;
-  return {"`[scene]`",
-          "Settings of the whole file.",
-          {TextParameter{.key = "name", .meaning = "what clients ask for", .form = TextParameter::Form::name},
-           TextParameter{.key = "description", .meaning = "for people"},
-           config::OtherParameter{.key = "degrees_of_freedom",
-                                  .meaning = "of the device that can feel it; one of 6 feels a scene of 3",
-                                  .accepted = "1, 2, 3 or `\"any\"`"},
-           config::FlagParameter{.key = "shared",
-                                 .meaning = "whether all clients feel the same bodies and tissue, or each its own"},
-           config::NumberParameter{.key = "clients_max",
-                                   .meaning = "at once in a shared scene",
-                                   .preset = 4,
-                                   .least = 1,
-                                   .most = 16,
-                                   .whole = true},
-           config::ChoiceParameter{
-               .key = "accuracy",
-               .meaning = "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
-               .choices = {"fixed", "auto"}},
-           TextParameter{
-               .key = "suggested_device",
-               .meaning = "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",
-               .accepted = "a device that ships, of degrees of freedom that the scene accepts",
-               .absent = "`\"omni\"`, `\"cartesian-2dof\"` or `\"wall-1dof\"`, by `degrees_of_freedom`"},
-           TextParameter{.key = "suggested_hand",
-                         .meaning = "the simulated hand on it, as `--operator` of `forcebound-client` takes it: "
-                                    "`\"stroke:offset_z_m=0.015\"`",
-                         .accepted =
-                             "`\"press\"`, `\"stroke\"`, `\"trace-circle\"`, `\"trace-sphere\"` or `\"wave\"`, with "
-                             "`:key=value,...`",
-                         .absent = "a stroke from above, a press or a wave that was found to touch; see `--explain`"}}};
+  return {
+      "`[scene]`",
+      "Settings of the whole file.",
+      {TextParameter{.key = "name", .meaning = "what clients ask for", .form = TextParameter::Form::name},
+       TextParameter{.key = "description", .meaning = "for people"},
+       config::OtherParameter{.key = "degrees_of_freedom",
+                              .meaning = "of the device that can feel it; one of 6 feels a scene of 3",
+                              .accepted = "1, 2, 3 or `\"any\"`"},
+       config::FlagParameter{.key = "shared",
+                             .meaning = "whether all clients feel the same bodies and tissue, or each its own"},
+       config::NumberParameter{.key = "clients_max",
+                               .meaning = "at once in a shared scene",
+                               .preset = 4,
+                               .least = 1,
+                               .most = 16,
+                               .whole = true},
+       config::ChoiceParameter{
+           .key = "accuracy",
+           .meaning = "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
+           .choices = {"fixed", "auto"}},
+       TextParameter{
+           .key = "suggested_device",
+           .meaning = "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",
+           .accepted = "a device that ships, of degrees of freedom that the scene accepts",
+           .absent = "`\"omni\"`, `\"cartesian-2dof\"` or `\"wall-1dof\"`, by `degrees_of_freedom`"},
+       TextParameter{.key = "suggested_hand",
+                     .meaning = "the simulated hand on it, as `--operator` of `forcebound-client` takes it: "
+                                "`\"stroke:offset_z_m=0.015\"`",
+                     .accepted = "`\"press\"`, `\"stroke\"`, `\"trace-circle\"`, `\"trace-sphere\"`, `\"carry\"` or "
+                                 "`\"wave\"`, with `:key=value,...`",
+                     .absent = "a stroke from above, a press or a wave that was found to touch; see `--explain`"}}};
 }
 
 std::shared_ptr<const scene::Scene> parse_scene(std::string_view text, const std::string& file_name,

@@ -316,9 +316,11 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
   const Vector place = session.server_side.place(motion);
   FORCEBOUND_ASSERT(place.rows() == static_cast<Eigen::Index>(session.info.degrees_of_freedom) && place.allFinite(),
                     "an environment is asked about a place, with a row for each degree of freedom");
-  const Response response = ask(
-      session,
-      {.position = place, .device_time = motion.device_time, .server_time = now, .wants_model = session.wants_models});
+  const Response response = ask(session, {.position = place,
+                                          .device_time = motion.device_time,
+                                          .server_time = now,
+                                          .wants_model = session.wants_models,
+                                          .handle = control::sound(motion.handle).handle});
   const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
   session.compute.note(end - begin, end);

@@ -24,6 +24,7 @@ struct DeviceTick {
   /// Not held: computed at the client, for where the device is.
   record::ForceOrigin rendering = record::ForceOrigin::held;
   Vector own{};  ///< the setting's own model at the device's true position, now [N]; no rows: the reference
+  control::Handle handle{};
 };
 
 /// The error at the device, E = RMS |applied - reference| / RMS |reference| over all ticks, and its parts:

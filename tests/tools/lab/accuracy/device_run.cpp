@@ -20,8 +20,11 @@ class Recorder final : public record::TickSink {
 
   void on_tick(const record::TickRecord& record) noexcept override {
     if (record.motion_sequence != 0) sent_[record.motion_sequence] = record.time;
-    DeviceTick tick{
-        .time = record.time, .request = record.request, .applied = record.applied, .rendering = record.rendering};
+    DeviceTick tick{.time = record.time,
+                    .request = record.request,
+                    .applied = record.applied,
+                    .rendering = record.rendering,
+                    .handle = record.handle};
     const auto sent = sent_.find(record.force_sequence);
     if (record.force_sequence != 0 && sent != sent_.end()) {
       tick.answered = true;
@@ -64,7 +67,7 @@ void fill_in_own(DeviceRun& run, const std::shared_ptr<const scene::Scene>& scen
   scene::SceneState state(scene, static_cast<std::uint32_t>(run.true_positions.front().rows()));
   // On held ticks too: what it keeps, such as where friction sticks, depends on all that came before.
   for (std::size_t i = 0; i < run.ticks.size(); ++i) {
-    run.ticks[i].own = state.answer(run.true_positions[i], run.ticks[i].time).force;
+    run.ticks[i].own = state.answer(run.true_positions[i], run.ticks[i].time, {}, nullptr, run.ticks[i].handle).force;
   }
 }
 

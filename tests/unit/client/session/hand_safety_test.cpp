@@ -15,7 +15,8 @@ Vector one(double value) { return Vector::Constant(1, value); }
 /// A hand at 1 kHz, which feels what may be asked.
 struct Hand {
   double tick(double at_m, double wanted_N) {
-    applied = safety.limited(one(wanted_N), {.position = one(at_m), .applied_N = applied, .elapsed_s = 1e-3});
+    applied = safety.limited(one(wanted_N),
+                             {.position = one(at_m), .applied_N = applied, .elapsed_s = 1e-3, .handle = handle});
     return applied[0];
   }
   double ticks(int count, double at_m, double wanted_N) {
@@ -25,6 +26,7 @@ struct Hand {
   }
   HandSafety safety;
   Vector applied = one(0);
+  control::Handle handle{};
 };
 
 TEST(HandSafety, WithoutLimitsChangesNothing) {
@@ -84,6 +86,31 @@ TEST(HandSafety, OneJumpOfAnEncoderTripsNothing) {
   Hand hand{HandSafety({.speed_m_per_s_max = 2})};
   EXPECT_EQ(hand.ticks(10, 0, 4), 4);
   EXPECT_EQ(hand.ticks(10, 0.005, 4), 4) << "5 m/s for a millisecond";
+}
+
+TEST(HandSafety, GivesNoForceUnlessTheDeadManButtonIsPressed) {
+  Hand hand{HandSafety({.ramp_s = 0.1, .dead_man_button = 2})};
+  EXPECT_EQ(hand.ticks(200, 0, 4), 0) << "the device has no buttons";
+  EXPECT_EQ(hand.safety.take_trip(), Trip::dead_man) << "so that the hand learns why it feels nothing";
+  hand.handle.buttons = 3;
+  EXPECT_EQ(hand.ticks(200, 0, 4), 0) << "others are pressed";
+  EXPECT_EQ(hand.safety.trips(Trip::dead_man), 1U);
+  hand.handle.buttons = 4;
+  EXPECT_NEAR(hand.ticks(50, 0, 4), 2, 0.1);
+  EXPECT_EQ(hand.ticks(60, 0, 4), 4);
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt);
+  hand.handle.buttons = 0;
+  EXPECT_EQ(hand.tick(0, 4), 0) << "at once";
+  EXPECT_EQ(hand.safety.take_trip(), Trip::dead_man);
+  EXPECT_EQ(hand.safety.trips(Trip::dead_man), 2U);
+  hand.handle.buttons = 4;
+  EXPECT_NEAR(hand.ticks(50, 0, 4), 2, 0.1) << "in a ramp again";
+}
+
+TEST(HandSafety, WithoutADeadManButtonNoneIsAskedFor) {
+  Hand hand{HandSafety({.ramp_s = 0.1})};
+  EXPECT_EQ(hand.ticks(200, 0, 4), 4);
+  EXPECT_EQ(hand.safety.trips(Trip::dead_man), 0U);
 }
 
 TEST(HandSafety, FadesBeyondTheWorkspace) {

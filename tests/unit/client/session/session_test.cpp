@@ -35,6 +35,27 @@ TEST_F(SessionTest, SendsEveryReadingAndAppliesTheAnswerOnTheNextTick) {
   EXPECT_EQ(records.last.displayed_N, 2.5);
 }
 
+TEST_F(SessionTest, SendsAndWritesDownWhatTheHandleHas) {
+  connect();
+  device.handle = {.buttons = 5, .gripper = 0.5, .orientation = {{0, 0, 1, 0}}};
+  tick();
+  EXPECT_EQ(sent<wire::MotionSample>().at(0).handle, device.handle);
+  EXPECT_EQ(records.last.handle, device.handle);
+  link.sent.clear();
+  device.handle = {};
+  tick();
+  EXPECT_EQ(sent<wire::MotionSample>().at(0).handle, control::Handle{});
+  EXPECT_EQ(records.last.handle, control::Handle{});
+}
+
+TEST_F(SessionTest, OfAReadingThatFailedTheHandleCountsNoMore) {
+  connect();
+  device.handle = {.buttons = 5};
+  device.status = device::Reading::Status::failed;
+  tick();
+  EXPECT_EQ(records.last.handle, control::Handle{});
+}
+
 TEST_F(SessionTest, GivesTheDepthOnlyNearTheAnswersPosition) {
   connect();
   device.position[0] = 0.25;

@@ -66,7 +66,8 @@ TEST(MakeOperator, StrokeComesFromAboveAndGoesToAndFroInItsDepth) {
 }
 
 TEST(MakeOperator, EveryTargetBeginsAtRestAndItsVelocityIsTheDerivative) {
-  for (const char* specification : {"press", "stroke", "trace-circle", "trace-sphere", "wave:offset_y_m=0.01"}) {
+  for (const char* specification :
+       {"press", "stroke", "trace-circle", "trace-sphere", "carry", "wave:offset_y_m=0.01"}) {
     SCOPED_TRACE(specification);
     const auto hand = make_operator(specification, 3);
     EXPECT_EQ(hand->target(0).velocity.norm(), 0);
@@ -102,7 +103,7 @@ TEST(MakeOperator, WorksForOneToSixDegreesOfFreedom) {
 TEST(MakeOperator, RefusalsNameTheErrorAndTheAcceptedValues) {
   EXPECT_THAT(refusal_of_hand("pres"),
               HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, stroke, "
-                        "trace-circle, trace-sphere, wave, replay:FILE.csv)"));
+                        "trace-circle, trace-sphere, carry, wave, replay:FILE.csv)"));
   EXPECT_THAT(refusal_of_hand("press:dept_m=1"), HasSubstr("operator 'press': unknown key 'dept_m' (known: "));
   EXPECT_THAT(refusal_of_hand("press:stifness_N_per_m=1"), HasSubstr("did you mean 'stiffness_N_per_m'?"));
   EXPECT_EQ(refusal_of_hand("press:to_m"), "operator 'press': expected key=value, got 'to_m'");
@@ -114,8 +115,38 @@ TEST(MakeOperator, RefusalsNameTheErrorAndTheAcceptedValues) {
   EXPECT_EQ(refusal_of_hand("press:axis=3"), "operator 'press': axis must be a whole number from 0 to 2, got 3");
   EXPECT_EQ(refusal_of_hand("stroke", 2), "operator 'stroke': needs 3 degrees of freedom, has 2");
   EXPECT_EQ(refusal_of_hand("trace-circle", 1), "operator 'trace-circle': needs 2 degrees of freedom, has 1");
+  EXPECT_EQ(refusal_of_hand("carry", 2), "operator 'carry': needs 3 degrees of freedom, has 2");
+  EXPECT_EQ(refusal_of_hand("press:button=32"), "operator 'press': button must be a whole number from 0 to 31, got 32");
+  EXPECT_THAT(refusal_of_hand("press:buton=1"), HasSubstr("did you mean 'button'?"));
   EXPECT_EQ(refusal_of_hand("replay:"), "operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
   EXPECT_EQ(refusal_of_hand("replay:no/such.csv,scale=1"), "no/such.csv: cannot be read: No such file or directory");
+}
+
+TEST(MakeOperator, AHandPressesAButtonForTheTimeAskedFor) {
+  const auto press = make_operator("press:button=3,button_from_s=0.5,button_until_s=2", 1);
+  for (const double t : {0.0, 0.499, 2.0, 100.0}) EXPECT_EQ(press->handle(t), control::Handle{.buttons = 0}) << t;
+  for (const double t : {0.5, 1.999}) EXPECT_EQ(press->handle(t), control::Handle{.buttons = 8}) << t;
+  EXPECT_TRUE(make_operator("press:button_from_s=1", 1)->handle(1e6).pressed(0));  // to the end
+  EXPECT_THAT(press->description(), HasSubstr("button=3,button_from_s=0.5,button_until_s=2"));
+}
+
+TEST(MakeOperator, AHandThatPressesNoButtonHasNone) {
+  const auto press = make_operator("press", 1);
+  EXPECT_EQ(press->handle(1), control::Handle{});
+  EXPECT_THAT(press->description(), testing::Not(HasSubstr("button")));
+}
+
+TEST(MakeOperator, CarryPressesItsButtonDownThereAndLetsItGoWhereItPutsDown) {
+  const auto carry = make_operator("carry:offset_z_m=0.02,height_m=0.01,depth_m=0.002,lift_m=0.03,length_m=0.05", 3);
+  const auto at = [&](double t) { return Eigen::Vector3d(carry->target(t).position); };
+  EXPECT_LT((at(0) - Eigen::Vector3d(0, 0, 0.03)).norm(), 1e-15);
+  for (const double t : {1.0, 1.249}) EXPECT_FALSE(carry->handle(t).pressed(0)) << t;
+  for (const double t : {1.25, 3.0, 5.749}) EXPECT_TRUE(carry->handle(t).pressed(0)) << t;
+  EXPECT_LT((at(2.5) - Eigen::Vector3d(0, 0, 0.05)).norm(), 1e-15);
+  EXPECT_LT((at(4.5) - Eigen::Vector3d(0.05, 0, 0.05)).norm(), 1e-15);
+  for (const double t : {5.5, 6.0}) EXPECT_LT((at(t) - Eigen::Vector3d(0.05, 0, 0.018)).norm(), 1e-15) << t;
+  EXPECT_EQ(carry->handle(5.751), control::Handle{.buttons = 0});
+  EXPECT_LT((at(7) - Eigen::Vector3d(0.05, 0, 0.03)).norm(), 1e-15);
 }
 
 TEST(MakeOperator, HelpNamesEveryOperatorWithItsKeys) {

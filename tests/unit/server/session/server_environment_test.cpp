@@ -23,6 +23,7 @@ struct Script {
   Nanoseconds device_time{0};
   Nanoseconds server_time{0};
   bool wanted_model = false;
+  control::Handle handle{};
   EnvironmentFaults faults{};
   std::vector<ClientFacts> clients{};
   int there = 0;
@@ -40,6 +41,7 @@ class ScriptedEnvironment final : public Environment {
     script_.device_time = motion.device_time;
     script_.server_time = motion.server_time;
     script_.wanted_model = motion.wants_model;
+    script_.handle = motion.handle;
     return script_.response;
   }
   EnvironmentFaults faults() const noexcept override { return script_.faults; }
@@ -101,6 +103,21 @@ TEST_F(ServerEnvironment, IsMadeForEachClientAndEndsWithItsSession) {
   EXPECT_EQ(script.there, 2);
   arrive(wire::Bye{.session = welcome.session});
   EXPECT_EQ(script.there, 1);
+}
+
+TEST_F(ServerEnvironment, IsToldOfTheHandleWhatCanBeTrue) {
+  const std::uint64_t session = join(1);
+  auto told_of = [&, sequence = std::uint64_t{0}](const control::Handle& sent) mutable {
+    wire::MotionSample sample = motion(session, ++sequence);
+    sample.handle = sent;
+    arrive(sample);
+    (void)only_answer<wire::EnvironmentForce>();
+    return script.handle;
+  };
+  EXPECT_EQ(told_of({}), control::Handle{});
+  EXPECT_EQ(told_of({.buttons = 6, .gripper = 0.5, .orientation = {{0, 1, 0, 0}}}),
+            (control::Handle{.buttons = 6, .gripper = 0.5, .orientation = {{0, 1, 0, 0}}}));
+  EXPECT_EQ(told_of({.buttons = 6, .gripper = 7, .orientation = {{0, 0, 0, 0}}}), control::Handle{.buttons = 6});
 }
 
 TEST_F(ServerEnvironment, GivesLocalModelsToClientsThatRenderLocallyAndNoUnsoundOnes) {
