@@ -11,6 +11,7 @@
 #include "forcebound/scene/effects/drive.hpp"
 #include "forcebound/scene/effects/flow.hpp"
 #include "forcebound/scene/effects/friction.hpp"
+#include "forcebound/scene/effects/grasp.hpp"
 #include "forcebound/scene/effects/gravity.hpp"
 #include "forcebound/scene/effects/magnet.hpp"
 #include "forcebound/scene/effects/spring_to_line.hpp"
@@ -62,23 +63,12 @@ const Registry& shipped() {
 
 Registry Registry::standard() {
   Registry registry;
-  registry.effects_ = {surface_effect(),
-                       friction_effect(),
-                       stick_slip_effect(),
-                       vibration_effect(),
-                       magnet_effect(),
-                       adhesion_effect(),
-                       texture_effect(),
-                       attractor_effect(),
-                       constant_force_effect(),
-                       drive_effect(),
-                       flow_effect(),
-                       gravity_effect(),
-                       spring_to_line_effect(),
-                       spring_to_plane_effect(),
-                       spring_to_point_effect(),
-                       viscosity_effect(),
-                       workspace_limit_effect()};
+  registry.effects_ = {surface_effect(),         friction_effect(),       stick_slip_effect(),
+                       vibration_effect(),       magnet_effect(),         adhesion_effect(),
+                       texture_effect(),         attractor_effect(),      constant_force_effect(),
+                       drive_effect(),           flow_effect(),           grasp_effect(),
+                       gravity_effect(),         spring_to_line_effect(), spring_to_plane_effect(),
+                       spring_to_point_effect(), viscosity_effect(),      workspace_limit_effect()};
   registry.shapes_ = {half_space_shape(), sphere_shape(),         cavity_shape(), box_shape(),
                       capsule_shape(),    cylinder_shape(),       torus_shape(),  height_field_shape(),
                       mesh_shape(),       distance_field_shape(), lathe_shape()};

@@ -18,8 +18,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
+/// What holds needs a button.
+const control::Handle kPressed{.buttons = 1};
+
 /// The parameters of each field; ZERO and ONE stand for points of the scene's axes.
 const std::map<std::string, std::string> kFields = {
+    {"grasp", "stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
     {"viscosity", "damping_N_s_per_m = 3"},
     {"constant_force", "force_N = ONE"},
     {"gravity", "mass_kg = 1, direction = ONE"},
@@ -64,7 +68,7 @@ TEST_P(EveryField, IsFiniteOnAnyAxesFromItsCentreToFarAway) {
     for (const double far_m : {0.0, 0.0, 1e-300, 1e-9, 0.01, -0.3, 0.7, 1e3, -1e6, 1e9, 0.0}) {
       control::Vector position = control::Vector::Zero(device);
       position.head(axes).setConstant(far_m);
-      const scene::SceneAnswer answer = state.answer(position, now += milliseconds(7));
+      const scene::SceneAnswer answer = state.answer(position, now += milliseconds(7), {}, nullptr, kPressed);
       ASSERT_TRUE(answer.force.allFinite()) << axes << " axes at " << far_m;
       ASSERT_TRUE(answer.quarantined.empty()) << axes << " axes at " << far_m;
       ASSERT_EQ(answer.force.rows(), static_cast<Eigen::Index>(device));
@@ -82,7 +86,7 @@ TEST_P(EveryField, IsFeltAlongTheAxesOfAScene) {
     double felt_N = 0;
     for (int i = 0; i < 10; ++i) {
       const control::Vector position = 0.3 * i * control::Vector::Unit(axes, axes - 1);
-      felt_N = std::max(felt_N, state.answer(position, milliseconds(10 * i)).force.norm());
+      felt_N = std::max(felt_N, state.answer(position, milliseconds(10 * i), {}, nullptr, kPressed).force.norm());
     }
     EXPECT_GT(felt_N, 1e-3) << axes;
   }
@@ -97,11 +101,15 @@ TEST_P(EveryField, WithinAShapeIsZeroOutsideOfIt) {
   scene::SceneState state(parse_scene(ball, "x.toml"), 3);
   double felt_N = 0;
   for (int i = 0; i < 10; ++i) {
-    felt_N = std::max(felt_N, state.answer(test::vector_of({1, 0.02 * i, 0}), milliseconds(10 * i)).force.norm());
+    felt_N = std::max(
+        felt_N,
+        state.answer(test::vector_of({1, 0.02 * i, 0}), milliseconds(10 * i), {}, nullptr, kPressed).force.norm());
   }
   EXPECT_GT(felt_N, 1e-3);
   for (int i = 0; i < 10; ++i) {
-    ASSERT_EQ(state.answer(test::vector_of({1, 0.51 + 0.02 * i, 0}), milliseconds(100 + 10 * i)).force.norm(), 0);
+    ASSERT_EQ(state.answer(test::vector_of({1, 0.51 + 0.02 * i, 0}), milliseconds(100 + 10 * i), {}, nullptr, kPressed)
+                  .force.norm(),
+              0);
   }
 }
 

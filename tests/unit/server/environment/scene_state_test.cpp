@@ -48,6 +48,18 @@ TEST(SceneState, WallPushesBackAlongMinusXForEveryDevice) {
   }
 }
 
+TEST(SceneState, HoldsADeviceWhileItsButtonIsPressed) {
+  SceneState state(load_scene("grasp"), 3);
+  const auto force_x = [&](double x_m, std::uint32_t buttons) {
+    static Nanoseconds now{0};
+    return state.answer(vector_of({x_m, 0, 0}), now += milliseconds{100}, {}, nullptr, {.buttons = buttons}).force[0];
+  };
+  EXPECT_EQ(force_x(0.01, 0), 0);
+  EXPECT_EQ(force_x(0.01, 1), 0);
+  EXPECT_NEAR(force_x(0.014, 1), -0.8, 0.01);
+  EXPECT_EQ(force_x(0.014, 0), 0);
+}
+
 TEST(SceneState, NoContactIsNoForceAndNoNormal) {
   SceneState state(load_scene("wall"), 1);
   const SceneAnswer answer = state.answer(vector_of({-0.001}), milliseconds{1});
