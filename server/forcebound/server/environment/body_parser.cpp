@@ -101,7 +101,16 @@ TableDescription setting_table() {
                                  .least = 2 * kTimestepLeast_s,
                                  .most = 1},
                  positive("probe_radius_m", "of the ball", preset.probe.radius_m),
-                 positive("probe_mass_kg", "of the ball", preset.probe.mass_kg)},
+                 positive("probe_mass_kg", "of the ball", preset.probe.mass_kg),
+                 NumberParameter{.key = "grasp_button",
+                                 .meaning = "of the device: while it is pressed, the ball holds the first body that "
+                                            "moves which it touches, as that is, without a turn",
+                                 .least = 0,
+                                 .most = scene::Handle::kButtons - 1,
+                                 .whole = true,
+                                 .absent = "the ball only pushes"},
+                 positive("grasp_N_max", "of that hold; under more than this for 20 ms the body slips out of it",
+                          GraspDescription{}.force_N_max)},
                 coupling_parameters()),
            solver_parameters({.solver = "`\"newton\"`", .iterations = "100", .tolerance = "1e-08"}))};
 }
@@ -196,6 +205,9 @@ BodiesDescription parse_setting(CheckedTable& table) {
   all.solver = solver_of(values);
   all.probe = {.radius_m = values.number("probe_radius_m"), .mass_kg = values.number("probe_mass_kg")};
   all.coupling = coupling_of(values);
+  if (values.has("grasp_button")) {
+    all.grasp = {.button = values.whole("grasp_button"), .force_N_max = values.number("grasp_N_max")};
+  }
   return all;
 }
 

@@ -124,6 +124,16 @@ TEST(BodyParser, GivesBodiesTheSolverThatTheSceneAsksFor) {
               HasSubstr("contact forces by cg, iterations at most 1, tolerance 0.001"));
 }
 
+TEST(BodyParser, GivesTheProbeAGraspWhereTheSceneAsksForOne) {
+  EXPECT_THAT(explain(*parse(kFloor + kBall)), testing::Not(HasSubstr("is pressed")));
+  EXPECT_THAT(explain(*parse(kFloor + kBall + "[bodies]\ngrasp_button = 1\ngrasp_N_max = 4\n")),
+              HasSubstr("while button 1 is pressed, a device holds the body that it touches, up to 4 N"));
+  EXPECT_THAT([] { parse(kBall + "[bodies]\ngrasp_button = 32\n"); },
+              body_refused("grasp_button must be a whole number from 0 to 31, got 32"));
+  EXPECT_THAT([] { parse(kBall + "[bodies]\ngrasp_button = 0\ngrasp_N_max = 0\n"); },
+              body_refused("grasp_N_max must be > 0"));
+}
+
 TEST(BodyParser, RefusesASolverThatMuJoCoDoesNotHave) {
   const auto with = [](const std::string& what) { return [what] { parse(kBall + "[bodies]\n" + what + "\n"); }; };
   EXPECT_THAT(with("solver = \"newtn\""),

@@ -87,6 +87,41 @@ TEST(SharedScene, OneClientFeelsWhatTheOtherPushes) {
   EXPECT_NEAR(alone_N, 0, 1e-6);
 }
 
+/// A ball without weight, pressed from the left at some time and pulled back: where it is dragged to, in the end.
+double pulled_N(SceneState& state, bool pressed, bool told_models) {
+  SceneAnswer answer;
+  local_model::LocalModel model;
+  for (int i = 0; i < 3000; ++i) {
+    const double x_m = -0.04 + 1e-4 * std::min(i, 185) - 5e-5 * std::clamp(i - 1000, 0, 600);
+    const Handle handle{.buttons = pressed && i > 800 ? 1U : 0U};
+    answer = state.answer(at(x_m), milliseconds(i), milliseconds(i), told_models ? &model : nullptr, handle);
+    if (i == 1500) return answer.force[0];
+  }
+  return answer.force[0];
+}
+
+TEST(SceneWithBodies, AHandGraspsWithItsButton) {
+  const auto scene = [](bool shared) {
+    return parse_scene(std::string("[scene]\nname = \"g\"\ndescription = \"\"\ndegrees_of_freedom = 3\nshared = ") +
+                           (shared ? "true\nclients_max = 2\n" : "false\n") +
+                           "[bodies]\ngravity_m_per_s2 = [0, 0, 0]\ngrasp_button = 0\n"
+                           "[[body]]\nname = \"wall\"\nfixed = true\n"
+                           "shape = { kind = \"box\", center_m = [0.05, 0, 0], size_m = [0.06, 0.2, 0.2] }\n"
+                           "[[body]]\nname = \"ball\"\nmass_kg = 2\n"
+                           "shape = { kind = \"sphere\", center_m = [-0.0005, 0, 0], radius_m = 0.02 }\n",
+                       "g.toml");
+  };
+  SceneState alone(scene(false), 3);
+  EXPECT_GT(pulled_N(alone, true, false), 0.05) << "a heavy ball is pulled along";
+  SceneState pushing(scene(false), 3);
+  EXPECT_NEAR(pulled_N(pushing, false, false), 0, 0.01);
+  for (const bool played : {false, true}) {
+    const auto both = scene(true);
+    SceneState shared(both, 3, begin_dynamic_models(*both, 2));
+    EXPECT_GT(pulled_N(shared, true, played), 0.05) << played;
+  }
+}
+
 TEST(SharedScene, TimeGoesOnceHoweverManyClientsThereAre) {
   const auto scene = table_with_ball(true);
   SceneState one(scene, 3, begin_dynamic_models(*scene, 2));

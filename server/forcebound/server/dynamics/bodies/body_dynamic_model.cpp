@@ -173,9 +173,11 @@ std::unique_ptr<scene::DynamicModelState> BodyDynamicModel::make_state(int seats
   ModelPointer model = seats == 1 ? copy_of(*model_) : compile(description_, seats, name_);
   for (int i = 0; i < seats; ++i) {
     const int body = find_ball(*model, i);
-    probes.push_back({.body = body, .slides = model->jnt_qposadr[model->body_jntadr[body]]});
+    probes.push_back({.body = body,
+                      .slides = model->jnt_qposadr[model->body_jntadr[body]],
+                      .weld = mj_name2id(model.get(), mjOBJ_EQUALITY, name_of_grasp(i).c_str())});
   }
-  return std::make_unique<BodyWorld>(std::move(model), coupling_, probes);
+  return std::make_unique<BodyWorld>(std::move(model), coupling_, probes, description_.grasp);
 }
 
 scene::DynamicModelFacts BodyDynamicModel::facts() const {
@@ -198,6 +200,11 @@ scene::DynamicModelFacts BodyDynamicModel::facts() const {
                  "coupling " + to_text(coupling_.stiffness_N_per_m) + " N/m, " + to_text(coupling_.damping_N_s_per_m) +
                      " N s/m to an apparent mass of " + rounded(apparent_mass_kg_) + " kg at the start: at " +
                      rounded(100 * share_of_stable()) + " % of what is stable"};
+  if (description_.grasp) {
+    facts.lines.push_back("while button " + std::to_string(description_.grasp->button) +
+                          " is pressed, a device holds the body that it touches, up to " +
+                          to_text(description_.grasp->force_N_max) + " N");
+  }
   if (!dragged_.empty()) facts.seats_max = static_cast<int>(dragged_.size());
   return facts;
 }

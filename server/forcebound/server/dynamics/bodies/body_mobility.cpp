@@ -60,6 +60,7 @@ BodyMobility::BodyMobility(const mjModel_& model) {
   inertia_.resize(degrees * degrees);
   jacobian_.resize(3 * degrees);
   row_.resize(degrees);
+  pulled_.resize(degrees);
   moved_.resize(degrees);
 }
 
@@ -77,7 +78,7 @@ bool BodyMobility::is_constrained(const mjData_& data) noexcept {
   return false;
 }
 
-void BodyMobility::add_constraint(const mjModel_& model, const mjData_& data, int row) noexcept {
+void BodyMobility::read_row(const mjModel_& model, const mjData_& data, int row) noexcept {
   if (mj_isSparse(&model) != 0) {
     std::ranges::fill(row_, 0.0);
     const int begin = data.efc_J_rowadr[row];
@@ -86,22 +87,29 @@ void BodyMobility::add_constraint(const mjModel_& model, const mjData_& data, in
   } else {
     std::copy_n(data.efc_J + static_cast<std::ptrdiff_t>(row) * model.nv, model.nv, row_.begin());
   }
-  const double weight_kg = kHard * data.efc_D[row];
-  for (std::size_t i = 0; i < row_.size(); ++i) {
-    if (row_[i] == 0) continue;
-    for (std::size_t k = 0; k < row_.size(); ++k) inertia_[i * row_.size() + k] += weight_kg * row_[i] * row_[k];
+}
+
+bool BodyMobility::factor(const mjModel_& model, const mjData_& data, With constraints) noexcept {
+  if (row_.empty()) return false;
+  mj_fullM(&model, inertia_.data(), data.qM);
+  std::copy_n(data.qfrc_smooth, model.nv, pulled_.begin());
+  for (int row = 0; constraints != With::none && row < data.nefc; ++row) {
+    if (!acted(data, row) || (constraints == With::equalities && data.efc_type[row] != mjCNSTR_EQUALITY)) continue;
+    read_row(model, data, row);
+    const double weight_kg = kHard * data.efc_D[row];
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      if (row_[i] == 0) continue;
+      pulled_[i] += weight_kg * row_[i] * data.efc_aref[row];
+      for (std::size_t k = 0; k < row_.size(); ++k) inertia_[i * row_.size() + k] += weight_kg * row_[i] * row_[k];
+    }
   }
+  const double smallest = kNoInertia * *std::ranges::max_element(inertia_);
+  return mju_cholFactor(inertia_.data(), model.nv, smallest) == model.nv;
 }
 
 std::optional<Eigen::Matrix3d> BodyMobility::per_kg(const mjModel_& model, const mjData_& data, int body,
-                                                    bool with_constraints) noexcept {
-  if (row_.empty()) return std::nullopt;
-  mj_fullM(&model, inertia_.data(), data.qM);
-  for (int row = 0; with_constraints && row < data.nefc; ++row) {
-    if (acted(data, row)) add_constraint(model, data, row);
-  }
-  const double smallest = kNoInertia * *std::ranges::max_element(inertia_);
-  if (mju_cholFactor(inertia_.data(), model.nv, smallest) < model.nv) return std::nullopt;
+                                                    With constraints) noexcept {
+  if (!factor(model, data, constraints)) return std::nullopt;
   mj_jacBodyCom(&model, &data, jacobian_.data(), nullptr, body);
   using Row = Eigen::Map<const Eigen::VectorXd>;
   Eigen::Matrix3d mobility;
@@ -115,14 +123,18 @@ std::optional<Eigen::Matrix3d> BodyMobility::per_kg(const mjModel_& model, const
 }
 
 scene::Point BodyMobility::acceleration_m_per_s2(const mjModel_& model, const mjData_& data, int body,
-                                                 bool with_constraints) noexcept {
+                                                 With constraints) noexcept {
   scene::Point acceleration = scene::Point::Zero();
   if (row_.empty()) return acceleration;
+  const double* joints = constraints == With::all ? data.qacc : data.qacc_smooth;
+  if (constraints == With::equalities && factor(model, data, constraints)) {
+    mju_cholSolve(moved_.data(), inertia_.data(), pulled_.data(), model.nv);
+    joints = moved_.data();
+  }
   mj_jacBodyCom(&model, &data, jacobian_.data(), nullptr, body);
   using Row = Eigen::Map<const Eigen::VectorXd>;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
-    acceleration[axis] = Row(jacobian_.data() + axis * model.nv, model.nv)
-                             .dot(Row(with_constraints ? data.qacc : data.qacc_smooth, model.nv));
+    acceleration[axis] = Row(jacobian_.data() + axis * model.nv, model.nv).dot(Row(joints, model.nv));
   return acceleration;
 }
 

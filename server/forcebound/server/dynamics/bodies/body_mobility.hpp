@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -34,20 +35,26 @@ class BodyMobility {
   /// Whether a constraint acted in the last step: without, `per_kg` with constraints is that without.
   [[nodiscard]] static bool is_constrained(const mjData_& data) noexcept;
 
-  /// @param with_constraints without, what joints alone leave free. Nothing if it cannot be solved.
-  [[nodiscard]] std::optional<Eigen::Matrix3d> per_kg(const mjModel_& model, const mjData_& data, int body,
-                                                      bool with_constraints) noexcept;
+  /// Constraints that count: none leaves what joints alone leave free; equalities are what MuJoCo calls so, as the
+  /// welds of probes to what they hold.
+  enum class With : std::uint8_t { none, equalities, all };
 
-  /// Of its centre of mass in the last step. @param with_constraints without, what it would have been
+  /// Nothing if it cannot be solved.
+  [[nodiscard]] std::optional<Eigen::Matrix3d> per_kg(const mjModel_& model, const mjData_& data, int body,
+                                                      With constraints) noexcept;
+
+  /// Of its centre of mass in the last step, or what it would have been without the other constraints.
   [[nodiscard]] scene::Point acceleration_m_per_s2(const mjModel_& model, const mjData_& data, int body,
-                                                   bool with_constraints) noexcept;
+                                                   With constraints) noexcept;
 
  private:
-  void add_constraint(const mjModel_& model, const mjData_& data, int row) noexcept;
+  void read_row(const mjModel_& model, const mjData_& data, int row) noexcept;
+  [[nodiscard]] bool factor(const mjModel_& model, const mjData_& data, With constraints) noexcept;
 
   std::vector<double> inertia_;   // and constraints, row by row
   std::vector<double> jacobian_;  // of the centre of mass, 3 rows
   std::vector<double> row_;       // of a constraint
+  std::vector<double> pulled_;    // by forces without constraints, and by those that were factored
   std::vector<double> moved_;
 };
 

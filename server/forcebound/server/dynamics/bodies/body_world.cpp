@@ -32,6 +32,8 @@ constexpr double kHeld = 0.02;
 // How often a look ahead looks, and an estimate for what a local model takes beside looks and mobilities.
 constexpr int kLooksMost = 7;
 constexpr double kDescribe_ns = 2000;
+// A blow on what is held lasts for less.
+constexpr double kOverload_s_most = 0.02;
 
 // A force on a body acts at its centre of mass: only with that point's own position and velocity does the coupling
 // return no more energy than it took.
@@ -84,8 +86,9 @@ Neighbour neighbour(const mjModel& model, const mjContact& contact, int body) no
 
 }  // namespace
 
-BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes)
-    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling), mobility_(*model_) {
+BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes,
+                     const std::optional<GraspDescription>& grasp)
+    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling), grasp_(grasp), mobility_(*model_) {
   seats_.reserve(probes.size());
   for (const Probe& probe : probes) {
     seats_.push_back({probe});
@@ -106,8 +109,16 @@ void BodyWorld::leave(int seat) {
   seats_[static_cast<std::size_t>(seat)].taken = false;
 }
 
+void BodyWorld::press(int seat, std::uint32_t buttons) noexcept {
+  Seat& pressing = seats_[static_cast<std::size_t>(seat)];
+  pressing.pressed = grasp_ && ((buttons >> static_cast<unsigned>(grasp_->button)) & 1U) != 0;
+}
+
 void BodyWorld::park(int seat) noexcept {
   Seat& parked = seats_[static_cast<std::size_t>(seat)];
+  let_go(parked);
+  parked.pressed = false;
+  parked.slipped = false;
   parked.placed = false;
   parked.force_N.setZero();
   parked.pushed_m.setZero();
@@ -176,7 +187,7 @@ bool BodyWorld::has_shape_of(const BodyWorld& other) const noexcept {
   const mjModel& is = *model_;
   const mjModel& should = *other.model_;
   return is.nq == should.nq && is.nv == should.nv && is.na == should.na && is.nu == should.nu &&
-         is.nbody == should.nbody && is.nmocap == should.nmocap && is.njnt == should.njnt &&
+         is.nbody == should.nbody && is.nmocap == should.nmocap && is.njnt == should.njnt && is.neq == should.neq &&
          std::equal(is.jnt_type, is.jnt_type + is.njnt, should.jnt_type) &&
          std::ranges::equal(seats_, other.seats_, {}, &Seat::body, &Seat::body);
 }
@@ -195,6 +206,9 @@ bool BodyWorld::copy_from(const scene::DynamicModelState& other) noexcept {
   mju_copy(data_->xfrc_applied, source.xfrc_applied, 6 * model.nbody);
   mju_copy(data_->mocap_pos, source.mocap_pos, 3 * model.nmocap);
   mju_copy(data_->mocap_quat, source.mocap_quat, 4 * model.nmocap);
+  std::copy_n(from->model_->eq_active, model.neq, model_->eq_active);
+  std::copy_n(from->model_->eq_obj2id, model.neq, model_->eq_obj2id);
+  mju_copy(model_->eq_data, from->model_->eq_data, mjNEQDATA * model.neq);
   data_->time = source.time;
   for (const int bad : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) data_->warning[bad].number = 0;
   std::ranges::copy(from->seats_, seats_.begin());
@@ -213,7 +227,9 @@ void BodyWorld::step_once(double before_end_s) noexcept {
   faults_.contacts_left_out += static_cast<std::uint64_t>(data_->warning[mjWARN_CONTACTFULL].number +
                                                           data_->warning[mjWARN_CNSTRFULL].number - overfull);
   for (Seat& seat : seats_) {
-    if (seat.placed) pull(seat, before_end_s);
+    if (!seat.placed) continue;
+    pull(seat, before_end_s);
+    if (seat.weld >= 0) hold(seat);
   }
   sound_ = end_step(*model_, *data_);
 }
@@ -238,6 +254,62 @@ void BodyWorld::pull(Seat& seat, double before_end_s) noexcept {
   Eigen::Map<scene::Point>(data_->xfrc_applied + 6 * seat.body) = bearing_N(seat) - seat.force_N;
 }
 
+/// From the next step on.
+void BodyWorld::hold(Seat& seat) noexcept {
+  if (!seat.pressed) {
+    let_go(seat);
+    seat.slipped = false;
+  } else if (seat.held < 0) {
+    if (!seat.slipped) take_hold(seat);
+  } else {
+    seat.overload_s = carried_N(seat) > grasp_->force_N_max ? seat.overload_s + model_->opt.timestep : 0;
+    if (seat.overload_s <= kOverload_s_most) return;
+    let_go(seat);
+    seat.slipped = true;
+  }
+}
+
+/// Of the body touched deepest, of those that move.
+void BodyWorld::take_hold(Seat& seat) noexcept {
+  const mjContact* deepest = nullptr;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    if (!touches(*model_, contact, seat.body)) continue;
+    const int other = neighbour(*model_, contact, seat.body).body;
+    if (model_->body_weldid[other] != 0 && (deepest == nullptr || contact.dist < deepest->dist)) deepest = &contact;
+  }
+  if (deepest == nullptr) return;
+  seat.held = neighbour(*model_, *deepest, seat.body).body;
+  // A weld's numbers: where the first body's origin is in the second, where it is in the first, and the turn from the
+  // first to the second.
+  mjtNum* const weld = model_->eq_data + mjNEQDATA * seat.weld;
+  const scene::Point between_m = Eigen::Map<const scene::Point>(data_->xpos + 3 * seat.body) -
+                                 Eigen::Map<const scene::Point>(data_->xpos + 3 * seat.held);
+  mju_rotVecMatT(weld, between_m.data(), data_->xmat + 9 * seat.held);
+  mju_zero(weld + 3, 3);
+  mjtNum back[4];
+  mju_negQuat(back, data_->xquat + 4 * seat.body);
+  mju_mulQuat(weld + 6, back, data_->xquat + 4 * seat.held);
+  model_->eq_obj2id[seat.weld] = seat.held;
+  model_->eq_active[seat.weld] = 1;
+  seat.overload_s = 0;
+}
+
+void BodyWorld::let_go(Seat& seat) noexcept {
+  if (seat.held < 0) return;
+  seat.held = -1;
+  model_->eq_active[seat.weld] = 0;
+}
+
+/// By the weld in the last step; its first three rows are its force.
+double BodyWorld::carried_N(const Seat& seat) const noexcept {
+  for (int row = 0; row + 2 < data_->nefc; ++row) {
+    if (data_->efc_type[row] != mjCNSTR_EQUALITY || data_->efc_id[row] != seat.weld) continue;
+    return mju_norm3(data_->efc_force + row);
+  }
+  return 0;
+}
+
 scene::Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
   // The ball's weight is compensated: the hand does not carry it.
   if (probe.slides < 0) return scene::Point::Zero();
@@ -247,7 +319,7 @@ scene::Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
 scene::ModelTouch BodyWorld::touch(int at) noexcept {
   const Seat& seat = seats_[static_cast<std::size_t>(at)];
   scene::ModelTouch touch{.force_N = seat.force_N};
-  const bool in_contact = deepest_contact(seat.body) != nullptr;
+  const bool in_contact = seat.held >= 0 || deepest_contact(seat.body) != nullptr;
   const double depth_m = seat.pushed_m.norm();
   if (!in_contact || !(depth_m > 0)) return touch;
   touch.normal = seat.pushed_m / depth_m;
@@ -255,12 +327,13 @@ scene::ModelTouch BodyWorld::touch(int at) noexcept {
   return touch;
 }
 
-/// Of a body; null: it touches nothing.
-const mjContact_* BodyWorld::deepest_contact(int body) const noexcept {
+/// Of a body, with others than `but`; null: it touches nothing.
+const mjContact_* BodyWorld::deepest_contact(int body, int but) const noexcept {
   const mjContact* deepest = nullptr;
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
-    if (touches(*model_, contact, body) && (deepest == nullptr || contact.dist < deepest->dist)) deepest = &contact;
+    if (!touches(*model_, contact, body) || (but >= 0 && touches(*model_, contact, but))) continue;
+    if (deepest == nullptr || contact.dist < deepest->dist) deepest = &contact;
   }
   return deepest;
 }
@@ -291,13 +364,16 @@ void BodyWorld::look_ahead(int body, local_model::Mass& mass) const noexcept {
   if (const double speed = mass.velocity_m_per_s.norm(); speed > kGoes_m_per_s) look(mass.velocity_m_per_s / speed);
 }
 
-/// What is in the mass's way, and what answers to a push beside it.
-void BodyWorld::tell_what_it_meets(int body, const scene::Point& pushed_N, local_model::Mass& mass) noexcept {
-  const mjContact* const contact = deepest_contact(body);
+/// What is in the mass's way, and what answers to a push beside it: of what the probe holds, or of itself.
+void BodyWorld::tell_what_it_meets(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept {
+  const bool holds = seat.held >= 0;
+  const int body = holds ? seat.held : seat.body;
+  const mjContact* const contact = deepest_contact(body, holds ? seat.body : -1);
   if (contact == nullptr) return look_ahead(body, mass);
   const Neighbour beside = neighbour(*model_, *contact, body);
   if (model_->body_weldid[beside.body] == 0) {
-    const scene::Point acceleration = mobility_.acceleration_m_per_s2(*model_, *data_, body, false);
+    const scene::Point acceleration = mobility_.acceleration_m_per_s2(
+        *model_, *data_, seat.body, holds ? BodyMobility::With::equalities : BodyMobility::With::none);
     return stop_at(beside.into, acceleration - mass.free_per_kg * pushed_N, mass);
   }
   const double push_N = pushed_N.norm();
@@ -309,19 +385,20 @@ void BodyWorld::tell_what_it_meets(int body, const scene::Point& pushed_N, local
 
 double BodyWorld::predicted_describe_cost_ns(const mjModel_& model) noexcept {
   if (!BodyMobility::can_do(model)) return 0;
-  return kDescribe_ns + 2 * BodyMobility::predicted_cost_ns(model) + kLooksMost * predicted_travel_cost_ns(model);
+  return kDescribe_ns + 3 * BodyMobility::predicted_cost_ns(model) + kLooksMost * predicted_travel_cost_ns(model);
 }
 
 bool BodyWorld::describe(int at, local_model::LocalModel& model) noexcept {
   const Seat& seat = seats_[static_cast<std::size_t>(at)];
   if (!sound_ || !seat.placed || seat.placed_s < seat.arrival_s) return false;
-  const auto free_per_kg = mobility_.per_kg(*model_, *data_, seat.body, false);
+  using With = BodyMobility::With;
+  const auto free_per_kg = mobility_.per_kg(*model_, *data_, seat.body, seat.held >= 0 ? With::equalities : With::none);
   const bool constrained = BodyMobility::is_constrained(*data_);
-  const auto per_kg = constrained ? mobility_.per_kg(*model_, *data_, seat.body, true) : free_per_kg;
+  const auto per_kg = constrained ? mobility_.per_kg(*model_, *data_, seat.body, With::all) : free_per_kg;
   if (!free_per_kg || !per_kg || !(free_per_kg->trace() > 0)) return false;
   const scene::Point pushed_N = -seat.force_N;
   const double step_s = model_->opt.timestep;
-  const scene::Point acceleration = mobility_.acceleration_m_per_s2(*model_, *data_, seat.body, true);
+  const scene::Point acceleration = mobility_.acceleration_m_per_s2(*model_, *data_, seat.body, With::all);
   const scene::Point velocity = velocity_of(*model_, *data_, seat.body) + step_s * acceleration;
   local_model::Mass mass{.id = 0, .force_N = seat.force_N};
   // MuJoCo has moved since its positions and velocities of bodies were computed, and time has passed since its step.
@@ -336,7 +413,7 @@ bool BodyWorld::describe(int at, local_model::LocalModel& model) noexcept {
   mass.mobility_per_kg = *per_kg;
   // It may be here alone, where steps are shorter.
   if (!local_model::is_stable(mass)) return false;
-  tell_what_it_meets(seat.body, pushed_N, mass);
+  tell_what_it_meets(seat, pushed_N, mass);
   mass.radius_m = 2 * kReachMost_m;
   model.mass = mass;
   model.has_mass = true;

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "forcebound/scene/dynamic_model.hpp"
 #include "forcebound/server/dynamics/bodies/body_mobility.hpp"
 #include "forcebound/server/dynamics/bodies/coupling.hpp"
+#include "forcebound/server/dynamics/bodies/description.hpp"
 #include "forcebound/server/dynamics/bodies/mujoco.hpp"
 
 namespace forcebound::server {
@@ -14,19 +17,24 @@ namespace forcebound::server {
 /// When a device joins, the far end of its coupling begins at the probe and moves smoothly to the device, in half a
 /// second if it is near, so that the force does not jump. A generated ball begins at the device, or where that is
 /// inside a body, on its surface; a body of the scene's author stays where it is.
+///
+/// With a grasp (GraspDescription) a generated ball is welded to the body that it holds, where the two are then.
 class BodyWorld final : public scene::DynamicModelState {
  public:
   /// The body that a device drags.
   struct Probe {
     int body = -1;
     int slides = -1;  ///< generated ball: the first of its three coordinates; -1: a body of the scene's author
+    int weld = -1;    ///< to what it holds, of the model's equalities; -1: it cannot hold
   };
 
   /// @throws BodiesError
-  BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes);
+  BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes,
+            const std::optional<GraspDescription>& grasp = std::nullopt);
 
   int join() override;
   void leave(int seat) override;
+  void press(int seat, std::uint32_t buttons) noexcept override;
   void move(int seat, const scene::Point& position_m, const scene::Point& velocity_m_per_s) noexcept override;
   void advance(double elapsed_s) noexcept override;
   scene::ModelTouch touch(int seat) noexcept override;
@@ -37,6 +45,9 @@ class BodyWorld final : public scene::DynamicModelState {
 
   /// Estimate for one `describe` where it takes the most: in the air, where it looks in all directions [ns].
   [[nodiscard]] static double predicted_describe_cost_ns(const mjModel_& model) noexcept;
+  /// The body that the probe holds; -1: none.
+  [[nodiscard]] int held_by(int seat) const noexcept { return seats_[static_cast<std::size_t>(seat)].held; }
+
   [[nodiscard]] bool sound() const noexcept override { return sound_; }
   [[nodiscard]] scene::DynamicModelFaults faults() const noexcept override { return faults_; }
 
@@ -61,6 +72,10 @@ class BodyWorld final : public scene::DynamicModelState {
     double arrival_s = 0;                                ///< time at which the coupling's far end reaches the device
     scene::Point force_N = scene::Point::Zero();         ///< on the device, in the last step
     scene::Point pushed_m = scene::Point::Zero();        ///< from the coupling's far end to the probe, in the last step
+    bool pressed = false;                                ///< the button that grasps
+    int held = -1;                                       ///< body that it holds; -1: none
+    bool slipped = false;                                ///< out of this hold: the button must be let go first
+    double overload_s = 0;                               ///< simulated since the hold last carried no more than it can
   };
 
   [[nodiscard]] bool has_shape_of(const BodyWorld& other) const noexcept;
@@ -70,15 +85,20 @@ class BodyWorld final : public scene::DynamicModelState {
   void place_outside(const Probe& ball, scene::Point position_m) noexcept;
   void step_once(double before_end_s) noexcept;
   void pull(Seat& seat, double before_end_s) noexcept;
+  void hold(Seat& seat) noexcept;
+  void take_hold(Seat& seat) noexcept;
+  void let_go(Seat& seat) noexcept;
+  [[nodiscard]] double carried_N(const Seat& seat) const noexcept;
   [[nodiscard]] scene::Point bearing_N(const Probe& probe) const noexcept;
-  [[nodiscard]] const mjContact_* deepest_contact(int body) const noexcept;
+  [[nodiscard]] const mjContact_* deepest_contact(int body, int but = -1) const noexcept;
   [[nodiscard]] double room_m(int body, const scene::Point& direction, const scene::Point& velocity) const noexcept;
   void look_ahead(int body, local_model::Mass& mass) const noexcept;
-  void tell_what_it_meets(int body, const scene::Point& pushed_N, local_model::Mass& mass) noexcept;
+  void tell_what_it_meets(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept;
 
   ModelPointer model_;
   DataPointer data_;
   Coupling coupling_;
+  std::optional<GraspDescription> grasp_;
   BodyMobility mobility_;
   std::vector<Seat> seats_;
   double left_s_ = 0;

@@ -7,6 +7,8 @@ namespace {
 
 using text::to_text;
 
+constexpr std::size_t kWeldRows = 6;
+
 std::string numbers(const scene::Point& point) {
   return to_text(point.x()) + " " + to_text(point.y()) + " " + to_text(point.z());
 }
@@ -76,21 +78,33 @@ std::string to_mjcf(const ProbeDescription& probe, int number) {
 
 }  // namespace
 
+std::string name_of_grasp(int number) { return "grasp " + std::to_string(number); }
+
 std::string name_of_probe(int number) { return "probe " + std::to_string(number); }
 
 std::string to_mjcf(const BodiesDescription& description, int probes) {
   // A box on another has four contacts, of three rows each. MuJoCo's memory grows with the square of the rows.
   const std::size_t contacts = 32 + 12 * description.bodies.size() + 8 * static_cast<std::size_t>(probes);
-  std::string text = "<mujoco>\n  <option timestep=\"" + to_text(description.timestep_s) + "\" gravity=\"" +
-                     numbers(description.gravity_m_per_s2) +
-                     "\" integrator=\"implicit\" cone=\"elliptic\"/>\n  <size nconmax=\"" + std::to_string(contacts) +
-                     "\" njmax=\"" + std::to_string(3 * contacts) +
-                     "\"/>\n"
-                     "  <default><geom contype=\"1\" conaffinity=\"3\" condim=\"3\" solref=\"" +
-                     to_text(description.contact_time_s) + " 1\"/></default>\n  <worldbody>\n";
+  std::string text =
+      "<mujoco>\n  <option timestep=\"" + to_text(description.timestep_s) + "\" gravity=\"" +
+      numbers(description.gravity_m_per_s2) + "\" integrator=\"implicit\" cone=\"elliptic\"/>\n  <size nconmax=\"" +
+      std::to_string(contacts) + "\" njmax=\"" +
+      std::to_string(3 * contacts + (description.grasp ? kWeldRows * static_cast<std::size_t>(probes) : 0)) +
+      "\"/>\n"
+      "  <default><geom contype=\"1\" conaffinity=\"3\" condim=\"3\" solref=\"" +
+      to_text(description.contact_time_s) + " 1\"/></default>\n  <worldbody>\n";
   for (const BodyDescription& body : description.bodies) text += to_mjcf(body);
   for (int i = 0; i < probes; ++i) text += to_mjcf(description.probe, i);
-  return text + "  </worldbody>\n</mujoco>\n";
+  text += "  </worldbody>\n";
+  if (description.grasp) {
+    text += "  <equality>\n";
+    for (int i = 0; i < probes; ++i) {
+      text += "    <weld name=\"" + name_of_grasp(i) + "\" body1=\"" + name_of_probe(i) +
+              "\" active=\"false\" solref=\"0.004 1\" solimp=\"0.95 0.99 0.001\"/>\n";
+    }
+    text += "  </equality>\n";
+  }
+  return text + "</mujoco>\n";
 }
 
 scene::Point parking_m(int probe) noexcept { return {0, 0, 1e3 + probe}; }

@@ -31,6 +31,14 @@ struct ProbeDescription {
   double mass_kg = 0.03;
 };
 
+/// How a probe takes hold of a body: while the button of its device is pressed, of the first body that moves which it
+/// touches. It holds that as it is, without a turn, and the body slips out of a hold that carries more than
+/// `force_N_max` for longer than a blow; then not before the button was let go.
+struct GraspDescription {
+  int button = 0;
+  double force_N_max = 10;
+};
+
 /// Bounds of MuJoCo's time step: shorter ones would need more steps than a motion has time for, longer ones are too
 /// slow for haptics.
 inline constexpr double kTimestepLeast_s = 1e-4;
@@ -70,15 +78,19 @@ struct BodiesDescription {
   double contact_time_s = 0.02;
   ProbeDescription probe{};
   Coupling coupling{};
+  std::optional<GraspDescription> grasp{};  ///< none: the probe only pushes
 };
 
 /// "probe 0", "probe 1", ...
 std::string name_of_probe(int number);
 
+/// "grasp 0", ...: what couples the probe to the body that it holds, at first to none.
+std::string name_of_grasp(int number);
+
 /// As MJCF, with the bodies in their order and then `probes` probes: each a ball that moves along three slides and
-/// touches bodies, but no other probe. A body keeps its name, except for reserved names: 'world', names that begin with
-/// "probe ", and names that begin with "body " get the prefix "body ". The integrator is implicit in velocity, which
-/// keeps a tumbling body from gaining energy.
+/// touches bodies, but no other probe; with a grasp, each can be welded to a body. A body keeps its name, except for
+/// reserved names: 'world', names that begin with "probe ", and names that begin with "body " get the prefix "body ".
+/// The integrator is implicit in velocity, which keeps a tumbling body from gaining energy.
 std::string to_mjcf(const BodiesDescription& description, int probes);
 
 /// The position of a probe without a client, away from all bodies.
