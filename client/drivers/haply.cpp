@@ -133,26 +133,31 @@ struct forcebound_device {
 
 namespace {
 
-/// Finds service and device. On failure `why` gets one line.
-bool find(forcebound_device& device, milliseconds limit, std::string& why) {
+/// Finds service and device: none. Otherwise `why` gets one line.
+Trouble find(forcebound_device& device, milliseconds limit, std::string& why) {
   Settings& settings = device.settings;
   const std::string place = place_of(settings);
-  const auto refuse = [&](const std::string& reason) {
+  const auto refuse = [&](Trouble trouble, const std::string& reason) {
     why = reason;
     device.connection.close();
-    return false;
+    return trouble;
   };
   if (!device.connection.open(settings.address, settings.port, limit)) {
-    return refuse("no Inverse service at " + place + " (" + device.connection.why() +
-                  "): looked for its WebSocket, which versions 3.1 and later have on port 10001; it comes with Haply "
-                  "Hub, see docs.haply.co");
+    return refuse(Trouble::no_service,
+                  "no Inverse service at " + place + " (" + device.connection.why() +
+                      "): looked for its WebSocket, which versions 3.1 and later have on port 10001; it comes with "
+                      "Haply Hub, see docs.haply.co");
   }
   const std::optional<std::string_view> first = device.connection.receive(limit);
-  if (!first) return refuse("what listens at " + place + " does not begin with a list: " + device.connection.why());
+  if (!first) {
+    return refuse(Trouble::no_service,
+                  "what listens at " + place + " does not begin with a list: " + device.connection.why());
+  }
   const std::optional<Inventory> inventory = parse_inventory(*first);
   if (!inventory) {
-    return refuse("what listens at " + place +
-                  " is no Inverse service 3.1 or later: its first message has no list 'inverse3'");
+    return refuse(
+        Trouble::not_understood,
+        "what listens at " + place + " is no Inverse service 3.1 or later: its first message has no list 'inverse3'");
   }
   std::string listed;
   bool is_there = false;
@@ -162,13 +167,14 @@ bool find(forcebound_device& device, milliseconds limit, std::string& why) {
     listed += (listed.empty() ? "" : ", ") + id;
   }
   if (!is_there) {
-    return refuse("no Inverse3 " + settings.device_id + (settings.device_id.empty() ? "" : " ") +
-                  "among those that the service at " + place + " lists: " + (listed.empty() ? "none" : listed));
+    return refuse(Trouble::no_device, "no Inverse3 " + settings.device_id + (settings.device_id.empty() ? "" : " ") +
+                                          "among those that the service at " + place +
+                                          " lists: " + (listed.empty() ? "none" : listed));
   }
   const Spelling usual = inventory->has_sessions ? Spelling::vector : Spelling::values;
   device.spelling = settings.spelling == Spelling::automatic ? usual : settings.spelling;
   device.introduces = inventory->has_sessions;
-  return true;
+  return Trouble::none;
 }
 
 const std::string& command_of(forcebound_device& device, const Axes& force_N) {
@@ -230,11 +236,14 @@ Trouble exchange_all(forcebound_device& device) {
 }
 
 void look_again(forcebound_device& device, Trouble trouble) {
-  std::array<double, kReadingNumbers> gone{};
-  gone[4] = static_cast<double>(trouble);
-  mailbox_write(&device.readings, gone.data(), kReadingNumbers);
   std::string why;
-  while (!device.ending.load(std::memory_order_acquire) && !find(device, kReopening, why)) rest(kLookAgain_ns);
+  while (trouble != Trouble::none && !device.ending.load(std::memory_order_acquire)) {
+    std::array<double, kReadingNumbers> gone{};
+    gone[4] = static_cast<double>(trouble);
+    mailbox_write(&device.readings, gone.data(), kReadingNumbers);
+    trouble = find(device, kReopening, why);
+    if (trouble != Trouble::none) rest(kLookAgain_ns);
+  }
 }
 
 void exchange(forcebound_device& device) {
@@ -245,7 +254,7 @@ void exchange(forcebound_device& device) {
     } catch (const std::exception&) {  // no memory: as if the service were gone
     }
     device.connection.close(command_of(device, {}));
-    if (trouble != Trouble::none) look_again(device, trouble);
+    look_again(device, trouble);
   }
 }
 
@@ -271,7 +280,7 @@ int haply_open(const forcebound_setting* settings, size_t count, forcebound_devi
       return FORCEBOUND_FAILED;
     }
     std::string why;
-    if (!find(*device, kOpening, why)) {
+    if (find(*device, kOpening, why) != Trouble::none) {
       std::snprintf(error, error_bytes, "%s", why.c_str());
       return FORCEBOUND_FAILED;
     }

@@ -36,7 +36,7 @@ std::string InverseService::begin_session() {
 
 void InverseService::end_session() {
   const std::scoped_lock lock(guard_);
-  device_.command({});
+  if (!keeps_) device_.command({});
 }
 
 std::string InverseService::answer(std::string_view message) {
@@ -118,8 +118,8 @@ std::string InverseService::instead_of(const Json& message) const { return said_
 
 void InverseService::look(const std::string& text) {
   const StandIn::State now = device_.look();
-  std::printf("look %s %.9g %.9g %.9g %s %s %d\n", text.c_str(), now.force_N[0], now.force_N[1], now.force_N[2],
-              spelling_.c_str(), basis_.c_str(), sessions_);
+  std::printf("look %s %.9g %.9g %.9g %s %s\n", text.c_str(), now.force_N[0], now.force_N[1], now.force_N[2],
+              spelling_.c_str(), basis_.c_str());
   std::fflush(stdout);
 }
 
@@ -144,6 +144,8 @@ bool InverseService::obey(const std::string& line) {
   } else if (word == "talk") {
     muted_ = false;
     said_.clear();
+  } else if (word == "keep") {
+    keeps_ = true;
   } else if (word == "say") {
     said_ = rest();
   } else if (word == "say-bytes") {

@@ -24,7 +24,8 @@ class InverseService {
   [[nodiscard]] std::string answer(std::string_view message);
 
   /// `plug`, `unplug`, `press MASK`, `mute`, `talk` (the end of mute and say), `say TEXT` and `say-bytes N` in place of
-  /// each message, `grip none|wired|wireless`, `turn W X Y Z`, `look TEXT`. False: none of these.
+  /// each message, `grip none|wired|wireless`, `turn W X Y Z`, `look TEXT`, `keep` the last force when a session ends.
+  /// False: none of these.
   bool obey(const std::string& line);
 
   [[nodiscard]] bool muted() const { return muted_; }
@@ -41,6 +42,7 @@ class InverseService {
   StandIn& device_;
   bool numbers_sessions_;
   bool enabled_ = false;
+  bool keeps_ = false;
   std::atomic<bool> muted_{false};
   std::string said_{};
   std::string grip_ = "wireless";

@@ -3,10 +3,12 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -41,13 +43,14 @@ class Haply : public testing::Test {
     std::array<double, 3> force_N{};
     std::string spelling{};
     std::string basis{};
-    int sessions = 0;
   };
 
   /// @param port 0: a free one
   void serve(const std::string& version = "3.5", const std::string& port = "0") {
+    if (holds_for_ever) ::setenv("FORCEBOUND_STAND_IN_HOLD_S", "0", 1);
     service = std::make_unique<test::Process>(FORCEBOUND_INVERSE_SERVICE, std::vector<std::string>{port, version},
                                               test::Process::Input::pipe);
+    ::unsetenv("FORCEBOUND_STAND_IN_HOLD_S");
     if (!service->wait_for("listening on port ", kLong)) throw std::runtime_error("no service");
     const std::string out = service->out();
     port_ = out.substr(out.rfind(' ') + 1);
@@ -71,7 +74,7 @@ class Haply : public testing::Test {
     }
     std::istringstream line(out.substr(out.find(name) + name.size()));
     Seen now;
-    line >> now.force_N[0] >> now.force_N[1] >> now.force_N[2] >> now.spelling >> now.basis >> now.sessions;
+    line >> now.force_N[0] >> now.force_N[1] >> now.force_N[2] >> now.spelling >> now.basis;
     return now;
   }
 
@@ -103,13 +106,16 @@ class Haply : public testing::Test {
   void tick_until_felt() {
     tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
   }
-  void tick_until_failed() {
-    tick_until(Vector::Ones(3), [&] { return reading.status == Status::failed; });
+  void tick_until_failed(std::string_view why) {
+    tick_until(Vector::Ones(3), [&] {
+      return reading.status == Status::failed && device->last_error().find(why) != std::string_view::npos;
+    });
   }
   void wait_for_no_force() {
     while (felt_N() != std::array<double, 3>{}) std::this_thread::sleep_for(1ms);
   }
 
+  bool holds_for_ever = false;  ///< the device has no watchdog, so that only the driver ends a force
   std::unique_ptr<test::Process> service;
   time::SteadyClock clock;
   std::unique_ptr<DriverDevice> device;
@@ -205,15 +211,16 @@ TEST_F(Haply, TellsOrientationAndButtonsOfTheGripIfThereIsOne) {
 }
 
 TEST_F(Haply, GivesNoForceOnceNoCommandComes) {
+  holds_for_ever = true;
   serve();
   open();
   device->start();
   tick_until_felt();
   wait_for_no_force();
-  EXPECT_EQ(seen().sessions, 1);
 }
 
 TEST_F(Haply, StopsAtOnceAndGoesOnWithTheNextCommand) {
+  holds_for_ever = true;
   serve();
   open();
   device->start();
@@ -229,8 +236,7 @@ TEST_F(Haply, FailsWhileUnpluggedAndResumesAfterwards) {
   device->start();
   tick_until_felt();
   tell("unplug");
-  tick_until_failed();
-  EXPECT_EQ(std::string(device->last_error()), "Inverse3 04BA is unplugged; looking for it");
+  tick_until_failed("Inverse3 04BA is unplugged; looking for it");
   tell("plug");
   tick_until_read();
   tick_until_felt();
@@ -242,8 +248,7 @@ TEST_F(Haply, LooksForAServiceThatEndedUntilItIsStartedAgain) {
   device->start();
   tick_until_felt();
   service->signal(SIGKILL);
-  tick_until_failed();
-  EXPECT_THAT(std::string(device->last_error()), HasSubstr("the Inverse service at 127.0.0.1:" + port() + " does not"));
+  tick_until_failed("the Inverse service at 127.0.0.1:" + port() + " does not answer; looking for it");
   serve("3.5", port());
   tick_until_felt();
 }
@@ -254,8 +259,7 @@ TEST_F(Haply, LooksForAServiceThatDoesNotAnswerUntilItDoes) {
   device->start();
   tick_until_felt();
   tell("mute");
-  tick_until_failed();
-  EXPECT_THAT(std::string(device->last_error()), HasSubstr("does not answer"));
+  tick_until_failed("does not answer");
   wait_for_no_force();
   tell("talk");
   tick_until_felt();
@@ -272,15 +276,16 @@ TEST_F(Haply, FailsWhileItIsToldNothingItUnderstandsAndResumesAfterwards) {
     SCOPED_TRACE(nonsense);
     tick_until_felt();
     tell(nonsense);
-    tick_until_failed();
-    EXPECT_THAT(std::string(device->last_error()), HasSubstr("looking for it"));
+    tick_until_failed("looking for it");
     tell("talk");
     tick_until_read();
   }
 }
 
 TEST_F(Haply, EndsWithZeroForce) {
+  holds_for_ever = true;
   serve();
+  tell("keep");
   open();
   device->start();
   tick_until_felt();
