@@ -22,7 +22,7 @@ constexpr std::string_view kHelp =
     "  stroke          comes from above, goes to and fro\n"
     "  trace-circle    follows the inside of a circle\n"
     "  trace-sphere    follows the outside of a sphere\n"
-    "  carry           presses a button on something, lifts it, carries it, puts it down\n"
+    "  carry           picks something up with a button, puts it down elsewhere\n"
     "  wave            moves in free space\n"
     "  replay:FILE.csv[,key=value,...]\n"
     "                  plays a recorded hand (time_s,x_m[,y_m,z_m])\n"
