@@ -82,6 +82,9 @@ class MotionSchedule {
     if (as_needed_) interval_ = motion_interval(need);
   }
 
+  /// The next tick sends one, whatever was planned.
+  void send_at_once() noexcept { began_ = false; }
+
   /// Whether this tick sends one: that nearest to when it is planned. Where the interval is no multiple of the period,
   /// it is kept in the mean.
   [[nodiscard]] bool is_due(Nanoseconds now) noexcept {

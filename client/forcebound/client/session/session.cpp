@@ -86,6 +86,8 @@ void Session::tick(Nanoseconds now) noexcept {
   const device::Reading& reading = done.reading;
   tell_of_device(reading.position.allFinite(), now);
   done.place = controller_.law().proxy_position(reading.position);
+  // However rare motions are: a short press must not fall between two of them.
+  if (reading.handle.buttons != buttons_sent_) schedule_.send_at_once();
   if (schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading);
   receive_all(now);
   keep_connected(now);
@@ -252,6 +254,7 @@ void Session::note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) 
 
 std::uint64_t Session::send_motion(const Vector& place, const device::Reading& reading) noexcept {
   if (connection_.session() == 0 || !place.allFinite()) return 0;
+  buttons_sent_ = reading.handle.buttons;
   const std::uint64_t sequence = forces_.note_sent(reading.latched);
   if (options_.local != nullptr) options_.local->note_motion(reading.latched);
   const wire::MotionSample motion{.session = connection_.session(),

@@ -146,6 +146,7 @@ class Session {
   control::PassivityController controller_;
   ChoosingTime choosing_;
   MotionSchedule schedule_;
+  std::optional<std::uint32_t> buttons_sent_;
   Nanoseconds choosing_since_{0};
   Connection connection_;
   ForceStream forces_;

@@ -51,9 +51,9 @@ class Events final : public EventSink {
 class SessionTest : public ::testing::Test {
  protected:
   explicit SessionTest(std::string_view law = "none", const control::LawRegistry& laws = baselines::shipped_laws(),
-                       LocalRendering* local = nullptr)
-      : session({.server = kServer, .scene = "wall", .local = local}, device, laws.make(law, device.facts()), link,
-                clock, {.ticks = sinks, .events = &events}) {}
+                       LocalRendering* local = nullptr, SendRate rate = {})
+      : session({.server = kServer, .scene = "wall", .local = local, .send_rate = rate}, device,
+                laws.make(law, device.facts()), link, clock, {.ticks = sinks, .events = &events}) {}
 
   void tick() {
     clock.time += 1ms;

@@ -48,6 +48,29 @@ TEST_F(SessionTest, SendsAndWritesDownWhatTheHandleHas) {
   EXPECT_EQ(records.last.handle, control::Handle{});
 }
 
+class SessionOfRareMotions : public SessionTest {
+ protected:
+  SessionOfRareMotions() : SessionTest("none", baselines::shipped_laws(), nullptr, {.most_Hz = 20}) {}
+};
+
+TEST_F(SessionOfRareMotions, SendsAMotionAtOnceWhenAButtonChanges) {
+  device.handle.buttons = 0;
+  connect();
+  tick();
+  link.sent.clear();
+  for (int i = 0; i < 10; ++i) tick();
+  EXPECT_EQ(sent<wire::MotionSample>().size(), 0U) << "one in 50 ms";
+  device.handle.buttons = 1;
+  tick();
+  device.handle.buttons = 0;
+  tick();
+  tick();
+  const auto motions = sent<wire::MotionSample>();
+  ASSERT_EQ(motions.size(), 2U);
+  EXPECT_TRUE(motions[0].handle.pressed(0));
+  EXPECT_FALSE(motions[1].handle.pressed(0));
+}
+
 TEST_F(SessionTest, OfAReadingThatFailedTheHandleCountsNoMore) {
   connect();
   device.handle = {.buttons = 5};
