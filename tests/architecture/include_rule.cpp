@@ -93,6 +93,7 @@ const std::vector<Folder>& folders() {
         "tests/tools/lab/accuracy", "tests/tools/lab/comparison"}},
       {"tests/tools/lab/bench", {"forcebound", "tests/tools/lab/measures"}},
       {"tests/tools/lab/doctor", {"forcebound"}},
+      {"tests/tools/lab/identify", {"forcebound", "tests/tools/sim", "tests/tools/lab/measures"}},
       {"tests/tools/lab/soak", {"forcebound", "tests/tools/reference", "tests/tools/sim"}},
       {"tests/tools/lab", {"forcebound", "tests/tools"}},
       {"tests/tools", {"forcebound"}},

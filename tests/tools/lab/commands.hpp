@@ -14,6 +14,7 @@ void add_bench(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coupled_damping(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_identify(CLI::App& app);
 void add_keygen(CLI::App& app);
 void add_load(CLI::App& app);
 void add_passivity(CLI::App& app);

@@ -18,6 +18,7 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_compare(app);
   forcebound::lab::add_coupled_damping(app);
   forcebound::lab::add_doctor(app);
+  forcebound::lab::add_identify(app);
   forcebound::lab::add_keygen(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_passivity(app);
@@ -53,6 +54,8 @@ int run(int argc, const char* const* argv) {
       "      a mesh rendered at the server and at the client, through 20 to 200 ms\n"
       "  forcebound-lab doctor --server 127.0.0.1:47800\n"
       "      what the way to that server and this machine will feel like\n"
+      "  forcebound-lab identify --device NAME --out facts.toml\n"
+      "      damping, friction, latency and hold time of a device, by moving it\n"
       "  forcebound-lab keygen server.key\n"
       "      a new key of a server, or of a client\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"

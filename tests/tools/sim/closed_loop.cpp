@@ -40,6 +40,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
               settings_.flaws),
       surface_(settings_.scene, device_),
       summary_(info()) {
+  if (settings_.told) told_.emplace(device_, *settings_.told);
   surface_.hand_on_to(sinks);
   surface_.hand_on_to({&summary_});
   network_.set_server_handler([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds now) {
@@ -64,8 +65,8 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
                                .local = local(),
                                .force_slew_N_per_s = settings_.force_slew_N_per_s,
                                .send_rate = settings_.send_rate},
-      device_, settings_.laws->make(settings_.law, device_.facts(), settings_.law_options), network_.add_client(),
-      tick_clock_, client::Session::Sinks{.ticks = session_sinks_});
+      device_as_told(), settings_.laws->make(settings_.law, device_as_told().facts(), settings_.law_options),
+      network_.add_client(), tick_clock_, client::Session::Sinks{.ticks = session_sinks_});
 }
 
 ClosedLoop::~ClosedLoop() = default;

@@ -18,6 +18,7 @@
 #include "tests/tools/sim/simulated_network.hpp"
 #include "tests/tools/sim/skewed_clock.hpp"
 #include "tests/tools/sim/tick_schedule.hpp"
+#include "tests/tools/sim/told_device.hpp"
 #include "tests/tools/sim/true_surface.hpp"
 #include "tests/tools/sim/virtual_clock.hpp"
 
@@ -59,6 +60,7 @@ class ClosedLoop {
     TickTiming timing{};
     ClockSkew server_clock{};
     device::DeviceFlaws flaws{};                      ///< how the device truly is
+    std::optional<control::DeviceFacts> told{};       ///< what the client is told of it; none: the truth
     std::optional<EnvironmentSetting> environment{};  ///< none: the scene
     std::vector<Fault> faults{};
     Nanoseconds server_turn{0};                          ///< computing time before it answers; datagrams wait meanwhile
@@ -110,6 +112,10 @@ class ClosedLoop {
   [[nodiscard]] client::LocalRendering* local() noexcept { return local_ ? &*local_ : nullptr; }
 
  private:
+  [[nodiscard]] device::HapticDevice& device_as_told() noexcept {
+    if (told_) return *told_;
+    return device_;
+  }
   void live_until(Nanoseconds time);
   void end_server_turn();
   void plan_next_tick();
@@ -126,6 +132,7 @@ class ClosedLoop {
   SimulatedNetwork network_;
   BusyServer busy_;
   device::SimulatedDevice device_;
+  std::optional<ToldDevice> told_;
   TrueSurface surface_;
   record::Summary summary_;
   std::array<record::TickSink*, 1> session_sinks_{&surface_};

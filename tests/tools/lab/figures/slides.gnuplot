@@ -1,0 +1,40 @@
+# Force over speed of each slide: a panel for each joint, the bounds as a line below.
+title = 'Slides with constant force'
+subtitle = 'what each took for its way over how fast it was; line: the bounds, friction + damping x speed'
+joints = unit_v = unit_f = ''
+stats data using (joints = with_item(joints, strcol('joint')), unit_v = strcol('speed_unit'), \
+    unit_f = strcol('force_unit'), 0) nooutput
+
+panels = words(joints)
+height = 460
+eval(begin(120 + 340 * panels, height))
+set output name.'.png'
+set multiplot
+eval(show_title)
+eval(only_key(head_px))
+plot NaN with points pointtype 7 pointsize 0.8 linecolor rgb blue title 'forwards', \
+    NaN with points pointtype 6 pointsize 0.8 linecolor rgb orange title 'backwards', \
+    NaN with lines linewidth 1.5 linecolor rgb red title 'bound'
+eval(after_key)
+set ytics nomirror out scale 0.6
+set tmargin at screen from_top(head_px + 44)
+set bmargin at screen 0.13
+set yrange [0:*]
+set xrange [0:*]
+of(joint, direction) = strcol('joint') eq joint && strcol('direction') eq direction
+do for [p = 1:panels] {
+  joint = word(joints, p)
+  set lmargin at screen (p - 1 + 0.2) / panels
+  set rmargin at screen (p - 0.04) / panels
+  set label 10 'joint '.joint at graph 0.5, screen from_top(head_px + 30) center \
+      font 'DejaVu Sans Bold,11' textcolor rgb ink
+  set xlabel 'speed ['.unit_v.']' textcolor rgb ink
+  set ylabel 'force ['.unit_f.']' textcolor rgb ink
+  plot data using (strcol('joint') eq joint ? column('speed') : NaN): \
+          (column('friction') + column('damping') * column('speed')) smooth unique with lines linewidth 1.5 linecolor rgb red notitle, \
+      data using (of(joint, '1') ? column('speed') : NaN):(column('force')) with points pointtype 7 pointsize 0.8 \
+          linecolor rgb blue notitle, \
+      data using (of(joint, '-1') ? column('speed') : NaN):(column('force')) with points pointtype 6 pointsize 0.8 \
+          linecolor rgb orange notitle
+}
+unset multiplot

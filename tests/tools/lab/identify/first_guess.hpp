@@ -1,0 +1,12 @@
+#pragma once
+
+#include "tests/tools/lab/identify/release_fit.hpp"
+
+namespace forcebound::lab::identify {
+
+/// Mass, damping and friction, roughly, from a joint's first motion under a force somewhat above the one that broke it
+/// away: enough to move it to and fro.
+/// @param speed at the beginning of the slide
+[[nodiscard]] JointGuess first_guess(const Slide& slide, double speed, double break_away);
+
+}  // namespace forcebound::lab::identify

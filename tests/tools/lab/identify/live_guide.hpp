@@ -1,0 +1,19 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "forcebound/device/haptic_device.hpp"
+#include "tests/tools/lab/identify/guide.hpp"
+
+namespace forcebound::lab::identify {
+
+/// Runs a guide on a device in real time, on a real-time thread of its own where the system grants it, beside a
+/// watchdog if the device is not simulated. Returns when the guide is done or `stop` is set; the force is zero then.
+/// @param progress called a few times a second on the caller's thread
+/// @throws std::runtime_error what `start` of the device throws
+void run_live(Guide& guide, device::HapticDevice& device, double period_s, const std::atomic<bool>& stop,
+              const std::function<void(double share, const std::string& doing)>& progress);
+
+}  // namespace forcebound::lab::identify
