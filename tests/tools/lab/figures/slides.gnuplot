@@ -24,12 +24,12 @@ set xrange [0:*]
 of(joint, direction) = strcol('joint') eq joint && strcol('direction') eq direction
 do for [p = 1:panels] {
   joint = word(joints, p)
-  set lmargin at screen (p - 1 + 0.2) / panels
+  set lmargin at screen (p - 1 + 0.22) / panels
   set rmargin at screen (p - 0.04) / panels
   set label 10 'joint '.joint at graph 0.5, screen from_top(head_px + 30) center \
       font 'DejaVu Sans Bold,11' textcolor rgb ink
   set xlabel 'speed ['.unit_v.']' textcolor rgb ink
-  set ylabel 'force ['.unit_f.']' textcolor rgb ink
+  set ylabel 'force ['.unit_f.']' offset 1.5,0 textcolor rgb ink
   plot data using (strcol('joint') eq joint ? column('speed') : NaN): \
           (column('friction') + column('damping') * column('speed')) smooth unique with lines linewidth 1.5 linecolor rgb red notitle, \
       data using (of(joint, '1') ? column('speed') : NaN):(column('force')) with points pointtype 7 pointsize 0.8 \
