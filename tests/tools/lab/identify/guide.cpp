@@ -25,7 +25,7 @@ constexpr int kTripsMost = 20;
 constexpr int kUnmovedMost = 4;
 constexpr int kExtraMost = 128;
 constexpr int kExtraAtOnce = 8;
-constexpr double kDelayErrorGoal_s = 12e-6;
+constexpr double kDelayErrorGoal_s = 6.5e-6;
 
 std::string joint_name(int joint, bool cartesian) {
   return (cartesian ? "axis " : "joint ") + std::to_string(joint + 1);

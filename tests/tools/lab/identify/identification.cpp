@@ -12,7 +12,7 @@ namespace {
 constexpr double kNotTimed_s = 4e-6;       // what the fit leaves out of the times
 constexpr double kLatencyWide_s = 150e-6;  // bounds farther apart are none
 constexpr double kHoldWide_s = 1e-3;
-constexpr double kDoubt = 1.25;  // some tens of slides tell their own scatter no better
+constexpr double kDoubt = 2;  // neighbouring readings of a coarse encoder err alike, which slides do not tell
 
 /// Two joints' estimates of the same time: the more certain one counts more.
 struct Pool {
