@@ -13,6 +13,7 @@ namespace forcebound::device {
 struct DeviceRequest {
   std::string device{};  ///< name or file; empty: the default device for the hand
   std::string hand{};    ///< of a simulated device; empty: the default hand for the device
+  double rate_Hz = 0;    ///< ticks per second, see at_tick_rate; 0: the device's own
 };
 
 /// Devices of one kind, selected by name. A driver registers one family.

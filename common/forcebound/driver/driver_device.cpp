@@ -4,6 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "forcebound/device/tick_rate.hpp"
 #include "forcebound/driver/driver_facts.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -112,6 +113,8 @@ DriverDevice::~DriverDevice() {
 }
 
 std::string DriverDevice::facts_in_words() const {
+void DriverDevice::run_at(double rate_Hz) { facts_ = device::at_tick_rate(facts_, rate_Hz); }
+
   return HapticDevice::facts_in_words() + (identified_ ? "" : "; bounds not identified: guesses of the driver");
 }
 

@@ -43,6 +43,9 @@ class DriverDevice final : public device::HapticDevice {
   DriverDevice(const DriverDevice&) = delete;
   DriverDevice& operator=(const DriverDevice&) = delete;
 
+  /// Before start. @throws std::invalid_argument as device::at_tick_rate
+  void run_at(double rate_Hz);
+
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
   [[nodiscard]] std::string facts_in_words() const override;
   [[nodiscard]] device::Safety safety() const noexcept override { return safety_; }

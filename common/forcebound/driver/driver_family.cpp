@@ -63,6 +63,7 @@ class Opener {
                                   "' is moved by a person");
     }
     (void)facts(request.device);
+    device_->run_at(request.rate_Hz);
     return std::move(device_);
   }
 

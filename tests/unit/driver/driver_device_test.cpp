@@ -261,6 +261,13 @@ TEST(DriverFamily, MakesTheDeviceWhoseFactsWereAskedFor) {
   EXPECT_EQ(devices.facts("omni").degrees_of_freedom(), 3) << "the simulated ones are there as before";
 }
 
+TEST(DriverFamily, TakesAnotherRateInPlaceOfTheDrivers) {
+  const auto device = registry().make({.device = "slider", .rate_Hz = 2000});
+  EXPECT_DOUBLE_EQ(device->facts().period_s, 1.0 / 2000);
+  EXPECT_THAT([] { (void)registry().make({.device = "slider", .rate_Hz = 100}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("from 500 to 4000, got 100")));
+}
+
 TEST(DriverFamily, TakesAFileOfFactsInPlaceOfTheDrivers) {
   const test::TemporaryFolder folder;
   text::write_file(folder.file("mine.toml"),

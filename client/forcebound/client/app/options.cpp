@@ -13,6 +13,7 @@
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/device/tick_rate.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
 
@@ -20,7 +21,8 @@ namespace forcebound::client {
 namespace {
 
 constexpr const char* kAbout =
-    "The device side of Forcebound: reads a haptic device at 1 kHz, sends its motion to a server, and applies the "
+    "The device side of Forcebound: reads a haptic device 1000 times a second, or --rate, sends its motion to a "
+    "server, and applies the "
     "forces that come back, bounded so that the device never returns more energy than its damping takes, however late "
     "they are.\n";
 
@@ -69,6 +71,11 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   app.add_option("--scene", options.scene, "scene to request; default: the server's")->type_name("NAME");
   app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml|DRIVER");
   app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
+  app.add_option("--rate", options.device.rate_Hz,
+                 "ticks per second, 500 to 4000: the device is read and commanded so often, and the law shows stiffer "
+                 "walls the shorter a tick is; default: the device's own")
+      ->check(program::number_within(device::kTickRateLeast_Hz, device::kTickRateMost_Hz))
+      ->type_name("HZ");
   app.add_option("--law", options.law, "law that bounds the force, see below")
       ->check(program::one_of("law", laws.names()))
       ->type_name("LAW")

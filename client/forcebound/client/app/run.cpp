@@ -15,6 +15,7 @@
 #include "forcebound/client/runtime/client.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
+#include "forcebound/device/tick_rate.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/text/file.hpp"
@@ -74,12 +75,16 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const control::LawRegistry laws = baselines::shipped_laws();
   const device::DeviceRegistry devices = known_devices();
   if (!options.law_help.empty()) {
-    const std::string help = laws.help(options.law_help, devices.facts(options.device.device));
+    const control::DeviceFacts own = devices.facts(options.device.device);
+    const control::DeviceFacts facts =
+        program::value_of("--rate", [&] { return device::at_tick_rate(own, options.device.rate_Hz); });
+    const std::string help = laws.help(options.law_help, facts);
     std::fputs(text::wrapped_help(text::printable_lines(help)).c_str(), stdout);
     return program::kDone;
   }
   // What a device is refused for is known from its facts; the rest is about its hand.
-  (void)program::value_of("--device", [&] { return devices.facts(options.device.device); });
+  const control::DeviceFacts own = program::value_of("--device", [&] { return devices.facts(options.device.device); });
+  (void)program::value_of("--rate", [&] { return device::at_tick_rate(own, options.device.rate_Hz); });
   const auto device = program::value_of("--operator", [&] { return devices.make(options.device); });
   const control::LawOptions chosen = law_options(options, laws);
   auto law = laws.make(options.law, device->facts(), chosen);

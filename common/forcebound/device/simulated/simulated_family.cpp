@@ -6,6 +6,7 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
+#include "forcebound/device/tick_rate.hpp"
 
 namespace forcebound::device {
 namespace {
@@ -51,6 +52,7 @@ void complete_simulated(DeviceRequest& request) {
 
 std::unique_ptr<HapticDevice> make_simulated(const DeviceRequest& request) {
   DeviceDescription description = load_device(request.device);
+  description.facts = at_tick_rate(std::move(description.facts), request.rate_Hz);
   auto hand = make_operator(request.hand, description.facts.degrees_of_freedom());
   return std::make_unique<SimulatedDevice>(std::move(description), std::move(hand));
 }
