@@ -16,6 +16,7 @@ struct DeviceDescription {
   Matrix inertia;                  ///< of the joints: symmetric, positive definite [kg], [kg m^2]
   std::optional<ArmGeometry> arm;  ///< none: Cartesian
   Safety safety{};                 ///< for the hand on it
+  bool identified = true;          ///< false: the bounds of the real device were never measured; they are guesses
 };
 
 /// One line to print: name, degrees of freedom, inertia, damping, friction, encoder, each with its unit.

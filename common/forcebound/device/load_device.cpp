@@ -144,6 +144,7 @@ DeviceDescription parse_description(std::string_view toml_text, const std::strin
   if (file.find("uncertainty") != nullptr) {
     device.facts.uncertainty = read_uncertainty(file.table("uncertainty"), device.facts);
   }
+  device.identified = file.flag("identified", device.identified);
   if (use == Use::facts) device.safety = Safety::of_a_person(device.facts);
   if (file.find("safety") != nullptr) device.safety = read_safety(file.table("safety"), device.safety);
   file.refuse_unknown_keys();
@@ -158,7 +159,7 @@ DeviceDescription parse_device(std::string_view toml_text, const std::string& pl
 
 RealDevice parse_facts(std::string_view toml_text, const std::string& place) {
   DeviceDescription description = parse_description(toml_text, place, Use::facts);
-  return {.facts = std::move(description.facts), .safety = description.safety};
+  return {.facts = std::move(description.facts), .safety = description.safety, .identified = description.identified};
 }
 
 bool names_a_file(std::string_view name_or_file) noexcept {

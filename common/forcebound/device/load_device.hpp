@@ -18,7 +18,9 @@ namespace forcebound::device {
 ///                                     [arm] upper_length_m, fore_length_m, origin_reach_m, origin_height_m
 ///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, release_share = 0,
 ///                                     release_s = 0, releases = true, latency_s = 0, and the speed that no joint ever
-///                                     exceeds, speed_m_per_s_max or joint_speed_rad_per_s_max (none: any may be)
+///                                     exceeds, speed_m_per_s_max or joint_speed_rad_per_s_max (none: any may be);
+///                                     identified = true: false says that the bounds are guesses, which the client
+///                                     tells of a real device; a simulated one has exactly these bounds
 ///     [uncertainty]                   how far the truth may be from these facts and from the stamps, all 0 unless said
 ///                                     (control::Uncertainty): pairs [least, most] stamp_s, latency_s, hold_s, beyond
 ///                                     what the facts say; shares clock_share, damping_share, friction_share,
@@ -38,6 +40,7 @@ namespace forcebound::device {
 struct RealDevice {
   control::DeviceFacts facts;
   Safety safety;
+  bool identified = true;  ///< false: the bounds are guesses
 };
 
 /// As above, only what a law may rely on, for a device that is not simulated: mass, inertia and [arm] may be left out,

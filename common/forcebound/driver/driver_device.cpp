@@ -95,7 +95,8 @@ DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const D
       expect_same_axes(own->facts, facts_, request);
       facts_ = std::move(own->facts);
       safety_ = own->safety;
-      identified_ = true;
+      identified_ = own->identified;
+      guessed_by_ = "its file";
     }
     damping_ = control::Damping::from_matrix(facts_.damping);
   } catch (...) {
@@ -112,10 +113,10 @@ DriverDevice::~DriverDevice() {
   }
 }
 
-std::string DriverDevice::facts_in_words() const {
 void DriverDevice::run_at(double rate_Hz) { facts_ = device::at_tick_rate(facts_, rate_Hz); }
 
-  return HapticDevice::facts_in_words() + (identified_ ? "" : "; bounds not identified: guesses of the driver");
+std::string DriverDevice::facts_in_words() const {
+  return HapticDevice::facts_in_words() + (identified_ ? "" : "; bounds not identified: guesses of " + guessed_by_);
 }
 
 void DriverDevice::start() {

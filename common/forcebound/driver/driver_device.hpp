@@ -72,6 +72,7 @@ class DriverDevice final : public device::HapticDevice {
   control::DeviceFacts facts_;
   device::Safety safety_{};
   bool identified_ = true;
+  std::string guessed_by_ = "the driver";
   control::Damping damping_ = control::Damping::of_axis(1);
   std::optional<Nanoseconds> latched_{};
   std::optional<Nanoseconds> effective_at_{};

@@ -282,6 +282,15 @@ TEST(DriverFamily, TakesAFileOfFactsInPlaceOfTheDrivers) {
   EXPECT_THROW((void)devices.make({.device = "slider:facts=/nonexistent.toml"}), std::runtime_error);
 }
 
+TEST(DriverFamily, TellsThatTheBoundsOfAFileAreGuesses) {
+  const test::TemporaryFolder folder;
+  text::write_file(folder.file("mine.toml"),
+                   "kind = 'cartesian'\ndegrees_of_freedom = 1\ndamping_N_s_per_m = 3\nforce_N_max = 2\n"
+                   "identified = false\n");
+  const auto device = registry().make({.device = "slider:facts=" + folder.file("mine.toml")});
+  EXPECT_THAT(device->facts_in_words(), HasSubstr("bounds not identified: guesses of its file"));
+}
+
 TEST(DriverFamily, ADriverThatCrashesEndsAChildAlone) {
   EXPECT_THAT([] { (void)registry().make({.device = "crashing"}); },
               ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("driver 'crashing' (" + file_of("crashing") + ")"),
