@@ -92,6 +92,7 @@ const std::vector<Folder>& folders() {
        {"forcebound", "tests/tools/sim", "tests/tools/lab/measures", "tests/tools/lab/figures",
         "tests/tools/lab/accuracy", "tests/tools/lab/comparison"}},
       {"tests/tools/lab/bench", {"forcebound", "tests/tools/lab/measures"}},
+      {"tests/tools/lab/check_device", {"forcebound"}},
       {"tests/tools/lab/doctor", {"forcebound"}},
       {"tests/tools/lab/identify", {"forcebound", "tests/tools/sim", "tests/tools/lab/measures"}},
       {"tests/tools/lab/soak", {"forcebound", "tests/tools/reference", "tests/tools/sim"}},

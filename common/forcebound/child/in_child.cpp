@@ -104,11 +104,12 @@ class Child {
     const std::size_t data = kLimitsMemoryOfChildren ? data_bytes() : 0;
     // Another thread's child must not keep the end of our pipe open.
     static std::mutex guard;
-    const std::lock_guard lock(guard);
+    std::unique_lock lock(guard);
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "no pipe");
     const Ends pipe{.read = ends[0], .write = ends[1]};
     pid_ = ::fork();
+    if (pid_ == 0) lock.unlock();  // the child's work may have children of its own
     if (pid_ == 0) answer(work, limits, data == 0 ? 0 : data + limits.memory_bytes, pipe);
     const int error = errno;
     ::close(pipe.write);

@@ -11,6 +11,7 @@ namespace forcebound::lab {
 
 void add_accuracy(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_check_device(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coupled_damping(CLI::App& app);
 void add_doctor(CLI::App& app);

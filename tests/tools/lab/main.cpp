@@ -15,6 +15,7 @@ int run(int argc, const char* const* argv) {
   app.require_subcommand(0, 1);
   forcebound::lab::add_accuracy(app);
   forcebound::lab::add_bench(app);
+  forcebound::lab::add_check_device(app);
   forcebound::lab::add_compare(app);
   forcebound::lab::add_coupled_damping(app);
   forcebound::lab::add_doctor(app);

@@ -1,0 +1,248 @@
+#include "tests/tools/lab/check_device/device_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "forcebound/text/numbers.hpp"
+#include "tests/tools/lab/check_device/device_driving.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr int kQuietTicks = 1000;
+constexpr double kStaleShare_max = 0.5;
+constexpr double kOldShare_max = 0.5;
+constexpr double kDrift_m_max = 0.002;
+constexpr double kSeen_m = 1e-4;
+constexpr double kMass_kg_min = 0.005;
+constexpr double kMass_kg_max = 20;
+constexpr double kBlockedShare_max = 0.01;
+constexpr double kCoast_m_max = 0.05;
+
+std::string short_text(double value) { return text::rounded(value); }
+std::string short_mm(double value_m) { return short_text(1e3 * value_m) + " mm"; }
+
+Verdict verdict_of(bool holds) { return holds ? Verdict::passed : Verdict::failed; }
+
+std::string axis_name(Eigen::Index axis) {
+  constexpr std::array<const char*, 6> kNames{"x", "y", "z", "4", "5", "6"};
+  return kNames.at(static_cast<std::size_t>(axis));
+}
+
+/// The checks in their order; each needs what those before it found.
+class Checks {
+ public:
+  Checks(device::HapticDevice& device, Pace& pace, const DeviceCheckSettings& settings)
+      : driving_(device, pace, settings),
+        force_N_(settings.force_share * device.facts().force_N_max),
+        whole_force_(settings.force_share >= 1) {}
+
+  std::vector<DeviceCheck> run() {
+    driving_.begin("readings");
+    driving_.start();
+    try {
+      stay_quiet();
+      if (moves_safely_) push_each_axis();
+      if (moves_safely_) {
+        let_go();
+        stop_in_motion();
+        ask_too_much();
+      } else {
+        leave_out();
+      }
+    } catch (...) {
+      driving_.stop();
+      throw;
+    }
+    driving_.begin("calls in time");
+    driving_.stop();
+    judge_calls();
+    return std::move(checks_);
+  }
+
+ private:
+  void add(std::string name, Verdict verdict, std::string measured, std::string accepted) {
+    checks_.push_back({std::move(name), verdict, std::move(measured), std::move(accepted)});
+  }
+
+  /// Readings, their times, and whether it stays where it is while no force is asked for.
+  void stay_quiet() {
+    driving_.tick(driving_.zero());
+    const Vector from = driving_.position();
+    for (int tick = 1; tick < kQuietTicks; ++tick) driving_.tick(driving_.zero());
+    const ReadingCounts& counts = driving_.readings();
+    const auto share = [](std::uint64_t part) { return static_cast<double>(part) / kQuietTicks; };
+    const bool readable = counts.failed == 0 && share(counts.stale) <= kStaleShare_max;
+    add("readings", verdict_of(readable),
+        std::to_string(counts.failed) + " of " + std::to_string(kQuietTicks) + " failed, " +
+            short_text(100 * share(counts.stale)) + " % stale" +
+            (counts.last_failure.empty() ? "" : ": " + counts.last_failure),
+        "none failed, at most 50 % stale");
+    add("reading times", verdict_of(share(counts.old) <= kOldShare_max && counts.good > 0),
+        short_text(100 * share(counts.old)) + " % latched more than 20 periods ago", "most are newer");
+    const double drift_m = (driving_.position() - from).norm();
+    const bool rests = drift_m <= kDrift_m_max + 10 * driving_.facts().encoder_step.norm();
+    add("rest at zero force", verdict_of(rests), "moved " + short_mm(drift_m) + " in 1000 ticks",
+        "at most " + short_mm(kDrift_m_max));
+    moves_safely_ = readable && counts.good > 0 && share(counts.old) <= kOldShare_max && rests;
+    if (!moves_safely_) why_not_ = "no force on a device that failed above";
+  }
+
+  void push_each_axis() {
+    for (Eigen::Index axis = 0; axis < driving_.zero().size() && moves_safely_; ++axis) push_along(axis);
+  }
+
+  void push_along(Eigen::Index axis) {
+    const std::string name = axis_name(axis);
+    driving_.begin("force along " + name);
+    const Vector along = Vector::Unit(driving_.zero().size(), axis);
+    const Push push = driving_.push({.along = along, .force_N = force_N_});
+    const double moved_m = push.moved[axis];
+    Eigen::Index most = 0;
+    push.moved.cwiseAbs().maxCoeff(&most);
+    const bool follows = moved_m >= kSeen_m && most == axis;
+    std::string went = "moved " + short_mm(moved_m) + " along it";
+    if (most != axis) went += ", " + short_mm(push.moved[most]) + " along " + axis_name(most);
+    add("force along +" + name, verdict_of(follows), went, "along +" + name + ", > 0.1 mm");
+    if (!follows) {
+      moves_safely_ = false;
+      why_not_ = "no more force: it does not go where it is pushed";
+      return;
+    }
+    mass_kg_ = (push.twice_integrated - driving_.damping_along(along) * push.moved_integrated) / moved_m;
+    const bool plausible = mass_kg_ >= kMass_kg_min && mass_kg_ <= kMass_kg_max;
+    add("units along " + name, verdict_of(plausible), "moves like " + short_text(mass_kg_) + " kg",
+        short_text(kMass_kg_min) + " to " + short_text(kMass_kg_max) + " kg");
+    moves_safely_ = plausible;
+    if (!plausible) why_not_ = "no more force: its units cannot be right";
+    if (moves_safely_) driving_.brake(force_N_);
+  }
+
+  [[nodiscard]] Push set_in_motion() { return driving_.push({.along = first(), .force_N = force_N_}); }
+  [[nodiscard]] Vector first() const { return Vector::Unit(driving_.zero().size(), 0); }
+
+  /// How long to watch a device that moves so fast, until its damping must have told whether a force is left.
+  [[nodiscard]] double watch_s(double speed_m_per_s) const {
+    constexpr double kShortest_s = 0.05;
+    constexpr double kLongest_s = 0.4;
+    const double settling_s = mass_kg_ / driving_.damping_along(first());
+    return std::clamp(std::min(settling_s, kCoast_m_max / std::max(1e-3, speed_m_per_s)), kShortest_s, kLongest_s);
+  }
+
+  /// The share of its speed that it keeps in so long, at most.
+  [[nodiscard]] double kept(double seconds) const {
+    return std::exp(-driving_.damping_along(first()) * seconds / mass_kg_);
+  }
+
+  [[nodiscard]] double speed() const { return first().dot(driving_.velocity()); }
+
+  void watch(double seconds) {
+    const Vector from = driving_.position();
+    const Nanoseconds begin = driving_.now();
+    while (1e-9 * static_cast<double>((driving_.now() - begin).count()) < seconds &&
+           (driving_.position() - from).norm() < 2 * kCoast_m_max) {
+      driving_.tick(std::nullopt);
+    }
+  }
+
+  void let_go() {
+    const std::string name = "hold time";
+    if (!driving_.facts().releases) {
+      add(name, Verdict::not_checked, "its facts say that it never lets go", "");
+      return;
+    }
+    driving_.begin(name);
+    (void)set_in_motion();
+    const control::DeviceFacts& facts = driving_.facts();
+    constexpr double kWindow_s = 0.015;  // over which a speed is measured
+    watch(facts.hold_s_max + facts.release_s + facts.latency_s + kWindow_s);
+    const double before = speed();
+    const double seconds = watch_s(before);
+    watch(seconds);
+    const double after = speed();
+    const double most = before * (1 + kept(seconds)) / 2;
+    add(name, verdict_of(after <= most), slowing(before, after, seconds),
+        "< " + short_text(most) + " m/s: no force once " + short_text(1e3 * facts.hold_s_max) + " ms are over");
+    driving_.brake(force_N_);
+  }
+
+  static std::string slowing(double before, double after, double seconds) {
+    return "from " + short_text(before) + " to " + short_text(after) + " m/s in " + short_text(1e3 * seconds) + " ms";
+  }
+
+  /// Stops it while it is pushed, and starts it again.
+  void stop_in_motion() {
+    driving_.begin("stop");
+    const Push push = set_in_motion();
+    const Vector from = driving_.position();
+    const double seconds = watch_s(push.speed_m_per_s);
+    driving_.stop();
+    driving_.rest_for(seconds);
+    driving_.begin("start again");
+    driving_.start();
+    const std::uint64_t failed = driving_.readings().failed;
+    const std::uint64_t good = driving_.readings().good;
+    for (int tick = 0; tick < 20; ++tick) driving_.tick(driving_.zero());
+    const double way_m = first().dot(driving_.position() - from);
+    const double settling_s = mass_kg_ / driving_.damping_along(first());
+    const double free_m = push.speed_m_per_s * settling_s * (1 - kept(seconds));
+    const double most_m = (free_m + push.speed_m_per_s * seconds) / 2 + kSeen_m;
+    add("stop", verdict_of(way_m <= most_m),
+        "went on by " + short_mm(way_m) + " in " + short_text(1e3 * seconds) + " ms",
+        "< " + short_mm(most_m) + ": no force after stop");
+    add("start again", verdict_of(driving_.readings().failed == failed && driving_.readings().good > good),
+        std::to_string(driving_.readings().good - good) + " of 20 readings", "readings as before");
+    driving_.brake(force_N_);
+  }
+
+  void ask_too_much() {
+    const std::string name = "saturation";
+    if (!whole_force_) {
+      add(name, Verdict::not_checked, "only with --force-share 1", "");
+      return;
+    }
+    driving_.begin(name);
+    constexpr double kTooMuch = 1.5;
+    const double asked_N = kTooMuch * driving_.facts().force_N_max;
+    const Push push =
+        driving_.push({.along = first(), .force_N = asked_N, .ramp_s = 0, .seconds = 0.03, .way_m = 0.005});
+    const double way_m = first().dot(push.moved);
+    add(name, verdict_of(way_m > -kSeen_m), "asked for " + short_text(asked_N) + " N: moved " + short_mm(way_m),
+        "along +x, or not at all");
+    if (way_m > 0) driving_.brake(force_N_);
+  }
+
+  void leave_out() {
+    for (const char* name : {"hold time", "stop", "start again", "saturation"}) {
+      add(name, Verdict::not_checked, why_not_, "");
+    }
+  }
+
+  void judge_calls() {
+    const CallCounts& calls = driving_.calls();
+    const double share = static_cast<double>(calls.blocked) / static_cast<double>(calls.calls);
+    std::string measured = std::to_string(calls.blocked) + " of " + std::to_string(calls.calls) + " blocked";
+    if (calls.blocked > 0)
+      measured += ", " + short_text(1e-6 * static_cast<double>(calls.longest.count())) + " ms at most";
+    if (calls.preempted > 0) measured += "; " + std::to_string(calls.preempted) + " more were interrupted";
+    add("calls in time", verdict_of(share <= kBlockedShare_max), measured, "0.2 ms, but for 1 % of them");
+  }
+
+  DeviceDriving driving_;
+  double force_N_;
+  bool whole_force_;
+  bool moves_safely_ = false;
+  std::string why_not_;
+  double mass_kg_ = 0;
+  std::vector<DeviceCheck> checks_;
+};
+
+}  // namespace
+
+std::vector<DeviceCheck> check_device(device::HapticDevice& device, Pace& pace, const DeviceCheckSettings& settings) {
+  return Checks(device, pace, settings).run();
+}
+
+}  // namespace forcebound::lab
