@@ -89,7 +89,9 @@ void put_text(std::array<char, size>& where, const std::string& text) {
 
 bool is_of_simulated_family(const std::string& device) {
   const auto shipped = device::shipped_device_names();
-  return device::names_a_file(device) || std::ranges::find(shipped, device) != shipped.end();
+  // A setting may be a path: force-dimension:library=/opt/libdhd.so.
+  return device::names_a_file(device.substr(0, device.find(':'))) ||
+         std::ranges::find(shipped, device) != shipped.end();
 }
 
 std::unique_ptr<device::HapticDevice> untouched_device(const std::string& name) {

@@ -17,7 +17,7 @@ constexpr double kOldShare_max = 0.5;
 constexpr double kDrift_m_max = 0.002;
 constexpr double kSeen_m = 1e-4;
 constexpr double kMass_kg_min = 0.005;
-constexpr double kMass_kg_max = 20;
+constexpr double kMass_kg_max = 50;
 constexpr double kBlockedShare_max = 0.01;
 constexpr double kCoast_m_max = 0.05;
 
