@@ -257,6 +257,7 @@ static void* transport(void* of) {
 }
 
 static int fd_start(forcebound_device* device) {
+  if (device->runs) return FORCEBOUND_OK;
   if (enable(device) < 0) {
     const char* const why = device->dhd.error_get_last_str();
     snprintf(device->error, sizeof device->error, "forces cannot be switched on: %s", why != NULL ? why : "");

@@ -309,6 +309,7 @@ int haply_describe(forcebound_device* device, forcebound_facts* facts) {
 }
 
 int haply_start(forcebound_device* device) {
+  if (device->runs) return FORCEBOUND_OK;
   if (pthread_create(&device->thread, nullptr, transport, device) != 0) {
     std::snprintf(device->error.data(), device->error.size(), "no thread for the device");
     return FORCEBOUND_FAILED;

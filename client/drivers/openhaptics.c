@@ -297,7 +297,9 @@ static void* keep(void* of) {
 }
 
 static int hd_start(forcebound_device* device) {
-  const unsigned int code = begin_rounds(device);
+  unsigned int code;
+  if (device->runs) return FORCEBOUND_OK;
+  code = begin_rounds(device);
   if (code != kHdSuccess) {
     snprintf(device->error, sizeof device->error, "forces cannot be switched on: %s (0x%04x)",
              hd_in_words(&device->hd, code), code);

@@ -127,7 +127,7 @@ typedef struct forcebound_driver {
   int (*open)(const forcebound_setting* settings, size_t count, forcebound_device** device, char* error,
               size_t error_bytes);
   int (*describe)(forcebound_device* device, forcebound_facts* facts);
-  int (*start)(forcebound_device* device); /* ready to read and command; the force is zero */
+  int (*start)(forcebound_device* device); /* ready to read and command; the force is zero. Also again, after stop. */
   int (*read)(forcebound_device* device, int64_t now_ns, forcebound_reading* reading);
   int (*command)(forcebound_device* device, const forcebound_command* command);
   void (*stop)(forcebound_device* device); /* zero force at once; after the last command, in any state */

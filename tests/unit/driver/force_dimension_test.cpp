@@ -52,6 +52,15 @@ TEST_F(ForceDimension, StopsAtOnceAndGoesOnWithTheNextCommand) {
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
 }
 
+TEST_F(ForceDimension, StartsAgainAfterAStop) {
+  device->start();
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+  device->stop(clock.now());
+  device->start();
+  wait_for_no_force();
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+}
+
 TEST_F(ForceDimension, LetsTheDevicesWatchdogEndTheForceAndSwitchesItOnAgain) {
   device->start();
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });

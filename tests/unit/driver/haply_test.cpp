@@ -230,6 +230,18 @@ TEST_F(Haply, StopsAtOnceAndGoesOnWithTheNextCommand) {
   tick_until_felt();
 }
 
+TEST_F(Haply, StartsAgainAfterAStop) {
+  holds_for_ever = true;
+  serve();
+  open();
+  device->start();
+  tick_until_felt();
+  device->stop(clock.now());
+  device->start();
+  wait_for_no_force();
+  tick_until_felt();
+}
+
 TEST_F(Haply, FailsWhileUnpluggedAndResumesAfterwards) {
   serve();
   open();

@@ -66,6 +66,15 @@ TEST_F(OpenHaptics, StopsAtOnceAndGoesOnWithTheNextCommand) {
   expect_force();
 }
 
+TEST_F(OpenHaptics, StartsAgainAfterAStop) {
+  device->start();
+  expect_force();
+  device->stop(clock.now());
+  device->start();
+  wait_for_no_force();
+  expect_force();
+}
+
 TEST_F(OpenHaptics, FailsWhileUnpluggedAndResumesAfterwards) {
   device->start();
   expect_force();
