@@ -19,19 +19,26 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Virtual time, in which calls cost what they really cost.
+/// Virtual time. Calls cost nothing, since a busy machine must not fail a test, unless their real cost is asked for.
 class VirtualPace final : public Pace {
  public:
+  explicit VirtualPace(bool real_cost = false) : real_cost_(real_cost) {}
+
   Nanoseconds now() override { return now_; }
   void wait_until(Nanoseconds time) override { now_ = std::max(now_, time); }
-  CallCost cost_of(const std::function<void()>& call) override { return thread_cost_of(call); }
+  CallCost cost_of(const std::function<void()>& call) override {
+    if (real_cost_) return thread_cost_of(call);
+    call();
+    return {};
+  }
 
  private:
+  bool real_cost_;
   Nanoseconds now_ = 100s;
 };
 
-std::vector<std::string> failed_of(device::HapticDevice& device) {
-  VirtualPace pace;
+std::vector<std::string> failed_of(device::HapticDevice& device, bool real_cost = false) {
+  VirtualPace pace(real_cost);
   std::vector<std::string> failed;
   for (const DeviceCheck& check : check_device(device, pace, {.force_share = 1})) {
     SCOPED_TRACE(check.name + ": " + check.measured);
@@ -40,11 +47,11 @@ std::vector<std::string> failed_of(device::HapticDevice& device) {
   return failed;
 }
 
-std::vector<std::string> failed_with(const std::string& fault) {
+std::vector<std::string> failed_with(const std::string& fault, bool real_cost = false) {
   const std::string file = std::string(FORCEBOUND_TEST_DRIVERS) + "/forcebound-device-faulty.so";
   driver::DriverDevice device(std::make_shared<const driver::DriverLibrary>(file, "faulty"),
                               driver::DriverRequest::parse("faulty:fault=" + fault));
-  return failed_of(device);
+  return failed_of(device, real_cost);
 }
 
 TEST(CheckDevice, PassesADriverThatIsRight) { EXPECT_THAT(failed_with("none"), IsEmpty()); }
@@ -54,7 +61,7 @@ TEST(CheckDevice, FindsMillimetres) { EXPECT_THAT(failed_with("units"), Elements
 TEST(CheckDevice, FindsTimesOfAnotherClock) { EXPECT_THAT(failed_with("clock"), ElementsAre("reading times")); }
 TEST(CheckDevice, FindsAForceThatIsNeverLetGo) { EXPECT_THAT(failed_with("holds"), ElementsAre("hold time")); }
 TEST(CheckDevice, FindsAForceThatStopLeavesOn) { EXPECT_THAT(failed_with("stop"), ElementsAre("stop")); }
-TEST(CheckDevice, FindsCallsThatBlock) { EXPECT_THAT(failed_with("blocks"), ElementsAre("calls in time")); }
+TEST(CheckDevice, FindsCallsThatBlock) { EXPECT_THAT(failed_with("blocks", true), ElementsAre("calls in time")); }
 TEST(CheckDevice, FindsADriftAtZeroForce) { EXPECT_THAT(failed_with("drift"), ElementsAre("rest at zero force")); }
 TEST(CheckDevice, FindsAForceThatWraps) { EXPECT_THAT(failed_with("wraps"), ElementsAre("saturation")); }
 TEST(CheckDevice, FindsReadingsThatAreNotFinite) { EXPECT_THAT(failed_with("nan"), ElementsAre("readings")); }
