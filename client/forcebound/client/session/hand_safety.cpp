@@ -24,14 +24,19 @@ double share_of_newest(double elapsed_s, double mean_s) noexcept { return 1 - st
 Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   const double elapsed_s = std::max(0.0, tick.elapsed_s);
   note_heat(tick);
-  if (!tick.position.allFinite()) {
+  const double since_reading_s = missing_s_ + elapsed_s;
+  // As long without a tick as without a reading: the device has let go of the force meanwhile.
+  if (since_reading_s > kGone_s) {
+    ramp_ = 0;
     last_.reset();
     speed_m_per_s_ = 0;
-    missing_s_ += elapsed_s;
-    if (missing_s_ > kGone_s) ramp_ = 0;
+  }
+  if (!tick.position.allFinite()) {
+    missing_s_ = since_reading_s;
     return Vector::Zero(wanted_N.rows());
   }
-  note_speed(tick);
+  missing_s_ = 0;
+  note_speed(tick.position, since_reading_s);
   note_button(tick);
   if (too_fast_ || let_go_) {
     ramp_ = 0;
@@ -39,7 +44,6 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   }
   // By ticks: a pause between two readings is no time in which the force grew.
   ramp_ = limits_.ramp_s > 0 ? std::min(1.0, ramp_ + std::min(elapsed_s, kTickMost_s) / limits_.ramp_s) : 1;
-  missing_s_ = 0;
   Vector asked_N = ramp_ * fade(tick.position) * wanted_N;
   const double length_N = asked_N.norm();
   // Deep in a stiff object a small share of what is wanted is all that the device has.
@@ -48,16 +52,17 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   return asked_N;
 }
 
-void HandSafety::note_speed(const Tick& tick) noexcept {
+void HandSafety::note_speed(const Vector& position, double elapsed_s) noexcept {
   if (!(limits_.speed_m_per_s_max > 0)) return;
-  if (last_ && tick.elapsed_s > 0) {
-    const double now_m_per_s = (tick.position - *last_).norm() / tick.elapsed_s;
-    speed_m_per_s_ += share_of_newest(tick.elapsed_s, kSpeedMean_s) * (now_m_per_s - speed_m_per_s_);
+  const bool measured = last_ && elapsed_s > 0;
+  if (measured) {
+    const double now_m_per_s = (position - *last_).norm() / elapsed_s;
+    speed_m_per_s_ += share_of_newest(elapsed_s, kSpeedMean_s) * (now_m_per_s - speed_m_per_s_);
   }
-  last_ = tick.position;
+  last_ = position;
   if (speed_m_per_s_ > limits_.speed_m_per_s_max) {
     if (!std::exchange(too_fast_, true)) begin(Trip::speed);
-  } else if (speed_m_per_s_ < kSlowAgain * limits_.speed_m_per_s_max) {
+  } else if (measured && speed_m_per_s_ < kSlowAgain * limits_.speed_m_per_s_max) {
     too_fast_ = false;
   }
 }

@@ -58,7 +58,7 @@ class HandSafety {
   [[nodiscard]] const device::Safety& limits() const noexcept { return limits_; }
 
  private:
-  void note_speed(const Tick& tick) noexcept;
+  void note_speed(const Vector& position, double elapsed_s) noexcept;
   void note_heat(const Tick& tick) noexcept;
   void note_button(const Tick& tick) noexcept;
   [[nodiscard]] double fade(const Vector& position) noexcept;

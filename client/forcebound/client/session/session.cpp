@@ -84,11 +84,12 @@ void Session::tick(Nanoseconds now) noexcept {
   now_ = now;
   Done done{.reading = read_device(now)};
   const device::Reading& reading = done.reading;
-  tell_of_device(reading.position.allFinite(), now);
+  const bool readable = reading.position.allFinite();
+  tell_of_device(readable, now);
   done.place = controller_.law().proxy_position(reading.position);
   // However rare motions are: a short press must not fall between two of them.
-  if (reading.handle.buttons != buttons_sent_) schedule_.send_at_once();
-  if (schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading);
+  if (readable && reading.handle.buttons != buttons_sent_) schedule_.send_at_once();
+  if (readable && schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading);
   receive_all(now);
   keep_connected(now);
 

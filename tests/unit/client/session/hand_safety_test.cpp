@@ -59,6 +59,29 @@ TEST(HandSafety, APauseBetweenReadingsIsNoPartOfTheRamp) {
   EXPECT_NEAR(safety.limited(wanted, {.position = none, .applied_N = none, .elapsed_s = 2})[0], 0.2, 1e-9);
 }
 
+TEST(HandSafety, APauseOfTheClientBeginsARamp) {
+  HandSafety safety({.ramp_s = 0.1});
+  const Vector none = one(0);
+  const Vector wanted = one(4);
+  for (int i = 0; i < 110; ++i) {
+    (void)safety.limited(wanted, {.position = none, .applied_N = none, .elapsed_s = 1e-3});
+  }
+  EXPECT_NEAR(safety.limited(wanted, {.position = none, .applied_N = none, .elapsed_s = 2})[0], 0.2, 1e-9);
+}
+
+TEST(HandSafety, SeesASpeedThoughEachSecondReadingIsLate) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  Hand hand{HandSafety({.ramp_s = 0.1, .speed_m_per_s_max = 2})};
+  EXPECT_EQ(hand.ticks(200, 0, 4), 4);
+  double at_m = 0;
+  for (int i = 0; i < 50; ++i) {
+    (void)hand.tick(at_m += 3e-3, 4);
+    (void)hand.tick((at_m += 3e-3) * none, 4);
+  }
+  EXPECT_EQ(hand.safety.take_trip(), Trip::speed);
+  EXPECT_EQ(hand.tick(at_m += 3e-3, 4), 0) << "a late reading is no slow hand";
+}
+
 TEST(HandSafety, TheRampIsOneOfTheDevicesForceHoweverMuchIsWanted) {
   Hand hand{HandSafety({.ramp_s = 0.1}, 8)};
   EXPECT_NEAR(hand.ticks(10, 0, 1000), 0.8, 1e-9);
