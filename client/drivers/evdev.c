@@ -98,6 +98,8 @@ static void begin_state(forcebound_device* device) {
   size_t i;
   state->absolute = !libevdev_has_event_code(device->events, EV_REL, REL_X);
   state->buttons = 0;
+  /* A gamepad's ABS_Z is a trigger, a 3D mouse's ABS_RY a turn. */
+  state->z_code = libevdev_has_event_code(device->events, EV_KEY, BTN_GAMEPAD) ? ABS_RY : ABS_Z;
   for (i = 0; state->absolute && i < sizeof kCodes / sizeof *kCodes; ++i) {
     const struct input_absinfo* const about = libevdev_get_abs_info(device->events, kCodes[i]);
     double sign;

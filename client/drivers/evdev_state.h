@@ -32,6 +32,7 @@ typedef struct evdev_range {
 typedef struct evdev_state {
   evdev_scale scale;
   int absolute;
+  unsigned int z_code; /* of an absolute device, the axis that moves it along z: ABS_RY of a gamepad, else ABS_Z */
   evdev_range ranges[EVDEV_AXES]; /* of an absolute device, of its axes */
   double told_m[EVDEV_AXES];      /* where events put the point */
   double point_m[EVDEV_AXES];
@@ -54,7 +55,7 @@ static inline int evdev_axis_of(const evdev_state* state, unsigned int type, uns
     if (code == ABS_X) return 0;
     *sign = -1;
     if (code == ABS_Y) return along_y;
-    if (code == ABS_Z || code == ABS_RY) return along_z;
+    if (code == state->z_code) return along_z;
   }
   return -1;
 }

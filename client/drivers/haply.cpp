@@ -80,7 +80,7 @@ bool read_address(const std::string& text, Settings& settings) {
   if (colon == std::string::npos || colon == 0) return false;
   const std::string host = text.substr(0, colon);
   double port = 0;
-  if (!read_number(text.c_str() + colon + 1, port) || port < 1 || port > 65535) return false;
+  if (!read_number(text.c_str() + colon + 1, port) || !(port >= 1 && port <= 65535)) return false;
   settings.address = host == "localhost" ? "127.0.0.1" : host;
   settings.port = static_cast<std::uint16_t>(port);
   return settings.port == port;

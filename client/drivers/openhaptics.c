@@ -53,6 +53,7 @@ struct forcebound_device {
   mailbox_queue readings;
   mailbox commands;
   uint64_t rounds;   /* atomic: that the scheduler has called */
+  unsigned int fault; /* atomic: newest reason for no force that read has not told; 0: none */
   unsigned int lost; /* atomic: the device is gone, by this error of libHD */
   int stopping;      /* atomic: the tick's side wants zero force, whatever was commanded */
   int ending;        /* atomic: one round with zero force, then no more */
@@ -209,7 +210,7 @@ static unsigned int round_of(void* of) {
   forcebound_device* const device = of;
   const hd* const hd = &device->hd;
   const int ends = is_set(&device->ending);
-  const unsigned int calibration = hd->check_calibration();
+  unsigned int calibration;
   double position_mm[3] = {0};
   double transform[HD_TRANSFORM_NUMBERS] = {0};
   double force_N[3];
@@ -218,8 +219,9 @@ static unsigned int round_of(void* of) {
   unsigned int code;
   double before_s;
   if (__atomic_load_n(&device->lost, __ATOMIC_ACQUIRE) != kHdSuccess) return kHdDone;
-  if (calibration == kHdCalibrationNeedsUpdate) hd->update_calibration(device->calibration_style);
   hd->make_current_device(device->handle);
+  calibration = hd->check_calibration();
+  if (calibration == kHdCalibrationNeedsUpdate) hd->update_calibration(device->calibration_style);
   before_s = now_s();
   hd->begin_frame(device->handle);
   reading[kLatched] = 0.5 * (before_s + now_s());
@@ -239,7 +241,8 @@ static unsigned int round_of(void* of) {
   reading[kY] = -1e-3 * position_mm[2];
   reading[kZ] = 1e-3 * position_mm[1];
   reading[kButtons] = buttons;
-  reading[kFault] = hd_means_no_force(code) ? code : calibration == kHdCalibrationNeedsHand ? calibration : 0;
+  if (hd_means_no_force(code)) __atomic_store_n(&device->fault, code, __ATOMIC_RELEASE);
+  reading[kFault] = calibration == kHdCalibrationNeedsHand ? calibration : 0;
   scene_orientation(transform, reading + kQuaternion);
   mailbox_queue_write(&device->readings, reading, kReadingNumbers);
   if (ends) set(&device->ended, 1);
@@ -319,6 +322,7 @@ static int hd_start(forcebound_device* device) {
 static int hd_read(forcebound_device* device, int64_t now_ns, forcebound_reading* reading) {
   double newest[kReadingNumbers];
   const unsigned int lost = __atomic_load_n(&device->lost, __ATOMIC_ACQUIRE);
+  unsigned int fault;
   (void)now_ns;
   if (lost != kHdSuccess) {
     mailbox_queue_forget(&device->readings);
@@ -326,15 +330,17 @@ static int hd_read(forcebound_device* device, int64_t now_ns, forcebound_reading
              device->name, lost);
     return FORCEBOUND_UNPLUGGED;
   }
+  /* Not with the readings, of which a slow tick misses some. */
+  fault = __atomic_exchange_n(&device->fault, 0, __ATOMIC_ACQ_REL);
+  if (fault != 0) {
+    snprintf(device->error, sizeof device->error, "%.100s gives no force: %.80s (0x%04x)", device->name,
+             hd_in_words(&device->hd, fault), fault);
+    return FORCEBOUND_FAILED;
+  }
   if (!mailbox_queue_read(&device->readings, newest, kReadingNumbers)) return FORCEBOUND_STALE;
   if (newest[kFault] == kHdCalibrationNeedsHand) {
     snprintf(device->error, sizeof device->error, "%.150s must be calibrated: put its stylus into the inkwell",
              device->name);
-    return FORCEBOUND_FAILED;
-  }
-  if (newest[kFault] != 0) {
-    snprintf(device->error, sizeof device->error, "%.100s gives no force: %.80s (0x%04x)", device->name,
-             hd_in_words(&device->hd, (unsigned int)newest[kFault]), (unsigned int)newest[kFault]);
     return FORCEBOUND_FAILED;
   }
   reading->latched_ns = (int64_t)(1e9 * newest[kLatched]);

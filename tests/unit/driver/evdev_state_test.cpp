@@ -20,6 +20,7 @@ evdev_state mouse(bool upright = false) {
 evdev_state absolute(evdev_range range) {
   evdev_state state = mouse();
   state.absolute = 1;
+  state.z_code = ABS_RY;
   state.ranges[0] = state.ranges[1] = state.ranges[2] = range;
   return state;
 }
@@ -57,6 +58,12 @@ TEST(EvdevState, SpansTheBoxWithTheRangeOfAStick) {
   EXPECT_EQ(told_m(state), (std::array{0.1, -0.1, 0.1})) << "a stick's y is towards the user, as is its second one's";
   evdev_note(&state, EV_ABS, ABS_X, 0);
   EXPECT_NEAR(state.told_m[0], 0, 0.2 / 65535);
+}
+
+TEST(EvdevState, TakesNoTriggerForAStick) {
+  evdev_state state = absolute({.minimum = -32768, .maximum = 32767});
+  evdev_note(&state, EV_ABS, ABS_Z, 255);
+  EXPECT_EQ(told_m(state), (std::array{0.0, 0.0, 0.0}));
 }
 
 TEST(EvdevState, TakesNoPositionFromARangeOfNothing) {
