@@ -6,6 +6,7 @@
 
 #include "forcebound/device/tick_rate.hpp"
 #include "forcebound/driver/driver_facts.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::driver {
@@ -113,7 +114,17 @@ DriverDevice::~DriverDevice() {
   }
 }
 
-void DriverDevice::run_at(double rate_Hz) { facts_ = device::at_tick_rate(facts_, rate_Hz); }
+void DriverDevice::run_at(double rate_Hz) {
+  const double own_Hz = 1 / facts_.period_s;
+  constexpr double kRounding = 1e-9;
+  // Ticks between two readings would have none, and no force.
+  if (rate_Hz > own_Hz * (1 + kRounding)) {
+    throw std::invalid_argument("driver '" + std::string(driver().name) + "' reads its device " +
+                                text::rounded(own_Hz) + " times a second: at most so many ticks are accepted, got " +
+                                text::rounded(rate_Hz));
+  }
+  facts_ = device::at_tick_rate(facts_, rate_Hz);
+}
 
 std::string DriverDevice::facts_in_words() const {
   return HapticDevice::facts_in_words() + (identified_ ? "" : "; bounds not identified: guesses of " + guessed_by_);

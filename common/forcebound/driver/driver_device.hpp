@@ -43,7 +43,7 @@ class DriverDevice final : public device::HapticDevice {
   DriverDevice(const DriverDevice&) = delete;
   DriverDevice& operator=(const DriverDevice&) = delete;
 
-  /// Before start. @throws std::invalid_argument as device::at_tick_rate
+  /// Before start. @throws std::invalid_argument as device::at_tick_rate, or above the rate that the driver tells
   void run_at(double rate_Hz);
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }

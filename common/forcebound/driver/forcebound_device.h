@@ -65,7 +65,7 @@ typedef struct forcebound_facts {
                          joints and the Jacobian */
   int32_t identified; /* 1: the bounds below were measured on this device or promised by its maker; 0: they are guesses,
                          and nothing is called passive */
-  double period_s;    /* nominal length of a tick */
+  double period_s;    /* nominal length of a tick, and the shortest: each is to find a new reading */
   double damping[FORCEBOUND_AXES_MAX * FORCEBOUND_AXES_MAX]; /* lower bound, row by row, positive definite [N s/m];
                                                                 of joints [N s/m], [N m s/rad] */
   double friction[FORCEBOUND_AXES_MAX];      /* lower bound of the Coulomb friction [N], [N m] */

@@ -68,7 +68,7 @@ TEST(DriverFolders, TheFirstThatHasADriverCounts) {
   EXPECT_EQ(find_driver("../slider", {kDrivers}), std::nullopt);
   EXPECT_EQ(find_driver("", {kDrivers}), std::nullopt);
   EXPECT_THAT(drivers_in({kDrivers, kDrivers, "/nonexistent"}),
-              ElementsAre("crashing", "empty", "mute", "nameless", "newer", "slider"));
+              ElementsAre("crashing", "empty", "faulty", "mute", "nameless", "newer", "slider"));
 }
 
 TEST(DriverLibrary, SaysWhatIsWrongWithAFile) {
@@ -262,8 +262,12 @@ TEST(DriverFamily, MakesTheDeviceWhoseFactsWereAskedFor) {
 }
 
 TEST(DriverFamily, TakesAnotherRateInPlaceOfTheDrivers) {
-  const auto device = registry().make({.device = "slider", .rate_Hz = 2000});
-  EXPECT_DOUBLE_EQ(device->facts().period_s, 1.0 / 2000);
+  const auto device = registry().make({.device = "slider", .rate_Hz = 500});
+  EXPECT_DOUBLE_EQ(device->facts().period_s, 1.0 / 500);
+  EXPECT_THAT([] { (void)registry().make({.device = "slider", .rate_Hz = 2000}); },
+              ThrowsMessage<std::invalid_argument>(
+                  HasSubstr("driver 'slider' reads its device 1000 times a second: at most so many ticks are accepted, "
+                            "got 2000")));
   EXPECT_THAT([] { (void)registry().make({.device = "slider", .rate_Hz = 100}); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("from 500 to 4000, got 100")));
 }
