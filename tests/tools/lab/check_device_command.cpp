@@ -137,6 +137,7 @@ nlohmann::json json_of_checks(const std::vector<DeviceCheck>& checks) {
 std::string checked(const CheckDeviceOptions& options, Shared& shared) {
   std::signal(SIGINT, SIG_IGN);  // the parent tells
   std::signal(SIGTERM, SIG_IGN);
+  std::signal(SIGHUP, SIG_IGN);
   put_text(shared.check, "open");
   std::vector<DeviceCheck> checks;
   {
@@ -175,9 +176,11 @@ std::string checked_in_child(const CheckDeviceOptions& options) {
   cancelled_by_signal = &shared.cancelled;
   const auto interrupt = std::signal(SIGINT, cancel_check);
   const auto terminate = std::signal(SIGTERM, cancel_check);
+  const auto hang_up = std::signal(SIGHUP, cancel_check);
   const auto restore = [&] {
     std::signal(SIGINT, interrupt);
     std::signal(SIGTERM, terminate);
+    std::signal(SIGHUP, hang_up);
     cancelled_by_signal = nullptr;
   };
   try {

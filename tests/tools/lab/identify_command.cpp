@@ -88,6 +88,8 @@ void identify_device(const IdentifyOptions& options) {
             << std::flush;
   Guide guide(declared, options.guide);
   auto* const before = std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  std::signal(SIGHUP, interrupt);
   {
     Progress progress;
     identify::run_live(guide, *device, declared.period_s, interrupted,

@@ -68,6 +68,7 @@ class DeviceDriving {
   [[nodiscard]] Vector zero() const { return Vector::Zero(device_.facts().degrees_of_freedom()); }
   [[nodiscard]] Nanoseconds now() { return pace_.now(); }
   [[nodiscard]] const ReadingCounts& readings() const { return readings_; }
+  void forget_readings() { readings_ = {}; }
   [[nodiscard]] const CallCounts& calls() const { return calls_; }
   [[nodiscard]] const control::DeviceFacts& facts() const { return device_.facts(); }
 
