@@ -49,6 +49,7 @@ static void set(int* flag, int to) { __atomic_store_n(flag, to, __ATOMIC_RELEASE
 static const char* why_not(const struct libevdev* events) {
   const int relative = libevdev_has_event_code(events, EV_REL, REL_X) && libevdev_has_event_code(events, EV_REL, REL_Y);
   const int absolute = libevdev_has_event_code(events, EV_ABS, ABS_X) && libevdev_has_event_code(events, EV_ABS, ABS_Y);
+  if (libevdev_has_property(events, INPUT_PROP_ACCELEROMETER)) return "a motion sensor";
   return relative || absolute ? NULL : "without x and y";
 }
 
@@ -119,11 +120,15 @@ static int open_first(forcebound_device* device, found* found) {
   const int count = scandir(kFolder, &entries, is_event_file, versionsort);
   int opened = 0;
   int i;
+  if (count < 0) note_found(found, kFolder, NULL, strerror(errno));
   for (i = 0; i < count; ++i) {
     char path[kPathBytes];
     snprintf(path, sizeof path, "%s/%.64s", kFolder, entries[i]->d_name);
     free(entries[i]);
-    if (!opened && i < kDevicesMost) opened = open_path(device, path, found);
+    if (opened || i >= kDevicesMost) continue;
+    opened = open_path(device, path, found);
+    /* Once it is unplugged no other one takes its place. */
+    if (opened) memcpy(device->path, path, sizeof path);
   }
   free(entries);
   return opened;
