@@ -24,6 +24,7 @@
 #include "tests/tools/lab/check_device/thread_cost.hpp"
 #include "tests/tools/lab/check_device/untouched.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/outputs.hpp"
 
 namespace forcebound::lab {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "forcebound/time/clock.hpp"
+
 namespace forcebound::lab {
 namespace {
 
@@ -11,9 +13,6 @@ constexpr Nanoseconds kCallMost = std::chrono::microseconds{200};  // of forcebo
 constexpr std::size_t kPlaces = 10;                                // over which a velocity is measured
 constexpr double kStill_m_per_s = 0.005;
 constexpr double kOldPeriods = 20;
-
-double in_seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
-Nanoseconds in_nanoseconds(double seconds) { return Nanoseconds{static_cast<std::int64_t>(1e9 * seconds)}; }
 
 }  // namespace
 
@@ -48,7 +47,7 @@ void DeviceDriving::stop() {
 
 void DeviceDriving::tick(const std::optional<Vector>& force) {
   if (settings_.cancelled && settings_.cancelled()) throw std::runtime_error("cancelled; the force is zero");
-  next_ = std::max(next_ + in_nanoseconds(facts().period_s), pace_.now());
+  next_ = std::max(next_ + time::from_seconds(facts().period_s), pace_.now());
   pace_.wait_until(next_);
   const Nanoseconds now = pace_.now();
   device::Reading reading;
@@ -70,7 +69,7 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
     return;
   }
   ++readings_.good;
-  if (in_seconds(now - reading.latched) > kOldPeriods * facts().period_s + facts().uncertainty.stamp_s.most) {
+  if (time::to_seconds(now - reading.latched) > kOldPeriods * facts().period_s + facts().uncertainty.stamp_s.most) {
     ++readings_.old;
   }
   damping_ = reading.damping->matrix();
@@ -80,7 +79,7 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
 
 Vector DeviceDriving::velocity() const {
   if (track_.size() < 2) return zero();
-  const double seconds = in_seconds(track_.back().latched - track_.front().latched);
+  const double seconds = time::to_seconds(track_.back().latched - track_.front().latched);
   if (!(seconds > 0)) return zero();
   return (track_.back().position - track_.front().position) / seconds;
 }
@@ -94,14 +93,14 @@ Push DeviceDriving::push(const PushSettings& settings) {
   Push push{.moved = zero()};
   double impulse_N_s = 0;
   double force_N = 0;
-  while (in_seconds(before - begin) < settings.seconds && push.moved.norm() < settings.way_m) {
+  while (time::to_seconds(before - begin) < settings.seconds && push.moved.norm() < settings.way_m) {
     const Nanoseconds now = pace_.now();
-    const double step_s = in_seconds(now - before);
+    const double step_s = time::to_seconds(now - before);
     before = now;
     impulse_N_s += step_s * force_N;
     push.twice_integrated += step_s * impulse_N_s;
     push.moved_integrated += step_s * settings.along.dot(push.moved);
-    const double share = settings.ramp_s > 0 ? std::min(1.0, in_seconds(now - begin) / settings.ramp_s) : 1;
+    const double share = settings.ramp_s > 0 ? std::min(1.0, time::to_seconds(now - begin) / settings.ramp_s) : 1;
     force_N = share * settings.force_N;
     tick(force_N * settings.along);
     push.moved = position() - from;

@@ -45,9 +45,7 @@ class DeviceDriving {
   void start();
   void stop();
   /// Neither reads nor commands for so long.
-  void rest_for(double seconds) {
-    pace_.wait_until(pace_.now() + Nanoseconds{static_cast<std::int64_t>(1e9 * seconds)});
-  }
+  void rest_for(double seconds) { pace_.wait_until(pace_.now() + time::from_seconds(seconds)); }
   /// @param force none: no command
   void tick(const std::optional<Vector>& force);
   /// Pushes until the device has moved so far or the time is over. @param ramp_s 0: at once
