@@ -172,7 +172,7 @@ TEST_P(ControlHardCase, Case08DenormalsFlushedOrNot) {
 
 TEST_P(ControlHardCase, Case12ConfigurationsThatChangeOnEveryTickThroughSingularOnes) {
   const device::DeviceDescription omni = device::load_device("omni");
-  const device::ArmKinematics arm(*omni.arm);
+  const device::ArmKinematics arm(std::get<device::ArmGeometry>(omni.geometry));
   DeviceFacts facts = omni.facts;
   facts.encoder_step.setZero();
   facts.actuator_step.setZero();

@@ -82,7 +82,7 @@ inline control::Vector to_vector(const std::vector<double>& values) {
 }
 
 inline control::Matrix to_matrix(const std::vector<std::vector<double>>& rows) {
-  control::Matrix result(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.size()));
+  control::Matrix result(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.at(0).size()));
   for (Eigen::Index i = 0; i < result.rows(); ++i) {
     result.row(i) = to_vector(rows[static_cast<std::size_t>(i)]).transpose();
   }

@@ -16,7 +16,9 @@ class Damping {
   /// Of one degree of freedom; above zero and finite [N s/m].
   static Damping of_axis(double damping_N_s_per_m) noexcept;
 
-  /// The damping that an arm with joint damping D shows at its tip: b = J^-T D J^-1.
+  /// The damping that an arm with joint damping D shows at its tip: b = J^-T D J^-1 with as many joints as axes of the
+  /// tip. With more, b = (J D^-1 J')^-1: of all the joint speeds q' that give the tip a velocity v = J q', none
+  /// dissipates less than v'b v (q' = D^-1 J'b v dissipates just that).
   ///
   /// Built from the mobility J D^-1 J' + epsilon I, so that it exists at and near singular configurations as well;
   /// there it is smaller than the exact value, hence still a lower bound. Where even that fails (a Jacobian that is

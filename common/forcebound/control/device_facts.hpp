@@ -33,12 +33,14 @@ struct Uncertainty {
 
 /// What is known of a haptic device, and all that a law may rely on.
 ///
-/// Vectors and matrices have one row per degree of freedom. Damping, friction, encoders and motors of an arm live in
-/// its joints, so these facts are given there: [N s/m], [N], [m] for a linear joint, [N m s/rad], [N m], [rad] for a
-/// turning one. A Cartesian device is the case in which joints and task axes are the same.
+/// Vectors and matrices have one row per joint. Damping, friction, encoders and motors of an arm live in its joints, so
+/// these facts are given there: [N s/m], [N], [m] for a linear joint, [N m s/rad], [N m], [rad] for a turning one. A
+/// Cartesian device is the case in which joints and task axes are the same. An arm may have more joints than its tip
+/// has axes: all that joints dissipate counts in the joints, whether the tip moves or not.
 struct DeviceFacts {
   std::string name;
   bool cartesian = true;   ///< the Jacobian is the identity
+  int tip_axes = 0;        ///< degrees of freedom of the tip, where the joints are more; 0: as many as joints
   double period_s = 1e-3;  ///< nominal length of a tick
   Matrix damping;          ///< positive definite lower bound of the physical damping
   Vector friction;         ///< lower bound of the Coulomb friction, >= 0
@@ -54,7 +56,10 @@ struct DeviceFacts {
   Vector speed_max{};        ///< no joint is ever faster, [m/s] or [rad/s]; no rows: not known
   Uncertainty uncertainty{};
 
-  [[nodiscard]] int degrees_of_freedom() const noexcept { return static_cast<int>(damping.rows()); }
+  [[nodiscard]] int joints() const noexcept { return static_cast<int>(damping.rows()); }
+
+  /// Rows of positions and forces of the tip.
+  [[nodiscard]] int degrees_of_freedom() const noexcept { return tip_axes > 0 ? tip_axes : joints(); }
 };
 
 }  // namespace forcebound::control

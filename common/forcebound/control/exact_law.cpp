@@ -95,7 +95,8 @@ std::array<LeastEnergy, kDofMax> make_joints(const Vector& damping, const Vector
 }  // namespace
 
 ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending& spending)
-    : dof_((check(facts), facts.damping.rows())),
+    : joint_count_((check(facts), facts.joints())),
+      dof_(facts.degrees_of_freedom()),
       joints_(make_joints((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
                           (1 - facts.uncertainty.friction_share) * facts.friction,
                           std::make_index_sequence<kDofMax>())),
@@ -110,16 +111,16 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
       force_N_max_(facts.force_N_max),
       memory_(memory),
       spending_(spending),
-      jacobian_(Matrix::Identity(dof_, dof_)),
-      held_(dof_, lag_s_),
-      committed_(Vector::Zero(dof_)) {}
+      jacobian_(Matrix::Identity(dof_, joint_count_)),
+      held_(joint_count_, lag_s_),
+      committed_(Vector::Zero(joint_count_)) {}
 
 void ExactLaw::credit(const Motion& motion) noexcept {
-  FORCEBOUND_ASSERT(motion.joint.rows() == dof_, "a reading has a row for each joint");
+  FORCEBOUND_ASSERT(motion.joint.rows() == joint_count_, "a reading has a row for each joint");
   note_times(motion);
   jacobian_ = motion.jacobian;
   if (blind_s_ > 0) return;
-  for (Eigen::Index i = 0; i < dof_; ++i) {
+  for (Eigen::Index i = 0; i < joint_count_; ++i) {
     LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const LeastEnergy::Tube read = tube(i, motion.joint[i]);
     const auto gain_J = located_ ? joint.read(read) : std::nullopt;
@@ -162,7 +163,7 @@ void ExactLaw::note_command(const Motion& motion) noexcept {
 void ExactLaw::let_act(double duration_s, double stretch) noexcept {
   held_.each_piece(stamp_s_.least, duration_s + stamp_s_.most,
                    [&](const Vector& mid, const Vector& spread, double piece_s) {
-                     for (Eigen::Index i = 0; i < dof_; ++i) {
+                     for (Eigen::Index i = 0; i < joint_count_; ++i) {
                        energy_.add(joints_[static_cast<std::size_t>(i)].hold(
                            mid[i], spread_of(std::abs(mid[i]), spread[i]), piece_s * stretch));
                      }
@@ -181,7 +182,7 @@ void ExactLaw::charge_all() noexcept {
   }
   located_ = false;
   stamp_trusted_ = false;
-  held_ = HeldTorques(dof_, lag_s_);
+  held_ = HeldTorques(joint_count_, lag_s_);
 }
 
 void ExactLaw::forget_excess() noexcept {
@@ -205,7 +206,7 @@ ExactLaw::Ahead ExactLaw::until_effect(double latency_s) const noexcept {
   Ahead ahead;
   Vector left = held_.left_by_lag();
   held_.each_piece(stamp_s_.least, begin_s, [&](const Vector& mid, const Vector& spread, double piece_s) {
-    for (Eigen::Index i = 0; i < dof_; ++i) {
+    for (Eigen::Index i = 0; i < joint_count_; ++i) {
       const double size = std::abs(mid[i]);
       ahead.taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(mid[i], spread_of(size, spread[i]), piece_s);
       left[i] = std::max(left[i], size + spread[i]);
@@ -227,7 +228,7 @@ std::optional<double> ExactLaw::spendable_J(double latency_s) const noexcept {
 /// The most that the lag's rest of torques of these sizes can take.
 double ExactLaw::lag_can_take_J(const Vector& left) const noexcept {
   double taken_J = 0;
-  for (Eigen::Index i = 0; lag_s_ > 0 && i < dof_; ++i) {
+  for (Eigen::Index i = 0; lag_s_ > 0 && i < joint_count_; ++i) {
     taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(left[i], torque_share_ * left[i], lag_s_);
   }
   return taken_J;
@@ -238,7 +239,7 @@ double ExactLaw::needed_J(const Vector& torque) const noexcept {
   const double full_s = paid_.full_s.most + lag_s_;
   const double part_s = paid_.part_s.most - paid_.full_s.most;
   double needed_J = 0;
-  for (Eigen::Index i = 0; i < dof_; ++i) {
+  for (Eigen::Index i = 0; i < joint_count_; ++i) {
     const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const double size = std::abs(torque[i]);
     needed_J += joint.reserve_J(size, torque_share_ * size, full_s);
@@ -281,7 +282,7 @@ double ExactLaw::largest_scale(const Vector& torque, double energy_J) const noex
   };
   const double full_s = paid_.full_s.most + lag_s_;
   const double part_s = paid_.part_s.most - paid_.full_s.most;
-  for (Eigen::Index i = 0; i < dof_; ++i) {
+  for (Eigen::Index i = 0; i < joint_count_; ++i) {
     const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const double size = std::abs(torque[i]) * (1 + torque_share_);
     if (!(size > 0)) continue;
@@ -319,7 +320,7 @@ void ExactLaw::commit(const Vector& force_N) noexcept { committed_ = jacobian_.t
 
 int ExactLaw::knots() const noexcept {
   int most = 0;
-  for (Eigen::Index i = 0; i < dof_; ++i) most = std::max(most, joints_[static_cast<std::size_t>(i)].knots());
+  for (Eigen::Index i = 0; i < joint_count_; ++i) most = std::max(most, joints_[static_cast<std::size_t>(i)].knots());
   return most;
 }
 

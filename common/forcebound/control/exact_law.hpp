@@ -106,7 +106,8 @@ class ExactLaw final : public PassivityLaw {
   [[nodiscard]] double needed_J(const Vector& torque) const noexcept;
   [[nodiscard]] double largest_scale(const Vector& torque, double energy_J) const noexcept;
 
-  Eigen::Index dof_;
+  Eigen::Index joint_count_;
+  Eigen::Index dof_;  // rows of a force
   std::array<LeastEnergy, kDofMax> joints_;
   Vector encoder_half_;
   double period_s_;

@@ -32,6 +32,7 @@ Vector rounded_toward_zero(Vector command, const Vector& step) noexcept {
 PassivityController::PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law)
     : law_(std::move(law)),
       times_(facts),
+      dof_(facts.degrees_of_freedom()),
       actuator_step_(facts.actuator_step),
       latency_s_least_(facts.latency_s),
       cartesian_(facts.cartesian),
@@ -42,10 +43,15 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
     reading_error_ += (facts.uncertainty.stamp_s.most - facts.uncertainty.stamp_s.least) * reach_m_per_s_;
   }
   if (!law_) throw std::invalid_argument("a passivity controller needs a law");
-  if (actuator_step_.rows() != facts.degrees_of_freedom()) {
+  if (actuator_step_.rows() != facts.joints()) {
     throw std::invalid_argument("device '" + facts.name + "': actuator step must have " +
-                                std::to_string(facts.degrees_of_freedom()) + " rows, got " +
-                                std::to_string(actuator_step_.rows()));
+                                std::to_string(facts.joints()) + " rows, got " + std::to_string(actuator_step_.rows()));
+  }
+  // No force at the tip gives each of more motors than it has axes a whole number of steps.
+  if (facts.joints() != dof_ && !actuator_step_.isZero(0)) {
+    throw std::invalid_argument("device '" + facts.name + "': actuator step must be 0 for " +
+                                std::to_string(facts.joints()) + " joints and a tip of " + std::to_string(dof_) +
+                                " degrees of freedom; give the motors' steps as a torque_share");
   }
   if (!(actuator_step_.array() >= 0).all()) {
     std::ostringstream text;
@@ -116,7 +122,7 @@ bool PassivityController::note(const Motion& motion) noexcept {
 }
 
 Vector PassivityController::release(const Motion& motion) noexcept {
-  const Vector zero = Vector::Zero(actuator_step_.rows());
+  const Vector zero = Vector::Zero(dof_);
   // The law is asked although its answer is not used: it may have a tool of its own to move.
   if (note(motion)) (void)law_->bound(zero);
   law_->commit(zero);
@@ -124,10 +130,10 @@ Vector PassivityController::release(const Motion& motion) noexcept {
 }
 
 Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
-  Vector force = Vector::Zero(actuator_step_.rows());
+  Vector force = Vector::Zero(dof_);
   if (note(motion)) force = rounded(sound(law_->bound(saturated(request_N))), motion);
   if (next_to_nothing(force)) force.setZero();
-  FORCEBOUND_ASSERT(force.rows() == actuator_step_.rows() && force.allFinite(),
+  FORCEBOUND_ASSERT(force.rows() == dof_ && force.allFinite(),
                     "a force that is committed is finite, with a row for each degree of freedom");
   law_->commit(force);
   return force;
@@ -143,12 +149,12 @@ Vector PassivityController::confirmed(const Vector& force_N, double latency_s) n
 }
 
 Vector PassivityController::saturated(const Vector& request_N) noexcept {
-  if (request_N.rows() != actuator_step_.rows() || !request_N.allFinite()) {
+  if (request_N.rows() != dof_ || !request_N.allFinite()) {
     ++counts_.requests_not_finite;
-    return Vector::Zero(actuator_step_.rows());
+    return Vector::Zero(dof_);
   }
   const double largest = request_N.lpNorm<Eigen::Infinity>();
-  if (next_to_nothing(request_N)) return Vector::Zero(actuator_step_.rows());
+  if (next_to_nothing(request_N)) return Vector::Zero(dof_);
   // The length of 1e308 N on every axis is beyond a double, its direction is not.
   const double length = (request_N / largest).norm();
   if (largest * length <= force_N_max_) return request_N;
@@ -159,9 +165,9 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
 /// Guards against a faulty law: a force that is not finite or of the wrong size becomes zero; one longer than the
 /// device may be asked for is shortened.
 Vector PassivityController::sound(const Vector& force_N) noexcept {
-  if (force_N.rows() != actuator_step_.rows() || !force_N.allFinite()) {
+  if (force_N.rows() != dof_ || !force_N.allFinite()) {
     ++counts_.forces_not_finite;
-    return Vector::Zero(actuator_step_.rows());
+    return Vector::Zero(dof_);
   }
   constexpr double kRounding = 1 + 1e-12;
   const double length = force_N.stableNorm();

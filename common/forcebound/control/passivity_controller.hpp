@@ -41,8 +41,8 @@ class PassivityController {
     std::uint64_t withdrawn = 0;          ///< chosen, but too late to be passive: zero force instead
   };
 
-  /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, or an
-  /// actuator step or the largest force is negative or not a number.
+  /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, an actuator
+  /// step or the largest force is negative or not a number, or there are actuator steps and more joints than axes.
   PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
 
   /// One tick without an answer of the environment, because there never was one or the newest is too old: notes the
@@ -80,6 +80,7 @@ class PassivityController {
 
   std::unique_ptr<PassivityLaw> law_;
   ForceTimes times_;
+  Eigen::Index dof_;
   Vector actuator_step_;
   double latency_s_least_;
   bool cartesian_;

@@ -42,15 +42,15 @@ std::string uncertainty_text(const control::Uncertainty& uncertainty) {
 }
 
 /// The description around the inertia.
-std::string described(const control::DeviceFacts& facts, const std::string& inertia) {
-  const bool arm = !facts.cartesian;
+std::string described(const control::DeviceFacts& facts, const std::string& mechanism, const std::string& inertia) {
+  const bool joints = !facts.cartesian;
   std::ostringstream out;
   out << facts.name << ": "
       << text::counted(static_cast<std::uint64_t>(facts.degrees_of_freedom()), "degree of freedom",
                        "degrees of freedom")
-      << ", " << (arm ? "serial arm, " : "Cartesian, ") << inertia << "damping " << written(facts.damping)
-      << (arm ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (arm ? " N m" : " N")
-      << ", encoder " << written(facts.encoder_step) << (arm ? " rad" : " m") << ", force <= " << facts.force_N_max
+      << ", " << mechanism << ", " << inertia << "damping " << written(facts.damping)
+      << (joints ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (joints ? " N m" : " N")
+      << ", encoder " << written(facts.encoder_step) << (joints ? " rad" : " m") << ", force <= " << facts.force_N_max
       << " N, hold " << facts.hold_s_max << " s";
   if (facts.release_share > 0 && facts.release_s > 0) {
     out << ", then " << facts.release_share << " of it for " << facts.release_s << " s";
@@ -62,12 +62,14 @@ std::string described(const control::DeviceFacts& facts, const std::string& iner
 }  // namespace
 
 std::string describe(const DeviceDescription& device) {
-  const bool arm = device.arm.has_value();
-  return described(device.facts,
-                   (arm ? "inertia " : "mass ") + written(device.inertia) + (arm ? " kg m^2, " : " kg, "));
+  const bool joints = !device.facts.cartesian;
+  return described(device.facts, in_words(device.geometry),
+                   (joints ? "inertia " : "mass ") + written(device.inertia) + (joints ? " kg m^2, " : " kg, "));
 }
 
-std::string describe(const control::DeviceFacts& facts) { return described(facts, ""); }
+std::string describe(const control::DeviceFacts& facts) {
+  return described(facts, facts.cartesian ? "Cartesian" : "in its joints", "");
+}
 
 std::string HapticDevice::facts_in_words() const { return describe(facts()); }
 

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "forcebound/control/device_facts.hpp"
-#include "forcebound/device/kinematics.hpp"
+#include "forcebound/device/kinematics/geometry.hpp"
 #include "forcebound/device/safety.hpp"
 
 namespace forcebound::device {
@@ -13,10 +12,10 @@ namespace forcebound::device {
 /// friction equal the facts' bounds exactly.
 struct DeviceDescription {
   control::DeviceFacts facts;
-  Matrix inertia;                  ///< of the joints: symmetric, positive definite [kg], [kg m^2]
-  std::optional<ArmGeometry> arm;  ///< none: Cartesian
-  Safety safety{};                 ///< for the hand on it
-  bool identified = true;          ///< false: the bounds of the real device were never measured; they are guesses
+  Matrix inertia;  ///< of the joints: symmetric, positive definite [kg], [kg m^2]
+  Geometry geometry{};
+  Safety safety{};         ///< for the hand on it
+  bool identified = true;  ///< false: the bounds of the real device were never measured; they are guesses
 };
 
 /// One line to print: name, degrees of freedom, inertia, damping, friction, encoder, each with its unit.

@@ -20,7 +20,7 @@ using control::Matrix;
 using control::Vector;
 using time::Nanoseconds;
 
-/// One reading of the device's encoders; vectors have `dof` rows.
+/// One reading of the device's encoders; vectors of the tip have `dof` rows.
 ///
 /// Only an `ok` reading is used. A stale reading does not mean that the device stands still: its motion since then is
 /// unknown, so a law must charge the worst case.
@@ -31,7 +31,7 @@ struct Reading {
     stale,   ///< encoder values of an earlier reading
   };
 
-  Vector joint;                               ///< encoder readings [m] or [rad]
+  Vector joint;                               ///< encoder readings [m] or [rad], a row for each joint
   Vector position;                            ///< of the tip, from `joint` by the kinematics [m], scene frame
   Matrix jacobian;                            ///< d position / d joint
   const control::Damping* damping = nullptr;  ///< task-space lower bound here, owned by the device
@@ -41,12 +41,15 @@ struct Reading {
 };
 
 /// Whether a law may use it: ok, and finite numbers of the right sizes.
+[[nodiscard]] inline bool is_usable(const Reading& reading, int degrees_of_freedom, int joints) noexcept {
+  const auto fits = [](const auto& rows, int expected) { return rows.rows() == expected && rows.allFinite(); };
+  return reading.status == Reading::Status::ok && fits(reading.position, degrees_of_freedom) &&
+         fits(reading.joint, joints) && fits(reading.jacobian, degrees_of_freedom) &&
+         reading.jacobian.cols() == joints && reading.damping != nullptr;
+}
+/// As above, with as many joints as degrees of freedom.
 [[nodiscard]] inline bool is_usable(const Reading& reading, int degrees_of_freedom) noexcept {
-  const auto fits = [degrees_of_freedom](const auto& rows) {
-    return rows.rows() == degrees_of_freedom && rows.allFinite();
-  };
-  return reading.status == Reading::Status::ok && fits(reading.position) && fits(reading.joint) &&
-         fits(reading.jacobian) && reading.jacobian.cols() == degrees_of_freedom && reading.damping != nullptr;
+  return is_usable(reading, degrees_of_freedom, degrees_of_freedom);
 }
 
 /// Faults at the device since `start`, for reports.
@@ -75,6 +78,10 @@ class HapticDevice {
 
   /// Whether it is a simulation, which no person feels.
   [[nodiscard]] virtual bool is_simulated() const noexcept { return false; }
+
+  /// Whether its facts were measured on it or promised by its maker; false: they are guesses, and what a law promises
+  /// with them is one too. A simulation has exactly its facts.
+  [[nodiscard]] virtual bool bounds_are_identified() const noexcept { return true; }
 
   /// Its facts in one line, each number with its unit.
   [[nodiscard]] virtual std::string facts_in_words() const;

@@ -2,9 +2,11 @@
 
 #include <filesystem>
 #include <stdexcept>
+#include <variant>
 
 #include "forcebound/config/checked_table.hpp"
 #include "forcebound/control/handle.hpp"
+#include "forcebound/device/load_geometry.hpp"
 #include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -23,15 +25,21 @@ NumberParameter not_negative(std::string_view key) { return {.key = key, .preset
 /// What a description is for: a simulation needs inertia and geometry too.
 enum class Use : std::uint8_t { simulation, facts };
 
-void read_joints(config::CheckedTable& file, DeviceDescription& device, int dof, Use use) {
-  const bool arm = !device.facts.cartesian;
+void read_joints(config::CheckedTable& file, DeviceDescription& device, int count, Use use) {
   control::DeviceFacts& facts = device.facts;
+  const bool arm = !facts.cartesian;
   const char* const inertia = arm ? "joint_inertia_kg_m2" : "mass_kg";
-  if (use == Use::simulation || file.find(inertia) != nullptr) device.inertia = file.matrix(inertia, dof);
-  facts.damping = file.matrix(arm ? "joint_damping_N_m_s_per_rad" : "damping_N_s_per_m", dof);
-  facts.friction = file.vector(not_negative(arm ? "joint_friction_N_m" : "friction_N"), dof);
-  facts.encoder_step = file.vector(not_negative(arm ? "encoder_step_rad" : "encoder_step_m"), dof);
-  facts.actuator_step = file.vector(not_negative(arm ? "actuator_step_N_m" : "actuator_step_N"), dof);
+  if (use == Use::simulation || file.find(inertia) != nullptr) device.inertia = file.matrix(inertia, count);
+  facts.damping = file.matrix(arm ? "joint_damping_N_m_s_per_rad" : "damping_N_s_per_m", count);
+  facts.friction = file.vector(not_negative(arm ? "joint_friction_N_m" : "friction_N"), count);
+  facts.encoder_step = file.vector(not_negative(arm ? "encoder_step_rad" : "encoder_step_m"), count);
+  const char* const step = arm ? "actuator_step_N_m" : "actuator_step_N";
+  facts.actuator_step = file.vector(not_negative(step), count);
+  if (facts.tip_axes > 0 && !facts.actuator_step.isZero(0)) {
+    file.refuse(step,
+                "0 with more joints than degrees_of_freedom, as no force at the tip then gives every motor a whole "
+                "number of steps; [uncertainty] torque_share is for them");
+  }
 }
 
 void read_limits(config::CheckedTable& file, control::DeviceFacts& facts) {
@@ -89,16 +97,6 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   return uncertainty;
 }
 
-ArmGeometry read_arm(config::CheckedTable section) {
-  ArmGeometry arm;
-  arm.upper_length_m = section.number(positive("upper_length_m"));
-  arm.fore_length_m = section.number(positive("fore_length_m"));
-  arm.origin_reach_m = section.number({.key = "origin_reach_m"});
-  arm.origin_height_m = section.number({.key = "origin_height_m"});
-  section.refuse_unknown_keys();
-  return arm;
-}
-
 Safety read_safety(config::CheckedTable section, Safety safety) {
   const auto limit = [&](std::string_view key, double preset, double most) {
     return section.number({.key = key, .preset = preset, .least = 0, .most = most});
@@ -123,24 +121,40 @@ Safety read_safety(config::CheckedTable section, Safety safety) {
   return safety;
 }
 
+/// How many axes the tip of a device of this kind can have.
+struct AxesRange {
+  double least = 1;
+  double most = control::kDofMax;
+};
+AxesRange axes_of(std::string_view kind, Use use) {
+  if (kind == "chain") return {1, 3};
+  if (kind == "five_bar") return {2, 2};
+  if (kind == "delta" || (kind == "arm" && use == Use::simulation)) return {3, 3};
+  return {};
+}
+
 DeviceDescription parse_description(std::string_view toml_text, const std::string& place, Use use) {
   const config::Node node = config::parse_toml(toml_text, place);
   DeviceDescription device;
   device.facts.name = std::filesystem::path(place).stem().string();
   config::CheckedTable file(node, place, "device '" + device.facts.name + "'");
-  const std::string kind = file.choice({.key = "kind", .choices = {"cartesian", "arm"}});
+  const std::string kind = file.choice({.key = "kind", .choices = {"cartesian", "arm", "five_bar", "delta", "chain"}});
   device.facts.cartesian = kind == "cartesian";
-  const bool any_dof = device.facts.cartesian || use == Use::facts;
-  const int dof_least = any_dof ? 1 : 3;
-  const int dof_most = any_dof ? control::kDofMax : 3;
-  const int dof = file.whole(
-      {.key = "degrees_of_freedom", .least = static_cast<double>(dof_least), .most = static_cast<double>(dof_most)});
-  const bool has_arm = kind == "arm" && (use == Use::simulation || file.find("arm") != nullptr);
-  if (has_arm) device.arm = read_arm(file.table("arm"));
-  read_joints(file, device, dof, use);
+  const AxesRange range = axes_of(kind, use);
+  const int dof = file.whole({.key = "degrees_of_freedom", .least = range.least, .most = range.most});
+  int joints = dof;
+  // A chain's says how many joints there are.
+  const bool needs_geometry = !device.facts.cartesian && (use == Use::simulation || kind == "chain");
+  if (!device.facts.cartesian && (needs_geometry || file.find(kind) != nullptr)) {
+    device.geometry = read_geometry(file, kind, dof);
+    if (const auto* chain = std::get_if<ChainGeometry>(&device.geometry))
+      joints = static_cast<int>(chain->joints.size());
+  }
+  if (joints != dof) device.facts.tip_axes = dof;
+  read_joints(file, device, joints, use);
   read_limits(file, device.facts);
   const char* const speed = !device.facts.cartesian ? "joint_speed_rad_per_s_max" : "speed_m_per_s_max";
-  if (file.find(speed) != nullptr) device.facts.speed_max = file.vector(positive(speed), dof);
+  if (file.find(speed) != nullptr) device.facts.speed_max = file.vector(positive(speed), joints);
   if (file.find("uncertainty") != nullptr) {
     device.facts.uncertainty = read_uncertainty(file.table("uncertainty"), device.facts);
   }

@@ -13,10 +13,21 @@ namespace forcebound::device {
 ///
 ///     kind = "cartesian"              degrees_of_freedom (1 to 6), mass_kg, damping_N_s_per_m, friction_N = 0,
 ///                                     encoder_step_m = 0, actuator_step_N = 0
-///     kind = "arm"                    degrees_of_freedom = 3, joint_inertia_kg_m2, joint_damping_N_m_s_per_rad,
-///                                     joint_friction_N_m = 0, encoder_step_rad = 0, actuator_step_N_m = 0, and
+///     the others                      joint_inertia_kg_m2, joint_damping_N_m_s_per_rad, joint_friction_N_m = 0,
+///                                     encoder_step_rad = 0, actuator_step_N_m = 0, and
+///     kind = "arm"                    degrees_of_freedom = 3 (ArmKinematics), and
 ///                                     [arm] upper_length_m, fore_length_m, origin_reach_m, origin_height_m
-///     both                            force_N_max, period_s = 0.001, hold_s_max = 0.002, release_share = 0,
+///     kind = "five_bar"               degrees_of_freedom = 2 (FiveBarKinematics), and
+///                                     [five_bar] base_distance_m, proximal_length_m, distal_length_m, origin_reach_m
+///     kind = "delta"                  degrees_of_freedom = 3 (DeltaKinematics), and
+///                                     [delta] base_radius_m, platform_radius_m, upper_arm_length_m, forearm_length_m,
+///                                     side_offset_m = 0, first_arm_rad, origin_reach_m
+///     kind = "chain"                  degrees_of_freedom, of the tip: x; x and y; or x, y and z (ChainKinematics), and
+///                                     [chain] tip_m = [x, y, z] at zero angles, and as many joints as those or more,
+///                                     up to 6, from the base to the tip: [[chain.joint]] name, axis = [x, y, z],
+///                                     point_m = [x, y, z] on the axis, start_rad = 0; more joints than degrees of
+///                                     freedom take no actuator_step_N_m
+///     all                             force_N_max, period_s = 0.001, hold_s_max = 0.002, release_share = 0,
 ///                                     release_s = 0, releases = true, latency_s = 0, and the speed that no joint ever
 ///                                     exceeds, speed_m_per_s_max or joint_speed_rad_per_s_max (none: any may be);
 ///                                     identified = true: false says that the bounds are guesses, which the client
@@ -43,8 +54,8 @@ struct RealDevice {
   bool identified = true;  ///< false: the bounds are guesses
 };
 
-/// As above, only what a law may rely on, for a device that is not simulated: mass, inertia and [arm] may be left out,
-/// and an arm may have 1 to 6 joints.
+/// As above, only what a law may rely on, for a device that is not simulated: mass, inertia and geometry may be left
+/// out, but for that of a chain, and an arm may have 1 to 6 joints.
 [[nodiscard]] RealDevice parse_facts(std::string_view toml_text, const std::string& place);
 
 /// Whether this is a file's path (has a '/' or ends with ".toml") rather than the name of a device.

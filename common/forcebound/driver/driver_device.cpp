@@ -35,13 +35,14 @@ control::Handle handle_of(const forcebound_reading& told) noexcept {
 }
 
 std::string axes_in_words(const control::DeviceFacts& facts) {
-  const int dof = facts.degrees_of_freedom();
-  return std::to_string(dof) + (facts.cartesian ? " axes of the tip" : " joints");
+  const std::string of_tip = std::to_string(facts.degrees_of_freedom()) + " axes of the tip";
+  if (facts.cartesian) return of_tip;
+  return std::to_string(facts.joints()) + " joints" + (facts.tip_axes > 0 ? " for " + of_tip : "");
 }
 
 void expect_same_axes(const control::DeviceFacts& file, const control::DeviceFacts& told,
                       const DriverRequest& request) {
-  if (file.degrees_of_freedom() == told.degrees_of_freedom() && file.cartesian == told.cartesian) return;
+  if (file.joints() == told.joints() && file.tip_axes == told.tip_axes && file.cartesian == told.cartesian) return;
   throw std::runtime_error(request.facts_file + ": has " + axes_in_words(file) + ", but the device of driver '" +
                            request.name + "' has " + axes_in_words(told));
 }

@@ -47,6 +47,7 @@ class DriverDevice final : public device::HapticDevice {
   void run_at(double rate_Hz);
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
+  [[nodiscard]] bool bounds_are_identified() const noexcept override { return identified_; }
   [[nodiscard]] std::string facts_in_words() const override;
   [[nodiscard]] device::Safety safety() const noexcept override { return safety_; }
   void start() override;

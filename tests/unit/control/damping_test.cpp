@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -98,6 +99,24 @@ TEST(Damping, OfAnArmIsItsJointDampingSeenAtTheTip) {
   EXPECT_TRUE(b.isApprox(exact, 1e-5));
   EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(exact - b).eigenvalues().minCoeff(), -1e-13)
       << "credits more than the joints dissipate";
+}
+
+TEST(Damping, OfAnArmWithMoreJointsThanAxesIsTheLeastThatTheJointsCanDissipate) {
+  const Matrix jacobian = to_matrix({{0.1, 0.02, 0, 0.05}, {-0.03, 0.12, 0.01, -0.04}});
+  const Matrix joints = to_vector({1e-3, 2e-3, 5e-4, 7e-4}).asDiagonal();
+  const Damping damping = Damping::from_joints(jacobian, joints);
+  EXPECT_EQ(damping.degrees_of_freedom(), 2);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> speed;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Vector q = to_vector({speed(random), speed(random), speed(random), speed(random)});
+    ASSERT_GE(q.dot(joints * q), damping.dissipation(jacobian * q)) << q.transpose();
+  }
+  // The joint speeds of least dissipation that move the tip like this.
+  const Vector tip = to_vector({0.7, -0.4});
+  const Matrix mobility = jacobian * joints.inverse() * jacobian.transpose();
+  const Vector least = joints.inverse() * jacobian.transpose() * mobility.inverse() * tip;
+  EXPECT_NEAR(least.dot(joints * least), damping.dissipation(tip), 1e-4 * damping.dissipation(tip));
 }
 
 TEST(Damping, OfAnArmExistsInSingularConfigurations) {

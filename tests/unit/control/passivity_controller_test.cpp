@@ -46,6 +46,33 @@ std::string refusal_of_device(const DeviceFacts& facts) {
   return "accepted";
 }
 
+TEST(PassivityController, TakesForcesOfTheTipFromAnArmWithMoreJoints) {
+  DeviceFacts facts = three_axes();
+  facts.cartesian = false;
+  facts.tip_axes = 2;
+  EXPECT_EQ(refusal_of_device(facts), "accepted");
+  PassivityController controller(facts, std::make_unique<ExactLaw>(facts, EnergyMemory::full));
+  const Damping damping = Damping::from_joints(to_matrix({{1, 0, 0.5}, {0, 1, 0.2}}), facts.damping);
+  Motion motion{.position = to_vector({0, 0}),
+                .joint = to_vector({0, 0, 0}),
+                .jacobian = to_matrix({{1, 0, 0.5}, {0, 1, 0.2}}),
+                .damping = &damping};
+  EXPECT_EQ(controller.tick(motion, to_vector({1, 1})), to_vector({0, 0})) << "nothing to spend yet";
+  motion.interval_s = 1e-3;
+  motion.joint = to_vector({0.01, 0, 0.02});
+  EXPECT_EQ(controller.tick(motion, to_vector({1e-3, 1e-3})), to_vector({1e-3, 1e-3}));
+  EXPECT_EQ(controller.tick(motion, to_vector({1, 1, 1})), to_vector({0, 0}));
+  EXPECT_EQ(controller.counts().requests_not_finite, 1U);
+}
+
+TEST(PassivityController, RefusesActuatorStepsWhereJointsOutnumberAxes) {
+  DeviceFacts facts = three_axes();
+  facts.cartesian = false;
+  facts.tip_axes = 2;
+  facts.actuator_step = Vector::Constant(3, 1e-3);
+  EXPECT_THAT(refusal_of_device(facts), testing::HasSubstr("actuator step must be 0 for 3 joints and a tip of 2"));
+}
+
 TEST(PassivityController, SaturatesAlongTheRequest) {
   LawLoop loop("none", Matrix::Identity(3, 3), {.force_N_max = 10});
   EXPECT_TRUE(loop.tick(to_vector({0, 0, 0}), to_vector({30, 0, -40})).isApprox(to_vector({6, 0, -8}), 1e-15));

@@ -71,8 +71,8 @@ TEST(DeviceRegistry, UnknownDeviceIsRefusedWithTheKnownNames) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(
         error.what(),
-        "unknown device 'stil', did you mean 'still'? (known: cartesian-2dof, cartesian-3dof, firm-3dof, omni, "
-        "wall-1dof, still); or the path of a .toml file");
+        "unknown device 'stil', did you mean 'still'? (known: cartesian-2dof, cartesian-3dof, falcon, firm-3dof, "
+        "haply-2diy, omega-3, omni, wall-1dof, still); or the path of a .toml file");
   }
   EXPECT_THROW((void)devices.facts("no/such/file.toml"), std::runtime_error);
 }

@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <iterator>
+#include <numbers>
+#include <variant>
 
 #include "tests/support/source_folder.hpp"
 
@@ -43,21 +47,58 @@ TEST(LoadDevice, ShipsThePapersDevices) {
 }
 
 TEST(LoadDevice, EveryShippedDeviceLoadsWithTheHoldTimeOfTwoTicks) {
-  ASSERT_EQ(shipped_device_names().size(), 5U);
+  ASSERT_EQ(shipped_device_names().size(), 8U);
   for (const std::string& name : shipped_device_names()) {
     const DeviceDescription device = load_device(name);
     EXPECT_EQ(device.facts.hold_s_max, 2e-3) << name;
     EXPECT_EQ(device.facts.latency_s, 0) << name;
-    EXPECT_EQ(device.facts.cartesian, !device.arm) << name;
+    EXPECT_EQ(device.facts.cartesian, std::holds_alternative<std::monostate>(device.geometry)) << name;
     EXPECT_THAT(describe(device), testing::StartsWith(name + ": "));
   }
 }
 
 TEST(LoadDevice, OmniIsAnArmWithItsGeometry) {
   const DeviceDescription omni = load_device("omni");
-  ASSERT_TRUE(omni.arm);
-  EXPECT_EQ(omni.arm->upper_length_m, 0.1335);
+  EXPECT_EQ(std::get<ArmGeometry>(omni.geometry).upper_length_m, 0.1335);
   EXPECT_GT(omni.facts.encoder_step.minCoeff(), 0);
+}
+
+/// Whether the tip reaches all of a cylinder about the origin whose axis points at the user.
+bool reaches_cylinder(const DeviceDescription& device, double radius_m, double half_length_m) {
+  const auto kinematics = make_kinematics(device.geometry);
+  for (int turn = 0; turn < 24; ++turn) {
+    for (int along = -2; along <= 2; ++along) {
+      const double angle = turn * std::numbers::pi / 12;
+      Vector place(3);
+      place << radius_m * std::cos(angle), half_length_m * along / 2, radius_m * std::sin(angle);
+      if ((kinematics->position(kinematics->joints_at(place)) - place).norm() > 1e-9) return false;
+    }
+  }
+  return true;
+}
+
+TEST(LoadDevice, PublishedDevicesReachTheirPublishedWorkspaceAndAreMarkedAsGuesses) {
+  for (const char* const name : {"falcon", "omega-3", "haply-2diy"}) EXPECT_FALSE(load_device(name).identified) << name;
+  EXPECT_TRUE(load_device("omni").identified) << "the device of a paper's kind, not a published one's facts";
+  EXPECT_TRUE(reaches_cylinder(load_device("falcon"), 0.05, 0.035));
+  EXPECT_TRUE(reaches_cylinder(load_device("omega-3"), 0.08, 0.055));
+  EXPECT_FALSE(reaches_cylinder(load_device("falcon"), 0.08, 0.055)) << "of two devices the smaller one";
+}
+
+TEST(LoadDevice, PublishedDevicesHaveTheirPublishedResolution) {
+  const auto finest_and_coarsest_m = [](const char* name) {
+    const DeviceDescription device = load_device(name);
+    const auto kinematics = make_kinematics(device.geometry);
+    const int dof = device.facts.degrees_of_freedom();
+    const Matrix steps =
+        kinematics->jacobian(kinematics->joints_at(Vector::Zero(dof))) * Matrix(device.facts.encoder_step.asDiagonal());
+    return std::pair{steps.colwise().norm().minCoeff(), steps.colwise().norm().maxCoeff()};
+  };
+  // A Falcon: 400 dots per inch, or better.
+  EXPECT_LT(finest_and_coarsest_m("falcon").second, 63.5e-6);
+  EXPECT_GT(finest_and_coarsest_m("falcon").first, 20e-6);
+  EXPECT_NEAR(finest_and_coarsest_m("omega-3").second, 1e-5, 2e-6);
+  EXPECT_NEAR(finest_and_coarsest_m("haply-2diy").second, 1e-4, 3e-5);
 }
 
 TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
@@ -87,8 +128,7 @@ TEST(LoadDevice, ReadsFilesOfVersion1WithEveryKey) {
   EXPECT_EQ(arm.facts.actuator_step[0], 0.0001);
   EXPECT_EQ(arm.facts.uncertainty, control::Uncertainty{});
   EXPECT_EQ(arm.facts.release_s, 0);
-  ASSERT_TRUE(arm.arm);
-  EXPECT_EQ(arm.arm->origin_reach_m, 0.16);
+  EXPECT_EQ(std::get<ArmGeometry>(arm.geometry).origin_reach_m, 0.16);
   const DeviceDescription cartesian = load_device((folder / "cartesian.toml").string());
   EXPECT_EQ(cartesian.facts.damping(0, 1), 1);
   EXPECT_EQ(cartesian.facts.period_s, 0.0005);
@@ -173,10 +213,11 @@ TEST(ParseDevice, RefusesDampingThatIsNotPositiveDefinite) {
 
 TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
   EXPECT_EQ(refusal_of_file(""),
-            "devices/mine.toml:1: device 'mine': 'kind' is missing (accepted: \"cartesian\", \"arm\")");
+            "devices/mine.toml:1: device 'mine': 'kind' is missing (accepted: \"cartesian\", \"arm\", \"five_bar\", "
+            "\"delta\", \"chain\")");
   EXPECT_EQ(refusal_of_file("\nkind = 'cartesien'\n"),
             "devices/mine.toml:2: device 'mine': unknown kind 'cartesien', "
-            "did you mean 'cartesian'? (known: cartesian, arm)");
+            "did you mean 'cartesian'? (known: cartesian, arm, five_bar, delta, chain)");
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 1\nmass_kg = 1\ndamping_N_s_per_m = 1\n"),
               HasSubstr("'force_N_max' is missing (accepted: > 0)"));
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 2\n"),
@@ -186,6 +227,105 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
+}
+
+constexpr const char* kJointFacts =
+    "joint_inertia_kg_m2 = 1e-3\njoint_damping_N_m_s_per_rad = 0.01\nencoder_step_rad = 1e-4\nforce_N_max = 5\n";
+
+std::string of_kind(const std::string& kind, int degrees_of_freedom) {
+  return "kind = '" + kind + "'\ndegrees_of_freedom = " + std::to_string(degrees_of_freedom) + "\n" + kJointFacts;
+}
+
+const std::string& five_bar() {
+  static const std::string kText = of_kind("five_bar", 2) +
+                                   "[five_bar]\nbase_distance_m = 0.04\nproximal_length_m = 0.07\n"
+                                   "distal_length_m = 0.09\norigin_reach_m = ";
+  return kText;
+}
+
+const std::string& delta() {
+  static const std::string kText = of_kind("delta", 3) +
+                                   "[delta]\nbase_radius_m = 0.04\nplatform_radius_m = 0.02\n"
+                                   "upper_arm_length_m = 0.06\nforearm_length_m = 0.12\nfirst_arm_rad = 1.5\n"
+                                   "origin_reach_m = ";
+  return kText;
+}
+
+/// In the level plane: links of 0.1 m to the user's right, its base at x = -0.15 m.
+std::string planar_chain(int joints, int degrees_of_freedom = 2, const std::string& axis = "[0, 0, 1]") {
+  std::string text =
+      of_kind("chain", degrees_of_freedom) + "[chain]\ntip_m = [" + std::to_string(0.1 * joints - 0.15) + ", 0, 0]\n";
+  for (int i = 0; i < joints; ++i) {
+    text += "[[chain.joint]]\nname = 'joint " + std::to_string(i) + "'\naxis = " + axis + "\npoint_m = [" +
+            std::to_string(0.1 * i - 0.15) + ", 0, 0]\nstart_rad = 0.9\n";
+  }
+  return text;
+}
+
+TEST(ParseDevice, ReadsTheGeometryOfEachKind) {
+  const DeviceDescription planar = parse_device(five_bar() + "0.1\n", "mine.toml");
+  EXPECT_EQ(std::get<FiveBarGeometry>(planar.geometry).base_distance_m, 0.04);
+  EXPECT_EQ(std::get<FiveBarGeometry>(planar.geometry).distal_length_m, 0.09);
+  EXPECT_FALSE(planar.facts.cartesian);
+  EXPECT_EQ(planar.facts.degrees_of_freedom(), 2);
+  EXPECT_THAT(describe(planar), HasSubstr("2 degrees of freedom, five-bar linkage, inertia [0.001 0.001] kg m^2"));
+  const DeviceDescription spatial = parse_device(delta() + "0.12\nside_offset_m = -0.001\n", "mine.toml");
+  EXPECT_EQ(std::get<DeltaGeometry>(spatial.geometry).side_offset_m, -0.001);
+  EXPECT_EQ(std::get<DeltaGeometry>(spatial.geometry).upper_arm_length_m, 0.06);
+  EXPECT_THAT(describe(spatial), HasSubstr("3 degrees of freedom, delta, inertia"));
+}
+
+TEST(ParseDevice, AChainMayHaveMoreJointsThanItsTipHasAxes) {
+  const DeviceDescription two = parse_device(planar_chain(2), "mine.toml");
+  EXPECT_EQ(two.facts.tip_axes, 0);
+  EXPECT_EQ(two.facts.degrees_of_freedom(), 2);
+  EXPECT_THAT(describe(two), HasSubstr("2 degrees of freedom, serial arm of 2 joints, inertia"));
+  const DeviceDescription four = parse_device(planar_chain(4), "mine.toml");
+  EXPECT_EQ(four.facts.degrees_of_freedom(), 2);
+  EXPECT_EQ(four.facts.joints(), 4);
+  EXPECT_EQ(four.facts.encoder_step.rows(), 4);
+  EXPECT_EQ(std::get<ChainGeometry>(four.geometry).joints[3].start_rad, 0.9);
+  EXPECT_EQ(parse_facts(planar_chain(6), "mine.toml").facts.joints(), 6);
+}
+
+TEST(ParseDevice, ReadsTheExampleOfThePage) {
+  std::ifstream page(forcebound::test::source_folder() / "common/devices/README.md");
+  const std::string text(std::istreambuf_iterator<char>(page), {});
+  const std::size_t begin = text.find("```toml\n");
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t from = text.find('\n', begin) + 1;
+  const DeviceDescription device = parse_device(text.substr(from, text.find("```", from) - from), "mine.toml");
+  EXPECT_EQ(device.facts.joints(), 3);
+  EXPECT_EQ(device.facts.degrees_of_freedom(), 2);
+}
+
+TEST(ParseDevice, RefusesGeometryThatCannotBe) {
+  EXPECT_THAT(refusal_of_file(of_kind("delta", 3)), HasSubstr("mine.toml:1: device 'mine': 'delta' is missing"));
+  EXPECT_THAT(refusal_of_file(of_kind("delta", 2)), HasSubstr("degrees_of_freedom must be a whole number"));
+  EXPECT_THAT(refusal_of_file(of_kind("five_bar", 3)), HasSubstr("degrees_of_freedom must be a whole number"));
+  EXPECT_THAT(refusal_of_file(five_bar() + "0.3\n"),
+              HasSubstr("mine.toml:7: device 'mine', five_bar: the tip does not reach the scene's origin"));
+  EXPECT_THAT(refusal_of_file(delta() + "0.3\n"),
+              HasSubstr("device 'mine', delta: the tip does not reach the scene's origin"));
+  EXPECT_THAT(refusal_of_file(delta() + "nan\n"), HasSubstr("origin_reach_m must be a finite number, got nan"));
+  EXPECT_THAT(refusal_of_file(delta() + "0.12\nforearm_m = 1\n"), HasSubstr("unknown key 'forearm_m'"));
+  EXPECT_THAT(refusal_of_file(five_bar() + "0.1\n[arm]\n"), HasSubstr("unknown key 'arm'"));
+}
+
+TEST(ParseDevice, RefusesChainsThatCannotBe) {
+  EXPECT_THAT(refusal_of_file(of_kind("chain", 3) + "[chain]\ntip_m = [0, 0, 0]\n"),
+              HasSubstr("device 'mine', chain: needs from degrees_of_freedom = 3 to 6 tables [[chain.joint]], got 0"));
+  EXPECT_THAT(refusal_of_file(planar_chain(1)),
+              HasSubstr("needs from degrees_of_freedom = 2 to 6 tables [[chain.joint]]"));
+  EXPECT_THAT(refusal_of_file(planar_chain(7)), HasSubstr("[[chain.joint]], got 7"));
+  EXPECT_THAT(refusal_of_file(planar_chain(4, 3)), HasSubstr("singular at the scene's origin"))
+      << "a tip that stays in a plane has no third axis";
+  EXPECT_THAT(refusal_of_file(planar_chain(2, 2, "[0, 0, 0]")), HasSubstr("axis must be a direction"));
+  EXPECT_THAT(refusal_of_file(planar_chain(4) + "axes = 1\n"), HasSubstr("unknown key 'axes', did you mean 'axis'?"));
+  std::string stepped = planar_chain(4);
+  stepped.insert(stepped.find("[chain]"), "actuator_step_N_m = 1e-3\n");
+  EXPECT_THAT(refusal_of_file(stepped), HasSubstr("actuator_step_N_m must be 0 with more joints than"));
+  EXPECT_THAT(refusal_of_file(of_kind("chain", 4)), HasSubstr("degrees_of_freedom must be a whole number from 1 to 3"));
 }
 
 TEST(ParseFacts, NeedNeitherMassNorGeometry) {
@@ -219,7 +359,8 @@ TEST(ParseFacts, HaveLimitsForTheHand) {
 TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {
   const std::string what = refusal([] { (void)load_device("wall-2dof"); });
   EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
-  EXPECT_THAT(what, HasSubstr("cartesian-2dof, cartesian-3dof, firm-3dof, omni, wall-1dof"));
+  EXPECT_THAT(what,
+              HasSubstr("cartesian-2dof, cartesian-3dof, falcon, firm-3dof, haply-2diy, omega-3, omni, wall-1dof"));
 }
 
 TEST(LoadDevice, MissingFileIsNamedWithTheReason) {

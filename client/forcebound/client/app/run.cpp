@@ -9,6 +9,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
+#include "forcebound/client/app/device_in_words.hpp"
 #include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/screen.hpp"
@@ -92,13 +93,12 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   settings.law_parameters = baselines::describe(laws.parameters(options.law, device->facts(), chosen.parameters));
   // Whether the summary can be written is known before the run.
   if (!options.summary.empty()) text::expect_writable(options.summary);
-  settings.guarantee = laws.guarantee(options.law);
+  settings.guarantee = guarantee_with(*device, laws.guarantee(options.law));
 
   LiveLine line;
   Client client(settings, *device, std::move(law), {&line});
-  spdlog::info("device '{}'{}; law {}, server {}, {}", device->facts().name,
-               device->is_simulated() ? " and its hand '" + options.device.hand + "' are simulated" : "", options.law,
-               options.server, encryption_in_words(options));
+  spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.law, options.server,
+               encryption_in_words(options));
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
   bool grant_told = false;

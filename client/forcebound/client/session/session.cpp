@@ -123,13 +123,15 @@ void Session::tick(Nanoseconds now) noexcept {
 /// and gives zero force.
 device::Reading Session::read_device(Nanoseconds now) noexcept {
   device::Reading reading = device_.read(now);
-  const int dof = device_.facts().degrees_of_freedom();
-  if (device::is_usable(reading, dof) && reading.latched <= std::max(now, clock_.now())) {
+  const control::DeviceFacts& facts = device_.facts();
+  if (device::is_usable(reading, facts.degrees_of_freedom(), facts.joints()) &&
+      reading.latched <= std::max(now, clock_.now())) {
     return reading;
   }
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  reading.position = reading.joint = Vector::Constant(dof, unknown);
-  reading.jacobian = device::Matrix::Identity(dof, dof);
+  reading.position = Vector::Constant(facts.degrees_of_freedom(), unknown);
+  reading.joint = Vector::Constant(facts.joints(), unknown);
+  reading.jacobian = device::Matrix::Identity(facts.degrees_of_freedom(), facts.joints());
   reading.handle = {};
   reading.latched = now;
   return reading;

@@ -11,11 +11,6 @@ namespace {
 constexpr Nanoseconds kCell = std::chrono::milliseconds(1);
 constexpr double kRateMax = 1e5;  // 1/s
 
-std::unique_ptr<const Kinematics> make_kinematics(const DeviceDescription& description) {
-  if (description.arm) return std::make_unique<ArmKinematics>(*description.arm);
-  return std::make_unique<CartesianKinematics>();
-}
-
 std::unique_ptr<const Operator> checked(std::unique_ptr<const Operator> hand, const control::DeviceFacts& facts) {
   if (hand->degrees_of_freedom() == facts.degrees_of_freedom()) return hand;
   std::ostringstream text;
@@ -45,11 +40,14 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
                                  const DeviceFlaws& flaws)
     : description_(std::move(description)),
       operator_(checked(std::move(hand), description_.facts)),
-      kinematics_(make_kinematics(description_)),
+      kinematics_(make_kinematics(description_.geometry)),
       motion_((1 - flaws.damping_share) * description_.facts.damping,
               (1 - flaws.friction_share) * description_.facts.friction,
               kinematics_->joints_at(operator_->target(0).position)),
-      tip_damping_(control::Damping::from_matrix(description_.facts.damping)),
+      tip_damping_(
+          description_.facts.cartesian
+              ? control::Damping::from_matrix(description_.facts.damping)
+              : control::Damping::from_joints(kinematics_->jacobian(motion_.position()), description_.facts.damping)),
       flaws_(flaws),
       random_(flaws.seed),
       lost_(Vector::Zero(motion_.position().size())),
@@ -73,7 +71,7 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
   reading.joint = framed_ ? *framed_ : motion_.position();
   read_encoders(reading.joint);
   reading.position = kinematics_->position(reading.joint);
-  if (description_.arm) {
+  if (!facts().cartesian) {
     reading_jacobian_ = kinematics_->jacobian(reading.joint);
     tip_damping_ = control::Damping::from_joints(reading_jacobian_, facts().damping);
   }
@@ -87,7 +85,7 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
 
 void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   advance_to(now);
-  const bool sound = force_N.size() == torque_.size() && force_N.allFinite();
+  const bool sound = force_N.size() == facts().degrees_of_freedom() && force_N.allFinite();
   counters_.faulty_commands += !sound;
   effective_at_.reset();
   released_at_.reset();
@@ -253,7 +251,7 @@ void SimulatedDevice::linearise() noexcept {
 }
 
 void SimulatedDevice::integrate(Nanoseconds length) noexcept {
-  if (description_.arm) linearise();
+  if (!facts().cartesian) linearise();
   tip_ = kinematics_->position(motion_.position());
 
   const double cell_s = time::to_seconds(kCell);

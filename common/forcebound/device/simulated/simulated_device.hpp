@@ -24,11 +24,11 @@ namespace forcebound::device {
 /// time-stepping error, and fills the audit.
 ///
 /// Hand: its target is sampled on a fixed grid of 1 ms from the start and is, by definition, the cubic through the
-/// samples' positions and velocities. So the motion does not depend on the times of the readings. Arm: the hand's
+/// samples' positions and velocities. So the motion does not depend on the times of the readings. In joints: the hand's
 /// coupling is linearised about the present configuration, at least once per ms (x = x0 + J (q - q0)). The audit
 /// belongs to the motion that results, and stays exact for it. Velocity-dependent inertial forces are left out. There
-/// are no mechanical stops: a hand that pulls out of reach stretches the arm, which stays finite there. Command: takes
-/// effect the facts' latency after `apply`; the facts' hold time after that the device releases it, in the facts'
+/// are no mechanical stops: a hand that pulls out of reach stretches the mechanism, which stays finite there. Command:
+/// takes effect the facts' latency after `apply`; the facts' hold time after that the device releases it, in the facts'
 /// stages. One that is not finite or of the wrong size is zero force, and counted. With `DeviceFlaws` the device is not
 /// as its facts say: motion and audit are the true ones, readings and reports are what the caller's clock and the
 /// encoders make of them. A gap of more than `kGapMax` between two calls is simulated for that long only; device and

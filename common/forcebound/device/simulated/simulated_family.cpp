@@ -18,6 +18,9 @@ constexpr std::string_view kHelp =
     "  cartesian-3dof  three axes, 0.5 N s/m, 55 um\n"
     "  firm-3dof       three axes, 30 N s/m, 15 um\n"
     "  omni            three-joint arm in the size of a PHANToM Omni\n"
+    "  falcon          delta in the size of a Novint Falcon; its damping is a guess\n"
+    "  omega-3         delta as strong as an omega.3; sizes and damping are guesses\n"
+    "  haply-2diy      five-bar in the size of a Haply 2DIY; its damping is a guess\n"
     "Operators (--operator), simulated hands; NAME:key=value,... changes numbers:\n"
     "  press           moves into a wall and stays\n"
     "  stroke          comes from above, goes to and fro\n"
@@ -36,7 +39,7 @@ constexpr std::string_view kHelp =
 
 std::string hand_for(std::string_view device) {
   if (device == "wall-1dof") return "press";
-  return device == "cartesian-2dof" ? "trace-circle" : "trace-sphere";
+  return device == "cartesian-2dof" || device == "haply-2diy" ? "trace-circle" : "trace-sphere";
 }
 
 std::string device_for(std::string_view hand) {

@@ -63,7 +63,7 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
     ++readings_.stale;
     return;
   }
-  if (!device::is_usable(reading, facts().degrees_of_freedom())) {
+  if (!device::is_usable(reading, facts().degrees_of_freedom(), facts().joints())) {
     ++readings_.failed;
     readings_.last_failure = std::string(device_.last_error());
     return;

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "forcebound/text/numbers.hpp"
@@ -35,7 +37,13 @@ std::string joint_name(int joint, bool cartesian) {
 
 Guide::Guide(const control::DeviceFacts& declared, const GuideSettings& settings)
     : declared_(declared), settings_(settings), random_(settings.seed) {
-  records_.resize(static_cast<std::size_t>(declared.degrees_of_freedom()));
+  if (declared.joints() != declared.degrees_of_freedom()) {
+    throw std::invalid_argument("device '" + declared.name + "' has " + std::to_string(declared.joints()) +
+                                " joints and a tip of " + std::to_string(declared.degrees_of_freedom()) +
+                                " degrees of freedom: no force at the tip pushes a joint on its own, as measuring it "
+                                "takes; as many of these as of those are accepted");
+  }
+  records_.resize(static_cast<std::size_t>(declared.joints()));
 }
 
 void Guide::begin(const device::Reading& reading) {

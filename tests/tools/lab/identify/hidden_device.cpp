@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "forcebound/device/kinematics.hpp"
+#include "forcebound/device/kinematics/arm_kinematics.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "tests/tools/sim/draw.hpp"
 
@@ -56,8 +56,9 @@ HiddenDevice draw_hidden_device(std::uint64_t seed) {
   const bool has_friction = draw.chance(0.6);
   Matrix jacobian = Matrix::Identity(dof, dof);
   if (arm) {
-    hidden.description.arm = draw_arm(draw);
-    const device::ArmKinematics kinematics(*hidden.description.arm);
+    const device::ArmGeometry geometry = draw_arm(draw);
+    hidden.description.geometry = geometry;
+    const device::ArmKinematics kinematics(geometry);
     jacobian = kinematics.jacobian(kinematics.joints_at(Vector::Zero(dof)));
   }
   facts.damping = Matrix::Zero(dof, dof);

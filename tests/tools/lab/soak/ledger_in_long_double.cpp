@@ -30,19 +30,18 @@ std::unique_ptr<LedgerInLongDouble> LedgerInLongDouble::make(const sim::ClosedLo
   if (facts.release_share > 0) return nullptr;
   const bool exact = settings.law == "fba-exact" && facts.encoder_step.isZero(0) && facts.damping.isDiagonal(0) &&
                      settings.timing.choosing_max == Nanoseconds::zero();
-  const bool published = (settings.law == "fba-less" || settings.law == "none") && !settings.device.arm;
+  const bool published = (settings.law == "fba-less" || settings.law == "none") && facts.cartesian;
   if (!exact && !published) return nullptr;
   return std::unique_ptr<LedgerInLongDouble>(new LedgerInLongDouble(settings));
 }
 
 LedgerInLongDouble::LedgerInLongDouble(const sim::ClosedLoop::Settings& settings)
     : device_(settings.device),
+      kinematics_(device::make_kinematics(settings.device.geometry)),
       exact_(settings.law == "fba-exact"),
       capped_(settings.law_options.memory == control::EnergyMemory::capped),
       latency_(time::from_seconds(device_.facts.latency_s)),
-      hold_(time::from_seconds(device_.facts.hold_s_max)) {
-  if (device_.arm) arm_.emplace(*device_.arm);
-}
+      hold_(time::from_seconds(device_.facts.hold_s_max)) {}
 
 Real LedgerInLongDouble::energy_J(const record::TickRecord& tick) {
   if (before_) exact_ ? credit_exactly(tick) : credit_as_published(tick);
@@ -59,9 +58,7 @@ Real LedgerInLongDouble::energy_J(const record::TickRecord& tick) {
   return available_J;
 }
 
-Matrix LedgerInLongDouble::jacobian(const Vector& joint) const {
-  return arm_ ? arm_->jacobian(joint) : Matrix::Identity(joint.rows(), joint.rows());
-}
+Matrix LedgerInLongDouble::jacobian(const Vector& joint) const { return kinematics_->jacobian(joint); }
 
 /// The forces in effect from one time to another, zero where the device has released them.
 LedgerInLongDouble::Pieces LedgerInLongDouble::pieces(Nanoseconds begin, Nanoseconds end) const {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "forcebound/device/kinematics.hpp"
+#include "forcebound/device/kinematics/kinematics.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "tests/tools/reference/reference_exact.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
@@ -40,7 +40,7 @@ class LedgerInLongDouble {
   [[nodiscard]] long double most_J(const control::Vector& joint) const;
 
   device::DeviceDescription device_;
-  std::optional<device::ArmKinematics> arm_;
+  std::unique_ptr<const device::Kinematics> kinematics_;
   bool exact_;
   bool capped_;
   time::Nanoseconds latency_;

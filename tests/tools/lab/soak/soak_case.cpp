@@ -31,10 +31,10 @@ device::DeviceDescription draw_device(Draw& draw) {
   control::DeviceFacts& facts = device.facts;
   const auto dof = facts.damping.rows();
   // Joint for joint the omni has about a thousandth of a Cartesian device's friction and steps of its own.
-  const double unit = device.arm ? 1e-2 : 1;
+  const double unit = !device.facts.cartesian ? 1e-2 : 1;
   facts.friction.setConstant(draw.one_of({0.0, 0.0, 0.05, 0.5}) * unit);
-  if (!device.arm) facts.encoder_step.setConstant(draw.one_of({0.0, 15e-6, 55e-6}));
-  if (device.arm && draw.chance(0.25)) facts.encoder_step.setZero();
+  if (facts.cartesian) facts.encoder_step.setConstant(draw.one_of({0.0, 15e-6, 55e-6}));
+  if (!facts.cartesian && draw.chance(0.25)) facts.encoder_step.setZero();
   facts.damping *= draw.one_of({0.2, 1.0, 1.0, 3.0});
   if (dof > 1 && draw.chance(0.25)) {
     control::Matrix mix(dof, dof);
@@ -42,7 +42,8 @@ device::DeviceDescription draw_device(Draw& draw) {
     facts.damping += mix * mix.transpose();
   }
   facts.force_N_max = draw.one_of({1.0, 1.0, 5.0}) * facts.force_N_max;
-  facts.actuator_step.setConstant(draw.one_of({0.0, 0.0, 1.0 / 2048}) * facts.force_N_max * (device.arm ? 0.1 : 1));
+  facts.actuator_step.setConstant(draw.one_of({0.0, 0.0, 1.0 / 2048}) * facts.force_N_max *
+                                  (!device.facts.cartesian ? 0.1 : 1));
   facts.latency_s = draw.one_of({0.0, 0.0, 20e-6, 100e-6, 300e-6});
   facts.hold_s_max = draw.one_of({1e-3, 2e-3, 2e-3, 5e-3});
   facts.release_share = facts.hold_s_max == 5e-3 ? 0.3 : 0;
@@ -238,7 +239,7 @@ void draw_flaws(SoakCase& drawn, Draw draw) {
 void note_promises(SoakCase& drawn, const control::LawDescription& law, Draw draw) {
   using control::LawClaim;
   // An arm holds torques while its tip moves, so that the task-space force is not held.
-  const bool straight = !drawn.settings.device.arm.has_value();
+  const bool straight = drawn.settings.device.facts.cartesian;
   const bool ideal = law.claim == LawClaim::passive_if_ideal && straight && draw.chance(0.5);
   if (ideal) make_ideal(drawn.settings);
   if (ideal) drawn.beyond_bounds = false;

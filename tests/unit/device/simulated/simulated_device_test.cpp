@@ -204,7 +204,7 @@ TEST(SimulatedDevice, ArmWithAHandPassesOnTheTaskForceThroughItsJacobian) {
 
 TEST(SimulatedDevice, ArmReadsPositionJacobianAndDampingFromItsEncoders) {
   SimulatedDevice device(load_device("omni"), make_operator("wave", 3));
-  const ArmKinematics kinematics(*device.description().arm);
+  const ArmKinematics kinematics(std::get<ArmGeometry>(device.description().geometry));
   for (int tick = 0; tick < 500; ++tick) {
     const Reading reading = device.read(kStart + tick * milliseconds(1));
     ASSERT_EQ(reading.position, kinematics.position(reading.joint));
@@ -243,7 +243,7 @@ TEST(SimulatedDevice, ArmPulledFarOutOfReachStaysFinite) {
 TEST(SimulatedDevice, AuditIsTheIntegralOfTheMotionThatResulted) {
   // By the trapezoidal rule over 10 us, with each force held for the 2 ms until it is released.
   constexpr Nanoseconds kStep = microseconds(10);
-  for (const char* name : {"wall-1dof", "cartesian-3dof", "omni"}) {
+  for (const char* name : {"wall-1dof", "cartesian-3dof", "omni", "falcon", "haply-2diy"}) {
     SCOPED_TRACE(name);
     const DeviceDescription description = load_device(name);
     const int dof = description.facts.degrees_of_freedom();
@@ -294,7 +294,8 @@ TEST(SimulatedDevice, DeviceTooFastToFollowIsRefused) {
 
 TEST(SimulatedDevice, ReadAndApplyDoNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  for (const char* name : {"wall-1dof", "cartesian-2dof", "cartesian-3dof", "omni"}) {
+  for (const char* name :
+       {"wall-1dof", "cartesian-2dof", "cartesian-3dof", "omni", "falcon", "omega-3", "haply-2diy"}) {
     SCOPED_TRACE(name);
     const DeviceDescription description = load_device(name);
     const int dof = description.facts.degrees_of_freedom();

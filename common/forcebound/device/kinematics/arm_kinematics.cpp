@@ -1,4 +1,4 @@
-#include "forcebound/device/kinematics.hpp"
+#include "forcebound/device/kinematics/arm_kinematics.hpp"
 
 #include <algorithm>
 #include <cmath>

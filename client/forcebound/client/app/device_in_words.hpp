@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "forcebound/device/haptic_device.hpp"
+
+namespace forcebound::client {
+
+/// What the client's first line says of its device: simulated or not, and of one that is not, whether its bounds were
+/// ever measured. @param hand the simulated one, by its name
+[[nodiscard]] std::string first_words(const device::HapticDevice& device, const std::string& hand);
+
+/// What a law guarantees with this device, to whom nobody audits it: nothing, while the device's bounds are guesses.
+/// @param guarantee of the law, see LawRegistry::guarantee; empty: nothing
+[[nodiscard]] std::string guarantee_with(const device::HapticDevice& device, const std::string& guarantee);
+
+}  // namespace forcebound::client
