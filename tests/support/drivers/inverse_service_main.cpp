@@ -3,7 +3,6 @@
 // free one. It says on which port it listens, takes a command from each line of standard input (inverse_service.hpp),
 // and runs until SIGINT or SIGTERM.
 #include <poll.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
@@ -11,7 +10,6 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -19,6 +17,7 @@
 #include <thread>
 
 #include "forcebound/time/real_time.hpp"
+#include "tests/support/drivers/end_signals.hpp"
 #include "tests/support/drivers/inverse_service.hpp"
 
 namespace {
@@ -94,14 +93,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    // Before there are threads, so that all of them leave these signals to us.
-    sigset_t ends;
-    sigemptyset(&ends);
-    sigaddset(&ends, SIGINT);
-    sigaddset(&ends, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+    const int until = forcebound::test::end_signals();
     (void)forcebound::time::ask_for_real_time(kPriority);
-    const int until = signalfd(-1, &ends, SFD_CLOEXEC);
     const std::unique_ptr<forcebound::test::StandIn> device = forcebound::test::stand_in_of_environment();
     if (std::getenv("FORCEBOUND_STAND_IN_HOLD_S") == nullptr) device->set_hold(kHold_s);
     InverseService service(*device, version == "3.5");

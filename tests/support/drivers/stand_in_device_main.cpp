@@ -1,13 +1,12 @@
 // A simulated device as a process of its own, for libraries that stand in for a vendor's: `stand-in-device SOCKET`. It
 // runs until SIGINT or SIGTERM, and is set up by the environment (stand_in_device.hpp).
-#include <sys/signalfd.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <exception>
 
 #include "forcebound/time/real_time.hpp"
+#include "tests/support/drivers/end_signals.hpp"
 #include "tests/support/drivers/stand_in_cable.hpp"
 #include "tests/support/drivers/stand_in_device.hpp"
 
@@ -17,16 +16,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    // Before there are threads, so that all of them leave these signals to us.
-    sigset_t ends;
-    sigemptyset(&ends);
-    sigaddset(&ends, SIGINT);
-    sigaddset(&ends, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+    const int until = forcebound::test::end_signals();
     // Hardware waits for no program: before its thread is made, which does likewise, and above the client's.
     constexpr int kPriority = 90;
     (void)forcebound::time::ask_for_real_time(kPriority);
-    const int until = signalfd(-1, &ends, SFD_CLOEXEC);
     forcebound::test::StandInDevice device(forcebound::test::StandInSettings::from_environment());
     forcebound::test::serve(device, argv[1], until);
     const forcebound::test::StandIn::State end = device.look();
