@@ -59,6 +59,8 @@ struct DeviceCounters {
   std::uint64_t frozen_joints = 0;    ///< simulated: more stick-slip events in 1 ms than it resolves
   std::uint64_t gaps_cut = 0;         ///< simulated: pauses between two calls too long to simulate in full
   std::uint64_t handle_refused = 0;   ///< orientations and gripper openings that cannot be true: taken for absent
+  std::uint64_t times_refused = 0;    ///< readings whose time ran backwards or lay in the future: failed ones
+  std::uint64_t unexplained = 0;      ///< failed calls for which the driver gave no reason
 };
 
 /// A haptic device, real or simulated. The client's tick uses one to push a person's hand; a robot at the server is

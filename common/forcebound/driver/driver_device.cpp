@@ -133,7 +133,7 @@ std::string DriverDevice::facts_in_words() const {
 
 void DriverDevice::start() {
   if (driver().start(device_) == FORCEBOUND_OK) return;
-  note_drivers_error("does not start");
+  if (!note_drivers_error("does not start")) ++counters_.unexplained;
   throw std::runtime_error("driver '" + std::string(driver().name) + "': " + std::string(last_error()));
 }
 
@@ -154,7 +154,9 @@ device::Reading DriverDevice::read(Nanoseconds now) noexcept {
     stale.status = device::Reading::Status::stale;
     return stale;
   }
-  note_drivers_error(result == FORCEBOUND_UNPLUGGED ? "the device is unplugged" : "no reading");
+  const bool unplugged = result == FORCEBOUND_UNPLUGGED;
+  const bool explained = note_drivers_error(unplugged ? "the device is unplugged" : "no reading");
+  if (!explained && !unplugged) ++counters_.unexplained;
   return failed();
 }
 
@@ -162,10 +164,12 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
   const int dof = facts_.degrees_of_freedom();
   const Nanoseconds latched{told.latched_ns};
   if (latched_ && latched < *latched_) {
+    ++counters_.times_refused;
     note_error("its readings run backwards in time");
     return failed();
   }
   if (latched > now + kAhead) {
+    ++counters_.times_refused;
     note_error("its reading was latched in the future");
     return failed();
   }
@@ -231,16 +235,19 @@ void DriverDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   effective_at_.reset();
   released_at_.reset();
   write_failed_ = true;
+  int result = FORCEBOUND_FAILED;
   try {
-    write_failed_ = driver().command(device_, &command) != FORCEBOUND_OK;
+    result = driver().command(device_, &command);
   } catch (...) {
     note_error("the driver threw an exception");
     ++counters_.failed_writes;
     return;
   }
+  write_failed_ = result != FORCEBOUND_OK;
   if (!write_failed_) return;
   ++counters_.failed_writes;
-  note_drivers_error("the command failed");
+  const bool explained = note_drivers_error("the command failed");
+  if (!explained && result != FORCEBOUND_UNPLUGGED) ++counters_.unexplained;
 }
 
 void DriverDevice::stop(Nanoseconds /*now*/) noexcept {
@@ -256,7 +263,8 @@ void DriverDevice::note_error(std::string_view text) noexcept {
   std::copy_n(text.begin(), error_bytes_, error_.begin());
 }
 
-void DriverDevice::note_drivers_error(std::string_view otherwise) noexcept {
+/// @returns whether the driver gave a reason
+bool DriverDevice::note_drivers_error(std::string_view otherwise) noexcept {
   const char* text = nullptr;
   try {
     if (driver().last_error != nullptr) text = driver().last_error(device_);
@@ -264,8 +272,11 @@ void DriverDevice::note_drivers_error(std::string_view otherwise) noexcept {
     text = nullptr;
   }
   const bool told = text != nullptr && *text != '\0';
-  note_error(told ? std::string_view(text, ::strnlen(text, error_.size())) : otherwise);
+  std::string_view words = told ? std::string_view(text, ::strnlen(text, error_.size())) : otherwise;
+  while (words.ends_with('\n')) words.remove_suffix(1);
+  note_error(words);
   text::make_printable({error_.data(), error_bytes_});
+  return told;
 }
 
 }  // namespace forcebound::driver

@@ -63,7 +63,7 @@ class DriverDevice final : public device::HapticDevice {
  private:
   [[nodiscard]] const forcebound_driver& driver() const noexcept { return library_->functions(); }
   void note_error(std::string_view text) noexcept;
-  void note_drivers_error(std::string_view otherwise) noexcept;
+  bool note_drivers_error(std::string_view otherwise) noexcept;
   [[nodiscard]] device::Reading failed() const noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_reading& told, Nanoseconds now) noexcept;
   void note_reports(const forcebound_reading& told) noexcept;

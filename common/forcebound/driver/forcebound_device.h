@@ -103,6 +103,7 @@ typedef struct forcebound_reading {
   int64_t released_ns;   /* when the device began to release it; 0: it is held */
 } forcebound_reading;
 
+/* All numbers are finite: where the program has none it commands zero. */
 typedef struct forcebound_command {
   uint32_t size;
   uint32_t reserved;

@@ -1,4 +1,5 @@
-/* A driver of a slider that is simulated: a mass on a rail with viscous friction, read and pushed as real ones are.
+/* A driver of a slider that is simulated: a mass on a rail with viscous friction, read and pushed as real ones are. It
+ * lets go of a force after 10 ms without a command.
  *
  *   axes=N          1 to 3, each the same; 1 unless said
  *   fault=KIND      from the 100th reading on: nan, backwards, future, stale, fails, unplugged (for 100 readings);
@@ -12,6 +13,7 @@
 
 #define MASS_KG 0.1
 #define DAMPING_N_S_PER_M 5.0
+#define HOLD_NS 10000000
 #define FIRST_FAULT 100
 #define FAULTS 100
 
@@ -61,7 +63,7 @@ static int slider_describe(forcebound_device* slider, forcebound_facts* facts) {
     facts->encoder_step[i] = 0;
   }
   facts->force_N_max = 8;
-  facts->hold_s_max = 0.01;
+  facts->hold_s_max = 1e-9 * HOLD_NS;
   return FORCEBOUND_OK;
 }
 
@@ -75,13 +77,14 @@ static int slider_start(forcebound_device* slider) {
 }
 
 static void pass(forcebound_device* slider, int64_t now_ns) {
-  const double step_s = 1e-5;
-  double left_s = slider->time_ns == 0 ? 0 : 1e-9 * (double)(now_ns - slider->time_ns);
-  slider->time_ns = now_ns;
-  for (; left_s > 0; left_s -= step_s) {
+  const int64_t step_ns = 10000;
+  const double step_s = 1e-9 * (double)step_ns;
+  if (slider->time_ns == 0) slider->time_ns = now_ns;
+  for (; slider->time_ns < now_ns; slider->time_ns += step_ns) {
+    const int held = slider->time_ns - slider->commanded_ns <= HOLD_NS;
     int i;
     for (i = 0; i < slider->axes; ++i) {
-      const double push_N = slider->force_N[i] - DAMPING_N_S_PER_M * slider->speed_m_per_s[i];
+      const double push_N = (held ? slider->force_N[i] : 0) - DAMPING_N_S_PER_M * slider->speed_m_per_s[i];
       slider->speed_m_per_s[i] += step_s * push_N / MASS_KG;
       slider->position_m[i] += step_s * slider->speed_m_per_s[i];
     }
@@ -98,6 +101,8 @@ static int slider_read(forcebound_device* slider, int64_t now_ns, forcebound_rea
   reading->has = FORCEBOUND_HAS_EFFECTIVE | FORCEBOUND_HAS_BUTTONS;
   reading->buttons = 2;
   reading->effective_ns = slider->commanded_ns;
+  if (slider->commanded_ns > 0 && now_ns - slider->commanded_ns > HOLD_NS)
+    reading->released_ns = slider->commanded_ns + HOLD_NS;
   if (strcmp(slider->fault, "handle") == 0) {
     reading->has |= FORCEBOUND_HAS_ORIENTATION | FORCEBOUND_HAS_GRIPPER;
     reading->orientation[3] = faulty ? 2 : 1.005;

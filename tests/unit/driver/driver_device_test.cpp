@@ -117,12 +117,14 @@ TEST(DriverDevice, MovesAlongTheForce) {
   const auto device = slider();
   device->start();
   EXPECT_THAT(run(*device, 1, 100), testing::Each(Status::ok));
+  (void)device->read(1s + 105ms);
+  EXPECT_EQ(device->released_at(), std::nullopt);
   const device::Reading reading = device->read(2s);
   EXPECT_GT(reading.position[0], 0.01);
   EXPECT_EQ(reading.joint, reading.position);
   EXPECT_EQ(reading.latched, 2s);
   EXPECT_EQ(device->effective_at(), 1s + 99ms);
-  EXPECT_EQ(device->released_at(), std::nullopt);
+  EXPECT_EQ(device->released_at(), 1s + 109ms) << "10 ms after the last command";
   EXPECT_EQ(device->counters().failed_writes, 0U);
 }
 
@@ -167,6 +169,21 @@ TEST(DriverDevice, FaultyReadingsAreNotUsedAndTheNextGoodOneIs) {
     EXPECT_THAT(std::string(device->last_error()), AllOf(HasSubstr(why), Not(HasSubstr("\n")))) << fault;
     EXPECT_THAT(run(*device, 0, 100, 3s), testing::Each(Status::ok)) << fault;
   }
+}
+
+TEST(DriverDevice, CountsTimesThatCannotBeAndFailuresWithoutAReason) {
+  const auto counted = [](const std::string& fault) {
+    const auto device = slider("fault=" + fault);
+    device->start();
+    (void)run(*device, 0, 200);
+    return device->counters();
+  };
+  EXPECT_EQ(counted("backwards").times_refused, 100U);
+  EXPECT_EQ(counted("future").times_refused, 100U);
+  EXPECT_EQ(counted("nan").times_refused, 0U);
+  EXPECT_EQ(counted("fails").unexplained, 0U) << "it says that the bus is busy";
+  EXPECT_EQ(counted("unplugged").unexplained, 0U) << "that says it";
+  EXPECT_EQ(counted("write").unexplained, 200U);
 }
 
 TEST(DriverDevice, AReadingOfTheSameTimeIsStale) {
