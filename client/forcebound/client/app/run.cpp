@@ -102,7 +102,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
   bool grant_told = false;
-  client.run(stop, [&](Nanoseconds now, Nanoseconds elapsed) {
+  const auto housekeeping = [&](Nanoseconds now, Nanoseconds elapsed) {
     if (!grant_told && client.real_time_grant() != nullptr) {
       grant_told = true;
       spdlog::info("tick thread: {}", *client.real_time_grant());
@@ -114,6 +114,15 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     screen.refresh(now, elapsed);
     if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
     last = now;
+  };
+  client.run(stop, housekeeping, [&](bool device_stopped) {
+    screen.end(last);
+    spdlog::error(
+        "the driver of device '{}' has not returned from a call for 2 s; {}; the client ends, without a summary{}",
+        device->facts().name,
+        device_stopped ? "the device was stopped" : "its stop does not return either, so that a force may be left",
+        options.record.empty() ? "" : "; the recording has what was before");
+    spdlog::shutdown();
   });
   screen.end(last);
 

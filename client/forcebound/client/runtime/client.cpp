@@ -1,6 +1,7 @@
 #include "forcebound/client/runtime/client.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "forcebound/client/runtime/event_queue.hpp"
 #include "forcebound/client/runtime/idle_timer.hpp"
 #include "forcebound/client/runtime/priority.hpp"
+#include "forcebound/client/runtime/stuck_loop.hpp"
 #include "forcebound/client/runtime/tick_loop.hpp"
 #include "forcebound/client/runtime/watchdog.hpp"
 #include "forcebound/client/runtime/zero_force_first.hpp"
@@ -25,6 +27,7 @@ namespace forcebound::client {
 namespace {
 
 constexpr Nanoseconds kHousekeeping = std::chrono::milliseconds{50};
+constexpr int kStuckLooks = 40;  // of housekeeping: 2 s
 constexpr Nanoseconds kBuilding = std::chrono::milliseconds{2};
 
 record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
@@ -115,6 +118,15 @@ struct Client::Parts {
                     clock, Session::Sinks{.ticks = sinks, .events = &events});
   }
 
+  /// Ends the process: the tick's thread, which is in the driver, cannot be ended alone. What that thread has in hand,
+  /// the summary among it, is left alone.
+  [[noreturn]] void leave(TickLoop& loop, const Watchdog& watchdog, const Stuck& stuck) {
+    loop.end();
+    if (writer) writer->flush();
+    if (stuck) stuck(!watchdog.is_stopping());
+    std::_Exit(EXIT_FAILURE);
+  }
+
   void finish(record::RunTotals totals) {
     if (writer) {
       recorder.drain(*writer);
@@ -155,7 +167,7 @@ Client::Client(const Settings& settings, device::HapticDevice& device, std::uniq
 
 Client::~Client() = default;
 
-void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping) {
+void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping, const Stuck& stuck) {
   Parts& p = *parts_;
   p.device.start();
   ZeroForceFirst zero_force_first(p.device, *p.session, p.clock, p.settings.seed);
@@ -180,11 +192,13 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   }
   std::jthread tick([&loop] { loop.run(); });
   const EndOfLoop end{loop};
+  StuckLoop looks(kStuckLooks);
   while (!loop.done()) {
     std::this_thread::sleep_for(kHousekeeping);
     if (p.writer) p.recorder.drain(*p.writer);
     const Nanoseconds now = p.clock.now();
     if (housekeeping) housekeeping(now, now - start);
+    if (looks.note(loop.rounds()) && watchdog) p.leave(loop, *watchdog, stuck);
   }
   tick.join();
   if (p.local) {

@@ -56,6 +56,10 @@ class Client {
   /// Called several times a second while it runs.
   using Housekeeping = std::function<void(time::Nanoseconds now, time::Nanoseconds elapsed)>;
 
+  /// Tells the user that the device's driver does not return; the process ends after it. @param device_stopped whether
+  /// the watchdog could stop the device
+  using Stuck = std::function<void(bool device_stopped)>;
+
   /// Connects and opens the recording; does not start the device yet. `device` and `sinks` must outlive it.
   /// @throws std::invalid_argument if the server is on another machine, and neither keys nor `insecure` are given;
   /// std::exception with a message of one line: server, keys, recording, policy or what the controller refuses.
@@ -64,8 +68,10 @@ class Client {
   ~Client();
 
   /// Starts the device and runs until the time is up, the client gives up or `stop` is set; ends with zero force. To be
-  /// called once. @throws std::exception if the device does not start, or the recording cannot be ended.
-  void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {});
+  /// called once. If the driver of a device does not return from a call for 2 s the process ends with EXIT_FAILURE,
+  /// after the recording was written and `stuck` was called: no thread can be ended that is in a call.
+  /// @throws std::exception if the device does not start, or the recording cannot be ended.
+  void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {}, const Stuck& stuck = {});
 
   /// Events for the user; to be taken by the thread that runs the client or its housekeeping.
   [[nodiscard]] EventQueue& events() noexcept;

@@ -22,6 +22,7 @@ void TickLoop::run() {
   std::uint64_t ticks = 0;
   std::uint64_t allocations_at_start = 0;
   for (Nanoseconds now = timer.wait(); !stop_ && !ended_ && !over(now - start); now = timer.wait()) {
+    ++rounds_;
     session_.tick(now);
     if (settings_.watchdog != nullptr) settings_.watchdog->note_tick(clock_.now());
     if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
@@ -32,6 +33,7 @@ void TickLoop::run() {
   if (settings_.watchdog != nullptr) settings_.watchdog->rest();
   const Nanoseconds closing = clock_.now();
   for (Nanoseconds now = timer.wait(); !session_.close(now) && now - closing < kClosing; now = timer.wait()) {
+    ++rounds_;
   }
   done_ = true;
 }

@@ -63,6 +63,9 @@ class TickLoop {
   /// Any thread.
   [[nodiscard]] bool done() const noexcept { return done_; }
 
+  /// Grows as long as the loop runs, also while it closes the session. 0: it has not begun. Any thread.
+  [[nodiscard]] std::uint64_t rounds() const noexcept { return rounds_; }
+
   /// After the end.
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
 
@@ -77,6 +80,7 @@ class TickLoop {
   Outcome outcome_;
   std::atomic<bool> ended_{false};
   std::atomic<bool> done_{false};
+  std::atomic<std::uint64_t> rounds_{0};
 };
 
 }  // namespace forcebound::client

@@ -24,7 +24,9 @@ void Watchdog::run(const std::stop_token& stopping) {
     const std::int64_t ticked = ticked_.load(std::memory_order_relaxed);
     const time::Nanoseconds now = clock_.now();
     if (ticked == 0 || ticked == stopped_after || now.count() - ticked <= limit_.count()) continue;
+    stopping_ = true;
     device_.stop(now);
+    stopping_ = false;
     stopped_after = ticked;
     ++stops_;
   }

@@ -26,6 +26,9 @@ class Watchdog {
   /// There will be no more ticks.
   void rest() noexcept { ticked_.store(0, std::memory_order_relaxed); }
 
+  /// Whether it is in a call of the device's `stop`, which may not return either.
+  [[nodiscard]] bool is_stopping() const noexcept { return stopping_; }
+
   /// How often it stopped the device.
   [[nodiscard]] std::uint64_t stops() const noexcept { return stops_; }
 
@@ -36,6 +39,7 @@ class Watchdog {
   const time::Clock& clock_;
   time::Nanoseconds limit_;
   std::atomic<std::int64_t> ticked_{0};  ///< [ns]; 0: not yet, or no more
+  std::atomic<bool> stopping_{false};
   std::atomic<std::uint64_t> stops_{0};
   std::jthread thread_;  // last, so that it ends before the members that it reads
 };
