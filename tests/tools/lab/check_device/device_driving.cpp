@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::lab {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr Nanoseconds kCallMost = std::chrono::microseconds{200};  // of forcebound_device.h
 constexpr std::size_t kPlaces = 10;                                // over which a velocity is measured
+constexpr double kPeriodsNow = 1.5;                                // over which the speed of the moment is, at least
 constexpr double kStill_m_per_s = 0.005;
 constexpr double kOldPeriods = 20;
 
@@ -20,8 +22,9 @@ DeviceDriving::DeviceDriving(device::HapticDevice& device, Pace& pace, const Dev
     : device_(device), pace_(pace), settings_(settings), damping_(device.facts().damping) {}
 
 void DeviceDriving::timed(const char* name, const std::function<void()>& call) {
-  if (settings_.tell) settings_.tell(check_, name);
+  if (settings_.calls != nullptr) settings_.calls->begin(check_, name);
   const CallCost cost = pace_.cost_of(call);
+  if (settings_.calls != nullptr) settings_.calls->end();
   ++calls_.calls;
   if (cost.wall <= kCallMost) return;
   // A call that waits gives the processor away; one that was interrupted by other programs does neither that nor uses
@@ -35,8 +38,9 @@ void DeviceDriving::timed(const char* name, const std::function<void()>& call) {
 }
 
 void DeviceDriving::start() {
-  if (settings_.tell) settings_.tell(check_, "start");
+  if (settings_.calls != nullptr) settings_.calls->begin(check_, "start");
   device_.start();
+  if (settings_.calls != nullptr) settings_.calls->end();
   track_.clear();
   next_ = pace_.now();
 }
@@ -46,16 +50,39 @@ void DeviceDriving::stop() {
 }
 
 void DeviceDriving::tick(const std::optional<Vector>& force) {
+  (void)read_next();
+  if (force) command(*force);
+}
+
+void DeviceDriving::tick_while_unreadable(const Vector& force) {
+  if (!read_next()) command(force);
+}
+
+/// At the next tick. @returns whether it is usable
+bool DeviceDriving::read_next() {
   if (settings_.cancelled && settings_.cancelled()) throw std::runtime_error("cancelled; the force is zero");
   next_ = std::max(next_ + time::from_seconds(facts().period_s), pace_.now());
   pace_.wait_until(next_);
-  const Nanoseconds now = pace_.now();
+  now_ = pace_.now();
   device::Reading reading;
-  timed("read", [&] { reading = device_.read(now); });
-  note(reading, now);
-  if (force) {
-    timed("command", [&] { device_.apply(now, *force); });
-  }
+  timed("read", [&] { reading = device_.read(now_); });
+  note(reading, now_);
+  return device::is_usable(reading, facts().degrees_of_freedom());
+}
+
+void DeviceDriving::command(const Vector& force) {
+  if (force.norm() > 0) expect_slow();
+  ++commands_;
+  timed("command", [&] { device_.apply(now_, force); });
+}
+
+void DeviceDriving::expect_slow() {
+  const double speed = speed_now();
+  if (speed <= settings_.speed_m_per_s_max) return;
+  ++commands_;
+  timed("command", [&] { device_.apply(now_, zero()); });
+  throw TooFast("the tip was faster than " + text::rounded(settings_.speed_m_per_s_max) + " m/s (--speed), " +
+                text::rounded(speed) + " m/s: the force is zero");
 }
 
 void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
@@ -65,23 +92,36 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
   }
   if (!device::is_usable(reading, facts().degrees_of_freedom(), facts().joints())) {
     ++readings_.failed;
+    ++failures_;
     readings_.last_failure = std::string(device_.last_error());
     return;
   }
+  if (readings_.good == 0) readings_.first_latched = reading.latched;
+  readings_.last_latched = reading.latched;
   ++readings_.good;
-  if (time::to_seconds(now - reading.latched) > kOldPeriods * facts().period_s + facts().uncertainty.stamp_s.most) {
-    ++readings_.old;
-  }
+  const double age_s = time::to_seconds(now - reading.latched);
+  readings_.age_s.push_back(age_s);
+  if (age_s > kOldPeriods * facts().period_s + facts().uncertainty.stamp_s.most) ++readings_.old;
+  buttons_ = reading.handle.buttons;
   damping_ = reading.damping->matrix();
   track_.push_back({reading.latched, reading.position});
   if (track_.size() > kPlaces) track_.pop_front();
 }
 
-Vector DeviceDriving::velocity() const {
-  if (track_.size() < 2) return zero();
-  const double seconds = time::to_seconds(track_.back().latched - track_.front().latched);
+Vector DeviceDriving::velocity_since(const Place& from) const {
+  const double seconds = time::to_seconds(track_.back().latched - from.latched);
   if (!(seconds > 0)) return zero();
-  return (track_.back().position - track_.front().position) / seconds;
+  return (track_.back().position - from.position) / seconds;
+}
+
+Vector DeviceDriving::velocity() const { return track_.empty() ? zero() : velocity_since(track_.front()); }
+
+double DeviceDriving::speed_now() const {
+  // Readings that follow each other closely would tell the encoder's rounding.
+  const Nanoseconds apart = time::from_seconds(kPeriodsNow * facts().period_s);
+  const auto from = std::find_if(track_.rbegin(), track_.rend(),
+                                 [&](const Place& place) { return track_.back().latched - place.latched >= apart; });
+  return from == track_.rend() ? 0 : velocity_since(*from).norm();
 }
 
 double DeviceDriving::damping_along(const Vector& along) const { return along.dot(damping_ * along); }
@@ -102,8 +142,13 @@ Push DeviceDriving::push(const PushSettings& settings) {
     push.moved_integrated += step_s * settings.along.dot(push.moved);
     const double share = settings.ramp_s > 0 ? std::min(1.0, time::to_seconds(now - begin) / settings.ramp_s) : 1;
     force_N = share * settings.force_N;
-    tick(force_N * settings.along);
+    try {
+      tick(force_N * settings.along);
+    } catch (const TooFast& why) {
+      push.too_fast = why.what();
+    }
     push.moved = position() - from;
+    if (!push.too_fast.empty()) break;
   }
   push.speed_m_per_s = settings.along.dot(velocity());
   return push;
@@ -117,7 +162,10 @@ void DeviceDriving::brake(double force_N) {
     if (ticks > 20 && speed.norm() < kStill_m_per_s) break;
     Vector force = -force_N / kFull_m_per_s * speed;
     if (force.norm() > force_N) force *= force_N / force.norm();
-    tick(force);
+    try {
+      tick(force);
+    } catch (const TooFast&) {  // no force until it has slowed down by itself
+    }
   }
   for (int ticks = 0; ticks < 20; ++ticks) tick(zero());
 }

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "tests/tools/lab/check_device/device_checks.hpp"
 
@@ -11,13 +13,22 @@ namespace forcebound::lab {
 
 using control::Vector;
 
-/// What the readings since the last `clear` were.
+/// The tip was faster than it may be; the force is zero.
+class TooFast : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What the readings since the last `forget_readings` were.
 struct ReadingCounts {
   std::uint64_t good = 0;
   std::uint64_t stale = 0;
   std::uint64_t failed = 0;
   std::uint64_t old = 0;  ///< latched long before they were read
   std::string last_failure{};
+  std::vector<double> age_s{};  ///< of the good ones, when they were read
+  Nanoseconds first_latched{0};
+  Nanoseconds last_latched{0};
 };
 
 /// How many calls there were, and how many did not return in time.
@@ -34,6 +45,7 @@ struct Push {
   double twice_integrated = 0;  ///< of the force, over time [N s^2]
   double moved_integrated = 0;  ///< of the way along the push [m s]
   double speed_m_per_s = 0;     ///< along the push, at its end
+  std::string too_fast{};       ///< why it ended before its time; empty: it did not
 };
 
 /// Ticks of a device: each reads it and then, unless told otherwise, commands a force.
@@ -42,13 +54,16 @@ class DeviceDriving {
   DeviceDriving(device::HapticDevice& device, Pace& pace, const DeviceCheckSettings& settings);
 
   void begin(const std::string& check) { check_ = check; }
+  [[nodiscard]] const std::string& check() const { return check_; }
   void start();
   void stop();
   /// Neither reads nor commands for so long.
   void rest_for(double seconds) { pace_.wait_until(pace_.now() + time::from_seconds(seconds)); }
-  /// @param force none: no command
+  /// @param force none: no command @throws TooFast in place of a force on a tip that is faster than it may be
   void tick(const std::optional<Vector>& force);
-  /// Pushes until the device has moved so far or the time is over. @param ramp_s 0: at once
+  /// The same, but commands only if this tick has no usable reading.
+  void tick_while_unreadable(const Vector& force);
+  /// Pushes until the device has moved so far, is too fast, or the time is over. @param ramp_s 0: at once
   struct PushSettings {
     Vector along;  ///< unit vector
     double force_N = 0;
@@ -57,7 +72,7 @@ class DeviceDriving {
     double way_m = 0.005;
   };
   [[nodiscard]] Push push(const PushSettings& settings);
-  /// Opposes the motion until there is none.
+  /// Opposes the motion until there is none, once it is no faster than it may be.
   void brake(double force_N);
 
   [[nodiscard]] Vector position() const { return track_.empty() ? zero() : track_.back().position; }
@@ -67,26 +82,42 @@ class DeviceDriving {
   [[nodiscard]] Nanoseconds now() { return pace_.now(); }
   [[nodiscard]] const ReadingCounts& readings() const { return readings_; }
   void forget_readings() { readings_ = {}; }
+  /// Readings that failed since the beginning.
+  [[nodiscard]] std::uint64_t failures() const { return failures_; }
   [[nodiscard]] const CallCounts& calls() const { return calls_; }
+  [[nodiscard]] std::uint64_t commands() const { return commands_; }
+  [[nodiscard]] device::DeviceCounters counters() const { return device_.counters(); }
   [[nodiscard]] const control::DeviceFacts& facts() const { return device_.facts(); }
+  /// As the last reading told them.
+  [[nodiscard]] std::optional<std::uint32_t> buttons() const { return buttons_; }
+  [[nodiscard]] double speed_m_per_s_max() const { return settings_.speed_m_per_s_max; }
 
  private:
   struct Place {
     Nanoseconds latched;
     Vector position;
   };
+  bool read_next();
+  void command(const Vector& force);
   void timed(const char* name, const std::function<void()>& call);
   void note(const device::Reading& reading, Nanoseconds now);
+  [[nodiscard]] Vector velocity_since(const Place& from) const;
+  [[nodiscard]] double speed_now() const;
+  void expect_slow();
 
   device::HapticDevice& device_;
   Pace& pace_;
   const DeviceCheckSettings& settings_;
   std::string check_;
   Nanoseconds next_{0};
+  Nanoseconds now_{0};  ///< of the tick
   std::deque<Place> track_{};
   control::Matrix damping_{};
   ReadingCounts readings_{};
   CallCounts calls_{};
+  std::uint64_t commands_ = 0;
+  std::uint64_t failures_ = 0;
+  std::optional<std::uint32_t> buttons_{};
 };
 
 }  // namespace forcebound::lab

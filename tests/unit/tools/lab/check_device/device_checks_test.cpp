@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -38,10 +39,11 @@ class VirtualPace final : public Pace {
   Nanoseconds now_ = 100s;
 };
 
-std::vector<std::string> failed_of(device::HapticDevice& device, bool real_cost = false) {
+std::vector<std::string> failed_of(device::HapticDevice& device, bool real_cost = false,
+                                   const DeviceCheckSettings& settings = {.force_share = 1}) {
   VirtualPace pace(real_cost);
   std::vector<std::string> failed;
-  for (const DeviceCheck& check : check_device(device, pace, {.force_share = 1})) {
+  for (const DeviceCheck& check : check_device(device, pace, settings)) {
     if (check.verdict != Verdict::failed) continue;
     failed.push_back(check.name);
     std::cout << check.name << ": " << check.measured << '\n';
@@ -49,11 +51,14 @@ std::vector<std::string> failed_of(device::HapticDevice& device, bool real_cost 
   return failed;
 }
 
-std::vector<std::string> failed_with(const std::string& fault, bool real_cost = false) {
+std::unique_ptr<driver::DriverDevice> device_with(const std::string& fault) {
   const std::string file = std::string(FORCEBOUND_TEST_DRIVERS) + "/forcebound-device-faulty.so";
-  driver::DriverDevice device(std::make_shared<const driver::DriverLibrary>(file, "faulty"),
-                              driver::DriverRequest::parse("faulty:fault=" + fault));
-  return failed_of(device, real_cost);
+  return std::make_unique<driver::DriverDevice>(std::make_shared<const driver::DriverLibrary>(file, "faulty"),
+                                                driver::DriverRequest::parse("faulty:fault=" + fault));
+}
+
+std::vector<std::string> failed_with(const std::string& fault, bool real_cost = false) {
+  return failed_of(*device_with(fault), real_cost);
 }
 
 TEST(CheckDevice, PassesADriverThatIsRight) { EXPECT_THAT(failed_with("none"), IsEmpty()); }
@@ -67,6 +72,51 @@ TEST(CheckDevice, FindsCallsThatBlock) { EXPECT_THAT(failed_with("blocks", true)
 TEST(CheckDevice, FindsADriftAtZeroForce) { EXPECT_THAT(failed_with("drift"), ElementsAre("rest at zero force")); }
 TEST(CheckDevice, FindsAForceThatWraps) { EXPECT_THAT(failed_with("wraps"), ElementsAre("saturation")); }
 TEST(CheckDevice, FindsReadingsThatAreNotFinite) { EXPECT_THAT(failed_with("nan"), ElementsAre("readings")); }
+
+TEST(CheckDevice, FindsTimesThatRunBackwards) {
+  EXPECT_THAT(failed_with("backwards"), testing::Contains("times run forward"));
+}
+TEST(CheckDevice, FindsReadingsOfVeryDifferentAges) { EXPECT_THAT(failed_with("jitter"), ElementsAre("jitter")); }
+TEST(CheckDevice, FindsReadingsThatAreSeldomNew) { EXPECT_THAT(failed_with("seldom"), testing::Contains("rate")); }
+TEST(CheckDevice, FindsFailuresWithoutAReason) {
+  EXPECT_THAT(failed_with("fails"), ElementsAre("readings", "last error"));
+  EXPECT_THAT(failed_with("write"), ElementsAre("commands", "last error"));
+}
+
+TEST(CheckDevice, GivesNoMoreForceToATipThatIsTooFast) {
+  const auto device = device_with("none");
+  EXPECT_THAT(failed_of(*device, false, {.force_share = 1, .speed_m_per_s_max = 0.1}), ElementsAre("force along +x"));
+  VirtualPace pace;
+  const auto checks = check_device(*device_with("none"), pace, {.speed_m_per_s_max = 0.1});
+  const auto hold_time = std::ranges::find(checks, "hold time", &DeviceCheck::name);
+  ASSERT_NE(hold_time, checks.end());
+  EXPECT_EQ(hold_time->verdict, Verdict::not_checked) << "nothing is pushed any more";
+}
+
+TEST(CheckDevice, TellsEachCheckOnceItIsJudged) {
+  std::vector<std::string> told;
+  VirtualPace pace;
+  const auto checks = check_device(*device_with("none"), pace,
+                                   {.found = [&](const DeviceCheck& check) { told.push_back(check.name); }});
+  ASSERT_EQ(told.size(), checks.size());
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], checks[i].name);
+}
+
+class IdlePerson final : public Person {
+ public:
+  void ask(const std::string& what, double /*left_s*/) override {
+    if (asked.empty() || asked.back() != what) asked.push_back(what);
+  }
+  bool is_done() override { return false; }
+
+  std::vector<std::string> asked;
+};
+
+TEST(CheckDevice, APersonWhoDoesNothingFailsIt) {
+  IdlePerson person;
+  EXPECT_THAT(failed_of(*device_with("none"), false, {.person = &person}), ElementsAre("unplugging"));
+  EXPECT_THAT(person.asked, ElementsAre("Unplug the device."));
+}
 
 TEST(CheckDevice, PassesTheSimulatedDevices) {
   for (const std::string& name : device::shipped_device_names()) {

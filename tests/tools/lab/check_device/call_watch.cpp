@@ -1,0 +1,137 @@
+#include "tests/tools/lab/check_device/call_watch.hpp"
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string_view>
+
+#include "forcebound/time/real_time.hpp"
+#include "forcebound/time/steady_clock.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr std::chrono::milliseconds kLook{1};
+constexpr std::chrono::milliseconds kStopPatience{200};
+constexpr std::chrono::milliseconds kOnItsWay{20};  // a force of zero, with a driver whose own thread sends it
+constexpr int kPriority = 80;
+constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+
+// Of the handler, which has no other way to them.
+CheckProgress* progress_of_process = nullptr;
+pid_t thread_that_checks = 0;
+
+std::int64_t now_ns() { return time::SteadyClock{}.now().count(); }
+
+pid_t this_thread() { return static_cast<pid_t>(::syscall(SYS_gettid)); }
+
+std::int64_t longest_ns(std::string_view call) {
+  const auto most = [&]() -> std::chrono::nanoseconds {
+    if (call == "open" || call == "start") return kStartsWithin;
+    return call == "close" ? kClosesWithin : kReturnsWithin;
+  };
+  return most().count();
+}
+
+}  // namespace
+
+CallWatch::CallWatch(CheckProgress& progress, std::chrono::seconds all_within)
+    : progress_(progress),
+      checks_(this_thread()),
+      all_until_ns_(now_ns() + std::chrono::nanoseconds(all_within).count()),
+      stack_(std::make_unique<std::array<std::byte, kStackBytes>>()),
+      stopper_([this](const std::stop_token& ending) { stop_when_asked(ending); }),
+      watcher_([this](const std::stop_token& ending) { watch(ending); }) {
+  catch_crashes();
+}
+
+CallWatch::~CallWatch() {
+  watcher_.request_stop();
+  watcher_.join();
+  stopper_.request_stop();
+  asked_.release();
+}
+
+void CallWatch::catch_crashes() {
+  progress_of_process = &progress_;
+  thread_that_checks = checks_;
+  ::stack_t stack{};
+  stack.ss_sp = stack_->data();
+  stack.ss_size = stack_->size();
+  ::sigaltstack(&stack, nullptr);
+  struct sigaction action {};
+  action.sa_handler = note_crash;
+  action.sa_flags = SA_ONSTACK;
+  for (const int number : kCrashes) ::sigaction(number, &action, nullptr);
+}
+
+/// Leaves the thread where it is: what it was about to do next is not to be trusted.
+void CallWatch::note_crash(int number) {
+  CheckEnd none = CheckEnd::none;
+  progress_of_process->end.compare_exchange_strong(none, CheckEnd::crashed);
+  int no_signal = 0;
+  // A second one is `stop`, which crashes too.
+  if (!progress_of_process->signal.compare_exchange_strong(no_signal, number)) ::_exit(1);
+  progress_of_process->in_own_thread = this_thread() != thread_that_checks;
+  for (;;) ::pause();
+}
+
+void CallWatch::guard(device::HapticDevice* device) noexcept {
+  if (device != nullptr && device->is_simulated()) device = nullptr;
+  if (device != nullptr && device->facts().releases) {
+    hold_ns_ = std::min(time::from_seconds(device->facts().hold_s_max), Nanoseconds(kStopMost)).count();
+  }
+  device_ = device;
+}
+
+void CallWatch::begin(const std::string& check, const char* call) {
+  while (progress_.signal != 0) ::pause();
+  progress_.check.set(check);
+  progress_.call.set(call);
+  within_ns_ = longest_ns(call);
+  progress_.called_ns = now_ns();
+}
+
+void CallWatch::watch(const std::stop_token& ending) {
+  (void)time::ask_for_first_in_first_out(kPriority);
+  std::int64_t stopped_in = 0;
+  while (!ending.stop_requested()) {
+    std::this_thread::sleep_for(kLook);
+    if (progress_.signal != 0) end_process();
+    const std::int64_t now = now_ns();
+    const std::int64_t within = within_ns_;  // first, lest a call that is over is measured by the limit of the next
+    const std::int64_t called = progress_.called_ns;
+    CheckEnd end = CheckEnd::none;
+    if (called != 0 && now - called > within) end = CheckEnd::hung;
+    if (now > all_until_ns_) end = CheckEnd::overdue;
+    CheckEnd none = CheckEnd::none;
+    if (end != CheckEnd::none && progress_.end.compare_exchange_strong(none, end)) end_process();
+    if (called == 0 || called == stopped_in || now - called <= hold_ns_) continue;
+    stopped_in = called;
+    asked_.release();
+  }
+}
+
+void CallWatch::stop_when_asked(const std::stop_token& ending) {
+  (void)time::ask_for_first_in_first_out(kPriority);
+  while (true) {
+    asked_.acquire();
+    if (ending.stop_requested()) return;
+    if (device::HapticDevice* const device = device_; device != nullptr) device->stop(Nanoseconds(now_ns()));
+    ++stops_;
+  }
+}
+
+void CallWatch::end_process() {
+  const std::uint64_t stops = stops_;
+  asked_.release();
+  const std::int64_t until = now_ns() + Nanoseconds(kStopPatience).count();
+  while (stops_ == stops && now_ns() < until) std::this_thread::sleep_for(kLook);
+  progress_.stopped = stops_ != stops;
+  if (progress_.stopped) std::this_thread::sleep_for(kOnItsWay);
+  ::_exit(1);
+}
+
+}  // namespace forcebound::lab
