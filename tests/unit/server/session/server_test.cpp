@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "forcebound/device/tick_rate.hpp"
 #include "tests/support/auto_scene.hpp"
 #include "tests/unit/server/session/server_fixture.hpp"
 
@@ -383,6 +384,29 @@ TEST_F(ServerTest, AnswersAtMostFourTimesThePromisedRate) {
   EXPECT_LE(counters.forces_sent, 41000u);
   EXPECT_GE(counters.forces_sent, 40000u);
   EXPECT_EQ(counters.motions_over_rate, ten_seconds - counters.forces_sent);
+}
+
+TEST_F(ServerTest, AnswersEachMotionOfADeviceOf4000TicksASecond) {
+  constexpr double kRate_Hz = device::kTickRateMost_Hz;
+  wire::Hello fast = hello(1);
+  fast.period_s = 1 / kRate_Hz;
+  arrive(fast, address(1));
+  const auto session = only_answer<wire::Welcome>().session;
+  const auto ten_seconds = static_cast<std::uint64_t>(10 * kRate_Hz);
+  for (std::uint64_t i = 1; i <= ten_seconds; ++i) {
+    clock.time = std::chrono::microseconds{250} * i;
+    arrive(motion(session, i));
+  }
+  const auto held_up = clock.time + seconds{1};
+  for (std::uint64_t i = 1; i <= static_cast<std::uint64_t>(kRate_Hz); ++i) {
+    clock.time = held_up;
+    arrive(motion(session, ten_seconds + i));
+  }
+  const auto counters = server->counters();
+  EXPECT_EQ(counters.forces_sent, ten_seconds + static_cast<std::uint64_t>(kRate_Hz))
+      << "the last second of them came at once, after a delay";
+  EXPECT_EQ(counters.motions_over_rate, 0U);
+  EXPECT_EQ(counters.motions_far_ahead, 0U);
 }
 
 TEST_F(ServerTest, CountsAForceThatTheNetworkRefused) {
