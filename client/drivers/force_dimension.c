@@ -220,8 +220,11 @@ static int read_once(forcebound_device* device) {
 static int enable(forcebound_device* device) {
   /* The device's own: it ends the force when this process is killed or stopped. */
   if (device->dhd.set_watchdog != NULL) device->dhd.set_watchdog(kWatchdog, device->id);
+  /* Lest the force of before be back for a round: libdhd may have kept it. */
+  (void)device->dhd.set_force(0, 0, 0, device->id);
   device->sent_s = now_s();
-  return device->dhd.enable_force(1, device->id);
+  if (device->dhd.enable_force(1, device->id) < 0) return -1;
+  return device->dhd.set_force(0, 0, 0, device->id);
 }
 
 /* Sends the newest force, or none if it is too old. 0: the device is gone. */

@@ -2,10 +2,11 @@
 // to it, and see of it, are the functions stand_in_*.
 //
 // Like the real one it takes a while for each call, keeps the last force until another comes or the device's watchdog
-// disables the force, fails when the device is unplugged, and gives no force before dhdEnableForce. Its frame has x
-// towards the user, y to his right, z up.
+// disables the force, fails when the device is unplugged, and gives no force before dhdEnableForce, which brings back
+// the last force that was set. Its frame has x towards the user, y to his right, z up.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <thread>
 
@@ -24,6 +25,8 @@ std::atomic<bool> the_open{false};
 std::atomic<double> the_watchdog_s{0};
 std::atomic<double> the_commanded_s{0};
 std::atomic<int> the_stall_ms{0};
+Axes the_last_N{};  // of the scene, whether the force is enabled or not; the caller's thread
+std::atomic<double> the_force_at_enable_N{-1};
 
 Axes in_scene(const Axes& here) { return {here[1], -here[0], here[2]}; }
 Axes from_scene(const Axes& scene) { return {-scene[1], scene[0], scene[2]}; }
@@ -74,7 +77,10 @@ STAND_IN_EXPORT const char* dhdGetSystemName(char /*id*/) { return "omega.3"; }
 STAND_IN_EXPORT int dhdEnableForce(unsigned char on, char /*id*/) {
   StandIn* const device = opened_after_call();
   the_commanded_s = now_s();
-  return result(device != nullptr && device->enable(on != 0));
+  if (device == nullptr || !device->enable(on != 0)) return result(false);
+  if (on == 0) return 0;
+  the_force_at_enable_N = std::hypot(the_last_N[0], the_last_N[1], the_last_N[2]);
+  return result(device->command(the_last_N));
 }
 
 STAND_IN_EXPORT int dhdSetWatchdog(unsigned char duration, char /*id*/) {
@@ -99,7 +105,8 @@ STAND_IN_EXPORT int dhdSetForce(double x, double y, double z, char /*id*/) {
   const double before_s = the_commanded_s.exchange(now_s());
   const bool too_late = the_watchdog_s > 0 && the_commanded_s - before_s > the_watchdog_s;
   if (device != nullptr && too_late) device->enable(false);
-  return result(device != nullptr && device->command(in_scene({x, y, z})));
+  the_last_N = in_scene({x, y, z});
+  return result(device != nullptr && device->command(the_last_N));
 }
 
 STAND_IN_EXPORT unsigned int dhdGetButtonMask(char /*id*/) {
@@ -125,6 +132,9 @@ STAND_IN_EXPORT void stand_in_force(double* force_N) {
   const Axes now = device != nullptr ? from_scene(device->look().force_N) : Axes{};
   std::memcpy(force_N, now.data(), sizeof now);
 }
+
+/// That dhdEnableForce brought back; below zero: it was not called since the last call of this.
+STAND_IN_EXPORT double stand_in_force_at_enable() { return the_force_at_enable_N.exchange(-1); }
 
 /// The next call takes so long.
 STAND_IN_EXPORT void stand_in_stall(int milliseconds) { the_stall_ms = milliseconds; }

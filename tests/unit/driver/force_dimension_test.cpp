@@ -16,10 +16,12 @@ class ForceDimension : public DriverOnStandIn {
  protected:
   ForceDimension() : DriverOnStandIn("force-dimension", "libstand_in_dhd.so") {
     of("stand_in_stall", stall_ms);
+    of("stand_in_force_at_enable", force_at_enable_N);
     open();
   }
 
   void (*stall_ms)(int) = nullptr;
+  double (*force_at_enable_N)() = nullptr;
 };
 
 TEST_F(ForceDimension, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
@@ -66,6 +68,17 @@ TEST_F(ForceDimension, LetsTheDevicesWatchdogEndTheForceAndSwitchesItOnAgain) {
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
   stall_ms(300);  // the driver's only thread that talks to the device
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 0; });
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+}
+
+TEST_F(ForceDimension, DoesNotBringBackTheOldForceWithTheMotors) {
+  device->start();
+  tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
+  (void)force_at_enable_N();
+  stall_ms(300);
+  double brought_back_N = -1;
+  tick_until(Vector::Ones(3), [&] { return (brought_back_N = force_at_enable_N()) >= 0; });
+  EXPECT_EQ(brought_back_N, 0);
   tick_until(Vector::Ones(3), [&] { return felt_N()[2] == 1; });
 }
 
