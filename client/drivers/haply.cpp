@@ -23,10 +23,12 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -219,7 +221,9 @@ Trouble exchange_all(forcebound_device& device) {
   while (!device.ending.load(std::memory_order_acquire)) {
     const double sent_s = now_s();
     if (!device.connection.send(command_of(device, force_due(device)), kAnswer)) return Trouble::no_service;
-    const std::optional<std::string_view> text = device.connection.receive(kAnswer);
+    // Together no longer than kAnswer, so that a force has a bound.
+    const auto sending = milliseconds(static_cast<int>(std::ceil(1e3 * (now_s() - sent_s))));
+    const std::optional<std::string_view> text = device.connection.receive(kAnswer - std::min(sending, kAnswer));
     if (!text) return Trouble::no_service;
     State state;
     const double received_s = now_s();
@@ -302,7 +306,8 @@ int haply_describe(forcebound_device* device, forcebound_facts* facts) {
     facts->encoder_step[axis] = 1e-4;
   }
   facts->force_N_max = device->settings.force_N_max;
-  facts->hold_s_max = kHold_s + 1e-3 * static_cast<double>(kAnswer.count());
+  // The oldest force that is sent, an exchange that is not answered, and the last attempt to send zero force.
+  facts->hold_s_max = kHold_s + 1e-3 * static_cast<double>((kAnswer + Connection::kLast).count()) + 1e-9 * kPause_ns;
   facts->latency_s = 2e-3;
   facts->stamp_s_most = 2e-3;
   return FORCEBOUND_OK;

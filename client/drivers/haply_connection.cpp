@@ -91,14 +91,13 @@ std::optional<std::string_view> Connection::receive(Limit limit) {
 }
 
 void Connection::close(std::string_view last) noexcept {
-  constexpr Limit kAtOnce{1};
   try {
     if (socket_ && !last.empty()) {
       Socket& here = *socket_;
       // Beside a read that may be under way still.
       here.stream.async_write(asio::buffer(last.data(), last.size()), [](beast::error_code, std::size_t) {});
       here.io.restart();
-      here.io.run_for(kAtOnce);
+      here.io.run_for(kLast);
     }
   } catch (const std::exception& error) {
     why_ = error.what();

@@ -15,6 +15,9 @@ class Connection {
  public:
   using Limit = std::chrono::milliseconds;
 
+  /// How long a last message may take.
+  static constexpr Limit kLast{1};
+
   /// Longer messages end the connection: the service's have about 2 KiB for each device.
   static constexpr std::size_t kMessageBytesMost = 65536;
 

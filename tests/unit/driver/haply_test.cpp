@@ -133,6 +133,7 @@ TEST_F(Haply, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
   EXPECT_EQ(device->facts().name, "Inverse3 04BA");
   EXPECT_EQ(device->facts().degrees_of_freedom(), 3);
   EXPECT_EQ(device->facts().force_N_max, 7);
+  EXPECT_NEAR(device->facts().hold_s_max, 0.0412, 1e-4) << "20 ms old, 20 ms unanswered, 1 ms for the last attempt";
   EXPECT_THAT(device->facts_in_words(), HasSubstr("bounds not identified"));
 }
 
