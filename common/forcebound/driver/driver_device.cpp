@@ -15,14 +15,13 @@ namespace {
 // `now` was read before the encoders were: by so much at most.
 constexpr Nanoseconds kAhead = std::chrono::milliseconds{1};
 
-control::DeviceFacts told_by(const forcebound_driver& driver, forcebound_device* device, bool& identified) {
+forcebound_facts told_by(const forcebound_driver& driver, forcebound_device* device) {
   forcebound_facts told{};
   told.size = sizeof told;
   if (driver.describe(device, &told) != FORCEBOUND_OK) {
     throw std::runtime_error("driver '" + std::string(driver.name) + "' does not describe its device");
   }
-  identified = told.identified != 0;
-  return facts_of(told, driver.name);
+  return told;
 }
 
 control::Handle handle_of(const forcebound_reading& told) noexcept {
@@ -45,6 +44,15 @@ void expect_same_axes(const control::DeviceFacts& file, const control::DeviceFac
   if (file.joints() == told.joints() && file.tip_axes == told.tip_axes && file.cartesian == told.cartesian) return;
   throw std::runtime_error(request.facts_file + ": has " + axes_in_words(file) + ", but the device of driver '" +
                            request.name + "' has " + axes_in_words(told));
+}
+
+/// Limits of a user's file. One that does not say what the motors may give for ever leaves it to the driver, which may
+/// know it.
+device::Safety own_safety(const device::RealDevice& own, const forcebound_facts& told) {
+  device::Safety safety = own.safety;
+  const bool unsaid = safety.rms_force_N_max == device::Safety::of_a_person(own.facts).rms_force_N_max;
+  if (unsaid && told.force_N_continuous > 0) safety.rms_force_N_max = told.force_N_continuous;
+  return safety;
 }
 
 }  // namespace
@@ -91,12 +99,14 @@ DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const D
     throw std::runtime_error("driver '" + request.name + "': " + (why.empty() ? "no device" : text::printable(why)));
   }
   try {
-    facts_ = told_by(driver(), device_, identified_);
-    safety_ = device::Safety::of_a_person(facts_);
+    const forcebound_facts told = told_by(driver(), device_);
+    identified_ = told.identified != 0;
+    facts_ = facts_of(told, driver().name);
+    safety_ = safety_of(told, facts_, driver().name);
     if (own) {
       expect_same_axes(own->facts, facts_, request);
+      safety_ = own_safety(*own, told);
       facts_ = std::move(own->facts);
-      safety_ = own->safety;
       identified_ = own->identified;
       guessed_by_ = "its file";
     }

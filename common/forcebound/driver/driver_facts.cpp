@@ -89,4 +89,13 @@ control::DeviceFacts facts_of(const forcebound_facts& told, const std::string& d
   return facts;
 }
 
+device::Safety safety_of(const forcebound_facts& told, const control::DeviceFacts& facts, const std::string& driver) {
+  device::Safety safety = device::Safety::of_a_person(facts);
+  if (!(told.force_N_continuous >= 0) || !std::isfinite(told.force_N_continuous)) {
+    Checks(driver).refuse("force_N_continuous", "finite and >= 0", told.force_N_continuous);
+  }
+  if (told.force_N_continuous > 0) safety.rms_force_N_max = told.force_N_continuous;
+  return safety;
+}
+
 }  // namespace forcebound::driver

@@ -79,6 +79,9 @@ typedef struct forcebound_facts {
   double release_s;     /* held for so long */
   double latency_s;     /* at most so long from command to the force at the motors */
   double stamp_s_most;  /* a reading was latched at most so long after its stamp says, or before it */
+  double force_N_continuous; /* largest tip force that the motors may give for ever without getting too hot: the root
+                                mean square of the force is kept below it; 0: not known, 60 % of force_N_max is taken.
+                                Not there in drivers and programs that are older: check `size` before it is set. */
 } forcebound_facts;
 
 /* Bits of forcebound_reading.has */

@@ -64,6 +64,7 @@ static int slider_describe(forcebound_device* slider, forcebound_facts* facts) {
   }
   facts->force_N_max = 8;
   facts->hold_s_max = 1e-9 * HOLD_NS;
+  if (strcmp(slider->fault, "warm") == 0) facts->force_N_continuous = 0.5;
   return FORCEBOUND_OK;
 }
 

@@ -256,6 +256,21 @@ TEST(DriverFacts, AreCheckedBeforeALawSeesThem) {
   refused([](auto& facts) { facts.latency_s = kNan; }, "latency_s");
 }
 
+TEST(DriverFacts, TakeTheForceThatTheMotorsMayGiveForEverForTheLimitOfHeat) {
+  forcebound_facts told{};
+  told.size = sizeof told;
+  told.force_N_max = 5;
+  control::DeviceFacts facts;
+  facts.force_N_max = 5;
+  EXPECT_DOUBLE_EQ(safety_of(told, facts, "pen").rms_force_N_max, 3) << "an older driver: 60 % of the largest";
+  told.force_N_continuous = 0.88;
+  EXPECT_EQ(safety_of(told, facts, "pen").rms_force_N_max, 0.88);
+  told.force_N_continuous = -1;
+  EXPECT_THAT([&] { (void)safety_of(told, facts, "pen"); },
+              ThrowsMessage<std::runtime_error>(
+                  HasSubstr("driver 'pen': its device's force_N_continuous must be finite and >= 0, got -1")));
+}
+
 TEST(DriverFacts, ALatencyIsABound) {
   forcebound_facts told{};
   told.size = sizeof told;
@@ -301,6 +316,21 @@ TEST(DriverFamily, TakesAFileOfFactsInPlaceOfTheDrivers) {
               ThrowsMessage<std::runtime_error>(
                   HasSubstr("has 1 axes of the tip, but the device of driver 'slider' has 2 axes")));
   EXPECT_THROW((void)devices.make({.device = "slider:facts=/nonexistent.toml"}), std::runtime_error);
+}
+
+TEST(DriverFamily, LeavesWhatTheMotorsMayGiveForEverToTheDriverUnlessAFileSaysIt) {
+  const test::TemporaryFolder folder;
+  const std::string facts = "kind = 'cartesian'\ndegrees_of_freedom = 1\ndamping_N_s_per_m = 3\nforce_N_max = 2\n";
+  text::write_file(folder.file("mine.toml"), facts);
+  text::write_file(folder.file("cool.toml"), facts + "[safety]\nrms_force_N_max = 1\n");
+  const auto rms_force_N_max = [](const std::string& device) {
+    return registry().make({.device = device})->safety().rms_force_N_max;
+  };
+  EXPECT_DOUBLE_EQ(rms_force_N_max("slider"), 0.6 * 8);
+  EXPECT_EQ(rms_force_N_max("slider:fault=warm"), 0.5);
+  EXPECT_EQ(rms_force_N_max("slider:fault=warm,facts=" + folder.file("mine.toml")), 0.5);
+  EXPECT_EQ(rms_force_N_max("slider:fault=warm,facts=" + folder.file("cool.toml")), 1);
+  EXPECT_DOUBLE_EQ(rms_force_N_max("slider:facts=" + folder.file("mine.toml")), 0.6 * 2);
 }
 
 TEST(DriverFamily, TellsThatTheBoundsOfAFileAreGuesses) {
