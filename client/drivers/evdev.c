@@ -18,10 +18,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "evdev_state.h"
+#include "evdev_events.h"
 #include "pause.h"
 
-enum { kEventsMost = 256, kDevicesMost = 64, kPathBytes = 128 };
+enum { kDevicesMost = 64, kPathBytes = 512 };
 static const char kFolder[] = "/dev/input";
 static const long kLookAgain_ns = 500000000;
 static const long kLookWhether_ns = 20000000;
@@ -90,26 +90,6 @@ static int open_path(forcebound_device* device, const char* path, found* found) 
   note_found(found, path, device->events != NULL ? libevdev_get_name(device->events) : NULL, why);
   close_events(device);
   return 0;
-}
-
-/* Ranges and present values of what was opened; a relative point stays where it was. */
-static void begin_state(forcebound_device* device) {
-  static const unsigned int kCodes[] = {ABS_X, ABS_Y, ABS_Z, ABS_RY};
-  evdev_state* const state = &device->state;
-  size_t i;
-  state->absolute = !libevdev_has_event_code(device->events, EV_REL, REL_X);
-  state->buttons = 0;
-  /* A gamepad's ABS_Z is a trigger, a 3D mouse's ABS_RY a turn. */
-  state->z_code = libevdev_has_event_code(device->events, EV_KEY, BTN_GAMEPAD) ? ABS_RY : ABS_Z;
-  for (i = 0; state->absolute && i < sizeof kCodes / sizeof *kCodes; ++i) {
-    const struct input_absinfo* const about = libevdev_get_abs_info(device->events, kCodes[i]);
-    double sign;
-    const int axis = evdev_axis_of(state, EV_ABS, kCodes[i], &sign);
-    if (about == NULL || axis < 0) continue;
-    state->ranges[axis].minimum = about->minimum;
-    state->ranges[axis].maximum = about->maximum;
-    evdev_note(state, EV_ABS, kCodes[i], about->value);
-  }
 }
 
 static int is_event_file(const struct dirent* entry) { return strncmp(entry->d_name, "event", 5) == 0; }
@@ -192,7 +172,7 @@ static int ev_open(const forcebound_setting* settings, size_t count, forcebound_
     free(device);
     return FORCEBOUND_FAILED;
   }
-  begin_state(device);
+  evdev_begin(&device->state, device->events);
   {
     const char* const name = libevdev_get_name(device->events);
     snprintf(device->name, sizeof device->name, "%.150s (no motors)", name != NULL ? name : "input device");
@@ -213,29 +193,11 @@ static int ev_describe(forcebound_device* device, forcebound_facts* facts) {
     const double steps = (double)range.maximum - range.minimum;
     facts->damping[4 * i] = device->damping_N_s_per_m;
     facts->encoder_step[i] = !device->state.absolute || steps <= 0 ? scale->count_m : scale->width_m / steps;
+    if (device->state.deflects) facts->encoder_step[i] = 0.5 * scale->width_m / EVDEV_DEFLECTION;
   }
   facts->force_N_max = device->force_N_max;
   facts->hold_s_max = kHold_s;
   return FORCEBOUND_OK;
-}
-
-/* Takes in what waits. 0: the device is gone. */
-static int take_events(forcebound_device* device) {
-  struct input_event event;
-  unsigned int flags = LIBEVDEV_READ_FLAG_NORMAL;
-  int i;
-  for (i = 0; i < kEventsMost; ++i) {
-    const int result = libevdev_next_event(device->events, flags, &event);
-    if (result == -EAGAIN && flags == LIBEVDEV_READ_FLAG_NORMAL) return 1;
-    if (result == -EAGAIN) {
-      flags = LIBEVDEV_READ_FLAG_NORMAL; /* what the kernel had dropped has been told anew */
-      continue;
-    }
-    if (result < 0) return result == -EINTR;
-    if (result == LIBEVDEV_READ_STATUS_SYNC) flags = LIBEVDEV_READ_FLAG_SYNC;
-    evdev_note(&device->state, event.type, event.code, event.value);
-  }
-  return 1;
 }
 
 static void* keep(void* of) {
@@ -245,7 +207,7 @@ static void* keep(void* of) {
       found ignored = {{0}, 0};
       close_events(device);
       if (open_any(device, &ignored)) {
-        begin_state(device);
+        evdev_begin(&device->state, device->events);
         set(&device->gone, 0);
       } else {
         rest(kLookAgain_ns);
@@ -267,7 +229,7 @@ static int ev_start(forcebound_device* device) {
 }
 
 static int ev_read(forcebound_device* device, int64_t now_ns, forcebound_reading* reading) {
-  if (!is_set(&device->gone) && !take_events(device)) set(&device->gone, 1);
+  if (!is_set(&device->gone) && !evdev_take(&device->state, libevdev_next_event, device->events)) set(&device->gone, 1);
   if (is_set(&device->gone)) {
     snprintf(device->error, sizeof device->error, "%.150s is unplugged; looking for it", device->name);
     return FORCEBOUND_UNPLUGGED;
@@ -304,7 +266,8 @@ static const forcebound_driver kEvdev = {
     .interface_version = FORCEBOUND_DEVICE_INTERFACE,
     .name = "evdev",
     .description = "mice, tablets, gamepads and 3D mice, which have no motors: forces are shown",
-    .settings = "  path=FILE            such as /dev/input/event5; the first that suits unless said\n"
+    .settings = "  path=FILE            such as /dev/input/event5, or a link to it as in\n"
+                "                       /dev/input/by-id; the first that suits unless said\n"
                 "  plane=xy|xz          what a pointer moves in; its wheel moves along the third axis\n"
                 "  count_m=M            of a mouse, for one count; 0.0001 unless said\n"
                 "  wheel_m=M            for one notch; 0.005\n"

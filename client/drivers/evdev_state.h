@@ -1,7 +1,9 @@
 /* What events of an input device say of a point in the scene, and of buttons; events come as arguments, no system calls.
  *
  * A device is relative, as a mouse: each event moves the point by so many counts, within a box. Or it is absolute, as a
- * tablet, a stick or the cap of a 3D mouse: the range of an axis spans the box.
+ * tablet, a stick or the cap of a 3D mouse: the range of an axis spans the box. The cap of some 3D mice comes in relative
+ * events, each of which says how far it is deflected now, EVDEV_DEFLECTION counts at most; at rest it says nothing, so
+ * that an axis that is silent for kDeflected_ns is in the middle.
  *
  * Axes of Linux' input devices: x to the right, y towards the user. The scene has y away from the user, z up.
  */
@@ -14,6 +16,7 @@
 #include <string.h>
 
 #define EVDEV_AXES 3
+#define EVDEV_DEFLECTION 350
 
 /* How far the point moves, and over which axes. */
 typedef struct evdev_scale {
@@ -32,6 +35,9 @@ typedef struct evdev_range {
 typedef struct evdev_state {
   evdev_scale scale;
   int absolute;
+  int deflects; /* relative events say how far the cap of a 3D mouse is deflected */
+  int fresh[EVDEV_AXES];        /* told since the point last followed */
+  int64_t told_ns[EVDEV_AXES];  /* when */
   unsigned int z_code; /* of an absolute device, the axis that moves it along z: ABS_RY of a gamepad, else ABS_Z */
   evdev_range ranges[EVDEV_AXES]; /* of an absolute device, of its axes */
   double told_m[EVDEV_AXES];      /* where events put the point */
@@ -96,11 +102,17 @@ static inline void evdev_note(evdev_state* state, unsigned int type, unsigned in
       const double share = ((double)value - range.minimum) / span;
       state->told_m[axis] = evdev_within(sign * (share - 0.5) * state->scale.width_m, half_m);
     }
+  } else if (state->deflects) {
+    state->told_m[axis] = evdev_within(sign * value * half_m / EVDEV_DEFLECTION, half_m);
+    state->fresh[axis] = 1;
   } else {
     const double count_m = code == REL_WHEEL ? state->scale.wheel_m : state->scale.count_m;
     state->told_m[axis] = evdev_within(state->told_m[axis] + sign * value * count_m, half_m);
   }
 }
+
+/* Reports of a cap that is deflected follow one another within 16 ms. */
+static const int64_t kDeflected_ns = 50000000;
 
 /* Moves the point after what events told. */
 static inline void evdev_follow(evdev_state* state, int64_t now_ns) {
@@ -108,6 +120,9 @@ static inline void evdev_follow(evdev_state* state, int64_t now_ns) {
   const double share = state->scale.follow_s > 0 ? 1 - exp(-elapsed_s / state->scale.follow_s) : 1;
   int axis;
   for (axis = 0; axis < EVDEV_AXES; ++axis) {
+    if (state->fresh[axis]) state->told_ns[axis] = now_ns;
+    state->fresh[axis] = 0;
+    if (state->deflects && now_ns - state->told_ns[axis] > kDeflected_ns) state->told_m[axis] = 0;
     state->point_m[axis] += share * (state->told_m[axis] - state->point_m[axis]);
   }
   state->moved_ns = now_ns;

@@ -98,6 +98,37 @@ TEST(EvdevState, NumbersTheButtonsOfEachKindFromZero) {
   EXPECT_EQ(state.buttons, 1U);
 }
 
+evdev_state cap() {
+  evdev_state state = mouse();
+  state.deflects = 1;
+  return state;
+}
+
+TEST(EvdevState, SpansTheBoxWithTheDeflectionOfA3DMousesCap) {
+  evdev_state state = cap();
+  evdev_note(&state, EV_REL, REL_X, 350);
+  evdev_note(&state, EV_REL, REL_Y, 175);
+  evdev_note(&state, EV_REL, REL_Z, -400);
+  EXPECT_EQ(told_m(state), (std::array{0.1, -0.05, 0.1}));
+  evdev_note(&state, EV_REL, REL_X, 35);
+  EXPECT_NEAR(state.told_m[0], 0.01, 1e-15) << "where it is, not by how much it moved";
+  evdev_note(&state, EV_REL, REL_RX, 350);
+  EXPECT_NEAR(state.told_m[0], 0.01, 1e-15) << "turning moves nothing";
+}
+
+TEST(EvdevState, PutsASilentAxisOfACapInTheMiddle) {
+  evdev_state state = cap();
+  evdev_note(&state, EV_REL, REL_X, 350);
+  evdev_follow(&state, kSecond_ns);
+  evdev_note(&state, EV_REL, REL_Y, 350);
+  evdev_follow(&state, kSecond_ns + kDeflected_ns);
+  EXPECT_EQ(told_m(state), (std::array{0.1, -0.1, 0.0}));
+  evdev_follow(&state, kSecond_ns + kDeflected_ns + 1);
+  EXPECT_EQ(told_m(state), (std::array{0.0, -0.1, 0.0}));
+  evdev_follow(&state, 2 * kSecond_ns);
+  EXPECT_EQ(told_m(state), (std::array{0.0, 0.0, 0.0}));
+}
+
 TEST(EvdevState, FollowsWithItsTimeConstant) {
   evdev_state state = mouse();
   state.scale.follow_s = 0.01;

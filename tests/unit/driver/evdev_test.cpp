@@ -37,6 +37,17 @@ TEST_F(Evdev, SaysWhatItFoundAtAPath) {
               ThrowsMessage<std::runtime_error>(HasSubstr("/nonexistent: No such file or directory")));
 }
 
+TEST_F(Evdev, TakesALinkAsThoseOfDevInputById) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / std::string(200, 'd');
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path link = folder / "usb-3Dconnexion_SpaceNavigator-event-mouse";
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink("/dev/null", link);
+  EXPECT_THAT([&] { open("path=" + link.string()); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("path=FILE names one")));
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(Evdev, RefusesSettingsSayingWhatIsAccepted) {
   for (const char* settings :
        {"speed=1", "plane=yz", "count_m=-1", "count_m=0", "width_m=nan", "width_m=11", "path="}) {
