@@ -24,6 +24,7 @@ enum {
   kHdSerialNumber = 0x2504,
   kHdCalibrationStyle = 0x2555,
   kHdForceMost = 0x2603,
+  kHdForceContinuous = 0x2604, /* that it may give for long */
   kHdForce = 0x2700,
   kHdForceOutput = 0x4000,
   kHdCalibrationNeedsUpdate = 0x5001,
@@ -131,5 +132,12 @@ static inline int hd_means_lost(unsigned int code) {
 }
 
 static inline int hd_means_no_force(unsigned int code) { return code >= kHdFirstForceError && code <= kHdLastForceError; }
+
+/* Of an error that means no force; known without the library, which another process may have. */
+static inline const char* hd_force_error_in_words(unsigned int code) {
+  static const char* const kWords[] = {"warm motors", "force above the largest", "force changed too fast",
+                                       "velocity above the largest", "error of force"};
+  return kWords[code - kHdFirstForceError];
+}
 
 #endif

@@ -36,8 +36,11 @@ constexpr unsigned kNoHandle = 0xFFFFFFFF;
 constexpr unsigned kHandle = 0;
 constexpr unsigned kForceOutput = 0x4000;
 constexpr unsigned kCalibrationOk = 0x5000;
+constexpr unsigned kCalibrationNeedsUpdate = 0x5001;
 constexpr unsigned kCalibrationNeedsHand = 0x5002;
 constexpr double kForceMost_N = 7.9;
+constexpr double kForceContinuous_N = 1.75;
+constexpr double kJump_m = 5e-3;  ///< of the position at an update of the calibration, along its x
 constexpr double kMm = 1e3;
 
 struct ErrorInfo {
@@ -63,8 +66,10 @@ struct Library {
   std::atomic<bool> runs{false};
   std::thread scheduler{};
   std::atomic<bool> initiated{false};
-  std::atomic<bool> calibrated{true};
-  std::atomic<unsigned> warning{kSuccess};  ///< comes with the next frame
+  std::atomic<unsigned> calibration{kCalibrationOk};
+  std::atomic<double> jumped_m{0};
+  std::atomic<double> force_at_update_N{-1};  ///< at the motors
+  std::atomic<unsigned> warning{kSuccess};    ///< comes with the next frame
   // Of the frame, which is the scheduler's.
   bool in_frame = false;
   bool has_force = false;
@@ -195,6 +200,7 @@ STAND_IN_EXPORT void hdBeginFrame(unsigned handle) {
   const auto state = device_of_library()->read();
   if (!state) return fail(kCommError);
   the().state = *state;
+  the().state.position_m[0] += the().jumped_m;
   const unsigned warning = the().warning.exchange(kSuccess);
   if (warning != kSuccess) fail(warning);
 }
@@ -218,6 +224,8 @@ STAND_IN_EXPORT void hdGetDoublev(unsigned what, double* values) {
     std::ranges::copy(transform_of(the().state.position_m), values);
   } else if (what == 0x2603) {
     *values = kForceMost_N;
+  } else if (what == 0x2604) {
+    *values = kForceContinuous_N;
   } else {
     fail(kInvalidEnum);
   }
@@ -273,9 +281,15 @@ STAND_IN_EXPORT const char* hdGetErrorString(unsigned code) {
   }
 }
 
-STAND_IN_EXPORT unsigned hdCheckCalibration() { return the().calibrated ? kCalibrationOk : kCalibrationNeedsHand; }
+STAND_IN_EXPORT unsigned hdCheckCalibration() { return the().calibration; }
 
-STAND_IN_EXPORT void hdUpdateCalibration(unsigned /*style*/) { the().calibrated = true; }
+STAND_IN_EXPORT void hdUpdateCalibration(unsigned /*style*/) {
+  if (!expect_device()) return;
+  const Axes force_N = device_of_library()->look().force_N;
+  the().force_at_update_N = std::hypot(force_N[0], force_N[1], force_N[2]);
+  the().jumped_m = the().jumped_m + kJump_m;
+  the().calibration = kCalibrationOk;
+}
 
 STAND_IN_EXPORT void hdStartScheduler() {
   if (the().runs.exchange(true)) return;
@@ -309,7 +323,15 @@ STAND_IN_EXPORT void stand_in_press(unsigned buttons) {
   if (StandIn* const device = device_of_library()) device->press(buttons);
 }
 
-STAND_IN_EXPORT void stand_in_calibrate(int calibrated) { the().calibrated = calibrated != 0; }
+STAND_IN_EXPORT void stand_in_calibrate(int calibrated) {
+  the().calibration = calibrated != 0 ? kCalibrationOk : kCalibrationNeedsHand;
+}
+
+/// Wants an update of the calibration, by which the position jumps.
+STAND_IN_EXPORT void stand_in_want_update() { the().calibration = kCalibrationNeedsUpdate; }
+
+/// At the motors at the last update; below zero: there was none since the last call.
+STAND_IN_EXPORT double stand_in_force_at_update() { return the().force_at_update_N.exchange(-1); }
 
 /// An error that comes with the next frame.
 STAND_IN_EXPORT void stand_in_warn(unsigned code) { the().warning = code; }

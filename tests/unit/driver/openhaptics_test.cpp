@@ -20,8 +20,11 @@ class OpenHaptics : public DriverOnStandIn {
     of("stand_in_calibrate", calibrate);
     of("stand_in_warn", warn);
     of("stand_in_halt", halt);
+    of("stand_in_want_update", want_update);
+    of("stand_in_force_at_update", force_at_update_N);
     calibrate(1);
-    open();
+    // Where the test sees and presses what the library has.
+    open(",process=same");
   }
 
   void expect_force() {
@@ -33,6 +36,8 @@ class OpenHaptics : public DriverOnStandIn {
   void (*calibrate)(int) = nullptr;
   void (*warn)(unsigned) = nullptr;
   void (*halt)() = nullptr;
+  void (*want_update)() = nullptr;
+  double (*force_at_update_N)() = nullptr;
 };
 
 TEST_F(OpenHaptics, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
@@ -40,6 +45,7 @@ TEST_F(OpenHaptics, KnowsItsDeviceAndSaysThatItsBoundsAreGuesses) {
   EXPECT_EQ(device->facts().degrees_of_freedom(), 3);
   EXPECT_EQ(device->facts().force_N_max, 7.9);
   EXPECT_EQ(device->facts().encoder_step[0], 2.3e-5);
+  EXPECT_EQ(device->safety().rms_force_N_max, 1.75) << "what libHD says that the motors may give for ever";
   EXPECT_THAT(device->facts_in_words(), HasSubstr("bounds not identified"));
 }
 
@@ -120,6 +126,18 @@ TEST_F(OpenHaptics, GivesNoForceUntilItIsCalibrated) {
   expect_force();
 }
 
+TEST_F(OpenHaptics, UpdatesItsCalibrationWithoutForceAndTellsThatThePositionMayHaveJumped) {
+  device->start();
+  expect_force();
+  (void)force_at_update_N();
+  want_update();
+  tick_until(Vector::Ones(3), [&] { return reading.status == Status::failed; });
+  EXPECT_THAT(why(), HasSubstr("Touch X 0042 was calibrated anew: its position may have jumped"));
+  tick_until(Vector::Ones(3), [&] { return reading.status == Status::ok; });
+  EXPECT_EQ(force_at_update_N(), 0);
+  expect_force();
+}
+
 TEST_F(OpenHaptics, EndsWithZeroForce) {
   device->start();
   expect_force();
@@ -134,7 +152,7 @@ TEST_F(OpenHaptics, EndsWhileUnplugged) {
   tick_until(Vector::Ones(3), [&] { return reading.status == Status::failed; });
   device.reset();
   plug(1);
-  open();
+  open(",process=same");
   device->start();
   expect_force();
 }
@@ -145,10 +163,11 @@ TEST_F(OpenHaptics, TellsButtonsAndTheStylusInTheScenesFrame) {
   device.reset();
   const DriverLibrary library(file, "openhaptics");
   const forcebound_driver& driver = library.functions();
-  const forcebound_setting setting{"library", stand_in.c_str()};
+  const std::array<forcebound_setting, 2> settings{{{"library", stand_in.c_str()}, {"process", "same"}}};
   std::array<char, FORCEBOUND_TEXT_BYTES> error{};
   forcebound_device* touch = nullptr;
-  ASSERT_EQ(driver.open(&setting, 1, &touch, error.data(), error.size()), FORCEBOUND_OK) << error.data();
+  ASSERT_EQ(driver.open(settings.data(), settings.size(), &touch, error.data(), error.size()), FORCEBOUND_OK)
+      << error.data();
   ASSERT_EQ(driver.start(touch), FORCEBOUND_OK);
   press(2);
   forcebound_reading told{};
@@ -187,11 +206,11 @@ TEST_F(OpenHaptics, SaysWhatIsMissing) {
   device.reset();
   EXPECT_THAT([&] { (void)opened("name=Right,library=" + stand_in); },
               ThrowsMessage<std::runtime_error>(HasSubstr("libHD finds no device 'Right': device fault (0x0300)")));
-  EXPECT_NO_THROW(open(",name=Left,force_N_max=3"));
+  EXPECT_NO_THROW(open(",name=Left,force_N_max=3,process=same"));
   EXPECT_EQ(device->facts().force_N_max, 3);
   device.reset();
   plug(0);
-  EXPECT_THAT([&] { (void)opened("library=" + stand_in); },
+  EXPECT_THAT([&] { (void)opened("process=same,library=" + stand_in); },
               ThrowsMessage<std::runtime_error>(HasSubstr("'Default Device': communication error (0x0302)")));
 }
 
