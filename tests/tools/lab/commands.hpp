@@ -19,6 +19,7 @@ void add_identify(CLI::App& app);
 void add_keygen(CLI::App& app);
 void add_load(CLI::App& app);
 void add_passivity(CLI::App& app);
+void add_rates(CLI::App& app);
 void add_rendering(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_report(CLI::App& app);

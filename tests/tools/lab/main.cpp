@@ -23,6 +23,7 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_keygen(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_passivity(app);
+  forcebound::lab::add_rates(app);
   forcebound::lab::add_rendering(app);
   forcebound::lab::add_replay(app);
   forcebound::lab::add_report(app);

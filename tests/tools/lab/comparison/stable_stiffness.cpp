@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/device/tick_rate.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/measures/measures.hpp"
@@ -61,12 +62,15 @@ struct MassAndDamping {
   double period_s;
 };
 
-MassAndDamping one_axis(const std::string& device) {
+MassAndDamping first_axis(const std::string& device, double rate_Hz) {
   const device::DeviceDescription description = device::load_device(device);
-  if (description.facts.degrees_of_freedom() != 1 || !description.facts.cartesian) {
-    throw std::invalid_argument("device '" + device + "' must have one straight axis for the comparison with theory");
+  const control::DeviceFacts facts = device::at_tick_rate(description.facts, rate_Hz);
+  if (!facts.cartesian || !facts.damping.isDiagonal() || !description.inertia.isDiagonal()) {
+    throw std::invalid_argument("device '" + device +
+                                "' must be Cartesian, its axes independent of one another, for the comparison with "
+                                "theory");
   }
-  return {description.inertia(0, 0), description.facts.damping(0, 0), description.facts.period_s};
+  return {description.inertia(0, 0), facts.damping(0, 0), facts.period_s};
 }
 
 }  // namespace
@@ -101,7 +105,8 @@ bool is_stable(const PressedWall& wall, double stiffness_N_per_m) {
                    .network = network_of("none"),
                    .conditions = Conditions::ideal,
                    .law = wall.law,
-                   .parameters = wall.parameters};
+                   .parameters = wall.parameters,
+                   .rate_Hz = wall.rate_Hz};
   setup.task.hand = wall.hand;
   setup.network.settings.up.delay.mean = setup.network.settings.down.delay.mean = time::from_seconds(wall.delay_s);
   RingingMeter ringing(kUnfelt_N);
@@ -128,8 +133,8 @@ bool free_device_is_stable(const std::string& device, double stiffness_N_per_m) 
   return swing.late_m < swing.early_m;
 }
 
-TheoryLimits theory_limits(const std::string& device, double delay_s) {
-  const auto [m, b, T] = one_axis(device);
+TheoryLimits theory_limits(const std::string& device, double delay_s, double rate_Hz) {
+  const auto [m, b, T] = first_axis(device, rate_Hz);
   const double decay = std::exp(-b * T / m);
   return {.passive_N_per_m = 2 * b / T,
           .delayed_N_per_m = b / (T / 2 + 2 * delay_s),

@@ -37,6 +37,7 @@ struct PressedWall {
   control::LawParameters parameters{};
   std::string device = "wall-1dof";
   double delay_s = 0;
+  double rate_Hz = 0;  ///< ticks per second; 0: the device's own
 };
 
 /// Whether the contact comes to rest; ideal encoder, clock and latency.
@@ -45,12 +46,15 @@ struct PressedWall {
 /// Whether the device alone, released on a two-sided spring, comes to rest without any law; ideal as well.
 [[nodiscard]] bool free_device_is_stable(const std::string& device, double stiffness_N_per_m);
 
-/// Theoretical limits for a device of mass m and damping b, sampled every T, behind a delay t_d each way.
+/// Theoretical limits for a device of mass m and damping b along its first axis, sampled every T, behind a delay t_d
+/// each way.
 struct TheoryLimits {
   double passive_N_per_m;  ///< 2b/T: no hand makes it ring [Colgate 1994]
   double delayed_N_per_m;  ///< b/(T/2 + 2 t_d): the force is late by both ways
   double free_N_per_m;     ///< (1 - e^-a)/((m/b^2)(1 - e^-a) - (T/b) e^-a), a = bT/m: the device alone, no delay
 };
-[[nodiscard]] TheoryLimits theory_limits(const std::string& device, double delay_s);
+/// @param rate_Hz ticks per second; 0: the device's own
+/// @throws std::invalid_argument unless the device is Cartesian with axes that are independent of one another
+[[nodiscard]] TheoryLimits theory_limits(const std::string& device, double delay_s, double rate_Hz = 0);
 
 }  // namespace forcebound::lab

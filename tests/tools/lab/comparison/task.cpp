@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/device/tick_rate.hpp"
 #include "forcebound/text/names.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 #include "tests/tools/lab/measures/experiment.hpp"
@@ -14,7 +15,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRealLatency_s = 100e-6;
 constexpr time::Nanoseconds kRealChoosing = 15us;
 
 }  // namespace
@@ -79,13 +79,14 @@ sim::ClosedLoop::Settings settings_of(const TrialSetup& setup) {
   sim::ClosedLoop::Settings settings = experiment.settings(setup.law);
   settings.device = device::load_device(setup.task.device);
   control::DeviceFacts& facts = settings.device.facts;
+  facts = device::at_tick_rate(facts, setup.rate_Hz);
   if (setup.conditions == Conditions::ideal) {
     facts.encoder_step.setZero();
     facts.actuator_step.setZero();
     facts.latency_s = 0;
   } else {
     facts.latency_s = kRealLatency_s;
-    settings.timing = {.measured = true, .choosing_max = kRealChoosing};
+    settings.timing = {.measured = setup.conditions == Conditions::real, .choosing_max = kRealChoosing};
   }
   settings.law_options.parameters = setup.parameters;
   settings.renders_locally = setup.renders_locally;

@@ -46,10 +46,14 @@ struct StandardNetworks {
 };
 [[nodiscard]] StandardNetworks standard_networks();
 
+/// From command to force, of a device that is not ideal.
+inline constexpr double kRealLatency_s = 100e-6;
+
 /// The quality of the device.
 enum class Conditions : std::uint8_t {
-  ideal,  ///< no encoder or actuator steps, punctual ticks, no latency
-  real,   ///< its own encoder and actuator, 100 us of latency, ticks as late as measured on a shared virtual machine
+  ideal,     ///< no encoder or actuator steps, punctual ticks, no latency
+  punctual,  ///< its own encoder and actuator, 100 us of latency, punctual ticks
+  real,      ///< the same with ticks as late as measured on a shared virtual machine
 };
 
 /// Settings of a trial: one law on one task with one wall's stiffness through one network.
@@ -62,6 +66,7 @@ struct TrialSetup {
   control::LawParameters parameters{};
   bool renders_locally = false;  ///< what can be at the client
   std::uint64_t seed = 1;
+  double rate_Hz = 0;  ///< ticks per second; 0: the device's own
 };
 
 /// @throws what device, hand and scene refuse

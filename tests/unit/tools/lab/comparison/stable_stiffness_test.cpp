@@ -37,7 +37,13 @@ TEST(TheoryLimits, AreThoseOfThePapersDevice) {
   EXPECT_NEAR(theory_limits("wall-1dof", 10e-3).delayed_N_per_m, 30 / 0.0205, 1e-9);
 }
 
-TEST(TheoryLimits, RefuseADeviceOfManyAxes) { EXPECT_THROW((void)theory_limits("omni", 0), std::invalid_argument); }
+TEST(TheoryLimits, FollowTheRateOfTheLoop) {
+  EXPECT_DOUBLE_EQ(theory_limits("wall-1dof", 0, 4000).passive_N_per_m, 240e3);
+  EXPECT_DOUBLE_EQ(theory_limits("wall-1dof", 50e-6, 500).delayed_N_per_m, 30 / 1.1e-3);
+  EXPECT_DOUBLE_EQ(theory_limits("cartesian-3dof", 0, 2000).passive_N_per_m, 2e3);
+}
+
+TEST(TheoryLimits, RefuseAnArm) { EXPECT_THROW((void)theory_limits("omni", 0), std::invalid_argument); }
 
 TEST(FreeDevice, LosesStabilityAtTheFormulaWithinOnePercent) {
   const double limit = theory_limits("wall-1dof", 0).free_N_per_m;
@@ -52,6 +58,15 @@ TEST(PressedWall, IsNeverUnstableWithinTheTheorysLimit) {
       EXPECT_TRUE(is_stable({.law = "none", .hand = hand.specification, .delay_s = delay_s}, 0.99 * promised))
           << hand.name << " " << delay_s;
     }
+  }
+}
+
+TEST(PressedWall, IsStableUpToTheLimitOfEachRate) {
+  for (const double rate_Hz : {500.0, 2000.0, 4000.0}) {
+    const double promised = theory_limits("wall-1dof", 0, rate_Hz).passive_N_per_m;
+    const PressingHand& hand = pressing_hands().back();
+    EXPECT_TRUE(is_stable({.law = "none", .hand = hand.specification, .rate_Hz = rate_Hz}, 0.99 * promised)) << rate_Hz;
+    EXPECT_FALSE(is_stable({.law = "none", .hand = hand.specification, .rate_Hz = rate_Hz}, 3 * promised)) << rate_Hz;
   }
 }
 
