@@ -1,0 +1,98 @@
+# What is installed beside programs and libraries, and the Debian packages of it all: `cpack -G DEB`, which deploy/package
+# runs.
+#
+#   forcebound         programs, drivers, scenes, devices, manual pages, completion
+#   libforcebound-dev  libraries, headers, CMake files, .proto files
+
+# Without help2man, everything but the manual pages.
+find_program(FORCEBOUND_HELP2MAN help2man)
+mark_as_advanced(FORCEBOUND_HELP2MAN)
+
+function(forcebound_man_pages)
+  if(NOT FORCEBOUND_HELP2MAN)
+    message(STATUS "Without help2man: no manual pages (Debian: apt-get install help2man)")
+    return()
+  endif()
+  set(programs)
+  foreach(name client server relay lab)
+    list(APPEND programs $<TARGET_FILE:forcebound-${name}>)
+  endforeach()
+  set(pages ${PROJECT_BINARY_DIR}/man)
+  add_custom_command(OUTPUT ${pages}.stamp
+                     COMMAND ${PROJECT_SOURCE_DIR}/deploy/packaging/man_pages ${PROJECT_BINARY_DIR}/bin ${pages}
+                     COMMAND ${CMAKE_COMMAND} -E touch ${pages}.stamp
+                     DEPENDS ${programs} ${PROJECT_SOURCE_DIR}/deploy/packaging/man_pages
+                     COMMENT "Writing manual pages" VERBATIM)
+  add_custom_target(man_pages ALL DEPENDS ${pages}.stamp)
+  install(DIRECTORY ${pages}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
+endfunction()
+
+# The rest of what a user of the programs gets.
+function(forcebound_install_data)
+  set(packaging ${PROJECT_SOURCE_DIR}/deploy/packaging)
+  foreach(name client server relay lab)
+    install(FILES ${packaging}/completion.bash RENAME forcebound-${name}
+            DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
+  endforeach()
+  install(FILES ${packaging}/completion.zsh RENAME _forcebound
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)
+  # The programs have these within; here they are to be read, copied and changed.
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/server/scenes ${PROJECT_SOURCE_DIR}/common/devices
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/forcebound COMPONENT programs FILES_MATCHING PATTERN "*.toml")
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE RENAME copyright
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forcebound COMPONENT programs)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE RENAME copyright
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libforcebound-dev COMPONENT package)
+endfunction()
+
+set(CPACK_PACKAGE_NAME forcebound)
+set(CPACK_PACKAGE_VENDOR "Forcebound developers")
+set(CPACK_PACKAGE_CONTACT "Forcebound developers <maintainers@forcebound.example>")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME forcebound)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
+# The figures; a machine without it gets the data and the script.
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS gnuplot-nox)
+set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
+" A client beside a haptic device, a server that simulates the virtual
+ environment, a relay that emulates a bad network between them, and a
+ laboratory of experiments and measurements.")
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libforcebound-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
+" Libraries for programs of your own: laws that bound a force, the client and the server of networked haptics, the
+ interfaces of devices and environments: static libraries, headers and a CMake
+ package with a component for each.")
+# What the installed CMake package looks for; with static libraries shlibdeps finds none of it.
+set(FORCEBOUND_DEBIAN_LIBRARIES libeigen3-dev libprotobuf-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev
+    zlib1g-dev libssl-dev libsodium-dev libassimp-dev)
+if(FORCEBOUND_MUJOCO)
+  list(APPEND FORCEBOUND_DEBIAN_LIBRARIES libmujoco-dev libqhull-dev libtinyxml2-dev libopengl-dev libglx-dev libgl-dev)
+endif()
+list(JOIN FORCEBOUND_DEBIAN_LIBRARIES ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
+
+# forcebound_packages(): after every component is known.
+function(forcebound_packages)
+  forcebound_man_pages()
+  forcebound_install_data()
+  get_property(libraries GLOBAL PROPERTY FORCEBOUND_COMPONENTS)
+  set(CPACK_COMPONENTS_ALL programs package ${libraries})
+  include(CPack)
+  cpack_add_component_group(programs)
+  cpack_add_component_group(development)
+  cpack_add_component(programs GROUP programs)
+  foreach(name IN ITEMS package LISTS libraries)
+    cpack_add_component(${name} GROUP development)
+  endforeach()
+endfunction()
