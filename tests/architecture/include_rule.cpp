@@ -22,7 +22,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/control", {}},
       {"forcebound/text", {}},
       {"forcebound/time", {}},
-      {"forcebound/program", {"forcebound/text"}},
+      {"forcebound/program", {"forcebound/config", "forcebound/text"}},
       {"forcebound/config", {"forcebound/control", "forcebound/text"}},
       {"forcebound/baselines", {"forcebound/control", "forcebound/config", "forcebound/text"}},
       {"forcebound/local_model", {}},

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/program/option_file.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -110,7 +111,10 @@ void set_up(CLI::App& app, const std::string& name) {
 
 void parse(CLI::App& app, int argc, const char* const* argv) {
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = with_option_file(app, argc, argv);
+    // CLI11 takes the last word first.
+    std::ranges::reverse(words);
+    app.parse(std::move(words));
   } catch (const CLI::Success& asked) {
     std::ostringstream out;
     app.exit(asked, out, out);

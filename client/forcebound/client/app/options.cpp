@@ -16,6 +16,7 @@
 #include "forcebound/device/tick_rate.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/option_file.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -136,6 +137,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->type_name("MS");
   app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
+  program::add_option_file(app);
   return seed;
 }
 
