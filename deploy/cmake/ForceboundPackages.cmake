@@ -36,6 +36,13 @@ function(forcebound_install_data)
   endforeach()
   install(FILES ${packaging}/completion.zsh RENAME _forcebound
           DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)
+  # As services of systemd.
+  set(units ${PROJECT_SOURCE_DIR}/deploy/systemd)
+  install(FILES ${units}/forcebound-server.service ${units}/forcebound-server.socket DESTINATION lib/systemd/system
+          COMPONENT programs)
+  install(FILES ${units}/forcebound-client.service DESTINATION lib/systemd/user COMPONENT programs)
+  install(FILES ${units}/forcebound.sysusers RENAME forcebound.conf DESTINATION lib/sysusers.d COMPONENT programs)
+  install(FILES ${units}/server.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forcebound/examples COMPONENT programs)
   # The programs have these within; here they are to be read, copied and changed.
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/server/scenes ${PROJECT_SOURCE_DIR}/common/devices
           DESTINATION ${CMAKE_INSTALL_DATADIR}/forcebound COMPONENT programs FILES_MATCHING PATTERN "*.toml")
@@ -61,6 +68,7 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME forcebound)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/packaging/postinst)
 # The figures; a machine without it gets the data and the script.
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION

@@ -53,6 +53,10 @@ struct UdpLink::Socket {
   void open(const udp& protocol, Stamps stamps) {
     // Blocking, for those who wait for a datagram in the same call that receives it; all others say MSG_DONTWAIT.
     socket.open(protocol);
+    set_up(protocol, stamps);
+  }
+
+  void set_up(const udp& protocol, Stamps stamps) {
     // Larger buffers help, but smaller ones work too.
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
@@ -77,6 +81,31 @@ UdpLink UdpLink::listen(const Address& local, Stamps stamps) try {
   return UdpLink(std::move(socket));
 } catch (const asio::system_error& error) {
   throw std::runtime_error("cannot listen on " + to_string(local) + ": " + reason(error.code()));
+}
+
+UdpLink UdpLink::adopt(int descriptor, Stamps stamps) try {
+  sockaddr_storage bound{};
+  socklen_t bytes = sizeof bound;
+  int type = 0;
+  socklen_t type_bytes = sizeof type;
+  if (getsockname(descriptor, reinterpret_cast<sockaddr*>(&bound), &bytes) != 0 ||
+      getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &type_bytes) != 0 || type != SOCK_DGRAM ||
+      (bound.ss_family != AF_INET && bound.ss_family != AF_INET6)) {
+    throw std::runtime_error("descriptor " + std::to_string(descriptor) + " is no bound UDP socket");
+  }
+  const udp protocol = bound.ss_family == AF_INET6 ? udp::v6() : udp::v4();
+  auto socket = std::make_unique<Socket>();
+  socket->socket.assign(protocol, descriptor);
+  if (socket->socket.local_endpoint().port() == 0) {
+    socket->socket.release();
+    throw std::runtime_error("descriptor " + std::to_string(descriptor) + " is no bound UDP socket");
+  }
+  // Blocking, as `open` leaves it.
+  socket->socket.native_non_blocking(false);
+  socket->set_up(protocol, stamps);
+  return UdpLink(std::move(socket));
+} catch (const asio::system_error& error) {
+  throw std::runtime_error("cannot use descriptor " + std::to_string(descriptor) + ": " + reason(error.code()));
 }
 
 UdpLink UdpLink::towards(const Address& peer) try {

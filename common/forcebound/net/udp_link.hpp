@@ -30,6 +30,11 @@ class UdpLink final : public DatagramLink {
   /// @throws std::runtime_error with the reason: in use, not an address of this machine, not permitted.
   static UdpLink listen(const Address& local, Stamps stamps = Stamps::taken);
 
+  /// A server's end that somebody else has bound, as a service manager does. Takes the descriptor over.
+  ///
+  /// @throws std::runtime_error if it is no bound UDP socket, IPv4 or IPv6
+  static UdpLink adopt(int descriptor, Stamps stamps = Stamps::taken);
+
   /// A client's end: any free port, connected, so that only `peer`'s datagrams are received and its errors seen
   /// (`refused`).
   ///

@@ -1,6 +1,10 @@
 #include "forcebound/net/udp_link.hpp"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <chrono>
@@ -184,6 +188,30 @@ TEST(UdpLink, TakesOneDescriptorEach) {
   links.reserve(100);
   for (int i = 0; i < 100; ++i) links.push_back(UdpLink::towards(first.local_address()));
   EXPECT_EQ(open_files() - before, 100) << "a relay has one for each of 256 clients";
+}
+
+TEST(UdpLink, AdoptsASocketThatAnotherBound) {
+  const int descriptor = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in local{};
+  local.sin_family = AF_INET;
+  local.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::bind(descriptor, reinterpret_cast<const sockaddr*>(&local), sizeof local), 0);
+  UdpLink adopted = UdpLink::adopt(descriptor);
+  EXPECT_NE(adopted.local_address().port, 0);
+  UdpLink client = UdpLink::towards(adopted.local_address());
+  ASSERT_TRUE(client.send(bytes_of("hello"), adopted.local_address()));
+  EXPECT_EQ(hear(adopted)->text, "hello");
+}
+
+TEST(UdpLink, AdoptsNothingElse) {
+  const int stream = ::socket(AF_INET, SOCK_STREAM, 0);
+  const int unbound = ::socket(AF_INET, SOCK_DGRAM, 0);
+  for (const int descriptor : {stream, unbound, -1}) {
+    EXPECT_THAT([&] { UdpLink::adopt(descriptor); },
+                ThrowsMessage<std::runtime_error>(HasSubstr("is no bound UDP socket")));
+  }
+  ::close(stream);
+  ::close(unbound);
 }
 
 }  // namespace

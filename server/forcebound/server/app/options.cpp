@@ -42,22 +42,27 @@ std::string footer() {
          "  forcebound-server --listen 0.0.0.0:47800 --psk shared.key\n"
          "      for everybody elsewhere who has the same shared.key\n"
          "\n"
-         "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals.\n" +
+         "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
+         "--clients again, and ends the sessions of those that it does not name any more. As a service of systemd it "
+         "takes a socket from there, and tells it when it is ready, that it runs, and when it ends.\n" +
          std::string(program::kExitCodes);
 }
 
 /// As a user writes it.
-struct MemoryInMebibytes {
-  std::uint64_t session = MemoryLimits{}.session_most / kMebibyte;
-  std::uint64_t all = memory_of_machine() / 2 / kMebibyte;
+struct Typed {
+  std::string listen = "127.0.0.1:47800";
+  double idle_timeout_s = time::to_seconds(ServerOptions{}.idle_timeout);
+  double round_trip_ms = 0;
+  double drain_s = 0;
+  std::uint64_t session_MiB = MemoryLimits{}.session_most / kMebibyte;
+  std::uint64_t all_MiB = memory_of_machine() / 2 / kMebibyte;
 };
 
-void describe(CLI::App& app, ProgramOptions& options, std::string& listen, double& idle_timeout_s,
-              double& round_trip_ms, MemoryInMebibytes& memory) {
+void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
   program::set_up(app, kProgram);
   app.description(kDescription);
   app.footer(footer());
-  app.add_option("--listen", listen, "address to serve; port 0 takes a free one")
+  app.add_option("--listen", typed.listen, "address to serve; port 0 takes a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   add_key_options(app, options.keys);
@@ -79,7 +84,7 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->check(program::number_within(1e-6, 1e6))
       ->capture_default_str()
       ->needs("--explain");
-  app.add_option("--round-trip", round_trip_ms, "with --explain: also print the margins at this round trip")
+  app.add_option("--round-trip", typed.round_trip_ms, "with --explain: also print the margins at this round trip")
       ->type_name("MS")
       ->check(program::number_within(0, 60000))
       ->needs("--explain");
@@ -120,18 +125,24 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
       ->check(program::number_within(0.01, 1))
       ->capture_default_str();
   constexpr int kMebibytesMost = 1 << 24;
-  app.add_option("--session-memory", memory.session, "memory that one client's scene may take")
+  app.add_option("--session-memory", typed.session_MiB, "memory that one client's scene may take")
       ->type_name("MIB")
       ->check(program::whole_within(1, kMebibytesMost))
       ->capture_default_str();
-  app.add_option("--memory-max", memory.all,
+  app.add_option("--memory-max", typed.all_MiB,
                  "memory of the server above which no more clients are let in; if not given, half of the machine's")
       ->type_name("MIB")
       ->check(program::whole_within(1, kMebibytesMost));
-  app.add_option("--idle-timeout", idle_timeout_s,
+  app.add_option("--idle-timeout", typed.idle_timeout_s,
                  "end a client's session after this time without datagrams; mobile networks pause 15 s")
       ->type_name("SECONDS")
       ->check(program::number_within(1, 86400))
+      ->capture_default_str();
+  app.add_option("--drain", typed.drain_s,
+                 "after SIGTERM, let no more clients in and wait up to this time for those that are there to leave; a "
+                 "second SIGTERM ends at once")
+      ->type_name("SECONDS")
+      ->check(program::number_within(0, 86400))
       ->capture_default_str();
   app.add_flag("--realtime", options.realtime, "ask the system for real-time scheduling and locked memory");
   app.add_flag("-v,--verbose", options.verbose, "log totals every 10 s");
@@ -142,12 +153,9 @@ void describe(CLI::App& app, ProgramOptions& options, std::string& listen, doubl
 
 ProgramOptions parse_command_line(int argc, const char* const* argv) {
   ProgramOptions options;
-  std::string listen = "127.0.0.1:47800";
-  double idle_timeout_s = time::to_seconds(options.server.idle_timeout);
-  double round_trip_ms = 0;
-  MemoryInMebibytes memory;
+  Typed typed;
   CLI::App app;
-  describe(app, options, listen, idle_timeout_s, round_trip_ms, memory);
+  describe(app, options, typed);
   program::parse(app, argc, argv);
   if (is_scene_file(options.scene)) {
     program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
@@ -156,11 +164,12 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   program::expect_apart(
       {"--record", options.record},
       {{"--key", options.keys.key}, {"--clients", options.keys.clients}, {"--psk", options.keys.psk}});
-  options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(listen); });
-  options.device.round_trip_s = round_trip_ms * 1e-3;
+  options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(typed.listen); });
+  options.device.round_trip_s = typed.round_trip_ms * 1e-3;
   options.server.memory = {
-      .session_most = memory.session * kMebibyte, .all_most = memory.all * kMebibyte, .in_use = memory_in_use};
-  options.server.idle_timeout = time::from_seconds(idle_timeout_s);
+      .session_most = typed.session_MiB * kMebibyte, .all_most = typed.all_MiB * kMebibyte, .in_use = memory_in_use};
+  options.server.idle_timeout = time::from_seconds(typed.idle_timeout_s);
+  options.drain = time::from_seconds(typed.drain_s);
   return options;
 }
 

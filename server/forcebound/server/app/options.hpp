@@ -24,6 +24,7 @@ struct ProgramOptions {
   KeyOptions keys;
   bool verbose = false;
   bool realtime = false;
+  Nanoseconds drain{0};  ///< after SIGTERM it waits so long for clients to leave
   ServerOptions server;  ///< `scene` in it is not set yet
 };
 

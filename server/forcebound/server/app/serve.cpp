@@ -12,12 +12,15 @@
 #include <utility>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/security/allowed_clients.hpp"
 #include "forcebound/server/app/build_scene.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
+#include "forcebound/server/app/service_manager.hpp"
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/runtime/udp_server.hpp"
 #include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -29,13 +32,21 @@ constexpr Nanoseconds kReportPeriod = std::chrono::seconds{10};
 // Below the priority of a client on the same machine, whose deadline is hard.
 constexpr int kPriority = 40;
 
-volatile std::sig_atomic_t stop_wanted = 0;
+volatile std::sig_atomic_t interrupts = 0;
+volatile std::sig_atomic_t terminations = 0;
+volatile std::sig_atomic_t reloads = 0;
 
-void stop_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop_wanted = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+void take_signals(bool reloadable) {
+  const auto take = [](int signal, void (*handler)(int)) {
+    struct sigaction action {};
+    action.sa_handler = handler;
+    sigaction(signal, &action, nullptr);
+  };
+  take(SIGINT, [](int) { interrupts = 1; });
+  // A second one ends at once.
+  take(SIGTERM, [](int) { terminations = terminations == 0 ? 1 : 2; });
+  // Otherwise it means that the terminal is gone.
+  if (reloadable) take(SIGHUP, [](int) { reloads = 1; });
   // A full disk or a closed pipe gives a write error, not a signal that ends the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
@@ -48,15 +59,76 @@ void report(const Server& server) {
                text::counted(counters.datagrams, "datagram"));
 }
 
-void run(UdpServer& server, const time::Clock& clock, bool verbose) {
-  Nanoseconds next_report = clock.now() + kReportPeriod;
-  while (stop_wanted == 0) {
-    server.turn();
-    if (!verbose || clock.now() < next_report) continue;
-    report(server.server());
-    next_report = clock.now() + kReportPeriod;
+/// The file of clients again; the one before stays where it cannot be read.
+void reload(UdpServer& server, const ProgramOptions& options) {
+  if (options.keys.clients.empty()) {
+    spdlog::warn("nothing to read again: there is no --clients");
+    return;
+  }
+  try {
+    auto clients = security::AllowedClients::from_file(options.keys.clients);
+    spdlog::info("{} read again: {}", options.keys.clients, text::counted(clients.all().size(), "client"));
+    server.replace_clients(std::move(clients));
+  } catch (const std::exception& error) {
+    spdlog::error("{}; the clients are those of before", error.what());
   }
 }
+
+/// Serves until a signal ends it, and then until all clients have left or the time for that is over.
+class Service {
+ public:
+  Service(UdpServer& server, const ProgramOptions& options, const time::Clock& clock, ServiceManager& manager)
+      : server_(server),
+        options_(options),
+        clock_(clock),
+        manager_(manager),
+        next_report_(clock.now() + kReportPeriod) {}
+
+  void run() {
+    while (!over()) {
+      server_.turn();
+      manager_.tell_alive(clock_.now());
+      if (reloads != 0) reload_now();
+      if (options_.verbose && clock_.now() >= next_report_) {
+        report(server_.server());
+        next_report_ = clock_.now() + kReportPeriod;
+      }
+    }
+    ServiceManager::tell_stopping("ending");
+  }
+
+ private:
+  bool over() {
+    if (interrupts != 0 || terminations > 1) return true;
+    if (terminations == 0) return false;
+    if (options_.drain == Nanoseconds{0} || server_.server().sessions() == 0) return true;
+    if (!drained_by_) begin_to_drain();
+    return clock_.now() >= *drained_by_;
+  }
+
+  void begin_to_drain() {
+    drained_by_ = clock_.now() + options_.drain;
+    server_.admit_none("the server is about to end and takes no more clients; try again later");
+    const std::string words = "ending: waiting up to " + text::to_text(time::to_seconds(options_.drain)) + " s for " +
+                              text::counted(server_.server().sessions(), "session");
+    spdlog::info("{}; a second SIGTERM ends at once", words);
+    ServiceManager::tell_stopping(words);
+  }
+
+  void reload_now() {
+    reloads = 0;
+    ServiceManager::tell_reloading();
+    reload(server_, options_);
+    ServiceManager::tell_ready("serving");
+  }
+
+  UdpServer& server_;
+  const ProgramOptions& options_;
+  const time::Clock& clock_;
+  ServiceManager& manager_;
+  Nanoseconds next_report_;
+  std::optional<Nanoseconds> drained_by_{};
+};
 
 std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const scene::Scene& scene,
                                            const std::string& encryption, const time::Clock& clock) {
@@ -80,7 +152,9 @@ std::string totals(const UdpServer& server, const std::string& encryption) {
 }  // namespace
 
 int serve(ProgramOptions options) {
-  const net::Address address = net::resolve(options.listen);
+  ServiceManager manager;
+  std::optional<net::UdpLink> handed_over = ServiceManager::take_socket();
+  const net::Address address = handed_over ? handed_over->local_address() : net::resolve(options.listen);
   expect_encryption(options.keys, address);
   std::optional<ServerKeys> keys = read_keys(options.keys);
   const std::string encryption = encryption_name(keys);
@@ -98,8 +172,8 @@ int serve(ProgramOptions options) {
     }
   }
 
-  stop_on_signals();
-  auto link = listen_at(address);
+  take_signals(!options.keys.clients.empty() || ServiceManager::started_this());
+  net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
   const auto observer = make_observer(options, *scene, encryption, clock);
   UdpServer server(std::move(link), options.server, scenes, observer.get(), std::move(keys));
   spdlog::info("{}", encryption_words);
@@ -107,7 +181,9 @@ int serve(ProgramOptions options) {
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
                summary(*scene));
 
-  run(server, clock, options.verbose);
+  ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
+
+  Service(server, options, clock, manager).run();
   server.stop();
   std::cout << text::wrapped(totals(server, encryption), 2);
   if (server.overflowed() > 0) {

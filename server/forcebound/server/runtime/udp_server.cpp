@@ -104,6 +104,10 @@ void UdpServer::run(const std::stop_token& wanted) {
   stop();
 }
 
+void UdpServer::replace_clients(security::AllowedClients clients) {
+  if (secure_) secure_->replace_clients(std::move(clients));
+}
+
 void UdpServer::stop() {
   server_.stop();
   batch_.flush();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <string>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_batch.hpp"
@@ -50,6 +51,13 @@ class UdpServer {
 
   /// Calls `turn` until a stop is requested, then `stop`.
   void run(const std::stop_token& wanted);
+
+  /// From now on refuses who asks for a session, with this reason; those that are open go on.
+  void admit_none(const std::string& why) { server_.admit_none(why); }
+
+  /// Lets in whom this list has, from now on; ends the keys of clients that it does not have. Without encryption, and
+  /// where there was no list, nothing happens.
+  void replace_clients(security::AllowedClients clients);
 
   /// Ends all sessions.
   void stop();

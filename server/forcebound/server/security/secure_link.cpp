@@ -162,6 +162,16 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
   return std::nullopt;
 }
 
+void SecureLink::replace_clients(security::AllowedClients clients) {
+  if (!keys_.clients) return;
+  keys_.clients = std::move(clients);
+  for (auto next = peers_.begin(); next != peers_.end();) {
+    const auto peer = next++;
+    peer->second.client = keys_.clients->find(peer->second.key);
+    if (peer->second.client == nullptr) forget(peer);
+  }
+}
+
 void SecureLink::on_timer(Nanoseconds now) noexcept {
   for (auto next = peers_.begin(); next != peers_.end();) {
     const auto peer = next++;

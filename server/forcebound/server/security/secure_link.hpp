@@ -92,6 +92,10 @@ class SecureLink final : public net::DatagramLink {
   /// nothing.
   std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override;
 
+  /// Lets in whom this list has, from now on, and forgets the keys of clients that it does not have. Nothing changes
+  /// where there was no list. Not real time.
+  void replace_clients(security::AllowedClients clients);
+
   /// Forgets keys that are not used. To be called a few times a second.
   void on_timer(Nanoseconds now) noexcept;
 

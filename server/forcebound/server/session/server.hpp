@@ -112,6 +112,9 @@ class Server {
   /// Closes idle sessions. To be called a few times a second.
   void on_timer(Nanoseconds now);
 
+  /// From now on refuses who asks for a session, with this reason; those that are open go on.
+  void admit_none(std::string why) { admits_none_ = std::move(why); }
+
   /// Sends Bye to all clients and ends their sessions.
   void stop();
 
@@ -262,6 +265,7 @@ class Server {
   std::vector<Ended> ended_;            ///< ring buffer of the latest
   std::size_t ended_next_ = 0;
   MemoryBudget memory_;
+  std::string admits_none_;  ///< why; empty: it does
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
   double busy_ = 0;                       ///< share of the thread's time for the sessions

@@ -129,6 +129,10 @@ void Server::on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds 
     refuse(hello, from, {RefusalReason::version_mismatch, std::string(mismatch.text())});
     return;
   }
+  if (!admits_none_.empty()) {
+    refuse(hello, from, {RefusalReason::server_full, admits_none_});
+    return;
+  }
   // Before it would be compiled.
   if (!is_allowed(hello.scene)) {
     refuse(hello, from, {RefusalReason::unknown_scene, refusal_of_scene(hello.scene)});

@@ -98,6 +98,21 @@ TEST_F(SealedDatagrams, FromTheAddressOfAnotherClientDoNotGetWhatIsMeantForIt) {
   EXPECT_EQ(heard_by(forges, "force", at_port(1)), "force");
 }
 
+TEST_F(SealedDatagrams, AreOpenedOfClientsOnANewListAndOfNoOthers) {
+  start_with_two();
+  ClientEnd stays = anna_end();
+  ClientEnd goes({.own = &bert, .server = &server}, 12);
+  join(stays, at_port(1));
+  join(goes, at_port(2));
+  link->replace_clients(security::AllowedClients::parse(
+      "[[client]]\nname = \"anne\"\npublic_key = \"" + security::public_text(1) + "\"\n", "clients.toml"));
+  EXPECT_THAT(*arrive(stays.seal("motion", clock.time), at_port(1)), Pair("motion", "anne"));
+  EXPECT_FALSE(arrive(goes.seal("motion", clock.time), at_port(2)));
+  EXPECT_EQ(link->confirmed(), 1U);
+  EXPECT_FALSE(link->send(bytes_of("force"), at_port(2)));
+  EXPECT_EQ(shake_hands(goes, at_port(2))->verdict, security::Verdict::not_allowed);
+}
+
 TEST_F(SealedDatagrams, KeepTheSessionForTheIdleTimeoutAndAWhileMore) {
   const SecureLimits limits;
   clock.time += limits.idle_timeout + SecureLink::kKeptAfterIdle - 1ns;

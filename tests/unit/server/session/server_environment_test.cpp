@@ -244,6 +244,16 @@ TEST_F(ServerEnvironment, RefusesSessionsBeyondItsMaximum) {
   EXPECT_NE(join(3), 0U);
 }
 
+TEST_F(ServerEnvironment, ThatAdmitsNoneGoesOnWithThoseWhoAreThere) {
+  serve(scripted());
+  const auto session = join(1);
+  server->admit_none("it ends soon");
+  arrive(hello(2));
+  EXPECT_EQ(only_answer<wire::Refusal>().text, "it ends soon");
+  (void)answer_to(session, 1);
+  EXPECT_EQ(server->sessions(), 1U);
+}
+
 TEST_F(ServerEnvironment, GetsTheRoundTripIfItWantsIt) {
   EnvironmentKind kind = scripted();
   kind.wants_round_trip = true;
