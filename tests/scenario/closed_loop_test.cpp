@@ -206,6 +206,27 @@ TEST_P(LawsThroughABadNetwork, StayPassiveThoughTheirTicksStall) {
   }
 }
 
+//   one reading in ten is not new: device and client have clocks of their own
+TEST(ClosedLoop, ADeviceThatHasNotANewReadingOnEachTickIsFeltAndPassive) {
+  const auto pressed = [](double stale_readings) {
+    ClosedLoop loop({.device = device::load_device("wall-1dof"),
+                     .hand = "press",
+                     .law = "fba-exact",
+                     .scene = server::load_scene("wall"),
+                     .flaws = {.stale_readings = stale_readings}});
+    loop.run(4s);
+    return summary_of(loop);
+  };
+  const json all_new = pressed(0);
+  const json some_stale = pressed(0.1);
+  EXPECT_EQ(all_new["faults"]["stale_readings"], 0);
+  EXPECT_NEAR(some_stale["faults"]["stale_readings"], 400, 80);
+  EXPECT_EQ(some_stale["faults"]["non_finite_readings"], 0);
+  EXPECT_GE(some_stale["passivity"]["minimum_J"], -1e-9);
+  const double felt = some_stale["displayed_stiffness_N_per_m"].get<double>();
+  EXPECT_GT(felt, 0.9 * all_new["displayed_stiffness_N_per_m"].get<double>());
+}
+
 struct RecordedRun {
   const char* scene;
   const char* trace;

@@ -67,6 +67,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("impossible_intervals", totals.impossible_intervals);
   visit("held_too_long", totals.held_too_long);
   visit("released_by_device", totals.released_by_device);
+  visit("stale_readings", totals.stale_readings);
   visit("reconnects", totals.reconnects);
   visit("refusals", totals.refusals);
   visit("longest_blackout_ns", totals.longest_blackout.duration);
@@ -279,6 +280,8 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "ticks beyond the hold time of a device that cannot let go: not passive"},
       {"released_by_device", t.released_by_device, "tick so late that the device let go of the force",
        "ticks so late that the device let go of the force"},
+      {"stale_readings", t.stale_readings, "tick without a new reading of the device, whose force was held on",
+       "ticks without a new reading of the device, whose forces were held on"},
       {"reconnects", t.reconnects, "time the session was lost and requested again",
        "times the session was lost and requested again"},
       {"refusals", t.refusals, "request for a session that the server refused",

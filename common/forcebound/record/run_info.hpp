@@ -84,6 +84,7 @@ struct RunTotals {
   std::uint64_t impossible_intervals = 0;  ///< ticks whose clock stood still or ran back: nothing credited
   std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go
   std::uint64_t released_by_device = 0;    ///< ticks so late that the device had zeroed the force itself
+  std::uint64_t stale_readings = 0;        ///< ticks left out since there was no new reading: the force was held
   std::uint64_t reconnects = 0;
   std::uint64_t refusals = 0;           ///< of a session, by the server
   Blackout longest_blackout;            ///< without any new force

@@ -19,6 +19,8 @@ constexpr int kDatagramsPerTickMax = 64;
 // Those that are dropped by their address or heading cost little. If they counted, a flood of them would make all that
 // are not dropped wait.
 constexpr int kDroppedPerTickMax = 512;
+// Without a new reading a force is held on so long: what stands still for longer is felt, and the motion unknown.
+constexpr Nanoseconds kHeldOnMost = std::chrono::milliseconds{5};
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
@@ -85,7 +87,13 @@ void Session::tick(Nanoseconds now) noexcept {
   Done done{.reading = read_device(now)};
   const device::Reading& reading = done.reading;
   const bool readable = reading.position.allFinite();
-  tell_of_device(readable, now);
+  tell_of_device(reading.status, readable, now);
+  if (is_held_on(reading, now)) {
+    ++counts_.stale_readings;
+    receive_all(now);
+    keep_connected(now);
+    return;
+  }
   done.place = controller_.law().proxy_position(reading.position);
   // However rare motions are: a short press must not fall between two of them.
   if (readable && reading.handle.buttons != buttons_sent_) schedule_.send_at_once();
@@ -137,9 +145,20 @@ device::Reading Session::read_device(Nanoseconds now) noexcept {
   return reading;
 }
 
-void Session::tell_of_device(bool usable, Nanoseconds now) noexcept {
+/// To the law it is a tick that comes late: the device holds the force of the last one, and the energy of both intervals
+/// is known with the next reading. A zero force would be felt, and the law would have to charge the force for whatever
+/// motion there was.
+bool Session::is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept {
+  if (reading.status != device::Reading::Status::stale || !previous_command_) return false;
+  const Nanoseconds held = time::from_seconds(device_.facts().hold_s_max);
+  return now - *previous_command_ < std::min(held, kHeldOnMost);
+}
+
+void Session::tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept {
   const DeviceWatch::Change change = device_watch_.note(usable, now);
-  if (change == DeviceWatch::Change::gone) tell(Event::Kind::device_gone, now, device_.last_error());
+  const bool stale = status == device::Reading::Status::stale;
+  const std::string_view why = stale ? std::string_view{"none of its readings is new"} : device_.last_error();
+  if (change == DeviceWatch::Change::gone) tell(Event::Kind::device_gone, now, why);
   if (change == DeviceWatch::Change::back) tell(Event::Kind::device_back, now, {}, device_watch_.pause());
 }
 

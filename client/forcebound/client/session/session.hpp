@@ -43,6 +43,9 @@ using time::Nanoseconds;
 /// Recording never influences the force. Whatever fails, the force is zero and the event is counted. The law runs in
 /// every state of the connection, and its ledger is never reset.
 ///
+/// A device with a clock of its own has no new reading on some ticks. Such a tick is left out, for 5 ms at most and while
+/// the device holds its force: the next one is late, for which the law accounts. It is in no record.
+///
 /// Real time: `tick` and `close` are noexcept, allocate nothing, wait for nothing. Owned by one thread.
 class Session {
  public:
@@ -106,6 +109,7 @@ class Session {
     std::uint64_t send_failures = 0;
     std::uint64_t held_too_long = 0;
     std::uint64_t released_by_device = 0;
+    std::uint64_t stale_readings = 0;
   };
 
   [[nodiscard]] device::Reading read_device(Nanoseconds now) noexcept;
@@ -129,7 +133,9 @@ class Session {
   [[nodiscard]] RequestRendering::Request request_at(Done& done, Nanoseconds now) noexcept;
   [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
   void tell_of_scene(Nanoseconds now) noexcept;
-  void tell_of_device(bool usable, Nanoseconds now) noexcept;
+  void tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept;
+  /// Whether this tick has no new reading, and is left to the force that the device still holds.
+  [[nodiscard]] bool is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept;
   [[nodiscard]] ServerNeed need_of(const RequestRendering::Request& request) const noexcept;
   void note_late_force(const RequestRendering::Request& request, Nanoseconds age, Nanoseconds now) noexcept;
   void note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;

@@ -130,6 +130,7 @@ record::RunTotals Session::totals() const {
   totals.send_failures = counts_.send_failures;
   totals.held_too_long = counts_.held_too_long;
   totals.released_by_device = counts_.released_by_device;
+  totals.stale_readings = counts_.stale_readings;
   const device::DeviceCounters device = device_.counters();
   totals.device_gaps_cut = device.gaps_cut;
   totals.device_frozen_joints = device.frozen_joints;

@@ -24,6 +24,7 @@ struct DeviceFlaws {
   double friction_share = 0;       ///< of the friction is missing
   double torque_share = 0;         ///< the torque is off by this share, along with the motion
   double actuator_lag_s = 0;       ///< time constant of the torque
+  double stale_readings = 0;       ///< share of the readings that are not new
   double failed_writes = 0;        ///< share of the commands that never reach the motors
   bool failures_reported = false;  ///< and the device says so
   bool releases_reported = true;   ///< the device says when a release began

@@ -68,6 +68,11 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
   const Nanoseconds off = flaws_.stamp_s == control::Bracket{} ? Nanoseconds{0} : drawn(flaws_.stamp_s);
   advance_to(now + std::min(off, Nanoseconds{0}));
   Reading reading;
+  if (flaws_.stale_readings > 0 && number(0, 1) < flaws_.stale_readings) {
+    reading.status = Reading::Status::stale;
+    reading.latched = now;
+    return reading;
+  }
   reading.joint = framed_ ? *framed_ : motion_.position();
   read_encoders(reading.joint);
   reading.position = kinematics_->position(reading.joint);

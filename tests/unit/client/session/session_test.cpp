@@ -430,22 +430,49 @@ TEST_F(SessionTest, TickDoesNotAllocateInTheWholeLifeOfASession) {
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
 
-TEST_F(SessionTest, GivesZeroForceOnAReadingThatFailedOrIsStale) {
-  for (const auto status : {device::Reading::Status::failed, device::Reading::Status::stale}) {
-    device.status = device::Reading::Status::ok;
-    if (session.state() != SessionState::active) connect();
+TEST_F(SessionTest, GivesZeroForceOnAReadingThatFailed) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+  tick();
+  ASSERT_EQ(device.applied[0], -2.0);
+  device.status = device::Reading::Status::failed;
+  link.sent.clear();
+  tick();
+  EXPECT_EQ(device.applied[0], 0.0);
+  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(sent<wire::MotionSample>().size(), 0U) << "nobody knows where the device is";
+}
+
+TEST_F(SessionTest, LeavesTheForceToTheDeviceWhileNoReadingIsNewButNotForLong) {
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+  tick();
+  ASSERT_EQ(device.applied[0], -2.0);
+  const Nanoseconds applied_at = device.applied_at;
+  link.sent.clear();
+  device.status = device::Reading::Status::stale;
+  for (int i = 1; i < 5; ++i) {
     tick();
-    const auto before = session.totals().non_finite_readings;
-    arrive(answer(sent<wire::MotionSample>().back(), -2.0));
-    tick();
-    ASSERT_EQ(device.applied[0], -2.0);
-    device.status = status;
-    link.sent.clear();
-    tick();
-    EXPECT_EQ(device.applied[0], 0.0);
-    EXPECT_EQ(session.totals().non_finite_readings, before + 1);
-    EXPECT_EQ(sent<wire::MotionSample>().size(), 0U) << "nobody knows where the device is";
+    EXPECT_EQ(device.applied_at, applied_at) << i << " ms";
   }
+  EXPECT_EQ(session.totals().stale_readings, 4U);
+  EXPECT_EQ(session.totals().non_finite_readings, 0U);
+  EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
+  tick();
+  EXPECT_EQ(device.applied[0], 0.0) << "5 ms after the last command";
+  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+}
+
+TEST_F(SessionTest, AfterATickWithoutANewReadingTheNextIntervalIsLonger) {
+  connect();
+  tick();
+  device.status = device::Reading::Status::stale;
+  tick();
+  device.status = device::Reading::Status::ok;
+  tick();
+  EXPECT_EQ(records.last.interval, 2ms);
 }
 
 TEST_F(SessionTest, TellsOnceWhenTheDeviceIsGoneAndWhenItIsBack) {
@@ -465,6 +492,23 @@ TEST_F(SessionTest, TellsOnceWhenTheDeviceIsGoneAndWhenItIsBack) {
   EXPECT_EQ(events.duration, 101ms);
   tick();
   EXPECT_EQ(events.kinds.size(), before + 2);
+}
+
+TEST_F(SessionTest, OfADeviceThatComesAndGoesTellsOnce) {
+  connect();
+  tick();
+  const std::size_t before = events.kinds.size();
+  for (int i = 0; i < 10; ++i) {
+    device.status = device::Reading::Status::failed;
+    for (int k = 0; k < 30; ++k) tick();
+    device.status = device::Reading::Status::ok;
+    for (int k = 0; k < 20; ++k) tick();
+  }
+  EXPECT_EQ(events.kinds.size(), before + 2) << "gone and back, in half a second";
+  device.status = device::Reading::Status::failed;
+  for (int k = 0; k < 1100; ++k) tick();
+  EXPECT_EQ(events.kinds.size(), before + 3);
+  EXPECT_EQ(events.kinds.back(), Event::Kind::device_gone);
 }
 
 TEST_F(SessionTest, GivesZeroForceOnAReadingOfTheWrongSize) {
