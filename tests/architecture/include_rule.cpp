@@ -40,6 +40,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/scene",
        {"forcebound/config", "forcebound/control", "forcebound/local_model", "forcebound/text", "forcebound/time"}},
       {"forcebound/handover", {"forcebound/config", "forcebound/text", "forcebound/scene"}},
+      {"forcebound/page", {"forcebound/security", "forcebound/text"}},
       {"forcebound/client/rendering",
        {"forcebound/control", "forcebound/local_model", "forcebound/text", "forcebound/time", "forcebound/wire",
         "forcebound/scene", "forcebound/handover"}},
@@ -51,10 +52,13 @@ const std::vector<Folder>& folders() {
        {"forcebound/control", "forcebound/time", "forcebound/wire", "forcebound/net", "forcebound/record",
         "forcebound/security", "forcebound/device", "forcebound/client/rendering", "forcebound/client/security",
         "forcebound/client/session"}},
+      {"forcebound/client/page",
+       {"forcebound/control", "forcebound/config", "forcebound/text", "forcebound/time", "forcebound/net",
+        "forcebound/record", "forcebound/device", "forcebound/scene", "forcebound/page"}},
       {"forcebound/client/app",
        {"forcebound/control", "forcebound/baselines", "forcebound/program", "forcebound/text", "forcebound/time",
         "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/driver",
-        "forcebound/client"}},
+        "forcebound/scene", "forcebound/page", "forcebound/client"}},
       // Plug-ins: C, or C++, with no more of ours than the interface of drivers.
       {"drivers", {"forcebound/driver"}},
       {"forcebound/server/dynamics/tissue", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
@@ -127,6 +131,9 @@ const std::vector<Privilege>& privileges() {
   static const std::vector<Privilege> kPrivileges{
       {"Asio", std::regex(R"(#include\s*[<"]asio)"), shells_and("common/forcebound/net/(internal/)?udp.*"),
        "common/forcebound/net/udp* and the shells"},
+      {"Boost.Asio and Boost.Beast", std::regex(R"(#include\s*<boost/(asio|beast)[/.])"),
+       std::regex(R"(common/forcebound/page/(internal/.*|page_server\.cpp)|client/drivers/.*|tests/unit/page/.*)"),
+       "common/forcebound/page/page_server.cpp with its internal headers, client/drivers and tests/unit/page"},
       {"generated Protocol Buffers code", std::regex(R"(#include\s*[<"].*\.pb\.h[">])"),
        std::regex(
            R"(common/forcebound/(wire|handover)/internal/.*|common/forcebound/(wire|record|handover)/.*\.cpp|tests/(?!tools/).*)"),
@@ -140,11 +147,12 @@ const std::vector<Privilege>& privileges() {
        std::regex(R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|)"
                   R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
        shells_and(R"(common/forcebound/time/real_time\.cpp|client/forcebound/client/rendering/scene_builder\.hpp|)"
-                  R"(client/forcebound/client/security/handshaker\.hpp|)" +
+                  R"(client/forcebound/client/security/handshaker\.hpp|common/forcebound/page/page_server\.cpp|)"
+                  R"(client/forcebound/client/page/live_page\.hpp|)" +
                   kChild),
        "common/forcebound/time/real_time.cpp, the client's scene_builder.hpp and handshaker.hpp, whose counts "
-       "and texts another thread reads, "
-       "common/forcebound/child and the shells"},
+       "and texts another thread reads, the client's live_page.hpp, which two threads use, "
+       "common/forcebound/page/page_server.cpp, common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
        "common/forcebound/net/udp*, common/forcebound/child and the shells"},
@@ -158,8 +166,9 @@ const std::vector<Privilege>& privileges() {
        "common/forcebound/time's steady_clock, periodic_timer and real_time, common/forcebound/child and the shells"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()"),
-       shells_and(R"(common/forcebound/security/random\.[ch]pp)"),
-       "common/forcebound/security/random, which gives keys, and the shells, which draw a seed once and print it"},
+       shells_and(R"(common/forcebound/security/random\.[ch]pp|common/forcebound/page/listen_address\.cpp)"),
+       "common/forcebound/security/random, which gives keys, common/forcebound/page/listen_address.cpp, which gives "
+       "tokens, and the shells, which draw a seed once and print it"},
       {"libsodium", std::regex(R"(#include\s*[<"]sodium)"),
        std::regex(R"(common/forcebound/security/.*\.cpp|tests/unit/security/.*)"),
        "the .cpp files of common/forcebound/security, and their tests"},

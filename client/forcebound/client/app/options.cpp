@@ -9,6 +9,7 @@
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/client/app/known_devices.hpp"
+#include "forcebound/client/page/known_scenes.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/device/load_device.hpp"
@@ -54,6 +55,7 @@ struct Typed {
   double drop_ms = 0;
   std::string memory = "capped";
   std::string send_rate = "1000";
+  std::string page{};
 };
 
 /// @returns the seed's option, to know whether it was given
@@ -135,6 +137,15 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->check(program::number_within(0))
       ->capture_default_str()
       ->type_name("MS");
+  app.add_option("--page", typed.page,
+                 "serve a live page that shows the run and changes it, with the mouse as the simulated hand; its "
+                 "address is printed. Of this machine alone unless HOST says otherwise; default port 47880")
+      ->expected(0, 1)
+      ->type_name("[PORT|HOST:PORT]");
+  app.add_option("--relay-control", options.relay_control,
+                 "with --page: the --control address of the forcebound-relay in between, for other networks")
+      ->needs("--page")
+      ->type_name("HOST:PORT");
   app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
   program::add_option_file(app);
@@ -152,6 +163,17 @@ void expect_files_apart(const Options& options) {
   program::expect_apart({"--record", options.record}, inputs);
   program::expect_apart({"--summary", options.summary}, inputs);
   program::expect_apart({"--summary", options.summary}, {{"--record", options.record}});
+}
+
+/// With a page and no other operator the hand follows the pointer, on a device that suits the scene.
+void complete_for_page(Options& options, const device::DeviceRegistry& devices) {
+  if (!options.device.hand.empty()) return;
+  if (options.device.device.empty()) {
+    const KnownScene* const scene = find_known_scene(options.scene);
+    options.device.device = scene == nullptr ? "omni" : device_for(*scene);
+  }
+  // Only a simulated device has a hand.
+  if (!devices.completed(options.device).hand.empty()) options.device.hand = "pointer";
 }
 
 }  // namespace
@@ -181,6 +203,10 @@ Options parse_options(int argc, const char* const* argv) {
   }
   // Not the nonce of the previous run: a server that still has that session would take this run for it.
   if (seed->count() == 0) options.seed = std::random_device{}();
+  if (app.count("--page") > 0) {
+    options.page = program::value_of("--page", [&] { return page::parse_listen_address(typed.page); });
+    complete_for_page(options, devices);
+  }
   options.device = devices.completed(options.device);
   return options;
 }

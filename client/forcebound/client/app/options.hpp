@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "forcebound/client/security/identity_files.hpp"
@@ -7,6 +8,7 @@
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
+#include "forcebound/page/listen_address.hpp"
 
 namespace forcebound::client {
 
@@ -30,6 +32,8 @@ struct Options {
   std::string scene_cache;  ///< folder, or "none"
   double force_slew_N_per_s = 0;
   SendRate send_rate;
+  std::optional<page::ListenAddress> page;  ///< where the live page is served; none: nowhere
+  std::string relay_control;                ///< whom the page tells what network to emulate; empty: nobody
   bool once = false;
   bool quiet = false;
 };

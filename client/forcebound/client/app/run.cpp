@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <stdexcept>
 #include <string>
 
 #include "forcebound/baselines/baselines.hpp"
@@ -12,6 +11,8 @@
 #include "forcebound/client/app/device_in_words.hpp"
 #include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/client/app/live_line.hpp"
+#include "forcebound/client/app/live_run.hpp"
+#include "forcebound/client/app/run_parts.hpp"
 #include "forcebound/client/app/screen.hpp"
 #include "forcebound/client/runtime/client.hpp"
 #include "forcebound/control/law_registry.hpp"
@@ -24,54 +25,6 @@
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
-namespace {
-
-/// False if not all of it could be written.
-bool write_summary(const std::string& file, const record::Summary& summary) {
-  if (file.empty()) return true;
-  try {
-    text::write_file(file, summary.to_json());
-    return true;
-  } catch (const std::runtime_error& error) {
-    spdlog::error("{}", error.what());
-    return false;
-  }
-}
-
-control::LawOptions law_options(const Options& options, const control::LawRegistry& laws) {
-  control::LawOptions chosen = options.law_options;
-  if (!options.law_parameters.empty()) {
-    chosen.parameters = baselines::load_law_parameters(options.law_parameters, options.law, laws);
-  }
-  return chosen;
-}
-
-Client::Settings settings_of(const Options& options) {
-  return {.server = options.server,
-          .identity = options.identity,
-          .insecure = options.insecure,
-          .scene = options.scene,
-          .policy = options.policy,
-          .renders_locally = options.rendering == "local",
-          .scene_cache = options.scene_cache == "none" ? "" : options.scene_cache,
-          .force_slew_N_per_s = options.force_slew_N_per_s,
-          .send_rate = options.send_rate,
-          .seed = options.seed,
-          .duration_s = options.duration_s,
-          .once = options.once,
-          .recording = options.record,
-          .program = "forcebound-client " FORCEBOUND_VERSION,
-          .law = options.law,
-          .hand = options.device.hand};
-}
-
-std::string_view encryption_in_words(const Options& options) {
-  if (options.identity.any()) return "encrypted";
-  return options.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: on this machine";
-}
-
-}  // namespace
-
 int run(const Options& options, const std::atomic<bool>& stop) {
   const control::LawRegistry laws = baselines::shipped_laws();
   const device::DeviceRegistry devices = known_devices();
@@ -83,6 +36,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     std::fputs(text::wrapped_help(text::printable_lines(help)).c_str(), stdout);
     return program::kDone;
   }
+  if (options.page) return run_with_page(options, laws, devices, stop);
   // What a device is refused for is known from its facts; the rest is about its hand.
   const control::DeviceFacts own = program::value_of("--device", [&] { return devices.facts(options.device.device); });
   (void)program::value_of("--rate", [&] { return device::at_tick_rate(own, options.device.rate_Hz); });
@@ -130,9 +84,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const bool written = write_summary(options.summary, client.summary());
   const std::string why_none = client.why_no_session();
   if (!why_none.empty()) spdlog::error("gave up: {}", why_none);
-  if (client.summary().not_passive()) return program::kNotPassive;
-  if (!why_none.empty()) return program::kFailed;
-  return written && client.recording_complete() ? program::kDone : program::kOutputLost;
+  return exit_code_of(client, written);
 }
 
 }  // namespace forcebound::client

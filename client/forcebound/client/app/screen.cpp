@@ -24,15 +24,14 @@ std::size_t columns() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : text::kColumns;
 }
 
-std::string in_words(Nanoseconds duration) {
-  const double seconds = time::to_seconds(duration);
-  return seconds < 1 ? fmt::format("{:.0f} ms", seconds * 1e3) : fmt::format("{:.2f} s", seconds);
-}
-
 }  // namespace
 
-Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events)
-    : live_(!options.quiet && isatty(STDERR_FILENO) != 0), options_(options), line_(line), events_(events) {}
+Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events, Also also)
+    : live_(!options.quiet && isatty(STDERR_FILENO) != 0),
+      options_(options),
+      line_(line),
+      events_(events),
+      also_(std::move(also)) {}
 
 void Screen::refresh(Nanoseconds now, Nanoseconds elapsed) {
   if (elapsed > kNoAnswerTold && !options_.once) warn_of_no_answer();
@@ -48,18 +47,13 @@ void Screen::end(Nanoseconds now) {
 }
 
 void Screen::tell_recording_fault(const std::string& fault) const {
-  clear();
-  spdlog::error("{}; the run goes on", fault);
+  say({spdlog::level::err, fault + "; the run goes on"});
 }
 
-void Screen::tell_security(const std::string& news) const {
-  clear();
-  spdlog::info("{}", news);
-}
+void Screen::tell_security(const std::string& news) const { say({spdlog::level::info, news}); }
 
 void Screen::tell_security_problem(const std::string& problem) const {
-  clear();
-  spdlog::warn("{}; retrying", problem);
+  say({spdlog::level::warn, problem + "; retrying"});
 }
 
 void Screen::clear() const {
@@ -68,8 +62,7 @@ void Screen::clear() const {
 
 void Screen::warn_of_no_answer() {
   if (line_.state() != record::SessionState::connecting || std::exchange(no_answer_told_, true)) return;
-  clear();
-  spdlog::warn("no answer from {} yet; retrying", options_.server);
+  say({spdlog::level::warn, "no answer from " + options_.server + " yet; retrying"});
 }
 
 void Screen::log_events(Nanoseconds now) {
@@ -81,56 +74,25 @@ void Screen::log_events(Nanoseconds now) {
       late_force_.note(event_);
       log_due();
     } else {
-      log_connection();
+      say(words_of(event_));
     }
   }
   log_due();
 }
 
-void Screen::log_connection() const {
+void Screen::say(const EventWords& words) const {
   clear();
-  switch (event_.kind) {
-    case Event::Kind::welcomed:
-      return spdlog::info("connected; simulated: {}", event_.words());
-    case Event::Kind::refused:
-      return spdlog::error("refused by the server: {}", event_.words());
-    case Event::Kind::session_unknown:
-      return spdlog::warn("the server does not know this session (any more); requesting another");
-    case Event::Kind::server_left:
-      return spdlog::warn("the server ended the session; requesting another");
-    case Event::Kind::scene_here:
-      return spdlog::info("the scene has arrived: its static parts run at the client");
-    case Event::Kind::scene_refused:
-      return spdlog::error("the server's scene is refused, its forces are held instead: {}", event_.words());
-    case Event::Kind::limited_for_safety:
-      return spdlog::warn("{}", event_.words());
-    case Event::Kind::device_gone:
-      return spdlog::warn("no readings of the device, and no force until there are: {}",
-                          event_.words().empty() ? "no reason given" : event_.words());
-    case Event::Kind::device_back:
-      return spdlog::info("the device is back after {}", in_words(event_.duration));
-    case Event::Kind::force_fading:
-    case Event::Kind::force_dropped:
-    case Event::Kind::force_fresh:
-      return;  // logged apart
-  }
+  spdlog::log(words.level, "{}", words.text);
+  if (also_) also_(words);
 }
 
 void Screen::log_late_force(const LateForceLog::Line& line) const {
-  clear();
-  const std::string duration = in_words(line.duration);
-  const std::string others =
-      line.left_out == 0 ? "" : fmt::format(" (changes before it, not shown: {})", line.left_out);
-  switch (line.kind) {
-    case Event::Kind::force_fading:
-      return spdlog::warn("forces are {} old: fading{}", duration, others);
-    case Event::Kind::force_dropped:
-      return spdlog::warn("forces are {} old: zero force{}", duration, others);
-    case Event::Kind::force_fresh:
-      return spdlog::info("forces are fresh again after {}{}", duration, others);
-    default:
-      return;  // logged apart
-  }
+  Event event;
+  event.kind = line.kind;
+  event.duration = line.duration;
+  EventWords words = words_of(event);
+  if (line.left_out > 0) words.text += fmt::format(" (changes before it, not shown: {})", line.left_out);
+  say(words);
 }
 
 }  // namespace forcebound::client

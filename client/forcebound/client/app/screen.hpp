@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "forcebound/client/app/event_words.hpp"
 #include "forcebound/client/app/late_force_log.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/options.hpp"
@@ -12,8 +14,11 @@ namespace forcebound::client {
 /// The output of a run: log lines for events, and on a terminal a live line.
 class Screen {
  public:
+  /// Told of each line of the log too.
+  using Also = std::function<void(const EventWords& words)>;
+
   /// All must outlive it.
-  Screen(const Options& options, const LiveLine& line, EventQueue& events);
+  Screen(const Options& options, const LiveLine& line, EventQueue& events, Also also = {});
 
   /// To be called several times a second.
   void refresh(time::Nanoseconds now, time::Nanoseconds elapsed);
@@ -31,7 +36,7 @@ class Screen {
  private:
   void warn_of_no_answer();
   void log_events(time::Nanoseconds now);
-  void log_connection() const;
+  void say(const EventWords& words) const;
   void log_late_force(const LateForceLog::Line& line) const;
   void clear() const;
 
@@ -40,6 +45,7 @@ class Screen {
   const Options& options_;
   const LiveLine& line_;
   EventQueue& events_;
+  Also also_;
   Event event_;
   LateForceLog late_force_;
 };

@@ -29,6 +29,16 @@ HandoverCounts SceneBuilder::counts() const {
   return counts_;
 }
 
+std::shared_ptr<const scene::Scene> SceneBuilder::newest() const {
+  const std::scoped_lock lock(counting_);
+  return newest_;
+}
+
+void SceneBuilder::show(std::shared_ptr<const scene::Scene> scene) {
+  const std::scoped_lock lock(counting_);
+  newest_ = std::move(scene);
+}
+
 template <class Change>
 void SceneBuilder::count(Change change) {
   const std::scoped_lock lock(counting_);
@@ -53,6 +63,7 @@ std::size_t SceneBuilder::work(const std::stop_token& ended) {
         break;
       case BuildOrder::Kind::end:
         assembly_.reset();
+        show(nullptr);
         generation_ = order->generation;
         exchange_.set_phase(generation_, BuildPhase::nothing);
         break;
@@ -68,6 +79,7 @@ void SceneBuilder::begin(const BuildOrder& order, const std::stop_token& ended) 
   coverage_.clear();
   stored_ = false;
   assembly_.reset();
+  show(nullptr);
   try {
     assembly_ = from_cache(order.announcement, ended);
     if (assembly_) {
@@ -155,6 +167,7 @@ std::size_t SceneBuilder::build(const std::stop_token& ended) {
     pieces_in_builds_ += pieces_built_;
     coverage_ = made.coverage;
     scene::SceneState state(made.scene, options_.degrees_of_freedom);
+    show(made.scene);
     exchange_.publish(
         std::make_unique<BuiltScene>(BuiltScene{generation_, ++number_, std::move(made), std::move(state)}));
     count([](HandoverCounts& counts) { ++counts.scenes_built; });

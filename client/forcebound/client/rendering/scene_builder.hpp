@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -46,6 +47,9 @@ class SceneBuilder {
   /// As they are, whatever thread works. Waits and allocates: not for the tick.
   [[nodiscard]] HandoverCounts counts() const;
 
+  /// The newest scene built, to be looked at; null: there is none. Waits: not for the tick.
+  [[nodiscard]] std::shared_ptr<const scene::Scene> newest() const;
+
   /// While the exchange's phase is `refused`: what cannot be, in one line. For the tick, which ordered what was
   /// refused: until its next order nothing writes here.
   [[nodiscard]] std::string_view why_refused() const noexcept { return why_refused_; }
@@ -58,6 +62,7 @@ class SceneBuilder {
                                                                   const std::stop_token& ended);
   [[nodiscard]] bool worth_building() const;
   std::size_t build(const std::stop_token& ended);
+  void show(std::shared_ptr<const scene::Scene> scene);
   template <class Change>
   void count(Change change);
   void note_cache_problem();
@@ -74,7 +79,8 @@ class SceneBuilder {
   bool stored_ = false;
   std::string why_refused_;
   mutable std::mutex counting_;
-  HandoverCounts counts_;  // behind `counting_`
+  HandoverCounts counts_;                       // behind `counting_`
+  std::shared_ptr<const scene::Scene> newest_;  // likewise
 };
 
 }  // namespace forcebound::client

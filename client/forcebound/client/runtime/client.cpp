@@ -171,7 +171,8 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   Parts& p = *parts_;
   p.device.start();
   ZeroForceFirst zero_force_first(p.device, *p.session, p.clock, p.settings.seed);
-  const control::LastResortScope scope(zero_force_first);
+  std::optional<control::LastResortScope> scope;
+  if (!p.settings.beside) scope.emplace(zero_force_first);
   IdleTimer idle(p.clock, p.info.period, kTickPriority);
   std::optional<Watchdog> watchdog;
   if (!p.device.is_simulated()) watchdog.emplace(p.device, p.clock, longest_pause(p.device.facts()));
@@ -235,6 +236,10 @@ std::string Client::take_security_problem() {
   if (problem == parts_->problem_told) return {};
   parts_->problem_told = problem;
   return problem;
+}
+
+std::shared_ptr<const scene::Scene> Client::scene_here() const {
+  return parts_->local ? parts_->local->builder().newest() : nullptr;
 }
 
 bool Client::recording_complete() const {

@@ -13,6 +13,7 @@
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/record/tick_record.hpp"
+#include "forcebound/scene/scene.hpp"
 
 namespace forcebound::client {
 
@@ -45,6 +46,9 @@ class Client {
     double duration_s = 0;          ///< 0: until stopped
     bool once = false;              ///< give up if the server refuses, or does not answer for 5 s
     std::string recording{};        ///< MCAP file for every tick and force; empty: none
+    /// Runs beside another client of this process: it is that one's device that a failed assertion stops. For simulated
+    /// devices alone.
+    bool beside = false;
     // Further entries of the recording's metadata.
     std::string program{};
     std::string law{};  ///< its name; empty: the law's own
@@ -86,6 +90,9 @@ class Client {
   /// What the handshakes came to, in one line, and why one does not succeed; each once, else empty. For housekeeping.
   [[nodiscard]] std::string take_security_news();
   [[nodiscard]] std::string take_security_problem();
+
+  /// What has been handed over of the scene, to be looked at; null: nothing yet. Any thread but the tick's.
+  [[nodiscard]] std::shared_ptr<const scene::Scene> scene_here() const;
 
   /// After `run`.
   [[nodiscard]] const record::Summary& summary() const noexcept;

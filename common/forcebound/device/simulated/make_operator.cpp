@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "forcebound/device/simulated/motion_operators.hpp"
+#include "forcebound/device/simulated/pointer_operator.hpp"
 #include "forcebound/device/simulated/replay_operator.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -19,7 +20,7 @@ struct Entry {
   Made (*make)(OperatorSettings settings, int dof);
 };
 
-constexpr std::array<Entry, 6> kOperators = {{
+constexpr std::array<Entry, 7> kOperators = {{
     {"press", [](OperatorSettings s, int dof) -> Made { return std::make_unique<PressOperator>(std::move(s), dof); }},
     {"stroke", [](OperatorSettings s, int dof) -> Made { return std::make_unique<StrokeOperator>(std::move(s), dof); }},
     {"trace-circle",
@@ -32,6 +33,8 @@ constexpr std::array<Entry, 6> kOperators = {{
      }},
     {"carry", [](OperatorSettings s, int dof) -> Made { return std::make_unique<CarryOperator>(std::move(s), dof); }},
     {"wave", [](OperatorSettings s, int dof) -> Made { return std::make_unique<WaveOperator>(std::move(s), dof); }},
+    {"pointer",
+     [](OperatorSettings s, int dof) -> Made { return std::make_unique<PointerOperator>(std::move(s), dof); }},
 }};
 
 Made make_replay(const std::string& arguments, int dof) {

@@ -9,7 +9,7 @@
 namespace forcebound::device {
 
 /// A simulated hand from its specification, `NAME[:KEY=VALUE,...]` or `replay:FILE.csv[,KEY=VALUE...]`:
-/// press, stroke, trace-circle, trace-sphere, carry, wave, replay. Each knows mass_kg, stiffness_N_per_m and
+/// press, stroke, trace-circle, trace-sphere, carry, wave, pointer, replay. Each knows mass_kg, stiffness_N_per_m and
 /// damping_N_s_per_m of the hand, and button, button_from_s and button_until_s: a button that it presses (to the end,
 /// unless told). Without these the handle has no buttons; carry presses its button by itself.
 ///

@@ -63,7 +63,7 @@ class SpecifiedOperator : public Operator {
   [[nodiscard]] const Hand& hand() const noexcept final { return hand_; }
   [[nodiscard]] int degrees_of_freedom() const noexcept final { return dof_; }
   [[nodiscard]] std::string description() const final { return description_; }
-  [[nodiscard]] control::Handle handle(double time_s) const noexcept final;
+  [[nodiscard]] control::Handle handle(double time_s) const noexcept override;
 
  protected:
   SpecifiedOperator(OperatorSettings& settings, int dof, const Hand& hand)

@@ -28,6 +28,7 @@ constexpr std::string_view kHelp =
     "  trace-sphere    follows the outside of a sphere\n"
     "  carry           picks something up with a button, puts it down elsewhere\n"
     "  wave            moves in free space\n"
+    "  pointer         follows the pointer on the page of --page\n"
     "  replay:FILE.csv[,key=value,...]\n"
     "                  plays a recorded hand (time_s,x_m[,y_m,z_m])\n"
     "Each but carry presses a button of the handle with button=0,button_from_s=1 and,\n"

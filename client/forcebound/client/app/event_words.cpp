@@ -1,0 +1,46 @@
+#include "forcebound/client/app/event_words.hpp"
+
+#include <fmt/format.h>
+
+namespace forcebound::client {
+
+std::string in_words(time::Nanoseconds duration) {
+  const double seconds = time::to_seconds(duration);
+  return seconds < 1 ? fmt::format("{:.0f} ms", seconds * 1e3) : fmt::format("{:.2f} s", seconds);
+}
+
+EventWords words_of(const Event& event) {
+  using spdlog::level::err;
+  using spdlog::level::info;
+  using spdlog::level::warn;
+  switch (event.kind) {
+    case Event::Kind::welcomed:
+      return {info, fmt::format("connected; simulated: {}", event.words())};
+    case Event::Kind::refused:
+      return {err, fmt::format("refused by the server: {}", event.words())};
+    case Event::Kind::session_unknown:
+      return {warn, "the server does not know this session (any more); requesting another"};
+    case Event::Kind::server_left:
+      return {warn, "the server ended the session; requesting another"};
+    case Event::Kind::scene_here:
+      return {info, "the scene has arrived: its static parts run at the client"};
+    case Event::Kind::scene_refused:
+      return {err, fmt::format("the server's scene is refused, its forces are held instead: {}", event.words())};
+    case Event::Kind::limited_for_safety:
+      return {warn, std::string(event.words())};
+    case Event::Kind::device_gone:
+      return {warn, fmt::format("no readings of the device, and no force until there are: {}",
+                                event.words().empty() ? "no reason given" : event.words())};
+    case Event::Kind::device_back:
+      return {info, fmt::format("the device is back after {}", in_words(event.duration))};
+    case Event::Kind::force_fading:
+      return {warn, fmt::format("forces are {} old: fading", in_words(event.duration))};
+    case Event::Kind::force_dropped:
+      return {warn, fmt::format("forces are {} old: zero force", in_words(event.duration))};
+    case Event::Kind::force_fresh:
+      return {info, fmt::format("forces are fresh again after {}", in_words(event.duration))};
+  }
+  return {};
+}
+
+}  // namespace forcebound::client

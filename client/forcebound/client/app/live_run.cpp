@@ -1,0 +1,242 @@
+#include "forcebound/client/app/live_run.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "forcebound/client/app/event_words.hpp"
+#include "forcebound/client/app/live_line.hpp"
+#include "forcebound/client/app/live_track.hpp"
+#include "forcebound/client/app/run_parts.hpp"
+#include "forcebound/client/app/screen.hpp"
+#include "forcebound/client/page/live_page.hpp"
+#include "forcebound/client/page/relay_control.hpp"
+#include "forcebound/client/page/scene_message.hpp"
+#include "forcebound/page/page_server.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/terminal.hpp"
+#include "forcebound/time/steady_clock.hpp"
+
+namespace forcebound::client {
+namespace {
+
+std::string level_of(const EventWords& words) {
+  if (words.level >= spdlog::level::err) return "error";
+  return words.level == spdlog::level::warn ? "warning" : "info";
+}
+
+std::string program_path() {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).string();
+}
+
+class LiveRun {
+ public:
+  LiveRun(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices,
+          const std::atomic<bool>& stop)
+      : options_(options), maker_(options, laws, devices), stop_(stop), page_(clock_) {
+    choice_ = maker_.first_choice();
+    if (!options.relay_control.empty()) {
+      relay_.emplace(options.relay_control);
+      network_ = relay_->network();
+    }
+    const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
+    if (!settings.assets.contains("index.html")) {
+      spdlog::warn("the page's files are missing in {}: it answers programs alone",
+                   page::page_folder(program_path()).string());
+    }
+    server_.emplace(settings, page_);
+    std::fputs(("page: " + server_->address() + "\n").c_str(), stdout);
+    std::fflush(stdout);
+  }
+
+  int run() {
+    int exit_code = program::kDone;
+    begun_ = clock_.now();
+    do {
+      if (next_) choice_ = *std::exchange(next_, std::nullopt);
+      exit_code = run_once();
+    } while (next_);
+    return exit_code;
+  }
+
+ private:
+  int run_once() {
+    ++run_;
+    ended_ = false;
+    maker_.set_start(choice_, tip_);
+    std::vector<std::unique_ptr<LiveTrack>> tracks;
+    tracks.push_back(maker_.make(choice_, false, run_));
+    if (choice_.law_beside) tracks.push_back(maker_.make(choice_, true, run_));
+    LiveTrack& main = *tracks.front();
+    show(tracks);
+    LiveLine line;
+    Options of_run = options_;
+    of_run.law = choice_.law;
+    Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
+    spdlog::info("device '{}'{}; law {}, server {}, {}", main.device->facts().name,
+                 main.device->is_simulated() ? " and its hand are simulated" : "", choice_.law, options_.server,
+                 encryption_in_words(options_));
+    Screen screen(of_run, line, client.events(),
+                  [this](const EventWords& words) { page_.tell(0, level_of(words), words.text); });
+    std::jthread beside;
+    if (tracks.size() > 1) beside = std::jthread([this, &track = *tracks[1]] { run_beside(track); });
+    time::Nanoseconds last{0};
+    try {
+      client.run(ended_, [&](time::Nanoseconds now, time::Nanoseconds elapsed) {
+        last = now;
+        attend(client, screen, now, elapsed);
+      });
+    } catch (...) {
+      ended_ = true;
+      throw;
+    }
+    ended_ = true;
+    if (beside.joinable()) beside.join();
+    screen.end(last);
+    tip_ = main.tip();
+    return conclude(client);
+  }
+
+  /// What is to be done several times a second.
+  void attend(Client& client, Screen& screen, time::Nanoseconds now, time::Nanoseconds elapsed) {
+    if (const std::string news = client.take_security_news(); !news.empty()) screen.tell_security(news);
+    if (const std::string why = client.take_security_problem(); !why.empty()) screen.tell_security_problem(why);
+    screen.refresh(now, elapsed);
+    if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
+    show_scene(0, client);
+    while (!next_) {
+      const auto request = page_.take_request();
+      if (!request) break;
+      consider(*request);
+    }
+    const bool over = options_.duration_s > 0 && time::to_seconds(clock_.now() - begun_) >= options_.duration_s;
+    if (stop_ || over) next_.reset();
+    if (!ended_ && (stop_ || over || next_)) {
+      page_.note_closing();
+      ended_ = true;
+    }
+  }
+
+  void run_beside(LiveTrack& track) noexcept {
+    try {
+      Client client(track.settings, *track.device, std::move(track.law), {track.tap.get()});
+      Event event;
+      client.run(ended_, [&](time::Nanoseconds, time::Nanoseconds) {
+        while (client.events().take(event)) {
+          const EventWords words = words_of(event);
+          page_.tell(1, level_of(words), words.text);
+        }
+        show_scene(1, client);
+      });
+    } catch (const std::exception& error) {
+      page_.tell(1, "error", error.what());
+    }
+  }
+
+  void show_scene(int track, const Client& client) {
+    const auto scene = client.scene_here();
+    auto& shown = scenes_.at(static_cast<std::size_t>(track));
+    if (scene == shown) return;
+    shown = scene;
+    if (scene) page_.set_scene(track, scene_message(track, *scene, {}));
+  }
+
+  void show(const std::vector<std::unique_ptr<LiveTrack>>& tracks) {
+    scenes_.fill(nullptr);
+    std::vector<ShownTrack> shown;
+    for (const auto& track : tracks) shown.push_back(track->shown(page_.epoch()));
+    state_ = maker_.state(choice_, *tracks.front());
+    state_.network = network_;
+    page_.begin_run(state_, std::move(shown));
+  }
+
+  void consider(const page::Request& request) {
+    std::string about = "record";
+    try {
+      if (const auto* const choice = std::get_if<page::Choose>(&request)) {
+        about = choice->setting;
+        if (about == "network") return set_network(*choice);
+        begin_next(maker_.suited(changed(choice_, *choice, state_.choices), choice_));
+      } else if (const auto* const record = std::get_if<page::Record>(&request)) {
+        PageChoice next = choice_;
+        next.recording = record->on;
+        begin_next(next);
+      }
+    } catch (const std::exception& error) {
+      page_.refuse(about, error.what());
+    }
+  }
+
+  void begin_next(const PageChoice& next) {
+    if (next == choice_) return page_.set_state(state_);
+    maker_.check(next);
+    next_ = next;
+    page_.tell(0, "info", "begins anew: " + words_of_change(choice_, next));
+    spdlog::info("begins anew: {}", words_of_change(choice_, next));
+  }
+
+  void set_network(const page::Choose& choice) {
+    if (!relay_) throw std::invalid_argument("no relay is there to tell: start the client with --relay-control");
+    const auto* const wanted = std::get_if<page::Network>(&choice.value);
+    if (wanted == nullptr) throw std::invalid_argument("network must have delay_ms, jitter_ms and loss_percent");
+    network_ = relay_->set(*wanted);
+    state_.network = network_;
+    page_.set_state(state_);
+    page_.tell(0, "info", "network: " + relay_line(*network_).substr(std::string("both ").size() - 1));
+  }
+
+  int conclude(const Client& client) {
+    const bool written = write_summary(file_of_run(options_.summary, run_), client.summary());
+    const std::string why_none = client.why_no_session();
+    if (!why_none.empty()) spdlog::error("gave up: {}", why_none);
+    if (!next_) std::fputs(client.summary().to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
+    return exit_code_of(client, written);
+  }
+
+  const Options& options_;
+  TrackMaker maker_;
+  const std::atomic<bool>& stop_;
+  time::SteadyClock clock_;
+  LivePage page_;
+  std::optional<RelayControl> relay_;
+  std::optional<page::Network> network_;
+  std::optional<page::PageServer> server_;
+  PageState state_;
+  PageChoice choice_;
+  std::optional<PageChoice> next_;
+  std::optional<control::Vector> tip_;  // where the last run left it
+  std::array<std::shared_ptr<const scene::Scene>, 2> scenes_{};
+  std::atomic<bool> ended_{false};  // this run
+  time::Nanoseconds begun_{0};
+  int run_ = 0;
+};
+
+}  // namespace
+
+std::string file_of_run(const std::string& file, int run, bool beside) {
+  if (file.empty() || (run == 1 && !beside)) return file;
+  const std::filesystem::path path(file);
+  const std::string number = run == 1 ? "" : "-" + std::to_string(run);
+  const std::string name = path.stem().string() + number + (beside ? "-beside" : "") + path.extension().string();
+  return (path.parent_path() / name).string();
+}
+
+int run_with_page(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices,
+                  const std::atomic<bool>& stop) {
+  return LiveRun(options, laws, devices, stop).run();
+}
+
+}  // namespace forcebound::client

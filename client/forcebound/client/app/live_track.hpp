@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "forcebound/client/app/options.hpp"
+#include "forcebound/client/page/live_page.hpp"
+#include "forcebound/client/page/page_state.hpp"
+#include "forcebound/client/page/tick_tap.hpp"
+#include "forcebound/client/runtime/client.hpp"
+#include "forcebound/control/law.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/device_registry.hpp"
+#include "forcebound/device/haptic_device.hpp"
+
+namespace forcebound::client {
+
+/// What one client of a run is made of, but for itself.
+struct LiveTrack {
+  std::unique_ptr<device::HapticDevice> device;
+  std::unique_ptr<control::PassivityLaw> law;
+  std::shared_ptr<TickTap> tap;
+  std::shared_ptr<device::PointerTarget> pointer{};  ///< null: the hand follows none
+  Client::Settings settings;
+
+  /// Where the tip of a simulated device is, not moving any more; nothing of another.
+  [[nodiscard]] std::optional<control::Vector> tip() const;
+  [[nodiscard]] ShownTrack shown(time::Nanoseconds epoch) const;
+};
+
+/// Makes the clients of a run as they are chosen.
+class TrackMaker {
+ public:
+  /// All must outlive it.
+  TrackMaker(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices)
+      : options_(options), laws_(laws), devices_(devices) {}
+
+  /// What the command line says.
+  [[nodiscard]] PageChoice first_choice() const;
+
+  /// A choice whose device suits its scene: the scene's own, if the device is for others; and nothing else is changed.
+  /// @throws std::invalid_argument if the device was chosen, and does not suit
+  [[nodiscard]] PageChoice suited(PageChoice next, const PageChoice& now) const;
+
+  /// @throws std::exception with one line if the law refuses the device
+  void check(const PageChoice& choice) const;
+
+  /// Where the hand begins: where the tip is, if that is the same scene's, else outside of everything.
+  void set_start(const PageChoice& choice, const std::optional<control::Vector>& tip);
+
+  /// @param beside the second client. @param run 1, 2, 3, ...
+  [[nodiscard]] std::unique_ptr<LiveTrack> make(const PageChoice& choice, bool beside, int run) const;
+
+  [[nodiscard]] PageState state(const PageChoice& choice, const LiveTrack& main) const;
+
+ private:
+  [[nodiscard]] bool has_pointer() const;
+  [[nodiscard]] std::string hand_of(const PageChoice& choice) const;
+  [[nodiscard]] control::DeviceFacts facts_of(const std::string& device) const;
+  [[nodiscard]] std::string recording_of(const PageChoice& choice, bool beside, int run) const;
+
+  const Options& options_;
+  const control::LawRegistry& laws_;
+  const device::DeviceRegistry& devices_;
+  control::Vector start_m_;
+  std::string last_scene_;
+  bool first_ = true;
+};
+
+/// "law none instead of fba-exact, scene sphere instead of wall".
+[[nodiscard]] std::string words_of_change(const PageChoice& before, const PageChoice& after);
+
+}  // namespace forcebound::client

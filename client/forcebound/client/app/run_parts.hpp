@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "forcebound/client/app/options.hpp"
+#include "forcebound/client/runtime/client.hpp"
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/record/summary.hpp"
+
+namespace forcebound::client {
+
+/// False, and logged, if not all of it could be written. @param file empty: it is not wanted
+bool write_summary(const std::string& file, const record::Summary& summary);
+
+/// @throws std::exception if the file with the law's parameters is refused
+[[nodiscard]] control::LawOptions law_options(const Options& options, const control::LawRegistry& laws);
+
+[[nodiscard]] Client::Settings settings_of(const Options& options);
+
+[[nodiscard]] std::string_view encryption_in_words(const Options& options);
+
+/// What the results of a run make of a program's exit code.
+[[nodiscard]] int exit_code_of(const Client& client, bool summary_written);
+
+}  // namespace forcebound::client

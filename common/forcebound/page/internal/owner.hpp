@@ -1,0 +1,44 @@
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <memory>
+#include <string_view>
+
+#include "forcebound/page/page_server.hpp"
+#include "forcebound/page/request_check.hpp"
+
+/// Private to page_server.cpp, which alone includes Boost.Beast: it takes long to compile.
+namespace forcebound::page::internal {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+using Request = http::request<http::empty_body>;
+
+class Viewer;
+
+/// What connections need of the server. All on its thread.
+class Owner {
+ public:
+  virtual ~Owner() = default;
+  [[nodiscard]] virtual const PageServer::Settings& settings() const noexcept = 0;
+  [[nodiscard]] virtual const HostCheck& hosts() const noexcept = 0;
+  [[nodiscard]] virtual std::string metrics() = 0;
+  virtual void answered(bool refused) noexcept = 0;
+  virtual void connection_ended() noexcept = 0;
+
+  /// A viewer takes over the connection.
+  virtual void admit(beast::tcp_stream stream, const Request& request) = 0;
+  [[nodiscard]] virtual bool has_room_for_viewer() const noexcept = 0;
+  virtual void joined(Viewer& viewer) = 0;
+  virtual void left(Viewer& viewer) noexcept = 0;
+  virtual void received(Viewer& viewer, std::string_view text) = 0;
+  virtual void note_skipped() noexcept = 0;
+  virtual void note_dropped() noexcept = 0;
+};
+
+}  // namespace forcebound::page::internal

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "forcebound/page/page_server.hpp"
+
+namespace forcebound::page {
+
+/// The port of a page unless another is given.
+inline constexpr std::uint16_t kPort = 47880;
+
+/// Where a page is served.
+struct ListenAddress {
+  std::string host{"127.0.0.1"};
+  std::uint16_t port = kPort;
+};
+
+/// Reads PORT, of this machine alone, or HOST:PORT; empty: port 47880 of this machine.
+/// @throws std::invalid_argument naming the text and what would be accepted
+[[nodiscard]] ListenAddress parse_listen_address(std::string_view text);
+
+/// A page at this address with a new random token.
+/// @throws std::runtime_error if its files cannot be read, or the system gives no random bytes
+[[nodiscard]] PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path);
+
+}  // namespace forcebound::page

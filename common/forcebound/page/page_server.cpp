@@ -1,0 +1,230 @@
+#include "forcebound/page/page_server.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <exception>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "forcebound/page/internal/connection.hpp"
+#include "forcebound/page/internal/owner.hpp"
+#include "forcebound/page/internal/viewer.hpp"
+
+namespace forcebound::page {
+namespace {
+
+using Tcp = internal::asio::ip::tcp;
+
+constexpr std::chrono::nanoseconds kBeat = std::chrono::nanoseconds{std::chrono::seconds{1}} / kBeatsPerSecond;
+
+std::string in_address(const std::string& host) {
+  return host.find(':') != std::string::npos && !host.starts_with('[') ? "[" + host + "]" : host;
+}
+
+/// Counts that one thread writes and any reads.
+struct SharedCounts {
+  std::atomic<std::uint64_t> requests{0};
+  std::atomic<std::uint64_t> refused{0};
+  std::atomic<std::uint64_t> turned_away{0};
+  std::atomic<std::uint64_t> viewers{0};
+  std::atomic<std::uint64_t> viewers_dropped{0};
+  std::atomic<std::uint64_t> messages{0};
+  std::atomic<std::uint64_t> skipped{0};
+  std::atomic<std::uint64_t> faults{0};
+};
+
+}  // namespace
+
+struct PageServer::Parts final : internal::Owner, Viewers {
+  Parts(const Settings& chosen, Subject& shown) : settings_(chosen), subject_(shown), acceptor_(io_), timer_(io_) {
+    listen();
+    hosts_.emplace(settings_.host, port_);
+    timer_.expires_after(kBeat);
+    wait_for_beat();
+    thread_ = std::jthread([this] { io_.run(); });
+  }
+
+  ~Parts() override {
+    io_.stop();
+    thread_.join();
+    viewers_.clear();
+  }
+
+  void listen() {
+    try {
+      std::string host = settings_.host;
+      if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+      Tcp::resolver resolver(io_);
+      const Tcp::endpoint at = *resolver.resolve(host, std::to_string(settings_.port)).begin();
+      acceptor_.open(at.protocol());
+      acceptor_.set_option(Tcp::acceptor::reuse_address(true));
+      acceptor_.bind(at);
+      acceptor_.listen();
+      acceptor_.non_blocking(true);
+      port_ = acceptor_.local_endpoint().port();
+    } catch (const boost::system::system_error& error) {
+      throw std::runtime_error("no page at " + in_address(settings_.host) + ":" + std::to_string(settings_.port) +
+                               ": " + error.code().message() + "; another port is accepted, or 0 for a free one");
+    }
+  }
+
+  // The beat.
+
+  void wait_for_beat() {
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      // What was missed is left out.
+      const auto next = timer_.expiry() + kBeat;
+      timer_.expires_at(std::max(next, decltype(timer_)::clock_type::now()));
+      accept_some();
+      guarded([this] { subject_.beat(*this); });
+      for (const auto& viewer : snapshot()) viewer->beat();
+      wait_for_beat();
+    });
+  }
+
+  /// Viewers may leave meanwhile.
+  [[nodiscard]] std::vector<std::shared_ptr<internal::Viewer>> snapshot() const {
+    std::vector<std::shared_ptr<internal::Viewer>> all;
+    all.reserve(viewers_.size());
+    for (const auto& [id, viewer] : viewers_) all.push_back(viewer);
+    return all;
+  }
+
+  template <class Work>
+  void guarded(Work work) noexcept {
+    try {
+      work();
+    } catch (const std::exception&) {
+      ++counts_.faults;
+    }
+  }
+
+  // Connections.
+
+  /// Taken at the beat, a few at a time: whoever opens thousands waits for the others, and takes no more of the
+  /// processor.
+  void accept_some() {
+    for (std::size_t i = 0; i < settings_.limits.connections_per_beat; ++i) {
+      boost::system::error_code error;
+      Tcp::socket socket(io_);
+      acceptor_.accept(socket, error);
+      if (error) return;
+      if (connections_ >= settings_.limits.connections) {
+        turn_away(socket);
+        continue;
+      }
+      ++connections_;
+      guarded([&] { std::make_shared<internal::Connection>(std::move(socket), *this)->start(); });
+    }
+  }
+
+  void turn_away(Tcp::socket& socket) noexcept {
+    static constexpr std::string_view kAnswer =
+        "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nConnection: close\r\nContent-Length: 34\r\n"
+        "\r\n503 too many connections are open\n";
+    ++counts_.turned_away;
+    boost::system::error_code ignored;
+    socket.non_blocking(true, ignored);
+    socket.send(internal::asio::buffer(kAnswer.data(), kAnswer.size()), 0, ignored);
+    socket.shutdown(Tcp::socket::shutdown_both, ignored);
+  }
+
+  // Owner.
+
+  [[nodiscard]] const Settings& settings() const noexcept override { return settings_; }
+  [[nodiscard]] const HostCheck& hosts() const noexcept override { return *hosts_; }
+  [[nodiscard]] std::string metrics() override {
+    std::string text;
+    guarded([&] { text = subject_.metrics(); });
+    return text;
+  }
+  void answered(bool refused) noexcept override {
+    ++counts_.requests;
+    counts_.refused += refused ? 1U : 0U;
+  }
+  void connection_ended() noexcept override { --connections_; }
+  [[nodiscard]] bool has_room_for_viewer() const noexcept override {
+    return viewers_.size() < settings_.limits.viewers;
+  }
+  void admit(internal::beast::tcp_stream stream, const internal::Request& request) override {
+    const ViewerId id = ++last_viewer_;
+    const auto viewer = std::make_shared<internal::Viewer>(id, std::move(stream), *this);
+    viewers_.emplace(id, viewer);
+    viewer->start(request);
+  }
+  void joined(internal::Viewer& viewer) override {
+    ++counts_.viewers;
+    guarded([&] { subject_.greet(viewer.id(), *this); });
+  }
+  void left(internal::Viewer& viewer) noexcept override { viewers_.erase(viewer.id()); }
+  void received(internal::Viewer& viewer, std::string_view text) override {
+    ++counts_.messages;
+    guarded([&] { subject_.receive(viewer.id(), text, *this); });
+  }
+  void note_skipped() noexcept override { ++counts_.skipped; }
+  void note_dropped() noexcept override { ++counts_.viewers_dropped; }
+
+  // Viewers.
+
+  void send(ViewerId id, Text text, Worth worth) override {
+    const auto found = viewers_.find(id);
+    if (found == viewers_.end()) return;
+    const auto viewer = found->second;  // it may leave meanwhile
+    viewer->send(text, worth);
+  }
+  void send_to_all(Text text, Worth worth) override {
+    for (const auto& viewer : snapshot()) viewer->send(text, worth);
+  }
+  [[nodiscard]] std::size_t count() const noexcept override { return viewers_.size(); }
+
+  Settings settings_;
+  Subject& subject_;
+  std::optional<HostCheck> hosts_;
+  std::uint16_t port_ = 0;
+  SharedCounts counts_;
+  std::size_t connections_ = 0;
+  ViewerId last_viewer_ = 0;
+  std::map<ViewerId, std::shared_ptr<internal::Viewer>> viewers_;
+  // What waits in it refers to all above.
+  internal::asio::io_context io_{1};
+  Tcp::acceptor acceptor_;
+  internal::asio::steady_timer timer_;
+  std::jthread thread_;
+};
+
+PageServer::PageServer(const Settings& settings, Subject& subject)
+    : parts_(std::make_unique<Parts>(settings, subject)) {}
+
+PageServer::~PageServer() = default;
+
+std::string PageServer::address() const {
+  std::string host = parts_->settings_.host;
+  if (host == "0.0.0.0" || host == "::" || host == "[::]") host = "localhost";
+  return "http://" + in_address(host) + ":" + std::to_string(parts_->port_) + "/?token=" + parts_->settings_.token;
+}
+
+std::uint16_t PageServer::port() const noexcept { return parts_->port_; }
+
+Counts PageServer::counts() const noexcept {
+  const SharedCounts& shared = parts_->counts_;
+  return {.requests = shared.requests,
+          .refused = shared.refused,
+          .turned_away = shared.turned_away,
+          .viewers = shared.viewers,
+          .viewers_dropped = shared.viewers_dropped,
+          .messages = shared.messages,
+          .skipped = shared.skipped,
+          .faults = shared.faults};
+}
+
+}  // namespace forcebound::page
