@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <system_error>
@@ -14,12 +16,13 @@ inline constexpr int kShownDigits = 6;
 /// Adds a number in JSON; null where it is not finite.
 inline void add_number(std::string& to, double value, int digits = kShownDigits) {
   constexpr std::size_t kLongest = 32;
-  char text[kLongest];  // NOLINT(modernize-avoid-c-arrays)
-  const auto [end, error] = std::to_chars(text, text + kLongest, value, std::chars_format::general, digits);
+  std::array<char, kLongest> text{};
+  const auto [end, error] =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits);
   if (!std::isfinite(value) || error != std::errc{}) {
     to += "null";
   } else {
-    to.append(text, end);
+    to.append(text.data(), end);
   }
 }
 

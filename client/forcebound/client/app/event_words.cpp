@@ -15,7 +15,7 @@ EventWords words_of(const Event& event) {
   using spdlog::level::warn;
   switch (event.kind) {
     case Event::Kind::welcomed:
-      return {info, fmt::format("connected; simulated: {}", event.words())};
+      return {info, fmt::format("connected; simulated: {}", event.words()), std::string(event.words())};
     case Event::Kind::refused:
       return {err, fmt::format("refused by the server: {}", event.words())};
     case Event::Kind::session_unknown:

@@ -12,6 +12,7 @@ namespace forcebound::client {
 struct EventWords {
   spdlog::level::level_enum level = spdlog::level::info;
   std::string text;
+  std::string simulated{};  ///< what the server simulates, if it is what the event tells
 };
 
 [[nodiscard]] EventWords words_of(const Event& event);

@@ -73,6 +73,12 @@ class LiveRun {
   }
 
  private:
+  /// What the page has been told of a track's scene.
+  struct ShownScene {
+    std::shared_ptr<const scene::Scene> scene{};
+    std::string simulated{};
+  };
+
   int run_once() {
     ++run_;
     ended_ = false;
@@ -80,6 +86,9 @@ class LiveRun {
     std::vector<std::unique_ptr<LiveTrack>> tracks;
     tracks.push_back(maker_.make(choice_, false, run_));
     if (choice_.law_beside) tracks.push_back(maker_.make(choice_, true, run_));
+    if (network_) {
+      for (const auto& track : tracks) track->settings.network = "relay: " + words_of_network(*network_);
+    }
     LiveTrack& main = *tracks.front();
     show(tracks);
     LiveLine line;
@@ -89,8 +98,7 @@ class LiveRun {
     spdlog::info("device '{}'{}; law {}, server {}, {}", main.device->facts().name,
                  main.device->is_simulated() ? " and its hand are simulated" : "", choice_.law, options_.server,
                  encryption_in_words(options_));
-    Screen screen(of_run, line, client.events(),
-                  [this](const EventWords& words) { page_.tell(0, level_of(words), words.text); });
+    Screen screen(of_run, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
     std::jthread beside;
     if (tracks.size() > 1) beside = std::jthread([this, &track = *tracks[1]] { run_beside(track); });
     time::Nanoseconds last{0};
@@ -120,7 +128,7 @@ class LiveRun {
     while (!next_) {
       const auto request = page_.take_request();
       if (!request) break;
-      consider(*request);
+      consider(*request, client);
     }
     const bool over = options_.duration_s > 0 && time::to_seconds(clock_.now() - begun_) >= options_.duration_s;
     if (stop_ || over) next_.reset();
@@ -136,8 +144,7 @@ class LiveRun {
       Event event;
       client.run(ended_, [&](time::Nanoseconds, time::Nanoseconds) {
         while (client.events().take(event)) {
-          const EventWords words = words_of(event);
-          page_.tell(1, level_of(words), words.text);
+          show_event(1, words_of(event));
         }
         show_scene(1, client);
       });
@@ -146,16 +153,22 @@ class LiveRun {
     }
   }
 
+  void show_event(int track, const EventWords& words) {
+    if (!words.simulated.empty())
+      scenes_.at(static_cast<std::size_t>(track)).simulated = "simulated: " + words.simulated;
+    page_.tell(track, level_of(words), words.text);
+  }
+
   void show_scene(int track, const Client& client) {
     const auto scene = client.scene_here();
-    auto& shown = scenes_.at(static_cast<std::size_t>(track));
-    if (scene == shown) return;
-    shown = scene;
-    if (scene) page_.set_scene(track, scene_message(track, *scene, {}));
+    ShownScene& shown = scenes_.at(static_cast<std::size_t>(track));
+    if (scene == shown.scene) return;
+    shown.scene = scene;
+    if (scene) page_.set_scene(track, scene_message(track, *scene, shown.simulated));
   }
 
   void show(const std::vector<std::unique_ptr<LiveTrack>>& tracks) {
-    scenes_.fill(nullptr);
+    scenes_.fill({});
     std::vector<ShownTrack> shown;
     for (const auto& track : tracks) shown.push_back(track->shown(page_.epoch()));
     state_ = maker_.state(choice_, *tracks.front());
@@ -163,12 +176,12 @@ class LiveRun {
     page_.begin_run(state_, std::move(shown));
   }
 
-  void consider(const page::Request& request) {
+  void consider(const page::Request& request, Client& client) {
     std::string about = "record";
     try {
       if (const auto* const choice = std::get_if<page::Choose>(&request)) {
         about = choice->setting;
-        if (about == "network") return set_network(*choice);
+        if (about == "network") return set_network(*choice, client);
         begin_next(maker_.suited(changed(choice_, *choice, state_.choices), choice_));
       } else if (const auto* const record = std::get_if<page::Record>(&request)) {
         PageChoice next = choice_;
@@ -188,14 +201,16 @@ class LiveRun {
     spdlog::info("begins anew: {}", words_of_change(choice_, next));
   }
 
-  void set_network(const page::Choose& choice) {
+  void set_network(const page::Choose& choice, Client& client) {
     if (!relay_) throw std::invalid_argument("no relay is there to tell: start the client with --relay-control");
     const auto* const wanted = std::get_if<page::Network>(&choice.value);
     if (wanted == nullptr) throw std::invalid_argument("network must have delay_ms, jitter_ms and loss_percent");
     network_ = relay_->set(*wanted);
     state_.network = network_;
     page_.set_state(state_);
-    page_.tell(0, "info", "network: " + relay_line(*network_).substr(std::string("both ").size() - 1));
+    const std::string words = "network, each way: " + words_of_network(*network_);
+    page_.tell(0, "info", words);
+    client.note(words);
   }
 
   int conclude(const Client& client) {
@@ -218,8 +233,8 @@ class LiveRun {
   PageChoice choice_;
   std::optional<PageChoice> next_;
   std::optional<control::Vector> tip_;  // where the last run left it
-  std::array<std::shared_ptr<const scene::Scene>, 2> scenes_{};
-  std::atomic<bool> ended_{false};  // this run
+  std::array<ShownScene, 2> scenes_{};  // each of its track's thread
+  std::atomic<bool> ended_{false};      // this run
   time::Nanoseconds begun_{0};
   int run_ = 0;
 };

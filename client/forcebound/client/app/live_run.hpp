@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 
 #include "forcebound/client/app/options.hpp"
 #include "forcebound/control/law_registry.hpp"

@@ -34,6 +34,12 @@ std::optional<double> milliseconds(std::string_view word) {
 
 }  // namespace
 
+std::string words_of_network(const page::Network& network) {
+  constexpr std::string_view kBoth = "both ";
+  const std::string line = relay_line(network);
+  return line.size() > kBoth.size() ? line.substr(kBoth.size()) : "perfect";
+}
+
 std::string relay_line(const page::Network& network) {
   std::string line = "both";
   if (network.delay_ms > 0 || network.jitter_ms > 0) {

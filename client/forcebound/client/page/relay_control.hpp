@@ -12,6 +12,9 @@ namespace forcebound::client {
 /// The impairments of a network in netem's words, for both directions: "both delay 50ms 10ms loss 5%".
 [[nodiscard]] std::string relay_line(const page::Network& network);
 
+/// The same for people: "delay 50ms 10ms loss 5%" or "perfect".
+[[nodiscard]] std::string words_of_network(const page::Network& network);
+
 /// Reads a relay's answer, "up: delay 50ms; down: perfect": the impairments from client to server, as far as they are
 /// delay, jitter and loss. Nothing: it is none.
 [[nodiscard]] std::optional<page::Network> network_of(std::string_view answer);

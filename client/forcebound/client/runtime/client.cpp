@@ -7,6 +7,7 @@
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "forcebound/client/runtime/encryption.hpp"
 #include "forcebound/client/runtime/event_queue.hpp"
@@ -21,6 +22,7 @@
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/recording_watch.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::client {
@@ -43,7 +45,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   info.hand = device.hand_in_words();
   info.scene = settings.scene;
   info.rendering = settings.renders_locally ? "local" : "remote";
-  info.network = "server " + settings.server;
+  info.network = "server " + settings.server + (settings.network.empty() ? "" : ", " + settings.network);
   info.encryption = encryption;
   info.seed = settings.seed;
   info.period = time::from_seconds(facts.period_s);
@@ -157,6 +159,8 @@ struct Client::Parts {
   std::optional<Session> session;
   record::RecordingWatch recording_watch;
   std::string problem_told;
+  std::vector<std::string> notes;
+  Nanoseconds began{0};
   GrantText grant;
   TickLoop::Outcome outcome;
 };
@@ -182,6 +186,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
                  .watchdog = watchdog ? &*watchdog : nullptr},
                 *p.session, p.clock, p.grant, stop);
   const Nanoseconds start = p.clock.now();
+  p.began = start;
   std::jthread building;
   if (p.local) {
     building = std::jthread([&builder = p.local->builder()](const std::stop_token& ended) {
@@ -211,6 +216,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   watchdog.reset();
 
   record::RunTotals totals = p.session->totals();
+  totals.notes.insert(totals.notes.end(), p.notes.begin(), p.notes.end());
   totals.idle_timer = idle.stop();
   totals.tick_allocations = p.outcome.allocations;
   totals.missed_ticks = p.outcome.missed_ticks;
@@ -236,6 +242,13 @@ std::string Client::take_security_problem() {
   if (problem == parts_->problem_told) return {};
   parts_->problem_told = problem;
   return problem;
+}
+
+void Client::note(const std::string& line) {
+  constexpr std::size_t kNotesMost = 100;
+  Parts& p = *parts_;
+  if (p.notes.size() == kNotesMost) return;
+  p.notes.push_back("at " + text::fixed(time::to_seconds(p.clock.now() - p.began), 3) + " s: " + line);
 }
 
 std::shared_ptr<const scene::Scene> Client::scene_here() const {

@@ -55,6 +55,7 @@ class Client {
     std::string law_parameters{};
     std::string guarantee{};  ///< what the law's ledger guarantees, and under which facts
     std::string hand{};       ///< as requested
+    std::string network{};    ///< what is known of the way to the server
   };
 
   /// Called several times a second while it runs.
@@ -90,6 +91,10 @@ class Client {
   /// What the handshakes came to, in one line, and why one does not succeed; each once, else empty. For housekeeping.
   [[nodiscard]] std::string take_security_news();
   [[nodiscard]] std::string take_security_problem();
+
+  /// Adds a line to what the summary and the recording say of the run, with its time since the start; after the first
+  /// 100 they are passed over. For housekeeping.
+  void note(const std::string& line);
 
   /// What has been handed over of the scene, to be looked at; null: nothing yet. Any thread but the tick's.
   [[nodiscard]] std::shared_ptr<const scene::Scene> scene_here() const;

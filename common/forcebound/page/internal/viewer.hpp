@@ -35,7 +35,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     stream_.text(true);
     stream_.auto_fragment(false);
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
-      if (error) return self->leave();
+      if (error) return self->leave(error);
       self->open_ = true;
       self->owner_.joined(*self);
       self->read();
@@ -76,7 +76,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     }
     --allowance_;
     stream_.async_read(received_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error) return self->leave();
+      if (error) return self->leave(error);
       const std::string_view text(static_cast<const char*>(self->received_.data().data()), self->received_.size());
       if (self->stream_.got_text()) self->owner_.received(*self, text);
       self->received_.consume(self->received_.size());
@@ -87,7 +87,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   void write() {
     const Text& text = waiting_.front();
     stream_.async_write(asio::buffer(*text), [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error) return self->leave();
+      if (error) return self->leave(error);
       self->beats_stalled_ = 0;
       self->waiting_bytes_ -= self->waiting_.front()->size();
       self->waiting_.pop_front();
@@ -97,12 +97,13 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
   void drop() {
     if (!open_) return;
-    owner_.note_dropped();
-    leave();
+    leave(beast::error::timeout);
   }
 
-  void leave() noexcept {
+  void leave(beast::error_code why) noexcept {
     const bool was_open = std::exchange(open_, false);
+    // That of Beast too: no answer to a ping.
+    if (was_open && why == beast::error::timeout) owner_.note_dropped();
     close();
     if (was_open || !told_) owner_.left(*this);
     told_ = true;

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "forcebound/client/app/live_run.hpp"
 #include "forcebound/program/command_line.hpp"
 
 namespace forcebound::client {
@@ -34,6 +37,41 @@ TEST(ClientOptions, RefuseARateThatNoLoopRunsAt) {
     SCOPED_TRACE(rate_Hz);
     EXPECT_THROW((void)with_rate(rate_Hz), program::End);
   }
+}
+
+Options with(const std::vector<const char*>& more) {
+  std::vector<const char*> words{"forcebound-client", "--server", "127.0.0.1:47800"};
+  words.insert(words.end(), more.begin(), more.end());
+  return parse_options(static_cast<int>(words.size()), words.data());
+}
+
+TEST(ClientOptions, ServeAPageOnlyIfAsked) {
+  EXPECT_FALSE(with({}).page.has_value());
+  EXPECT_EQ(with({"--page"}).page->port, page::kPort);
+  EXPECT_EQ(with({"--page"}).page->host, "127.0.0.1");
+  EXPECT_EQ(with({"--page", "5000"}).page->port, 5000);
+  EXPECT_EQ(with({"--page", "0.0.0.0:5000"}).page->host, "0.0.0.0");
+  EXPECT_EQ(with({"--page", "--scene", "wall"}).scene, "wall");
+  EXPECT_THROW((void)with({"--page", "nowhere"}), std::invalid_argument);
+  EXPECT_THROW((void)with({"--relay-control", "127.0.0.1:1"}), program::End);
+}
+
+TEST(ClientOptions, TakeAPointerForTheHandWithAPageAndADeviceThatSuitsTheScene) {
+  EXPECT_EQ(with({"--page"}).device.hand, "pointer");
+  EXPECT_EQ(with({"--page"}).device.device, "omni");
+  EXPECT_EQ(with({"--page", "--scene", "dome"}).device.device, "firm-3dof");
+  EXPECT_EQ(with({"--page", "--device", "wall-1dof"}).device.hand, "pointer");
+  EXPECT_EQ(with({"--page", "--operator", "press"}).device.hand, "press");
+  EXPECT_EQ(with({"--page", "--operator", "press"}).device.device, "wall-1dof");
+  EXPECT_EQ(with({}).device.hand, "press");
+}
+
+TEST(RunFiles, AreNumberedFromTheSecondOn) {
+  EXPECT_EQ(file_of_run("out/run.mcap", 1), "out/run.mcap");
+  EXPECT_EQ(file_of_run("out/run.mcap", 2), "out/run-2.mcap");
+  EXPECT_EQ(file_of_run("run.mcap", 1, true), "run-beside.mcap");
+  EXPECT_EQ(file_of_run("run.mcap", 3, true), "run-3-beside.mcap");
+  EXPECT_EQ(file_of_run("", 3), "");
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ TEST(MakeOperator, WorksForOneToSixDegreesOfFreedom) {
 TEST(MakeOperator, RefusalsNameTheErrorAndTheAcceptedValues) {
   EXPECT_THAT(refusal_of_hand("pres"),
               HasSubstr("unknown operator 'pres', did you mean 'press'? (known: press, stroke, "
-                        "trace-circle, trace-sphere, carry, wave, replay:FILE.csv)"));
+                        "trace-circle, trace-sphere, carry, wave, pointer, replay:FILE.csv)"));
   EXPECT_THAT(refusal_of_hand("press:dept_m=1"), HasSubstr("operator 'press': unknown key 'dept_m' (known: "));
   EXPECT_THAT(refusal_of_hand("press:stifness_N_per_m=1"), HasSubstr("did you mean 'stiffness_N_per_m'?"));
   EXPECT_EQ(refusal_of_hand("press:to_m"), "operator 'press': expected key=value, got 'to_m'");

@@ -1,0 +1,219 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/process/programs.hpp"
+
+namespace forcebound::test {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// A browser that looks at a program's page.
+class Viewer {
+ public:
+  explicit Viewer(Process& program) {
+    EXPECT_TRUE(program.wait_for("/?token="));
+    EXPECT_TRUE(program.wait_for("\n"));
+    const std::string out = program.out();
+    const std::size_t begin = out.find("http://") + std::string("http://").size();
+    const std::string address = out.substr(begin, out.find('\n', begin) - begin);
+    const std::size_t colon = address.find(':');
+    const std::size_t slash = address.find('/');
+    const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(colon + 1, slash - colon - 1)));
+    stream_.next_layer().connect({asio::ip::make_address(address.substr(0, colon)), port});
+    stream_.handshake(address.substr(0, slash), "/live" + address.substr(address.find('?')));
+  }
+
+  void say(const json& message) { stream_.write(asio::buffer(message.dump())); }
+
+  /// The first message of the kind for which the condition holds; waits for it. Others are passed over.
+  json wait_for(const std::string& kind, const std::function<bool(const json&)>& condition = {}) {
+    for (;;) {
+      beast::flat_buffer buffer;
+      stream_.read(buffer);
+      json message = json::parse(beast::buffers_to_string(buffer.data()));
+      if (message["kind"] == kind && (!condition || condition(message))) return message;
+    }
+  }
+
+ private:
+  asio::io_context io_;
+  beast::websocket::stream<asio::ip::tcp::socket> stream_{io_};
+};
+
+const Words kBall{"--scene", "sphere", "--page", "0"};
+
+Words and_also(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+json choose(const std::string& setting, const json& value) {
+  return {{"kind", "choose"}, {"setting", setting}, {"value", value}};
+}
+
+/// Of the newest tick, the tip's distance from the middle of the ball.
+double distance_m(const json& ticks) {
+  double squares = 0;
+  for (const json& axis : ticks["position_m"].back()) squares += axis.get<double>() * axis.get<double>();
+  return std::sqrt(squares);
+}
+
+TEST(APage, ShowsTheRunAndItsPointerMovesTheHandUntilTheBallAnswers) {
+  Server server;
+  Client client(server.address(), kBall);
+  Viewer viewer(client);
+  const json hello = viewer.wait_for("hello");
+  EXPECT_EQ(hello["program"], "client");
+  EXPECT_EQ(hello["settings"]["law"], "fba-exact");
+  EXPECT_EQ(hello["settings"]["scene"], "sphere");
+  EXPECT_TRUE(hello["pointer"]);
+  EXPECT_TRUE(hello["settings"]["network"].is_null());
+  const json scene = viewer.wait_for("scene");
+  EXPECT_EQ(scene["shapes"][0]["kind"], "sphere");
+  EXPECT_EQ(scene["shapes"][0]["radius_m"], 0.02);
+  viewer.say({{"kind", "hand"}, {"point_m", {0, 0, 0}}});
+  const json touched = viewer.wait_for("ticks", [](const json& ticks) { return ticks["contact"].back() == 1; });
+  EXPECT_LT(distance_m(touched), 0.02);
+  viewer.wait_for("ticks", [](const json& ticks) { return ticks["applied_N"].back()[0].get<double>() > 0.5; });
+  viewer.say({{"kind", "hand"}, {"point_m", {0.06, 0, 0}}});
+  viewer.wait_for("ticks", [](const json& ticks) { return distance_m(ticks) > 0.05; });
+  const json status = viewer.wait_for("status");
+  EXPECT_EQ(status["state"], "connected");
+  EXPECT_GT(status["network"]["received"], 0);
+  EXPECT_EQ(client.stop(SIGINT), client.expected_end());
+}
+
+TEST(APage, ChangesLawSceneAndDeviceAndRunsASecondLawBeside) {
+  Server server;
+  Client client(server.address(), kBall);
+  Viewer viewer(client);
+  viewer.wait_for("hello");
+  viewer.say(choose("law", "fba-more"));
+  EXPECT_EQ(viewer.wait_for("hello")["settings"]["law"], "fba-more");
+  viewer.say(choose("law_beside", "none"));
+  EXPECT_EQ(viewer.wait_for("hello")["tracks"].size(), 2);
+  viewer.wait_for("ticks", [](const json& ticks) { return ticks["track"] == 1; });
+  viewer.wait_for("ticks", [](const json& ticks) { return ticks["track"] == 0; });
+  viewer.say(choose("law_beside", nullptr));
+  EXPECT_EQ(viewer.wait_for("hello")["tracks"].size(), 1);
+  viewer.say(choose("device", "wall-1dof"));
+  EXPECT_EQ(viewer.wait_for("refused")["about"], "device");  // the ball is in space
+  viewer.say(choose("scene", "wall"));
+  EXPECT_EQ(viewer.wait_for("hello")["settings"]["scene"], "wall");
+  EXPECT_EQ(viewer.wait_for("scene")["shapes"][0]["kind"], "half_space");
+  viewer.say(choose("device", "wall-1dof"));
+  EXPECT_EQ(viewer.wait_for("hello")["dof"], 1);
+  viewer.say(choose("scene", "sphere"));  // takes a device of its own along
+  EXPECT_EQ(viewer.wait_for("hello")["settings"]["device"], "omni");
+  viewer.say(choose("stiffness_N_per_m", 77));
+  EXPECT_EQ(viewer.wait_for("hello")["settings"]["stiffness_N_per_m"], 77);
+  viewer.say(choose("law", "fba-exakt"));
+  EXPECT_THAT(viewer.wait_for("refused")["text"].get<std::string>(), HasSubstr("fba-exact"));
+  viewer.say(choose("network", {{"delay_ms", 1}, {"jitter_ms", 0}, {"loss_percent", 0}}));
+  EXPECT_THAT(viewer.wait_for("refused")["text"].get<std::string>(), HasSubstr("--relay-control"));
+  // Late ticks can cost fba-more its passivity.
+  EXPECT_THAT(client.stop(SIGINT), testing::AnyOf(testing::Optional(0), testing::Optional(3)));
+}
+
+TEST(APage, KeepsTheTipWhereItIsWhenTheLawChanges) {
+  Server server;
+  Client client(server.address(), kBall);
+  Viewer viewer(client);
+  viewer.say({{"kind", "hand"}, {"point_m", {0.06, 0.03, 0}}});
+  viewer.wait_for("ticks", [](const json& ticks) { return distance_m(ticks) > 0.065; });
+  viewer.say(choose("law", "none"));
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["law"] == "none"; });
+  EXPECT_GT(distance_m(viewer.wait_for("ticks")), 0.06);
+}
+
+TEST(APage, TellsTheRelayWhatNetworkToEmulateWithoutANewRun) {
+  Server server;
+  Relay relay(server.address(), {"--control", "127.0.0.1:0"});
+  ASSERT_TRUE(relay.wait_for("taken at "));
+  const std::string log = relay.out() + relay.err();
+  const std::size_t begin = log.find("taken at ") + std::string("taken at ").size();
+  const std::string control = log.substr(begin, log.find('\n', begin) - begin);
+  Client client(relay.address(), and_also(kBall, {"--relay-control", control}));
+  Viewer viewer(client);
+  EXPECT_EQ(viewer.wait_for("hello")["settings"]["network"]["delay_ms"], 0);
+  viewer.say(choose("network", {{"delay_ms", 30}, {"jitter_ms", 0}, {"loss_percent", 0}}));
+  EXPECT_EQ(viewer.wait_for("hello")["settings"]["network"]["delay_ms"], 30);
+  viewer.wait_for("status", [](const json& status) {
+    const json& round_trip = status["network"]["round_trip_ms"];
+    return !round_trip.is_null() && round_trip["p99"].get<double>() > 59;
+  });
+  EXPECT_EQ(client.stop(SIGINT), client.expected_end());
+  EXPECT_THAT(unwrapped(client.out()), HasSubstr("network, each way: delay 30ms"));
+}
+
+TEST(APage, BeginsAndEndsRecordingsOfWholeRuns) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.mcap");
+  Server server;
+  Client client(server.address(), and_also(kBall, {"--record", file}));
+  Viewer viewer(client);
+  EXPECT_EQ(viewer.wait_for("hello")["recording"], file);
+  viewer.say({{"kind", "record"}, {"on", false}});
+  EXPECT_TRUE(viewer.wait_for("hello")["recording"].is_null());
+  viewer.say({{"kind", "record"}, {"on", true}});
+  const std::string third = folder.file("run-3.mcap");
+  EXPECT_EQ(viewer.wait_for("hello")["recording"], third);
+  viewer.wait_for("ticks");
+  EXPECT_EQ(client.stop(SIGINT), client.expected_end());
+  for (const std::string& recording : {file, third}) {
+    const Ran report = run(kLab, {"report", recording});
+    EXPECT_EQ(report.exit_code, 0) << report.err;
+    EXPECT_THAT(report.out, HasSubstr("fba-exact"));
+  }
+}
+
+TEST(APage, OfAServerShowsSessionsAndEndsThem) {
+  Server server({"--page", "0"});
+  Viewer viewer(server);
+  EXPECT_EQ(viewer.wait_for("hello")["program"], "server");
+  EXPECT_EQ(viewer.wait_for("sessions")["sessions"].size(), 0);
+  Client client(server.address(), {});
+  const json seen = viewer.wait_for("sessions", [](const json& message) {
+    return message["sessions"].size() == 1 && message["load"]["motions_per_s"].get<double>() > 0;
+  });
+  EXPECT_EQ(seen["sessions"][0]["device"], "wall-1dof");
+  EXPECT_EQ(seen["sessions"][0]["scene"], "wall");
+  viewer.say({{"kind", "kick"}, {"session", seen["sessions"][0]["id"]}});
+  EXPECT_THAT(viewer.wait_for("event")["text"].get<std::string>(), HasSubstr("is ended"));
+  EXPECT_TRUE(client.wait_for("the server ended the session"));
+}
+
+TEST(APage, IsRefusedWhereItsPortIsTaken) {
+  Server server;
+  Client first(server.address(), kBall);
+  ASSERT_TRUE(first.wait_for("/?token="));
+  const std::string out = first.out();
+  const std::size_t begin = out.find("127.0.0.1:");
+  const std::string at = out.substr(begin, out.find('/', begin) - begin);
+  const Ran second = run(kClient, {"--server", server.address(), "--page", at});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_THAT(second.err, HasSubstr("no page at " + at));
+}
+
+}  // namespace
+}  // namespace forcebound::test

@@ -1,0 +1,149 @@
+#include "forcebound/client/page/live_page.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace forcebound::client {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+class StoppedClock final : public time::Clock {
+ public:
+  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time::Nanoseconds{0}; }
+};
+
+class Collected final : public page::Viewers {
+ public:
+  void send(page::ViewerId, page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
+  void send_to_all(page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
+  [[nodiscard]] std::size_t count() const noexcept override { return viewers; }
+
+  /// The kinds that came since, and forgets them.
+  std::vector<std::string> take_kinds() {
+    std::vector<std::string> kinds;
+    for (const Json& message : messages) kinds.push_back(message["kind"]);
+    messages.clear();
+    return kinds;
+  }
+
+  std::vector<Json> messages;
+  std::size_t viewers = 1;
+};
+
+class LivePageTest : public testing::Test {
+ protected:
+  void begin(int tracks) {
+    std::vector<ShownTrack> shown;
+    for (int i = 0; i < tracks; ++i) {
+      taps.push_back(std::make_shared<TickTap>());
+      pointers.push_back(std::make_shared<device::PointerTarget>());
+      shown.push_back({.tap = taps.back(), .pointer = pointers.back()});
+    }
+    live.begin_run({}, shown);
+  }
+
+  static void tick(TickTap& tap) {
+    record::TickRecord record;
+    record.position = record.request = record.applied = control::Vector::Zero(3);
+    tap.on_tick(record);
+  }
+
+  StoppedClock clock;
+  LivePage live{clock};
+  Collected viewers;
+  std::vector<std::shared_ptr<TickTap>> taps;
+  std::vector<std::shared_ptr<device::PointerTarget>> pointers;
+};
+
+TEST_F(LivePageTest, ShowsTheTicksOfEachTrack) {
+  begin(2);
+  live.beat(viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "status", "status"}));
+  tick(*taps[0]);
+  tick(*taps[1]);
+  live.beat(viewers);
+  ASSERT_EQ(viewers.messages.size(), 2);
+  EXPECT_EQ(viewers.messages[0]["track"], 0);
+  EXPECT_EQ(viewers.messages[1]["track"], 1);
+  EXPECT_EQ(viewers.messages[1]["time_s"].size(), 1);
+}
+
+TEST_F(LivePageTest, KeepsNoTicksWhileNobodyLooks) {
+  begin(1);
+  viewers.viewers = 0;
+  for (int i = 0; i < 100; ++i) tick(*taps[0]);
+  live.beat(viewers);
+  viewers.messages.clear();
+  viewers.viewers = 1;
+  tick(*taps[0]);
+  live.beat(viewers);
+  ASSERT_FALSE(viewers.messages.empty());
+  EXPECT_EQ(viewers.messages[0]["time_s"].size(), 1);
+}
+
+TEST_F(LivePageTest, TellsAViewerWhoComesLaterAllThatItNeeds) {
+  begin(1);
+  live.set_scene(0, R"({"kind":"scene"})");
+  live.tell(0, "info", "connected");
+  live.beat(viewers);
+  viewers.messages.clear();
+  live.greet(2, viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "scene", "event"}));
+}
+
+TEST_F(LivePageTest, PointsTheHandsOfAllTracks) {
+  begin(2);
+  live.beat(viewers);
+  live.receive(1, R"({"kind":"hand","point_m":[0.01,0.02,0.03]})", viewers);
+  for (const auto& pointer : pointers) {
+    EXPECT_TRUE(pointer->held());
+    EXPECT_EQ(pointer->place_m(), (device::PointerTarget::Point{0.01, 0.02, 0.03}));
+  }
+  live.receive(1, R"({"kind":"button","index":0,"down":true})", viewers);
+  live.receive(1, R"({"kind":"hand_free"})", viewers);
+  EXPECT_FALSE(pointers[1]->held());
+  EXPECT_EQ(pointers[1]->buttons(), 1U);
+}
+
+TEST_F(LivePageTest, HandsChoicesToTheProgramAndRefusesTooMany) {
+  begin(1);
+  for (std::size_t i = 0; i <= LivePage::kRequestsMost; ++i) {
+    live.receive(1, R"({"kind":"choose","setting":"law","value":"none"})", viewers);
+  }
+  ASSERT_EQ(viewers.messages.size(), 1);
+  EXPECT_EQ(viewers.messages[0]["about"], "law");
+  std::size_t taken = 0;
+  while (const auto request = live.take_request()) {
+    EXPECT_EQ(std::get<page::Choose>(*request).setting, "law");
+    ++taken;
+  }
+  EXPECT_EQ(taken, LivePage::kRequestsMost);
+}
+
+TEST_F(LivePageTest, AnswersGarbageAndWhatAClientHasNot) {
+  begin(1);
+  live.receive(1, "garbage", viewers);
+  live.receive(1, R"({"kind":"kick","session":1})", viewers);
+  live.receive(1, R"({"kind":"something new"})", viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"refused", "refused"}));
+}
+
+TEST_F(LivePageTest, BeginsTheFiguresOfARunFromZero) {
+  begin(1);
+  live.beat(viewers);
+  tick(*taps[0]);
+  live.beat(viewers);
+  EXPECT_THAT(live.metrics(), HasSubstr("ticks_total{track=\"0\"} 1\n"));
+  begin(1);
+  live.beat(viewers);
+  EXPECT_THAT(live.metrics(), HasSubstr("ticks_total{track=\"0\"} 0\n"));
+}
+
+}  // namespace
+}  // namespace forcebound::client

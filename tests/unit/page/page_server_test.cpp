@@ -1,0 +1,353 @@
+#include "forcebound/page/page_server.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace forcebound::page {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using Tcp = asio::ip::tcp;
+using testing::HasSubstr;
+
+constexpr const char* kToken = "0123456789abcdef0123456789abcdef";
+constexpr const char* kLive = "/live?token=0123456789abcdef0123456789abcdef";
+constexpr const char* kPage = "/?token=0123456789abcdef0123456789abcdef";
+constexpr const char* kMetrics = "/metrics?token=0123456789abcdef0123456789abcdef";
+
+/// Greets, answers what it is told, and sends what it is asked to at each beat.
+class Echo final : public Subject {
+ public:
+  void greet(ViewerId viewer, Viewers& viewers) override { send(viewer, "hello", viewers); }
+  void receive(ViewerId viewer, std::string_view text, Viewers& viewers) override {
+    if (text == "fault") throw std::runtime_error("a fault of the subject");
+    send(viewer, "you said " + std::string(text), viewers);
+  }
+  void beat(Viewers& viewers) override {
+    ++beats;
+    const std::size_t bytes = stream_bytes;
+    if (bytes > 0) viewers.send_to_all(std::make_shared<const std::string>(bytes, 'x'), worth);
+  }
+  std::string metrics() override { return "beats " + std::to_string(beats) + "\n"; }
+
+  std::atomic<std::uint64_t> beats{0};
+  std::atomic<std::size_t> stream_bytes{0};
+  std::atomic<Worth> worth{Worth::stream};
+
+ private:
+  static void send(ViewerId viewer, const std::string& text, Viewers& viewers) {
+    viewers.send(viewer, std::make_shared<const std::string>(text), Worth::needed);
+  }
+};
+
+struct Answer {
+  unsigned status = 0;
+  std::string body;
+  http::response<http::string_body> whole;
+};
+
+class PageServerTest : public testing::Test {
+ protected:
+  void start(const Limits& limits = {}) {
+    server.emplace(PageServer::Settings{.token = kToken,
+                                        .assets = {{"index.html", {"text/html; charset=utf-8", "<p>the page"}},
+                                                   {"licences/a.txt", {"text/plain; charset=utf-8", "free"}}},
+                                        .limits = limits},
+                   echo);
+  }
+
+  [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(server->port()); }
+
+  Tcp::socket connected() {
+    Tcp::socket socket(io);
+    socket.connect({asio::ip::make_address("127.0.0.1"), server->port()});
+    return socket;
+  }
+
+  /// What a request is answered, sent as it is.
+  Answer ask(const std::string& request) {
+    Tcp::socket socket = connected();
+    beast::error_code ignored;
+    asio::write(socket, asio::buffer(request), ignored);
+    beast::flat_buffer buffer;
+    Answer answer;
+    beast::error_code error;
+    http::read(socket, buffer, answer.whole, error);
+    answer.status = error ? 0 : answer.whole.result_int();
+    answer.body = answer.whole.body();
+    return answer;
+  }
+
+  Answer get(const std::string& target, const std::string& headers = "", std::string host_name = "") {
+    if (host_name.empty()) host_name = host();
+    return ask("GET " + target + " HTTP/1.1\r\nHost: " + host_name + "\r\n" + headers + "\r\n");
+  }
+
+  using Stream = websocket::stream<Tcp::socket>;
+
+  /// Null: it is refused.
+  std::unique_ptr<Stream> join() {
+    auto stream = std::make_unique<Stream>(connected());
+    const std::string origin = "http://" + host();
+    stream->set_option(websocket::stream_base::decorator(
+        [origin](websocket::request_type& request) { request.set(http::field::origin, origin); }));
+    beast::error_code error;
+    stream->handshake(host(), kLive, error);
+    return error ? nullptr : std::move(stream);
+  }
+
+  /// The status with which somebody is refused who wants to be a viewer.
+  unsigned refusal(const std::string& target, const std::string& headers = "") {
+    return get(target,
+               "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+               "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n" +
+                   headers)
+        .status;
+  }
+
+  static std::string next(Stream& stream) {
+    beast::flat_buffer buffer;
+    stream.read(buffer);
+    return beast::buffers_to_string(buffer.data());
+  }
+
+  template <class Condition>
+  static void wait_until(Condition condition) {
+    while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+
+  Echo echo;
+  asio::io_context io;
+  std::optional<PageServer> server;
+};
+
+TEST_F(PageServerTest, ServesThePageToWhoHasTheToken) {
+  start();
+  EXPECT_EQ(server->address(), "http://" + host() + "/?token=" + kToken);
+  const Answer page = get(kPage);
+  EXPECT_EQ(page.status, 200);
+  EXPECT_EQ(page.body, "<p>the page");
+  EXPECT_EQ(page.whole[http::field::content_type], "text/html; charset=utf-8");
+  EXPECT_EQ(page.whole["X-Content-Type-Options"], "nosniff");
+  EXPECT_EQ(page.whole["Referrer-Policy"], "no-referrer");
+  EXPECT_THAT(std::string(page.whole["Content-Security-Policy"]), HasSubstr("default-src 'none'"));
+  const Answer licence = get("/licences/a.txt");
+  EXPECT_EQ(licence.status, 200);
+  EXPECT_EQ(licence.body, "free");
+}
+
+TEST_F(PageServerTest, ShowsItsFiguresToWhoHasTheToken) {
+  start();
+  EXPECT_THAT(get(kMetrics).body, HasSubstr("beats "));
+  EXPECT_THAT(get("/metrics", "Authorization: Bearer 0123456789abcdef0123456789abcdef\r\n").body, HasSubstr("beats "));
+  EXPECT_EQ(get("/metrics").status, 401);
+  EXPECT_EQ(get("/metrics", "Authorization: Bearer wrong\r\n").status, 401);
+}
+
+TEST_F(PageServerTest, RefusesWithAClearStatusAndALine) {
+  start();
+  EXPECT_THAT(get("/").body, HasSubstr("401 the token is missing or wrong"));
+  EXPECT_EQ(get("/?token=0123456789abcdef0123456789abcdeg").status, 401);
+  EXPECT_EQ(get(kPage, "", "evil.example").status, 403);
+  EXPECT_EQ(get("/licences/a.txt", "", "evil.example:" + std::to_string(server->port())).status, 403);
+  EXPECT_EQ(get("/licences/a.txt", "Origin: http://evil.example\r\n").status, 403);
+  EXPECT_EQ(get("/nothing").status, 404);
+  const Answer posted = ask("POST / HTTP/1.1\r\nHost: " + host() + "\r\n\r\n");
+  EXPECT_EQ(posted.status, 405);
+  EXPECT_EQ(posted.whole[http::field::allow], "GET");
+  EXPECT_EQ(get(kLive).status, 400);
+  EXPECT_EQ(server->counts().refused, server->counts().requests);
+}
+
+TEST_F(PageServerTest, HasNoWayToOtherFiles) {
+  start();
+  for (const char* const target :
+       {"/../index.html", "/licences/../index.html", "/licences/", "/licences", "//etc/passwd", "/%2e%2e/index.html",
+        "/..%2findex.html", "/index.html%00", "/etc/passwd"}) {
+    const unsigned status = get(target).status;
+    EXPECT_TRUE(status == 404 || status == 400) << target << " " << status;
+  }
+}
+
+TEST_F(PageServerTest, RefusesGarbageLongHeadersAndBodies) {
+  start();
+  EXPECT_EQ(ask("\x16\x03\x01 garbage\r\n\r\n").status, 400);
+  EXPECT_EQ(ask("GET / HTTP/9.9\r\n\r\n").status, 400);
+  EXPECT_EQ(get("/", "X: " + std::string(10000, 'x') + "\r\n").status, 431);
+  const Answer body = ask("GET / HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 5\r\n\r\nhello");
+  EXPECT_EQ(body.status, 413);
+  EXPECT_EQ(get("/licences/a.txt").status, 200);
+}
+
+TEST_F(PageServerTest, SpeaksWithViewers) {
+  start();
+  const auto viewer = join();
+  ASSERT_NE(viewer, nullptr);
+  EXPECT_EQ(next(*viewer), "hello");
+  viewer->write(asio::buffer(std::string("hi")));
+  EXPECT_EQ(next(*viewer), "you said hi");
+  viewer->write(asio::buffer(std::string("fault")));
+  viewer->write(asio::buffer(std::string("still there")));
+  EXPECT_EQ(next(*viewer), "you said still there");
+  EXPECT_EQ(server->counts().faults, 1);
+  EXPECT_EQ(server->counts().messages, 3);
+}
+
+TEST_F(PageServerTest, RefusesViewersWithoutTokenOfOtherOriginsAndTooMany) {
+  start();
+  EXPECT_EQ(refusal("/live"), 401);
+  EXPECT_EQ(refusal("/live?token=wrong"), 401);
+  EXPECT_EQ(refusal(kLive, "Origin: http://evil.example\r\n"), 403);
+  EXPECT_EQ(refusal(kLive, "Origin: null\r\n"), 403);
+  std::vector<std::unique_ptr<Stream>> viewers;
+  for (int i = 0; i < 4; ++i) {
+    viewers.push_back(join());
+    ASSERT_NE(viewers.back(), nullptr);
+  }
+  EXPECT_EQ(refusal(kLive), 429);
+  viewers.pop_back();  // it leaves, and another may come
+  wait_until([&] {
+    auto viewer = join();
+    if (viewer) viewers.push_back(std::move(viewer));
+    return viewers.size() == 4;
+  });
+}
+
+TEST_F(PageServerTest, EndsAViewerWhoseMessageIsTooLong) {
+  start();
+  const auto viewer = join();
+  ASSERT_NE(viewer, nullptr);
+  EXPECT_EQ(next(*viewer), "hello");
+  viewer->write(asio::buffer(std::string(5000, 'x')));
+  EXPECT_THROW(next(*viewer), boost::system::system_error);
+  EXPECT_EQ(viewer->reason().code, websocket::close_code::too_big);
+}
+
+TEST_F(PageServerTest, LeavesOutWhatASlowViewerDoesNotReadAndDropsItInTheEnd) {
+  Limits limits;
+  limits.stream_bytes = 100'000;
+  limits.stalled = std::chrono::seconds{1};
+  start(limits);
+  const auto reader = join();
+  const auto sleeper = join();
+  ASSERT_TRUE(reader != nullptr && sleeper != nullptr);
+  EXPECT_EQ(next(*reader), "hello");
+  echo.stream_bytes = 50'000;
+  wait_until([&] {
+    EXPECT_EQ(next(*reader).size(), 50'000);
+    return server->counts().viewers_dropped == 1;
+  });
+  EXPECT_GT(server->counts().skipped, 0);
+  EXPECT_EQ(next(*reader).size(), 50'000);
+}
+
+TEST_F(PageServerTest, DropsAViewerForWhomTooMuchWaitsThatItNeeds) {
+  Limits limits;
+  limits.needed_bytes = 10'000'000;
+  start(limits);
+  const auto sleeper = join();
+  ASSERT_NE(sleeper, nullptr);
+  echo.worth = Worth::needed;
+  echo.stream_bytes = 1'000'000;
+  wait_until([&] { return server->counts().viewers_dropped == 1; });
+}
+
+TEST_F(PageServerTest, ReadsAFloodNoFasterThanItMay) {
+  Limits limits;
+  limits.messages_at_once = 20;
+  limits.messages_per_beat = 2;
+  start(limits);
+  const std::uint64_t first_beat = echo.beats;
+  const auto viewer = join();
+  ASSERT_NE(viewer, nullptr);
+  std::jthread flood([&] {
+    for (int i = 0; i < 200; ++i) viewer->write(asio::buffer(std::string("flood")));
+  });
+  EXPECT_EQ(next(*viewer), "hello");
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(next(*viewer), "you said flood");  // all of them, in their order
+  EXPECT_GE(echo.beats - first_beat, (200 - 20) / 2 - 1);
+}
+
+TEST_F(PageServerTest, TurnsAwayAThousandSocketsAndServesItsViewersMeanwhile) {
+  Limits limits;
+  limits.request = std::chrono::seconds{1};
+  start(limits);
+  const auto viewer = join();
+  ASSERT_NE(viewer, nullptr);
+  EXPECT_EQ(next(*viewer), "hello");
+  std::vector<Tcp::socket> sockets;
+  for (int i = 0; i < 1000; ++i) {
+    Tcp::socket socket(io);
+    beast::error_code error;
+    socket.open(Tcp::v4());
+    socket.non_blocking(true);
+    socket.connect({asio::ip::make_address("127.0.0.1"), server->port()}, error);
+    sockets.push_back(std::move(socket));
+    if (i % 50 == 0) {
+      viewer->write(asio::buffer(std::to_string(i)));
+      EXPECT_EQ(next(*viewer), "you said " + std::to_string(i));
+    }
+  }
+  wait_until([&] { return server->counts().turned_away > 100; });
+  sockets.clear();
+  wait_until([&] { return get("/licences/a.txt").status == 200; });
+  EXPECT_EQ(server->counts().viewers_dropped, 0);
+}
+
+TEST_F(PageServerTest, ClosesAConnectionThatSendsNoRequest) {
+  Limits limits;
+  limits.request = std::chrono::seconds{1};
+  start(limits);
+  Tcp::socket socket = connected();
+  asio::write(socket, asio::buffer(std::string("GET / HT")));
+  std::array<char, 1> byte{};
+  beast::error_code error;
+  socket.read_some(asio::buffer(byte), error);  // waits until it is closed
+  EXPECT_TRUE(error);
+}
+
+TEST_F(PageServerTest, EndsWithViewersAndHalfRequestsUnderWay) {
+  start();
+  const auto viewer = join();
+  Tcp::socket half = connected();
+  asio::write(half, asio::buffer(std::string("GET / HT")));
+  echo.stream_bytes = 100'000;
+  const std::uint64_t beats = echo.beats;
+  wait_until([&] { return echo.beats > beats + 3; });
+  server.reset();
+}
+
+TEST_F(PageServerTest, SaysWhyItCannotListen) {
+  start();
+  try {
+    const PageServer second({.port = server->port(), .token = kToken}, echo);
+    FAIL() << "listens twice";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(host()));
+    EXPECT_THAT(error.what(), HasSubstr("in use"));
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::page
