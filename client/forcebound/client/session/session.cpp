@@ -145,9 +145,9 @@ device::Reading Session::read_device(Nanoseconds now) noexcept {
   return reading;
 }
 
-/// To the law it is a tick that comes late: the device holds the force of the last one, and the energy of both intervals
-/// is known with the next reading. A zero force would be felt, and the law would have to charge the force for whatever
-/// motion there was.
+/// To the law it is a tick that comes late: the device holds the force of the last one, and the energy of both
+/// intervals is known with the next reading. A zero force would be felt, and the law would have to charge the force for
+/// whatever motion there was.
 bool Session::is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept {
   if (reading.status != device::Reading::Status::stale || !previous_command_) return false;
   const Nanoseconds held = time::from_seconds(device_.facts().hold_s_max);

@@ -43,8 +43,8 @@ using time::Nanoseconds;
 /// Recording never influences the force. Whatever fails, the force is zero and the event is counted. The law runs in
 /// every state of the connection, and its ledger is never reset.
 ///
-/// A device with a clock of its own has no new reading on some ticks. Such a tick is left out, for 5 ms at most and while
-/// the device holds its force: the next one is late, for which the law accounts. It is in no record.
+/// A device with a clock of its own has no new reading on some ticks. Such a tick is left out, for 5 ms at most and
+/// while the device holds its force: the next one is late, for which the law accounts. It is in no record.
 ///
 /// Real time: `tick` and `close` are noexcept, allocate nothing, wait for nothing. Owned by one thread.
 class Session {

@@ -19,6 +19,8 @@ const char* words(CloseReason reason) {
       return "was idle too long";
     case CloseReason::did_not_move:
       return "did not move for a minute, and another asked for its place";
+    case CloseReason::was_asked_to:
+      return "is disconnected, as asked for on the page";
     case CloseReason::server_stops:
       return "is disconnected: the server stops";
   }

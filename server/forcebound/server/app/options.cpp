@@ -51,6 +51,7 @@ std::string footer() {
 /// As a user writes it.
 struct Typed {
   std::string listen = "127.0.0.1:47800";
+  std::string page{};
   double idle_timeout_s = time::to_seconds(ServerOptions{}.idle_timeout);
   double round_trip_ms = 0;
   double drain_s = 0;
@@ -65,6 +66,11 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
   app.add_option("--listen", typed.listen, "address to serve; port 0 takes a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
+  app.add_option("--page", typed.page,
+                 "serve a live page of the sessions, their figures also as /metrics; its address is printed. Of this "
+                 "machine alone unless HOST says otherwise; default port 47880")
+      ->expected(0, 1)
+      ->type_name("[PORT|HOST:PORT]");
   add_key_options(app, options.keys);
   app.add_option("--scene", options.scene, "scene for clients that request none")
       ->type_name("NAME|FILE.toml")
@@ -165,6 +171,9 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
       {"--record", options.record},
       {{"--key", options.keys.key}, {"--clients", options.keys.clients}, {"--psk", options.keys.psk}});
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(typed.listen); });
+  if (app.count("--page") > 0) {
+    options.page = program::value_of("--page", [&] { return page::parse_listen_address(typed.page); });
+  }
   options.device.round_trip_s = typed.round_trip_ms * 1e-3;
   options.server.memory = {
       .session_most = typed.session_MiB * kMebibyte, .all_most = typed.all_MiB * kMebibyte, .in_use = memory_in_use};

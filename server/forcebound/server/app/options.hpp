@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/page/listen_address.hpp"
 #include "forcebound/server/app/key_options.hpp"
 #include "forcebound/server/environment/stability.hpp"
 #include "forcebound/server/session/server.hpp"
@@ -13,14 +15,15 @@ namespace forcebound::server {
 /// The command line's options.
 struct ProgramOptions {
   net::Endpoint listen{"127.0.0.1", 47800};
-  std::string scene = "wall";            ///< name or file
-  std::vector<std::string> scene_files;  ///< folders in which files that it names may lie, besides its own
-  bool explain = false;                  ///< print what would be simulated, and end
-  bool suggest = false;                  ///< print a suitable device and hand, and end
-  bool schema = false;                   ///< print every key of a scene file, and end
-  bool calibrate = false;                ///< measure its cost too
-  RingingDevice device{};                ///< for the stability margins
-  std::string record;                    ///< file; empty: no recording
+  std::string scene = "wall";               ///< name or file
+  std::vector<std::string> scene_files;     ///< folders in which files that it names may lie, besides its own
+  bool explain = false;                     ///< print what would be simulated, and end
+  bool suggest = false;                     ///< print a suitable device and hand, and end
+  bool schema = false;                      ///< print every key of a scene file, and end
+  bool calibrate = false;                   ///< measure its cost too
+  RingingDevice device{};                   ///< for the stability margins
+  std::string record;                       ///< file; empty: no recording
+  std::optional<page::ListenAddress> page;  ///< where the live page is served; none: nowhere
   KeyOptions keys;
   bool verbose = false;
   bool realtime = false;

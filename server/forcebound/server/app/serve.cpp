@@ -15,6 +15,8 @@
 #include "forcebound/security/allowed_clients.hpp"
 #include "forcebound/server/app/build_scene.hpp"
 #include "forcebound/server/app/log_observer.hpp"
+#include "forcebound/server/app/page_observer.hpp"
+#include "forcebound/server/app/page_turn.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/app/service_manager.hpp"
 #include "forcebound/server/environment/explain.hpp"
@@ -77,8 +79,10 @@ void reload(UdpServer& server, const ProgramOptions& options) {
 /// Serves until a signal ends it, and then until all clients have left or the time for that is over.
 class Service {
  public:
-  Service(UdpServer& server, const ProgramOptions& options, const time::Clock& clock, ServiceManager& manager)
+  Service(UdpServer& server, PageTurn* page, const ProgramOptions& options, const time::Clock& clock,
+          ServiceManager& manager)
       : server_(server),
+        page_(page),
         options_(options),
         clock_(clock),
         manager_(manager),
@@ -87,6 +91,7 @@ class Service {
   void run() {
     while (!over()) {
       server_.turn();
+      if (page_ != nullptr) page_->turn(server_);
       manager_.tell_alive(clock_.now());
       if (reloads != 0) reload_now();
       if (options_.verbose && clock_.now() >= next_report_) {
@@ -123,6 +128,7 @@ class Service {
   }
 
   UdpServer& server_;
+  PageTurn* page_;  ///< null: there is no live page
   const ProgramOptions& options_;
   const time::Clock& clock_;
   ServiceManager& manager_;
@@ -175,15 +181,19 @@ int serve(ProgramOptions options) {
   take_signals(!options.keys.clients.empty() || ServiceManager::started_this());
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
   const auto observer = make_observer(options, *scene, encryption, clock);
-  UdpServer server(std::move(link), options.server, scenes, observer.get(), std::move(keys));
+  PageObserver page_observer(*observer, clock);
+  ServerObserver& told = options.page ? static_cast<ServerObserver&>(page_observer) : *observer;
+  UdpServer server(std::move(link), options.server, scenes, &told, std::move(keys));
   spdlog::info("{}", encryption_words);
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
                summary(*scene));
 
+  std::optional<PageTurn> page;
+  if (options.page) page.emplace(options, page_observer, clock);
   ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
 
-  Service(server, options, clock, manager).run();
+  Service(server, page ? &*page : nullptr, options, clock, manager).run();
   server.stop();
   std::cout << text::wrapped(totals(server, encryption), 2);
   if (server.overflowed() > 0) {

@@ -113,6 +113,12 @@ void UdpServer::stop() {
   batch_.flush();
 }
 
+bool UdpServer::end_session(std::uint64_t session) {
+  const bool ended = server_.end_session(session);
+  batch_.flush();
+  return ended;
+}
+
 /// These and all that wait behind them.
 void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
   for (int i = 0; i < kBatchesPerTurn; ++i, arrived = batch_.receive_all()) {

@@ -62,6 +62,9 @@ class UdpServer {
   /// Ends all sessions.
   void stop();
 
+  /// Ends one, at once; false: there is none of that number. Of the thread that calls `turn`.
+  bool end_session(std::uint64_t session);
+
   [[nodiscard]] net::Address address() const noexcept { return link_.local_address(); }
   [[nodiscard]] const Server& server() const noexcept { return server_; }
   /// Null: sessions are not encrypted.

@@ -17,6 +17,7 @@ std::string ServerCounters::text() const {
                     {{"ended by the client", sessions_ended},
                      {"closed as idle", sessions_idle},
                      {"closed for another, as not moving", sessions_still},
+                     {"ended on the page", sessions_removed},
                      {"hellos refused", hellos_refused},
                      {"of them of another protocol version", hellos_of_other_versions},
                      {"hellos before their scene was compiled", hellos_too_early},

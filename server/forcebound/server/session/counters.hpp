@@ -19,6 +19,7 @@ struct ServerCounters {
   std::uint64_t sessions_ended = 0;     ///< by the client's Bye
   std::uint64_t sessions_idle = 0;      ///< closed after the idle timeout
   std::uint64_t sessions_still = 0;     ///< closed since another wanted the place of a device that did not move
+  std::uint64_t sessions_removed = 0;   ///< ended by whoever runs the server
   std::uint64_t hellos_repeated = 0;    ///< answered with the session that the client already has
   std::uint64_t hellos_after_bye = 0;   ///< copies that arrived after their session's end
   std::uint64_t hellos_too_early = 0;   ///< for a scene still being compiled: the client repeats it

@@ -22,7 +22,7 @@ struct SessionInfo {
   std::string choice{};  ///< the level picked for this client, and the reason; empty: there was no choice
 };
 
-enum class CloseReason : std::uint8_t { client_said_bye, idle, server_stops, did_not_move };
+enum class CloseReason : std::uint8_t { client_said_bye, idle, server_stops, did_not_move, was_asked_to };
 
 /// Receives a server's events. Does nothing unless overridden.
 class ServerObserver {

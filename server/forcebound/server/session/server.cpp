@@ -170,6 +170,16 @@ void Server::stop() {
   sessions_.clear();
 }
 
+bool Server::end_session(std::uint64_t session) {
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end()) return false;
+  ++counters_.sessions_removed;
+  send(found->second.arrivals.counts, found->second.proven_at);
+  close(found->second, CloseReason::was_asked_to);
+  sessions_.erase(found);
+  return true;
+}
+
 ServerCounters Server::counters() const noexcept {
   ServerCounters total = counters_;
   for (const auto& [id, session] : sessions_) {

@@ -118,6 +118,9 @@ class Server {
   /// Sends Bye to all clients and ends their sessions.
   void stop();
 
+  /// Sends Bye to a client and ends its session; false: there is none of that number. The client may ask for another.
+  bool end_session(std::uint64_t session);
+
   /// Tells which share of its time the thread that serves has not waited since the last call, and how many datagrams
   /// came meanwhile: what the system takes for datagrams is in no session's share. Of that time counts as much as
   /// motions of sessions are of the datagrams, so that a flood keeps nobody out.
@@ -125,6 +128,9 @@ class Server {
 
   [[nodiscard]] std::size_t sessions() const noexcept { return sessions_.size(); }
   [[nodiscard]] ServerCounters counters() const noexcept;
+
+  /// Share of the thread's time that the sessions took lately.
+  [[nodiscard]] double busy() const noexcept { return busy_; }
 
  private:
   /// The motions of a session that arrived, and the counts sent to the client.

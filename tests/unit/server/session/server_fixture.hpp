@@ -25,7 +25,7 @@ class Diary final : public ServerObserver {
  public:
   void on_opened(const SessionInfo& info) override { lines.push_back("opened " + info.device + " in " + info.scene); }
   void on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye&) override {
-    const char* why[] = {"bye", "idle", "stop", "still"};
+    const char* why[] = {"bye", "idle", "stop", "still", "asked"};
     lines.push_back("closed " + info.device + ": " + why[static_cast<int>(reason)]);
   }
   void on_refused(const net::Address&, std::string_view text) override {

@@ -98,6 +98,19 @@ TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheClientsRoundTrip) {
   EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[0], -1, 1e-12);
 }
 
+TEST_F(ServerTest, EndsASessionWhenAskedToAndTellsItsClient) {
+  start({.scene = "free"}, SceneLibrary::shipped());
+  arrive(hello());
+  const std::uint64_t session = only_answer<wire::Welcome>().session;
+  arrive(motion(session, 1, 0.01));
+  (void)answers();
+  EXPECT_TRUE(server->end_session(session));
+  EXPECT_EQ(only_answer<wire::Bye>().session, session);
+  EXPECT_EQ(server->sessions(), 0U);
+  EXPECT_EQ(server->counters().sessions_removed, 1U);
+  EXPECT_FALSE(server->end_session(session));
+}
+
 TEST_F(ServerTest, RefusesOtherProtocolVersionsSayingWhichItSpeaksAndWhatToUpdate) {
   auto question = hello(9);
   question.protocol_version = 1;

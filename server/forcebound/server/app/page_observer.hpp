@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "forcebound/record/histogram.hpp"
+#include "forcebound/server/session/observer.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::server {
+
+/// Figures of each session for a page, beside another observer, which is told of everything too. Owned by the server's
+/// thread.
+class PageObserver final : public ServerObserver {
+ public:
+  /// Both must outlive it.
+  PageObserver(ServerObserver& next, const time::Clock& clock) : next_(next), clock_(clock) {}
+
+  /// What the whole server does, to be shown beside the sessions.
+  struct Load {
+    double busy = 0;  ///< share of the thread that serves
+    double motions_per_s = 0;
+    std::size_t places_used = 0;
+    std::size_t places = 0;
+  };
+
+  /// The message `sessions`. Numbers of sessions in it are the page's own, 1, 2, 3, ...: the session's number is its
+  /// key.
+  [[nodiscard]] std::string sessions_message(const Load& load) const;
+
+  /// In the text format of Prometheus.
+  [[nodiscard]] std::string metrics(const Load& load) const;
+
+  /// The session that a page calls so; nothing: it has ended.
+  [[nodiscard]] std::optional<std::uint64_t> session_of(std::uint64_t shown) const;
+
+  void on_opened(const SessionInfo& info) override;
+  void on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) override;
+  void on_refused(const net::Address& address, std::string_view text) override;
+  void on_scene_failed(std::string_view scene, std::string_view why) override;
+  void on_unsound_response(const SessionInfo& info) noexcept override;
+  void on_quarantined(const SessionInfo& info, std::string_view object) noexcept override;
+  void on_motion(const wire::MotionSample& motion) noexcept override;
+  void on_force(const wire::EnvironmentForce& force) noexcept override;
+
+ private:
+  struct Figures {
+    SessionInfo info;
+    std::uint64_t shown = 0;  ///< its number on pages
+    time::Nanoseconds opened{0};
+    time::Nanoseconds answered{0};
+    std::uint64_t first_motion = 0;    ///< number of the first that was answered
+    std::uint64_t motions_before = 0;  ///< received before it
+    std::uint64_t newest_motion = 0;
+    std::uint64_t motions_received = 0;
+    std::uint64_t forces_sent = 0;
+    std::uint64_t unsound = 0;
+    std::uint64_t quarantined = 0;
+    record::Histogram compute;
+
+    /// Of the motions between the first and the newest answered, in percent.
+    [[nodiscard]] double lost_up_percent() const noexcept;
+  };
+
+  ServerObserver& next_;
+  const time::Clock& clock_;
+  std::unordered_map<std::uint64_t, Figures> sessions_;  // by the session's number
+  std::map<std::uint64_t, std::uint64_t> shown_;         // sessions by the page's number
+  std::uint64_t opened_ = 0;
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,59 @@
+#include "forcebound/server/app/page_turn.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "forcebound/page/listen_address.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr time::Nanoseconds kPeriod = std::chrono::milliseconds{500};
+
+std::string program_path() {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).string();
+}
+
+}  // namespace
+
+PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock)
+    : observer_(observer),
+      clock_(clock),
+      places_(options.server.sessions_max),
+      page_(clock, options.record),
+      shown_(clock.now()) {
+  const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
+  if (!settings.assets.contains("index.html")) {
+    spdlog::warn("the page's files are missing in {}: it answers programs alone",
+                 page::page_folder(program_path()).string());
+  }
+  served_.emplace(settings, page_);
+  std::cout << "page: " << served_->address() << std::endl;
+}
+
+void PageTurn::turn(UdpServer& server) {
+  const time::Nanoseconds now = clock_.now();
+  if (now < next_) return;
+  next_ = now + kPeriod;
+  while (const auto kick = page_.take_kick()) {
+    const auto session = observer_.session_of(*kick);
+    const bool ended = session && server.end_session(*session);
+    page_.tell(ended ? "info" : "warning",
+               "session " + std::to_string(*kick) + (ended ? " is ended" : " has ended already"));
+  }
+  const std::uint64_t motions = server.server().counters().motions_received;
+  const double elapsed_s = time::to_seconds(now - shown_);
+  const PageObserver::Load load{
+      .busy = server.server().busy(),
+      .motions_per_s = elapsed_s > 0 ? static_cast<double>(motions - motions_) / elapsed_s : 0,
+      .places_used = server.server().sessions(),
+      .places = places_};
+  motions_ = motions;
+  shown_ = now;
+  page_.show(observer_.sessions_message(load), observer_.metrics(load));
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "forcebound/page/page_server.hpp"
+#include "forcebound/server/app/options.hpp"
+#include "forcebound/server/app/page_observer.hpp"
+#include "forcebound/server/app/server_page.hpp"
+#include "forcebound/server/runtime/udp_server.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::server {
+
+/// The live page of a running server: a turn beside the server's own, on its thread.
+class PageTurn {
+ public:
+  /// Serves the page and prints its address. All must outlive it.
+  /// @throws std::runtime_error if it cannot be served there
+  PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock);
+
+  /// To be called after each turn of the server: twice a second it shows what is, and ends sessions as asked.
+  void turn(UdpServer& server);
+
+ private:
+  PageObserver& observer_;
+  const time::Clock& clock_;
+  std::size_t places_;
+  ServerPage page_;
+  std::optional<page::PageServer> served_;
+  time::Nanoseconds next_{0};
+  time::Nanoseconds shown_{0};
+  std::uint64_t motions_ = 0;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,113 @@
+#include "forcebound/server/app/server_page.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include "forcebound/page/request.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using Json = nlohmann::json;
+
+page::Text shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
+
+std::string refused(const std::string& about, const std::string& why) {
+  const Json message{{"kind", "refused"}, {"about", about}, {"text", why}};
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+ServerPage::ServerPage(const time::Clock& clock, std::string recording)
+    : clock_(clock), epoch_(clock.now()), recording_(std::move(recording)) {}
+
+double ServerPage::now_s() const noexcept { return time::to_seconds(clock_.now() - epoch_); }
+
+void ServerPage::show(std::string sessions, std::string metrics) {
+  const std::scoped_lock lock(lock_);
+  sessions_ = std::move(sessions);
+  metrics_ = std::move(metrics);
+  fresh_ = true;
+}
+
+void ServerPage::tell(const std::string& level, const std::string& text) {
+  const Json message{{"kind", "event"}, {"track", 0}, {"time_s", now_s()}, {"level", level}, {"text", text}};
+  const std::scoped_lock lock(lock_);
+  events_.push_back(message.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::optional<std::uint64_t> ServerPage::take_kick() {
+  const std::scoped_lock lock(lock_);
+  if (kicks_.empty()) return std::nullopt;
+  const std::uint64_t session = kicks_.front();
+  kicks_.pop_front();
+  return session;
+}
+
+std::string ServerPage::hello() const {
+  const Json none = Json::array();
+  const Json message{{"kind", "hello"},
+                     {"protocol", 1},
+                     {"program", "server"},
+                     {"version", FORCEBOUND_VERSION},
+                     {"time_s", now_s()},
+                     {"period_s", nullptr},
+                     {"dof", 3},
+                     {"simulated", false},
+                     {"pointer", false},
+                     {"may_change", false},
+                     {"choices", {{"laws", none}, {"scenes", none}, {"devices", none}}},
+                     {"settings",
+                      {{"law", nullptr},
+                       {"law_beside", nullptr},
+                       {"scene", nullptr},
+                       {"device", nullptr},
+                       {"stiffness_N_per_m", nullptr},
+                       {"network", nullptr}}},
+                     {"recording", recording_.empty() ? Json(nullptr) : Json(recording_)},
+                     {"duration_s", nullptr},
+                     {"tracks", none},
+                     {"read_only", false}};
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void ServerPage::greet(page::ViewerId viewer, page::Viewers& viewers) {
+  viewers.send(viewer, shared(hello()), page::Worth::needed);
+  const std::scoped_lock lock(lock_);
+  if (!sessions_.empty()) viewers.send(viewer, shared(sessions_), page::Worth::needed);
+}
+
+void ServerPage::receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) {
+  const auto refuse = [&](const std::string& about, const std::string& why) {
+    viewers.send(viewer, shared(refused(about, why)), page::Worth::stream);
+  };
+  try {
+    const auto request = page::read_request(text);
+    if (!request) return;
+    const auto* const kick = std::get_if<page::Kick>(&*request);
+    if (kick == nullptr) return refuse("message", "this is the page of a server, which takes kick alone");
+    const std::scoped_lock lock(lock_);
+    if (kicks_.size() == kKicksMost) return refuse("kick", "too many at once: wait until the last ones are done");
+    kicks_.push_back(kick->session);
+  } catch (const std::invalid_argument& error) {
+    refuse("message", error.what());
+  }
+}
+
+void ServerPage::beat(page::Viewers& viewers) {
+  const std::scoped_lock lock(lock_);
+  for (std::string& event : events_) viewers.send_to_all(shared(std::move(event)), page::Worth::needed);
+  events_.clear();
+  if (std::exchange(fresh_, false)) viewers.send_to_all(shared(sessions_), page::Worth::stream);
+}
+
+std::string ServerPage::metrics() {
+  const std::scoped_lock lock(lock_);
+  return metrics_;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "forcebound/page/subject.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::server {
+
+/// What the page of forcebound-server shows and is asked for. The server's thread sets and takes, twice a second; the
+/// rest is of the page's thread.
+class ServerPage final : public page::Subject {
+ public:
+  static constexpr std::size_t kKicksMost = 64;
+
+  /// @param clock must outlive it. @param recording file; empty: none
+  ServerPage(const time::Clock& clock, std::string recording);
+
+  /// What is shown from now on.
+  void show(std::string sessions, std::string metrics);
+  void tell(const std::string& level, const std::string& text);
+
+  /// The page's number of a session that is to be ended.
+  [[nodiscard]] std::optional<std::uint64_t> take_kick();
+
+  void greet(page::ViewerId viewer, page::Viewers& viewers) override;
+  void receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) override;
+  void beat(page::Viewers& viewers) override;
+  [[nodiscard]] std::string metrics() override;
+
+ private:
+  [[nodiscard]] double now_s() const noexcept;
+  [[nodiscard]] std::string hello() const;
+
+  const time::Clock& clock_;
+  time::Nanoseconds epoch_;
+  std::string recording_;
+  std::mutex lock_;
+  std::string sessions_;
+  std::string metrics_;
+  std::deque<std::string> events_;  // not sent yet
+  std::deque<std::uint64_t> kicks_;
+  bool fresh_ = false;
+};
+
+}  // namespace forcebound::server

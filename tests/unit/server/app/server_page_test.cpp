@@ -1,0 +1,58 @@
+#include "forcebound/server/app/server_page.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace forcebound::server {
+namespace {
+
+using Json = nlohmann::json;
+
+class StillClock final : public time::Clock {
+ public:
+  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time::Nanoseconds{0}; }
+};
+
+class Sent final : public page::Viewers {
+ public:
+  void send(page::ViewerId, page::Text text, page::Worth) override { kinds.push_back(Json::parse(*text)["kind"]); }
+  void send_to_all(page::Text text, page::Worth) override { kinds.push_back(Json::parse(*text)["kind"]); }
+  [[nodiscard]] std::size_t count() const noexcept override { return 1; }
+  std::vector<std::string> kinds;
+};
+
+using Kinds = std::vector<std::string>;
+
+TEST(ServerPage, ShowsTheSessionsOncePerChange) {
+  const StillClock clock;
+  ServerPage page(clock, "");
+  Sent viewers;
+  page.greet(1, viewers);
+  page.show(R"({"kind":"sessions"})", "metric 1\n");
+  page.tell("info", "something");
+  page.beat(viewers);
+  page.beat(viewers);
+  page.greet(2, viewers);
+  EXPECT_EQ(viewers.kinds, (Kinds{"hello", "event", "sessions", "hello", "sessions"}));
+  EXPECT_EQ(page.metrics(), "metric 1\n");
+}
+
+TEST(ServerPage, TakesKicksAndNothingElse) {
+  const StillClock clock;
+  ServerPage page(clock, "");
+  Sent viewers;
+  page.receive(1, R"({"kind":"kick","session":7})", viewers);
+  EXPECT_EQ(page.take_kick(), 7U);
+  EXPECT_EQ(page.take_kick(), std::nullopt);
+  page.receive(1, R"({"kind":"choose","setting":"law","value":"none"})", viewers);
+  page.receive(1, "garbage", viewers);
+  EXPECT_EQ(viewers.kinds, (Kinds{"refused", "refused"}));
+  for (std::size_t i = 0; i <= ServerPage::kKicksMost; ++i) page.receive(1, R"({"kind":"kick","session":7})", viewers);
+  EXPECT_EQ(viewers.kinds.size(), 3);
+}
+
+}  // namespace
+}  // namespace forcebound::server
