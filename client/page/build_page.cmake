@@ -1,0 +1,25 @@
+# cmake -DNODE=... -DNPM=... -DSOURCES=... -DPACKAGES=... -DTO=... -DSTAMP=... -DREQUIRED=... -DINSTALL_PACKAGES=...
+# -P build_page.cmake: the page of SOURCES, bundled into TO with the packages of its lock file. These are fetched into
+# PACKAGES/node_modules, once per lock file, unless FORCEBOUND_NODE_MODULES (environment) has them.
+set(modules $ENV{FORCEBOUND_NODE_MODULES})
+if(NOT EXISTS "${modules}/esbuild" OR NOT EXISTS "${modules}/three" OR NOT EXISTS "${modules}/uplot")
+  set(modules ${PACKAGES}/node_modules)
+  execute_process(COMMAND ${CMAKE_COMMAND} -DNPM=${NPM} -DFROM=${SOURCES} -DTO=${PACKAGES} -P ${INSTALL_PACKAGES}
+                  OUTPUT_QUIET ERROR_QUIET)
+  file(SHA256 ${SOURCES}/package-lock.json wanted)
+  set(installed "")
+  if(EXISTS ${modules}/.forcebound-lock)
+    file(READ ${modules}/.forcebound-lock installed)
+  endif()
+  if(NOT installed STREQUAL wanted)
+    if(REQUIRED)
+      message(FATAL_ERROR "the live page: 'npm ci' failed in ${PACKAGES}: is the network there?")
+    endif()
+    message("Without --page: 'npm ci' failed in ${PACKAGES}; is the network there? Configure again to try again")
+    file(REMOVE_RECURSE ${TO})
+    file(WRITE ${STAMP} "without")
+    return()
+  endif()
+endif()
+execute_process(COMMAND ${NODE} ${SOURCES}/build.mjs ${SOURCES}/src ${modules} ${TO} COMMAND_ERROR_IS_FATAL ANY)
+file(WRITE ${STAMP} "built")

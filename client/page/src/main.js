@@ -1,0 +1,196 @@
+// The live page: takes what the program says and shows it; draws only when something changed.
+import { Charts } from "./charts.js";
+import { byId, onResize, setText } from "./dom.js";
+import { Events, say } from "./events.js";
+import { attachHand } from "./hand.js";
+import { Latency } from "./latency.js";
+import { Lights } from "./lights.js";
+import { openLink } from "./link.js";
+import { Pipes } from "./pipes.js";
+import { Player } from "./player.js";
+import { Sessions } from "./sessions.js";
+import { Settings } from "./settings.js";
+import { Stage } from "./stage.js";
+import { digits, duration } from "./text.js";
+import { onTheme, watchTheme } from "./theme.js";
+
+watchTheme();
+
+/** Parts that wait to be drawn in the next frame. */
+const waiting = new Set();
+let asked = false;
+const frames = { count: 0, since: performance.now() };
+
+function wants(part) {
+  waiting.add(part);
+  if (asked || document.hidden) return;
+  asked = true;
+  window.requestAnimationFrame(drawFrame);
+}
+
+function drawFrame() {
+  asked = false;
+  const now = new Set(waiting);
+  waiting.clear();
+  if (now.has("stage")) stage.render();
+  if (now.has("charts")) charts.draw();
+  if (now.has("pipes") && pipes.draw()) wants("pipes");
+  ++frames.count;
+}
+document.addEventListener("visibilitychange", () => {
+  if (!document.hidden) for (const part of ["stage", "charts", "pipes"]) wants(part);
+});
+
+const send = (message) => link.send(message);
+const stage = new Stage(byId("canvas"), () => wants("stage"));
+const charts = new Charts(() => wants("charts"));
+const pipes = new Pipes(() => wants("pipes"));
+const latency = new Latency();
+const lights = new Lights();
+const events = new Events();
+const settings = new Settings(send);
+const sessions = new Sessions(send);
+const player = new Player(send);
+let hello = null;
+const scenes = [];
+
+byId("no-webgl").hidden = stage.usable;
+byId("canvas").hidden = !stage.usable;
+byId("legend").hidden = !stage.usable;
+onResize(byId("view"), () => wants("stage"));
+onTheme(() => {
+  stage.paint();
+  latency.draw();
+  wants("pipes");
+});
+attachHand(byId("view"), stage, { send, allowed: handIsOurs });
+
+/** Whether the program follows the pointer. */
+function handIsOurs() {
+  return Boolean(hello && hello.pointer && !hello.read_only);
+}
+
+const holdButton = byId("hold-button");
+function pressButton(down) {
+  if (holdButton.classList.contains("down") === down) return;
+  holdButton.classList.toggle("down", down);
+  send({ kind: "button", index: 0, down });
+}
+holdButton.addEventListener("pointerdown", () => pressButton(true));
+for (const end of ["pointerup", "pointercancel", "pointerleave", "blur", "keyup"]) {
+  holdButton.addEventListener(end, () => pressButton(false));
+}
+holdButton.addEventListener("keydown", (event) => {
+  if (event.key === " " || event.key === "Enter") pressButton(true);
+});
+byId("view").addEventListener("keydown", (event) => {
+  if (event.key === " " && !holdButton.hidden) {
+    pressButton(true);
+    event.preventDefault();
+  }
+});
+byId("view").addEventListener("keyup", (event) => {
+  if (event.key === " ") pressButton(false);
+});
+byId("record").addEventListener("click", () => send({ kind: "record", on: !hello?.recording }));
+byId("reset-view").addEventListener("click", () => stage.resetCamera());
+
+function showHello(message) {
+  const other = hello && (hello.settings?.scene !== message.settings?.scene || hello.settings?.device !== message.settings?.device);
+  hello = message;
+  const { program } = hello;
+  document.body.dataset.program = program;
+  document.body.dataset.tracks = String(hello.tracks.length);
+  document.title = `Forcebound ${program}`;
+  setText(byId("program"), { client: "Client", server: "Server", view: "Recording" }[program] ?? program);
+  setText(byId("version"), hello.version ?? "");
+  const live = hello.tracks.length > 0;
+  for (const id of ["scene", "charts", "network", "latency"]) byId(id).hidden = !live;
+  byId("settings").hidden = program !== "client";
+  byId("sessions").hidden = program !== "server";
+  byId("player").hidden = program !== "view";
+  byId("record").hidden = program !== "client" || hello.read_only;
+  byId("record").setAttribute("aria-pressed", String(Boolean(hello.recording)));
+  setText(byId("record-text"), hello.recording ? "Stop recording" : "Record");
+  setText(byId("record-file"), hello.recording ?? "");
+  byId("hints").hidden = !live || !handIsOurs();
+  holdButton.hidden = !handIsOurs();
+  if (live) {
+    if (other) charts.clear();
+    charts.setUp({ period_s: hello.period_s || 0.001, dof: hello.dof || 3, tracks: hello.tracks.length });
+    stage.setTracks(hello.tracks.length, hello.dof || 3);
+    lights.setTracks(hello.tracks);
+  }
+  settings.show(hello);
+  if (program === "view") player.show(hello);
+}
+
+function showScene(message) {
+  const track = message.track ?? 0;
+  scenes[track] = message;
+  stage.setScene(track, { ...message, shapes: message.shapes ?? [], meshes: message.meshes ?? [] });
+  setText(byId("scene-title"), message.name ?? "");
+  setText(byId("not-drawn"), message.more ?? "");
+  byId("not-drawn").hidden = !message.more;
+}
+
+const kinds = {
+  hello: showHello,
+  scene: showScene,
+  moved: (message) => stage.moved(message.track ?? 0, message),
+  ticks: (message) => {
+    if (!hello || !message.time_s?.length) return;
+    charts.add(message.track ?? 0, message);
+    stage.show(message.track ?? 0, message);
+    setText(byId("arrow-scale"), `longest: ${stage.full_N} N`);
+    if (hello.program === "view") player.at(message.time_s.at(-1));
+  },
+  status: (message) => {
+    lights.show(message.track ?? 0, message);
+    if ((message.track ?? 0) !== 0) return;
+    pipes.show(message.network, hello?.settings?.network);
+    latency.show(message.stages_ms);
+    showTick(message.tick);
+  },
+  event: (message) => events.add(message, hello?.tracks.length ?? 1),
+  refused: (message) => {
+    say(message.text ?? `refused: ${message.about}`);
+    if (hello) settings.show(hello);
+  },
+  sessions: (message) => sessions.show(message, hello?.read_only ?? false),
+};
+
+function showTick(tick) {
+  byId("tick").hidden = !tick?.period_us;
+  if (!tick?.period_us) return;
+  const late = tick.late ? `, ${tick.late} late` : "";
+  const dropped = tick.dropped_for_page ? `, ${tick.dropped_for_page} not shown here` : "";
+  setText(byId("tick"), `Tick ${digits(tick.period_us.median / 1000)} ms${late}${dropped}`);
+}
+
+let lostTimer = 0;
+function showLink(state) {
+  document.body.dataset.link = state.open ? "open" : "lost";
+  window.clearInterval(lostTimer);
+  setText(byId("link"), state.open ? "Connected" : state.ever ? "Not connected" : "Connecting");
+  byId("lost").hidden = state.open;
+  if (state.open || !state.lostSince) return;
+  const since = state.lostSince.toLocaleTimeString();
+  const why = state.reason ? ` (${state.reason})` : "";
+  const tell = () => {
+    const ago = duration((Date.now() - state.lostSince.getTime()) / 1000);
+    setText(byId("lost-text"), state.ever
+      ? `Connection lost${why} at ${since}, ${ago} ago. What is shown is from then; the page tries again by itself.`
+      : `No connection${why} since ${since}. Is the program running, and is this the address that it printed? The page tries again by itself.`);
+  };
+  tell();
+  lostTimer = window.setInterval(tell, 1000);
+}
+
+const link = openLink({
+  message: (message) => kinds[message.kind]?.(message),
+  changed: showLink,
+});
+
+/** Frames drawn, for who measures the page. */
+window.forcebound = { frames, stage, charts };

@@ -1,0 +1,350 @@
+// The scene in 3D: one view for each track, side by side on one canvas, with one camera for all.
+import {
+  AmbientLight, Box3, Color, DirectionalLight, DoubleSide, BackSide, GridHelper, Group, LineBasicMaterial, MeshLambertMaterial,
+  PerspectiveCamera, Plane, Quaternion, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer,
+} from "three";
+import { Marks } from "./marks.js";
+import { deform, makeMesh, makeShape, point } from "./shapes.js";
+import { colours } from "./theme.js";
+
+const kLeastRadius_m = 0.03;
+const kMostRadius_m = 0.4;
+const kArrowUnits = 15; // length of the longest arrow; in units of the marks
+const kSteps_N = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+
+/** @returns {WebGLRenderer|null} null where the browser has no WebGL */
+function makeRenderer(canvas) {
+  try {
+    return new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+  } catch {
+    return null;
+  }
+}
+
+/** What a track is drawn from: the newest of its ticks. */
+class TrackState {
+  constructor() {
+    this.tip = null;
+    this.place = null;
+    this.hand = null;
+    this.plane = null;
+    this.asked = new Vector3();
+    this.applied = new Vector3();
+  }
+}
+
+/** One track: its scene and its marks. */
+class View {
+  constructor(track) {
+    this.scene = new Scene();
+    this.parts = new Group();
+    this.marks = new Marks(track);
+    this.state = new TrackState();
+    this.ground = null;
+    const sun = new DirectionalLight(0xffffff, 2.2);
+    sun.position.set(-0.5, -0.8, 1.4);
+    this.scene.add(new AmbientLight(0xffffff, 1.25), sun, this.parts, this.marks);
+  }
+}
+
+export class Stage {
+  /** @param {HTMLCanvasElement} canvas @param {() => void} changed asks for a frame */
+  constructor(canvas, changed) {
+    this.canvas = canvas;
+    this.changed = changed;
+    this.renderer = makeRenderer(canvas);
+    this.views = [];
+    this.dof = 3;
+    this.target = new Vector3();
+    this.radius_m = 0.08;
+    this.angles = { azimuth: 0, elevation: 0 };
+    this.zoom = 1;
+    this.full_N = kSteps_N[0];
+    if (!this.renderer) return;
+    this.renderer.setScissorTest(true);
+    this.renderer.autoClear = false;
+    this.camera = new PerspectiveCamera(35, 1, 0.001, 20);
+    this.camera.up.set(0, 0, 1);
+    this.raycaster = new Raycaster();
+    this.facing = new Plane();
+    this.materials = {
+      solid: new MeshLambertMaterial(),
+      floor: new MeshLambertMaterial(),
+      inside: new MeshLambertMaterial({ side: BackSide }),
+      sheet: new MeshLambertMaterial({ side: DoubleSide }),
+      soft: new MeshLambertMaterial({ side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }),
+      edges: new LineBasicMaterial({ transparent: true, opacity: 0.45 }),
+    };
+    this.resetCamera();
+    this.paint();
+    canvas.addEventListener("webglcontextrestored", changed);
+  }
+
+  get usable() {
+    return this.renderer !== null;
+  }
+
+  /** One to three axes, and one or two tracks. */
+  setTracks(count, dof) {
+    if (!this.usable) return;
+    while (this.views.length > count) this.views.pop();
+    while (this.views.length < count) {
+      const view = new View(this.views.length);
+      view.message = this.views[0]?.message ?? null;
+      this.views.push(view);
+      if (view.message) this.#build(view);
+    }
+    if (this.dof !== dof) {
+      this.dof = dof;
+      this.resetCamera();
+    }
+    this.paint();
+    this.#resizeMarks();
+    this.changed();
+  }
+
+  /** Takes a scene; also the same one again, when more of it is known. */
+  setScene(track, message) {
+    if (!this.usable || !this.views[track]) return;
+    const view = this.views[track];
+    const other = view.message?.name !== message.name;
+    view.message = message;
+    if (track !== 0) {
+      this.#build(view);
+    } else {
+      const extent = this.#extentOf(message);
+      this.target.copy(extent.around);
+      this.radius_m = extent.radius_m;
+      if (other) {
+        this.full_N = kSteps_N[0];
+        this.resetCamera();
+      }
+      for (const each of this.views) this.#build(each);
+    }
+    this.changed();
+  }
+
+  #extentOf(message) {
+    const box = new Box3();
+    const extent = { radius_m: 0.06, around: new Vector3() };
+    const parts = new Group();
+    for (const shape of message.shapes) {
+      const made = makeShape(shape, extent, this.materials);
+      if (made && !made.userData.endless) parts.add(made);
+    }
+    for (const mesh of message.meshes) parts.add(makeMesh(mesh, this.materials));
+    box.setFromObject(parts);
+    dispose(parts);
+    if (box.isEmpty()) {
+      if (message.shapes[0]) extent.around.copy(point(message.shapes[0].through_m));
+      return extent;
+    }
+    const sphere = box.getBoundingSphere(new Sphere());
+    extent.around.copy(sphere.center);
+    extent.radius_m = Math.min(Math.max(sphere.radius * 0.92, kLeastRadius_m), kMostRadius_m);
+    return extent;
+  }
+
+  #build(view) {
+    dispose(view.parts);
+    view.parts.clear();
+    const extent = { radius_m: this.radius_m, around: this.target };
+    for (const shape of view.message?.shapes ?? []) {
+      const made = makeShape(shape, extent, this.materials);
+      if (made) view.parts.add(made);
+    }
+    for (const mesh of view.message?.meshes ?? []) view.parts.add(makeMesh(mesh, this.materials));
+    if (view.ground) {
+      view.scene.remove(view.ground);
+      view.ground.dispose();
+    }
+    const step = 10 ** Math.floor(Math.log10(this.radius_m / 2));
+    const cells = 2 * Math.ceil((2.2 * this.radius_m) / step);
+    view.ground = new GridHelper(cells * step, cells, colours.grid, colours.grid);
+    view.ground.rotateX(Math.PI / 2);
+    const low = this.dof < 3 ? -0.13 * this.radius_m : this.#lowest(view) - 0.01 * this.radius_m;
+    view.ground.position.set(this.target.x, this.target.y, this.dof === 1 ? -0.55 * this.radius_m : low);
+    view.scene.add(view.ground);
+    this.#resizeMarks();
+  }
+
+  #lowest(view) {
+    const box = new Box3();
+    for (const part of view.parts.children) box.expandByObject(part);
+    return box.isEmpty() ? this.target.z - 0.4 * this.radius_m : Math.min(box.min.z, this.target.z);
+  }
+
+  moved(track, message) {
+    const view = this.views[track];
+    if (!view) return;
+    for (const mesh of message.meshes ?? []) {
+      const part = view.parts.getObjectByName(mesh.name);
+      if (part) deform(part, mesh.vertices_m, this.materials);
+    }
+    for (const body of message.bodies ?? []) {
+      const part = view.parts.getObjectByName(body.name);
+      if (!part) continue;
+      const [w, x, y, z] = body.orientation;
+      part.position.copy(point(body.position_m));
+      part.quaternion.set(x, y, z, w);
+    }
+    this.changed();
+  }
+
+  /** The newest tick of a `ticks` message. */
+  show(track, message) {
+    const view = this.views[track];
+    const last = message.time_s.length - 1;
+    if (!view || last < 0) return;
+    const { state } = view;
+    const newest = (values) => (values?.[last] ? point(values[last]) : null);
+    state.tip = newest(message.position_m);
+    state.place = newest(message.place_m);
+    state.asked = newest(message.asked_N) ?? new Vector3();
+    state.applied = newest(message.applied_N) ?? new Vector3();
+    state.hand = message.hand_m ? point(message.hand_m) : null;
+    state.plane = message.plane && message.contact?.[last]
+      ? { middle: point(message.plane.point_m), normal: point(message.plane.normal).normalize() } : null;
+    const largest = Math.max(state.asked.length(), state.applied.length());
+    while (largest > this.full_N && this.full_N < kSteps_N.at(-1)) {
+      this.full_N = kSteps_N[kSteps_N.indexOf(this.full_N) + 1];
+    }
+    this.#keepInSight(state.tip);
+    this.changed();
+  }
+
+  /** What is thrown about stays in the picture: the camera goes back, up to a limit. */
+  #keepInSight(tip) {
+    if (!tip) return;
+    const away = tip.distanceTo(this.target);
+    const seen = this.radius_m / this.zoom;
+    if (away < 1.05 * seen) return;
+    this.zoom = Math.max(this.radius_m / (1.15 * away), this.radius_m / kMostRadius_m, 0.2);
+  }
+
+  paint() {
+    if (!this.usable) return;
+    this.back = new Color(colours["view-back"]);
+    for (const name of ["solid", "inside", "sheet"]) this.materials[name].color.set(colours.solid);
+    this.materials.floor.color.set(colours.floor);
+    this.materials.soft.color.set(colours.soft);
+    this.materials.edges.color.set(colours["solid-edge"]);
+    for (const view of this.views) {
+      view.marks.paint();
+      if (view.message) this.#build(view);
+    }
+    this.changed();
+  }
+
+  #resizeMarks() {
+    for (const view of this.views) view.marks.resize(this.radius_m);
+  }
+
+  resetCamera() {
+    this.angles = { 1: { azimuth: -0.25, elevation: 0.25 }, 2: { azimuth: 0, elevation: 1.25 } }[this.dof] ??
+      { azimuth: -0.45, elevation: 0.38 };
+    this.zoom = 1;
+    this.changed();
+  }
+
+  /** Turns the camera [rad]. */
+  orbit(right, up) {
+    this.angles = {
+      azimuth: this.angles.azimuth - right,
+      elevation: Math.min(Math.max(this.angles.elevation + up, -1.5), 1.5),
+    };
+    this.changed();
+  }
+
+  /** Brings the camera nearer by this factor. */
+  zoomBy(factor) {
+    this.zoom = Math.min(Math.max(this.zoom * factor, 0.15), 8);
+    this.changed();
+  }
+
+  /** The part of the canvas for a view, from its lower left [CSS pixels]. */
+  #frame(index) {
+    const { clientWidth, clientHeight } = this.canvas;
+    const width = clientWidth / this.views.length;
+    return { x: index * width, y: 0, width, height: clientHeight };
+  }
+
+  #aim(aspect) {
+    const { azimuth, elevation } = this.angles;
+    const half = Math.atan(Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, aspect));
+    const distance = (1.06 * this.radius_m) / Math.sin(half) / this.zoom;
+    this.camera.aspect = aspect;
+    this.camera.position.set(
+      this.target.x + distance * Math.sin(azimuth) * Math.cos(elevation),
+      this.target.y - distance * Math.cos(azimuth) * Math.cos(elevation),
+      this.target.z + distance * Math.sin(elevation));
+    this.camera.lookAt(this.target);
+    this.camera.near = distance / 50;
+    this.camera.far = distance * 20;
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+  }
+
+  /** The index of the view under a place on the screen. */
+  viewAt(clientX) {
+    const box = this.canvas.getBoundingClientRect();
+    const part = (clientX - box.left) / box.width;
+    return Math.min(Math.max(Math.floor(part * this.views.length), 0), this.views.length - 1);
+  }
+
+  /** Where a track's tip is, or null. */
+  tip(index) {
+    return this.views[index]?.state.tip ?? null;
+  }
+
+  /** Where a point of the scene is on the screen [CSS pixels of the window]. */
+  onScreen(index, place) {
+    const frame = this.#frame(index);
+    const box = this.canvas.getBoundingClientRect();
+    this.#aim(frame.width / frame.height);
+    const seen = place.clone().project(this.camera);
+    return {
+      x: box.left + frame.x + ((seen.x + 1) / 2) * frame.width,
+      y: box.bottom - frame.y - ((seen.y + 1) / 2) * frame.height,
+    };
+  }
+
+  /** The point under a place on the screen, on the plane through `through` that faces the camera; null beside it. */
+  pointAt(index, clientX, clientY, through) {
+    const frame = this.#frame(index);
+    const box = this.canvas.getBoundingClientRect();
+    this.#aim(frame.width / frame.height);
+    this.raycaster.setFromCamera(new Vector2(
+      ((clientX - box.left - frame.x) / frame.width) * 2 - 1,
+      ((box.bottom - clientY - frame.y) / frame.height) * 2 - 1), this.camera);
+    const normal = this.camera.getWorldDirection(new Vector3());
+    if (this.dof === 1) normal.setX(0).normalize(); // the plane that has the axis in it
+    if (this.dof === 2) normal.set(0, 0, 1);
+    this.facing.setFromNormalAndCoplanarPoint(normal, through);
+    return this.raycaster.ray.intersectPlane(this.facing, new Vector3());
+  }
+
+  /** Draws all views. */
+  render() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (!this.usable || width === 0 || height === 0) return;
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    const size = this.renderer.getSize(new Vector2());
+    if (size.x !== width || size.y !== height) this.renderer.setSize(width, height, false);
+    this.views.forEach((view, index) => {
+      const frame = this.#frame(index);
+      this.#aim(frame.width / frame.height);
+      view.marks.show(view.state, this.camera.getWorldQuaternion(new Quaternion()), kArrowUnits / this.full_N);
+      this.renderer.setViewport(frame.x, frame.y, frame.width, frame.height);
+      this.renderer.setScissor(frame.x, frame.y, frame.width, frame.height);
+      this.renderer.setClearColor(this.back);
+      this.renderer.clear();
+      this.renderer.render(view.scene, this.camera);
+    });
+  }
+}
+
+function dispose(group) {
+  group.traverse((part) => part.geometry?.dispose());
+}
