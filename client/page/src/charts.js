@@ -176,6 +176,7 @@ class Chart {
       button.setAttribute("aria-pressed", String(!this.hidden.has(value)));
       for (const line of own) {
         const output = make("output", { className: "value" }, "–");
+        output.dataset.value = `${line.track}.${value}`;
         button.append(make("i", { className: `swatch colour-${line.colour}${line.track ? " dashed" : ""}` }), output);
         this.values.push({ line, output });
       }

@@ -60,9 +60,10 @@ export class Stage {
     this.angles = { azimuth: 0, elevation: 0 };
     this.zoom = 1;
     this.full_N = kSteps_N[0];
-    if (!this.renderer) return;
-    this.renderer.setScissorTest(true);
-    this.renderer.autoClear = false;
+    if (this.renderer) {
+      this.renderer.setScissorTest(true);
+      this.renderer.autoClear = false;
+    }
     this.camera = new PerspectiveCamera(35, 1, 0.001, 20);
     this.camera.up.set(0, 0, 1);
     this.raycaster = new Raycaster();
@@ -80,13 +81,13 @@ export class Stage {
     canvas.addEventListener("webglcontextrestored", changed);
   }
 
+  /** Whether it can be seen. Without WebGL all else works: the hand takes hold of a tip that is not drawn. */
   get usable() {
     return this.renderer !== null;
   }
 
   /** One to three axes, and one or two tracks. */
   setTracks(count, dof) {
-    if (!this.usable) return;
     while (this.views.length > count) this.views.pop();
     while (this.views.length < count) {
       const view = new View(this.views.length);
@@ -105,7 +106,7 @@ export class Stage {
 
   /** Takes a scene; also the same one again, when more of it is known. */
   setScene(track, message) {
-    if (!this.usable || !this.views[track]) return;
+    if (!this.views[track]) return;
     const view = this.views[track];
     const other = view.message?.name !== message.name;
     view.message = message;
@@ -223,7 +224,6 @@ export class Stage {
   }
 
   paint() {
-    if (!this.usable) return;
     this.back = new Color(colours["view-back"]);
     for (const name of ["solid", "inside", "sheet"]) this.materials[name].color.set(colours.solid);
     this.materials.floor.color.set(colours.floor);
