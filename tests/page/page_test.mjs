@@ -105,6 +105,87 @@ const cases = {
     });
   },
 
+  /** On a phone one finger is the hand, and two turn the scene. */
+  async fingers(browser) {
+    await withStandIn({}, async (stand, url) => {
+      const tab = await Tab.open(browser, url, { size: kSizes.phone, hasTouch: true, isMobile: true });
+      await tab.untilChartsMove();
+      const touch = await tab.context.newCDPSession(tab.page);
+      const fingers = (type, ...places) => touch.send("Input.dispatchTouchEvent",
+        { type, touchPoints: places.map(({ x, y }, id) => ({ x, y, id })) });
+      const { x, y } = await tab.tip();
+      await fingers("touchStart", { x, y });
+      await fingers("touchMove", { x: x + 40, y });
+      await tab.until("the finger is the hand", () => window.forcebound.stage.views[0].state.hand !== null);
+      await fingers("touchEnd");
+      await tab.until("the finger lets go", () => window.forcebound.stage.views[0].state.hand === null);
+      const angle = () => tab.page.evaluate(() => window.forcebound.stage.angles.azimuth);
+      const before = await angle();
+      await fingers("touchStart", { x: 100, y: 250 });
+      await fingers("touchStart", { x: 100, y: 250 }, { x: 200, y: 250 });
+      await fingers("touchMove", { x: 150, y: 250 }, { x: 250, y: 250 });
+      await fingers("touchEnd");
+      assert.notEqual(await angle(), before, "two fingers turn the scene");
+      await tab.close();
+    });
+  },
+
+  /** Who asked for less motion sees packets at rest. */
+  async less_motion(browser) {
+    await withStandIn({}, async (stand, url) => {
+      stand.settings.network.loss_percent = 0;
+      const picture = () => document.getElementById("pipe-up").toDataURL();
+      const tab = await Tab.open(browser, url, { reducedMotion: "reduce" });
+      await tab.untilChartsMove();
+      await tab.page.locator("#pipes").waitFor();
+      await tab.untilChartsMove();
+      const before = await tab.page.evaluate(picture);
+      for (let i = 0; i < 5; ++i) await tab.untilChartsMove();
+      assert.equal(await tab.page.evaluate(picture), before);
+      await tab.page.emulateMedia({ reducedMotion: "no-preference" });
+      await tab.until("packets move", (old) => document.getElementById("pipe-up").toDataURL() !== old, before);
+      await tab.close();
+    });
+  },
+
+  /** The server's page: who is connected, and an end to it, asked for twice. */
+  async sessions(browser) {
+    await withStandIn({ program: "server" }, async (stand, url) => {
+      for (const size of Object.values(kSizes)) {
+        const tab = await Tab.open(browser, url, { size });
+        await tab.untilConnected();
+        await tab.page.getByText("anna").waitFor();
+        assert.ok(await tab.page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), "too wide");
+        assert.ok(await tab.page.locator("#settings").isHidden(), "a server has no law to choose");
+        await tab.close();
+      }
+      const tab = await Tab.open(browser, url);
+      const kick = tab.page.getByRole("button", { name: "End the session of bert" });
+      await kick.click();
+      assert.deepEqual(stand.heard.filter(({ kind }) => kind === "kick"), [], "one click only asks");
+      await kick.click();
+      await tab.page.getByText("bert").waitFor({ state: "detached" });
+      assert.deepEqual(stand.heard.filter(({ kind }) => kind === "kick"), [{ kind: "kick", session: 2 }]);
+      await tab.close();
+    });
+  },
+
+  /** A recording's time is moved by its slider, by keyboard too. */
+  async recording(browser) {
+    await withStandIn({ program: "view" }, async (stand, url) => {
+      const tab = await Tab.open(browser, url);
+      await tab.untilChartsMove();
+      await tab.page.locator("#time").focus();
+      await tab.page.keyboard.press("End");
+      await tab.page.locator("#speed").selectOption("0.1");
+      await tab.page.locator("#play").click();
+      while (stand.heard.length < 3) await tab.page.waitForTimeout(50);
+      assert.deepEqual(stand.heard, [{ kind: "seek", time_s: 60 }, { kind: "play", on: true, speed: 0.1 },
+        { kind: "play", on: false, speed: 0.1 }]);
+      await tab.close();
+    });
+  },
+
   /** A device whose true energy nobody knows, and a request that is refused. */
   async unaudited(browser) {
     await withStandIn({ audited: false }, async (stand, url) => {

@@ -27,6 +27,12 @@ const kCharts = [
     { value: "passivity", label: "P", colour: "own" }] },
 ];
 
+/** A number on an axis: 1500 is 1.5k. */
+function short(value) {
+  const text = Math.abs(value) >= 1000 ? `${+(value / 1000).toPrecision(4)}k` : `${+value.toPrecision(6)}`;
+  return text.replace("-", "−");
+}
+
 /**
  * Draws a line through what is there, with a gap where nothing is. In place of uPlot's own paths: joints without rounding
  * take a part of the time where there is no graphics card.
@@ -150,7 +156,7 @@ class Chart {
       padding: [7, 8, last ? 0 : 6, 0],
       axes: [
         { ...axis, size: last ? 18 : 0, gap: 2, values: (u, ticks) => ticks.map((tick) => (last ? `${+tick.toFixed(3)} s` : null)) },
-        { ...axis, size: 42, gap: 3, space: 18 },
+        { ...axis, size: 42, gap: 3, space: 18, values: (u, ticks) => ticks.map(short) },
       ],
       series: [{}, ...this.lines.map((line) => ({
         stroke: () => colours[line.colour], width: line.value === "asked" ? 2.2 : 1.5, points: { show: false },

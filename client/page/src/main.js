@@ -129,7 +129,7 @@ function showScene(message) {
   const track = message.track ?? 0;
   scenes[track] = message;
   stage.setScene(track, { ...message, shapes: message.shapes ?? [], meshes: message.meshes ?? [] });
-  setText(byId("scene-title"), message.name ?? "");
+  setText(byId("scene-title"), message.name ? `scene: ${message.name}` : "");
   setText(byId("not-drawn"), message.more ?? "");
   byId("not-drawn").hidden = !message.more;
 }

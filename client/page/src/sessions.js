@@ -68,6 +68,7 @@ export class Sessions {
       this.send({ kind: "kick", session: session.id });
     });
     const row = make("tr", {}, ...cells, make("td", {}, kick));
+    row.dataset.session = String(session.id);
     this.body.append(row);
     const made = { row, cells, kick };
     this.rows.set(session.id, made);

@@ -60,6 +60,7 @@ export class Stage {
     this.angles = { azimuth: 0, elevation: 0 };
     this.zoom = 1;
     this.full_N = kSteps_N[0];
+    this.peak_N = 0;
     if (this.renderer) {
       this.renderer.setScissorTest(true);
       this.renderer.autoClear = false;
@@ -206,12 +207,16 @@ export class Stage {
     state.hand = message.hand_m ? point(message.hand_m) : null;
     state.plane = message.plane && message.contact?.[last]
       ? { middle: point(message.plane.point_m), normal: point(message.plane.normal).normalize() } : null;
-    const largest = Math.max(state.asked.length(), state.applied.length());
-    while (largest > this.full_N && this.full_N < kSteps_N.at(-1)) {
-      this.full_N = kSteps_N[kSteps_N.indexOf(this.full_N) + 1];
-    }
+    this.#scaleArrows(Math.max(state.asked.length(), state.applied.length()));
     this.#keepInSight(state.tip);
     this.changed();
+  }
+
+  /** The longest arrow is for a round number, which fits the largest force of the last seconds. */
+  #scaleArrows(force_N) {
+    this.peak_N = Math.max(force_N, 0.993 * this.peak_N);
+    const fits = kSteps_N.find((step) => step >= this.peak_N) ?? kSteps_N.at(-1);
+    if (fits > this.full_N || this.peak_N < 0.4 * this.full_N) this.full_N = fits;
   }
 
   /** What is thrown about stays in the picture: the camera goes back, up to a limit. */
@@ -220,7 +225,7 @@ export class Stage {
     const away = tip.distanceTo(this.target);
     const seen = this.radius_m / this.zoom;
     if (away < 1.05 * seen) return;
-    this.zoom = Math.max(this.radius_m / (1.15 * away), this.radius_m / kMostRadius_m, 0.2);
+    this.zoom = Math.min(this.zoom, Math.max(this.radius_m / (1.15 * away), 0.6));
   }
 
   paint() {
@@ -272,7 +277,7 @@ export class Stage {
   #aim(aspect) {
     const { azimuth, elevation } = this.angles;
     const half = Math.atan(Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1, aspect));
-    const distance = (1.06 * this.radius_m) / Math.sin(half) / this.zoom;
+    const distance = (0.98 * this.radius_m) / Math.sin(half) / this.zoom;
     this.camera.aspect = aspect;
     this.camera.position.set(
       this.target.x + distance * Math.sin(azimuth) * Math.cos(elevation),

@@ -1,0 +1,185 @@
+// The live page of the real programs in a real browser: node live_test.mjs CASE --page FOLDER --chromium PROGRAM --bin FOLDER
+//
+//     server <-- relay, 50 ms each way unless a case says otherwise <-- client --page <-- browser
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { parseArgs } from "node:util";
+import { needPage, openBrowser, Tab } from "./browser.mjs";
+import { Programs } from "./programs.mjs";
+
+const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
+  page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" } } });
+
+const kFar = "delay 50ms";
+const kWall = ["--scene", "wall", "--device", "wall-1dof"];
+
+/** Takes hold of a track's tip with the pointer and pulls it sideways [pixels]; the pointer stays down. */
+async function pull(tab, right, down = 0) {
+  const { x, y } = await tab.tip();
+  await tab.page.mouse.move(x, y);
+  await tab.page.mouse.down();
+  await tab.page.mouse.move(x + right, y + down, { steps: 15 });
+}
+
+/** Waits until so much more of the run has gone by [s of the device's time]. */
+async function forSeconds(tab, seconds) {
+  const from = await tab.page.evaluate(() => window.forcebound.charts.store.newest_s);
+  await tab.until(`${seconds} s went by`, (until) => window.forcebound.charts.store.newest_s >= until, from + seconds);
+}
+
+/** Waits for the run of another choice: the light of a law with its name. */
+async function untilLaw(tab, track, law) {
+  await tab.until(`track ${track} runs ${law}`, ([index, name]) =>
+    document.querySelector(`.light[data-track="${index}"] .law-name`)?.textContent === name, [track, law]);
+}
+
+async function withClient(browser, options, then, netem = kFar) {
+  const programs = await Programs.in(given.bin);
+  try {
+    const client = await programs.client(netem, options);
+    const tab = await Tab.open(browser, client.url);
+    await tab.untilTicks();
+    await then(tab, programs, client);
+    await tab.close();
+  } catch (error) {
+    console.error(programs.said());
+    throw error;
+  } finally {
+    await programs.end();
+  }
+}
+
+const cases = {
+  /** The pointer moves the hand, the wall answers, and a hand that lets go has no force any more. */
+  async hand(browser) {
+    await withClient(browser, [...kWall, "--law", "fba-exact"], async (tab) => {
+      await tab.untilChartsMove();
+      const before = await tab.tip();
+      await pull(tab, 250);
+      await tab.untilValue("0.asked", "above", 0.5);
+      await tab.untilValue("0.applied", "above", 0.1);
+      assert.ok((await tab.tip()).x > before.x, "the tip follows the pointer");
+      await tab.page.mouse.move(before.x - 150, before.y, { steps: 15 });
+      await tab.untilValue("0.asked", "below", 0.01);
+      await tab.page.mouse.up();
+    });
+  },
+
+  /** Without a law a wall through 50 ms is not passive, and the light says so; fba-exact from the same page is. */
+  async passivity(browser) {
+    await withClient(browser, [...kWall, "--law", "none"], async (tab) => {
+      await pull(tab, 250);
+      await tab.light(0, false);
+      await tab.page.mouse.up();
+      await tab.page.locator("#law").selectOption("fba-exact");
+      await untilLaw(tab, 0, "fba-exact");
+      await tab.light(0, true);
+      await pull(tab, 250);
+      await tab.untilValue("0.asked", "above", 0.5);
+      await forSeconds(tab, 3);
+      await tab.light(0, true);
+      await tab.page.mouse.up();
+    });
+  },
+
+  /** Two laws side by side, with one hand. */
+  async beside(browser) {
+    await withClient(browser, [...kWall, "--law", "fba-exact"], async (tab) => {
+      await tab.page.locator("#law-beside").selectOption("none");
+      await untilLaw(tab, 1, "none");
+      await tab.untilValue("1.x", "above", 0);
+      await pull(tab, 150);
+      await tab.light(1, false);
+      await tab.light(0, true);
+      await tab.page.mouse.up();
+      await tab.page.locator("#law-beside").selectOption("nothing");
+      await tab.until("one track is left", () => document.querySelectorAll(".light").length === 1);
+    });
+  },
+
+  /** The sliders change the relay: forces come at another age. */
+  async network(browser) {
+    await withClient(browser, [...kWall], async (tab) => {
+      await tab.untilValue("0.age", "above", 90);
+      await tab.page.getByRole("button", { name: "Same room" }).click();
+      await tab.untilValue("0.age", "below", 40);
+      assert.equal(await tab.text("delay_ms-value"), "0 ms");
+      await tab.page.locator("#delay_ms").focus();
+      await tab.page.keyboard.press("End");
+      await tab.untilValue("0.age", "above", 350);
+    });
+  },
+
+  /** Another scene is a new session, and is drawn. */
+  async scene(browser) {
+    await withClient(browser, ["--scene", "sphere", "--device", "cartesian-3dof"], async (tab) => {
+      const drawn = (count) => tab.until("the scene is drawn", (least) => window.forcebound.stage.views[0].parts.children.length >= least, count);
+      await drawn(1);
+      await tab.page.locator("#scene-name").selectOption("box");
+      await tab.until("the scene is another", () => document.getElementById("scene-title").textContent === "scene: box");
+      await drawn(1);
+      await tab.untilChartsMove();
+    });
+  },
+
+  /** A recording is begun and ended, and seen again by forcebound-lab view. */
+  async recorded(browser) {
+    await withClient(browser, [...kWall], async (tab, programs) => {
+      await tab.page.locator("#record").click();
+      await tab.until("it is recorded", () => document.getElementById("record").getAttribute("aria-pressed") === "true");
+      const file = join(programs.folder, (await tab.page.locator("#record-file").textContent()).split("/").at(-1));
+      await tab.untilTicks();
+      await forSeconds(tab, 2);
+      await tab.page.locator("#record").click();
+      await tab.until("the recording has ended", () => document.getElementById("record").getAttribute("aria-pressed") === "false");
+      assert.ok(existsSync(file), `${file} is there`);
+      const view = await programs.withPage("lab", ["view", file]);
+      const again = await Tab.open(browser, view.url);
+      await again.untilTicks();
+      assert.ok(await again.page.locator("#time").isVisible());
+      await again.page.locator("#time").focus();
+      await again.page.keyboard.press("Home");
+      await again.until("it is at its beginning", () => document.getElementById("time").valueAsNumber < 1.5);
+      await again.close();
+    });
+  },
+
+  /** The server's page lists the session, and ends it. */
+  async server(browser) {
+    const programs = await Programs.in(given.bin);
+    try {
+      const server = await programs.withPage("server", ["--listen", "127.0.0.1:0"]);
+      const address = await server.says(/listening on (127\.0\.0\.1:\d+)/);
+      programs.start("client", ["--server", address, ...kWall, "--quiet"]);
+      const tab = await Tab.open(browser, server.url);
+      await tab.page.locator("#session-rows tr").waitFor();
+      assert.match(await tab.text("session-rows"), /wall/);
+      const first = await tab.page.locator("#session-rows tr").getAttribute("data-session");
+      const kick = tab.page.locator("#session-rows .kick");
+      await kick.click();
+      await kick.click();
+      await tab.until("that session has ended", (id) => !document.querySelector(`#session-rows tr[data-session="${id}"]`), first);
+      await tab.close();
+    } catch (error) {
+      console.error(programs.said());
+      throw error;
+    } finally {
+      await programs.end();
+    }
+  },
+};
+
+const [name] = positionals;
+if (!cases[name]) {
+  console.error(`live_test: unknown case '${name}', expected one of: ${Object.keys(cases).join(", ")}`);
+  process.exit(2);
+}
+needPage(given.page);
+const browser = await openBrowser(given.chromium);
+try {
+  await cases[name](browser);
+  console.log(`passed: ${name}`);
+} finally {
+  await browser.close();
+}
