@@ -7,6 +7,9 @@
 /** How many ticks are drawn together, from fine to coarse. */
 const kTogether = [8, 32, 128];
 
+/** Tracks do not come in the same message: the newest tick of one may be some older than that of the other. */
+const kBack = 50;
+
 /** Columns over one spacing of rows. */
 class Table {
   constructor(columns, rows) {
@@ -115,10 +118,15 @@ export class TickStore {
     }
   }
 
-  /** @returns {number} the newest value of the column at or before a time, NaN where there is none */
+  /** @returns {number} the value of the column at a time or at most `kBack` ticks before; NaN where there is none */
   at(column, time_s) {
+    if (this.empty) return NaN;
     const number = Math.round(time_s / this.period_s);
-    return this.empty || !this.ticks.holds(number) ? NaN : this.ticks.columns[column][number - this.ticks.first];
+    for (let row = number; row > number - kBack && this.ticks.holds(row); --row) {
+      const value = this.ticks.columns[column][row - this.ticks.first];
+      if (value === value) return value;
+    }
+    return NaN;
   }
 
   /** Views for a window, of at most `points` rows where the coarsest tier is enough for that. */

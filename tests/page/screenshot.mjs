@@ -1,0 +1,57 @@
+// A picture of the live page of the real programs: node screenshot.mjs TO.png --page FOLDER --chromium PROGRAM --bin FOLDER
+//
+// fba-exact beside no law, the same hand on a dome through 50 ms +- 10 ms and 5 % loss each way. Says how many frames a
+// second were drawn meanwhile.
+import { parseArgs } from "node:util";
+import { needPage, openBrowser, Tab } from "./browser.mjs";
+import { Programs } from "./programs.mjs";
+
+const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
+  page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" }, scene: { type: "string", default: "dome" },
+  size: { type: "string", default: "1280x720" }, dark: { type: "boolean" }, alone: { type: "boolean" } } });
+const [to] = positionals;
+const kNetem = "delay 50ms 10ms loss 5%";
+
+/** Drags the hand down onto the dome and along it, as a person would; the pointer stays down. */
+async function stroke(tab) {
+  const { x, y } = await tab.tip();
+  await tab.page.mouse.move(x, y);
+  await tab.page.mouse.down();
+  const seen = (name) => tab.page.evaluate((value) =>
+    Number(document.querySelector(`output[data-value="${value}"]`).textContent.replace("−", "-")), name);
+  let down = 0;
+  while (!(Math.abs(await seen("0.asked")) > 1) && down < 300) await tab.page.mouse.move(x, y + (down += 6), { steps: 3 });
+  for (let turn = 0; turn < 60; ++turn) {
+    await tab.page.mouse.move(x + 14 * Math.sin(turn / 6), y + down + 12, { steps: 2 });
+    await tab.page.waitForTimeout(100);
+  }
+}
+
+needPage(given.page);
+const browser = await openBrowser(given.chromium);
+const programs = await Programs.in(given.bin);
+try {
+  const client = await programs.client(kNetem, ["--scene", given.scene, "--law", "fba-exact"]);
+  const size = given.size.split("x").map(Number);
+  const tab = await Tab.open(browser, client.url, { size, colorScheme: given.dark ? "dark" : "light" });
+  await tab.untilTicks();
+  if (!given.alone) {
+    await tab.page.locator("#law-beside").selectOption("none");
+    await tab.until("two laws run", () => document.querySelectorAll(".light").length === 2);
+    await tab.untilValue("1.asked", "below", 1000);
+  }
+  await tab.page.waitForTimeout(2000);
+  const frames = () => tab.page.evaluate(() => [window.forcebound.frames.count, performance.now()]);
+  const [count, at] = await frames();
+  await stroke(tab);
+  const [more, later] = await frames();
+  await tab.page.screenshot({ path: to });
+  console.log(`${to}: ${(((more - count) * 1000) / (later - at)).toFixed(1)} frames a second, drawn without a graphics card`);
+  await tab.close();
+} catch (error) {
+  console.error(programs.said());
+  throw error;
+} finally {
+  await programs.end();
+  await browser.close();
+}
