@@ -12,7 +12,7 @@ const { values: given, positionals } = parseArgs({ allowPositionals: true, optio
   page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" } } });
 
 const kFar = "delay 50ms";
-const kWall = ["--scene", "wall", "--device", "wall-1dof"];
+const kWall = ["--scene", "wall", "--device", "wall-1dof", "--rendering", "remote"];
 
 /** Takes hold of a track's tip with the pointer and pulls it sideways [pixels]; the pointer stays down. */
 async function pull(tab, right, down = 0) {

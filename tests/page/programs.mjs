@@ -83,7 +83,7 @@ export class Programs {
     this.served = await this.server();
     this.between = await this.relay(this.served.address, netem);
     return this.withPage("client", ["--server", this.between.address, "--relay-control", this.between.control,
-      "--rendering", "remote", "--scene-cache", "none", "--quiet", ...options]);
+      "--scene-cache", "none", "--quiet", ...options]);
   }
 
   async end() {

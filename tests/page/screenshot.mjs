@@ -31,7 +31,7 @@ needPage(given.page);
 const browser = await openBrowser(given.chromium);
 const programs = await Programs.in(given.bin);
 try {
-  const client = await programs.client(kNetem, ["--scene", given.scene, "--law", "fba-exact"]);
+  const client = await programs.client(kNetem, ["--scene", given.scene, "--law", "fba-exact", "--rendering", "remote"]);
   const size = given.size.split("x").map(Number);
   const tab = await Tab.open(browser, client.url, { size, colorScheme: given.dark ? "dark" : "light" });
   await tab.untilTicks();

@@ -8,6 +8,7 @@ import { TickStore } from "./tickstore.js";
 const kHeld_s = 65;
 const kWindows_s = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60];
 const kPoints = 800; // about two for each pixel across
+const kGap = 4; // rows without a value that a line goes over: ticks are not exactly a period apart
 const kTracks = 2;
 const kValues = ["x", "y", "z", "asked", "applied", "age", "ledger", "passivity"];
 const kAxes = ["x", "y", "z"];
@@ -53,16 +54,13 @@ function strokeLine(u, series) {
   ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
   ctx.clip();
   ctx.beginPath();
-  let drawing = false;
+  let last = -Infinity;
   for (let i = 0; i < xs.length; ++i) {
     const y = ys[i];
-    if (y !== y) {
-      drawing = false;
-      continue;
-    }
-    if (drawing) ctx.lineTo(x0 + perX * xs[i], y0 + perY * y);
+    if (y !== y) continue;
+    if (i - last <= kGap) ctx.lineTo(x0 + perX * xs[i], y0 + perY * y);
     else ctx.moveTo(x0 + perX * xs[i], y0 + perY * y);
-    drawing = true;
+    last = i;
   }
   ctx.lineJoin = "bevel";
   ctx.lineWidth = width * uPlot.pxRatio;

@@ -1,7 +1,7 @@
 // The shapes of scene files as three.js objects.
 //
-// Points of a scene have one to three numbers; those that lack are 0, and what has no extent along such an axis gets
-// some, to be seen. An object's origin is where `moved` messages place it: the middle of the shape.
+// Points of a scene have one to three numbers; those that lack are 0. Along an axis that the device lacks, what it feels
+// has no extent, and is drawn with some. An object's origin is where `moved` messages place it: the middle of the shape.
 import {
   BackSide, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CylinderGeometry, DoubleSide, FrontSide,
   Group, LineSegments, Mesh, Quaternion, SphereGeometry, TorusGeometry, Vector3,
@@ -16,48 +16,48 @@ export function point(numbers) {
   return new Vector3(x, y, z);
 }
 
-/** The size of a block, with some where the scene has no axis or the block no end (null). */
-function blockSize(size_m, thick_m, endless_m) {
-  return [0, 1, 2].map((axis) => (axis < size_m.length ? size_m[axis] ?? endless_m : thick_m));
+/** The size of a block, with some where the device has no axis or the block no end (null). */
+function blockSize(size_m, dof, thick_m, endless_m) {
+  return [0, 1, 2].map((axis) => (axis < dof ? size_m[axis] ?? endless_m : thick_m));
 }
 
 const kinds = {
-  half_space(shape, { radius_m, around }) {
+  half_space(shape, { radius_m, around, dof }) {
     const normal = point(shape.normal).normalize();
     const through = point(shape.through_m);
     const thick = 0.16 * radius_m;
     // As near to what else there is as the plane comes.
     const middle = around.clone().addScaledVector(normal, through.clone().sub(around).dot(normal));
-    const wide = (shape.through_m.length === 1 ? 1.1 : 2.1) * radius_m;
-    const deep = shape.through_m.length === 2 ? 0.12 * radius_m : wide;
+    const wide = (dof === 1 ? 1.1 : 2.1) * radius_m;
+    const deep = dof === 2 ? 0.12 * radius_m : wide;
     const slab = new BoxGeometry(wide, thick, deep);
     slab.translate(0, -thick / 2, 0);
     return { geometry: slab, middle, turn: new Quaternion().setFromUnitVectors(kUp, normal), endless: true };
   },
 
-  sphere(shape, { radius_m }) {
+  sphere(shape, { radius_m, dof }) {
     const middle = point(shape.center_m);
-    if (shape.center_m.length === 1) {
+    if (dof === 1) {
       return { geometry: new BoxGeometry(2 * shape.radius_m, 0.8 * radius_m, 0.8 * radius_m), middle };
     }
-    if (shape.center_m.length === 2) {
+    if (dof === 2) {
       const disc = new CylinderGeometry(shape.radius_m, shape.radius_m, 0.12 * radius_m, 64).rotateX(Math.PI / 2);
       return { geometry: disc.translate(0, 0, -0.06 * radius_m), middle };
     }
     return { geometry: new SphereGeometry(shape.radius_m, 64, 40), middle };
   },
 
-  cavity(shape, { radius_m }) {
+  cavity(shape, { radius_m, dof }) {
     const middle = point(shape.center_m);
-    if (shape.center_m.length < 3) {
+    if (dof < 3) {
       const rim = new TorusGeometry(shape.radius_m + 0.03 * radius_m, 0.03 * radius_m, 12, 96);
       return { geometry: rim, middle };
     }
     return { geometry: new SphereGeometry(shape.radius_m, 64, 40), middle, side: BackSide };
   },
 
-  box(shape, { radius_m }) {
-    const size = blockSize(shape.size_m, (shape.size_m.length === 1 ? 0.8 : 0.12) * radius_m, 2 * radius_m);
+  box(shape, { radius_m, dof }) {
+    const size = blockSize(shape.size_m, dof, (dof === 1 ? 0.8 : 0.12) * radius_m, 2 * radius_m);
     return { geometry: new BoxGeometry(...size), middle: point(shape.center_m) };
   },
 
@@ -113,7 +113,7 @@ function surface(vertices, triangles) {
 
 /**
  * @param {object} shape of a `scene` message
- * @param {{radius_m: number, around: Vector3}} extent of the scene, for what is endless
+ * @param {{radius_m: number, around: Vector3, dof: number}} extent of the scene, for what is endless; axes of the device
  * @param {Object<string, import("three").Material>} materials solid, floor, inside, sheet
  * @returns {Group|null} null for a kind that is not known
  */

@@ -128,7 +128,7 @@ export class Stage {
 
   #extentOf(message) {
     const box = new Box3();
-    const extent = { radius_m: 0.06, around: new Vector3() };
+    const extent = { radius_m: 0.06, around: new Vector3(), dof: this.dof };
     const parts = new Group();
     for (const shape of message.shapes) {
       const made = makeShape(shape, extent, this.materials);
@@ -150,7 +150,7 @@ export class Stage {
   #build(view) {
     dispose(view.parts);
     view.parts.clear();
-    const extent = { radius_m: this.radius_m, around: this.target };
+    const extent = { radius_m: this.radius_m, around: this.target, dof: this.dof };
     for (const shape of view.message?.shapes ?? []) {
       const made = makeShape(shape, extent, this.materials);
       if (made) view.parts.add(made);
