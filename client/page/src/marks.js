@@ -120,8 +120,9 @@ export class Marks extends Group {
    * @param {object} state newest of the track, as vectors
    * @param {Quaternion} facing turns what faces the camera
    * @param {number} unitsPerN of the arrows
+   * @param {number} longest arrow, in units
    */
-  show(state, facing, unitsPerN) {
+  show(state, facing, unitsPerN, longest) {
     this.visible = state.tip !== null;
     if (!this.visible) return;
     for (const mark of [this.tip, this.tipBehind, this.asked, this.applied]) mark.position.copy(state.tip);
@@ -132,8 +133,8 @@ export class Marks extends Group {
       this.place.quaternion.copy(facing);
       setEnds(this.behind, state.tip, state.place);
     }
-    this.asked.show(this.vector.copy(state.asked).multiplyScalar(unitsPerN));
-    this.applied.show(this.vector.copy(state.applied).multiplyScalar(unitsPerN));
+    this.asked.show(this.vector.copy(state.asked).multiplyScalar(unitsPerN).clampLength(0, longest));
+    this.applied.show(this.vector.copy(state.applied).multiplyScalar(unitsPerN).clampLength(0, longest));
     this.hand.visible = state.hand !== null;
     this.spring.visible = this.hand.visible;
     if (state.hand) {

@@ -10,6 +10,7 @@ import { colours } from "./theme.js";
 const kLeastRadius_m = 0.03;
 const kMostRadius_m = 0.4;
 const kArrowUnits = 15; // length of the longest arrow; in units of the marks
+const kAskedMost_N = 50; // what a bound forbids may be a thousand times what is applied: longer arrows end there
 const kSteps_N = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
 /** @returns {WebGLRenderer|null} null where the browser has no WebGL */
@@ -94,7 +95,6 @@ export class Stage {
       const view = new View(this.views.length);
       view.message = this.views[0]?.message ?? null;
       this.views.push(view);
-      if (view.message) this.#build(view);
     }
     if (this.dof !== dof) {
       this.dof = dof;
@@ -207,7 +207,7 @@ export class Stage {
     state.hand = message.hand_m ? point(message.hand_m) : null;
     state.plane = message.plane && message.contact?.[last]
       ? { middle: point(message.plane.point_m), normal: point(message.plane.normal).normalize() } : null;
-    this.#scaleArrows(Math.max(state.asked.length(), state.applied.length()));
+    this.#scaleArrows(Math.max(Math.min(state.asked.length(), kAskedMost_N), state.applied.length()));
     this.#keepInSight(state.tip);
     this.changed();
   }
@@ -224,8 +224,8 @@ export class Stage {
     if (!tip) return;
     const away = tip.distanceTo(this.target);
     const seen = this.radius_m / this.zoom;
-    if (away < 1.05 * seen) return;
-    this.zoom = Math.min(this.zoom, Math.max(this.radius_m / (1.15 * away), 0.6));
+    if (away < 0.95 * seen) return;
+    this.zoom = Math.min(this.zoom, Math.max(this.radius_m / (1.1 * away), 0.6));
   }
 
   paint() {
@@ -236,7 +236,7 @@ export class Stage {
     this.materials.edges.color.set(colours["solid-edge"]);
     for (const view of this.views) {
       view.marks.paint();
-      if (view.message) this.#build(view);
+      this.#build(view);
     }
     this.changed();
   }
@@ -340,7 +340,7 @@ export class Stage {
     this.views.forEach((view, index) => {
       const frame = this.#frame(index);
       this.#aim(frame.width / frame.height);
-      view.marks.show(view.state, this.camera.getWorldQuaternion(new Quaternion()), kArrowUnits / this.full_N);
+      view.marks.show(view.state, this.camera.getWorldQuaternion(new Quaternion()), kArrowUnits / this.full_N, kArrowUnits);
       this.renderer.setViewport(frame.x, frame.y, frame.width, frame.height);
       this.renderer.setScissor(frame.x, frame.y, frame.width, frame.height);
       this.renderer.setClearColor(this.back);
