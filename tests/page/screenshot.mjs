@@ -8,7 +8,7 @@ import { Programs } from "./programs.mjs";
 
 const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
   page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" }, scene: { type: "string", default: "dome" },
-  size: { type: "string", default: "1280x720" }, dark: { type: "boolean" }, alone: { type: "boolean" } } });
+  size: { type: "string", default: "1280x720" }, sharpness: { type: "string", default: "1" }, dark: { type: "boolean" }, alone: { type: "boolean" } } });
 const [to] = positionals;
 const kNetem = "delay 50ms 10ms loss 5%";
 
@@ -33,7 +33,8 @@ const programs = await Programs.in(given.bin);
 try {
   const client = await programs.client(kNetem, ["--scene", given.scene, "--law", "fba-exact", "--rendering", "remote"]);
   const size = given.size.split("x").map(Number);
-  const tab = await Tab.open(browser, client.url, { size, colorScheme: given.dark ? "dark" : "light" });
+  const tab = await Tab.open(browser, client.url, {
+    size, colorScheme: given.dark ? "dark" : "light", deviceScaleFactor: Number(given.sharpness) });
   await tab.untilTicks();
   if (!given.alone) {
     await tab.page.locator("#law-beside").selectOption("none");

@@ -13,10 +13,20 @@ const kArrowUnits = 15; // length of the longest arrow; in units of the marks
 const kAskedMost_N = 50; // what a bound forbids may be a thousand times what is applied: longer arrows end there
 const kSteps_N = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
+/** Whether a processor draws in place of a graphics card. Asked on a canvas of its own: a canvas keeps its first answer. */
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const facts = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = facts ? gl.getParameter(facts.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 /** @returns {WebGLRenderer|null} null where the browser has no WebGL */
 function makeRenderer(canvas) {
   try {
-    return new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    // Smooth edges take nearly half of the time that a processor has for a frame.
+    return new WebGLRenderer({ canvas, antialias: !drawsInSoftware(), powerPreference: "high-performance" });
   } catch {
     return null;
   }
