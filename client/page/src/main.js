@@ -95,9 +95,12 @@ byId("view").addEventListener("keyup", (event) => {
 byId("record").addEventListener("click", () => send({ kind: "record", on: !hello?.recording }));
 byId("reset-view").addEventListener("click", () => stage.resetCamera());
 
+/** What a hello without them stands for. */
+const kNothingSaid = { choices: { laws: [], scenes: [], devices: [] }, settings: {}, tracks: [], may_change: false, read_only: false };
+
 function showHello(message) {
   const other = hello && (hello.settings?.scene !== message.settings?.scene || hello.settings?.device !== message.settings?.device);
-  hello = message;
+  hello = { ...kNothingSaid, ...message };
   const { program } = hello;
   document.body.dataset.program = program;
   document.body.dataset.tracks = String(hello.tracks.length);
