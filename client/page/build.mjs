@@ -1,13 +1,26 @@
-// Bundles the page: node build.mjs SOURCES NODE_MODULES TO
+// Bundles the page: node build.mjs SOURCES NODE_MODULES SCENES TO
 //
-// Writes index.html, page.js, page.css and icon.svg into TO, and into TO/licences the licence of each package that is in
+// SCENES is the folder of the scene files that ship. Writes index.html, page.js, page.css and icon.svg into TO, and into TO/licences the licence of each package that is in
 // them. Says how much the page weighs.
 import { copyFile, mkdir, readFile, readdir, rm, stat, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
+import { readScenes } from "./scenes.mjs";
 
-const [sources, modules, to] = process.argv.slice(2).map((path) => resolve(path));
-const { build } = createRequire(join(modules, "x"))("esbuild");
+const [sources, modules, scenes, to] = process.argv.slice(2).map((path) => resolve(path));
+const packages = createRequire(join(modules, "x"));
+const { build } = packages("esbuild");
+const { parse } = packages("smol-toml");
+
+/** `import scenes from "shipped-scenes"`: what scenes.mjs reads. */
+const shippedScenes = {
+  name: "shipped-scenes",
+  setup({ onResolve, onLoad }) {
+    onResolve({ filter: /^shipped-scenes$/ }, ({ path }) => ({ path, namespace: "scenes" }));
+    onLoad({ filter: /.*/, namespace: "scenes" }, async () => ({
+      contents: JSON.stringify(await readScenes(scenes, parse)), loader: "json" }));
+  },
+};
 
 /** Package of each file that went into the bundles: node_modules/three/src/... is of three. */
 function packagesOf(inputs) {
@@ -33,6 +46,7 @@ const result = await build({
   format: "esm",
   target: "es2022",
   nodePaths: [modules],
+  plugins: [shippedScenes],
   legalComments: "none",
   metafile: true,
   write: false,

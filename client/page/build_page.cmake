@@ -1,8 +1,14 @@
-# cmake -DNODE=... -DNPM=... -DSOURCES=... -DPACKAGES=... -DTO=... -DSTAMP=... -DREQUIRED=... -DINSTALL_PACKAGES=...
-# -P build_page.cmake: the page of SOURCES, bundled into TO with the packages of its lock file. These are fetched into
-# PACKAGES/node_modules, once per lock file, unless FORCEBOUND_NODE_MODULES (environment) has them.
+# cmake -DNODE=... -DNPM=... -DSOURCES=... -DSCENES=... -DPACKAGES=... -DTO=... -DSTAMP=... -DREQUIRED=... -DINSTALL_PACKAGES=...
+# -P build_page.cmake: the page of SOURCES and the scene files of SCENES, bundled into TO with the packages of its lock
+# file. These are fetched into PACKAGES/node_modules, once per lock file, unless FORCEBOUND_NODE_MODULES (environment) has them.
 set(modules $ENV{FORCEBOUND_NODE_MODULES})
-if(NOT EXISTS "${modules}/esbuild" OR NOT EXISTS "${modules}/three" OR NOT EXISTS "${modules}/uplot")
+set(complete ON)
+foreach(package esbuild smol-toml three uplot)
+  if(NOT EXISTS "${modules}/${package}")
+    set(complete OFF)
+  endif()
+endforeach()
+if(NOT complete)
   set(modules ${PACKAGES}/node_modules)
   execute_process(COMMAND ${CMAKE_COMMAND} -DNPM=${NPM} -DFROM=${SOURCES} -DTO=${PACKAGES} -P ${INSTALL_PACKAGES}
                   OUTPUT_QUIET ERROR_QUIET)
@@ -21,5 +27,5 @@ if(NOT EXISTS "${modules}/esbuild" OR NOT EXISTS "${modules}/three" OR NOT EXIST
     return()
   endif()
 endif()
-execute_process(COMMAND ${NODE} ${SOURCES}/build.mjs ${SOURCES}/src ${modules} ${TO} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${NODE} ${SOURCES}/build.mjs ${SOURCES}/src ${modules} ${SCENES} ${TO} COMMAND_ERROR_IS_FATAL ANY)
 file(WRITE ${STAMP} "built")

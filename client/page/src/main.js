@@ -1,4 +1,5 @@
 // The live page: takes what the program says and shows it; draws only when something changed.
+import shippedScenes from "shipped-scenes";
 import { Charts } from "./charts.js";
 import { byId, onResize, setText } from "./dom.js";
 import { Events, say } from "./events.js";
@@ -95,6 +96,8 @@ byId("view").addEventListener("keyup", (event) => {
 byId("record").addEventListener("click", () => send({ kind: "record", on: !hello?.recording }));
 byId("reset-view").addEventListener("click", () => stage.resetCamera());
 
+const kSceneComes_ms = 1500;
+
 /** What a hello without them stands for. */
 const kNothingSaid = { choices: { laws: [], scenes: [], devices: [] }, settings: {}, tracks: [], may_change: false, read_only: false };
 
@@ -125,6 +128,7 @@ function showHello(message) {
     lights.setTracks(hello.tracks);
   }
   settings.show(hello);
+  expectScene();
   if (program === "view") player.show(hello);
 }
 
@@ -132,9 +136,21 @@ function showScene(message) {
   const track = message.track ?? 0;
   scenes[track] = message;
   stage.setScene(track, { ...message, shapes: message.shapes ?? [], meshes: message.meshes ?? [] });
-  setText(byId("scene-title"), message.name ? `scene: ${message.name}` : "");
-  setText(byId("not-drawn"), message.more ?? "");
-  byId("not-drawn").hidden = !message.more;
+  const more = message.more ? ` (${message.more})` : "";
+  setText(byId("scene-title"), message.name ? `scene: ${message.name}${more}` : "");
+}
+
+/** Where the program does not tell its scene, as with remote rendering, one that ships is drawn as it ships. */
+function expectScene() {
+  window.clearTimeout(expectScene.waiting);
+  expectScene.waiting = window.setTimeout(() => {
+    const name = hello.settings.scene;
+    if (!name || hello.tracks.length === 0 || scenes[0]?.name === name) return;
+    const shipped = shippedScenes[name];
+    const note = shipped ? "drawn as it ships" : "its shapes are not known here";
+    const more = [note, shipped?.more].filter(Boolean).join("; ");
+    hello.tracks.forEach((_, track) => showScene({ track, name, shapes: shipped?.shapes ?? [], more }));
+  }, kSceneComes_ms);
 }
 
 const kinds = {

@@ -4,7 +4,7 @@
 // has no extent, and is drawn with some. An object's origin is where `moved` messages place it: the middle of the shape.
 import {
   BackSide, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CylinderGeometry, DoubleSide, FrontSide,
-  Group, LineSegments, Mesh, Quaternion, SphereGeometry, TorusGeometry, Vector3,
+  Group, LatheGeometry, LineSegments, Mesh, Quaternion, SphereGeometry, TorusGeometry, Vector2, Vector3,
 } from "three";
 
 const kUp = new Vector3(0, 1, 0); // axis of three.js's cylinders and capsules
@@ -75,6 +75,12 @@ const kinds = {
     const turn = new Quaternion().setFromUnitVectors(kForward, point(shape.axis).normalize());
     const ring = new TorusGeometry(shape.major_radius_m, shape.minor_radius_m, 24, 96);
     return { geometry: ring, middle: point(shape.center_m), turn };
+  },
+
+  lathe(shape) {
+    const [first, ...rest] = shape.profile_m.map(([radius, height]) => new Vector2(radius, height));
+    const solid = new LatheGeometry([first, ...rest, first], shape.segments ?? 128).rotateX(Math.PI / 2);
+    return { geometry: solid, middle: point(shape.origin_m), side: DoubleSide };
   },
 
   height_field(shape) {
