@@ -46,7 +46,10 @@ export class Tab {
     tab.page.setDefaultTimeout(kPatience_ms);
     const host = new URL(url).host;
     tab.page.on("console", (message) => message.type() === "error" && tab.faults.push(message.text()));
-    tab.page.on("pageerror", (error) => tab.faults.push(error.stack));
+    tab.page.on("pageerror", (error) => {
+      console.error(error.stack); // now: what follows may wait in vain
+      tab.faults.push(error.stack);
+    });
     tab.page.on("requestfailed", (request) => tab.faults.push(`${request.url()} failed`));
     tab.page.on("request", (request) => {
       if (new URL(request.url()).host !== host) tab.faults.push(`${request.url()} is asked for elsewhere`);

@@ -123,8 +123,8 @@ export class Chart {
     this.columns = this.lines.map((line) => line.column);
     this.data = [[], ...this.lines.map(() => [])];
     const last = this.facts.last ?? false;
-    const small = () => `${0.72 * parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, sans-serif`;
-    const axis = { stroke: () => colours.faint, font: small(), grid: { stroke: () => colours.line, width: 1 }, ticks: { show: false } };
+    const small = `${0.72 * parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, sans-serif`;
+    const axis = { stroke: () => colours.faint, font: small, grid: { stroke: () => colours.line, width: 1 }, ticks: { show: false } };
     this.plot = new uPlot({
       ...this.#size(),
       legend: { show: false },

@@ -7,7 +7,7 @@ export function digits(value, count = 3) {
   if (Math.abs(value) >= 1000) return Number(value.toPrecision(count + 1)).toLocaleString("en").replace(/^-/, "−");
   const before = Math.floor(Math.log10(Math.abs(value))) + 1;
   if (before < -4) return value < 0 ? "-0" : "0";
-  const text = value.toFixed(Math.min(Math.max(count - before, 0), 6));
+  const text = value.toFixed(Math.min(Math.max(count - before, 0), 4));
   return Number(text) === 0 ? "0" : text.replace(/^-/, "−");
 }
 
@@ -24,7 +24,9 @@ export function duration(seconds) {
   return `${Math.floor(s / 3600)} h ${Math.floor((s % 3600) / 60)} min`;
 }
 
-/** @returns {string} a time of a run: "12.3 s" */
+/** @returns {string} a time of a run: "12.3 s", "3:05.2" with minutes */
 export function runTime(seconds) {
-  return seconds < 60 ? `${seconds.toFixed(1)} s` : `${Math.floor(seconds / 60)} min ${(seconds % 60).toFixed(1)} s`;
+  const tenths = Math.round(10 * seconds);
+  if (tenths < 600) return `${(tenths / 10).toFixed(1)} s`;
+  return `${Math.floor(tenths / 600)}:${((tenths % 600) / 10).toFixed(1).padStart(4, "0")}`;
 }
