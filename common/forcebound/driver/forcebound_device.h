@@ -17,7 +17,8 @@
  * Time limits: read, command and stop must return within 0.2 ms, allocate nothing, lock nothing that another thread
  * holds for longer, and never wait for a bus or a network. A driver whose transport is slower has a thread of its own:
  * read returns the newest reading with the time at which it was latched, command leaves the force where that thread
- * takes it. open may take 10 s, start 30 s (for homing), close 3 s.
+ * takes it. Such a thread should ask for real-time scheduling below the tick's, which has SCHED_FIFO 80 where the system
+ * grants it; else it waits for whatever else the machine does. open may take 10 s, start 30 s (for homing), close 3 s.
  *
  * Versions: a struct begins with its size as its maker knows it. Fields are only ever added at the end; who reads a
  * struct reads no further than its size, and takes what lies beyond as zero. So a driver built against an older header
@@ -40,7 +41,9 @@ extern "C" {
 /* What a function of a driver returns. */
 enum {
   FORCEBOUND_OK = 0,
-  FORCEBOUND_STALE = 1,    /* of read: nothing new was latched since the last reading */
+  FORCEBOUND_STALE = 1,    /* of read: nothing new was latched since the last reading; only what HAS_EFFECTIVE tells is
+                              looked at. This tick commands nothing: the force of the last one stays, for 5 ms and
+                              hold_s_max at most, then it is zero. */
   FORCEBOUND_FAILED = 2,   /* not done; last_error says why. The next call may succeed. */
   FORCEBOUND_UNPLUGGED = 3 /* of read and command: the device is gone. They are called on, and succeed once it is
                               back and ready. */
@@ -65,16 +68,19 @@ typedef struct forcebound_facts {
                          joints and the Jacobian */
   int32_t identified; /* 1: the bounds below were measured on this device or promised by its maker; 0: they are guesses,
                          and nothing is called passive */
-  double period_s;    /* nominal length of a tick, and the shortest: each is to find a new reading */
-  double damping[FORCEBOUND_AXES_MAX * FORCEBOUND_AXES_MAX]; /* lower bound, row by row, positive definite [N s/m];
+  double period_s;    /* nominal length of a tick, and the shortest: each is to find a new reading. A device with a clock
+                         of its own says a little more than its longest interval between readings; ticks without a new
+                         one cost stiffness */
+  double damping[FORCEBOUND_AXES_MAX * FORCEBOUND_AXES_MAX]; /* lower bound, row by row (row k begins at
+                                                                k * degrees_of_freedom), positive definite [N s/m];
                                                                 of joints [N s/m], [N m s/rad] */
   double friction[FORCEBOUND_AXES_MAX];      /* lower bound of the Coulomb friction [N], [N m] */
   double encoder_step[FORCEBOUND_AXES_MAX];  /* distance of two neighbouring readings [m], [rad]; 0: ideal */
   double actuator_step[FORCEBOUND_AXES_MAX]; /* distance of two neighbouring forces [N], [N m]; 0: ideal */
   double speed_max[FORCEBOUND_AXES_MAX];     /* no axis or joint is ever faster [m/s], [rad/s]; 0: not known */
-  double force_N_max;   /* largest tip force that may be commanded */
-  double hold_s_max;    /* the device or its driver holds a force for so long without a new command, then releases it;
-                           0: it never releases */
+  double force_N_max;   /* largest tip force that may be commanded, and that will be: the length of the vector */
+  double hold_s_max;    /* the device or its driver holds a force without a new command until so long after it took effect,
+                           never longer, then releases it; 0: it never releases */
   double release_share; /* the release begins with this share of the force, */
   double release_s;     /* held for so long */
   double latency_s;     /* at most so long from command to the force at the motors */
@@ -94,7 +100,8 @@ typedef struct forcebound_facts {
 typedef struct forcebound_reading {
   uint32_t size;
   uint32_t has;       /* which of the optional fields the driver sets */
-  int64_t latched_ns; /* when the encoders were sampled; never runs backwards */
+  int64_t latched_ns; /* when the encoders were sampled; never runs backwards, and is not after read's now_ns: a thread
+                         that stamped a reading since then tells now_ns */
   double position_m[FORCEBOUND_AXES_MAX];
   double joint[FORCEBOUND_AXES_MAX];                          /* in_joints */
   double jacobian[FORCEBOUND_AXES_MAX * FORCEBOUND_AXES_MAX]; /* in_joints: d position / d joint, row by row */
@@ -136,7 +143,8 @@ typedef struct forcebound_driver {
   int (*command)(forcebound_device* device, const forcebound_command* command);
   void (*stop)(forcebound_device* device); /* zero force at once; after the last command, in any state */
   void (*close)(forcebound_device* device); /* zero force, and all that open took is given back */
-  const char* (*last_error)(forcebound_device* device); /* why the last call failed, in one line; valid until the next */
+  const char* (*last_error)(forcebound_device* device); /* why the last call failed, in one line; valid until the
+                                                           next. Nothing that failed: empty, or null */
 } forcebound_driver;
 
 /* The one function that a driver exports. `wanted` is the interface of the program; a driver that cannot serve it
