@@ -84,21 +84,29 @@ void identify_device(const IdentifyOptions& options) {
             << ": let go of the handle, in the middle of "
             << "its workspace.\nIt will move by itself, up to " << text::rounded(options.guide.radius_m * 100, 2)
             << " cm each way, with at most " << text::rounded(options.guide.force_share * declared.force_N_max)
-            << " N. Ctrl-C ends it.\n"
+            << " N. Any button of the device ends it, as does Ctrl-C.\n"
             << std::flush;
   Guide guide(declared, options.guide);
   auto* const before = std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
   std::signal(SIGHUP, interrupt);
+  std::uint64_t stops = 0;
   {
     Progress progress;
-    identify::run_live(guide, *device, declared.period_s, interrupted,
-                       [&](double share, const std::string& doing) { progress.tell(share, doing); });
+    stops = identify::run_live(guide, *device, declared.period_s, interrupted,
+                               [&](double share, const std::string& doing) { progress.tell(share, doing); });
   }
   std::signal(SIGINT, before);
   if (interrupted) throw std::runtime_error("interrupted: the force is zero, and nothing was written");
+  if (guide.stopped_by_button()) {
+    throw std::runtime_error(guide.trouble() + ": the force is zero, and nothing was written");
+  }
   const Findings findings = identify::evaluate(guide, declared, options.confidence);
   std::cout << '\n' << identify::findings_text(findings, declared);
+  if (stops > 0) {
+    std::cout << "watchdog   stopped the device " << text::counted(stops, "time", "times")
+              << ", as no tick had run for its hold time\n";
+  }
   if (!options.out.empty()) {
     text::write_file(options.out, identify::facts_text(findings, declared, options.confidence));
     std::cout << "written to " << options.out << '\n';
@@ -160,6 +168,12 @@ void add_identify(CLI::App& app) {
   command->footer(
       "Put the handle into the middle of its workspace and let go of it. One joint after another is pushed by a force "
       "that grows until it moves, then to and fro by constant forces that end in mid-motion; the others are held. "
+      "Forces grow in a ramp, to the largest allowed in 30 ms; only their end is a step, from which latency and hold "
+      "time "
+      "are read. A button of the device, Ctrl-C, a tip faster or farther away than it should be and a reading that "
+      "fails "
+      "for a second end all of it with zero force.\n"
+      "\n"
       "Damping and friction come from the energy that each of these slides took, latency and hold time from where the "
       "force ended. What could not be established is refused with the reason.\n"
       "\n"

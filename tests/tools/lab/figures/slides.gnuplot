@@ -1,20 +1,20 @@
 # Force over speed of each slide: a panel for each joint, the bounds as a line below.
 title = 'Slides with constant force'
-subtitle = 'what each took for its way over how fast it was; line: the bounds, friction + damping x speed'
+subtitle = 'mean force over mean speed of each slide, above the line of the bounds: friction + damping x speed'
 joints = unit_v = unit_f = ''
 stats data using (joints = with_item(joints, strcol('joint')), unit_v = strcol('speed_unit'), \
     unit_f = strcol('force_unit'), 0) nooutput
 
 panels = words(joints)
 height = 460
-eval(begin(120 + 340 * panels, height))
+eval(begin(panels > 1 ? 120 + 340 * panels : 740, height))
 set output name.'.png'
 set multiplot
 eval(show_title)
 eval(only_key(head_px))
 plot NaN with points pointtype 7 pointsize 0.8 linecolor rgb blue title 'forwards', \
     NaN with points pointtype 6 pointsize 0.8 linecolor rgb orange title 'backwards', \
-    NaN with lines linewidth 1.5 linecolor rgb red title 'bound'
+    NaN with lines linewidth 1.5 linecolor rgb red title 'lower bounds'
 eval(after_key)
 set ytics nomirror out scale 0.6
 set tmargin at screen from_top(head_px + 44)
@@ -30,8 +30,9 @@ do for [p = 1:panels] {
       font 'DejaVu Sans Bold,11' textcolor rgb ink
   set xlabel 'speed ['.unit_v.']' textcolor rgb ink
   set ylabel 'force ['.unit_f.']' offset 1.5,0 textcolor rgb ink
-  plot data using (strcol('joint') eq joint ? column('speed') : NaN): \
-          (column('friction') + column('damping') * column('speed')) smooth unique with lines linewidth 1.5 linecolor rgb red notitle, \
+  stats data using (strcol('joint') eq joint ? column('damping') : NaN) name 'D' nooutput
+  stats data using (strcol('joint') eq joint ? column('friction') : NaN) name 'C' nooutput
+  plot C_max + D_max * x with lines linewidth 1.5 linecolor rgb red notitle, \
       data using (of(joint, '1') ? column('speed') : NaN):(column('force')) with points pointtype 7 pointsize 0.8 \
           linecolor rgb blue notitle, \
       data using (of(joint, '-1') ? column('speed') : NaN):(column('force')) with points pointtype 6 pointsize 0.8 \

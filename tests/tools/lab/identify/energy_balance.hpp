@@ -18,6 +18,19 @@ struct LowerBound {
   std::string refused{};
 };
 
+/// What the largest pushes gave of what was commanded: share 0 where that could not be told.
+struct UsableForce {
+  double largest = 0;      ///< push that was commanded [N], [N m]
+  double share = 0;        ///< of it that the motion shows
+  double share_error = 0;  ///< it lies within so much of the truth, with the confidence of the bounds
+
+  static constexpr double kSlack = 0.03;  ///< what no motion tells
+  static constexpr double kWidest = 0.1;  ///< error beyond which nothing is told
+
+  [[nodiscard]] bool falls_short() const noexcept { return share > 0 && share + share_error < 1 - kSlack; }
+  [[nodiscard]] bool told() const noexcept { return share > 0 && share_error < kWidest; }
+};
+
 /// The energy that one joint's slides took.
 ///
 /// A slide begins at rest. What the motor has put in by then has gone into damping, friction and motion, whatever the
@@ -36,8 +49,9 @@ struct EnergyBalance {
   std::array<double, kPlaces> friction_at{};  ///< estimates
   double mass = 0;                            ///< [kg], [kg m^2]
   double weight = 0;                          ///< g: pulls backwards [N], [N m]
-  double residual_share = 0;                  ///< what the equations leave of the energy, root mean square
-  double from = 0;                            ///< the part of the workspace that was seen, from the joint's middle
+  UsableForce force{};
+  double residual_share = 0;  ///< what the equations leave of the energy, root mean square
+  double from = 0;            ///< the part of the workspace that was seen, from the joint's middle
   double to = 0;
   int slides = 0;
 };

@@ -6,6 +6,7 @@
 
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::lab::identify {
 namespace {
@@ -38,6 +39,32 @@ std::string list(const Findings& findings, const std::function<std::string(const
   std::string all;
   for (const JointFindings& joint : findings.joints) all += (all.empty() ? "" : ", ") + one(joint);
   return "[" + all + "]";
+}
+
+/// "95 to 104": percent.
+std::string range_words(const UsableForce& force) {
+  if (!force.told()) return "-";
+  constexpr int kDigits = 3;
+  return rounded(100 * (force.share - force.share_error), kDigits) + " to " +
+         rounded(100 * (force.share + force.share_error), kDigits);
+}
+
+/// Of the joint with the least; empty: that of one could not be told.
+std::string arrived(const Findings& findings) {
+  const UsableForce* worst = nullptr;
+  for (const JointFindings& joint : findings.joints) {
+    const UsableForce& force = joint.balance.force;
+    if (!force.told()) return {};
+    if (worst == nullptr || force.share - force.share_error < worst->share - worst->share_error) worst = &force;
+  }
+  return worst == nullptr ? std::string() : range_words(*worst) + " %";
+}
+
+std::string force_words(const Findings& findings) {
+  const std::string share = arrived(findings);
+  const std::string most = "up to " + rounded(findings.force_N_most) + " N was used here, ";
+  if (share.empty()) return most + "and whether it arrived was not established";
+  return most + "of which " + share + " arrived";
 }
 
 std::string bracket(double least, double most) { return "[" + text::to_text(least) + ", " + text::to_text(most) + "]"; }
@@ -122,8 +149,7 @@ std::string facts_text(const Findings& findings, const control::DeviceFacts& dec
   lines.raw(declared.cartesian ? "kind = \"cartesian\"" : "kind = \"arm\"");
   lines.raw("degrees_of_freedom = " + std::to_string(declared.degrees_of_freedom()));
   write_joints(lines, findings, declared.cartesian, confidence);
-  lines.fact("force_N_max", text::to_text(declared.force_N_max),
-             "as the driver says; up to " + rounded(findings.force_N_most) + " N was used");
+  lines.fact("force_N_max", text::to_text(declared.force_N_max), "as the driver says; " + force_words(findings));
   lines.fact("period_s", text::to_text(declared.period_s), "of the ticks here");
   write_times(lines, findings, declared, confidence);
   write_uncertainty(lines, findings, declared);
@@ -132,24 +158,32 @@ std::string facts_text(const Findings& findings, const control::DeviceFacts& dec
 
 std::string findings_text(const Findings& findings, const control::DeviceFacts& declared) {
   const bool cartesian = declared.cartesian;
-  text::Table table({{cartesian ? "axis" : "joint"},
-                     {"encoder", cartesian ? "um" : "urad"},
-                     {"moves at", cartesian ? "N" : "N m"},
-                     {"mass", cartesian ? "kg" : "kg m^2"},
-                     {"damping", cartesian ? "N s/m" : "N m s/rad"},
-                     {"bound", cartesian ? "N s/m" : "N m s/rad"},
-                     {"friction", cartesian ? "N" : "N m"},
-                     {"bound", cartesian ? "N" : "N m"}});
+  const char* const joint_title = cartesian ? "axis" : "joint";
+  const char* const force_unit = cartesian ? "N" : "N m";
+  const char* const damping_unit = cartesian ? "N s/m" : "N m s/rad";
+  text::Table motion({{joint_title},
+                      {"encoder step", cartesian ? "um" : "urad"},
+                      {"moves at", force_unit},
+                      {"mass", cartesian ? "kg" : "kg m^2"},
+                      {"largest push", force_unit},
+                      {"of it arrived", "%"}});
+  text::Table losses({{joint_title},
+                      {"damping", damping_unit},
+                      {"lower bound", damping_unit},
+                      {"friction", force_unit},
+                      {"lower bound", force_unit}});
   for (std::size_t i = 0; i < findings.joints.size(); ++i) {
     const JointFindings& joint = findings.joints[i];
     const EnergyBalance& balance = joint.balance;
+    const std::string number = std::to_string(i + 1);
     const auto bound = [](const LowerBound& b) { return b.refused.empty() ? rounded(b.bound) : std::string("-"); };
-    table.add({std::to_string(i + 1), rounded(joint.encoder_step * 1e6), rounded(joint.break_away),
-               rounded(balance.mass), rounded(balance.damping.estimate), bound(balance.damping),
-               rounded(balance.friction.estimate), bound(balance.friction)});
+    motion.add({number, rounded(joint.encoder_step * 1e6), rounded(joint.break_away), rounded(balance.mass),
+                rounded(balance.force.largest), range_words(balance.force)});
+    losses.add({number, rounded(balance.damping.estimate), bound(balance.damping), rounded(balance.friction.estimate),
+                bound(balance.friction)});
   }
   std::ostringstream out;
-  out << table.to_text() << '\n';
+  out << motion.to_text() << '\n' << losses.to_text() << '\n';
   const auto time = [&](const char* name, const TimeBounds& bounds) {
     out << name;
     if (bounds.refused.empty()) {
@@ -168,10 +202,14 @@ std::string findings_text(const Findings& findings, const control::DeviceFacts& 
   const auto share = [](std::uint64_t part, std::uint64_t all) {
     return rounded(100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(all, 1)), 2) + " %";
   };
+  if (readings.late > 0) {
+    out << "ticks      " << share(readings.late, readings.ticks) << " late, "
+        << text::counted(readings.late_slides, "slide", "slides") << " repeated for that\n";
+  }
   out << "readings   " << share(readings.failed, readings.ticks) << " failed, "
       << share(readings.repeated, readings.fast) << " of those in fast motion the same as the one before\n"
       << "at rest    readings up to " << rounded(readings.rest_steps, 2) << " steps apart\n"
-      << "force      up to " << rounded(findings.force_N_most) << " N was used\n";
+      << "force      " << force_words(findings) << '\n';
   for (const std::string& refusal : findings.refusals(cartesian)) out << "no bound: " << refusal << '\n';
   return out.str();
 }

@@ -10,9 +10,9 @@ namespace forcebound::lab::identify {
 namespace {
 
 constexpr double kNotTimed_s = 4e-6;       // what the fit leaves out of the times
-constexpr double kLatencyWide_s = 150e-6;  // bounds farther apart are none
+constexpr double kLatencyWide_s = 100e-6;  // bounds farther apart are none
 constexpr double kHoldWide_s = 1e-3;
-constexpr double kDoubt = 2;  // neighbouring readings of a coarse encoder err alike, which slides do not tell
+constexpr double kDoubt = 1.3;  // errors are estimates too, and joints are weighed by them
 
 /// Two joints' estimates of the same time: the more certain one counts more.
 struct Pool {
@@ -20,11 +20,11 @@ struct Pool {
   double weights = 0;
   double samples = 0;
 
-  void add(const Estimate& estimate, int slides) noexcept {
+  void add(const Estimate& estimate) noexcept {
     const double error = std::max(estimate.error, 1e-7);
     weighted += estimate.value / (error * error);
     weights += 1 / (error * error);
-    samples += slides;
+    samples += estimate.slides;
   }
   [[nodiscard]] TimeBounds bounds(double confidence, double wide_s, const char* what) const {
     if (weights == 0) return {.refused = std::string("no slide told the ") + what};
@@ -98,8 +98,8 @@ Findings evaluate(const Guide& guide, const control::DeviceFacts& declared, doub
       pushed_on += slide.still_pushed;
     }
     if (joint.release) {
-      latency.add(joint.release->latency_s, joint.release->slides);
-      if (joint.release->hold_s) hold.add(*joint.release->hold_s, joint.release->slides);
+      latency.add(joint.release->latency_s);
+      if (joint.release->hold_s) hold.add(*joint.release->hold_s);
     }
     findings.joints.push_back(std::move(joint));
   }

@@ -31,6 +31,12 @@ double JointWatch::speed() const noexcept {
   return below > 0 ? above / below : 0;
 }
 
+double JointWatch::rounded_speed(double step) const noexcept {
+  if (count_ < 2) return 0;
+  const double time_s = at(0).time_s - at(count_ - 1).time_s;
+  return time_s > 0 ? step / time_s : 0;
+}
+
 double force_towards(double target, const JointWatch& joint, const JointGuess& guess, double tolerance,
                      double force_max) noexcept {
   constexpr double kSpringRate = 20;  // 1/s: slow beside delays of a few ms

@@ -16,6 +16,8 @@ class JointWatch {
   [[nodiscard]] double position() const noexcept { return at(0).position; }
   /// Slope of a line through the last readings; 0 before there are three.
   [[nodiscard]] double speed() const noexcept;
+  /// What rounding to this step can add to it.
+  [[nodiscard]] double rounded_speed(double step) const noexcept;
 
  private:
   static constexpr std::size_t kReadings = 8;

@@ -12,6 +12,7 @@ namespace forcebound::lab::identify {
 struct Estimate {
   double value = 0;
   double error = 0;
+  double slides = 0;  ///< that tell it, as if all told as much of it
 };
 
 /// What the slides of one joint say in the time around their release, where the constant force ends in mid-motion:

@@ -18,6 +18,7 @@ void run_in_virtual_time(Guide& guide, device::HapticDevice& device, double peri
     const device::Reading reading = device.read(now);
     const time::Nanoseconds commanded = now + draw.duration(5e-6, kSlowestStep_s);
     if (const auto force = guide.tick(reading, time::to_seconds(commanded))) device.apply(commanded, *force);
+    if (const auto work = guide.take_work()) work();
     now = commanded;
   }
   device.stop(now);

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "tests/tools/lab/identify/facts_text.hpp"
@@ -70,6 +74,69 @@ class UnpluggedDevice final : public FaultyDevice {
  private:
   int left_;
   double force_after_N_ = 0;
+};
+
+/// Someone presses a button.
+class ButtonDevice final : public FaultyDevice {
+ public:
+  /// @param from reading at which button 1 is pressed
+  /// @param always button 0 is
+  ButtonDevice(device::HapticDevice& device, int from, bool always)
+      : FaultyDevice(device), left_(from), always_(always) {}
+  device::Reading read(time::Nanoseconds now) noexcept override {
+    device::Reading reading = device_.read(now);
+    reading.handle.buttons = (always_ ? 1U : 0U) | (--left_ < 0 ? 2U : 0U);
+    return reading;
+  }
+  void apply(time::Nanoseconds now, const Vector& force_N) noexcept override {
+    last_N_ = force_N.norm();
+    device_.apply(now, force_N);
+  }
+  [[nodiscard]] double last_N() const noexcept { return last_N_; }
+
+ private:
+  int left_;
+  bool always_;
+  double last_N_ = 0;
+};
+
+/// Its motors are connected the wrong way round.
+class InvertedDevice final : public FaultyDevice {
+ public:
+  using FaultyDevice::FaultyDevice;
+  device::Reading read(time::Nanoseconds now) noexcept override {
+    device::Reading reading = device_.read(now);
+    farthest_m_ = std::max(farthest_m_, reading.position.norm());
+    return reading;
+  }
+  void apply(time::Nanoseconds now, const Vector& force_N) noexcept override {
+    last_N_ = force_N.norm();
+    device_.apply(now, -force_N);
+  }
+  [[nodiscard]] double last_N() const noexcept { return last_N_; }
+  [[nodiscard]] double farthest_m() const noexcept { return farthest_m_; }
+
+ private:
+  double last_N_ = 0;
+  double farthest_m_ = 0;
+};
+
+/// How fast its forces grow.
+class GrowthDevice final : public FaultyDevice {
+ public:
+  using FaultyDevice::FaultyDevice;
+  void apply(time::Nanoseconds now, const Vector& force_N) noexcept override {
+    const double force = force_N[0];
+    const double from = force * last_N_ > 0 ? std::abs(last_N_) : 0;
+    fastest_N_ = std::max(fastest_N_, std::abs(force) - from);
+    last_N_ = force;
+    device_.apply(now, force_N);
+  }
+  [[nodiscard]] double fastest_N() const noexcept { return fastest_N_; }
+
+ private:
+  double last_N_ = 0;
+  double fastest_N_ = 0;  ///< in a tick
 };
 
 /// One axis that no seed draws, between light and heavy.
@@ -161,6 +228,74 @@ TEST(Identification, AsksForNoMoreThanItsShareOfTheForce) {
   EXPECT_LE(watched.largest_N(), 0.2 * hidden.description.facts.force_N_max * (1 + 1e-12));
 }
 
+TEST(Identification, LetsEveryForceGrowInARamp) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description);
+  GrowthDevice watched(*device);
+  (void)found(hidden, watched);
+  // To 90 % of 30 % of the device's largest force in 30 ms.
+  EXPECT_LE(watched.fastest_N(), 0.9 * 0.3 * 8 / 30 * (1 + 1e-9));
+  EXPECT_GT(watched.fastest_N(), 0);
+}
+
+TEST(Identification, EndsWithZeroForceOnAButton) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description);
+  ButtonDevice pressed(*device, 5000, true);
+  Guide guide(declared_facts(hidden), {});
+  run_in_virtual_time(guide, pressed, 1e-3, 1, 600);
+  EXPECT_TRUE(guide.done());
+  EXPECT_TRUE(guide.stopped_by_button());
+  EXPECT_EQ(guide.trouble(), "button 1 of the device was pressed");
+  EXPECT_EQ(guide.readings().ticks, 5001U);
+  EXPECT_EQ(pressed.last_N(), 0);
+}
+
+TEST(Identification, TakesAButtonThatIsNeverReleasedForStuck) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description);
+  ButtonDevice stuck(*device, 1'000'000'000, true);
+  const Findings findings = found(hidden, stuck);
+  EXPECT_TRUE(findings.complete()) << all(findings.refusals(true));
+}
+
+TEST(Identification, EndsNearbyWhereTheMotorsPushTheWrongWay) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description);
+  InvertedDevice inverted(*device);
+  const Findings findings = found(hidden, inverted);
+  EXPECT_FALSE(findings.trouble.empty());
+  EXPECT_EQ(inverted.last_N(), 0);
+  EXPECT_LE(inverted.farthest_m(), 0.12);
+}
+
+TEST(Identification, RepeatsSlidesInWhichATickWasSoLateThatTheDeviceLetGo) {
+  HiddenDevice hidden = plain_device();
+  hidden.description.facts.hold_s_max = 1.2e-3;
+  const control::DeviceFacts& truth = hidden.description.facts;
+  const control::DeviceFacts declared = declared_facts(hidden);
+  const auto device = without_hand(hidden.description);
+  Guide guide(declared, {});
+  device->start();
+  time::Nanoseconds now = std::chrono::seconds(1);
+  constexpr int kTicksBetween = 997;
+  constexpr int kTicksMost = 600'000;
+  for (int tick = 1; tick < kTicksMost && !guide.done(); ++tick) {
+    now += std::chrono::microseconds(tick % kTicksBetween == 0 ? 5000 : 1000);
+    const device::Reading reading = device->read(now);
+    if (const auto force = guide.tick(reading, time::to_seconds(now))) device->apply(now, *force);
+    if (const auto work = guide.take_work()) work();
+  }
+  const Findings findings = evaluate(guide, declared, kConfidence);
+  ASSERT_TRUE(findings.complete()) << all(findings.refusals(true));
+  EXPECT_GT(findings.readings.late_slides, 3U);
+  EXPECT_LE(findings.joints[0].balance.damping.bound, truth.damping(0, 0));
+  EXPECT_GE(findings.joints[0].balance.damping.bound, 0.7 * truth.damping(0, 0));
+  EXPECT_LE(findings.joints[0].balance.friction.bound, truth.friction[0]);
+  EXPECT_GE(findings.latency.most_s, truth.latency_s);
+  EXPECT_LE(findings.latency.least_s, truth.latency_s);
+}
+
 TEST(Identification, RefusesADeviceThatDoesNotMove) {
   const HiddenDevice hidden = plain_device();
   const auto device = without_hand(hidden.description);
@@ -194,11 +329,24 @@ TEST(Identification, RefusesADeviceInAHand) {
   EXPECT_FALSE(findings.complete()) << findings_text(findings, declared_facts(hidden));
 }
 
-TEST(Identification, NeverBoundsTooHighWhereTheMotorsGiveLessThanCommanded) {
+TEST(Identification, TellsHowMuchOfTheLargestPushArrived) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description);
+  const Findings findings = found(hidden, *device);
+  const UsableForce& force = findings.joints[0].balance.force;
+  EXPECT_TRUE(force.told()) << force.share << " +- " << force.share_error;
+  EXPECT_FALSE(force.falls_short());
+  EXPECT_NEAR(force.share, 1, force.share_error + UsableForce::kSlack);
+}
+
+TEST(Identification, RefusesMotorsThatGiveLessThanCommanded) {
   const HiddenDevice hidden = plain_device();
   const auto device = without_hand(hidden.description);
   SaturatedDevice saturated(*device, 0.9);
   const Findings findings = found(hidden, saturated);
+  EXPECT_TRUE(findings.joints[0].balance.force.falls_short()) << findings.joints[0].balance.force.share;
+  EXPECT_NE(findings.joints[0].balance.damping.refused.find("gave only"), std::string::npos)
+      << all(findings.refusals(true));
   for (const LowerBound* const bound : {&findings.joints[0].balance.damping, &findings.joints[0].balance.friction}) {
     const double truth = bound == &findings.joints[0].balance.damping ? 2 : 0.2;
     EXPECT_TRUE(!bound->refused.empty() || bound->bound <= truth) << bound->bound << " > " << truth << '\n'

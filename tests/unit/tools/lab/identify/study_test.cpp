@@ -16,7 +16,7 @@ TEST(IdentificationStudy, NoBoundOfTwentyHiddenDevicesIsWrongAndTheLawIsPassiveW
     EXPECT_FALSE(device.wrong_step);
     EXPECT_FALSE(device.time_outside);
     EXPECT_GE(device.least_P_J.value_or(0), -1e-9);
-    EXPECT_LE(device.latency_excess_s.value_or(0), 150e-6);
+    EXPECT_LE(device.latency_excess_s.value_or(0), 100e-6);
     EXPECT_EQ(device.least_P_J.has_value(), device.complete);
   }
   EXPECT_GE(complete, 16);
