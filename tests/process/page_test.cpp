@@ -60,7 +60,7 @@ class Viewer {
   beast::websocket::stream<asio::ip::tcp::socket> stream_{io_};
 };
 
-const Words kBall{"--scene", "sphere", "--page", "0"};
+const Words kBall{"--scene", "sphere", "--page", "0", "--rendering", "local"};
 
 Words and_also(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());

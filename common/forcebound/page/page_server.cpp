@@ -187,6 +187,10 @@ struct PageServer::Parts final : internal::Owner, Viewers {
   }
   [[nodiscard]] std::size_t count() const noexcept override { return viewers_.size(); }
 
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
+  [[nodiscard]] const SharedCounts& counts() const noexcept { return counts_; }
+
+ private:
   Settings settings_;
   Subject& subject_;
   std::optional<HostCheck> hosts_;
@@ -208,15 +212,15 @@ PageServer::PageServer(const Settings& settings, Subject& subject)
 PageServer::~PageServer() = default;
 
 std::string PageServer::address() const {
-  std::string host = parts_->settings_.host;
+  std::string host = parts_->settings().host;
   if (host == "0.0.0.0" || host == "::" || host == "[::]") host = "localhost";
-  return "http://" + in_address(host) + ":" + std::to_string(parts_->port_) + "/?token=" + parts_->settings_.token;
+  return "http://" + in_address(host) + ":" + std::to_string(parts_->port()) + "/?token=" + parts_->settings().token;
 }
 
-std::uint16_t PageServer::port() const noexcept { return parts_->port_; }
+std::uint16_t PageServer::port() const noexcept { return parts_->port(); }
 
 Counts PageServer::counts() const noexcept {
-  const SharedCounts& shared = parts_->counts_;
+  const SharedCounts& shared = parts_->counts();
   return {.requests = shared.requests,
           .refused = shared.refused,
           .turned_away = shared.turned_away,

@@ -170,6 +170,7 @@ class LiveRun {
   void show(const std::vector<std::unique_ptr<LiveTrack>>& tracks) {
     scenes_.fill({});
     std::vector<ShownTrack> shown;
+    shown.reserve(tracks.size());
     for (const auto& track : tracks) shown.push_back(track->shown(page_.epoch()));
     state_ = maker_.state(choice_, *tracks.front());
     state_.network = network_;

@@ -76,6 +76,8 @@ std::optional<page::Request> LivePage::take_request() {
 
 void LivePage::greet(page::ViewerId viewer, page::Viewers& viewers) {
   const std::scoped_lock lock(lock_);
+  // Before the first run there is nothing to tell; its hello goes to all.
+  if (scenes_.empty()) return;
   viewers.send(viewer, shared(hello_message(state_, now_s())), page::Worth::needed);
   for (const std::string& scene : scenes_) {
     if (!scene.empty()) viewers.send(viewer, shared(scene), page::Worth::needed);

@@ -85,9 +85,9 @@ Mesh mesh_of(const scene::HeightGrid& grid) {
   const std::size_t rows = grid.heights_m.size() / columns;
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
-      shown.vertices_m.push_back(grid.origin_m + scene::Point(grid.spacing_m * static_cast<double>(column),
-                                                              grid.spacing_m * static_cast<double>(row),
-                                                              grid.heights_m[row * columns + column]));
+      shown.vertices_m.emplace_back(grid.origin_m + scene::Point(grid.spacing_m * static_cast<double>(column),
+                                                                 grid.spacing_m * static_cast<double>(row),
+                                                                 grid.heights_m[row * columns + column]));
     }
   }
   for (std::size_t row = 0; row + 1 < rows; ++row) {

@@ -97,6 +97,15 @@ TEST_F(LivePageTest, TellsAViewerWhoComesLaterAllThatItNeeds) {
   EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "scene", "event"}));
 }
 
+TEST_F(LivePageTest, TellsAViewerWhoComesBeforeTheFirstRunOfItOnceItBegins) {
+  live.greet(1, viewers);
+  live.beat(viewers);
+  EXPECT_TRUE(viewers.messages.empty());
+  begin(1);
+  live.beat(viewers);
+  EXPECT_EQ(viewers.take_kinds().front(), "hello");
+}
+
 TEST_F(LivePageTest, PointsTheHandsOfAllTracks) {
   begin(2);
   live.beat(viewers);
