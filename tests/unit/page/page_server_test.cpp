@@ -292,6 +292,7 @@ TEST_F(PageServerTest, ReadsAFloodNoFasterThanItMay) {
 TEST_F(PageServerTest, TurnsAwayAThousandSocketsAndServesItsViewersMeanwhile) {
   Limits limits;
   limits.request = std::chrono::seconds{1};
+  limits.stalled = std::chrono::hours{1};  // of the viewer, which does not read for as long as this takes
   start(limits);
   const auto viewer = join();
   ASSERT_NE(viewer, nullptr);
