@@ -34,7 +34,7 @@ class ServiceManager {
     sockaddr_un path{};
     path.sun_family = AF_UNIX;
     notify_path().copy(static_cast<char*>(path.sun_path), sizeof path.sun_path - 1);
-    const timeval patience{.tv_sec = 20};
+    const timeval patience{.tv_sec = 20, .tv_usec = 0};
     setsockopt(notify_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     EXPECT_EQ(::bind(notify_, reinterpret_cast<const sockaddr*>(&path), sizeof path), 0);
   }
