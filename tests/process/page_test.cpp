@@ -97,8 +97,7 @@ TEST(APage, ShowsTheRunAndItsPointerMovesTheHandUntilTheBallAnswers) {
   viewer.wait_for("ticks", [](const json& ticks) { return ticks["applied_N"].back()[0].get<double>() > 0.5; });
   viewer.say({{"kind", "hand"}, {"point_m", {0.06, 0, 0}}});
   viewer.wait_for("ticks", [](const json& ticks) { return distance_m(ticks) > 0.05; });
-  const json status = viewer.wait_for("status");
-  EXPECT_EQ(status["state"], "connected");
+  const json status = viewer.wait_for("status", [](const json& each) { return each["state"] == "connected"; });
   EXPECT_GT(status["network"]["received"], 0);
   EXPECT_EQ(client.stop(SIGINT), client.expected_end());
 }
@@ -109,24 +108,24 @@ TEST(APage, ChangesLawSceneAndDeviceAndRunsASecondLawBeside) {
   Viewer viewer(client);
   viewer.wait_for("hello");
   viewer.say(choose("law", "fba-more"));
-  EXPECT_EQ(viewer.wait_for("hello")["settings"]["law"], "fba-more");
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["law"] == "fba-more"; });
   viewer.say(choose("law_beside", "none"));
-  EXPECT_EQ(viewer.wait_for("hello")["tracks"].size(), 2);
+  viewer.wait_for("hello", [](const json& hello) { return hello["tracks"].size() == 2; });
   viewer.wait_for("ticks", [](const json& ticks) { return ticks["track"] == 1; });
   viewer.wait_for("ticks", [](const json& ticks) { return ticks["track"] == 0; });
   viewer.say(choose("law_beside", nullptr));
-  EXPECT_EQ(viewer.wait_for("hello")["tracks"].size(), 1);
+  viewer.wait_for("hello", [](const json& hello) { return hello["tracks"].size() == 1; });
   viewer.say(choose("device", "wall-1dof"));
   EXPECT_EQ(viewer.wait_for("refused")["about"], "device");  // the ball is in space
   viewer.say(choose("scene", "wall"));
-  EXPECT_EQ(viewer.wait_for("hello")["settings"]["scene"], "wall");
-  EXPECT_EQ(viewer.wait_for("scene")["shapes"][0]["kind"], "half_space");
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["scene"] == "wall"; });
+  viewer.wait_for("scene", [](const json& scene) { return scene["shapes"][0]["kind"] == "half_space"; });
   viewer.say(choose("device", "wall-1dof"));
-  EXPECT_EQ(viewer.wait_for("hello")["dof"], 1);
+  viewer.wait_for("hello", [](const json& hello) { return hello["dof"] == 1; });
   viewer.say(choose("scene", "sphere"));  // takes a device of its own along
-  EXPECT_EQ(viewer.wait_for("hello")["settings"]["device"], "omni");
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["device"] == "omni"; });
   viewer.say(choose("stiffness_N_per_m", 77));
-  EXPECT_EQ(viewer.wait_for("hello")["settings"]["stiffness_N_per_m"], 77);
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["stiffness_N_per_m"] == 77; });
   viewer.say(choose("law", "fba-exakt"));
   EXPECT_THAT(viewer.wait_for("refused")["text"].get<std::string>(), HasSubstr("fba-exact"));
   viewer.say(choose("network", {{"delay_ms", 1}, {"jitter_ms", 0}, {"loss_percent", 0}}));
@@ -157,7 +156,7 @@ TEST(APage, TellsTheRelayWhatNetworkToEmulateWithoutANewRun) {
   Viewer viewer(client);
   EXPECT_EQ(viewer.wait_for("hello")["settings"]["network"]["delay_ms"], 0);
   viewer.say(choose("network", {{"delay_ms", 30}, {"jitter_ms", 0}, {"loss_percent", 0}}));
-  EXPECT_EQ(viewer.wait_for("hello")["settings"]["network"]["delay_ms"], 30);
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["network"]["delay_ms"] == 30; });
   viewer.wait_for("status", [](const json& status) {
     const json& round_trip = status["network"]["round_trip_ms"];
     return !round_trip.is_null() && round_trip["p99"].get<double>() > 59;
@@ -174,12 +173,13 @@ TEST(APage, BeginsAndEndsRecordingsOfWholeRuns) {
   Viewer viewer(client);
   EXPECT_EQ(viewer.wait_for("hello")["recording"], file);
   viewer.say({{"kind", "record"}, {"on", false}});
-  EXPECT_TRUE(viewer.wait_for("hello")["recording"].is_null());
+  viewer.wait_for("hello", [](const json& hello) { return hello["recording"].is_null(); });
   viewer.say({{"kind", "record"}, {"on", true}});
   const std::string third = folder.file("run-3.mcap");
-  EXPECT_EQ(viewer.wait_for("hello")["recording"], third);
+  viewer.wait_for("hello", [&third](const json& hello) { return hello["recording"] == third; });
   viewer.wait_for("ticks");
-  EXPECT_EQ(client.stop(SIGINT), client.expected_end());
+  // The summary is of the last run, and each run may have been late.
+  EXPECT_THAT(client.stop(SIGINT), testing::AnyOf(testing::Optional(0), testing::Optional(3)));
   for (const std::string& recording : {file, third}) {
     const Ran report = run(kLab, {"report", recording});
     EXPECT_EQ(report.exit_code, 0) << report.err;

@@ -45,7 +45,7 @@ class ServiceManager {
     ::close(notify_);
   }
 
-  /// The words that start a server as a service with this socket.
+  /// The words of a bash that starts a server as a service with this socket.
   [[nodiscard]] Words started(const Words& options) const {
     Words words{"-c",
                 "LISTEN_PID=$$ LISTEN_FDS=1 WATCHDOG_PID=$$ WATCHDOG_USEC=600000 NOTIFY_SOCKET=" + notify_path() +
@@ -79,7 +79,7 @@ class ServiceManager {
 
 TEST(AService, TakesItsSocketAndTellsHowItIs) {
   const ServiceManager manager;
-  Process server("/bin/sh", manager.started({"--scene", "sphere"}));
+  Process server("/bin/bash", manager.started({"--scene", "sphere"}));
   EXPECT_TRUE(manager.hears("READY=1\nSTATUS=serving at " + manager.address()));
   EXPECT_TRUE(manager.hears("WATCHDOG=1"));
   EXPECT_TRUE(manager.hears("WATCHDOG=1"));
@@ -92,7 +92,7 @@ TEST(AService, TakesItsSocketAndTellsHowItIs) {
 
 TEST(AService, ThatDrainsLetsNobodyInAndEndsWhenAllHaveLeft) {
   const ServiceManager manager;
-  Process server("/bin/sh", manager.started({"--scene", "sphere", "--drain", "600"}));
+  Process server("/bin/bash", manager.started({"--scene", "sphere", "--drain", "600"}));
   ASSERT_TRUE(manager.hears("READY=1"));
   Client client(manager.address(), {"--device", "omni"});
   ASSERT_TRUE(client.wait_for("connected"));

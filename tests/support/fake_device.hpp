@@ -48,6 +48,12 @@ class FakeDevice final : public device::HapticDevice {
   [[nodiscard]] bool write_failed() const noexcept override { return write_lost; }
   [[nodiscard]] std::string_view last_error() const noexcept override { return "it is unplugged"; }
 
+  /// As facts that are read at each tick; a law keeps those of before.
+  void set_hold(double hold_s_max, bool releases) {
+    facts_.hold_s_max = hold_s_max;
+    facts_.releases = releases;
+  }
+
   control::Vector position;
   control::Vector applied;
   time::Nanoseconds applied_at{0};

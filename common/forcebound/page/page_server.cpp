@@ -50,13 +50,25 @@ struct PageServer::Parts final : internal::Owner, Viewers {
     hosts_.emplace(settings_.host, port_);
     timer_.expires_after(kBeat);
     wait_for_beat();
-    thread_ = std::jthread([this] { io_.run(); });
+    thread_ = std::jthread([this] { serve(); });
   }
 
   ~Parts() override {
     io_.stop();
     thread_.join();
     viewers_.clear();
+  }
+
+  /// Until it is stopped. What fails for lack of memory costs one viewer, not the program.
+  void serve() noexcept {
+    while (!io_.stopped()) {
+      try {
+        io_.run();
+        return;
+      } catch (const std::exception&) {
+        ++counts_.faults;
+      }
+    }
   }
 
   void listen() {

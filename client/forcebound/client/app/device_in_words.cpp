@@ -15,4 +15,10 @@ std::string guarantee_with(const device::HapticDevice& device, const std::string
          guarantee;
 }
 
+std::string stuck_words(const device::HapticDevice& device, bool device_stopped, bool has_recording) {
+  return "the driver of device '" + device.facts().name + "' has not returned from a call for 2 s; " +
+         (device_stopped ? "the device was stopped" : "its stop does not return either, so that a force may be left") +
+         "; the client ends, without a summary" + (has_recording ? "; the recording has what was before" : "");
+}
+
 }  // namespace forcebound::client

@@ -14,4 +14,7 @@ namespace forcebound::client {
 /// @param guarantee of the law, see LawRegistry::guarantee; empty: nothing
 [[nodiscard]] std::string guarantee_with(const device::HapticDevice& device, const std::string& guarantee);
 
+/// Why the client ends when a driver does not return from a call.
+[[nodiscard]] std::string stuck_words(const device::HapticDevice& device, bool device_stopped, bool has_recording);
+
 }  // namespace forcebound::client

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "forcebound/client/app/device_in_words.hpp"
 #include "forcebound/client/app/event_words.hpp"
 #include "forcebound/client/app/live_line.hpp"
 #include "forcebound/client/app/live_track.hpp"
@@ -63,13 +65,21 @@ class LiveRun {
   }
 
   int run() {
-    int exit_code = program::kDone;
     begun_ = clock_.now();
     do {
       if (next_) choice_ = *std::exchange(next_, std::nullopt);
-      exit_code = run_once();
+      try {
+        note_end(run_once());
+        worked_ = choice_;
+      } catch (const std::exception& error) {
+        // What cannot be run for what was chosen goes back to what could.
+        if (!worked_ || *worked_ == choice_) throw;
+        spdlog::error("{}; goes back to what ran before", error.what());
+        page_.refuse("run", error.what());
+        next_ = worked_;
+      }
     } while (next_);
-    return exit_code;
+    return exit_code_;
   }
 
  private:
@@ -78,6 +88,13 @@ class LiveRun {
     std::shared_ptr<const scene::Scene> scene{};
     std::string simulated{};
   };
+
+  /// Of several runs the worst counts.
+  void note_end(int exit_code) {
+    constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost, program::kDone};
+    const auto rank = [&](int code) { return std::ranges::find(kFromWorst, code); };
+    if (rank(exit_code) < rank(exit_code_)) exit_code_ = exit_code;
+  }
 
   int run_once() {
     ++run_;
@@ -95,17 +112,21 @@ class LiveRun {
     Options of_run = options_;
     of_run.law = choice_.law;
     Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
-    spdlog::info("device '{}'{}; law {}, server {}, {}", main.device->facts().name,
-                 main.device->is_simulated() ? " and its hand are simulated" : "", choice_.law, options_.server,
-                 encryption_in_words(options_));
+    spdlog::info("{}; law {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
+                 options_.server, encryption_in_words(options_));
     Screen screen(of_run, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
     std::jthread beside;
     if (tracks.size() > 1) beside = std::jthread([this, &track = *tracks[1]] { run_beside(track); });
     time::Nanoseconds last{0};
     try {
-      client.run(ended_, [&](time::Nanoseconds now, time::Nanoseconds elapsed) {
+      const auto housekeeping = [&](time::Nanoseconds now, time::Nanoseconds elapsed) {
         last = now;
         attend(client, screen, now, elapsed);
+      };
+      client.run(ended_, housekeeping, [&](bool device_stopped) {
+        screen.end(last);
+        spdlog::error("{}", stuck_words(*main.device, device_stopped, !main.settings.recording.empty()));
+        spdlog::shutdown();
       });
     } catch (...) {
       ended_ = true;
@@ -233,6 +254,8 @@ class LiveRun {
   PageState state_;
   PageChoice choice_;
   std::optional<PageChoice> next_;
+  std::optional<PageChoice> worked_;  ///< of the last run that came to its end
+  int exit_code_ = program::kDone;
   std::optional<control::Vector> tip_;  // where the last run left it
   std::array<ShownScene, 2> scenes_{};  // each of its track's thread
   std::atomic<bool> ended_{false};      // this run

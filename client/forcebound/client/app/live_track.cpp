@@ -7,6 +7,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
+#include "forcebound/client/app/device_in_words.hpp"
 #include "forcebound/client/app/live_run.hpp"
 #include "forcebound/client/app/run_parts.hpp"
 #include "forcebound/client/page/known_scenes.hpp"
@@ -165,7 +166,7 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   settings = settings_of(options_);
   settings.law = law;
   settings.law_parameters = baselines::describe(laws_.parameters(law, facts, chosen.parameters));
-  settings.guarantee = laws_.guarantee(law);
+  settings.guarantee = guarantee_with(*track->device, laws_.guarantee(law));
   settings.scene = choice.scene;
   settings.hand = request.hand;
   settings.beside = beside;
@@ -186,8 +187,11 @@ PageState TrackMaker::state(const PageChoice& choice, const LiveTrack& main) con
                   .degrees_of_freedom = std::min(main.device->facts().degrees_of_freedom(), kSpace),
                   .period_s = main.device->facts().period_s,
                   .recording_file = main.settings.recording};
-  for (const std::string& law : laws_.names())
+  for (const std::string& law : laws_.names()) {
+    // A person's hand is not for trying what guarantees nothing.
+    if (!is_simulated && laws_.guarantee(law).empty()) continue;
     state.choices.laws.push_back({law, std::string(laws_.find(law).summary)});
+  }
   for (const KnownScene& scene : known_scenes()) state.choices.scenes.push_back(scene.name);
   if (has_pointer()) state.choices.devices = device::shipped_device_names();
   if (is_simulated) {

@@ -71,11 +71,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   };
   client.run(stop, housekeeping, [&](bool device_stopped) {
     screen.end(last);
-    spdlog::error(
-        "the driver of device '{}' has not returned from a call for 2 s; {}; the client ends, without a summary{}",
-        device->facts().name,
-        device_stopped ? "the device was stopped" : "its stop does not return either, so that a force may be left",
-        options.record.empty() ? "" : "; the recording has what was before");
+    spdlog::error("{}", stuck_words(*device, device_stopped, !options.record.empty()));
     spdlog::shutdown();
   });
   screen.end(last);

@@ -150,7 +150,10 @@ device::Reading Session::read_device(Nanoseconds now) noexcept {
 /// whatever motion there was.
 bool Session::is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept {
   if (reading.status != device::Reading::Status::stale || !previous_command_) return false;
-  const Nanoseconds held = time::from_seconds(device_.facts().hold_s_max);
+  const control::DeviceFacts& facts = device_.facts();
+  // What never lets go of a force must have the next command within the time that the law has paid for.
+  const double next_s = facts.releases ? 0 : facts.period_s + facts.latency_s;
+  const Nanoseconds held = time::from_seconds(facts.hold_s_max - next_s);
   return now - *previous_command_ < std::min(held, kHeldOnMost);
 }
 

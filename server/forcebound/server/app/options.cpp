@@ -43,7 +43,8 @@ std::string footer() {
          "      for everybody elsewhere who has the same shared.key\n"
          "\n"
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
-         "--clients again, and ends the sessions of those that it does not name any more. As a service of systemd it "
+         "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
+         "As a service of systemd it "
          "takes a socket from there, and tells it when it is ready, that it runs, and when it ends.\n" +
          std::string(program::kExitCodes);
 }

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <new>
+
 #include <filesystem>
 #include <iostream>
 
@@ -53,7 +55,10 @@ void PageTurn::turn(UdpServer& server) {
       .places = places_};
   motions_ = motions;
   shown_ = now;
-  page_.show(observer_.sessions_message(load), observer_.metrics(load));
+  try {
+    page_.show(observer_.sessions_message(load), observer_.metrics(load));
+  } catch (const std::bad_alloc&) {  // the page shows what it had; serving goes on
+  }
 }
 
 }  // namespace forcebound::server

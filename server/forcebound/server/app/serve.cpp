@@ -124,7 +124,7 @@ class Service {
     reloads = 0;
     ServiceManager::tell_reloading();
     reload(server_, options_);
-    ServiceManager::tell_ready("serving");
+    if (!drained_by_) ServiceManager::tell_ready("serving");
   }
 
   UdpServer& server_;
@@ -185,12 +185,13 @@ int serve(ProgramOptions options) {
   ServerObserver& told = options.page ? static_cast<ServerObserver&>(page_observer) : *observer;
   UdpServer server(std::move(link), options.server, scenes, &told, std::move(keys));
   spdlog::info("{}", encryption_words);
+  // Before: its thread is to have no real-time priority.
+  std::optional<PageTurn> page;
+  if (options.page) page.emplace(options, page_observer, clock);
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
                summary(*scene));
 
-  std::optional<PageTurn> page;
-  if (options.page) page.emplace(options, page_observer, clock);
   ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
 
   Service(server, page ? &*page : nullptr, options, clock, manager).run();

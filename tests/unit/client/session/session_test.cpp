@@ -465,6 +465,18 @@ TEST_F(SessionTest, LeavesTheForceToTheDeviceWhileNoReadingIsNewButNotForLong) {
   EXPECT_EQ(session.totals().non_finite_readings, 1U);
 }
 
+TEST_F(SessionTest, LeavesAForceToADeviceThatNeverLetsGoOnlyIfTheNextTickIsInTime) {
+  device.set_hold(2e-3, false);
+  connect();
+  tick();
+  arrive(answer(sent<wire::MotionSample>().back(), -2.0));
+  tick();
+  ASSERT_EQ(device.applied[0], -2.0);
+  device.status = device::Reading::Status::stale;
+  tick();
+  EXPECT_EQ(device.applied[0], 0.0) << "another tick later would be 2 ms after the command";
+}
+
 TEST_F(SessionTest, AfterATickWithoutANewReadingTheNextIntervalIsLonger) {
   connect();
   tick();
