@@ -277,7 +277,6 @@ static int fd_start(forcebound_device* device) {
 static int fd_read(forcebound_device* device, int64_t now_ns, forcebound_reading* reading) {
   double newest[kReadingNumbers];
   const uint64_t writes = mailbox_read(&device->readings, newest, kReadingNumbers);
-  (void)now_ns;
   if (writes == 0 || writes == device->taken) return FORCEBOUND_STALE;
   if (newest[5] == 0) {
     snprintf(device->error, sizeof device->error, "%.200s does not answer; looking for it", device->name);
@@ -285,6 +284,7 @@ static int fd_read(forcebound_device* device, int64_t now_ns, forcebound_reading
   }
   device->taken = writes;
   reading->latched_ns = (int64_t)(1e9 * newest[0]);
+  if (reading->latched_ns > now_ns) reading->latched_ns = now_ns; /* it came after the tick began */
   memcpy(reading->position_m, newest + 1, 3 * sizeof *newest);
   reading->has = FORCEBOUND_HAS_BUTTONS;
   reading->buttons = (uint32_t)newest[4];

@@ -339,7 +339,7 @@ void say(forcebound_device& device, Trouble trouble) {
   }
 }
 
-int haply_read(forcebound_device* device, int64_t /*now_ns*/, forcebound_reading* reading) {
+int haply_read(forcebound_device* device, int64_t now_ns, forcebound_reading* reading) {
   std::array<double, kReadingNumbers> newest{};
   const std::uint64_t writes = mailbox_read(&device->readings, newest.data(), kReadingNumbers);
   if (writes == 0 || writes == device->taken) return FORCEBOUND_STALE;
@@ -349,7 +349,8 @@ int haply_read(forcebound_device* device, int64_t /*now_ns*/, forcebound_reading
     return FORCEBOUND_UNPLUGGED;
   }
   device->taken = writes;
-  reading->latched_ns = static_cast<int64_t>(1e9 * newest[0]);
+  reading->latched_ns =
+      std::min(static_cast<int64_t>(1e9 * newest[0]), now_ns);  // it may have come since the tick began
   std::memcpy(reading->position_m, newest.data() + 1, 3 * sizeof(double));
   reading->has = static_cast<std::uint32_t>(newest[5]);
   reading->buttons = static_cast<std::uint32_t>(newest[6]);

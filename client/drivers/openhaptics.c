@@ -220,7 +220,6 @@ static int hd_read(forcebound_device* device, int64_t now_ns, forcebound_reading
   double newest[kReadingNumbers];
   const unsigned int lost = __atomic_load_n(&device->lost, __ATOMIC_ACQUIRE);
   unsigned int fault;
-  (void)now_ns;
   if (lost != kHdSuccess) {
     mailbox_queue_forget(&device->readings);
     snprintf(device->error, sizeof device->error, "%.150s does not answer (libHD's error 0x%04x); looking for it",
@@ -247,6 +246,7 @@ static int hd_read(forcebound_device* device, int64_t now_ns, forcebound_reading
   }
   if (newest[kFault] != 0) return fail_as_calibrated(device);
   reading->latched_ns = (int64_t)(1e9 * newest[kLatched]);
+  if (reading->latched_ns > now_ns) reading->latched_ns = now_ns; /* it came after the tick began */
   memcpy(reading->position_m, newest + kX, 3 * sizeof *newest);
   memcpy(reading->orientation, newest + kQuaternion, 4 * sizeof *newest);
   reading->buttons = (uint32_t)newest[kButtons];

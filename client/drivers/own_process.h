@@ -34,12 +34,25 @@ static inline void* own_process_memory(size_t bytes) {
   return memory == MAP_FAILED ? NULL : memory;
 }
 
-/* The child: serves until the parent is gone or has closed its end, then takes the wish `last` and ends. */
+/* Else a crash of the vendor's library would run what the client does at a crash, and might not end the child. */
+static inline void own_process_forget_handlers(void) {
+  static const int kEnding[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
+  sigset_t none;
+  size_t i;
+  for (i = 0; i < sizeof kEnding / sizeof *kEnding; ++i) signal(kEnding[i], SIG_DFL);
+  sigemptyset(&none);
+  (void)sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+/* The child: serves until the parent is gone or has closed its end, then takes the wish `last` and ends, in time
+ * even if a call of the vendor's library hangs. */
 static inline void own_process_live(int socket, own_process_serve serve, void* shared, char last) {
+  static const unsigned kLastMost_s = 5;
   static const int kOfTheTerminal[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
   size_t i;
   char wish;
   ssize_t count;
+  own_process_forget_handlers();
   /* The client ends at these, and lets us go on to zero force. */
   for (i = 0; i < sizeof kOfTheTerminal / sizeof *kOfTheTerminal; ++i) signal(kOfTheTerminal[i], SIG_IGN);
   (void)setsid();
@@ -51,6 +64,8 @@ static inline void own_process_live(int socket, own_process_serve serve, void* s
     result = serve(shared, wish);
     if (send(socket, &result, sizeof result, MSG_NOSIGNAL) != (ssize_t)sizeof result) break;
   }
+  signal(SIGALRM, SIG_DFL); /* the library may have taken it */
+  alarm(kLastMost_s);
   (void)serve(shared, last);
   _exit(0);
 }

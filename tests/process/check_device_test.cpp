@@ -62,10 +62,12 @@ TEST(CheckDeviceCommand, PassesDriversThatAreRight) {
     EXPECT_THAT(checked.with("failed"), testing::IsEmpty()) << device;
     EXPECT_THAT(checked.with("passed"),
                 IsSupersetOf({"readings", "rate", "times run forward", "jitter", "rest at zero force", "force along +x",
-                              "units along x", "not a number", "hold time", "stop", "start again", "commands",
-                              "unknown setting", "open again"}))
+                              "units along x", "not a number", "stop", "start again", "commands", "unknown setting",
+                              "open again"}))
         << device;
     EXPECT_THAT(checked.with("not checked"), IsSupersetOf({"unplugging", "buttons"})) << device;
+    // On a busy machine it may be at rest before it is judged.
+    EXPECT_THAT(checked.measured("hold time"), Not(HasSubstr("not checked: "))) << device;
   }
 }
 

@@ -18,6 +18,7 @@
 #define FAULTS 100
 
 struct forcebound_device {
+  int stopped; /* and given no command since; set on whatever thread `stop` is called on */
   int axes;
   char fault[16];
   int started;
@@ -80,9 +81,10 @@ static int slider_start(forcebound_device* slider) {
 static void pass(forcebound_device* slider, int64_t now_ns) {
   const int64_t step_ns = 10000;
   const double step_s = 1e-9 * (double)step_ns;
+  const int stopped = __atomic_load_n(&slider->stopped, __ATOMIC_SEQ_CST);
   if (slider->time_ns == 0) slider->time_ns = now_ns;
   for (; slider->time_ns < now_ns; slider->time_ns += step_ns) {
-    const int held = slider->time_ns - slider->commanded_ns <= HOLD_NS;
+    const int held = slider->time_ns - slider->commanded_ns <= HOLD_NS && !stopped;
     int i;
     for (i = 0; i < slider->axes; ++i) {
       const double push_N = (held ? slider->force_N[i] : 0) - DAMPING_N_S_PER_M * slider->speed_m_per_s[i];
@@ -126,12 +128,13 @@ static int slider_read(forcebound_device* slider, int64_t now_ns, forcebound_rea
 static int slider_command(forcebound_device* slider, const forcebound_command* command) {
   int i;
   pass(slider, command->at_ns);
+  __atomic_store_n(&slider->stopped, 0, __ATOMIC_SEQ_CST);
   slider->commanded_ns = command->at_ns;
   for (i = 0; i < slider->axes; ++i) slider->force_N[i] = command->force_N[i];
   return strcmp(slider->fault, "write") == 0 ? FORCEBOUND_FAILED : FORCEBOUND_OK;
 }
 
-static void slider_stop(forcebound_device* slider) { memset(slider->force_N, 0, sizeof slider->force_N); }
+static void slider_stop(forcebound_device* slider) { __atomic_store_n(&slider->stopped, 1, __ATOMIC_SEQ_CST); }
 
 static void slider_close(forcebound_device* slider) { free(slider); }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <limits>
 #include <string_view>
 
 #include "forcebound/time/real_time.hpp"
@@ -14,7 +15,7 @@ namespace forcebound::lab {
 namespace {
 
 constexpr std::chrono::milliseconds kLook{1};
-constexpr std::chrono::milliseconds kStopPatience{200};
+constexpr std::chrono::milliseconds kStopPatience{2000};
 constexpr std::chrono::milliseconds kOnItsWay{20};  // a force of zero, with a driver whose own thread sends it
 constexpr int kPriority = 80;
 constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
@@ -27,9 +28,11 @@ std::int64_t now_ns() { return time::SteadyClock{}.now().count(); }
 
 pid_t this_thread() { return static_cast<pid_t>(::syscall(SYS_gettid)); }
 
+bool may_move_by_itself(std::string_view call) { return call == "open" || call == "start"; }
+
 std::int64_t longest_ns(std::string_view call) {
   const auto most = [&]() -> std::chrono::nanoseconds {
-    if (call == "open" || call == "start") return kStartsWithin;
+    if (may_move_by_itself(call)) return kStartsWithin;
     return call == "close" ? kClosesWithin : kReturnsWithin;
   };
   return most().count();
@@ -91,6 +94,7 @@ void CallWatch::begin(const std::string& check, const char* call) {
   progress_.check.set(check);
   progress_.call.set(call);
   within_ns_ = longest_ns(call);
+  stop_after_ns_ = may_move_by_itself(call) ? std::numeric_limits<std::int64_t>::max() : hold_ns_;
   progress_.called_ns = now_ns();
 }
 
@@ -101,14 +105,16 @@ void CallWatch::watch(const std::stop_token& ending) {
     std::this_thread::sleep_for(kLook);
     if (progress_.signal != 0) end_process();
     const std::int64_t now = now_ns();
-    const std::int64_t within = within_ns_;  // first, lest a call that is over is measured by the limit of the next
+    // First, lest a call that is over is measured by the limits of the next.
+    const std::int64_t within = within_ns_;
+    const std::int64_t stop_after = stop_after_ns_;
     const std::int64_t called = progress_.called_ns;
     CheckEnd end = CheckEnd::none;
     if (called != 0 && now - called > within) end = CheckEnd::hung;
     if (now > all_until_ns_) end = CheckEnd::overdue;
     CheckEnd none = CheckEnd::none;
     if (end != CheckEnd::none && progress_.end.compare_exchange_strong(none, end)) end_process();
-    if (called == 0 || called == stopped_in || now - called <= hold_ns_) continue;
+    if (called == 0 || called == stopped_in || now - called <= stop_after) continue;
     stopped_in = called;
     asked_.release();
   }

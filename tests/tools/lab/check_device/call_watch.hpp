@@ -26,8 +26,9 @@ inline constexpr std::chrono::milliseconds kStopMost{
 /// Watches the calls of a driver in a process that was made for it, from a thread of its own.
 ///
 /// If a call takes longer than the device holds a force, at most kStopMost, the device is stopped, on another thread,
-/// as the interface of drivers allows. If the call does not return at all, or the driver crashes in whatever thread,
-/// the device is stopped likewise and the process ends; the progress tells why. It ends even if stop does not return.
+/// as the interface of drivers allows; but not in open and start, in which a device may be finding its zero. If the
+/// call does not return at all, or the driver crashes in whatever thread, the device is stopped likewise and the
+/// process ends; the progress tells why. It ends even if stop does not return.
 class CallWatch final : public CallListener {
  public:
   /// One in a process, which has no other threads yet. `progress` must outlive the process.
@@ -56,8 +57,9 @@ class CallWatch final : public CallListener {
   pid_t checks_;  ///< the thread that calls
   std::int64_t all_until_ns_;
   std::atomic<device::HapticDevice*> device_{nullptr};
-  std::atomic<std::int64_t> hold_ns_{std::chrono::nanoseconds(kStopMost).count()};
-  std::atomic<std::int64_t> within_ns_{0};  ///< of the call in progress
+  std::int64_t hold_ns_ = std::chrono::nanoseconds(kStopMost).count();  ///< of the thread that calls
+  std::atomic<std::int64_t> within_ns_{0};                              ///< of the call in progress
+  std::atomic<std::int64_t> stop_after_ns_{0};                          ///< likewise
   std::atomic<std::uint64_t> stops_{0};
   std::counting_semaphore<> asked_{0};
   std::unique_ptr<std::array<std::byte, kStackBytes>> stack_;  ///< for a crash by too deep a recursion

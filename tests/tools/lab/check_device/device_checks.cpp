@@ -59,6 +59,9 @@ class Checks {
     } catch (const TooFast& error) {
       add(driving_.check(), Verdict::failed, error.what(), slow_enough());
       give_up("no more force: it was too fast");
+    } catch (const OutOfControl& error) {
+      add(driving_.check(), Verdict::failed, error.what(), error.accepted());
+      give_up("no more force: " + driving_.check() + " failed");
     } catch (...) {
       driving_.stop();
       throw;
@@ -189,7 +192,11 @@ class Checks {
     add("units along " + name, verdict_of(plausible), "moves like " + short_text(mass_kg_) + " kg",
         short_text(kMass_kg_min) + " to " + short_text(kMass_kg_max) + " kg");
     if (!plausible) return give_up("no more force: its units cannot be right");
-    driving_.begin("braking after the push along " + name);
+    brake_after("the push along " + name);
+  }
+
+  void brake_after(const std::string& what) {
+    driving_.begin("braking after " + what);
     driving_.brake(force_N_);
   }
 
@@ -229,12 +236,17 @@ class Checks {
 
   [[nodiscard]] double speed() const { return first().dot(driving_.velocity()); }
 
-  void watch(double seconds) {
-    const Vector from = driving_.position();
+  /// Without a command. @param from where the device was when it got its last one
+  void watch(double seconds, const Vector& from) {
+    constexpr double kWay_m_max = 2 * kCoast_m_max;
     const Nanoseconds begin = driving_.now();
-    while (1e-9 * static_cast<double>((driving_.now() - begin).count()) < seconds &&
-           (driving_.position() - from).norm() < 2 * kCoast_m_max) {
-      driving_.tick(std::nullopt);
+    while (time::to_seconds(driving_.now() - begin) < seconds) {
+      driving_.tick_letting_go();
+      const double way_m = (driving_.position() - from).norm();
+      if (way_m <= kWay_m_max) continue;
+      driving_.stop();
+      throw OutOfControl("moved " + short_mm(way_m) + " after the last command: the force is zero",
+                         "at most " + short_mm(kWay_m_max));
     }
   }
 
@@ -248,20 +260,21 @@ class Checks {
     (void)set_in_motion();
     const control::DeviceFacts& facts = driving_.facts();
     constexpr double kWindow_s = 0.015;  // over which a speed is measured
-    watch(facts.hold_s_max + facts.release_s + facts.latency_s + kWindow_s);
+    const Vector from = driving_.position();
+    watch(facts.hold_s_max + facts.release_s + facts.latency_s + kWindow_s, from);
     const double before = speed();
     if (before < kMoving_m_per_s) {
       add(name, Verdict::not_checked, "at rest before the hold time was over; try a larger --force-share", "");
-      driving_.brake(force_N_);
+      brake_after("the hold time");
       return;
     }
     const double seconds = watch_s(before);
-    watch(seconds);
+    watch(seconds, from);
     const double after = speed();
     const double most = before * (1 + kept(seconds)) / 2;
     add(name, verdict_of(after <= most), slowing(before, after, seconds),
         "< " + short_text(most) + " m/s: no force once " + short_text(1e3 * facts.hold_s_max) + " ms are over");
-    driving_.brake(force_N_);
+    brake_after("the hold time");
   }
 
   static std::string slowing(double before, double after, double seconds) {
@@ -282,15 +295,19 @@ class Checks {
     const std::uint64_t good = driving_.readings().good;
     for (int tick = 0; tick < 20; ++tick) driving_.tick(driving_.zero());
     const double way_m = first().dot(driving_.position() - from);
-    const double settling_s = mass_kg_ / driving_.damping_along(first());
-    const double free_m = push.speed_m_per_s * settling_s * (1 - kept(seconds));
-    const double most_m = (free_m + push.speed_m_per_s * seconds) / 2 + kSeen_m;
+    // Half way between where it gets without a force and with the one that it had.
+    const double damping = driving_.damping_along(first());
+    const double settling_s = mass_kg_ / damping;
+    const double way_free_m = push.speed_m_per_s * settling_s * (1 - kept(seconds));
+    const double pushed_m_per_s = push.force_N / damping;
+    const double way_pushed_m = way_free_m + pushed_m_per_s * (seconds - settling_s * (1 - kept(seconds)));
+    const double most_m = (way_free_m + way_pushed_m) / 2 + kSeen_m;
     add("stop", verdict_of(way_m <= most_m),
         "went on by " + short_mm(way_m) + " in " + short_text(1e3 * seconds) + " ms",
         "< " + short_mm(most_m) + ": no force after stop");
     add("start again", verdict_of(driving_.readings().failed == failed && driving_.readings().good > good),
         std::to_string(driving_.readings().good - good) + " of 20 readings", "readings as before");
-    driving_.brake(force_N_);
+    brake_after("the start");
   }
 
   void ask_too_much() {
@@ -307,7 +324,7 @@ class Checks {
     const double way_m = first().dot(push.moved);
     add(name, verdict_of(way_m > -kSeen_m), "asked for " + short_text(asked_N) + " N: moved " + short_mm(way_m),
         "along +x, or not at all");
-    if (way_m > 0) driving_.brake(force_N_);
+    if (way_m > 0) brake_after("the largest force");
   }
 
   void leave_out() {

@@ -15,6 +15,8 @@ constexpr std::size_t kPlaces = 10;                                // over which
 constexpr double kPeriodsNow = 1.5;                                // over which the speed of the moment is, at least
 constexpr double kStill_m_per_s = 0.005;
 constexpr double kOldPeriods = 20;
+constexpr Nanoseconds kBlindMost = std::chrono::milliseconds{20};
+constexpr double kBlindPeriods = 3;  // of a slow device
 
 }  // namespace
 
@@ -51,7 +53,24 @@ void DeviceDriving::stop() {
 
 void DeviceDriving::tick(const std::optional<Vector>& force) {
   (void)read_next();
-  if (force) command(*force);
+  if (!force) return;
+  if (force->norm() > 0 && is_blind()) {
+    command(zero());
+    throw blind();
+  }
+  command(*force);
+}
+
+void DeviceDriving::tick_letting_go() {
+  (void)read_next();
+  if (is_blind()) {
+    stop();
+    throw blind();
+  }
+  const double speed = speed_now();
+  if (speed <= settings_.speed_m_per_s_max) return;
+  stop();
+  throw too_fast(speed);
 }
 
 void DeviceDriving::tick_while_unreadable(const Vector& force) {
@@ -67,7 +86,7 @@ bool DeviceDriving::read_next() {
   device::Reading reading;
   timed("read", [&] { reading = device_.read(now_); });
   note(reading, now_);
-  return device::is_usable(reading, facts().degrees_of_freedom());
+  return device::is_usable(reading, facts().degrees_of_freedom(), facts().joints());
 }
 
 void DeviceDriving::command(const Vector& force) {
@@ -81,8 +100,22 @@ void DeviceDriving::expect_slow() {
   if (speed <= settings_.speed_m_per_s_max) return;
   ++commands_;
   timed("command", [&] { device_.apply(now_, zero()); });
-  throw TooFast("the tip was faster than " + text::rounded(settings_.speed_m_per_s_max) + " m/s (--speed), " +
-                text::rounded(speed) + " m/s: the force is zero");
+  throw too_fast(speed);
+}
+
+TooFast DeviceDriving::too_fast(double speed) const {
+  return TooFast("the tip was faster than " + text::rounded(settings_.speed_m_per_s_max) + " m/s (--speed), " +
+                 text::rounded(speed) + " m/s: the force is zero");
+}
+
+Nanoseconds DeviceDriving::blind_most() const {
+  return std::max(kBlindMost, time::from_seconds(kBlindPeriods * facts().period_s));
+}
+
+OutOfControl DeviceDriving::blind() const {
+  const auto ms = [](Nanoseconds time) { return text::rounded(1e3 * time::to_seconds(time)) + " ms"; };
+  return OutOfControl("no usable reading for " + ms(now_ - seen_) + " while there was a force: the force is zero",
+                      "one at least each " + ms(blind_most()));
 }
 
 void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
@@ -96,6 +129,7 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
     readings_.last_failure = std::string(device_.last_error());
     return;
   }
+  seen_ = now;
   if (readings_.good == 0) readings_.first_latched = reading.latched;
   readings_.last_latched = reading.latched;
   ++readings_.good;
@@ -151,6 +185,7 @@ Push DeviceDriving::push(const PushSettings& settings) {
     if (!push.too_fast.empty()) break;
   }
   push.speed_m_per_s = settings.along.dot(velocity());
+  push.force_N = force_N;
   return push;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/tools/lab/check_device/device_checks.hpp"
@@ -17,6 +18,17 @@ using control::Vector;
 class TooFast : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// Nobody can tell any more where the tip goes, or it went too far; the force is zero.
+class OutOfControl : public std::runtime_error {
+ public:
+  OutOfControl(const std::string& measured, std::string accepted)
+      : std::runtime_error(measured), accepted_(std::move(accepted)) {}
+  [[nodiscard]] const std::string& accepted() const noexcept { return accepted_; }
+
+ private:
+  std::string accepted_;
 };
 
 /// What the readings since the last `forget_readings` were.
@@ -45,6 +57,7 @@ struct Push {
   double twice_integrated = 0;  ///< of the force, over time [N s^2]
   double moved_integrated = 0;  ///< of the way along the push [m s]
   double speed_m_per_s = 0;     ///< along the push, at its end
+  double force_N = 0;           ///< at its end
   std::string too_fast{};       ///< why it ended before its time; empty: it did not
 };
 
@@ -60,8 +73,11 @@ class DeviceDriving {
   /// Neither reads nor commands for so long.
   void rest_for(double seconds) { pace_.wait_until(pace_.now() + time::from_seconds(seconds)); }
   /// @param force none: no command @throws TooFast in place of a force on a tip that is faster than it may be
+  /// @throws OutOfControl in place of a force, if there was no usable reading for too long
   void tick(const std::optional<Vector>& force);
-  /// The same, but commands only if this tick has no usable reading.
+  /// Reads without a command, while the device may still hold a force. @throws as `tick`, after a stop
+  void tick_letting_go();
+  /// As `tick`, but commands only if this tick has no usable reading.
   void tick_while_unreadable(const Vector& force);
   /// Pushes until the device has moved so far, is too fast, or the time is over. @param ramp_s 0: at once
   struct PushSettings {
@@ -72,7 +88,7 @@ class DeviceDriving {
     double way_m = 0.005;
   };
   [[nodiscard]] Push push(const PushSettings& settings);
-  /// Opposes the motion until there is none, once it is no faster than it may be.
+  /// Opposes the motion until there is none, once it is no faster than it may be. @throws OutOfControl as `tick`
   void brake(double force_N);
 
   [[nodiscard]] Vector position() const { return track_.empty() ? zero() : track_.back().position; }
@@ -104,13 +120,18 @@ class DeviceDriving {
   [[nodiscard]] Vector velocity_since(const Place& from) const;
   [[nodiscard]] double speed_now() const;
   void expect_slow();
+  [[nodiscard]] TooFast too_fast(double speed) const;
+  [[nodiscard]] Nanoseconds blind_most() const;
+  [[nodiscard]] bool is_blind() const { return now_ - seen_ > blind_most(); }
+  [[nodiscard]] OutOfControl blind() const;
 
   device::HapticDevice& device_;
   Pace& pace_;
   const DeviceCheckSettings& settings_;
   std::string check_;
   Nanoseconds next_{0};
-  Nanoseconds now_{0};  ///< of the tick
+  Nanoseconds now_{0};   ///< of the tick
+  Nanoseconds seen_{0};  ///< of the last tick with a usable reading
   std::deque<Place> track_{};
   control::Matrix damping_{};
   ReadingCounts readings_{};

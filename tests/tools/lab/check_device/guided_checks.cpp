@@ -114,6 +114,7 @@ class GuidedChecks {
     if (!push.too_fast.empty()) throw TooFast(push.too_fast);
     add(kName, push.moved[0] >= kFelt_m, "moved " + text::rounded(1e3 * push.moved[0]) + " mm along +x",
         "> 0.1 mm, once it is commanded");
+    driving_.begin("braking after that");
     driving_.brake(force_N_);
   }
 
