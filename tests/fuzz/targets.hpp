@@ -33,6 +33,7 @@ void fuzz_server(Bytes bytes);        ///< a script of datagrams, times and addr
 void fuzz_summary(Bytes bytes);       ///< what --summary wrote, and the table of it
 void fuzz_toml(Bytes bytes);          ///< TOML itself, and a value as after KEY =
 void fuzz_trace(Bytes bytes);         ///< a network's delays or opportunities as they were measured
+void fuzz_view(Bytes bytes);          ///< how a scene looks, as a server tells, and what moves in it
 void fuzz_wire(Bytes bytes);          ///< a datagram; the first byte is its kind, the checksum is made right
 void fuzz_words(Bytes bytes);         ///< words of a command line: network, endpoints, a simulated hand
 
@@ -54,7 +55,8 @@ inline constexpr std::array kTargets{
     Target{"recording", fuzz_recording}, Target{"scene", fuzz_scene},
     Target{"server", fuzz_server},       Target{"summary", fuzz_summary},
     Target{"toml", fuzz_toml},           Target{"trace", fuzz_trace},
-    Target{"wire", fuzz_wire},           Target{"words", fuzz_words},
+    Target{"view", fuzz_view},           Target{"wire", fuzz_wire},
+    Target{"words", fuzz_words},
 };
 
 }  // namespace forcebound::fuzz

@@ -178,7 +178,11 @@ struct PageServer::Parts final : internal::Owner, Viewers {
     ++counts_.viewers;
     guarded([&] { subject_.greet(viewer.id(), *this); });
   }
-  void left(internal::Viewer& viewer) noexcept override { viewers_.erase(viewer.id()); }
+  void left(internal::Viewer& viewer) noexcept override {
+    const ViewerId id = viewer.id();
+    viewers_.erase(id);
+    subject_.leave(id);
+  }
   void received(internal::Viewer& viewer, std::string_view text) override {
     ++counts_.messages;
     guarded([&] { subject_.receive(viewer.id(), text, *this); });

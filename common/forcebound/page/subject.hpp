@@ -40,6 +40,9 @@ class Subject {
   /// What a viewer sent: any text at all, up to the limit on a message.
   virtual void receive(ViewerId viewer, std::string_view text, Viewers& viewers) = 0;
 
+  /// A viewer left, also while something was sent to it: to be taken note of, with nothing sent to anybody.
+  virtual void leave(ViewerId viewer) noexcept { (void)viewer; }
+
   /// 60 times a second, viewers or not.
   virtual void beat(Viewers& viewers) = 0;
 

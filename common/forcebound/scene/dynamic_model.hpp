@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "forcebound/local_model/local_model.hpp"
 #include "forcebound/scene/effects/effect.hpp"
 #include "forcebound/scene/geometry/point.hpp"
+#include "forcebound/scene/visible_part.hpp"
 
 namespace forcebound::scene {
 
@@ -64,6 +66,18 @@ class DynamicModelState {
     (void)seat;
     (void)model;
     return false;
+  }
+
+  /// What can be seen of it, in an order that stays: one surface, or solids.
+  [[nodiscard]] virtual std::vector<VisiblePart> visible() const { return {}; }
+
+  /// Where it is now, for a picture: of a surface the vertices, else the solids, from number `first` on, each by its
+  /// kNumbersOfVertex or kNumbersOfSolid [m]. @returns how many numbers were written: as many whole ones as fit
+  /// Real time.
+  [[nodiscard]] virtual std::size_t see(std::size_t first, std::span<float> to) const noexcept {
+    (void)first;
+    (void)to;
+    return 0;
   }
 
   /// Whether the state is finite. A state that is not stays so, and must not be used any more.

@@ -200,6 +200,11 @@ DynamicModelsNow SceneState::dynamic_models() const {
   return dynamic_models;
 }
 
+std::size_t SceneState::see(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept {
+  if (dynamic_model >= seats_.size() || !seats_[dynamic_model].sound()) return 0;
+  return seats_[dynamic_model].now()->state().see(first, to);
+}
+
 Vector SceneState::in_device_rows(const Point& point) const noexcept {
   Vector vector = Vector::Zero(rows_);
   vector.head(translations_) = point.head(translations_);

@@ -74,6 +74,9 @@ class SceneState {
 
   [[nodiscard]] DynamicModelsNow dynamic_models() const;
 
+  /// Where the parts of a dynamic model are now: DynamicModelState::see. Nothing of one that is not sound. Real time.
+  [[nodiscard]] std::size_t see(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept;
+
   /// With the device's rows; rotations are zero.
   [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
 

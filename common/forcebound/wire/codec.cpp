@@ -86,6 +86,7 @@ struct Codec::Storage {
   void fill(const EnvironmentForce& from) noexcept { wire::fill(from, force); }
   void fill(const Bye& from) noexcept;
   void fill(const ScenePiece& from) noexcept;
+  void fill(const ViewPiece& from) noexcept;
 
   template <class Proto>
   std::span<const std::byte> frame(std::size_t kind, const Proto& body) noexcept;
@@ -100,6 +101,7 @@ struct Codec::Storage {
   v1::EnvironmentForce force;
   v1::Bye bye;
   v1::ScenePiece piece;
+  v1::ViewPiece view;
 
   KnownFields known;
   std::array<std::byte, kFrameBytesMax> datagram{kMark[0], kMark[1], kFrameVersion};
@@ -108,9 +110,10 @@ struct Codec::Storage {
 // Grows every string and list to the most that a datagram can hold; clearing keeps their memory.
 Codec::Storage::Storage() {
   const std::string longest(kFrameBytesMax, 'x');
-  for (std::string* text : {hello.mutable_device(), hello.mutable_scene(), hello.mutable_server_law(),
-                            hello.mutable_padding(), welcome.mutable_scene(), welcome.mutable_simulated(),
-                            welcome.mutable_manifest_sha256(), refusal.mutable_text(), piece.mutable_content()}) {
+  for (std::string* text :
+       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_server_law(), hello.mutable_padding(),
+        welcome.mutable_scene(), welcome.mutable_simulated(), welcome.mutable_manifest_sha256(), refusal.mutable_text(),
+        piece.mutable_content(), view.mutable_content()}) {
     *text = longest;
   }
   for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_server_parts_n(),
@@ -159,6 +162,7 @@ void Codec::Storage::fill(const Hello& from) noexcept {
   hello.set_round_trip_ns(from.round_trip.count());
   hello.mutable_server_law()->assign(cut_name(from.server_law));
   hello.set_renders_locally(from.renders_locally);
+  hello.set_shows_scene(from.shows_scene);
   hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
 }
 
@@ -205,6 +209,16 @@ void Codec::Storage::fill(const ScenePiece& from) noexcept {
   piece.mutable_content()->assign(reinterpret_cast<const char*>(from.content.data()), from.content.size());
 }
 
+void Codec::Storage::fill(const ViewPiece& from) noexcept {
+  view.Clear();
+  view.set_session(from.session);
+  view.set_view(from.view);
+  view.set_pieces(from.pieces);
+  view.set_number(from.number);
+  view.set_first(from.first);
+  view.mutable_content()->assign(reinterpret_cast<const char*>(from.content.data()), from.content.size());
+}
+
 namespace {
 
 using Decoded = std::variant<Message, Malformed>;
@@ -226,7 +240,8 @@ Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
                        .client_time = time,
                        .round_trip = round_trip,
                        .server_law = cut_name(from.server_law()),
-                       .renders_locally = from.renders_locally()}};
+                       .renders_locally = from.renders_locally(),
+                       .shows_scene = from.shows_scene()}};
 }
 
 Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
@@ -290,6 +305,15 @@ Decoded to_value(const v1::ScenePiece& from, std::size_t) noexcept {
                             .content = std::as_bytes(std::span(from.content()))}};
 }
 
+Decoded to_value(const v1::ViewPiece& from, std::size_t) noexcept {
+  return Message{ViewPiece{.session = from.session(),
+                           .view = from.view(),
+                           .pieces = from.pieces(),
+                           .number = from.number(),
+                           .first = from.first(),
+                           .content = std::as_bytes(std::span(from.content()))}};
+}
+
 }  // namespace
 
 template <class Proto>
@@ -331,8 +355,10 @@ std::span<const std::byte> Codec::encode(const Message& message) noexcept {
       return storage_->frame(kind, storage_->force);
     case 6:
       return storage_->frame(kind, storage_->bye);
-    default:
+    case 7:
       return storage_->frame(kind, storage_->piece);
+    default:
+      return storage_->frame(kind, storage_->view);
   }
 }
 
@@ -382,6 +408,8 @@ std::variant<Message, Malformed> Codec::decode(std::span<const std::byte> datagr
       return storage_->read(storage_->bye, datagram);
     case 7:
       return storage_->read(storage_->piece, datagram);
+    case 8:
+      return storage_->read(storage_->view, datagram);
     default:
       return Malformed::unreadable;
   }

@@ -64,7 +64,7 @@ struct Heading {
 ///
 /// A datagram is a frame header of eight bytes and a Protocol Buffers body:
 ///
-///     'F' 'B' | frame version 1 | kind 1..7, the index in Message + 1 | CRC-32 of kind and body, little-endian | body
+///     'F' 'B' | frame version 1 | kind 1..8, the index in Message + 1 | CRC-32 of kind and body, little-endian | body
 ///
 /// The checksum (zlib's) is ours because UDP's is rewritten by every relay on the way. The frame version is not the
 /// protocol's, which a Hello names: it stays as it is, so that programs of different protocol versions can read each

@@ -39,6 +39,7 @@ struct Hello {
   Nanoseconds round_trip{0};      ///< measured by the client from a refusal `round_trip_wanted`; 0: not measured
   std::string_view server_law{};  ///< the client's law, by name, if it works with a server-side law; empty: none
   bool renders_locally = false;   ///< requests the scene itself, to run what does not move at the client
+  bool shows_scene = false;       ///< requests what can be seen of the scene, for a page
 };
 
 /// The static part of a scene that the server hands over, in numbered pieces (handover/packed_scene.hpp).
@@ -72,6 +73,17 @@ struct ScenePiece {
   std::uint64_t session = 0;
   std::uint64_t transmission = 0;        ///< 1, 2, 3, ... in the order of sending; sent again, a piece has another
   std::uint32_t number = 0;              ///< of the piece, from 0
+  std::span<const std::byte> content{};  ///< as text is, a view
+};
+
+/// Server to client: a piece of what can be seen of the scene (view/description.hpp), for pictures alone. None is sent
+/// again.
+struct ViewPiece {
+  std::uint64_t session = 0;
+  std::uint64_t view = 0;                ///< hash of the description that it is about
+  std::uint32_t pieces = 0;              ///< of that description; 0: the content is where a part of it is now
+  std::uint32_t number = 0;              ///< of the piece, or of the part
+  std::uint32_t first = 0;               ///< vertex of a part that deforms
   std::span<const std::byte> content{};  ///< as text is, a view
 };
 
@@ -161,6 +173,6 @@ struct Bye {
   std::uint64_t motions_behind = 0;  ///< largest distance of a reordered number behind the newest
 };
 
-using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye, ScenePiece>;
+using Message = std::variant<Hello, Welcome, Refusal, MotionSample, EnvironmentForce, Bye, ScenePiece, ViewPiece>;
 
 }  // namespace forcebound::wire

@@ -37,17 +37,21 @@ class ScriptedServer {
     constexpr std::string_view kScenes[] = {"", "wall", "sphere", "spere"};
     constexpr std::string_view kLaws[] = {"", "wave", "two-layer", "tdpa"};
     switch (script_.byte() % 9) {
-      case 0:
-        arrive(wire::Hello{.client_nonce = script_.byte(),
-                           .degrees_of_freedom = script_.byte() % 8U,
-                           .device = "scripted",
-                           .period_s = script_.byte() * 1e-4,
-                           .force_N_max = 30,
-                           .scene = kScenes[script_.byte() % std::size(kScenes)],
-                           .client_time = time::Nanoseconds{script_.value<std::uint32_t>()},
-                           .server_law = kLaws[script_.byte() % std::size(kLaws)],
-                           .renders_locally = script_.byte() % 2 == 1});
+      case 0: {
+        wire::Hello hello{.client_nonce = script_.byte(),
+                          .degrees_of_freedom = script_.byte() % 8U,
+                          .device = "scripted",
+                          .period_s = script_.byte() * 1e-4,
+                          .force_N_max = 30,
+                          .scene = kScenes[script_.byte() % std::size(kScenes)],
+                          .client_time = time::Nanoseconds{script_.value<std::uint32_t>()},
+                          .server_law = kLaws[script_.byte() % std::size(kLaws)]};
+        const std::uint8_t wants = script_.byte();
+        hello.renders_locally = wants % 2 == 1;
+        hello.shows_scene = (wants & 2U) != 0;
+        arrive(hello);
         break;
+      }
       case 1:
         arrive(motion());
         break;

@@ -215,6 +215,23 @@ TEST(Codec, GivesWelcomeBack) {
   EXPECT_EQ(back.server_parts, ServerParts::modelled);
 }
 
+TEST(Codec, GivesAPieceOfAPictureBackInADatagramAtMost) {
+  Codec codec;
+  const auto piece = round_trip(codec, std::get<ViewPiece>(one_of_each()[7]));
+  EXPECT_EQ(piece.session, 0xfedcba9876543210U);
+  EXPECT_EQ(piece.view, 0x0f1e2d3c4b5a6978U);
+  EXPECT_EQ(piece.pieces, 40U);
+  EXPECT_EQ(piece.number, 39U);
+  EXPECT_EQ(piece.first, 270U);
+  EXPECT_TRUE(std::ranges::equal(piece.content, kPieceContent));
+  const std::vector<std::byte> longest(1100, std::byte{0xff});
+  EXPECT_LE(codec
+                .encode(ViewPiece{
+                    .session = ~0ull, .view = ~0ull, .pieces = ~0u, .number = ~0u, .first = ~0u, .content = longest})
+                .size(),
+            kFrameBytesMax);
+}
+
 TEST(Codec, GivesAPieceOfASceneAndItsReceiptBack) {
   Codec codec;
   const auto piece = round_trip(codec, std::get<ScenePiece>(one_of_each()[6]));

@@ -34,7 +34,7 @@ inline Bytes framed(unsigned kind, const Bytes& body) {
 }
 
 /// One of each kind, every field set.
-inline std::array<Message, 7> one_of_each() {
+inline std::array<Message, 8> one_of_each() {
   return {Hello{.protocol_version = 2,
                 .client_nonce = 0x0123456789abcdef,
                 .degrees_of_freedom = 3,
@@ -45,7 +45,8 @@ inline std::array<Message, 7> one_of_each() {
                 .client_time = Nanoseconds{-12},
                 .round_trip = Nanoseconds{20000000},
                 .server_law = "wave",
-                .renders_locally = true},
+                .renders_locally = true,
+                .shows_scene = true},
           Welcome{.client_nonce = 0x0123456789abcdef,
                   .session = 0xfedcba9876543210,
                   .scene_hash = 77,
@@ -94,7 +95,13 @@ inline std::array<Message, 7> one_of_each() {
               .motions_reordered = 2,
               .forces_sent = 988,
               .motions_behind = 40},
-          ScenePiece{.session = 0xfedcba9876543210, .transmission = 80, .number = 12, .content = kPieceContent}};
+          ScenePiece{.session = 0xfedcba9876543210, .transmission = 80, .number = 12, .content = kPieceContent},
+          ViewPiece{.session = 0xfedcba9876543210,
+                    .view = 0x0f1e2d3c4b5a6978,
+                    .pieces = 40,
+                    .number = 39,
+                    .first = 270,
+                    .content = kPieceContent}};
 }
 
 }  // namespace forcebound::wire

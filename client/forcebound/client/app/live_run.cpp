@@ -25,11 +25,11 @@
 #include "forcebound/client/app/screen.hpp"
 #include "forcebound/client/page/live_page.hpp"
 #include "forcebound/client/page/relay_control.hpp"
-#include "forcebound/client/page/scene_message.hpp"
 #include "forcebound/page/page_server.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -185,7 +185,10 @@ class LiveRun {
     ShownScene& shown = scenes_.at(static_cast<std::size_t>(track));
     if (scene == shown.scene) return;
     shown.scene = scene;
-    if (scene) page_.set_scene(track, scene_message(track, *scene, shown.simulated));
+    if (!scene) return;
+    view::ShownScene looks = view::shown(*scene, view::Which::all);
+    view::add_words(looks.more, shown.simulated);
+    page_.set_scene(track, std::move(looks));
   }
 
   void show(const std::vector<std::unique_ptr<LiveTrack>>& tracks) {

@@ -75,6 +75,8 @@ ShownTrack LiveTrack::shown(time::Nanoseconds epoch) const {
   const double stiffness = with_hand == nullptr ? 0 : with_hand->hand().hand().stiffness_N_per_m;
   return {.tap = tap,
           .pointer = pointer,
+          .view = view,
+          .renders_locally = settings.renders_locally,
           .figures = {.degrees_of_freedom = std::min(facts.degrees_of_freedom(), kSpace),
                       .period = time::from_seconds(facts.period_s),
                       .epoch = epoch,
@@ -161,6 +163,7 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   const control::LawOptions chosen = law_options(of_law, laws_);
   track->law = laws_.make(law, facts, chosen);
   track->tap = std::make_shared<TickTap>();
+  track->view = std::make_shared<ViewTap>();
   track->pointer = pointer_of(*track->device);
   Client::Settings& settings = track->settings;
   settings = settings_of(options_);
@@ -170,6 +173,7 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   settings.scene = choice.scene;
   settings.hand = request.hand;
   settings.beside = beside;
+  settings.view = track->view.get();
   // The program ends the run.
   settings.duration_s = 0;
   // As if each were another program: a session that ended must not be taken for the next one.

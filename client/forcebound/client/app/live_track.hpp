@@ -21,6 +21,7 @@ struct LiveTrack {
   std::unique_ptr<device::HapticDevice> device;
   std::unique_ptr<control::PassivityLaw> law;
   std::shared_ptr<TickTap> tap;
+  std::shared_ptr<ViewTap> view;
   std::shared_ptr<device::PointerTarget> pointer{};  ///< null: the hand follows none
   Client::Settings settings;
 

@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
 #include "forcebound/text/printable.hpp"
+#include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::client {
 namespace {
 
 // Of 60 a second.
 constexpr std::uint64_t kBeatsPerStatus = 15;
+constexpr std::uint64_t kBeatsPerMovement = 2;
+constexpr double kSceneEvery_s = 1;
 
 page::Text shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
@@ -25,13 +29,19 @@ double LivePage::now_s() const noexcept { return time::to_seconds(clock_.now() -
 /// Behind `lock_`.
 void LivePage::queue(std::string message) { outbox_.push_back(std::move(message)); }
 
+/// Likewise.
+void LivePage::queue_hello() {
+  queue(hello_message(state_, now_s()));
+  hello_waits_ = true;
+}
+
 void LivePage::begin_run(PageState state, std::vector<ShownTrack> tracks) {
   const std::scoped_lock lock(lock_);
   state_ = std::move(state);
-  scenes_.assign(tracks.size(), {});
+  scenes_.assign(tracks.size(), Scene());
   next_tracks_ = std::move(tracks);
   closing_ = false;
-  queue(hello_message(state_, now_s()));
+  queue_hello();
 }
 
 void LivePage::note_closing() {
@@ -42,15 +52,16 @@ void LivePage::note_closing() {
 void LivePage::set_state(PageState state) {
   const std::scoped_lock lock(lock_);
   state_ = std::move(state);
-  queue(hello_message(state_, now_s()));
+  queue_hello();
 }
 
-void LivePage::set_scene(int track, std::string message) {
+void LivePage::set_scene(int track, view::ShownScene scene) {
+  auto here = std::make_shared<const view::ShownScene>(std::move(scene));
   const std::scoped_lock lock(lock_);
   const auto place = static_cast<std::size_t>(track);
   if (place >= scenes_.size()) return;
-  scenes_[place] = message;
-  queue(std::move(message));
+  scenes_[place].here = std::move(here);
+  scenes_[place].changed = true;
 }
 
 void LivePage::tell(int track, const std::string& level, const std::string& text) {
@@ -59,6 +70,7 @@ void LivePage::tell(int track, const std::string& level, const std::string& text
   events_.push_back(message);
   if (events_.size() > kEventsKept) events_.pop_front();
   queue(std::move(message));
+  ++events_waiting_;
 }
 
 void LivePage::refuse(const std::string& about, const std::string& text) {
@@ -74,15 +86,50 @@ std::optional<page::Request> LivePage::take_request() {
   return request;
 }
 
+/// What waits in the outbox goes to this viewer too, at the next beat.
 void LivePage::greet(page::ViewerId viewer, page::Viewers& viewers) {
-  const std::scoped_lock lock(lock_);
-  // Before the first run there is nothing to tell; its hello goes to all.
-  if (scenes_.empty()) return;
-  viewers.send(viewer, shared(hello_message(state_, now_s())), page::Worth::needed);
-  for (const std::string& scene : scenes_) {
-    if (!scene.empty()) viewers.send(viewer, shared(scene), page::Worth::needed);
+  std::vector<page::Text> messages;
+  {
+    const std::scoped_lock lock(lock_);
+    // Before the first run there is nothing to tell; its hello goes to all.
+    if (scenes_.empty()) return;
+    if (!hello_waits_) messages.push_back(shared(hello_message(state_, now_s())));
+    for (Scene& scene : scenes_) {
+      if (!scene.message) continue;
+      if (hello_waits_) {
+        scene.changed = true;  // after the hello
+      } else {
+        messages.push_back(scene.message);
+      }
+    }
+    const std::size_t told = events_.size() - std::min(events_.size(), events_waiting_);
+    for (std::size_t i = 0; i < told; ++i) messages.push_back(shared(events_[i]));
   }
-  for (const std::string& event : events_) viewers.send(viewer, shared(event), page::Worth::needed);
+  for (const page::Text& message : messages) viewers.send(viewer, message, page::Worth::needed);
+  for (Track& track : tracks_) track.assembly.tell_again();
+}
+
+/// Whoever leaves has nothing in the hand any more.
+void LivePage::leave(page::ViewerId viewer) noexcept {
+  if (dragging_ == viewer) let_go();
+  const auto pressing = pressed_.find(viewer);
+  if (pressing == pressed_.end()) return;
+  const std::uint32_t buttons = pressing->second;
+  pressed_.erase(pressing);
+  for (int button = 0; button < std::numeric_limits<std::uint32_t>::digits; ++button) {
+    if (((buttons >> static_cast<unsigned>(button)) & 1U) == 0) continue;
+    for (const Track& track : tracks_) {
+      if (track.shown.pointer) track.shown.pointer->press(button, false);
+    }
+  }
+}
+
+void LivePage::let_go() noexcept {
+  hand_m_.reset();
+  dragging_ = 0;
+  for (const Track& track : tracks_) {
+    if (track.shown.pointer) track.shown.pointer->let_go();
+  }
 }
 
 void LivePage::receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) {
@@ -101,16 +148,21 @@ void LivePage::act_on(const page::Request& request, page::ViewerId viewer, page:
   };
   if (const auto* const hand = std::get_if<page::HandAt>(&request)) {
     hand_m_ = hand->point_m;
+    dragging_ = viewer;
     for (const Track& track : tracks_) point(track);
   } else if (std::holds_alternative<page::HandFree>(request)) {
-    hand_m_.reset();
-    each_pointer([](device::PointerTarget& pointer) { pointer.let_go(); });
+    let_go();
   } else if (const auto* const button = std::get_if<page::Button>(&request)) {
+    const std::uint32_t bit = 1U << static_cast<unsigned>(button->index);
+    std::uint32_t& held = pressed_[viewer];
+    held = button->down ? held | bit : held & ~bit;
     each_pointer([button](device::PointerTarget& pointer) { pointer.press(button->index, button->down); });
   } else if (std::holds_alternative<page::Choose>(request) || std::holds_alternative<page::Record>(request)) {
     const auto* const choice = std::get_if<page::Choose>(&request);
-    const std::scoped_lock lock(lock_);
-    if (requests_.size() < kRequestsMost) return requests_.push_back(request);
+    {
+      const std::scoped_lock lock(lock_);
+      if (requests_.size() < kRequestsMost) return requests_.push_back(request);
+    }
     viewers.send(viewer,
                  shared(refused_message(choice != nullptr ? choice->setting : "record",
                                         "too many changes at once: wait until the last one is done")),
@@ -150,6 +202,64 @@ void LivePage::take_run() {
   next_tracks_.reset();
 }
 
+/// Of the page's thread alone: a description is read here.
+void LivePage::take_view(std::size_t number) {
+  Track& track = tracks_[number];
+  if (!track.shown.view) return;
+  track.shown.view->take([&](const view::Assembly::Piece& piece) {
+    if (!track.assembly.take(piece)) return;
+    auto server = std::make_shared<const view::ShownScene>(track.assembly.scene()->shown);
+    const std::scoped_lock lock(lock_);
+    if (next_tracks_ || number >= scenes_.size()) return;  // of a run that is over
+    scenes_[number].server = std::move(server);
+    scenes_[number].changed = true;
+  });
+}
+
+void LivePage::show_scenes(page::Viewers& viewers) {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    std::shared_ptr<const view::ShownScene> here;
+    std::shared_ptr<const view::ShownScene> server;
+    {
+      const std::scoped_lock lock(lock_);
+      if (next_tracks_ || i >= scenes_.size()) return;
+      Scene& scene = scenes_[i];
+      const double now = now_s();
+      if (!scene.changed || (scene.shown_s >= 0 && now - scene.shown_s < kSceneEvery_s)) continue;
+      // All of it is on its way to here.
+      if (tracks_[i].shown.renders_locally && !scene.here && scene.server->empty()) continue;
+      scene.changed = false;
+      scene.shown_s = now;
+      here = scene.here;
+      server = scene.server;
+    }
+    static const view::ShownScene kNothing;
+    const view::ShownScene looks = here ? view::joined(*here, server ? *server : kNothing) : *server;
+    const page::Text message = shared(view::scene_message(static_cast<int>(i), looks));
+    viewers.send_to_all(message, page::Worth::needed);
+    tracks_[i].assembly.tell_again();
+    const std::scoped_lock lock(lock_);
+    if (!next_tracks_ && i < scenes_.size()) scenes_[i].message = message;
+  }
+}
+
+void LivePage::show(Track& track, int number, bool closing, page::Viewers& viewers) {
+  auto& [shown, figures, assembly] = track;
+  std::optional<device::PointerTarget::Point> hand;
+  if (shown.pointer && shown.pointer->held()) hand = shown.pointer->place_m();
+  if (std::string ticks = figures.take_ticks(number, hand); !ticks.empty()) {
+    viewers.send_to_all(shared(std::move(ticks)), page::Worth::stream);
+  }
+  if (beats_ % kBeatsPerMovement == 0) {
+    if (std::string moved = assembly.take_moved(number); !moved.empty()) {
+      viewers.send_to_all(shared(std::move(moved)), page::Worth::stream);
+    }
+  }
+  if (beats_ % kBeatsPerStatus == 0) {
+    viewers.send_to_all(shared(figures.status(number, shown.tap->dropped(), closing)), page::Worth::stream);
+  }
+}
+
 void LivePage::beat(page::Viewers& viewers) {
   std::vector<std::string> outbox;
   bool closing = false;
@@ -157,28 +267,27 @@ void LivePage::beat(page::Viewers& viewers) {
     const std::scoped_lock lock(lock_);
     take_run();
     outbox.swap(outbox_);
+    events_waiting_ = 0;
+    hello_waits_ = false;
     closing = closing_;
   }
   for (std::string& message : outbox) viewers.send_to_all(shared(std::move(message)), page::Worth::needed);
-  const bool status_due = beats_++ % kBeatsPerStatus == 0;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    auto& [shown, figures] = tracks_[i];
+    auto& [shown, figures, assembly] = tracks_[i];
     shown.tap->take([&figures = figures](const ForceSample& force) { figures.add(force); },
                     [&figures = figures](const TickSample& tick) { figures.add(tick); });
     point(tracks_[i]);
-    std::optional<device::PointerTarget::Point> hand;
-    if (shown.pointer && shown.pointer->held()) hand = shown.pointer->place_m();
-    if (viewers.count() == 0) {
-      figures.leave_out_ticks();
-      continue;
-    }
-    const auto track = static_cast<int>(i);
-    if (std::string ticks = figures.take_ticks(track, hand); !ticks.empty()) {
-      viewers.send_to_all(shared(std::move(ticks)), page::Worth::stream);
-    }
-    if (!status_due) continue;
-    viewers.send_to_all(shared(figures.status(track, shown.tap->dropped(), closing)), page::Worth::stream);
+    take_view(i);
   }
+  if (viewers.count() > 0) show_scenes(viewers);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (viewers.count() == 0) {
+      tracks_[i].figures.leave_out_ticks();
+    } else {
+      show(tracks_[i], static_cast<int>(i), closing, viewers);
+    }
+  }
+  ++beats_;
 }
 
 std::string LivePage::metrics() {

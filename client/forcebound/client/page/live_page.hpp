@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -11,9 +12,11 @@
 #include "forcebound/client/page/page_state.hpp"
 #include "forcebound/client/page/run_figures.hpp"
 #include "forcebound/client/page/tick_tap.hpp"
+#include "forcebound/client/page/view_tap.hpp"
 #include "forcebound/device/simulated/pointer_operator.hpp"
 #include "forcebound/page/subject.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/view/assembly.hpp"
 
 namespace forcebound::client {
 
@@ -21,6 +24,8 @@ namespace forcebound::client {
 struct ShownTrack {
   std::shared_ptr<TickTap> tap;
   std::shared_ptr<device::PointerTarget> pointer{};  ///< null: the hand follows none
+  std::shared_ptr<ViewTap> view{};                   ///< null: the server does not tell how the scene looks
+  bool renders_locally = false;                      ///< what the server need not tell comes to be here
   RunFigures::Options figures{};
   /// The hand is pointed no farther than this from where the tip is, however far the pointer is: it pulls no harder
   /// than the device can hold against it.
@@ -48,8 +53,8 @@ class LivePage final : public page::Subject {
   void note_closing();
   /// The same run, but something of what a page shows as chosen is another.
   void set_state(PageState state);
-  /// The message `scene` of a track.
-  void set_scene(int track, std::string message);
+  /// What of a track's scene is at this client. What the server tells of the rest is shown beside.
+  void set_scene(int track, view::ShownScene scene);
   void tell(int track, const std::string& level, const std::string& text);
   void refuse(const std::string& about, const std::string& text);
 
@@ -59,19 +64,35 @@ class LivePage final : public page::Subject {
   [[nodiscard]] time::Nanoseconds epoch() const noexcept { return epoch_; }
 
   void greet(page::ViewerId viewer, page::Viewers& viewers) override;
+  void leave(page::ViewerId viewer) noexcept override;
   void receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) override;
   void beat(page::Viewers& viewers) override;
   [[nodiscard]] std::string metrics() override;
 
  private:
+  /// How a track's scene looks. A scene that is handed over grows by every piece: it is shown once a second.
+  struct Scene {
+    std::shared_ptr<const view::ShownScene> here{};    ///< at this client; null: none
+    std::shared_ptr<const view::ShownScene> server{};  ///< as the server tells; null: it does not
+    bool changed = false;
+    double shown_s = -1;  ///< when; below 0: never
+    page::Text message{};
+  };
+
   struct Track {
     ShownTrack shown;
     RunFigures figures;
+    view::Assembly assembly{};
   };
 
   [[nodiscard]] double now_s() const noexcept;
   void queue(std::string message);
+  void queue_hello();
   void take_run();
+  void take_view(std::size_t track);
+  void show_scenes(page::Viewers& viewers);
+  void show(Track& track, int number, bool closing, page::Viewers& viewers);
+  void let_go() noexcept;
   void point(const Track& track) const;
   void act_on(const page::Request& request, page::ViewerId viewer, page::Viewers& viewers);
 
@@ -82,8 +103,10 @@ class LivePage final : public page::Subject {
   std::mutex lock_;
   PageState state_;
   std::optional<std::vector<ShownTrack>> next_tracks_;  // of a run that the page's thread has not taken yet
-  std::vector<std::string> scenes_;                     // by track; empty: unknown yet
+  std::vector<Scene> scenes_;                           // by track
   std::vector<std::string> outbox_;
+  std::size_t events_waiting_ = 0;  // of the newest events, in the outbox
+  bool hello_waits_ = false;        // likewise
   std::deque<std::string> events_;
   std::deque<page::Request> requests_;
   bool closing_ = false;
@@ -91,6 +114,8 @@ class LivePage final : public page::Subject {
   // Of the page's thread.
   std::vector<Track> tracks_;
   std::optional<device::PointerTarget::Point> hand_m_;  // where the pointer is, while it drags
+  page::ViewerId dragging_ = 0;                         // whose it is
+  std::map<page::ViewerId, std::uint32_t> pressed_;     // buttons that viewers hold down
   std::uint64_t beats_ = 0;
 };
 

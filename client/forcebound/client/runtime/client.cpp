@@ -117,7 +117,7 @@ struct Client::Parts {
                                      .force_slew_N_per_s = settings.force_slew_N_per_s,
                                      .send_rate = settings.send_rate},
                     device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link,
-                    clock, Session::Sinks{.ticks = sinks, .events = &events});
+                    clock, Session::Sinks{.ticks = sinks, .events = &events, .view = settings.view});
   }
 
   /// Ends the process: the tick's thread, which is in the driver, cannot be ended alone. What that thread has in hand,

@@ -9,6 +9,7 @@
 #include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
+#include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/record/summary.hpp"
@@ -49,6 +50,7 @@ class Client {
     /// Runs beside another client of this process: it is that one's device that a failed assertion stops. For simulated
     /// devices alone.
     bool beside = false;
+    ViewSink* view = nullptr;  ///< is told how the scene looks, by servers that tell; must outlive the client
     // Further entries of the recording's metadata.
     std::string program{};
     std::string law{};  ///< its name; empty: the law's own

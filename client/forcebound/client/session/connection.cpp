@@ -110,7 +110,8 @@ wire::Hello Connection::hello(Nanoseconds now) noexcept {
           .client_time = now,
           .round_trip = round_trip_,
           .server_law = facts_.server_law,
-          .renders_locally = facts_.renders_locally};
+          .renders_locally = facts_.renders_locally,
+          .shows_scene = facts_.shows_scene};
 }
 
 }  // namespace forcebound::client

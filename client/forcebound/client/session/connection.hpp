@@ -39,6 +39,7 @@ class Connection {
     double period_s = 1e-3;
     double force_N_max = 0;
     bool renders_locally = false;
+    bool shows_scene = false;
   };
 
   Connection(Facts facts, std::uint64_t seed);

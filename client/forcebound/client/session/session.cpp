@@ -25,14 +25,15 @@ constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
 Connection::Facts connection_facts(const control::DeviceFacts& device, const Session::Options& options,
-                                   std::string_view server_law) {
+                                   std::string_view server_law, bool shows_scene) {
   return {.device = device.name,
           .scene = options.scene,
           .server_law = std::string(server_law),
           .degrees_of_freedom = device.degrees_of_freedom(),
           .period_s = device.period_s,
           .force_N_max = device.force_N_max,
-          .renders_locally = options.local != nullptr};
+          .renders_locally = options.local != nullptr,
+          .shows_scene = shows_scene};
 }
 
 std::string_view words_of(HandSafety::Trip trip) noexcept {
@@ -62,7 +63,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       choosing_(time::from_seconds(device.facts().period_s)),
       schedule_(options_.send_rate, time::from_seconds(device.facts().period_s)),
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
-      connection_(connection_facts(device.facts(), options_, controller_.law().server_law()),
+      connection_(connection_facts(device.facts(), options_, controller_.law().server_law(), sinks.view != nullptr),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().degrees_of_freedom()),
       blackouts_(options_.policy.hold),
@@ -370,6 +371,8 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     receive_refusal(*refusal, now, arrival);
   } else if (const auto* piece = std::get_if<wire::ScenePiece>(&message)) {
     if (options_.local != nullptr) options_.local->take(*piece);
+  } else if (const auto* view = std::get_if<wire::ViewPiece>(&message)) {
+    if (sinks_.view != nullptr && view->session == connection_.session()) sinks_.view->on_view(*view);
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     receive_bye(*bye, now);
   } else {

@@ -18,6 +18,7 @@
 #include "forcebound/client/session/hand_safety.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
+#include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/net/datagram_link.hpp"
@@ -63,6 +64,7 @@ class Session {
   struct Sinks {
     std::span<record::TickSink* const> ticks;
     EventSink* events = nullptr;
+    ViewSink* view = nullptr;  ///< null: what can be seen of the scene is not asked for
   };
 
   /// @throws std::invalid_argument for a policy with hold > drop, if the controller refuses the device or law, or for a

@@ -13,6 +13,7 @@
 #include "forcebound/local_model/local_model.hpp"
 #include "forcebound/scene/rendering.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/view/description.hpp"
 
 namespace forcebound::server {
 
@@ -69,6 +70,22 @@ class Environment {
   virtual ~Environment() = default;
 
   [[nodiscard]] virtual Response respond(const Motion& motion) noexcept = 0;
+
+  /// How it looks, for a client that shows it to people; null: it is not to be seen. Not real time: may allocate.
+  /// @param which of its static parts
+  [[nodiscard]] virtual std::shared_ptr<const view::Description> looks(view::Which which) {
+    (void)which;
+    return nullptr;
+  }
+
+  /// Where items of a group of that description are now, from number `first` on, as many as fit (view/description.hpp).
+  /// @returns how many numbers were written; 0: nothing is known. Real time, as `respond`.
+  [[nodiscard]] virtual std::size_t see(std::size_t group, std::size_t first, std::span<float> to) const noexcept {
+    (void)group;
+    (void)first;
+    (void)to;
+    return 0;
+  }
 
   /// Counted since construction.
   [[nodiscard]] virtual EnvironmentFaults faults() const noexcept { return {}; }

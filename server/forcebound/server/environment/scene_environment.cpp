@@ -2,17 +2,51 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/explain.hpp"
+#include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::server {
 namespace {
 
+/// How a scene looks is made once somebody asks, for all of its clients.
+struct Looks {
+  std::shared_ptr<const view::Description> all{};
+  std::shared_ptr<const view::Description> not_handed_over{};
+};
+
+view::Description describe(const scene::SceneState& state, view::Which which) {
+  const scene::Scene& scene = state.scene();
+  std::vector<std::vector<scene::VisiblePart>> models;
+  for (const auto& model : state.dynamic_models()) {
+    models.push_back(model->state().visible());
+    const std::string& name = model->dynamic_model().name;
+    for (scene::VisiblePart& part : models.back()) {
+      if (part.kind == scene::VisiblePart::Kind::surface) part.name = name;
+    }
+  }
+  return view::describe(view::shown(scene, which), models);
+}
+
 class SceneEnvironment final : public Environment {
  public:
-  explicit SceneEnvironment(scene::SceneState state) : state_(std::move(state)) {}
+  SceneEnvironment(scene::SceneState state, std::shared_ptr<Looks> looks)
+      : state_(std::move(state)), looks_(std::move(looks)) {}
+
+  std::shared_ptr<const view::Description> looks(view::Which which) override {
+    auto& made = which == view::Which::all ? looks_->all : looks_->not_handed_over;
+    if (!made) made = std::make_shared<const view::Description>(describe(state_, which));
+    return made;
+  }
+
+  std::size_t see(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
+    return state_.see(group, first, to);
+  }
 
   Response respond(const Motion& motion) noexcept override {
     Response response;
@@ -45,6 +79,7 @@ class SceneEnvironment final : public Environment {
 
  private:
   scene::SceneState state_;
+  std::shared_ptr<Looks> looks_;
 };
 
 /// The dynamic models of a shared scene, kept as long as a client uses them.
@@ -76,13 +111,18 @@ std::vector<std::uint32_t> accepted_by(const scene::Scene& scene) {
   return accepted;
 }
 
-using Packed = std::shared_ptr<const handover::PackedScene>;
+/// What is made of a scene once, for all of its clients.
+struct Shared {
+  explicit Shared(const scene::Scene& scene) : packed(handover::pack(scene)) {}
+  std::shared_ptr<const handover::PackedScene> packed;
+  std::shared_ptr<Looks> looks = std::make_shared<Looks>();
+};
 
-MadeEnvironment made(const scene::Scene& scene, const Packed& packed, scene::SceneState state) {
-  return {.environment = std::make_unique<SceneEnvironment>(std::move(state)),
+MadeEnvironment made(const scene::Scene& scene, const Shared& shared, scene::SceneState state) {
+  return {.environment = std::make_unique<SceneEnvironment>(std::move(state), shared.looks),
           .simulated = summary(scene),
           .hash = scene.facts().hash,
-          .packed = packed,
+          .packed = shared.packed,
           .least_rendering = scene.least_rendering()};
 }
 
@@ -95,16 +135,15 @@ EnvironmentKind scene_environment(const std::shared_ptr<const scene::Scene>& sce
                        .make = {}};
   if (scene->facts().shared) {
     kind.sessions_max = static_cast<std::size_t>(scene->facts().clients_max);
-    kind.make = [scene, packed = handover::pack(*scene),
+    kind.make = [scene, shared = Shared(*scene),
                  models = std::make_shared<SharedDynamicModels>()](const ClientFacts& client) {
-      return made(*scene, packed, models->enter(scene, client.degrees_of_freedom));
+      return made(*scene, shared, models->enter(scene, client.degrees_of_freedom));
     };
     return kind;
   }
   if (const scene::AutoAccuracy* const accuracy = scene->accuracy()) {
-    std::map<const scene::Scene*, Packed> of_levels;
-    for (const scene::AccuracyLevel& level : accuracy->levels)
-      of_levels.emplace(level.scene.get(), handover::pack(*level.scene));
+    std::map<const scene::Scene*, Shared> of_levels;
+    for (const scene::AccuracyLevel& level : accuracy->levels) of_levels.emplace(level.scene.get(), *level.scene);
     kind.make = [scene, accuracy, of_levels = std::move(of_levels)](const ClientFacts& client) {
       const scene::AutoAccuracy::Client asking{.round_trip_s = time::to_seconds(client.round_trip),
                                                .renders_locally = client.renders_locally};
@@ -116,8 +155,8 @@ EnvironmentKind scene_environment(const std::shared_ptr<const scene::Scene>& sce
     };
     return kind;
   }
-  kind.make = [scene, packed = handover::pack(*scene)](const ClientFacts& client) {
-    return made(*scene, packed, {scene, client.degrees_of_freedom});
+  kind.make = [scene, shared = Shared(*scene)](const ClientFacts& client) {
+    return made(*scene, shared, {scene, client.degrees_of_freedom});
   };
   return kind;
 }

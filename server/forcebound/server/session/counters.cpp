@@ -17,7 +17,7 @@ std::string ServerCounters::text() const {
                     {{"ended by the client", sessions_ended},
                      {"closed as idle", sessions_idle},
                      {"closed for another, as not moving", sessions_still},
-                     {"ended on the page", sessions_removed},
+                     {"ended by whoever runs the server", sessions_removed},
                      {"hellos refused", hellos_refused},
                      {"of them of another protocol version", hellos_of_other_versions},
                      {"hellos before their scene was compiled", hellos_too_early},
@@ -50,7 +50,8 @@ std::string ServerCounters::text() const {
                      {"contacts beyond the room for them", contacts_left_out},
                      {"steps of tissue not converged", not_converged},
                      {"ms of bodies' time left out", static_cast<std::uint64_t>(slipped_s * 1e3)}}) +
-         count_line("pieces of scenes", {"sent", pieces_sent}, {{"sent again", pieces_sent_again}}) +
+         count_line("pieces of scenes", {"sent", pieces_sent},
+                    {{"sent again", pieces_sent_again}, {"of how they look", view_pieces_sent}}) +
          count_line("datagrams", {"received", datagrams},
                     {{"oversize", malformed[static_cast<std::size_t>(wire::Malformed::oversize)]},
                      {"truncated", malformed[static_cast<std::size_t>(wire::Malformed::truncated)]},

@@ -19,7 +19,7 @@ struct ServerCounters {
   std::uint64_t sessions_ended = 0;     ///< by the client's Bye
   std::uint64_t sessions_idle = 0;      ///< closed after the idle timeout
   std::uint64_t sessions_still = 0;     ///< closed since another wanted the place of a device that did not move
-  std::uint64_t sessions_removed = 0;   ///< ended by whoever runs the server
+  std::uint64_t sessions_removed = 0;   ///< ended on the page, or as their client was dropped from the list
   std::uint64_t hellos_repeated = 0;    ///< answered with the session that the client already has
   std::uint64_t hellos_after_bye = 0;   ///< copies that arrived after their session's end
   std::uint64_t hellos_too_early = 0;   ///< for a scene still being compiled: the client repeats it
@@ -48,6 +48,7 @@ struct ServerCounters {
   std::uint64_t sends_failed = 0;
   std::uint64_t pieces_sent = 0;        ///< of scenes that clients render themselves
   std::uint64_t pieces_sent_again = 0;  ///< because they were not acknowledged in time
+  std::uint64_t view_pieces_sent = 0;   ///< of how scenes look, to clients that show them
 
   std::uint64_t responses_unsound = 0;  ///< of an environment, not finite or of wrong size; zero force was sent
   std::uint64_t models_unsound = 0;     ///< local models of an environment, not sent: their forces are held

@@ -15,6 +15,7 @@ namespace {
 // Most refusals per second of motion of unknown sessions: enough for every client after a restart.
 constexpr Nanoseconds kRefusalInterval = std::chrono::milliseconds{1};
 constexpr int kRefusalsAtOnce = 100;
+constexpr int kViewPiecesAtOnce = 100;
 
 // A motion may overtake the time since the newest by as much as the network's delay shrinks: 12 s has been observed.
 constexpr Nanoseconds kDelayShrinksMost = std::chrono::seconds{16};
@@ -45,7 +46,9 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
       memory_(options_.memory),
       hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
               std::max(1, options_.hellos_per_s_max), clock.now(), session_ids_()),
-      refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()) {
+      refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()),
+      views_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.view.pieces_per_s_all), kViewPiecesAtOnce,
+             clock.now()) {
   if (!environments_.find(options_.scene)) throw std::invalid_argument(environments_.unknown_text(options_.scene));
   if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
       !(options_.motions_per_promised > 0) || !(options_.session_compute_max > 0) || !(options_.load_max > 0)) {
@@ -178,6 +181,15 @@ bool Server::end_session(std::uint64_t session) {
   close(found->second, CloseReason::was_asked_to);
   sessions_.erase(found);
   return true;
+}
+
+std::size_t Server::end_sessions_unless(const std::function<bool(const std::string& client)>& may_stay) {
+  std::vector<std::uint64_t> ending;
+  for (const auto& [id, session] : sessions_) {
+    if (!session.client.empty() && !may_stay(session.client)) ending.push_back(id);
+  }
+  for (const std::uint64_t id : ending) (void)end_session(id);
+  return ending.size();
 }
 
 ServerCounters Server::counters() const noexcept {
@@ -368,6 +380,7 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
   ++counters_.forces_sent;
   observer_.on_force(force);
   if (session.sender && session.allowance.proven()) hand_over(session, motion, now);
+  if (session.view && session.allowance.proven()) show(session, now);
 }
 
 void Server::hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {
@@ -385,6 +398,15 @@ void Server::hand_over(Session& session, const wire::MotionSample& motion, Nanos
                           .content = sender.scene().piece(next->number)},
          session.info.address);
   }
+}
+
+/// One piece at most: a motion's answer never waits for a picture by more than the time of one.
+void Server::show(Session& session, Nanoseconds now) noexcept {
+  auto piece = session.view->next(*session.made.environment, views_, now);
+  if (!piece) return;
+  piece->session = session.info.session;
+  ++counters_.view_pieces_sent;
+  send(*piece, session.info.address);
 }
 
 void Server::on_bye(const wire::Bye& bye, std::size_t bytes, const net::Address& from) {

@@ -22,6 +22,7 @@
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
 #include "forcebound/server/session/source_buckets.hpp"
+#include "forcebound/server/session/view_sender.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/token_bucket.hpp"
 #include "forcebound/wire/codec.hpp"
@@ -51,6 +52,7 @@ struct ServerOptions {
   int hellos_per_s_max = 50;  ///< from each source: an IPv4 address or IPv6 network
   MemoryLimits memory{};
   HandoverRate handover{};                                ///< of scenes, to each client that renders locally
+  ViewRate view{};                                        ///< of pictures, to clients that ask
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 
@@ -121,6 +123,10 @@ class Server {
   /// Sends Bye to a client and ends its session; false: there is none of that number. The client may ask for another.
   bool end_session(std::uint64_t session);
 
+  /// The same for all sessions of clients that are known and whose names do not fulfil the condition.
+  /// @returns how many
+  std::size_t end_sessions_unless(const std::function<bool(const std::string& client)>& may_stay);
+
   /// Tells which share of its time the thread that serves has not waited since the last call, and how many datagrams
   /// came meanwhile: what the system takes for datagrams is in no session's share. Of that time counts as much as
   /// motions of sessions are of the datagrams, so that a flood keeps nobody out.
@@ -175,6 +181,7 @@ class Server {
     std::optional<Waiting> waiting{};
     std::string client{};                   ///< who opened it, as the server's list has it; empty: not known
     std::unique_ptr<SceneSender> sender{};  ///< null: nothing is handed over
+    std::unique_ptr<ViewSender> view{};     ///< null: its client shows nothing
     bool wants_models = false;              ///< its client renders locally
     bool unsound_noted = false;
   };
@@ -247,6 +254,7 @@ class Server {
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
   void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
+  void show(Session& session, Nanoseconds now) noexcept;
 
   /// The environment's response, or zero force if it is not finite or of wrong size.
   [[nodiscard]] Response ask(Session& session, const Motion& motion) noexcept;
@@ -274,6 +282,7 @@ class Server {
   std::string admits_none_;  ///< why; empty: it does
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
+  time::TokenBucket views_;               ///< pieces of pictures
   double busy_ = 0;                       ///< share of the thread's time for the sessions
   std::size_t busy_with_ = 0;             ///< so many sessions at once
   std::size_t sessions_since_noted_ = 0;  ///< most at once since `busy_` was noted

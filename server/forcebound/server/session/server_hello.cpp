@@ -375,6 +375,10 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
   session.wants_models = renders_locally(hello);
   if (session.wants_models && session.made.packed)
     session.sender = std::make_unique<SceneSender>(session.made.packed, options_.handover, now);
+  if (hello.shows_scene) {
+    auto looks = session.made.environment->looks(session.sender ? view::Which::not_handed_over : view::Which::all);
+    if (looks) session.view = std::make_unique<ViewSender>(std::move(looks), options_.view, now);
+  }
   ++counters_.sessions_opened;
   Session& opened = sessions_.emplace(id, std::move(session)).first->second;
   sessions_since_noted_ = std::max(sessions_since_noted_, sessions_.size());

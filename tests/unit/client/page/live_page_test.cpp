@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,8 @@ using testing::HasSubstr;
 
 class StoppedClock final : public time::Clock {
  public:
-  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time::Nanoseconds{0}; }
+  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time; }
+  time::Nanoseconds time{0};
 };
 
 class Collected final : public page::Viewers {
@@ -43,7 +46,8 @@ class LivePageTest : public testing::Test {
     for (int i = 0; i < tracks; ++i) {
       taps.push_back(std::make_shared<TickTap>());
       pointers.push_back(std::make_shared<device::PointerTarget>());
-      shown.push_back({.tap = taps.back(), .pointer = pointers.back()});
+      views.push_back(std::make_shared<ViewTap>());
+      shown.push_back({.tap = taps.back(), .pointer = pointers.back(), .view = views.back()});
     }
     live.begin_run({}, shown);
   }
@@ -59,6 +63,7 @@ class LivePageTest : public testing::Test {
   Collected viewers;
   std::vector<std::shared_ptr<TickTap>> taps;
   std::vector<std::shared_ptr<device::PointerTarget>> pointers;
+  std::vector<std::shared_ptr<ViewTap>> views;
 };
 
 TEST_F(LivePageTest, ShowsTheTicksOfEachTrack) {
@@ -89,7 +94,7 @@ TEST_F(LivePageTest, KeepsNoTicksWhileNobodyLooks) {
 
 TEST_F(LivePageTest, TellsAViewerWhoComesLaterAllThatItNeeds) {
   begin(1);
-  live.set_scene(0, R"({"kind":"scene"})");
+  live.set_scene(0, {.name = "wall"});
   live.tell(0, "info", "connected");
   live.beat(viewers);
   viewers.messages.clear();
@@ -152,6 +157,97 @@ TEST_F(LivePageTest, BeginsTheFiguresOfARunFromZero) {
   begin(1);
   live.beat(viewers);
   EXPECT_THAT(live.metrics(), HasSubstr("ticks_total{track=\"0\"} 0\n"));
+}
+
+TEST_F(LivePageTest, GreetsNobodyTwice) {
+  begin(1);
+  live.tell(0, "info", "one");
+  live.greet(1, viewers);
+  live.beat(viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "event", "status"}));
+  live.tell(0, "info", "two");
+  live.greet(2, viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "event"}));
+  live.beat(viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"event"}));
+}
+
+TEST_F(LivePageTest, ShowsAGrowingSceneOnceASecond) {
+  begin(1);
+  live.beat(viewers);
+  viewers.messages.clear();
+  for (int i = 0; i < 50; ++i) {
+    live.set_scene(0, {.name = std::to_string(i)});
+    live.beat(viewers);
+    clock.time += std::chrono::milliseconds{10};
+  }
+  const auto scenes = [this] {
+    std::vector<std::string> names;
+    for (const Json& message : viewers.messages) {
+      if (message["kind"] == "scene") names.push_back(message["name"]);
+    }
+    return names;
+  };
+  EXPECT_EQ(scenes(), (std::vector<std::string>{"0"}));
+  clock.time += std::chrono::seconds{1};
+  live.beat(viewers);
+  EXPECT_EQ(scenes(), (std::vector<std::string>{"0", "49"}));
+}
+
+TEST_F(LivePageTest, LetsGoForAViewerWhoLeavesWhileDragging) {
+  begin(1);
+  live.beat(viewers);
+  live.receive(1, R"({"kind":"hand","point_m":[0,0,0]})", viewers);
+  live.receive(1, R"({"kind":"button","index":3,"down":true})", viewers);
+  live.leave(2);
+  EXPECT_TRUE(pointers[0]->held());
+  EXPECT_EQ(pointers[0]->buttons(), 8U);
+  live.leave(1);
+  EXPECT_FALSE(pointers[0]->held());
+  EXPECT_EQ(pointers[0]->buttons(), 0U);
+}
+
+TEST_F(LivePageTest, ShowsWhatTheServerTellsBesideWhatIsHere) {
+  begin(1);
+  live.set_scene(0, {.name = "bench", .shapes = R"({"name":"table"})"});
+  const std::vector<std::vector<scene::VisiblePart>> models{{{.name = "block", .kind = scene::VisiblePart::Kind::box}}};
+  const view::Description description = view::describe({.name = "bench"}, models);
+  wire::ViewPiece piece{.session = 1, .view = description.hash, .pieces = 1, .content = description.piece(0)};
+  views[0]->on_view(piece);
+  const std::vector<float> place{1, 2, 3, 1, 0, 0, 0};
+  piece.pieces = 0;
+  piece.content = std::as_bytes(std::span(place));
+  views[0]->on_view(piece);
+  live.beat(viewers);
+  live.beat(viewers);
+  Json scene;
+  Json moved;
+  for (const Json& message : viewers.messages) {
+    if (message["kind"] == "scene") scene = message;
+    if (message["kind"] == "moved") moved = message;
+  }
+  EXPECT_EQ(scene["shapes"].size(), 2);
+  EXPECT_EQ(moved["bodies"].at(0)["name"], "block");
+  viewers.messages.clear();
+  live.greet(2, viewers);
+  live.beat(viewers);
+  live.beat(viewers);
+  const auto kinds = viewers.take_kinds();
+  EXPECT_NE(std::ranges::find(kinds, "moved"), kinds.end()) << "a viewer who comes later is told where it is";
+}
+
+TEST_F(LivePageTest, WaitsForASceneThatIsAllOnItsWayHere) {
+  taps.push_back(std::make_shared<TickTap>());
+  views.push_back(std::make_shared<ViewTap>());
+  live.begin_run({}, {{.tap = taps.back(), .view = views.back(), .renders_locally = true}});
+  const view::Description nothing = view::describe({.name = "ball"}, {});
+  views[0]->on_view({.session = 1, .view = nothing.hash, .pieces = 1, .content = nothing.piece(0)});
+  live.beat(viewers);
+  EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "status"}));
+  live.set_scene(0, {.name = "ball", .shapes = R"({"name":"ball"})"});
+  live.beat(viewers);
+  ASSERT_EQ(viewers.messages.size(), 1);
+  EXPECT_EQ(viewers.messages[0]["shapes"].size(), 1);
 }
 
 }  // namespace

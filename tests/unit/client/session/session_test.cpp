@@ -568,5 +568,34 @@ TEST_F(SessionTest, RandomDatagramsNeverReachTheDevice) {
   EXPECT_EQ(records.forces, 0);
 }
 
+class Views final : public ViewSink {
+ public:
+  void on_view(const wire::ViewPiece& piece) noexcept override {
+    last = piece.number;
+    ++pieces;
+  }
+  int pieces = 0;
+  std::uint32_t last = 0;
+};
+
+TEST_F(SessionTest, AsksHowTheSceneLooksOnlyForSomebodyWhoShowsIt) {
+  tick();
+  EXPECT_FALSE(sent<wire::Hello>().at(0).shows_scene);
+  Views views;
+  Session showing({.server = kServer, .scene = "wall"}, device, baselines::shipped_laws().make("none", device.facts()),
+                  link, clock, {.ticks = sinks, .events = &events, .view = &views});
+  showing.tick(clock.time += 1ms);
+  const auto hello = sent<wire::Hello>().at(0);
+  EXPECT_TRUE(hello.shows_scene);
+  arrive(wire::Welcome{.client_nonce = hello.client_nonce, .session = kSession});
+  showing.tick(clock.time += 1ms);
+  arrive(wire::ViewPiece{.session = kSession, .view = 1, .pieces = 3, .number = 2});
+  arrive(wire::ViewPiece{.session = kSession + 1, .view = 1, .pieces = 3, .number = 1});
+  arrive(wire::ViewPiece{.session = kSession, .view = 1, .pieces = 3, .number = 1}, kOtherAddress);
+  showing.tick(clock.time += 1ms);
+  EXPECT_EQ(views.pieces, 1);
+  EXPECT_EQ(views.last, 2U);
+}
+
 }  // namespace
 }  // namespace forcebound::client

@@ -8,6 +8,7 @@
 
 #include "forcebound/local_model/no_longer_than.hpp"
 #include "forcebound/server/dynamics/bodies/description.hpp"
+#include "forcebound/server/dynamics/bodies/visible_geometries.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -95,6 +96,33 @@ BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::ve
     park(static_cast<int>(seats_.size()) - 1);
   }
   forward(*model_, *data_);
+  visible_ = visible_geometries(*model_, balls(), false);
+}
+
+std::vector<int> BodyWorld::balls() const {
+  std::vector<int> bodies;
+  for (const Seat& seat : seats_) {
+    if (seat.slides >= 0) bodies.push_back(seat.body);
+  }
+  return bodies;
+}
+
+std::vector<scene::VisiblePart> BodyWorld::visible() const {
+  std::vector<scene::VisiblePart> parts;
+  for (const int geometry : visible_) parts.push_back(part_of(*model_, *data_, geometry));
+  for (const int plane : visible_geometries(*model_, balls(), true)) {
+    parts.push_back(part_of(*model_, *data_, plane));
+  }
+  return parts;
+}
+
+std::size_t BodyWorld::see(std::size_t first, std::span<float> to) const noexcept {
+  if (first >= visible_.size()) return 0;
+  const std::size_t count = std::min(visible_.size() - first, to.size() / scene::kNumbersOfSolid);
+  for (std::size_t i = 0; i < count; ++i) {
+    put_place(*data_, visible_[first + i], to.subspan(i * scene::kNumbersOfSolid).data());
+  }
+  return count * scene::kNumbersOfSolid;
 }
 
 int BodyWorld::join() {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "forcebound/scene/dynamic_model.hpp"
@@ -43,6 +44,10 @@ class BodyWorld final : public scene::DynamicModelState {
   /// reached the device; if its coupling is stable in a client's longer steps.
   [[nodiscard]] bool describe(int seat, local_model::LocalModel& model) noexcept override;
 
+  /// The geometries of all bodies but the devices' balls; of MuJoCo's kinds not its height fields and ellipsoids.
+  [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
+  [[nodiscard]] std::size_t see(std::size_t first, std::span<float> to) const noexcept override;
+
   /// Estimate for one `describe` where it takes the most: in the air, where it looks in all directions [ns].
   [[nodiscard]] static double predicted_describe_cost_ns(const mjModel_& model) noexcept;
   /// The body that the probe holds; -1: none.
@@ -79,6 +84,7 @@ class BodyWorld final : public scene::DynamicModelState {
   };
 
   [[nodiscard]] bool has_shape_of(const BodyWorld& other) const noexcept;
+  [[nodiscard]] std::vector<int> balls() const;
   void park(int seat) noexcept;
   void appear(Seat& seat) noexcept;
   void place(const Probe& ball, const scene::Point& position_m) noexcept;
@@ -100,6 +106,7 @@ class BodyWorld final : public scene::DynamicModelState {
   Coupling coupling_;
   std::optional<GraspDescription> grasp_;
   BodyMobility mobility_;
+  std::vector<int> visible_;  // geometries that are seen, less planes
   std::vector<Seat> seats_;
   double left_s_ = 0;
   bool sound_ = true;

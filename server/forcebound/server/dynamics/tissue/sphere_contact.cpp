@@ -292,7 +292,8 @@ void SphereContact::conclude(TissueResult& result) const noexcept {
   for (int k = 0; k < working_count_; ++k) {
     if (!(force_N_[k] > 0)) continue;
     const Pushed& one = pool_[working_[k]];
-    ++result.contacts;
+    // In the order in which put_into remembers them.
+    result.push_N.at(static_cast<std::size_t>(result.contacts++)) = force_N_[k];
     result.force_N += force_N_[k] * (direction_ + one.aside_m / options_.radius_m);
   }
   if (result.contacts == 0) return;

@@ -66,9 +66,11 @@ static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<Tis
 struct TissueResult {
   scene::Point force_N = scene::Point::Zero();  ///< on the probe
   scene::Point normal = scene::Point::Zero();   ///< unit, along the force; zero without contact
-  double depth_m = 0;         ///< of the probe below the surface as it would be without it, at the deepest contact
-  double energy_J = 0;        ///< elastic, of the tissue and all contacts, other probes' included
-  double residual_m = 0;      ///< distance of the contacts from equilibrium
+  double depth_m = 0;     ///< of the probe below the surface as it would be without it, at the deepest contact
+  double energy_J = 0;    ///< elastic, of the tissue and all contacts, other probes' included
+  double residual_m = 0;  ///< distance of the contacts from equilibrium
+  /// With which each of the state's contacts pushes, along the state's direction, in a linear tissue under a sphere.
+  std::array<double, kContactsMax> push_N{};
   int contacts = 0;           ///< contacts that push; of a sphere under large motion, places
   int contacts_left_out = 0;  ///< contacts that would push, but exceed contacts_max: an error to report
   int iterations = 0;

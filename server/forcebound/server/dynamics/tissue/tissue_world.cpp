@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstdint>
+#include <string>
 
 #include "forcebound/server/dynamics/tissue/contact_stiffness.hpp"
 
@@ -13,6 +15,16 @@ constexpr double kFar_m = 100;
 
 // Times that a step is done again without the others' contacts that pull: once is nearly always enough.
 constexpr int kDropsMax = 4;
+
+scene::VisiblePart surface_part(const std::string& name, const std::vector<scene::Point>& nodes_m,
+                                const std::vector<TetrahedralMesh::Triangle>& triangles) {
+  scene::VisiblePart part{.name = name, .kind = scene::VisiblePart::Kind::surface, .vertices_m = nodes_m};
+  for (const auto& [a, b, c] : triangles) {
+    part.triangles.push_back(
+        {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
+  }
+  return part;
+}
 
 }  // namespace
 
@@ -81,6 +93,50 @@ bool LinearTissueWorld::describe_last(const Seat& seat, local_model::Surface& su
   return describe_contact(model_, others_.get(), seat.state, seat.result, surface);
 }
 
+std::vector<scene::VisiblePart> LinearTissueWorld::visible() const {
+  const TissueSurface& surface = model_.tissue().surface();
+  return {surface_part(model_.tissue().mesh().name(), surface.nodes_m(), surface.triangles())};
+}
+
+std::size_t LinearTissueWorld::see(std::size_t first, std::span<float> to) const noexcept {
+  const std::vector<scene::Point>& nodes_m = model_.tissue().surface().nodes_m();
+  if (first >= nodes_m.size()) return 0;
+  const std::size_t count = std::min(nodes_m.size() - first, to.size() / scene::kNumbersOfVertex);
+  Eigen::Map<Eigen::VectorXf> shown(to.data(), static_cast<Eigen::Index>(count * scene::kNumbersOfVertex));
+  for (std::size_t i = 0; i < count; ++i) {
+    shown.segment<3>(static_cast<Eigen::Index>(3 * i)) = nodes_m[first + i].cast<float>();
+  }
+  for (const Seat& seat : seats()) {
+    if (!seat.taken || seat.result.contacts == 0) continue;
+    const auto at = static_cast<Eigen::Index>(3 * first);
+    if (model_.options().radius_m <= 0) {
+      add_displacement(place_of(seat.state.contact[0]), -seat.result.force_N, at, shown);
+      continue;
+    }
+    const scene::Point direction = scene::to_point(seat.state.direction);
+    const int contacts = std::min(seat.result.contacts, static_cast<int>(seat.state.contacts));
+    for (int k = 0; k < contacts; ++k) {
+      const auto contact = static_cast<std::size_t>(k);
+      add_displacement(place_of(seat.state.contact.at(contact)), -seat.result.push_N.at(contact) * direction, at,
+                       shown);
+    }
+  }
+  return count * scene::kNumbersOfVertex;
+}
+
+void LinearTissueWorld::add_displacement(const SurfacePlace& place, const scene::Point& force_N, Eigen::Index first,
+                                         Eigen::Ref<Eigen::VectorXf> to) const noexcept {
+  const LinearTissue& tissue = model_.tissue();
+  const auto& corners = tissue.surface().triangles()[static_cast<std::size_t>(place.triangle)];
+  for (int corner = 0; corner < 3; ++corner) {
+    const Eigen::Index column = 3 * static_cast<Eigen::Index>(corners.at(static_cast<std::size_t>(corner)));
+    for (int axis = 0; axis < 3; ++axis) {
+      const double force = place.weight[corner] * force_N[axis];
+      to += (force * tissue.compliance_m_per_N().col(column + axis).segment(first, to.size())).cast<float>();
+    }
+  }
+}
+
 int LinearTissueWorld::gather(OtherContacts& others, std::size_t seat) noexcept {
   int left_out = 0;
   others.clear();
@@ -141,6 +197,37 @@ OtherProbes CorotationalTissueWorld::spheres_beside(std::size_t seat) noexcept {
     if (other != seat && state.started != 0) centers_m_[count++] = scene::to_point(state.probe_m);
   }
   return {.centers_m = {centers_m_.data(), count}};
+}
+
+std::vector<scene::VisiblePart> CorotationalTissueWorld::visible() const {
+  const TetrahedralMesh& mesh = tissue_.mesh();
+  std::vector<int> number(mesh.nodes_m().size(), 0);
+  std::vector<scene::Point> nodes_m;
+  for (const int node : mesh.surface_nodes()) {
+    number[static_cast<std::size_t>(node)] = static_cast<int>(nodes_m.size());
+    nodes_m.push_back(mesh.nodes_m()[static_cast<std::size_t>(node)]);
+  }
+  std::vector<TetrahedralMesh::Triangle> triangles = mesh.triangles();
+  for (TetrahedralMesh::Triangle& triangle : triangles) {
+    for (int& node : triangle) node = number[static_cast<std::size_t>(node)];
+  }
+  return {surface_part(mesh.name(), nodes_m, triangles)};
+}
+
+std::size_t CorotationalTissueWorld::see(std::size_t first, std::span<float> to) const noexcept {
+  const TetrahedralMesh& mesh = tissue_.mesh();
+  const std::vector<int>& shown = mesh.surface_nodes();
+  if (first >= shown.size()) return 0;
+  const std::size_t count = std::min(shown.size() - first, to.size() / scene::kNumbersOfVertex);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int node = shown[first + i];
+    const scene::Point now_m = mesh.nodes_m()[static_cast<std::size_t>(node)] +
+                               body_.now.displacement_m.segment<3>(3 * static_cast<Eigen::Index>(node));
+    for (std::size_t axis = 0; axis < scene::kNumbersOfVertex; ++axis) {
+      to[scene::kNumbersOfVertex * i + axis] = static_cast<float>(now_m[static_cast<Eigen::Index>(axis)]);
+    }
+  }
+  return count * scene::kNumbersOfVertex;
 }
 
 }  // namespace forcebound::server

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "forcebound/scene/dynamic_model.hpp"
@@ -45,6 +47,7 @@ class TissueWorld : public scene::DynamicModelState {
   [[nodiscard]] virtual bool describe_last(const Seat& seat, local_model::Surface& surface) noexcept = 0;
 
   [[nodiscard]] std::vector<Seat>& seats() noexcept { return seats_; }
+  [[nodiscard]] const std::vector<Seat>& seats() const noexcept { return seats_; }
 
  private:
   [[nodiscard]] Seat& at(int seat) noexcept { return seats_[static_cast<std::size_t>(seat)]; }
@@ -69,9 +72,16 @@ class LinearTissueWorld final : public TissueWorld {
  public:
   LinearTissueWorld(const TissueModel& model, int seats);
 
+  [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
+  /// Under the forces of each probe's own last motion.
+  [[nodiscard]] std::size_t see(std::size_t first, std::span<float> to) const noexcept override;
+
  private:
   TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;
   bool describe_last(const Seat& seat, local_model::Surface& surface) noexcept override;
+  /// Adds the displacement of nodes of the surface by a force on one place.
+  void add_displacement(const SurfacePlace& place, const scene::Point& force_N, Eigen::Index first,
+                        Eigen::Ref<Eigen::VectorXf> to) const noexcept;
   TissueResult step_among(OtherContacts& others, std::size_t seat, const scene::Point& probe_m) noexcept;
   int gather(OtherContacts& others, std::size_t seat) noexcept;
 
@@ -82,6 +92,9 @@ class LinearTissueWorld final : public TissueWorld {
 class CorotationalTissueWorld final : public TissueWorld {
  public:
   CorotationalTissueWorld(const CorotationalTissue& tissue, int seats);
+
+  [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
+  [[nodiscard]] std::size_t see(std::size_t first, std::span<float> to) const noexcept override;
 
  private:
   TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;

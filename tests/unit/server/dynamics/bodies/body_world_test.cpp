@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <span>
 
 #include "forcebound/server/dynamics/bodies/body_dynamic_model.hpp"
 #include "tests/unit/server/dynamics/bodies/hand.hpp"
@@ -284,6 +285,29 @@ TEST(BodyWorld, ClientsOfOtherRatesAndSilentOnesShareItWithoutABlow) {
   EXPECT_LT(fast_N, 0.1) << "the ball's inertia, 0.03 kg at 2 m/s^2";
   EXPECT_LT(slow_N, 600 * fastest_m_per_s * 10e-3) << "the spring over the way of ten milliseconds";
   EXPECT_LT(unmoved_N, 1e-6) << "held where it was";
+}
+
+TEST(BodyWorld, IsSeenWhereItsBodiesAreButNotTheBallsOfDevices) {
+  const BodyDynamicModel model({.bodies = {{.name = "block",
+                                            .size_m = scene::Point(0.02, 0.04, 0.06),
+                                            .mass_kg = 0.1,
+                                            .position_m = scene::Point(0, 0, 0.5)}}},
+                               "test");
+  const auto state = model.make_state(2);
+  const std::vector<scene::VisiblePart> parts = state->visible();
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].name, "block");
+  EXPECT_EQ(parts[0].kind, scene::VisiblePart::Kind::box);
+  EXPECT_LT((parts[0].half_m - scene::Point(0.01, 0.02, 0.03)).norm(), 1e-9);
+  std::array<float, 10> seen{};
+  ASSERT_EQ(state->see(0, seen), 7U);
+  EXPECT_NEAR(seen[2], 0.5, 1e-6);
+  EXPECT_NEAR(seen[3], 1, 1e-6);
+  for (int i = 0; i < 100; ++i) state->advance(1e-3);
+  ASSERT_EQ(state->see(0, seen), 7U);
+  EXPECT_NEAR(seen[2], 0.5 - 0.5 * 9.80665 * 0.01, 2e-3) << "it falls";
+  EXPECT_EQ(state->see(1, seen), 0U);
+  EXPECT_EQ(state->see(0, std::span(seen).first(6)), 0U);
 }
 
 }  // namespace

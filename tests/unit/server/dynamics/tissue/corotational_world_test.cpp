@@ -141,5 +141,28 @@ TEST(CorotationalTissueWorld, DoesNotAllocate) {
   EXPECT_GT(world.seat(1).result.contacts, 0);
 }
 
+TEST(CorotationalTissueWorld, IsSeenAsItIsDeformed) {
+  const CorotationalTissue tissue = compressible_block();
+  CorotationalTissueWorld world(tissue, 2);
+  const std::vector<scene::VisiblePart> parts = world.visible();
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].triangles.size(), tissue.mesh().triangles().size());
+  std::vector<float> seen(3 * parts[0].vertices_m.size());
+  const auto most_moved_m = [&] {
+    EXPECT_EQ(world.see(0, seen), seen.size());
+    double most_m = 0;
+    for (std::size_t i = 0; i < parts[0].vertices_m.size(); ++i) {
+      const scene::Point now_m(seen[3 * i], seen[3 * i + 1], seen[3 * i + 2]);
+      most_m = std::max(most_m, (now_m - parts[0].vertices_m[i]).norm());
+    }
+    return most_m;
+  };
+  EXPECT_LT(most_moved_m(), 1e-7);
+  press(world, 1e-3);
+  EXPECT_GT(most_moved_m(), 1e-4);
+  EXPECT_LT(most_moved_m(), 2e-3);
+  EXPECT_EQ(world.see(parts[0].vertices_m.size(), seen), 0U);
+}
+
 }  // namespace
 }  // namespace forcebound::server

@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "forcebound/server/dynamics/tissue/sphere_depth.hpp"
@@ -367,6 +368,79 @@ TEST(LinearTissueWorld, DoesNotAllocate) {
     EXPECT_EQ(guard.heap_operations(), 0U);
     EXPECT_GT(two.world().seat(1).result.contacts, 0);
   }
+}
+
+/// Where a place of the surface is, as a picture shows it.
+scene::Point seen_at(const scene::DynamicModelState& world, const TissueSurface& surface, const SurfacePlace& place) {
+  std::vector<float> seen(3 * surface.nodes_m().size());
+  // In two pieces, as they are sent.
+  const std::size_t half = 3 * (surface.nodes_m().size() / 2);
+  EXPECT_EQ(world.see(0, std::span(seen).first(half)), half);
+  EXPECT_EQ(world.see(half / 3, std::span(seen).subspan(half)), seen.size() - half);
+  scene::Point at_m = scene::Point::Zero();
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto node = static_cast<std::size_t>(
+        surface.triangles()[static_cast<std::size_t>(place.triangle)].at(static_cast<std::size_t>(corner)));
+    for (int axis = 0; axis < 3; ++axis)
+      at_m[axis] += place.weight[corner] * seen[3 * node + static_cast<std::size_t>(axis)];
+  }
+  return at_m;
+}
+
+// Probe, contact spring and surface are in a row: x_s = c + F / k.
+TEST(LinearTissueWorld, IsSeenWhereAPointPressesIt) {
+  const TissueModel model = block_with(0);
+  LinearTissueWorld world(model, 1);
+  const TissueSurface& surface = model.tissue().surface();
+  ASSERT_EQ(world.join(), 0);
+  EXPECT_EQ(world.visible().at(0).vertices_m.size(), surface.nodes_m().size());
+  const scene::Point goal_m = kBeside_m[0];
+  for (int n = 0; n <= 30; ++n) {
+    world.move(0, goal_m + scene::Point(0, 0, 0.01 * (1 - n / 30.0)), scene::Point::Zero());
+  }
+  const TissueWorld::Seat& seat = world.seat(0);
+  ASSERT_EQ(seat.result.contacts, 1);
+  const scene::Point expected_m = goal_m + kYield_m_per_N * seat.result.force_N;
+  const SurfacePlace place = place_of(seat.state.contact[0]);
+  EXPECT_LT((seen_at(world, surface, place) - expected_m).norm(), 1e-6);
+  world.leave(0);
+  EXPECT_LT((seen_at(world, surface, place) - surface.at(place)).norm(), 1e-6) << "nobody presses it any more";
+}
+
+// Each place under a sphere yields as much as its contact says: (X_q + u_q - c).m = r - rho^2 / 2r - f / k.
+TEST(LinearTissueWorld, IsSeenWhereASpherePressesIt) {
+  constexpr double kProbe_m = 0.01;
+  const TissueModel model = block_with(kProbe_m);
+  LinearTissueWorld world(model, 1);
+  const TissueSurface& surface = model.tissue().surface();
+  ASSERT_EQ(world.join(), 0);
+  const scene::Point goal_m = kBeside_m[0] + kProbe_m * scene::Point::UnitZ();
+  for (int n = 0; n <= 30; ++n) {
+    world.move(0, goal_m + scene::Point(0, 0, 0.01 * (1 - n / 30.0)), scene::Point::Zero());
+  }
+  const TissueWorld::Seat& seat = world.seat(0);
+  ASSERT_GT(seat.result.contacts, 1);
+  const scene::Point direction = scene::to_point(seat.state.direction);
+  for (int k = 0; k < seat.result.contacts; ++k) {
+    const auto contact = static_cast<std::size_t>(k);
+    const SurfacePlace place = place_of(seat.state.contact.at(contact));
+    const scene::Point from_m = goal_m - surface.at(place);
+    const scene::Point aside_m = from_m - from_m.dot(direction) * direction;
+    const double expected_m =
+        -kProbe_m + aside_m.squaredNorm() / (2 * kProbe_m) + kYield_m_per_N * seat.result.push_N.at(contact);
+    EXPECT_NEAR((seen_at(world, surface, place) - goal_m).dot(direction), expected_m, 2e-6);
+  }
+}
+
+TEST(LinearTissueWorld, IsSeenWithoutAllocation) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const TissueModel model = block_with(0.01);
+  Two two(model);
+  two.press(kBeside_m);
+  std::vector<float> seen(270);
+  const test::AllocationGuard guard;
+  EXPECT_EQ(two.world().see(3, seen), 270U);
+  EXPECT_EQ(guard.heap_operations(), 0U);
 }
 
 }  // namespace

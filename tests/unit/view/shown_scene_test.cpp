@@ -1,4 +1,4 @@
-#include "forcebound/client/page/scene_message.hpp"
+#include "forcebound/view/shown_scene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "forcebound/scene/part.hpp"
 
-namespace forcebound::client {
+namespace forcebound::view {
 namespace {
 
 using Json = nlohmann::json;
@@ -27,12 +27,12 @@ scene::Scene scene_of(const std::vector<scene::PartDescription>& objects,
 
 scene::NamedValues surface() { return {.name = "surface", .values = {{"stiffness_N_per_m", 1000.0}}}; }
 
-TEST(SceneMessage, HasShapesWithAllTheirValues) {
+TEST(ShownScene, HasShapesWithAllTheirValues) {
   const scene::Scene scene =
       scene_of({{.name = "ball",
                  .shape = {{"sphere", {{"center_m", Eigen::Vector3d(0, 0.01, 0)}, {"radius_m", 0.02}}}},
                  .effects = {surface()}}});
-  const Json message = Json::parse(scene_message(1, scene, "a ball"));
+  const Json message = Json::parse(scene_message(1, shown(scene, Which::all)));
   EXPECT_EQ(message["kind"], "scene");
   EXPECT_EQ(message["track"], 1);
   EXPECT_EQ(message["name"], "test");
@@ -42,15 +42,15 @@ TEST(SceneMessage, HasShapesWithAllTheirValues) {
   EXPECT_EQ(message["shapes"][0]["radius_m"], 0.02);
   EXPECT_EQ(message["shapes"][0]["center_m"], Json({0, 0.01, 0}));
   EXPECT_EQ(message["meshes"].size(), 0);
-  EXPECT_EQ(message["more"], "a ball");
+  EXPECT_EQ(message["more"], "");
 }
 
-TEST(SceneMessage, HasMeshesOfWhatIsMadeOfTriangles) {
+TEST(ShownScene, HasMeshesOfWhatIsMadeOfTriangles) {
   const scene::Scene scene =
       scene_of({{.name = "cone",
                  .shape = {{"lathe", {{"profile_m", config::Rows{{0, 0}, {0.02, 0}, {0, 0.03}}}, {"segments", 16.0}}}},
                  .effects = {surface()}}});
-  const Json message = Json::parse(scene_message(0, scene, ""));
+  const Json message = Json::parse(scene_message(0, shown(scene, Which::all)));
   ASSERT_EQ(message["meshes"].size(), 1);
   const Json& mesh = message["meshes"][0];
   EXPECT_EQ(mesh["name"], "cone");
@@ -64,12 +64,11 @@ TEST(SceneMessage, HasMeshesOfWhatIsMadeOfTriangles) {
   for (const Json& corner : mesh["triangles"]) EXPECT_LT(corner.get<std::size_t>(), mesh["vertices_m"].size() / 3);
 }
 
-TEST(SceneMessage, NamesWhatHasNoShape) {
+TEST(ShownScene, NamesWhatHasNoShape) {
   const scene::Scene scene = scene_of({}, {{.name = "oil", .effects = {{"viscosity", {{"damping_N_s_per_m", 2.0}}}}}});
-  const Json message = Json::parse(scene_message(0, scene, "more at the server"));
+  const Json message = Json::parse(scene_message(0, shown(scene, Which::all)));
   EXPECT_THAT(message["more"].get<std::string>(), HasSubstr("'oil' has no shape: viscosity"));
-  EXPECT_THAT(message["more"].get<std::string>(), HasSubstr("more at the server"));
 }
 
 }  // namespace
-}  // namespace forcebound::client
+}  // namespace forcebound::view
