@@ -131,6 +131,76 @@ const cases = {
     });
   },
 
+  /** Tissue is drawn as the server tells, and gives way under the hand. */
+  async moved(browser) {
+    await withClient(browser, ["--scene", "pad"], async (tab) => {
+      const lowest = () => tab.page.evaluate(() => {
+        const vertices = window.forcebound.stage.views[0].parts.getObjectByName("pad")?.children[0].geometry.getAttribute("position").array;
+        return vertices ? [...vertices].filter((_, i) => i % 3 === 2).sort((a, b) => b - a).slice(0, 40).at(-1) : null;
+      });
+      await tab.until("the pad is drawn and told of", () =>
+        window.forcebound.stage.views[0].parts.getObjectByName("pad")?.children.length === 2);
+      const before = await lowest();
+      await pull(tab, 0, 160);
+      await tab.untilValue("0.asked", "above", 0.3);
+      await tab.until("the pad gives way", (top) => {
+        const { array } = window.forcebound.stage.views[0].parts.getObjectByName("pad").children[0].geometry.getAttribute("position");
+        return [...array].filter((_, i) => i % 3 === 2).sort((a, b) => b - a)[39] < top - 1e-4;
+      }, before);
+      await tab.page.mouse.up();
+    }, "delay 5ms");
+  },
+
+  /** A block that is pushed moves on the page, where nobody knows where it is but the server. */
+  async bodies(browser) {
+    await withClient(browser, ["--scene", "block_and_stop"], async (tab) => {
+      const places = () => window.forcebound.stage.views[0].parts.children
+        .filter((part) => !part.userData.endless).map((part) => part.position.toArray()).flat();
+      await tab.until("bodies are drawn", () => window.forcebound.stage.views[0].parts.children.length >= 2);
+      const before = await tab.page.evaluate(places);
+      await pull(tab, 200, 120);
+      await tab.until("a body moves", (old) => window.forcebound.stage.views[0].parts.children
+        .filter((part) => !part.userData.endless).map((part) => part.position.toArray()).flat()
+        .some((value, i) => Math.abs(value - old[i]) > 1e-3), before);
+      await tab.page.mouse.up();
+    }, "delay 5ms");
+  },
+
+  /** A recording replays; its slider seeks, by the keyboard too. */
+  async replay(browser) {
+    const programs = await Programs.in(given.bin);
+    try {
+      const server = await programs.server();
+      const client = programs.start("client", ["--server", server.address, ...kWall, "--duration", "6", "--record", "run.mcap", "--quiet"]);
+      await client.ended;
+      const view = await programs.withPage("lab", ["view", "run.mcap"]);
+      const tab = await Tab.open(browser, view.url);
+      await tab.untilChartsMove();
+      await tab.until("the scene is drawn", () => window.forcebound.stage.views[0].parts.children.length === 1);
+      await tab.page.locator("#play").click();
+      await tab.until("it has stopped", () => document.getElementById("play").textContent === "Play");
+      const slider = tab.page.locator("#time");
+      const newest = (from, to) => tab.until(`the newest tick is from ${from} to ${to} s`, ([least, most]) => {
+        const { newest_s } = window.forcebound.charts.store;
+        return newest_s >= least && newest_s <= most;
+      }, [from, to]);
+      await slider.fill("4");
+      await newest(3.99, 4.01);
+      await slider.fill("1.5");
+      await newest(1.49, 1.51);
+      await slider.focus();
+      await tab.page.keyboard.press("End");
+      await newest(5.5, 6.1);
+      assert.match(await tab.text("time-text"), / of /);
+      await tab.close();
+    } catch (error) {
+      console.error(programs.said());
+      throw error;
+    } finally {
+      await programs.end();
+    }
+  },
+
   /** A recording is begun and ended, and is there as a file. */
   async recorded(browser) {
     await withClient(browser, [...kWall], async (tab, programs) => {

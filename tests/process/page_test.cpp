@@ -215,5 +215,67 @@ TEST(APage, IsRefusedWhereItsPortIsTaken) {
   EXPECT_THAT(second.err, HasSubstr("no page at " + at));
 }
 
+// What a page with remote rendering, and of what moves, shows is the server's to tell.
+TEST(APage, ShowsScenesThatAreNotHandedOverAndWhatMovesInThem) {
+  Server server;
+  Client sphere(server.address(), {"--scene", "sphere", "--page", "0", "--rendering", "remote"});
+  Viewer viewer(sphere);
+  const json scene = viewer.wait_for("scene");
+  EXPECT_EQ(scene["name"], "sphere");
+  EXPECT_EQ(scene["shapes"][0]["radius_m"], 0.02);
+  viewer.say(choose("scene", "pad"));
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["scene"] == "pad"; });
+  const json pad = viewer.wait_for("scene", [](const json& message) { return !message["meshes"].empty(); });
+  const json moved = viewer.wait_for("moved", [](const json& message) { return !message["meshes"].empty(); });
+  EXPECT_EQ(moved["meshes"][0]["name"], pad["meshes"][0]["name"]);
+  EXPECT_EQ(moved["meshes"][0]["vertices_m"].size(), pad["meshes"][0]["vertices_m"].size());
+}
+
+/// A client's recording of a few seconds.
+std::string recorded_in(const TemporaryFolder& folder) {
+  const std::string file = folder.file("run.mcap");
+  Server server;
+  const Ran ran = run(kClient, {"--server", server.address(), "--scene", "wall", "--device", "wall-1dof", "--duration",
+                                "2", "--record", file, "--quiet"});
+  EXPECT_THAT(ran.exit_code, testing::AnyOf(0, 3)) << ran.err;
+  return file;
+}
+
+TEST(APage, PlaysARecordingAndSeeksInIt) {
+  const TemporaryFolder folder;
+  const std::string file = recorded_in(folder);
+  Process view(kLab, {"view", file, "--page", "0"});
+  Viewer viewer(view);
+  const json hello = viewer.wait_for("hello");
+  EXPECT_EQ(hello["program"], "view");
+  EXPECT_EQ(hello["settings"]["scene"], "wall");
+  EXPECT_GT(hello["duration_s"], 1.5);
+  EXPECT_EQ(viewer.wait_for("scene")["shapes"][0]["kind"], "half_space");
+  viewer.wait_for("ticks", [](const json& ticks) { return ticks["time_s"].back() > 0.3; });
+  viewer.say({{"kind", "play"}, {"on", false}});
+  viewer.say({{"kind", "seek"}, {"time_s", 1.5}});
+  const json ticks = viewer.wait_for("ticks", [](const json& some) { return some["time_s"].back() > 1.49; });
+  EXPECT_LT(ticks["time_s"].back(), 1.51);
+  EXPECT_EQ(view.stop(SIGINT), 0);
+}
+
+TEST(APage, OfARecordingShowsWhatADamagedOneHasAndRefusesOthersInOneLine) {
+  const TemporaryFolder folder;
+  const std::string file = recorded_in(folder);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  Process view(kLab, {"view", file, "--page", "0"});
+  Viewer viewer(view);
+  EXPECT_THAT(viewer.wait_for("event")["text"].get<std::string>(), HasSubstr("incomplete"));
+  viewer.wait_for("ticks");
+  EXPECT_THAT(view.err(), HasSubstr("incomplete"));
+  EXPECT_EQ(view.stop(SIGINT), 0);
+  const Ran missing = run(kLab, {"view", folder.file("none.mcap")});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.err, HasSubstr("cannot be read"));
+  const Ran wrong = run(kLab, {"view", file, "--page", "no:port:at all"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--page"));
+}
+
 }  // namespace
 }  // namespace forcebound::test

@@ -32,6 +32,7 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_spending(app);
   forcebound::lab::add_table(app);
   forcebound::lab::add_trials(app);
+  forcebound::lab::add_view(app);
   forcebound::lab::add_violations(app);
   // Not above: subcommands would print it too.
   app.footer(
@@ -44,6 +45,8 @@ int run(int argc, const char* const* argv) {
       "      the paper's sphere, in a few seconds\n"
       "  forcebound-lab report run.mcap --figures out\n"
       "      summary and figures of a client's recording\n"
+      "  forcebound-lab view run.mcap\n"
+      "      the same run in a browser, played again\n"
       "  forcebound-lab passivity --figure leaks.png\n"
       "      energy that each law leaks on a real device, and the cost of the guarantee\n"
       "  forcebound-lab soak --seeds 1000\n"

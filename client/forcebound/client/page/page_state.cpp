@@ -70,22 +70,31 @@ std::string hello_message(const PageState& state, double time_s) {
   }
   Json tracks = Json::array({{{"law", state.choice.law}}});
   if (state.choice.law_beside) tracks.push_back({{"law", *state.choice.law_beside}});
-  return dumped({{"kind", "hello"},
-                 {"protocol", 1},
-                 {"program", "client"},
-                 {"version", FORCEBOUND_VERSION},
-                 {"time_s", time_s},
-                 {"period_s", state.period_s},
-                 {"dof", state.degrees_of_freedom},
-                 {"simulated", state.simulated},
-                 {"pointer", state.pointer},
-                 {"may_change", true},
-                 {"choices", {{"laws", laws}, {"scenes", state.choices.scenes}, {"devices", state.choices.devices}}},
-                 {"settings", settings},
-                 {"recording", state.recording_file.empty() ? Json(nullptr) : Json(state.recording_file)},
-                 {"duration_s", nullptr},
-                 {"tracks", tracks},
-                 {"read_only", false}});
+  Json message{{"kind", "hello"},
+               {"protocol", 1},
+               {"program", "client"},
+               {"version", FORCEBOUND_VERSION},
+               {"time_s", time_s},
+               {"period_s", state.period_s},
+               {"dof", state.degrees_of_freedom},
+               {"simulated", state.simulated},
+               {"pointer", state.pointer},
+               {"may_change", true},
+               {"choices", {{"laws", laws}, {"scenes", state.choices.scenes}, {"devices", state.choices.devices}}},
+               {"settings", settings},
+               {"recording", state.recording_file.empty() ? Json(nullptr) : Json(state.recording_file)},
+               {"duration_s", nullptr},
+               {"tracks", tracks},
+               {"read_only", false}};
+  if (state.replay) {
+    message["program"] = "view";
+    message["may_change"] = false;
+    message["recording"] = state.replay->file;
+    message["duration_s"] = state.replay->duration_s;
+    message["playing"] = state.replay->playing;
+    message["speed"] = state.replay->speed;
+  }
+  return dumped(message);
 }
 
 std::string event_message(int track, double time_s, const std::string& level, const std::string& text) {

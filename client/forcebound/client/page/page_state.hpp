@@ -43,6 +43,14 @@ inline constexpr double kHandStiffnessMost = 5000;
 /// @throws std::invalid_argument with the value and what would be accepted
 [[nodiscard]] PageChoice changed(const PageChoice& now, const page::Choose& choice, const PageChoices& choices);
 
+/// A recording that is played.
+struct Replay {
+  std::string file;
+  double duration_s = 0;
+  bool playing = true;
+  double speed = 1;
+};
+
 /// What a page is told about a program and its run.
 struct PageState {
   PageChoices choices{};
@@ -53,6 +61,7 @@ struct PageState {
   int degrees_of_freedom = 3;              ///< shown: 1 to 3
   double period_s = 1e-3;
   std::string recording_file{};
+  std::optional<Replay> replay{};  ///< in place of a run
 };
 
 /// The message `hello`.

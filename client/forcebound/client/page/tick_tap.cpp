@@ -36,28 +36,35 @@ TickTap::TickTap(std::size_t capacity) : queues_(std::make_unique<Queues>(capaci
 TickTap::~TickTap() = default;
 
 void TickTap::on_tick(const record::TickRecord& tick) noexcept {
-  const bool own_place = tick.rendering == record::ForceOrigin::at_client;
-  const TickSample sample{.time = tick.time,
-                          .interval = tick.interval,
-                          .latency = tick.latency,
-                          .age = tick.force_age,
-                          .motion_sequence = tick.motion_sequence,
-                          .force_sequence = tick.force_sequence,
-                          .position_m = axes_of(tick.position),
-                          .place_m = own_place ? axes_of(tick.position) : place_m_,
-                          .asked_N = axes_of(tick.request),
-                          .applied_N = axes_of(tick.applied),
-                          .ledger_J = tick.energy_J,
-                          .audit_J = tick.audit_J,
-                          .audit_minimum_J = tick.audit_minimum_J,
-                          .state = tick.state,
-                          .contact = tick.contact,
-                          .has_place = own_place || has_place_,
-                          .usable = tick.position.allFinite()};
-  if (!queues_->ticks.push(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
+  if (!queues_->ticks.push(sampler_.sample(tick))) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void TickTap::on_force(const record::ForceRecord& record) noexcept {
+  if (!queues_->forces.push(sampler_.sample(record))) dropped_.fetch_add(1, std::memory_order_relaxed);
+}
+
+TickSample Sampler::sample(const record::TickRecord& tick) const noexcept {
+  const bool own_place = tick.rendering == record::ForceOrigin::at_client;
+  return {.time = tick.time,
+          .interval = tick.interval,
+          .latency = tick.latency,
+          .age = tick.force_age,
+          .motion_sequence = tick.motion_sequence,
+          .force_sequence = tick.force_sequence,
+          .position_m = axes_of(tick.position),
+          .place_m = own_place ? axes_of(tick.position) : place_m_,
+          .asked_N = axes_of(tick.request),
+          .applied_N = axes_of(tick.applied),
+          .ledger_J = tick.energy_J,
+          .audit_J = tick.audit_J,
+          .audit_minimum_J = tick.audit_minimum_J,
+          .state = tick.state,
+          .contact = tick.contact,
+          .has_place = own_place || has_place_,
+          .usable = tick.position.allFinite()};
+}
+
+ForceSample Sampler::sample(const record::ForceRecord& record) noexcept {
   const wire::EnvironmentForce& force = record.force;
   place_m_ = axes_of(force.position);
   has_place_ = true;
@@ -74,7 +81,7 @@ void TickTap::on_force(const record::ForceRecord& record) noexcept {
     const control::Vector surface_m = force.position + force.penetration_m * force.contact_normal;
     sample.surface_m = axes_of(surface_m);
   }
-  if (!queues_->forces.push(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
+  return sample;
 }
 
 void TickTap::take(const std::function<void(const ForceSample&)>& forces,

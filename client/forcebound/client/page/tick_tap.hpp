@@ -49,6 +49,17 @@ struct ForceSample {
   bool contact = false;
 };
 
+/// What a page shows of the ticks and answers of one client, in their order. Real time: noexcept, no allocation.
+class Sampler {
+ public:
+  [[nodiscard]] TickSample sample(const record::TickRecord& tick) const noexcept;
+  [[nodiscard]] ForceSample sample(const record::ForceRecord& record) noexcept;
+
+ private:
+  Axes place_m_{};  // of the newest answer
+  bool has_place_ = false;
+};
+
 /// Carries ticks and answers to the thread of a page. A full queue drops them and counts: about 4 s fit.
 ///
 /// Real time: the `on_` functions are noexcept, allocate nothing and never wait. One thread calls them, one other
@@ -73,8 +84,7 @@ class TickTap final : public record::TickSink {
   struct Queues;
 
   std::unique_ptr<Queues> queues_;
-  Axes place_m_{};  // of the tick's thread
-  bool has_place_ = false;
+  Sampler sampler_;  // of the tick's thread
   std::atomic<std::uint64_t> dropped_{0};
 };
 
