@@ -2,10 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
-#include <new>
-
 #include <filesystem>
 #include <iostream>
+#include <new>
 
 #include "forcebound/page/listen_address.hpp"
 
@@ -38,7 +37,7 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
 
 void PageTurn::turn(UdpServer& server) {
   const time::Nanoseconds now = clock_.now();
-  if (now < next_) return;
+  if (now < next_ && !page_.awaited()) return;
   next_ = now + kPeriod;
   while (const auto kick = page_.take_kick()) {
     const auto session = observer_.session_of(*kick);
@@ -46,6 +45,7 @@ void PageTurn::turn(UdpServer& server) {
     page_.tell(ended ? "info" : "warning",
                "session " + std::to_string(*kick) + (ended ? " is ended" : " has ended already"));
   }
+  if (!page_.watched() && !page_.awaited()) return;
   const std::uint64_t motions = server.server().counters().motions_received;
   const double elapsed_s = time::to_seconds(now - shown_);
   const PageObserver::Load load{

@@ -19,7 +19,8 @@ class PageTurn {
   /// @throws std::runtime_error if it cannot be served there
   PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock);
 
-  /// To be called after each turn of the server: twice a second it shows what is, and ends sessions as asked.
+  /// To be called after each turn of the server: twice a second it ends sessions as asked, and shows what is to those
+  /// who look. While nobody does it costs nothing more.
   void turn(UdpServer& server);
 
  private:

@@ -1,5 +1,6 @@
 #include "forcebound/server/app/server_page.hpp"
 
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -32,6 +33,8 @@ void ServerPage::show(std::string sessions, std::string metrics) {
   sessions_ = std::move(sessions);
   metrics_ = std::move(metrics);
   fresh_ = true;
+  awaited_ = false;
+  shown_.notify_all();
 }
 
 void ServerPage::tell(const std::string& level, const std::string& text) {
@@ -77,8 +80,12 @@ std::string ServerPage::hello() const {
 
 void ServerPage::greet(page::ViewerId viewer, page::Viewers& viewers) {
   viewers.send(viewer, shared(hello()), page::Worth::needed);
-  const std::scoped_lock lock(lock_);
-  if (!sessions_.empty()) viewers.send(viewer, shared(sessions_), page::Worth::needed);
+  std::string sessions;
+  {
+    const std::scoped_lock lock(lock_);
+    sessions = sessions_;
+  }
+  if (!sessions.empty()) viewers.send(viewer, shared(std::move(sessions)), page::Worth::needed);
 }
 
 void ServerPage::receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) {
@@ -90,23 +97,38 @@ void ServerPage::receive(page::ViewerId viewer, std::string_view text, page::Vie
     if (!request) return;
     const auto* const kick = std::get_if<page::Kick>(&*request);
     if (kick == nullptr) return refuse("message", "this is the page of a server, which takes kick alone");
-    const std::scoped_lock lock(lock_);
-    if (kicks_.size() == kKicksMost) return refuse("kick", "too many at once: wait until the last ones are done");
-    kicks_.push_back(kick->session);
+    if (!take(kick->session)) refuse("kick", "too many at once: wait until the last ones are done");
   } catch (const std::invalid_argument& error) {
     refuse("message", error.what());
   }
 }
 
-void ServerPage::beat(page::Viewers& viewers) {
+bool ServerPage::take(std::uint64_t kick) {
   const std::scoped_lock lock(lock_);
-  for (std::string& event : events_) viewers.send_to_all(shared(std::move(event)), page::Worth::needed);
-  events_.clear();
-  if (std::exchange(fresh_, false)) viewers.send_to_all(shared(sessions_), page::Worth::stream);
+  if (kicks_.size() == kKicksMost) return false;
+  kicks_.push_back(kick);
+  return true;
+}
+
+void ServerPage::beat(page::Viewers& viewers) {
+  watched_ = viewers.count() > 0;
+  std::deque<std::string> events;
+  std::string sessions;
+  {
+    const std::scoped_lock lock(lock_);
+    events.swap(events_);
+    if (std::exchange(fresh_, false)) sessions = sessions_;
+  }
+  for (std::string& event : events) viewers.send_to_all(shared(std::move(event)), page::Worth::needed);
+  if (!sessions.empty()) viewers.send_to_all(shared(std::move(sessions)), page::Worth::stream);
 }
 
 std::string ServerPage::metrics() {
-  const std::scoped_lock lock(lock_);
+  constexpr std::chrono::milliseconds kPatience{500};
+  std::unique_lock lock(lock_);
+  if (watched_ && !metrics_.empty()) return metrics_;
+  awaited_ = true;
+  shown_.wait_for(lock, kPatience, [this] { return !awaited_; });
   return metrics_;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -11,14 +13,18 @@
 
 namespace forcebound::server {
 
-/// What the page of forcebound-server shows and is asked for. The server's thread sets and takes, twice a second; the
-/// rest is of the page's thread.
+/// What the page of forcebound-server shows and is asked for. The server's thread sets and takes, twice a second while
+/// somebody looks; the rest is of the page's thread.
 class ServerPage final : public page::Subject {
  public:
   static constexpr std::size_t kKicksMost = 64;
 
   /// @param clock must outlive it. @param recording file; empty: none
   ServerPage(const time::Clock& clock, std::string recording);
+
+  /// Whether somebody looks, or waits for figures. Never waits.
+  [[nodiscard]] bool watched() const noexcept { return watched_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool awaited() const noexcept { return awaited_.load(std::memory_order_relaxed); }
 
   /// What is shown from now on.
   void show(std::string sessions, std::string metrics);
@@ -30,11 +36,13 @@ class ServerPage final : public page::Subject {
   void greet(page::ViewerId viewer, page::Viewers& viewers) override;
   void receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) override;
   void beat(page::Viewers& viewers) override;
+  /// Waits for new figures, half a second at most: a server that nobody looks at has none ready.
   [[nodiscard]] std::string metrics() override;
 
  private:
   [[nodiscard]] double now_s() const noexcept;
   [[nodiscard]] std::string hello() const;
+  [[nodiscard]] bool take(std::uint64_t kick);
 
   const time::Clock& clock_;
   time::Nanoseconds epoch_;
@@ -45,6 +53,9 @@ class ServerPage final : public page::Subject {
   std::deque<std::string> events_;  // not sent yet
   std::deque<std::uint64_t> kicks_;
   bool fresh_ = false;
+  std::condition_variable shown_;
+  std::atomic<bool> watched_{false};
+  std::atomic<bool> awaited_{false};
 };
 
 }  // namespace forcebound::server

@@ -1,5 +1,6 @@
 #include "forcebound/server/runtime/udp_server.hpp"
 
+#include <algorithm>
 #include <new>
 #include <random>
 #include <utility>
@@ -105,7 +106,13 @@ void UdpServer::run(const std::stop_token& wanted) {
 }
 
 void UdpServer::replace_clients(security::AllowedClients clients) {
-  if (secure_) secure_->replace_clients(std::move(clients));
+  if (!secure_) return;
+  // Who is let in no more is told while there is still a key to tell it by.
+  server_.end_sessions_unless([&clients](const std::string& name) {
+    return std::ranges::find(clients.all(), name, &security::AllowedClient::name) != clients.all().end();
+  });
+  batch_.flush();
+  secure_->replace_clients(std::move(clients));
 }
 
 void UdpServer::stop() {

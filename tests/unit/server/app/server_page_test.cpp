@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <vector>
 
 namespace forcebound::server {
@@ -20,7 +21,8 @@ class Sent final : public page::Viewers {
  public:
   void send(page::ViewerId, page::Text text, page::Worth) override { kinds.push_back(Json::parse(*text)["kind"]); }
   void send_to_all(page::Text text, page::Worth) override { kinds.push_back(Json::parse(*text)["kind"]); }
-  [[nodiscard]] std::size_t count() const noexcept override { return 1; }
+  [[nodiscard]] std::size_t count() const noexcept override { return viewers; }
+  std::size_t viewers = 1;
   std::vector<std::string> kinds;
 };
 
@@ -38,6 +40,24 @@ TEST(ServerPage, ShowsTheSessionsOncePerChange) {
   page.greet(2, viewers);
   EXPECT_EQ(viewers.kinds, (Kinds{"hello", "event", "sessions", "hello", "sessions"}));
   EXPECT_EQ(page.metrics(), "metric 1\n");
+}
+
+TEST(ServerPage, AsksForFiguresOnlyWhileSomebodyLooks) {
+  const StillClock clock;
+  ServerPage page(clock, "");
+  Sent viewers;
+  viewers.viewers = 0;
+  page.beat(viewers);
+  EXPECT_FALSE(page.watched());
+  std::jthread serving([&page] {
+    while (!page.awaited()) std::this_thread::yield();
+    page.show(R"({"kind":"sessions"})", "metric 2\n");
+  });
+  EXPECT_EQ(page.metrics(), "metric 2\n");
+  EXPECT_FALSE(page.awaited());
+  viewers.viewers = 1;
+  page.beat(viewers);
+  EXPECT_TRUE(page.watched());
 }
 
 TEST(ServerPage, TakesKicksAndNothingElse) {
