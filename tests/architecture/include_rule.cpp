@@ -87,6 +87,7 @@ const std::vector<Folder>& folders() {
       {"tests/tools/relay",
        {"forcebound/net", "forcebound/program", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
       {"tests/tools/sim", {"forcebound", "tests/tools/netem"}},
+      {"tests/tools/python", {"forcebound", "tests/tools/netem", "tests/tools/sim"}},
       {"tests/tools/reference", {"forcebound/control"}},
       {"tests/tools/lab/measures", {"forcebound", "tests/tools/sim"}},
       {"tests/tools/lab/figures", {"forcebound"}},
@@ -122,10 +123,10 @@ struct Privilege {
 
 // Programs, and code that runs the core on threads and sockets. Tests may too, except for the tools that ship.
 const std::string kShells =
-    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|client/drivers/.*|common/forcebound/program/.*|tests/tools/(relay|lab)/.*|tests/(?!tools/).*)";
+    R"((client|server)/forcebound/(client|server)/(app|runtime)/.*|client/drivers/.*|common/forcebound/program/.*|tests/tools/(relay|lab|python)/.*|tests/(?!tools/).*)";
 constexpr std::string_view kShellsInWords =
-    "the folders app, runtime and common/forcebound/program, client/drivers, tests/tools/relay, tests/tools/lab and "
-    "the tests";
+    "the folders app, runtime and common/forcebound/program, client/drivers, tests/tools/relay, tests/tools/lab, "
+    "tests/tools/python and the tests";
 
 // It waits for a process that reads untrusted files.
 const std::string kChild = R"(common/forcebound/child/in_child\.cpp)";

@@ -38,7 +38,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
               settings_.make_hand ? settings_.make_hand()
                                   : device::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom()),
               settings_.flaws),
-      surface_(settings_.scene, device_),
+      surface_(settings_.own_environment ? nullptr : settings_.scene, device_),
       summary_(info()) {
   if (settings_.told) told_.emplace(device_, *settings_.told);
   surface_.hand_on_to(sinks);
@@ -82,7 +82,7 @@ record::RunInfo ClosedLoop::info() const {
   info.operator_name = settings_.make_hand ? std::string(device_.hand().name()) : settings_.hand;
   info.hand = device_.hand().description();
   info.scene = settings_.scene->facts().name;
-  info.simulated = server::summary(*settings_.scene);
+  info.simulated = settings_.own_environment ? settings_.own_environment->name : server::summary(*settings_.scene);
   info.rendering = settings_.renders_locally ? "local" : "remote";
   info.seed = settings_.seed;
   info.period = time::from_seconds(settings_.device.facts.period_s);
@@ -98,7 +98,9 @@ record::RunInfo ClosedLoop::info() const {
 }
 
 void ClosedLoop::start_server() {
-  server::EnvironmentKind scene = server::scene_environment(settings_.scene);
+  server::EnvironmentKind scene =
+      settings_.own_environment ? *settings_.own_environment : server::scene_environment(settings_.scene);
+  scene.name = settings_.scene->facts().name;
   if (settings_.handed_over) {
     scene.make = [honest = std::move(scene.make),
                   packed = handover::pack(*settings_.handed_over)](const server::ClientFacts& client) {
@@ -146,8 +148,8 @@ void ClosedLoop::end_server_turn() {
   server_->answer_waiting();
 }
 
-void ClosedLoop::run(Nanoseconds duration) {
-  for (end_ = std::max(end_, next_tick_) + duration; next_tick_ < end_; plan_next_tick()) {
+void ClosedLoop::run_until(Nanoseconds end) {
+  for (end_ = std::max(end_, end); next_tick_ < end_; plan_next_tick()) {
     live_until(next_tick_);
     note_faults();
     if (server_ && next_tick_ >= next_timer_) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -62,6 +63,9 @@ class ClosedLoop {
     device::DeviceFlaws flaws{};                      ///< how the device truly is
     std::optional<control::DeviceFacts> told{};       ///< what the client is told of it; none: the truth
     std::optional<EnvironmentSetting> environment{};  ///< none: the scene
+    /// The server's in place of the scene, of which only name and degrees of freedom count then; its surface is known
+    /// from its answers alone.
+    std::optional<server::EnvironmentKind> own_environment{};
     std::vector<Fault> faults{};
     Nanoseconds server_turn{0};                          ///< computing time before it answers; datagrams wait meanwhile
     std::shared_ptr<const control::LawRegistry> laws{};  ///< of both ends; null: the shipped ones
@@ -85,7 +89,10 @@ class ClosedLoop {
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
   /// Runs for that time.
-  void run(Nanoseconds duration);
+  void run(Nanoseconds duration) { run_until(std::max(end_, next_tick_) + duration); }
+
+  /// Runs until then, since the beginning; not at all if that is over. In parts it is the same run as in one.
+  void run_until(Nanoseconds end);
 
   /// The client pauses for that time: its next tick is late by it.
   void stall(Nanoseconds duration) noexcept { next_tick_ += duration; }

@@ -5,7 +5,7 @@ namespace forcebound::sim {
 TrueSurface::TrueSurface(const std::shared_ptr<const scene::Scene>& scene, const device::SimulatedDevice& device)
     : device_(device) {
   const auto rows = static_cast<std::uint32_t>(device.facts().degrees_of_freedom());
-  if (scene->dynamic_models().empty() && scene->accepts(rows)) scene_.emplace(scene, rows);
+  if (scene && scene->dynamic_models().empty() && scene->accepts(rows)) scene_.emplace(scene, rows);
 }
 
 void TrueSurface::hand_on_to(const std::vector<record::TickSink*>& sinks) {

@@ -17,6 +17,7 @@ namespace forcebound::sim {
 /// passed on unchanged.
 class TrueSurface final : public record::TickSink {
  public:
+  /// @param scene null: the surface is not known
   /// @param device must outlive this
   TrueSurface(const std::shared_ptr<const scene::Scene>& scene, const device::SimulatedDevice& device);
 
