@@ -3,6 +3,7 @@
 #
 #   forcebound         programs, drivers, scenes, devices, manual pages, completion
 #   libforcebound-dev  libraries, headers, CMake files, .proto files
+#   python3-forcebound the Python package with its examples, for the Python that it was built with
 
 # Without help2man, everything but the manual pages.
 find_program(FORCEBOUND_HELP2MAN help2man)
@@ -90,16 +91,42 @@ if(FORCEBOUND_MUJOCO)
 endif()
 list(JOIN FORCEBOUND_DEBIAN_LIBRARIES ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-forcebound)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    ${PROJECT_SOURCE_DIR}/deploy/packaging/python/postinst ${PROJECT_SOURCE_DIR}/deploy/packaging/python/prerm)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-matplotlib)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS forcebound)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+" Laws that bound a force, networked haptics in virtual time, recordings as
+ numpy's arrays and a client of a live server, from Python.")
+
 # forcebound_packages(): after every component is known.
 function(forcebound_packages)
   forcebound_man_pages()
   forcebound_install_data()
   get_property(libraries GLOBAL PROPERTY FORCEBOUND_COMPONENTS)
   set(CPACK_COMPONENTS_ALL programs package ${libraries})
+  if(TARGET forcebound_python)
+    list(APPEND CPACK_COMPONENTS_ALL python)
+    # One Python's extension module is of no use to the next.
+    get_property(version GLOBAL PROPERTY FORCEBOUND_PYTHON_VERSION)
+    string(REPLACE "." ";" parts ${version})
+    list(GET parts 0 major)
+    list(GET parts 1 minor)
+    math(EXPR next "${minor} + 1")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+        "python3 (>= ${major}.${minor}), python3 (<< ${major}.${next}), python3-numpy")
+  endif()
   include(CPack)
   cpack_add_component_group(programs)
   cpack_add_component_group(development)
   cpack_add_component(programs GROUP programs)
+  if(TARGET forcebound_python)
+    cpack_add_component_group(python)
+    cpack_add_component(python GROUP python)
+  endif()
   foreach(name IN ITEMS package LISTS libraries)
     cpack_add_component(${name} GROUP development)
   endforeach()
