@@ -69,6 +69,36 @@ def test_facts_that_cannot_be_are_refused():
         DeviceFacts(1.0, dampin=3)
     with pytest.raises(ValueError, match=r"latency_s: expected shape \(2,\)"):
         Uncertainty(latency_s=[1, 2, 3])
+    with pytest.raises(ValueError, match="1 to 6 rows, got 7"):
+        DeviceFacts(np.eye(7))
+    with pytest.raises(ValueError, match="1 to 6 numbers"):
+        DeviceFacts(np.ones(7))
+
+
+@pytest.mark.parametrize("field, value", [
+    ("period_s", 0), ("period_s", np.nan), ("latency_s", -1e-3), ("hold_s_max", 0), ("force_N_max", -1),
+    ("force_N_max", np.nan), ("friction", -1), ("encoder_step", np.inf), ("actuator_step", np.nan), ("tip_axes", 2),
+    ("release_share", 2), ("speed_max", -1), ("uncertainty", Uncertainty(damping_share=1)),
+    ("uncertainty", Uncertainty(stamp_s=(1e-3, 0)))])
+def test_numbers_out_of_their_range_are_refused_by_name(field, value):
+    name = "damping_share|stamp_s" if field == "uncertainty" else field
+    with pytest.raises(ValueError, match=f"({name}).* must be .*, got "):
+        DeviceFacts(1.0).replace(**{field: value})
+
+
+def test_more_joints_need_more_of_all_that_is_per_joint():
+    facts = DeviceFacts(1.0, friction=0.1)
+    with pytest.raises(ValueError, match=r"friction must be of shape \(2,\), as damping has, got \(1,\)"):
+        facts.replace(damping=[1, 2])
+    changed = facts.replace(friction=[0.1, 0.2], encoder_step=0, actuator_step=0, damping=[1, 2])
+    assert changed.friction.tolist() == [0.1, 0.2]
+
+
+def test_a_device_keeps_its_mechanism():
+    wall, omni = devices.load("wall-1dof"), devices.load("omni")
+    assert wall.with_facts(wall.facts.replace(damping=15)).facts.damping.tolist() == [[15]]
+    with pytest.raises(ValueError, match="the facts must be those of a device of 3 joints, .*not Cartesian, got 1 joints"):
+        omni.with_facts(wall.facts)
 
 
 def test_the_tip_of_an_arm_is_where_its_joints_bring_it():

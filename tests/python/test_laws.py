@@ -173,16 +173,39 @@ def test_a_law_and_its_server_side_talk_to_each_other(wall_facts):
         laws.FbaExact(wall_facts).server_side()
 
 
+def test_times_that_cannot_be_are_refused_before_the_law_sees_them(wall_facts):
+    law = laws.FbaExact(wall_facts)
+    for name, wrong in [("latency_s", np.nan), ("latency_s_max", -1), ("effect_s", np.nan), ("held_s", np.inf)]:
+        with pytest.raises(ValueError, match=f"{name} must be"):
+            law.step([0], [0], **{name: wrong})
+    with pytest.raises(ValueError, match="latencies_s must be .* in row 1"):
+        law.run([[0.0], [0.0]], [[0.0], [0.0]], latencies_s=[0, np.nan])
+    with pytest.raises(ValueError, match="force_N must be finite"):
+        law.confirm([np.nan], 0)
+    # A clock that cannot have measured an interval is the law's own matter: it credits nothing.
+    law.step([0], [0])
+    law.step([0], [0], interval_s=-1)
+    law.step([0], [0], interval_s=np.nan)
+    assert law.counts["intervals_impossible"] == 2
+    with pytest.raises(ValueError, match="finite"):
+        laws.by_name("wave")(wall_facts).server_side().place([np.nan], [], 0.001)
+
+
 def test_a_law_has_one_owner(wall_facts):
     law = laws.FbaExact(wall_facts)
-    positions, requests_N = random_ticks(wall_facts, 2_000_000)
-    refused = []
-    running = threading.Thread(target=lambda: law.run(positions, requests_N))
-    running.start()
-    while running.is_alive() and not refused:
-        try:
-            law.step([0.0], [0.0])
-        except RuntimeError as error:
-            refused.append(str(error))
-    running.join()
-    assert refused and "another thread" in refused[0]
+    positions, requests_N = random_ticks(wall_facts, 200_000)
+    over = threading.Event()
+
+    def use():
+        while not over.is_set():
+            law.run(positions, requests_N)
+
+    user = threading.Thread(target=use)
+    user.start()
+    try:
+        with pytest.raises(RuntimeError, match="another thread"):
+            while True:  # until a step comes while the other thread runs the sequence
+                law.step([0.0], [0.0])
+    finally:
+        over.set()
+        user.join()

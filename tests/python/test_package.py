@@ -89,3 +89,19 @@ def test_the_version_is_that_of_the_programs():
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
 def test_no_module_changes_what_another_sees_as_public(module):
     assert [name for name in module.__all__ if not hasattr(module, name)] == []
+
+
+def pages():
+    root = Path(__file__).parents[2]
+    found = [file for file in (root / "README.md", root / "tests/tools/python/README.md") if file.exists()]
+    return found or [None]  # beside an installed package there are none
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: page.parent.name if page else "none")
+def test_the_code_on_the_pages_runs(page, tmp_path, monkeypatch):
+    if page is None:
+        pytest.skip("the repository's pages are not here")
+    monkeypatch.chdir(tmp_path)
+    blocks = [block.split("```")[0] for block in page.read_text().split("```python\n")[1:]]
+    assert blocks
+    exec("\n".join(blocks), {})

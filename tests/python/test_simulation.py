@@ -98,6 +98,17 @@ def test_a_law_in_python_acts_as_the_same_law_in_cpp():
     assert in_python.summary["law"] == "unbounded"
 
 
+def test_a_law_may_keep_the_motions_that_it_is_told():
+    class Keeping(Unbounded):
+        def credit(self, motion):
+            self.motions.append(motion)
+
+    own = Keeping()
+    ticks = simulate(0.2, law=own, **PRESS).ticks
+    np.testing.assert_array_equal([m.position for m in own.motions], ticks["position"])
+    assert {m.damping[0, 0] for m in own.motions} == {30.0}
+
+
 def test_an_exception_of_a_law_or_environment_ends_the_run_with_it():
     class Failing(Unbounded):
         def commit(self, force_N):
@@ -211,13 +222,20 @@ def test_settings_that_cannot_be_are_refused_with_what_would_be_accepted():
         ClosedLoop()
     with pytest.raises(ValueError, match="hold"):
         ClosedLoop(hold_s=2, drop_s=1, **PRESS)
-    with pytest.raises(ValueError, match="late_s_max must be >= 0 s, got -1"):
+    with pytest.raises(ValueError, match="scene 'sphere' is for devices of 3 or 6 degrees of freedom, device 'wall-1dof'"):
+        ClosedLoop(scene="sphere")
+    with pytest.raises(ValueError, match="3 joints"):
+        ClosedLoop(told=devices.load("omni").facts, **PRESS)
+    with pytest.raises(ValueError, match="late_share must be 0 to 1, got 2"):
+        ClosedLoop(late_share=2, **PRESS)
+    with pytest.raises(ValueError, match="late_s_max must be 0 to 1e6 s, got -1"):
         ClosedLoop(late_s_max=-1, **PRESS)
     with pytest.raises(ValueError, match="to_cm"):
         ClosedLoop(scene="wall", hand="press:to_cm=1")
     loop = ClosedLoop(**PRESS)
-    with pytest.raises(ValueError, match="duration_s must be >= 0 s"):
-        loop.run(float("nan"))
+    for wrong in (float("nan"), -1, 1e300):
+        with pytest.raises(ValueError, match="duration_s must be 0 to 1e6 s"):
+            loop.run(wrong)
     loop.close()
     with pytest.raises(RuntimeError, match="has ended"):
         loop.run(1)

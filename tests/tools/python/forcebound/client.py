@@ -41,7 +41,7 @@ class Client:
     rendering    "local": what can be, at the client; "remote": forces are computed at the server
     duration_s   until it ends by itself; 0: when stopped
     once         gives up if the server refuses, or does not answer for 5 s
-    ticks_kept   most ticks kept for `ticks`; None: all of duration_s, or one minute without one
+    ticks_kept   most ticks kept for `ticks`; None: all of duration_s up to ten minutes, or one minute without one
     recording    MCAP file for every tick and force
     key, server_key, known_servers, shared_key, trust_new, insecure    as forcebound-client's options --key,
                  --server-key, --known-servers, --psk, --trust-new, --insecure
@@ -82,7 +82,7 @@ class Client:
             raise ValueError(f"duration_s must be 0 to 1e6 s, got {duration_s}")
         device = device_from(device)
         if ticks_kept is None:
-            ticks_kept = int((duration_s or 60) / device.facts.period_s) + 10
+            ticks_kept = int(min(duration_s or 60, 600) / device.facts.period_s) + 10
         self._client = _native.LiveClient(
             server=server,
             scene=scene,

@@ -43,7 +43,7 @@ std::vector<ClientSetting> client_settings() {
       {"renders_locally",
        [](A& a, py::handle value, const char*) { a.settings.client.renders_locally = value.cast<bool>(); }},
       {"duration_s",
-       [](A& a, py::handle value, const char* name) { a.settings.client.duration_s = number_from(value, name); }},
+       [](A& a, py::handle value, const char* name) { a.settings.client.duration_s = seconds_from(value, name); }},
       {"once", [](A& a, py::handle value, const char*) { a.settings.client.once = value.cast<bool>(); }},
       {"seed", [](A& a, py::handle value, const char*) { a.settings.client.seed = value.cast<std::uint64_t>(); }},
       {"recording", [](A& a, py::handle value, const char*) { a.settings.client.recording = text_of(value); }},
@@ -65,6 +65,7 @@ std::unique_ptr<LiveClient> make_client(const py::kwargs& named) {
   AskedClient asked;
   set_fields(asked, named, client_settings(), "Client");
   LiveClient::Settings& settings = asked.settings;
+  if (settings.device.facts.joints() == 0) throw py::type_error("Client: expected a device");
   const control::LawRegistry laws = baselines::shipped_laws();
   settings.law_options = law_options(asked.memory, asked.parameters);
   settings.client.law = settings.law;

@@ -1,11 +1,11 @@
 #include "tests/tools/python/native/closed_loop.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "forcebound/record/run_info.hpp"
+#include "tests/tools/python/native/fields.hpp"
 
 namespace forcebound::python {
 namespace {
@@ -53,13 +53,10 @@ void PythonLoop::check() {
   tables_.rethrow();
 }
 
-void PythonLoop::run(double duration_s) {
-  if (!(duration_s >= 0) || !std::isfinite(duration_s)) {
-    throw py::value_error("duration_s must be >= 0 s, got " + std::to_string(duration_s));
-  }
+void PythonLoop::run(py::handle duration_s) {
   if (summary_) throw std::runtime_error("this loop has ended: its summary was asked for");
   const Running running(running_);
-  const Nanoseconds target = end_ + time::from_seconds(duration_s);
+  const Nanoseconds target = end_ + time::from_seconds(seconds_from(duration_s, "duration_s"));
   while (end_ < target) {
     end_ = std::min(end_ + kSlice, target);
     {

@@ -41,8 +41,8 @@ class PythonLoop {
   PythonLoop(sim::ClosedLoop::Settings settings, Parts parts, const std::string& recording);
 
   /// Goes on for that time. Other Python threads run meanwhile, and Ctrl-C ends it.
-  /// @throws py::value_error unless the duration is >= 0; the first exception of a law or environment in Python
-  void run(double duration_s);
+  /// @throws py::value_error unless the duration is 0 to 1e6 s; the first exception of a law or environment in Python
+  void run(py::handle duration_s);
 
   /// The ticks and forces since the last time; also of a loop that was closed, when forces still came.
   py::tuple take();

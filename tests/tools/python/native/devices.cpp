@@ -8,6 +8,7 @@
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "tests/tools/python/native/arrays.hpp"
 #include "tests/tools/python/native/bindings.hpp"
+#include "tests/tools/python/native/facts_check.hpp"
 
 namespace forcebound::python {
 namespace {
@@ -43,10 +44,7 @@ py::array_t<double> joints_at(const DeviceDescription& device, py::handle positi
 }
 
 DeviceDescription with_facts(const DeviceDescription& before, const control::DeviceFacts& facts) {
-  if (facts.joints() != before.facts.joints()) {
-    throw py::value_error("facts: expected " + std::to_string(before.facts.joints()) + " joints, got " +
-                          std::to_string(facts.joints()));
-  }
+  expect_same_mechanism(facts, before.facts);
   DeviceDescription after = before;
   after.facts = facts;
   return after;
@@ -67,7 +65,8 @@ void bind_devices(py::module_& module) {
       .def_property_readonly(
           "identified", [](const DeviceDescription& d) { return d.identified; },
           "False: the bounds of the real device were never measured.")
-      .def("with_facts", &with_facts, py::arg("facts"), "The same device with other facts; as many joints.")
+      .def("with_facts", &with_facts, py::arg("facts"),
+           "The same device with other facts, of the same joints and axes.")
       .def("tip_of", &tip_of, py::arg("joints"),
            "joints (n, joints) -> positions (n, dof) [m], Jacobians (n, dof, joints) of the tip.")
       .def("joints_at", &joints_at, py::arg("position"), "position (dof,) [m] -> joints (joints,) that bring it there.")

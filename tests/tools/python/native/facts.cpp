@@ -1,10 +1,11 @@
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "forcebound/control/damping.hpp"
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/device/device_description.hpp"
 #include "tests/tools/python/native/bindings.hpp"
+#include "tests/tools/python/native/facts_check.hpp"
 #include "tests/tools/python/native/fields.hpp"
 
 namespace forcebound::python {
@@ -17,6 +18,13 @@ double number_from(py::handle value, const char* name) {
                          py::str(py::type::of(value)).cast<std::string>());
   }
   return number;
+}
+
+double seconds_from(py::handle value, const char* name) {
+  constexpr double kMost_s = 1e6;
+  const double seconds = number_from(value, name);
+  if (seconds >= 0 && seconds <= kMost_s) return seconds;
+  throw py::value_error(std::string(name) + " must be 0 to 1e6 s, got " + py::str(value).cast<std::string>());
 }
 
 namespace {
@@ -65,14 +73,16 @@ const std::vector<Field<Uncertainty>>& uncertainty_fields() {
   return kFields;
 }
 
-void set_damping(DeviceFacts& facts, py::handle value, const char* /*name*/) {
-  const py::array array = doubles_from(value, "damping");
-  if (array.ndim() == 2) {
-    facts.damping = matrix_from(array, array.shape(0), array.shape(0), "damping");
-  } else {
-    facts.damping = any_vector_from(array, "damping").asDiagonal();
+void set_damping(DeviceFacts& facts, py::handle value, const char* name) {
+  const py::array array = doubles_from(value, name);
+  if (array.ndim() != 2) {
+    facts.damping = any_vector_from(array, name).asDiagonal();
+    return;
   }
-  (void)control::Damping::from_matrix(facts.damping);  // refuses what is no damping
+  if (array.shape(0) < 1 || array.shape(0) > control::kDofMax) {
+    throw py::value_error(std::string(name) + ": expected 1 to 6 rows, got " + std::to_string(array.shape(0)));
+  }
+  facts.damping = matrix_from(array, array.shape(0), array.shape(0), name);
 }
 
 const std::vector<Field<DeviceFacts>>& facts_fields() {
@@ -113,14 +123,21 @@ const std::vector<Field<DeviceFacts>>& facts_fields() {
   return kFields;
 }
 
+/// The damping first: it says how many joints there are.
+DeviceFacts changed(DeviceFacts facts, const py::kwargs& changes) {
+  if (changes.contains("damping")) set_damping(facts, changes["damping"], "damping");
+  set_fields(facts, changes, facts_fields(), "DeviceFacts");
+  expect_possible(facts);
+  return facts;
+}
+
 DeviceFacts facts_from(py::handle damping, const py::kwargs& others) {
   DeviceFacts facts;
   facts.name = "device";
   facts.force_N_max = std::numeric_limits<double>::infinity();
   set_damping(facts, damping, "damping");
   facts.friction = facts.encoder_step = facts.actuator_step = Vector::Zero(facts.joints());
-  set_fields(facts, others, facts_fields(), "DeviceFacts");
-  return facts;
+  return changed(std::move(facts), others);
 }
 
 }  // namespace
@@ -147,14 +164,7 @@ void bind_facts(py::module_& module) {
   facts.def_property_readonly("joints", &DeviceFacts::joints, "Number of joints.");
   facts.def_property_readonly("degrees_of_freedom", &DeviceFacts::degrees_of_freedom,
                               "Rows of positions and forces of the tip.");
-  facts.def(
-      "replace",
-      [](const DeviceFacts& before, const py::kwargs& changes) {
-        DeviceFacts after = before;
-        set_fields(after, changes, facts_fields(), "DeviceFacts");
-        return after;
-      },
-      "A copy with other values for the fields that are named.");
+  facts.def("replace", &changed, "A copy with other values for the fields that are named.");
   facts.def("__repr__", [](const DeviceFacts& f) { return "DeviceFacts(" + device::describe(f) + ")"; });
 }
 

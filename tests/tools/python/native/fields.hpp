@@ -43,6 +43,9 @@ void add_fields(Class& type, const std::vector<Field<Struct>>& fields) {
 /// A number. @throws py::type_error naming the field
 [[nodiscard]] double number_from(py::handle value, const char* name);
 
+/// A time of at least 0 and at most a million seconds. @throws py::value_error, and as number_from
+[[nodiscard]] double seconds_from(py::handle value, const char* name);
+
 template <class Struct, class Value>
 Struct struct_of_member(Value Struct::*member);
 

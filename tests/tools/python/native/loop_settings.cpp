@@ -11,6 +11,7 @@
 #include "tests/tools/netem/trace.hpp"
 #include "tests/tools/python/native/bindings.hpp"
 #include "tests/tools/python/native/closed_loop.hpp"
+#include "tests/tools/python/native/facts_check.hpp"
 #include "tests/tools/python/native/fields.hpp"
 #include "tests/tools/python/native/law_choice.hpp"
 #include "tests/tools/python/native/scenes.hpp"
@@ -29,9 +30,13 @@ struct Asked {
 };
 
 time::Nanoseconds duration_from(py::handle value, const char* name) {
-  const double seconds = number_from(value, name);
-  if (!(seconds >= 0)) throw py::value_error(std::string(name) + " must be >= 0 s, got " + std::to_string(seconds));
-  return time::from_seconds(seconds);
+  return time::from_seconds(seconds_from(value, name));
+}
+
+double share_from(py::handle value, const char* name) {
+  const double share = number_from(value, name);
+  if (share >= 0 && share <= 1) return share;
+  throw py::value_error(std::string(name) + " must be 0 to 1, got " + std::to_string(share));
 }
 
 struct Setting {
@@ -72,13 +77,13 @@ std::vector<Setting> settings_there_are() {
       {"seed", [](Asked& a, py::handle value,
                   const char*) { a.settings.seed = a.settings.network.seed = value.cast<std::uint64_t>(); }},
       {"settle_s",
-       [](Asked& a, py::handle value, const char* name) { a.settings.settle_s = number_from(value, name); }},
+       [](Asked& a, py::handle value, const char* name) { a.settings.settle_s = seconds_from(value, name); }},
       {"hold_s",
        [](Asked& a, py::handle value, const char* name) { a.settings.policy.hold = duration_from(value, name); }},
       {"drop_s",
        [](Asked& a, py::handle value, const char* name) { a.settings.policy.drop = duration_from(value, name); }},
       {"late_share",
-       [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_share = number_from(value, name); }},
+       [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_share = share_from(value, name); }},
       {"late_s_max",
        [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_max = duration_from(value, name); }},
       {"measured_timing",
@@ -94,6 +99,14 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
   Asked asked;
   set_fields(asked, named, settings_there_are(), "ClosedLoop");
   sim::ClosedLoop::Settings& settings = asked.settings;
+  const control::DeviceFacts& facts = settings.device.facts;
+  if (!settings.scene || facts.joints() == 0) throw py::type_error("ClosedLoop: expected a scene and a device");
+  if (settings.told) expect_same_mechanism(*settings.told, facts);
+  if (!settings.scene->accepts(static_cast<std::uint32_t>(facts.degrees_of_freedom()))) {
+    throw py::value_error("scene '" + settings.scene->facts().name + "' is for devices of " +
+                          settings.scene->accepted_degrees_of_freedom() + " degrees of freedom, device '" + facts.name +
+                          "' has " + std::to_string(facts.degrees_of_freedom()));
+  }
   if (asked.parts.own_law) {
     asked.parts.own_law->name = settings.law;
     auto laws = std::make_shared<control::LawRegistry>(baselines::shipped_laws());
@@ -106,8 +119,8 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
     settings.own_environment = own_environment("a function in Python", asked.parts.own_environment);
   }
   if (!asked.hostile.empty()) {
-    settings.environment = sim::EnvironmentSetting{
-        .name = asked.hostile, .seed = settings.seed, .force_N_max = settings.device.facts.force_N_max};
+    settings.environment =
+        sim::EnvironmentSetting{.name = asked.hostile, .seed = settings.seed, .force_N_max = facts.force_N_max};
   }
   return std::make_unique<PythonLoop>(std::move(settings), std::move(asked.parts), asked.recording);
 }

@@ -1,5 +1,7 @@
 #include "tests/tools/python/native/own_law.hpp"
 
+#include <utility>
+
 #include "tests/tools/python/native/bindings.hpp"
 
 namespace forcebound::python {
@@ -31,7 +33,9 @@ void OwnLaw::tell(const char* what, const control::Motion& motion) noexcept {
   const py::gil_scoped_acquire gil;
   if (shared_->fault.kept()) return;
   try {
-    shared_->object.attr(what)(motion);
+    ToldMotion told{.motion = motion, .damping = motion.damping != nullptr ? motion.damping->matrix() : Matrix()};
+    told.motion.damping = nullptr;
+    shared_->object.attr(what)(std::move(told));
   } catch (...) {
     shared_->fault.keep(std::current_exception());
   }
@@ -58,33 +62,45 @@ void add_own_law(control::LawRegistry& laws, const std::shared_ptr<OwnLaw::Share
             }});
 }
 
+namespace {
+
+template <auto kMember>
+void add_value(py::class_<ToldMotion>& motion, const char* name, const char* doc) {
+  motion.def_property_readonly(
+      name, [](const ToldMotion& told) { return told.motion.*kMember; }, doc);
+}
+
+template <auto kMember>
+void add_array(py::class_<ToldMotion>& motion, const char* name, const char* doc) {
+  motion.def_property_readonly(
+      name, [](const ToldMotion& told) { return array_of(told.motion.*kMember); }, doc);
+}
+
+}  // namespace
+
 void bind_own_laws(py::module_& module) {
-  py::class_<control::Motion> motion(module, "Motion", "What a tick measured before it chooses a force.");
-  motion.def_readonly("interval_s", &control::Motion::interval_s,
-                      "Measured length of the interval that ended with this reading [s]; 0 at first.");
-  motion.def_readonly("latency_s", &control::Motion::latency_s,
-                      "From the previous reading to the effect of the force chosen on it, by the facts [s].");
-  motion.def_readonly("effect_s", &control::Motion::effect_s,
-                      "The same as the device reports it [s]; nan: it does not.");
-  motion.def_readonly("held_s", &control::Motion::held_s,
-                      "From latency_s until the device let go of the force [s]; inf: it did not.");
-  motion.def_readonly("latency_s_max", &control::Motion::latency_s_max,
-                      "Longest time from this reading to the effect of the force now to be chosen [s].");
-  motion.def_readonly("write_failed", &control::Motion::write_failed,
-                      "Whether the force was ever in effect is unknown.");
-  motion.def_property_readonly(
-      "position", [](const control::Motion& m) { return array_of(m.position); }, "Of the tip (dof,) [m].");
-  motion.def_property_readonly(
-      "joint", [](const control::Motion& m) { return array_of(m.joint); }, "Of the joints (joints,) [m] or [rad].");
-  motion.def_property_readonly(
-      "jacobian", [](const control::Motion& m) { return array_of(m.jacobian); }, "d position / d joint (dof, joints).");
+  using control::Motion;
+  py::class_<ToldMotion> motion(module, "Motion", "What a tick measured before it chooses a force.");
+  add_value<&Motion::interval_s>(motion, "interval_s",
+                                 "Measured length of the interval that ended with this reading [s]; 0 at first.");
+  add_value<&Motion::latency_s>(motion, "latency_s",
+                                "From the previous reading to the effect of the force chosen on it, by the facts [s].");
+  add_value<&Motion::effect_s>(motion, "effect_s", "The same as the device reports it [s]; nan: it does not.");
+  add_value<&Motion::held_s>(motion, "held_s",
+                             "From latency_s until the device let go of the force [s]; inf: it did not.");
+  add_value<&Motion::latency_s_max>(motion, "latency_s_max",
+                                    "Longest time from this reading to the effect of the force now to be chosen [s].");
+  add_value<&Motion::write_failed>(motion, "write_failed", "Whether the force was ever in effect is unknown.");
+  add_array<&Motion::position>(motion, "position", "Of the tip (dof,) [m].");
+  add_array<&Motion::joint>(motion, "joint", "Of the joints (joints,) [m] or [rad].");
+  add_array<&Motion::jacobian>(motion, "jacobian", "d position / d joint (dof, joints).");
   motion.def_property_readonly(
       "damping",
-      [](const control::Motion& m) -> py::object {
-        if (m.damping == nullptr) return py::none();
-        return array_of(m.damping->matrix());
+      [](const ToldMotion& told) -> py::object {
+        if (told.damping.rows() == 0) return py::none();
+        return array_of(told.damping);
       },
-      "Lower bound of the damping at the tip (dof, dof) [N s/m], while the motion is told.");
+      "Lower bound of the damping at the tip (dof, dof) [N s/m].");
 }
 
 }  // namespace forcebound::python

@@ -9,6 +9,12 @@
 
 namespace forcebound::python {
 
+/// A motion as a law in Python is told it, and may keep it.
+struct ToldMotion {
+  control::Motion motion;
+  Matrix damping;  ///< which the motion only points to
+};
+
 /// A law that is a Python object (forcebound.laws.OwnLaw), for the simulated loop alone: Python has no place in a tick
 /// of real time. After the first exception its force is zero.
 ///

@@ -1,5 +1,6 @@
 #include "tests/tools/python/native/running_law.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -22,6 +23,19 @@ control::LawOptions complete(const std::string& name, const control::DeviceFacts
 
 double or_else(const py::object& told, double standard, const char* name) {
   return told.is_none() ? standard : number_from(told, name);
+}
+
+double seconds_or_else(const py::object& told, double standard, const char* name) {
+  return told.is_none() ? standard : seconds_from(told, name);
+}
+
+/// Reports of the device, which may be before what they are counted from.
+double report_or_else(const py::object& told, double standard, const char* name) {
+  constexpr double kMost_s = 1e6;
+  const double seconds = or_else(told, standard, name);
+  if (told.is_none() || std::abs(seconds) <= kMost_s) return seconds;
+  throw py::value_error(std::string(name) + " must be -1e6 to 1e6 s, or None where the device does not tell, got " +
+                        std::to_string(seconds));
 }
 
 }  // namespace
@@ -74,10 +88,10 @@ py::array_t<double> RunningLaw::step(py::handle position, py::handle request_N, 
   // All is read before anything of the law changes.
   if (!request_N.is_none()) request_N_ = vector_from(request_N, facts_.degrees_of_freedom(), "request_N");
   const double interval_s = or_else(told.interval_s, begun_ ? facts_.period_s : 0, "interval_s");
-  const double latency_s = or_else(told.latency_s, facts_.latency_s, "latency_s");
-  const double latency_s_max = or_else(told.latency_s_max, facts_.latency_s, "latency_s_max");
-  const double effect_s = or_else(told.effect_s, control::Motion{}.effect_s, "effect_s");
-  const double held_s = or_else(told.held_s, control::Motion{}.held_s, "held_s");
+  const double latency_s = seconds_or_else(told.latency_s, facts_.latency_s, "latency_s");
+  const double latency_s_max = seconds_or_else(told.latency_s_max, facts_.latency_s, "latency_s_max");
+  const double effect_s = report_or_else(told.effect_s, control::Motion{}.effect_s, "effect_s");
+  const double held_s = report_or_else(told.held_s, control::Motion{}.held_s, "held_s");
   read_joints(position, told);
   motion_.interval_s = interval_s;
   motion_.latency_s = latency_s;
@@ -104,7 +118,7 @@ class RunningLaw::Sequence {
     } else {
       intervals_s_.emplace(one_each(recorded.intervals_s, "intervals_s"));
     }
-    if (!recorded.latencies_s.is_none()) latencies_s_.emplace(one_each(recorded.latencies_s, "latencies_s"));
+    if (!recorded.latencies_s.is_none()) note_latencies(recorded.latencies_s);
     if (facts.cartesian) return;
     if (recorded.joints.is_none() || recorded.jacobians.is_none()) {
       throw py::value_error("joints and jacobians: expected both, as device '" + facts.name + "' is not Cartesian");
@@ -131,6 +145,16 @@ class RunningLaw::Sequence {
     if (!latencies_s_) return;
     motion.latency_s = latencies_s_->read(row);
     if (row + 1 < size()) motion.latency_s_max = latencies_s_->read(row + 1);
+  }
+
+  void note_latencies(const py::object& values) {
+    latencies_s_.emplace(one_each(values, "latencies_s"));
+    for (py::ssize_t row = 0; row < size(); ++row) {
+      const double latency_s = latencies_s_->read(row);
+      if (latency_s >= 0 && latency_s <= 1e6) continue;
+      throw py::value_error("latencies_s must be 0 to 1e6 s, got " + std::to_string(latency_s) + " in row " +
+                            std::to_string(row));
+    }
   }
 
   [[nodiscard]] bool has_intervals() const noexcept { return intervals_s_.has_value(); }
@@ -184,7 +208,9 @@ py::tuple RunningLaw::run(py::handle positions, py::handle requests_N, const Rec
 
 py::array_t<double> RunningLaw::confirm(py::handle force_N, double latency_s) {
   const InUse in_use(in_use_);
-  return array_of(controller_.confirmed(vector_from(force_N, facts_.degrees_of_freedom(), "force_N"), latency_s));
+  const Vector force = vector_from(force_N, facts_.degrees_of_freedom(), "force_N");
+  if (!force.allFinite()) throw py::value_error("force_N must be finite");
+  return array_of(controller_.confirmed(force, latency_s));
 }
 
 void RunningLaw::hear(py::handle numbers) {
