@@ -4,8 +4,9 @@
     PYTHONPATH=build/release/python tests/python/benchmark.py [LAW_ROWS]
 
 LAW_ROWS is the program law_rows of the same build, which times the same law over the same rows in C++; build/release/bin
-unless said. Python and C++ take turns, and each figure is the median of its turns, with the least and the most. Asserts
-nothing about times, but that both sides come to the same forces.
+unless said. Python and C++ take turns, and each figure is the median of its turns, with the least and the most. Times are
+of the processor, so that what others do on the machine counts less. Asserts nothing about times, but that both sides come to
+the same forces.
 """
 
 import platform
@@ -40,16 +41,16 @@ def figure(times: list[float]) -> str:
 def tick_us(law: laws.Law, positions: np.ndarray, requests_N: np.ndarray) -> float:
     pairs = list(zip(positions[:TICKS], requests_N[:TICKS]))
     step = law.step
-    begin = time.perf_counter()
+    begin = time.process_time()
     for position, request_N in pairs:
         step(position, request_N)
-    return (time.perf_counter() - begin) / len(pairs) * 1e6
+    return (time.process_time() - begin) / len(pairs) * 1e6
 
 
 def sequence_ns(law: laws.Law, positions: np.ndarray, requests_N: np.ndarray) -> tuple[float, float]:
-    begin = time.perf_counter()
+    begin = time.process_time()
     steps = law.run(positions, requests_N)
-    return (time.perf_counter() - begin) / len(positions) * 1e9, steps.force_N.sum()
+    return (time.process_time() - begin) / len(positions) * 1e9, steps.force_N.sum()
 
 
 def of_laws(law_rows: Path, device: str, hand: str) -> None:
@@ -91,9 +92,9 @@ def of_loops() -> None:
     for name, changed in cases.items():
         took = []
         for _ in range(5):
-            begin = time.perf_counter()
+            begin = time.process_time()
             simulation.simulate(10, **{**settings, **changed})
-            took.append(time.perf_counter() - begin)
+            took.append(time.process_time() - begin)
         print(f"  {name:<22}  {figure(took)}")
 
 

@@ -3,8 +3,8 @@
 
     own_law.py [FIGURE.png]
 
-The environment is a wall of 3 N/mm behind 20 ms of network. The law leaves the less of the force, the faster the device
-moves out of the wall, which helps, but promises nothing.
+The environment is a wall of 3 N/mm behind 20 ms of network. The law of one's own leaves the less of the force, the faster
+the device moves along it. Here that gives the hand no energy, but it rattles, and nothing promises it for other hands.
 """
 
 import sys

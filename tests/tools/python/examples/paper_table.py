@@ -3,7 +3,6 @@
 import sys
 import matplotlib.pyplot as plt
 from forcebound import devices, laws, scenes, simulation
-
 LAWS = [laws.NoLaw, laws.FbaLess, laws.FbaMore, laws.FbaExact]
 SHAPES = {"wall": "kind = 'half_space', through_m = [0], normal = [-1]",
           "circle": "kind = 'cavity', center_m = [0, 0], radius_m = 0.04",
@@ -34,7 +33,8 @@ for law in LAWS:
         print("{:<6} {:3g} {:<7} {:<9} {:13.3g} {:15.3g} {:11.3g} {:12.3g}".format(
             run[0], run[3] / 1e3, run[5][6:], law.info.name, 1e3 * s["passivity"]["minimum_J"], shown[-1],
             s["force_N"]["mean"], s["force_N"]["variance"]))
-    plt.plot([f"{r[0]} {r[3] / 1e3:g}\n{r[5]}" + " " * i for i, r in enumerate(RUNS)], shown, "o-", label=law.info.name)
-plt.gca().set(ylabel="displayed stiffness at rest [N/mm]", xlabel="experiment, its stiffness [N/mm], delay each way")
+    plt.plot(shown, "o-", label=law.info.name)
+plt.gca().set(ylabel="displayed stiffness at rest [N/mm]", xlabel="experiment, its stiffness [N/mm], delay each way",
+              xticks=range(len(RUNS)), xticklabels=[f"{r[0]} {r[3] / 1e3:g}\n{r[5][6:]}" for r in RUNS])
 plt.legend()
 plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "paper_table.png", bbox_inches="tight")
