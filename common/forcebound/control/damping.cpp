@@ -19,7 +19,7 @@ constexpr double kMobilityLeast = 1e-6;
 
 [[noreturn]] void refuse(const Matrix& b, const char* what) {
   std::ostringstream text;
-  text << "damping must be symmetric, positive definite and finite, with 1 to " << kDofMax << " rows: " << what
+  text << "damping must be symmetric, positive definite and finite, with 1 to " << kJointsMax << " rows: " << what
        << ", got [" << b.format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols, ",", ";")) << "]";
   throw std::invalid_argument(text.str());
 }
@@ -74,7 +74,7 @@ Vector diagonal_below(const Matrix& damping) noexcept {
   if (damping.isDiagonal(0)) return diagonal;
   const Vector scale = diagonal.cwiseSqrt().cwiseInverse();
   // Rows beyond the last have eigenvalue 1, which is never the smallest: those of `scaled` are 1 on average.
-  using Largest = Eigen::Matrix<double, kDofMax, kDofMax>;
+  using Largest = Eigen::Matrix<double, kJointsMax, kJointsMax>;
   Largest scaled = Largest::Identity();
   scaled.topLeftCorner(damping.rows(), damping.rows()) = scale.asDiagonal() * damping * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Largest> eigen(scaled, Eigen::EigenvaluesOnly);

@@ -10,7 +10,7 @@ namespace forcebound::control {
 class Damping {
  public:
   /// @param damping_N_s_per_m dof x dof, [N s/m] ([N m s/rad] for rotations).
-  /// @throws std::invalid_argument unless it is square, of 1 to 6 rows, finite, symmetric and positive definite.
+  /// @throws std::invalid_argument unless it is square, of 1 to 7 rows, finite, symmetric and positive definite.
   static Damping from_matrix(const Matrix& damping_N_s_per_m);
 
   /// Of one degree of freedom; above zero and finite [N s/m].

@@ -83,8 +83,8 @@ void check(const DeviceFacts& facts) {
 }
 
 template <std::size_t... Joint>
-std::array<LeastEnergy, kDofMax> make_joints(const Vector& damping, const Vector& friction,
-                                             std::index_sequence<Joint...> /*joints*/) {
+std::array<LeastEnergy, kJointsMax> make_joints(const Vector& damping, const Vector& friction,
+                                                std::index_sequence<Joint...> /*joints*/) {
   const auto joint = [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
     return row < damping.rows() ? LeastEnergy(damping[row], friction[row]) : LeastEnergy(1, 0);
@@ -99,7 +99,7 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
       dof_(facts.degrees_of_freedom()),
       joints_(make_joints((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
                           (1 - facts.uncertainty.friction_share) * facts.friction,
-                          std::make_index_sequence<kDofMax>())),
+                          std::make_index_sequence<kJointsMax>())),
       encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
       times_(facts),
@@ -189,7 +189,14 @@ void ExactLaw::forget_excess() noexcept {
   constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
   const Vector largest = force_N_max_ * jacobian_.colwise().norm().transpose();
   const double excess_J = energy_J() - kRoom * spending_.memory_reserves * needed_J(largest);
-  if (excess_J > 0) energy_.add(-excess_J);
+  if (!(excess_J > 0)) return;
+  energy_.add(-excess_J);
+  given_.add(excess_J);
+}
+
+void ExactLaw::receive_energy(double energy_J) noexcept {
+  FORCEBOUND_ASSERT(energy_J >= 0, "energy received is a number and not negative");
+  energy_.add(energy_J);
 }
 
 /// The encoder's true position lies within half a step of its reading, or so much more as the facts say.
@@ -273,7 +280,7 @@ double ExactLaw::largest_scale(const Vector& torque, double energy_J) const noex
     double begin = 0;
     double weight = 0;
   };
-  std::array<Parabola, 2 * kDofMax> parabolas;  // sorted by where they begin
+  std::array<Parabola, 2 * kJointsMax> parabolas;  // sorted by where they begin
   auto end = parabolas.begin();
   const auto add = [&](const Parabola& parabola) {
     auto place = end++;

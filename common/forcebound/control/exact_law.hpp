@@ -58,7 +58,7 @@ struct Spending {
 /// copy is a saved state.
 class ExactLaw final : public PassivityLaw {
  public:
-  /// @throws std::invalid_argument unless the damping is symmetric positive definite of 1 to 6 rows, period and hold
+  /// @throws std::invalid_argument unless the damping is symmetric positive definite of 1 to 7 rows, period and hold
   /// time are > 0 s, latency is 0 to 8 periods, friction and encoder steps are >= 0 with a row for each joint, and the
   /// uncertainty's brackets are the right way up and leave damping, hold time and latency a lower end to rely on.
   explicit ExactLaw(const DeviceFacts& facts, EnergyMemory memory = EnergyMemory::capped,
@@ -76,6 +76,11 @@ class ExactLaw final : public PassivityLaw {
     const Ahead ahead = until_effect(latency_s_max_);
     return energy_.value_J() - ahead.taken_J - ahead.left_J;
   }
+
+  /// What was forgotten because no force of this device could need it: nothing that is felt is lost by giving it away.
+  [[nodiscard]] double energy_given_J() const noexcept override { return given_.value_J(); }
+
+  void receive_energy(double energy_J) noexcept override;
 
   /// Knots kept for each joint at most, for benchmarks.
   [[nodiscard]] int knots() const noexcept;
@@ -108,7 +113,7 @@ class ExactLaw final : public PassivityLaw {
 
   Eigen::Index joint_count_;
   Eigen::Index dof_;  // rows of a force
-  std::array<LeastEnergy, kDofMax> joints_;
+  std::array<LeastEnergy, kJointsMax> joints_;
   Vector encoder_half_;
   double period_s_;
   ForceTimes times_;
@@ -122,6 +127,7 @@ class ExactLaw final : public PassivityLaw {
   Spending spending_;
 
   EnergySum energy_;
+  EnergySum given_;
   bool located_ = false;  // V is known
   double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
   bool stamp_trusted_ = true;

@@ -7,8 +7,8 @@
 namespace forcebound::control {
 
 HeldForce::HeldForce(int degrees_of_freedom, double period_s) : period_s_(period_s) {
-  if (degrees_of_freedom < 1 || degrees_of_freedom > kDofMax) {
-    throw std::invalid_argument("degrees of freedom must be 1 to " + std::to_string(kDofMax) + ", got " +
+  if (degrees_of_freedom < 1 || degrees_of_freedom > kJointsMax) {
+    throw std::invalid_argument("degrees of freedom must be 1 to " + std::to_string(kJointsMax) + ", got " +
                                 std::to_string(degrees_of_freedom));
   }
   if (!(period_s > 0) || !std::isfinite(period_s)) {

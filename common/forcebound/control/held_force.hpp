@@ -13,7 +13,7 @@ namespace forcebound::control {
 /// interval with another one would break the identity that the proofs rest on.
 class HeldForce {
  public:
-  /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.
+  /// @throws std::invalid_argument unless degrees of freedom are 1 to 7 and period [s] > 0.
   HeldForce(int degrees_of_freedom, double period_s);
 
   /// The displacement d [m] from where the interval began to `motion`, or nothing if no interval runs.

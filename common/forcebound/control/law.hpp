@@ -86,6 +86,14 @@ class PassivityLaw {
   /// The name of the server-side law that it needs; empty: none.
   [[nodiscard]] virtual std::string_view server_law() const noexcept { return {}; }
 
+  /// Energy that the law has given up since the beginning, for a follower to spend [J]: never falls, and P less this
+  /// stays above zero. Of a law that gives nothing up, 0.
+  [[nodiscard]] virtual double energy_given_J() const noexcept { return 0; }
+
+  /// Energy [J] >= 0 that a law elsewhere gave up: this one may spend it as if its own device had dissipated it. A law
+  /// that keeps no account of energy ignores it.
+  virtual void receive_energy(double energy_J) noexcept { (void)energy_J; }
+
   /// For the server-side law, as of the tick before.
   [[nodiscard]] virtual ServerLawNumbers outgoing() const noexcept { return {}; }
 

@@ -14,7 +14,7 @@ namespace forcebound::control {
 /// Real time: noexcept, no allocation, O(dof^2).
 class Ledger {
  public:
-  /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.
+  /// @throws std::invalid_argument unless degrees of freedom are 1 to 7 and period [s] > 0.
   Ledger(int degrees_of_freedom, double period_s) : held_(degrees_of_freedom, period_s) {}
 
   void credit(const Motion& motion) noexcept;

@@ -16,7 +16,7 @@ namespace forcebound::control {
 /// a simulated device shows. B uses the nominal period, as published.
 class LessConservativeLaw final : public PassivityLaw {
  public:
-  /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.
+  /// @throws std::invalid_argument unless degrees of freedom are 1 to 7 and period [s] > 0.
   LessConservativeLaw(int degrees_of_freedom, double period_s) : ledger_(degrees_of_freedom, period_s) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-less"; }

@@ -22,7 +22,7 @@ namespace forcebound::control {
 /// wall in one degree of freedom shows min(K, 2b/T); where r <= A_n always, the law is transparent.
 class MoreConservativeLaw final : public PassivityLaw {
  public:
-  /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.
+  /// @throws std::invalid_argument unless degrees of freedom are 1 to 7 and period [s] > 0.
   MoreConservativeLaw(int degrees_of_freedom, double period_s);
 
   [[nodiscard]] std::string_view name() const noexcept override { return "fba-more"; }

@@ -9,7 +9,7 @@ namespace forcebound::control {
 /// that a run shows how much energy was given to the hand.
 class TransparentLaw final : public PassivityLaw {
  public:
-  /// @throws std::invalid_argument unless degrees of freedom are 1 to 6 and period [s] > 0.
+  /// @throws std::invalid_argument unless degrees of freedom are 1 to 7 and period [s] > 0.
   TransparentLaw(int degrees_of_freedom, double period_s) : ledger_(degrees_of_freedom, period_s) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "none"; }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace forcebound::test {
@@ -48,6 +49,7 @@ class Opponent {
       const double latched_s = std::max({due_s, commanded_s_, stamped_s_ + stamp_off_s + 1e-9});
       live_until(latched_s);
       law.credit(read(latched_s - stamp_off_s));
+      exchange_energy(law);
       choose(law);
     }
     return least_J_;
@@ -173,6 +175,15 @@ class Opponent {
     double effect_s = written_s + facts_.latency_s + within(game_.truth.latency_s);
     if (!commands_.empty()) effect_s = std::max(effect_s, commands_.back().effect_s);
     commands_.push_back({effect_s, jacobian_.transpose() * force});
+  }
+
+  /// What a law gives up is no longer its own to spend; what it receives is.
+  void exchange_energy(control::PassivityLaw& law) {
+    const double given_J = law.energy_given_J();
+    const double received_J = sometimes(0.1) ? number(0, 20 * game_.received_J_per_tick) : 0;
+    law.receive_energy(received_J);
+    energy_J_ += Real{received_J} - (given_J - std::exchange(given_J_, given_J));
+    least_J_ = std::min(least_J_, energy_J_);
   }
 
   void live_until(double end_s) {
@@ -326,6 +337,7 @@ class Opponent {
   Vector command_;  ///< in effect
   Vector torque_;   ///< of the motors
   Real energy_J_ = 0;
+  double given_J_ = 0;
   Real least_J_ = 0;
 };
 

@@ -36,9 +36,11 @@ struct KinematicGame {
   bool late_ticks = false;
   bool turning = false;  ///< the Jacobian changes from tick to tick, now and then through singular ones
   int ticks = 2000;
+  double received_J_per_tick = 0;  ///< energy that the law receives on average, in portions
 };
 
-/// The least P(t) [J] that the opponent could bring about, from the true motion in long double.
+/// The least P(t) [J] that the opponent could bring about, from the true motion in long double; what the law received
+/// is added to P and what it gave up is subtracted.
 long double least_P_J(control::PassivityLaw& law, const KinematicGame& game);
 
 /// The same bounds as uncertainty, where they have one.

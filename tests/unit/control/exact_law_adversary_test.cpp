@@ -106,6 +106,51 @@ TEST(ExactLaw, IsPassiveForEveryTruthWithinTheFactsBrackets) {
   EXPECT_LT(static_cast<double>(worst_of_exact_facts_J), -0.1) << "the opponent is too weak to prove anything";
 }
 
+/// Receives 1 mJ with each tick.
+class Richer final : public PassivityLaw {
+ public:
+  explicit Richer(const DeviceFacts& facts) : law_(facts, EnergyMemory::full) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "richer"; }
+  void credit(const Motion& motion) noexcept override {
+    law_.receive_energy(1e-3);
+    law_.credit(motion);
+  }
+  void lose(const Motion& motion) noexcept override { law_.lose(motion); }
+  [[nodiscard]] Vector bound(const Vector& request_N) noexcept override { return law_.bound(request_N); }
+  [[nodiscard]] bool allows(const Vector& force_N, double latency_s) const noexcept override {
+    return law_.allows(force_N, latency_s);
+  }
+  void commit(const Vector& force_N) noexcept override { law_.commit(force_N); }
+  [[nodiscard]] double energy_J() const noexcept override { return law_.energy_J(); }
+
+ private:
+  ExactLaw law_;
+};
+
+TEST(ExactLaw, SpendsWhatItReceivesAndNeverWhatItGave) {
+  // The other end of the same account: P plus the received less the given, against the same opponent.
+  double given_J = 0;
+  double least_of_all_J = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    KinematicGame drawn = exact_facts(seed);
+    drawn.received_J_per_tick = seed % 3 == 0 ? 0 : 1e-3;
+    drawn.ticks = 1000;
+    ExactLaw law(drawn.facts, seed % 4 == 0 ? EnergyMemory::full : EnergyMemory::capped);
+    ASSERT_GE(static_cast<double>(least_P_J(law, drawn)), -1e-11);
+    given_J += law.energy_given_J();
+
+    if (drawn.received_J_per_tick == 0) continue;
+    drawn.received_J_per_tick = 0;  // P alone
+    Richer richer(drawn.facts);
+    const auto least_J = static_cast<double>(least_P_J(richer, drawn));
+    ASSERT_GE(least_J, -1e-3 * drawn.ticks - 1e-11) << "it spent more than it received";
+    least_of_all_J = std::min(least_of_all_J, least_J);
+  }
+  EXPECT_GT(given_J, 0.1);
+  EXPECT_LT(least_of_all_J, -0.1) << "what was received was not spent";
+}
+
 /// Of device A: 30 N s/m, 15 um.
 KinematicGame device_a(double latency_s) {
   KinematicGame game{.seed = 1};

@@ -116,7 +116,7 @@ TEST_F(HeldForceTest, HoldsNothingOnceLost) {
 
 TEST(HeldForce, RefusesWhatIsNoTick) {
   EXPECT_THROW(HeldForce(0, kPeriod_s), std::invalid_argument);
-  EXPECT_THROW(HeldForce(7, kPeriod_s), std::invalid_argument);
+  EXPECT_THROW(HeldForce(8, kPeriod_s), std::invalid_argument);
   for (const double period_s : {0.0, -1e-3, std::nan(""), std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW(HeldForce(1, period_s), std::invalid_argument) << period_s;
   }
