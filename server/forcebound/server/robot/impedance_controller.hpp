@@ -84,6 +84,11 @@ class ImpedanceController {
   [[nodiscard]] const ImpedanceSettings& settings() const noexcept { return settings_; }
 
  private:
+  [[nodiscard]] Eigen::Matrix<double, 6, 6> inertia_of(const ToolJacobian& jacobian, const Matrix& mass) noexcept;
+  [[nodiscard]] Vector6 wrench_of(const Eigen::Matrix<double, 6, 6>& inertia, const ToolTarget& target) noexcept;
+  void push_from_limits(const Vector& q, const Vector& velocity, Vector& torque) noexcept;
+  [[nodiscard]] Vector within_torques(const Vector& torque) noexcept;
+
   const RobotModel& model_;
   ImpedanceSettings settings_;
   VelocityFilter velocity_;

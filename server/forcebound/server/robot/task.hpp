@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcebound/server/robot/robot.hpp"
@@ -19,7 +20,16 @@ struct ToolWaypoint {
   double grip = 0;                                    ///< the gripper's opening, 0 to 1
 };
 
-/// The script's target at a time: of its first waypoint before that, of its last one after.
+/// A search in the horizontal plane, added to the script: circles whose radius grows evenly, and shrinks to nothing in
+/// the half second after.
+struct ToolSpiral {
+  double begin_s = 0;
+  double end_s = 0;  ///< not after `begin_s`: there is none
+  double turns = 0;
+  double radius_m = 0;
+};
+
+/// The script's target at a time: its first waypoint before that, its last one after, and the search.
 struct ScriptTarget {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
@@ -51,6 +61,7 @@ struct Task {
   double stiffness_N_per_m = 0;     ///< of what is touched, along its normal: the truth
   Eigen::Vector3d normal{0, 0, 1};  ///< of the surface that is worked on, out of it, world frame
   std::vector<ToolWaypoint> script;
+  ToolSpiral spiral;
   struct World;
   std::shared_ptr<const World> world;  ///< bodies, start and goal
 
@@ -63,6 +74,9 @@ class TaskRobot : public Robot {
   /// At the latest reading or command.
   [[nodiscard]] virtual TaskProgress progress() const noexcept = 0;
 };
+
+/// @param text of a task's file, named by `file` in errors. @throws config::ConfigError
+[[nodiscard]] Task parse_task(std::string_view text, const std::string& file);
 
 /// @param name_or_file of a task that ships, or FILE.toml
 /// @throws std::invalid_argument for a name that does not exist, with the nearest one that does

@@ -278,6 +278,16 @@ bool end_step(const mjModel_& model, mjData_& data) noexcept {
 
 bool step(const mjModel_& model, mjData_& data) noexcept { return begin_step(model, data) && end_step(model, data); }
 
+bool find_dynamics(const mjModel_& model, mjData_& data) noexcept {
+  return completes([&]() noexcept {
+    mj_kinematics(&model, &data);
+    mj_comPos(&model, &data);
+    mj_crb(&model, &data);
+    mj_comVel(&model, &data);
+    mj_rne(&model, &data, 0, data.qfrc_bias);
+  });
+}
+
 bool find_contacts(const mjModel_& model, mjData_& data) noexcept {
   return completes([&]() noexcept {
     mj_kinematics(&model, &data);
