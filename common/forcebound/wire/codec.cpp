@@ -174,6 +174,7 @@ void Codec::Storage::fill(const Welcome& from) noexcept {
   welcome.mutable_scene()->assign(cut_name(from.scene));
   welcome.mutable_simulated()->assign(cut_text(from.simulated));
   welcome.set_server_parts(static_cast<v1::Welcome::ServerParts>(from.server_parts));
+  welcome.set_takes_energy(from.takes_energy);
   if (from.offer.manifest_bytes == 0) return;
   const auto& hash = from.offer.manifest_sha256;
   welcome.mutable_manifest_sha256()->assign(reinterpret_cast<const char*>(hash.data()), hash.size());
@@ -258,7 +259,8 @@ Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
                          .offer = offer,
                          .server_parts = v1::Welcome::ServerParts_IsValid(from.server_parts())
                                              ? static_cast<ServerParts>(from.server_parts())
-                                             : ServerParts::held}};
+                                             : ServerParts::held,
+                         .takes_energy = from.takes_energy()}};
 }
 
 Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {

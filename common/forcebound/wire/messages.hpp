@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "forcebound/control/device_facts.hpp"
+#include "forcebound/control/follower_state.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/control/vector.hpp"
@@ -66,6 +67,7 @@ struct Welcome {
   std::string_view simulated{};    ///< what is simulated, for people
   SceneOffer offer{};
   ServerParts server_parts = ServerParts::held;
+  bool takes_energy = false;  ///< a robot can use what the law at the device gives up: MotionSample::energy_given_J
 };
 
 /// Server to client: a piece of the scene, sent again until it is acknowledged.
@@ -129,6 +131,7 @@ struct MotionSample {
   std::uint64_t challenge = 0;  ///< of the newest force, sent back from where it came; 0: it has none
   /// With 24 bits to each number. As it came, so that it may be unsound: control::sound.
   control::Handle handle{};
+  double energy_given_J = 0;  ///< by the law at the device since it began; finite, of any sign
 };
 
 /// Server to client: the answer to one motion.
@@ -161,6 +164,7 @@ struct EnvironmentForce {
   local_model::LocalModel model{};
   /// The motions come from an address that is not proven to be the client's: to be sent back from there. 0: not needed.
   std::uint64_t challenge = 0;
+  control::FollowerState follower = control::FollowerState::none;  ///< of the robot at the far end
 };
 
 /// Either way: this session ends. The server's answer carries its final counts.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "forcebound/wire/internal/proto_conversion.hpp"
 
@@ -27,8 +28,10 @@ class FieldTaker {
 
   template <class Rows>
   void rows(const RepeatedNumbers& from, const char* field, Rows& to) noexcept {
-    if (from.size() > Rows::MaxRowsAtCompileTime) {
-      note(flaws_.rows, {.field = field, .got = from.size(), .most = Rows::MaxRowsAtCompileTime});
+    // A vector's storage has room for the joints of an arm; what travels belongs to tips.
+    constexpr int kMost = std::is_same_v<Rows, control::Vector> ? control::kDofMax : Rows::MaxRowsAtCompileTime;
+    if (from.size() > kMost) {
+      note(flaws_.rows, {.field = field, .got = from.size(), .most = kMost});
       return;
     }
     to.resize(from.size());
@@ -243,6 +246,7 @@ void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
   to.set_piece_map(from.pieces.before);
   to.set_challenge(from.challenge);
   fill(from.handle, to);
+  to.set_energy_given_j(from.energy_given_J);
 }
 
 Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
@@ -255,6 +259,7 @@ Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
   to.pieces = {.wanted = from.pieces_wanted(), .newest = from.piece_newest(), .before = from.piece_map()};
   to.challenge = from.challenge();
   take(from, taker, to.handle);
+  taker.number(from.energy_given_j(), to.energy_given_J);
   return taker.flaws();
 }
 
@@ -281,6 +286,7 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   add_rows(from.server_parts_N, to.mutable_server_parts_n());
   to.set_texture_in_server_parts(from.texture_in_server_parts);
   to.set_challenge(from.challenge);
+  to.set_follower_state(static_cast<std::uint32_t>(from.follower));
   if (!from.model.empty()) fill(from.model, to);
 }
 
@@ -307,6 +313,7 @@ Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
   taker.rows(from.server_parts_n(), "server_parts_N", to.server_parts_N);
   to.texture_in_server_parts = from.texture_in_server_parts();
   to.challenge = from.challenge();
+  to.follower = control::follower_state_of(from.follower_state());
   take(from, to.model);
   return taker.flaws();
 }

@@ -337,14 +337,29 @@ TEST(Codec, GivesEveryRefusalBack) {
 TEST(Codec, GivesAnyMotionBackBitForBit) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers(), {}};
+    MotionSample sent{any_count(), any_count(), any_time(), any_vector(1), any_server_law_numbers(), {}};
+    sent.energy_given_J = *finite_number();
     const MotionSample back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
     RC_ASSERT(back.device_time == sent.device_time);
     expect_same(back.position, sent.position);
     expect_same(back.server_law_numbers, sent.server_law_numbers);
+    RC_ASSERT(back.energy_given_J == sent.energy_given_J);
   }));
+}
+
+TEST(Codec, AnUnknownStateOfARobotIsFailed) {
+  Codec codec;
+  Bytes body{std::byte{0xf0}, std::byte{1}};  // follower_state
+  for (const auto& [number, state] :
+       {std::pair{0U, control::FollowerState::none}, std::pair{2U, control::FollowerState::following},
+        std::pair{7U, control::FollowerState::failed}, std::pair{8U, control::FollowerState::failed},
+        std::pair{100U, control::FollowerState::failed}}) {
+    Bytes with = body;
+    with.push_back(std::byte(number));
+    EXPECT_EQ(std::get<EnvironmentForce>(std::get<Message>(codec.decode(framed(5, with)))).follower, state) << number;
+  }
 }
 
 TEST(Codec, GivesAnyForceBackBitForBit) {
@@ -370,7 +385,8 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
                                 .server_law_numbers = any_server_law_numbers(),
                                 .server_parts_N = any_vector(0),
                                 .texture_in_server_parts = *rc::gen::arbitrary<bool>(),
-                                .model = {}};
+                                .model = {},
+                                .follower = control::follower_state_of(*rc::gen::inRange(0U, 8U))};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -385,6 +401,7 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
     expect_same(back.server_law_numbers, sent.server_law_numbers);
     expect_same(back.server_parts_N, sent.server_parts_N);
     RC_ASSERT(back.texture_in_server_parts == sent.texture_in_server_parts);
+    RC_ASSERT(back.follower == sent.follower);
     RC_ASSERT(back.penetration_m == sent.penetration_m);
     RC_ASSERT(back.server_receive_time == sent.server_receive_time);
     RC_ASSERT(back.server_send_time == sent.server_send_time);
@@ -494,7 +511,8 @@ TEST(Codec, SaysTheMostThatAnyHalvesOfALawAndModelsCanSayInOneFrame) {
                               .server_law_numbers = server_law_numbers(16),
                               .server_parts_N = six,
                               .texture_in_server_parts = true,
-                              .model = most_models()};
+                              .model = most_models(),
+                              .follower = control::FollowerState::failed};
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   EXPECT_EQ(round_trip(codec, most).server_law_numbers, most.server_law_numbers);
 }

@@ -290,7 +290,8 @@ std::uint64_t Session::send_motion(const Vector& place, const device::Reading& r
                                   .server_law_numbers = law().outgoing(),
                                   .pieces = options_.local ? options_.local->receipt() : wire::PieceReceipt{},
                                   .challenge = challenge(),
-                                  .handle = reading.handle};
+                                  .handle = reading.handle,
+                                  .energy_given_J = energy_taken_ ? law().energy_given_J() : 0};
   if (!send(motion)) forces_.note_not_sent();
   return sequence;
 }
@@ -359,6 +360,7 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     clocks_.forget();
     controller_.begin_server_side();
     server_parts_ = welcome->server_parts;
+    energy_taken_ = welcome->takes_energy;
     scene_offered_ = welcome->offer.manifest_bytes > 0;
     if (options_.local != nullptr) options_.local->begin(welcome->session, welcome->offer);
     silent_since_ = now;

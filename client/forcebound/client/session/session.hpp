@@ -166,6 +166,7 @@ class Session {
   std::uint64_t ticks_ = 0;
   ForcePolicy policy_ = ForcePolicy::none;
   wire::ServerParts server_parts_ = wire::ServerParts::held;
+  bool energy_taken_ = false;  // by a robot at the far end
   bool scene_offered_ = false;
   Nanoseconds local_since_{0};
   std::uint64_t local_scene_ = 0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/control/follower_state.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/handover/packed_scene.hpp"
@@ -29,6 +30,8 @@ struct Motion {
   bool wants_model = false;    ///< the client renders locally: a local model would be sent to it
   /// Buttons, gripper and orientation at the reading, where the device has them; all that is there can be true.
   control::Handle handle{};
+  /// That the law at the device has given up since it began, for a robot to spend [J]; as the client tells, finite.
+  double energy_given_J = 0;
 };
 
 /// Output of an environment for one motion. All numbers are finite; vectors have one row per degree of freedom of the
@@ -47,6 +50,7 @@ struct Response {
   local_model::LocalModel model{};
   /// Names of the parts quarantined on this motion: they are left out from now on. Valid until the next motion.
   std::span<const std::string* const> quarantined{};
+  control::FollowerState follower = control::FollowerState::none;  ///< of a robot that is the environment
 };
 
 /// Counts of faults that an environment handled itself.
@@ -111,6 +115,7 @@ struct MadeEnvironment {
   std::shared_ptr<const handover::PackedScene> packed{};
   /// The least of its parts' renderings, so that a client knows what to expect beside the packed ones.
   scene::Rendering least_rendering = scene::Rendering::held;
+  bool takes_energy = false;  ///< it spends what the law at the device gives up: Motion::energy_given_J
 };
 
 /// An environment that clients can request by name. `make` is called once per session.

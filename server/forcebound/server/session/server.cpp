@@ -342,7 +342,8 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
                                           .device_time = motion.device_time,
                                           .server_time = now,
                                           .wants_model = session.wants_models,
-                                          .handle = control::sound(motion.handle).handle});
+                                          .handle = control::sound(motion.handle).handle,
+                                          .energy_given_J = motion.energy_given_J});
   const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
   const Nanoseconds end = clock_.now();
   session.compute.note(end - begin, end);
@@ -369,7 +370,8 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
       .server_parts_N = session.sender ? response.server_parts_N : Vector(),
       .texture_in_server_parts = response.texture_in_server_parts,
       .model = session.allowance.proven() ? model_of(session, response) : local_model::LocalModel{},
-      .challenge = session.allowance.challenge()};
+      .challenge = session.allowance.challenge(),
+      .follower = response.follower};
   for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
   if (!session.allowance.proven() && !session.allowance.spend(codec_.encode(force).size())) {
     ++counters_.motions_unproven;

@@ -402,7 +402,8 @@ void Server::welcome(const Session& session) {
                      .simulated = simulated,
                      .offer = offer,
                      .server_parts =
-                         session.wants_models ? server_parts_of(made.least_rendering) : wire::ServerParts::held},
+                         session.wants_models ? server_parts_of(made.least_rendering) : wire::ServerParts::held,
+                     .takes_energy = made.takes_energy},
        session.info.address);
 }
 
