@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 
@@ -60,6 +61,11 @@ class PassivityController {
   /// number is not finite, all are ignored.
   void hear(const ServerLawNumbers& numbers) noexcept {
     if (numbers.allFinite()) law_->incoming(numbers);
+  }
+
+  /// Energy that a law elsewhere gave up, for this one to spend. One that is not finite or not above zero is none.
+  void receive_energy(double energy_J) noexcept {
+    if (energy_J > 0 && std::isfinite(energy_J)) law_->receive_energy(energy_J);
   }
 
   /// From now on another server answers, or the same one after a restart.

@@ -1,7 +1,6 @@
 #include "forcebound/client/session/session.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -60,7 +59,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       clock_(clock),
       sinks_(sinks),
       controller_(device.facts(), std::move(law)),
-      choosing_(time::from_seconds(device.facts().period_s)),
+      times_(device),
       schedule_(options_.send_rate, time::from_seconds(device.facts().period_s)),
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
       connection_(connection_facts(device.facts(), options_, controller_.law().server_law(), sinks.view != nullptr),
@@ -102,8 +101,8 @@ void Session::tick(Nanoseconds now) noexcept {
   receive_all(now);
   keep_connected(now);
 
-  choosing_since_ = clock_.now();
-  const control::Motion motion = motion_at(reading);
+  times_.begin_choosing(clock_.now());
+  const control::Motion motion = times_.motion_at(reading);
   counts_.released_by_device += motion.held_s < motion.interval_s;
   counts_.held_too_long +=
       !device_.facts().releases && motion.interval_s - motion.latency_s > device_.facts().hold_s_max;
@@ -112,17 +111,14 @@ void Session::tick(Nanoseconds now) noexcept {
   const bool silent = no_answer && !done.request.local && done.request.models.model_N.rows() == 0;
   const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, done.request.force_N);
   const Nanoseconds commanded = clock_.now();
-  choosing_.note(commanded - choosing_since_);
   done.latency = commanded - reading.latched;
-  done.applied = controller_.confirmed(chosen, latency_s(done.latency));
+  done.interval = times_.previous_reading() ? reading.latched - *times_.previous_reading() : Nanoseconds::zero();
+  done.applied = controller_.confirmed(chosen, times_.command_at(reading, commanded));
   FORCEBOUND_ASSERT(done.applied.rows() == device_.facts().degrees_of_freedom() && done.applied.allFinite(),
                     "a force on its way to the device is finite, with a row for each degree of freedom");
   device_.apply(commanded, done.applied);
   last_applied_N_ = done.applied;
 
-  done.interval = previous_reading_ ? reading.latched - *previous_reading_ : Nanoseconds::zero();
-  previous_reading_ = reading.latched;
-  previous_command_ = commanded;
   last_tick_ = reading.latched;
   ++ticks_;
   write_down(done);
@@ -131,31 +127,20 @@ void Session::tick(Nanoseconds now) noexcept {
 /// After an unusable reading the device's state is unknown: the controller charges the worst case of the applied force,
 /// and gives zero force.
 device::Reading Session::read_device(Nanoseconds now) noexcept {
-  device::Reading reading = device_.read(now);
-  const control::DeviceFacts& facts = device_.facts();
-  if (device::is_usable(reading, facts.degrees_of_freedom(), facts.joints()) &&
-      reading.latched <= std::max(now, clock_.now())) {
-    return reading;
-  }
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
-  reading.position = Vector::Constant(facts.degrees_of_freedom(), unknown);
-  reading.joint = Vector::Constant(facts.joints(), unknown);
-  reading.jacobian = device::Matrix::Identity(facts.degrees_of_freedom(), facts.joints());
-  reading.handle = {};
-  reading.latched = now;
-  return reading;
+  const device::Reading reading = device_.read(now);
+  return device::usable_or_lost(reading, device_.facts(), now, std::max(now, clock_.now()));
 }
 
 /// To the law it is a tick that comes late: the device holds the force of the last one, and the energy of both
 /// intervals is known with the next reading. A zero force would be felt, and the law would have to charge the force for
 /// whatever motion there was.
 bool Session::is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept {
-  if (reading.status != device::Reading::Status::stale || !previous_command_) return false;
+  if (reading.status != device::Reading::Status::stale || !times_.previous_command()) return false;
   const control::DeviceFacts& facts = device_.facts();
   // What never lets go of a force must have the next command within the time that the law has paid for.
   const double next_s = facts.releases ? 0 : facts.period_s + facts.latency_s;
   const Nanoseconds held = time::from_seconds(facts.hold_s_max - next_s);
-  return now - *previous_command_ < std::min(held, kHeldOnMost);
+  return now - *times_.previous_command() < std::min(held, kHeldOnMost);
 }
 
 void Session::tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept {
@@ -166,35 +151,13 @@ void Session::tell_of_device(device::Reading::Status status, bool usable, Nanose
   if (change == DeviceWatch::Change::back) tell(Event::Kind::device_back, now, {}, device_watch_.pause());
 }
 
-control::Motion Session::motion_at(const device::Reading& reading) const noexcept {
-  control::Motion motion{
-      .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
-  if (previous_reading_) {
-    motion.interval_s = time::to_seconds(reading.latched - *previous_reading_);
-    motion.latency_s = latency_s(*previous_command_ - *previous_reading_);
-    if (const auto effective = device_.effective_at()) {
-      motion.effect_s = time::to_seconds(*effective - *previous_reading_);
-    }
-    motion.write_failed = device_.write_failed();
-    if (const auto released = device_.released_at()) {
-      motion.held_s = time::to_seconds(*released - *previous_reading_) - motion.latency_s;
-    }
-  }
-  motion.latency_s_max = latency_s(choosing_since_ - reading.latched + choosing_.allowed());
-  return motion;
-}
-
-double Session::latency_s(Nanoseconds reading_to_command) const noexcept {
-  return time::to_seconds(reading_to_command) + device_.facts().latency_s;
-}
-
 RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexcept {
   const device::Reading& reading = done.reading;
   const auto& newest = forces_.newest();
   RequestRendering::Tick tick{
       .now = now,
       .read_at = reading.latched,
-      .elapsed_s = previous_reading_ ? time::to_seconds(reading.latched - *previous_reading_) : 0,
+      .elapsed_s = times_.previous_reading() ? time::to_seconds(reading.latched - *times_.previous_reading()) : 0,
       .position = reading.position,
       .place = done.place,
       .handle = reading.handle};

@@ -9,7 +9,6 @@
 #include "forcebound/client/rendering/local_rendering.hpp"
 #include "forcebound/client/rendering/request_rendering.hpp"
 #include "forcebound/client/session/blackout_watch.hpp"
-#include "forcebound/client/session/choosing_time.hpp"
 #include "forcebound/client/session/clock_offset.hpp"
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/device_watch.hpp"
@@ -20,6 +19,7 @@
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/device/command_times.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/record/run_info.hpp"
@@ -130,8 +130,6 @@ class Session {
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void note_news(Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
-  [[nodiscard]] control::Motion motion_at(const device::Reading& reading) const noexcept;
-  [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept;
   [[nodiscard]] RequestRendering::Request request_at(Done& done, Nanoseconds now) noexcept;
   [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
   void tell_of_scene(Nanoseconds now) noexcept;
@@ -152,10 +150,9 @@ class Session {
   const time::Clock& clock_;
   Sinks sinks_;
   control::PassivityController controller_;
-  ChoosingTime choosing_;
+  device::CommandTimes times_;
   MotionSchedule schedule_;
   std::optional<std::uint32_t> buttons_sent_;
-  Nanoseconds choosing_since_{0};
   Connection connection_;
   ForceStream forces_;
   BlackoutWatch blackouts_;
@@ -177,8 +174,6 @@ class Session {
   HandSafety safety_;
   Vector last_applied_N_;
   Nanoseconds last_tick_{0};
-  std::optional<Nanoseconds> previous_reading_;
-  std::optional<Nanoseconds> previous_command_;
   Nanoseconds silent_since_{0};
   Nanoseconds not_fresh_since_{0};
   Nanoseconds next_bye_{Nanoseconds::min()};

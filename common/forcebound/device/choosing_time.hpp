@@ -4,7 +4,7 @@
 
 #include "forcebound/time/clock.hpp"
 
-namespace forcebound::client {
+namespace forcebound::device {
 
 using time::Nanoseconds;
 
@@ -31,4 +31,4 @@ class ChoosingTime {
   Nanoseconds longest_{0};
 };
 
-}  // namespace forcebound::client
+}  // namespace forcebound::device

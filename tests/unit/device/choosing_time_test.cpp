@@ -1,8 +1,8 @@
-#include "forcebound/client/session/choosing_time.hpp"
+#include "forcebound/device/choosing_time.hpp"
 
 #include <gtest/gtest.h>
 
-namespace forcebound::client {
+namespace forcebound::device {
 namespace {
 
 using namespace std::chrono_literals;
@@ -39,4 +39,4 @@ TEST(ChoosingTime, NeverAllowsMoreThanHalfAPeriodHoweverLongAStopWas) {
 }
 
 }  // namespace
-}  // namespace forcebound::client
+}  // namespace forcebound::device

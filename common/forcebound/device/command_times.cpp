@@ -1,0 +1,45 @@
+#include "forcebound/device/command_times.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace forcebound::device {
+
+control::Motion CommandTimes::motion_at(const Reading& reading) const noexcept {
+  control::Motion motion{
+      .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
+  if (previous_reading_) {
+    motion.interval_s = time::to_seconds(reading.latched - *previous_reading_);
+    motion.latency_s = latency_s(*previous_command_ - *previous_reading_);
+    if (const auto effective = device_.effective_at()) {
+      motion.effect_s = time::to_seconds(*effective - *previous_reading_);
+    }
+    motion.write_failed = device_.write_failed();
+    if (const auto released = device_.released_at()) {
+      motion.held_s = time::to_seconds(*released - *previous_reading_) - motion.latency_s;
+    }
+  }
+  motion.latency_s_max = latency_s(choosing_since_ - reading.latched + choosing_.allowed());
+  return motion;
+}
+
+double CommandTimes::command_at(const Reading& reading, Nanoseconds now) noexcept {
+  choosing_.note(now - choosing_since_);
+  previous_reading_ = reading.latched;
+  previous_command_ = now;
+  return latency_s(now - reading.latched);
+}
+
+Reading usable_or_lost(Reading reading, const control::DeviceFacts& facts, Nanoseconds now,
+                       Nanoseconds latest) noexcept {
+  if (is_usable(reading, facts.degrees_of_freedom(), facts.joints()) && reading.latched <= latest) return reading;
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  reading.position = Vector::Constant(facts.degrees_of_freedom(), unknown);
+  reading.joint = Vector::Constant(facts.joints(), unknown);
+  reading.jacobian = Matrix::Identity(facts.degrees_of_freedom(), facts.joints());
+  reading.handle = {};
+  reading.latched = now;
+  return reading;
+}
+
+}  // namespace forcebound::device

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+
+#include "forcebound/control/law.hpp"
+#include "forcebound/device/choosing_time.hpp"
+#include "forcebound/device/haptic_device.hpp"
+
+namespace forcebound::device {
+
+/// When a device was read and commanded, as a law is told of it in control::Motion.
+///
+/// On each tick, in this order: `begin_choosing`, `motion_at`, `command_at` once the force is chosen, then the device's
+/// `apply`.
+///
+/// Real time: noexcept, no allocation. Not thread-safe; owned by the tick.
+class CommandTimes {
+ public:
+  /// @param device must outlive this
+  explicit CommandTimes(const HapticDevice& device)
+      : device_(device), choosing_(time::from_seconds(device.facts().period_s)) {}
+
+  void begin_choosing(Nanoseconds now) noexcept { choosing_since_ = now; }
+
+  /// What happened since the tick before, for a reading that is usable or lost.
+  [[nodiscard]] control::Motion motion_at(const Reading& reading) const noexcept;
+
+  /// A force chosen on this reading is commanded now: how long after the reading it takes effect [s], by the facts.
+  double command_at(const Reading& reading, Nanoseconds now) noexcept;
+
+  /// Of the tick before; none: there was none.
+  [[nodiscard]] std::optional<Nanoseconds> previous_reading() const noexcept { return previous_reading_; }
+  [[nodiscard]] std::optional<Nanoseconds> previous_command() const noexcept { return previous_command_; }
+
+ private:
+  [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept {
+    return time::to_seconds(reading_to_command) + device_.facts().latency_s;
+  }
+
+  const HapticDevice& device_;
+  ChoosingTime choosing_;
+  Nanoseconds choosing_since_{0};
+  std::optional<Nanoseconds> previous_reading_;
+  std::optional<Nanoseconds> previous_command_;
+};
+
+/// A reading that a law may use, or in its place one that is lost: not a number, latched at `now`.
+/// @param latest by the caller's clock: no reading was latched later
+[[nodiscard]] Reading usable_or_lost(Reading reading, const control::DeviceFacts& facts, Nanoseconds now,
+                                     Nanoseconds latest) noexcept;
+
+}  // namespace forcebound::device
