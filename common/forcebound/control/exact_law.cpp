@@ -188,7 +188,8 @@ void ExactLaw::charge_all() noexcept {
 void ExactLaw::forget_excess() noexcept {
   constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
   const Vector largest = force_N_max_ * jacobian_.colwise().norm().transpose();
-  const double excess_J = energy_J() - kRoom * spending_.memory_reserves * needed_J(largest);
+  const double kept_J = std::min(kRoom * spending_.memory_reserves * needed_J(largest), spending_.memory_J_max);
+  const double excess_J = energy_J() - kept_J;
   if (!(excess_J > 0)) return;
   energy_.add(-excess_J);
   given_.add(excess_J);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "forcebound/control/device_facts.hpp"
@@ -20,6 +21,9 @@ namespace forcebound::control {
 struct Spending {
   double memory_reserves = 2;  ///< energy is forgotten beyond what the largest force needs this many times
   double rise_per_s = 100;     ///< the share of the request that is shown rises by this much at the most
+  /// And beyond this [J] it is forgotten in any case: of a robot, what its largest force needs is more than anybody
+  /// wants it to save up.
+  double memory_J_max = std::numeric_limits<double>::infinity();
 };
 
 /// The force bounding law for real devices: passive with quantised positions, late ticks, latency, friction, and facts

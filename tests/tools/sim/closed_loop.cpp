@@ -81,8 +81,11 @@ record::RunInfo ClosedLoop::info() const {
   info.facts = describe(settings_.device);
   info.operator_name = settings_.make_hand ? std::string(device_.hand().name()) : settings_.hand;
   info.hand = device_.hand().description();
-  info.scene = settings_.scene->facts().name;
-  info.simulated = settings_.own_environment ? settings_.own_environment->name : server::summary(*settings_.scene);
+  if (settings_.scene) {
+    info.scene = settings_.scene->facts().name;
+    info.simulated = server::summary(*settings_.scene);
+  }
+  if (settings_.own_environment) info.simulated = settings_.own_environment->name;
   info.rendering = settings_.renders_locally ? "local" : "remote";
   info.seed = settings_.seed;
   info.period = time::from_seconds(settings_.device.facts.period_s);
@@ -100,7 +103,8 @@ record::RunInfo ClosedLoop::info() const {
 void ClosedLoop::start_server() {
   server::EnvironmentKind scene =
       settings_.own_environment ? *settings_.own_environment : server::scene_environment(settings_.scene);
-  scene.name = settings_.scene->facts().name;
+  if (settings_.scene) scene.name = settings_.scene->facts().name;
+  const std::string name = scene.name;
   if (settings_.handed_over) {
     scene.make = [honest = std::move(scene.make),
                   packed = handover::pack(*settings_.handed_over)](const server::ClientFacts& client) {
@@ -114,8 +118,7 @@ void ClosedLoop::start_server() {
                        ? taken_over(std::move(scene), *settings_.environment, [this] { return truth(); })
                        : std::move(scene));
   server_ = std::make_unique<server::Server>(
-      server::ServerOptions{
-          .scene = settings_.scene->facts().name, .handover = settings_.handover, .laws = *settings_.laws},
+      server::ServerOptions{.scene = name, .handover = settings_.handover, .laws = *settings_.laws},
       std::move(environments), network_.server_link(), server_clock_,
       [random = std::mt19937_64(settings_.seed + ++server_starts_)]() mutable { return random() | 1U; });
   network_.attach_server();

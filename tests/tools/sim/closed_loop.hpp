@@ -53,7 +53,7 @@ class ClosedLoop {
     std::string hand;                                                      ///< the operator's specification
     std::function<std::unique_ptr<const device::Operator>()> make_hand{};  ///< replaces it, if set
     std::string law;
-    std::shared_ptr<const scene::Scene> scene;
+    std::shared_ptr<const scene::Scene> scene;  ///< null: `own_environment`, under its own name
     SimulatedNetworkSettings network{};
     client::LateForcePolicy policy{};
     std::uint64_t seed = 1;

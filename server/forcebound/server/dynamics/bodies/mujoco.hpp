@@ -78,8 +78,8 @@ bool end_step(const mjModel_& model, mjData_& data) noexcept;
 /// Both halves.
 bool step(const mjModel_& model, mjData_& data) noexcept;
 
-/// Finds what a motion of one's own needs, without contacts: positions of bodies and sites, the mass matrix `qM`, and the
-/// forces of gravity and of velocities `qfrc_bias`. Real time as above.
+/// Finds what a motion of one's own needs, without contacts: positions of bodies and sites, the mass matrix `qM`, and
+/// the forces of gravity and of velocities `qfrc_bias`. Real time as above.
 bool find_dynamics(const mjModel_& model, mjData_& data) noexcept;
 
 /// Finds the contacts at the bodies' present positions. Real time as above.

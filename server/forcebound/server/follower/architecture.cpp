@@ -1,0 +1,36 @@
+#include "forcebound/server/follower/architecture.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace forcebound::server {
+
+Eigen::Vector3d Reflection::at(const Eigen::Vector3d& wanted_m) const noexcept {
+  const auto cut = [this](const Eigen::Vector3d& part) {
+    const double size = part.norm();
+    return size > force_N_max ? Eigen::Vector3d(part * (force_N_max / size)) : part;
+  };
+  Eigen::Vector3d sum = cut(force_N) + cut(tie_N_per_m * (tool_m - wanted_m));
+  if (plane) {
+    const double depth_m = std::max(0.0, (plane->place_m - wanted_m).dot(plane->normal));
+    sum += std::min(plane->stiffness_N_per_m * depth_m, force_N_max) * plane->normal;
+  }
+  return sum;
+}
+
+const std::vector<ArchitectureKind>& architectures() {
+  static const std::vector<ArchitectureKind> kAll{position_position(), position_force(), position_force_damped(),
+                                                  model_mediated()};
+  return kAll;
+}
+
+const ArchitectureKind& find_architecture(std::string_view name) {
+  const auto& all = architectures();
+  const auto found = std::ranges::find(all, name, &ArchitectureKind::name);
+  if (found != all.end()) return *found;
+  std::string known;
+  for (const ArchitectureKind& kind : all) known += (known.empty() ? "" : ", ") + std::string(kind.name);
+  throw std::invalid_argument("no architecture '" + std::string(name) + "' (known: " + known + ")");
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcebound/server/robot/impedance_controller.hpp"
+#include "forcebound/server/robot/robot.hpp"
+
+namespace forcebound::server {
+
+/// A plane that the device can render itself, world frame.
+struct ReflectedPlane {
+  std::uint32_t id = 0;
+  Eigen::Vector3d place_m{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d normal{Eigen::Vector3d::UnitZ()};  ///< unit, out of it
+  double stiffness_N_per_m = 0;
+};
+
+/// What the device shall show, as the robot knows it on a tick; world frame, forces on the hand.
+///
+///     f(x_wanted) = force_N - K (x_wanted - tool_m) + K_p n max(0, n.(p - x_wanted))      each part cut to
+///     `force_N_max`
+struct Reflection {
+  Eigen::Vector3d force_N{Eigen::Vector3d::Zero()};
+  double tie_N_per_m = 0;  ///< K
+  Eigen::Vector3d tool_m{Eigen::Vector3d::Zero()};
+  std::optional<ReflectedPlane> plane{};
+  double force_N_max = 0;
+
+  /// @param wanted_m where the leader wants the tool
+  [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector3d& wanted_m) const noexcept;
+};
+
+/// Which signals go which way between a leader and a robot: from the device's place to what the robot shall do, and
+/// from what the robot does to what the device shall show. One per robot.
+///
+/// Both ends bound what an architecture asks for: the law at the device its force, the law at the robot its torques. So
+/// none of them can cost passivity, only accuracy.
+///
+/// Real time: noexcept, no allocation.
+class Architecture {
+ public:
+  virtual ~Architecture() = default;
+
+  /// What is known of the robot on a tick.
+  struct Seen {
+    Nanoseconds now{0};
+    double elapsed_s = 0;      ///< since the tick before
+    const ToolTarget& target;  ///< where the leader wants the tool, already limited in speed
+    const ToolPose& tool;      ///< where it is
+    const Vector6& velocity;
+    const Vector6& coupling;  ///< what spring and damper exerted on the tool on the tick before [N], [N m]
+    /// Of the tool on its surroundings, less the bias; none: there is no sensor.
+    std::optional<Eigen::Vector3d> sensed_N;
+  };
+
+  struct Asked {
+    ToolTarget target;                                ///< of the robot's impedance controller
+    Eigen::Vector3d push_N{Eigen::Vector3d::Zero()};  ///< of the tool, beyond that
+  };
+
+  /// Once a tick while the robot follows.
+  [[nodiscard]] virtual Asked ask(const Seen& seen) noexcept = 0;
+
+  /// As of the latest `ask`.
+  [[nodiscard]] virtual Reflection reflection() const noexcept = 0;
+
+  /// The robot begins to follow, with another offset.
+  virtual void begin() noexcept {}
+};
+
+/// An architecture that can be asked for by name.
+struct ArchitectureKind {
+  std::string_view name;
+  std::string_view summary;
+  bool needs_sensor = false;
+  ImpedanceSettings impedance{};
+  std::function<std::unique_ptr<Architecture>(const ImpedanceSettings&)> make{};
+};
+
+/// All of them.
+[[nodiscard]] const std::vector<ArchitectureKind>& architectures();
+
+/// @throws std::invalid_argument naming the known ones
+[[nodiscard]] const ArchitectureKind& find_architecture(std::string_view name);
+
+[[nodiscard]] ArchitectureKind position_position();
+[[nodiscard]] ArchitectureKind position_force();
+[[nodiscard]] ArchitectureKind position_force_damped();
+[[nodiscard]] ArchitectureKind model_mediated();
+
+}  // namespace forcebound::server

@@ -1,0 +1,205 @@
+#include "forcebound/server/follower/follower.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "forcebound/control/exact_law.hpp"
+
+namespace forcebound::server {
+namespace {
+
+// Readings lost in a row until the robot counts as one that refuses.
+constexpr int kLostMost = 50;
+constexpr double kStill_m_per_s = 5e-3;
+constexpr double kAtRest = 0.02;  // of a joint [rad/s], [m/s]
+// A tool this much faster than its largest speed is stopped.
+constexpr double kTooFast = 1.5;
+constexpr double kBegin_per_s = 5;  // the share of the reflection grows,
+constexpr double kEnd_per_s = 20;   // and ends
+
+void check_above_zero(const char* what, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  std::ostringstream text;
+  text << what << " must be > 0, got " << value;
+  throw std::invalid_argument(text.str());
+}
+
+const FollowerSettings& checked(const FollowerSettings& settings, const Robot& robot) {
+  check_above_zero("energy that the robot keeps [J]", settings.store_J);
+  check_above_zero("largest speed of the tool's target [m/s]", settings.approach_m_per_s_max);
+  check_above_zero("largest turning speed of the tool's target [rad/s]", settings.turn_rad_per_s_max);
+  check_above_zero("largest contact force [N]", settings.contact_N_max);
+  if (find_architecture(settings.architecture).needs_sensor && !robot.force_sensor()) {
+    throw std::invalid_argument("architecture '" + settings.architecture + "' needs a force sensor, and robot '" +
+                                robot.facts().name + "' has none: position-position needs none");
+  }
+  return settings;
+}
+
+std::unique_ptr<control::PassivityLaw> make_law(const FollowerSettings& settings, const control::LawRegistry& laws,
+                                                const control::DeviceFacts& facts) {
+  if (settings.law != "fba-exact") return laws.make(settings.law, facts);
+  return std::make_unique<control::ExactLaw>(facts, control::EnergyMemory::capped,
+                                             control::Spending{.memory_J_max = settings.store_J});
+}
+
+}  // namespace
+
+Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& settings, const control::LawRegistry& laws,
+                   const time::Clock& clock)
+    : settings_(checked(settings, *robot)),
+      robot_(std::move(robot)),
+      clock_(clock),
+      period_(time::from_seconds(robot_->facts().period_s)),
+      impedance_(robot_->model(), find_architecture(settings.architecture).impedance),
+      architecture_(find_architecture(settings.architecture).make(impedance_.settings())),
+      controller_(robot_->facts(), make_law(settings, laws, robot_->facts())),
+      times_(*robot_),
+      engagement_(settings.times),
+      map_(settings.workspace),
+      target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
+      energy_(map_.power_scale()) {
+  report_.map = map_;
+}
+
+void Follower::begin_leader() noexcept {
+  leader_.reset();
+  energy_.begin();
+}
+
+void Follower::hear(const LeaderMotion& motion) noexcept {
+  controller_.receive_energy(energy_.hear(motion.energy_given_J));
+  if (leader_ && leader_->position.rows() == motion.position.rows()) {
+    const double passed_s = time::to_seconds(motion.arrived - leader_->arrived);
+    // Of motions that arrive together the last one counts: a burst is no sign of haste.
+    if (passed_s > 0) {
+      constexpr double kSmooth_s = 0.02;
+      const double speed = (motion.position - leader_->position).norm() / passed_s;
+      leader_speed_m_per_s_ += (1 - std::exp(-passed_s / kSmooth_s)) * (speed - leader_speed_m_per_s_);
+    }
+  }
+  leader_ = motion;
+}
+
+void Follower::tick(Nanoseconds now) noexcept {
+  ++totals_.ticks;
+  if (const auto audit = robot_->audit()) {
+    energy_.note(*audit);
+    totals_.audited = true;
+  }
+  const device::Reading reading =
+      device::usable_or_lost(robot_->read(now), robot_->facts(), now, std::max(now, clock_.now()));
+  times_.begin_choosing(std::max(now, clock_.now()));
+  const control::Motion motion = times_.motion_at(reading);
+  const bool usable = judge(reading, now);
+  const Vector request = usable ? torque(reading, now) : Vector::Zero(reading.position.rows());
+  const bool free = usable && !robot_->is_stopped();
+  const Vector chosen = free ? controller_.tick(motion, request) : controller_.release(motion);
+  const Nanoseconds commanded = std::max(now, clock_.now());
+  const Vector given = controller_.confirmed(chosen, times_.command_at(reading, commanded));
+  robot_->apply(commanded, given);
+  note(request, given, now);
+}
+
+/// What the robot does on this tick. @return whether the reading can be used
+bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
+  const bool usable = reading.position.allFinite();
+  lost_in_a_row_ = usable ? 0 : lost_in_a_row_ + 1;
+  totals_.lost_readings += usable ? 0 : 1;
+  const auto sensed = bias_.without(robot_->sensed_force());
+  const ImpedanceController::Report& tool = impedance_.report();
+  const double fastest = robot_->model().limits().tool_speed_m_per_s_max;
+  const FollowerState before = engagement_.state();
+  const FollowerState state =
+      engagement_.update({.now = now,
+                          .silent = leader_ ? std::optional(now - leader_->arrived) : std::nullopt,
+                          .has_buttons = leader_ && leader_->handle.buttons.has_value(),
+                          .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
+                          .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
+                          .robot_ready = lost_in_a_row_ < kLostMost,
+                          .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
+                          .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) ||
+                                            (fastest > 0 && tool.velocity.head<3>().norm() > kTooFast * fastest)});
+  if (state == before) return usable;
+  if (state == FollowerState::stopping || state == FollowerState::failed) {
+    ++totals_.stops;
+    totals_.why_stopped = engagement_.why_stopped();
+    robot_->soft_stop(now);
+  }
+  if (engagement_.begins() && usable) {
+    if (robot_->is_stopped()) robot_->resume(now);
+    const ToolPose pose = robot_->model().pose(reading.position);
+    if (before == FollowerState::holding) {
+      totals_.offset_drift_m += (map_.tool_of(*leader_).position - pose.position).norm();
+    }
+    map_.engage(*leader_, pose);
+    target_.restart(pose);
+    architecture_->begin();
+    impedance_.restart();
+  }
+  return usable;
+}
+
+Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcept {
+  const FollowerState state = engagement_.state();
+  if (robot_->is_stopped() || state == FollowerState::stopping) return impedance_.stopping_torque(reading);
+  const double period_s = time::to_seconds(period_);
+  const ToolPose tool = robot_->model().pose(reading.position);
+  if (state == FollowerState::waiting) {
+    bias_.learn(robot_->sensed_force());
+    if (totals_.ticks == 1) target_.restart(tool);
+    return impedance_.torque(reading, target_.rest());
+  }
+  if (state != FollowerState::following) return impedance_.torque(reading, target_.rest());
+  grip(now);
+  const ToolTarget& target = target_.move_to(map_.tool_of(*leader_), period_s);
+  const Architecture::Asked asked = architecture_->ask({.now = now,
+                                                        .elapsed_s = period_s,
+                                                        .target = target,
+                                                        .tool = tool,
+                                                        .velocity = impedance_.report().velocity,
+                                                        .coupling = coupling_,
+                                                        .sensed_N = bias_.without(robot_->sensed_force())});
+  Vector torque = impedance_.torque(reading, asked.target);
+  coupling_ = impedance_.report().wrench;
+  if (!asked.push_N.isZero(0)) {
+    torque += robot_->model().jacobian(reading.position).topRows<3>().transpose() * asked.push_N;
+  }
+  return torque;
+}
+
+void Follower::grip(Nanoseconds now) noexcept {
+  const control::Handle& handle = leader_->handle;
+  if (handle.gripper) {
+    robot_->command_gripper(now, *handle.gripper);
+  } else if (handle.buttons) {
+    robot_->command_gripper(now, handle.pressed(settings_.grip_button) ? 0.0 : 1.0);
+  }
+}
+
+void Follower::note(const Vector& request, const Vector& given, Nanoseconds /*now*/) noexcept {
+  constexpr double kShortened = 1e-6;
+  const FollowerState state = engagement_.state();
+  const bool follows = state == FollowerState::following;
+  totals_.bounded += follows && (given - request).norm() > kShortened ? 1 : 0;
+  if (follows) {
+    totals_.lag_m = (target_.target().pose.position - impedance_.report().pose.position).norm();
+    totals_.lag_m_max = std::max(totals_.lag_m_max, totals_.lag_m);
+  }
+  const double period_s = time::to_seconds(period_);
+  report_.state = state;
+  report_.share = std::clamp(report_.share + (follows ? kBegin_per_s : -kEnd_per_s) * period_s, 0.0, 1.0);
+  report_.reflection = architecture_->reflection();
+  report_.map = map_;
+}
+
+FollowerTotals Follower::totals() const noexcept {
+  FollowerTotals totals = totals_;
+  totals.received_J = energy_.received_J();
+  totals.port = energy_.port();
+  return totals;
+}
+
+}  // namespace forcebound::server

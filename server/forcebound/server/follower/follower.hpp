@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/device/command_times.hpp"
+#include "forcebound/server/follower/architecture.hpp"
+#include "forcebound/server/follower/engagement.hpp"
+#include "forcebound/server/follower/leader_motion.hpp"
+#include "forcebound/server/follower/received_energy.hpp"
+#include "forcebound/server/follower/sensor_bias.hpp"
+#include "forcebound/server/follower/target_limiter.hpp"
+#include "forcebound/server/follower/workspace_map.hpp"
+
+namespace forcebound::server {
+
+struct FollowerSettings {
+  std::string architecture = "position-force";
+  std::string law = "fba-exact";
+  WorkspaceSettings workspace{};
+  EngagementTimes times{};
+  double store_J = 2;                  ///< energy that the robot's law keeps at most; > 0
+  double approach_m_per_s_max = 0.25;  ///< of the tool's target, > 0
+  double turn_rad_per_s_max = 1;       ///< likewise
+  double contact_N_max = 80;           ///< above this, sensed, the robot stops; > 0
+  int clutch_button = 0;
+  int grip_button = 1;  ///< closes the gripper, of a device without one
+};
+
+/// What a robot tells of itself on each tick, for answers to its leader.
+struct FollowerReport {
+  FollowerState state = FollowerState::waiting;
+  double share = 0;  ///< of the reflection that is shown: it begins and ends by degrees
+  Reflection reflection{};
+  WorkspaceMap map{{}};
+};
+
+/// Counts and measures since the start, for logs and studies.
+struct FollowerTotals {
+  std::uint64_t ticks = 0;
+  std::uint64_t bounded = 0;  ///< ticks on which the law shortened the torques
+  std::uint64_t stops = 0;
+  std::uint64_t lost_readings = 0;
+  std::string_view why_stopped{};  ///< last
+  double received_J = 0;           ///< energy of the leader's law, at the robot's scale
+  control::PassivityAudit port{};  ///< P_F and its least; only of simulated robots
+  bool audited = false;
+  double lag_m = 0;  ///< from tool to target, now
+  double lag_m_max = 0;
+  double offset_drift_m = 0;  ///< by which the leader moved while it was not followed, clutch aside
+};
+
+/// A robot that follows a device: the loop at the far end, at the robot's own rate.
+///
+///     leader's place -> map, scale, limits -> architecture -> impedance -> law -> joint torques -> robot
+///     force, plane   <- map, scale         <- architecture <- sensor, encoders, estimator      <-
+///
+/// The law is that of the device at the hand, in the robot's joints: the torques can never give the surroundings more
+/// energy than the robot's own joints dissipate and the leader's law gave up (ReceivedEnergy; README.md has the proof).
+///
+/// `hear`, `leave` and `tick` are called on one thread. Time is given: the clock is asked only for how long choosing
+/// takes.
+///
+/// Real time: `hear`, `leave` and `tick` are noexcept and allocate nothing.
+class Follower {
+ public:
+  /// @throws std::invalid_argument naming the setting, its value and what is accepted; also where the architecture
+  /// needs a sensor that the robot has not
+  Follower(std::unique_ptr<Robot> robot, const FollowerSettings& settings, const control::LawRegistry& laws,
+           const time::Clock& clock);
+
+  /// @throws what the robot's start throws
+  void start() { robot_->start(); }
+
+  /// Another leader takes the robot.
+  void begin_leader() noexcept;
+  void hear(const LeaderMotion& motion) noexcept;
+  void leave() noexcept { leader_.reset(); }
+
+  void tick(Nanoseconds now) noexcept;
+
+  /// Brings the robot to rest at once, and ends.
+  void stop(Nanoseconds now) noexcept { robot_->soft_stop(now); }
+
+  [[nodiscard]] const FollowerReport& report() const noexcept { return report_; }
+  [[nodiscard]] FollowerTotals totals() const noexcept;
+  [[nodiscard]] const Robot& robot() const noexcept { return *robot_; }
+  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
+  [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
+  [[nodiscard]] const FollowerSettings& settings() const noexcept { return settings_; }
+
+ private:
+  [[nodiscard]] bool judge(const device::Reading& reading, Nanoseconds now) noexcept;
+  [[nodiscard]] Vector torque(const device::Reading& reading, Nanoseconds now) noexcept;
+  void grip(Nanoseconds now) noexcept;
+  void note(const Vector& request, const Vector& given, Nanoseconds now) noexcept;
+
+  FollowerSettings settings_;
+  std::unique_ptr<Robot> robot_;
+  const time::Clock& clock_;
+  Nanoseconds period_;
+  ImpedanceController impedance_;
+  std::unique_ptr<Architecture> architecture_;
+  control::PassivityController controller_;
+  device::CommandTimes times_;
+  Engagement engagement_;
+  WorkspaceMap map_;
+  TargetLimiter target_;
+  ReceivedEnergy energy_;
+  SensorBias bias_;
+
+  std::optional<LeaderMotion> leader_;
+  double leader_speed_m_per_s_ = 0;
+  int lost_in_a_row_ = 0;
+  Vector6 coupling_{Vector6::Zero()};
+  FollowerReport report_;
+  FollowerTotals totals_;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,108 @@
+#include "forcebound/server/follower/follower_environment.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace forcebound::server {
+namespace {
+
+/// Which leader has the robot; shared by all sessions that ask for it.
+struct Seat {
+  std::string leader;  // empty: none
+};
+
+class FollowerEnvironment final : public Environment {
+ public:
+  FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<Seat> seat, std::string leader)
+      : runner_(std::move(runner)), seat_(std::move(seat)) {
+    seat_->leader = std::move(leader);
+    runner_->begin_leader();
+  }
+  ~FollowerEnvironment() override {
+    runner_->leave();
+    seat_->leader.clear();
+  }
+  FollowerEnvironment(const FollowerEnvironment&) = delete;
+  FollowerEnvironment& operator=(const FollowerEnvironment&) = delete;
+
+  [[nodiscard]] Response respond(const Motion& motion) noexcept override {
+    const LeaderMotion leader{.position = motion.position,
+                              .handle = motion.handle,
+                              .energy_given_J = motion.energy_given_J,
+                              .arrived = motion.server_time};
+    const FollowerReport& report = runner_->exchange(leader);
+    const Eigen::Vector3d wanted_m = report.map.tool_of(leader).position;
+    const Eigen::Vector3d force_N = report.share * report.map.to_leader_N(report.reflection.at(wanted_m));
+    const Eigen::Index rows = motion.position.rows();
+    Response response{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
+    if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, response);
+    return response;
+  }
+
+ private:
+  static void add_plane(const FollowerReport& report, const Eigen::Vector3d& wanted_m, Eigen::Index rows,
+                        Response& response) noexcept {
+    const ReflectedPlane& plane = *report.reflection.plane;
+    const Eigen::Vector3d normal = report.map.to_leader_direction(plane.normal);
+    const double depth_m = (plane.place_m - wanted_m).dot(plane.normal);
+    if (depth_m > 0) {
+      response.contact_normal = normal.head(rows);
+      response.penetration_m = depth_m / report.map.settings().motion_scale;
+    }
+    if (report.share < 1) return;  // the force alone, while it begins
+    const double stiffness = report.map.leader_stiffness_N_per_m(plane.stiffness_N_per_m);
+    local_model::Surface& surface = response.model.surfaces[0];
+    surface.id = plane.id;
+    surface.normal = normal;
+    surface.place_m = report.map.leader_place_m(plane.place_m);
+    surface.stiffness_N_per_m = stiffness * normal * normal.transpose();
+    surface.force_N = Eigen::Vector3d::Zero();
+    surface.force_N.head(rows) = response.force;
+    constexpr double kReach_m = 1;  // a plane, as far as a hand's workspace goes
+    surface.radius_m = kReach_m;
+    response.model.surface_count = 1;
+  }
+
+  std::shared_ptr<FollowerRunner> runner_;
+  std::shared_ptr<Seat> seat_;
+};
+
+}  // namespace
+
+StepwiseRunner::StepwiseRunner(std::shared_ptr<Follower> follower, Nanoseconds now)
+    : follower_(std::move(follower)), next_(now) {
+  follower_->start();
+}
+
+const FollowerReport& StepwiseRunner::exchange(const LeaderMotion& motion) noexcept {
+  live_until(motion.arrived);
+  follower_->hear(motion);
+  return follower_->report();
+}
+
+void StepwiseRunner::live_until(Nanoseconds time) noexcept {
+  for (; next_ <= time; next_ += follower_->period()) follower_->tick(next_);
+}
+
+EnvironmentKind follower_environment(std::string name, std::string simulated, int degrees_of_freedom,
+                                     std::shared_ptr<FollowerRunner> runner) {
+  EnvironmentKind kind;
+  kind.name = std::move(name);
+  for (int rows = degrees_of_freedom; rows <= 3; ++rows) {
+    kind.degrees_of_freedom.push_back(static_cast<std::uint32_t>(rows));
+  }
+  kind.make = [seat = std::make_shared<Seat>(), runner = std::move(runner),
+               simulated = std::move(simulated)](const ClientFacts& client) {
+    if (!seat->leader.empty()) {
+      throw std::runtime_error("the robot is led by '" + seat->leader + "': it follows one leader at a time");
+    }
+    const std::string leader = client.device.empty() ? "a device without a name" : client.device;
+    return MadeEnvironment{.environment = std::make_unique<FollowerEnvironment>(runner, seat, leader),
+                           .simulated = simulated,
+                           .least_rendering = scene::Rendering::modelled,
+                           .takes_energy = true};
+  };
+  return kind;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+
+#include "forcebound/server/follower/architecture.hpp"
+#include "forcebound/server/follower/contact_estimator.hpp"
+
+namespace forcebound::server {
+namespace {
+
+// A stiffness that is less sure is not told.
+constexpr double kCertaintyLeast = 0.5;
+// Within so far of the plane the tool is pressed with the force that the hand feels.
+constexpr double kNear_m = 3e-3;
+// How fast a plane that was found late comes to where it is.
+constexpr double kEase_m_per_s = 0.01;
+
+/// The robot tells not of forces but of what it feels: a plane, its stiffness and its friction, estimated as it works.
+/// The device renders that at its own rate, without any delay [Hannaford 1989; Mitra and Niemeyer 2008].
+///
+///     f = K n max(0, n.(p - x_wanted))            K, p, n of ContactEstimator
+///
+/// Where the device is within the plane, the robot is asked to stay on it and to press as hard as the hand does. On the
+/// first touch the device is deeper than the plane by as much as the round trip allowed: then the plane is told as
+/// lying so much deeper that its force is the one sensed, and comes to its own place by 10 mm/s, or at once as far as
+/// the hand withdraws. So an unknown surface is felt late, but never as a blow.
+class ModelMediated final : public Architecture {
+ public:
+  explicit ModelMediated(const ImpedanceSettings& impedance) noexcept : force_N_max_(impedance.force_N_max) {}
+
+  [[nodiscard]] Asked ask(const Seen& seen) noexcept override {
+    const std::uint32_t before = told_id();
+    const FeltSurface& felt = estimator_.update(seen.now, seen.tool.position, seen.velocity.head<3>(),
+                                                seen.sensed_N.value_or(Eigen::Vector3d::Zero()));
+    if (!is_told()) return {.target = seen.target};
+    const double depth_m = (felt.place_m - seen.target.pose.position).dot(felt.normal);
+    if (told_id() != before && seen.sensed_N) {
+      ease_m_ = std::max(0.0, depth_m - seen.sensed_N->norm() / felt.stiffness_N_per_m);
+    }
+    ease_m_ = std::clamp(ease_m_ - kEase_m_per_s * seen.elapsed_s, 0.0, std::max(0.0, depth_m));
+    Asked asked{.target = seen.target};
+    if (depth_m > 0) {
+      asked.target.pose.position += depth_m * felt.normal;
+      asked.target.velocity -= asked.target.velocity.dot(felt.normal) * felt.normal;
+      if (std::abs((seen.tool.position - felt.place_m).dot(felt.normal)) < kNear_m) {
+        asked.push_N = -pressed_N(depth_m - ease_m_) * felt.normal;
+      }
+    }
+    return asked;
+  }
+
+  [[nodiscard]] Reflection reflection() const noexcept override {
+    Reflection told{.force_N_max = force_N_max_};
+    if (!is_told()) return told;
+    const FeltSurface& felt = estimator_.surface();
+    told.plane = ReflectedPlane{.id = felt.id,
+                                .place_m = felt.place_m - ease_m_ * felt.normal,
+                                .normal = felt.normal,
+                                .stiffness_N_per_m = felt.stiffness_N_per_m};
+    return told;
+  }
+
+ private:
+  [[nodiscard]] bool is_told() const noexcept {
+    const FeltSurface& felt = estimator_.surface();
+    return felt.known && felt.certainty >= kCertaintyLeast;
+  }
+  [[nodiscard]] std::uint32_t told_id() const noexcept { return is_told() ? estimator_.surface().id : 0; }
+  [[nodiscard]] double pressed_N(double depth_m) const noexcept {
+    return std::clamp(estimator_.surface().stiffness_N_per_m * depth_m, 0.0, force_N_max_);
+  }
+
+  double force_N_max_;
+  ContactEstimator estimator_;
+  double ease_m_ = 0;
+};
+
+}  // namespace
+
+ArchitectureKind model_mediated() {
+  return {.name = "model-mediated",
+          .summary = "the robot tells what it touches, the device renders that by itself",
+          .needs_sensor = true,
+          .make = [](const ImpedanceSettings& impedance) { return std::make_unique<ModelMediated>(impedance); }};
+}
+
+}  // namespace forcebound::server

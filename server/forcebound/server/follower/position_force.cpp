@@ -1,0 +1,50 @@
+#include "forcebound/server/follower/architecture.hpp"
+
+namespace forcebound::server {
+namespace {
+
+/// The robot follows the place, the hand feels what the sensor at the wrist measures [Lawrence 1993: two of the four
+/// channels].
+///
+///     f = -f_sensed
+///
+/// In free space the hand feels nothing of the robot.
+class PositionForce final : public Architecture {
+ public:
+  explicit PositionForce(const ImpedanceSettings& impedance) noexcept : force_N_max_(impedance.force_N_max) {}
+
+  [[nodiscard]] Asked ask(const Seen& seen) noexcept override {
+    sensed_N_ = seen.sensed_N.value_or(Eigen::Vector3d::Zero());
+    return {.target = seen.target};
+  }
+  [[nodiscard]] Reflection reflection() const noexcept override {
+    return {.force_N = -sensed_N_, .force_N_max = force_N_max_};
+  }
+
+ private:
+  double force_N_max_;
+  Eigen::Vector3d sensed_N_{Eigen::Vector3d::Zero()};
+};
+
+ArchitectureKind kind(std::string_view name, std::string_view summary, const ImpedanceSettings& impedance) {
+  return {.name = name,
+          .summary = summary,
+          .needs_sensor = true,
+          .impedance = impedance,
+          .make = [](const ImpedanceSettings& chosen) { return std::make_unique<PositionForce>(chosen); }};
+}
+
+}  // namespace
+
+ArchitectureKind position_force() {
+  return kind("position-force", "the tool follows the device, the hand feels the wrist's sensor", {});
+}
+
+ArchitectureKind position_force_damped() {
+  // Damping at the robot takes the energy of impacts before it is reflected.
+  constexpr double kDampingRatio = 2.5;
+  return kind("position-force-damped", "the same with local damping: the tool is overdamped, impacts are softer",
+              {.damping_ratio = kDampingRatio});
+}
+
+}  // namespace forcebound::server

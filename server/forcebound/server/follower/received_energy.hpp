@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "forcebound/control/audit.hpp"
+#include "forcebound/control/energy_sum.hpp"
+
+namespace forcebound::server {
+
+/// What a robot receives of the energy that the law at its leader gave up, and the balance of the robot's own port:
+///
+///     P_F(t) = integral of (q''D q' + c|q'|) dt + A_F(t) - integral of tau'q' dt  >= 0,    A_F = s (A_L - A_L at
+///     first)
+///
+/// A_L only grows and travels as a sum, so a datagram that is lost, late, doubled or overtaken changes nothing but when
+/// the robot hears of it; a sum that fell is that of another law at the leader, and counts from there on.
+///
+/// Real time: noexcept, no allocation.
+class ReceivedEnergy {
+ public:
+  /// @param power_scale s, what a joule of the leader is worth at the robot; > 0
+  explicit ReceivedEnergy(double power_scale) noexcept : power_scale_(power_scale) {}
+
+  /// Another leader: its sum begins with the first that is heard.
+  void begin() noexcept { heard_J_.reset(); }
+
+  /// What is new, for the robot's law [J].
+  [[nodiscard]] double hear(double given_J) noexcept {
+    const double before_J = heard_J_.value_or(given_J);
+    const double more_J = power_scale_ * std::max(0.0, given_J - before_J);
+    heard_J_ = given_J;
+    if (!std::isfinite(more_J)) return 0;
+    sum_.add(more_J);
+    return more_J;
+  }
+
+  /// A_F [J].
+  [[nodiscard]] double received_J() const noexcept { return sum_.value_J(); }
+
+  /// To be called with the robot's own balance on each tick, before what is new is heard.
+  void note(const control::PassivityAudit& robot) noexcept {
+    port_.energy_J = robot.energy_J + received_J();
+    // Between two ticks A_F stays, so that P_F is least where the robot's own balance is.
+    if (robot.minimum_J < robot_minimum_J_) port_.minimum_J = std::min(port_.minimum_J, robot.minimum_J + received_J());
+    port_.minimum_J = std::min(port_.minimum_J, port_.energy_J);
+    robot_minimum_J_ = std::min(robot_minimum_J_, robot.minimum_J);
+  }
+
+  /// P_F now and its least. A value of P_F below zero is always seen, also between ticks: the robot's own balance is
+  /// then below -A_F, so below all that it was before.
+  [[nodiscard]] const control::PassivityAudit& port() const noexcept { return port_; }
+
+ private:
+  double power_scale_;
+  std::optional<double> heard_J_;
+  control::EnergySum sum_;
+  double robot_minimum_J_ = 0;
+  control::PassivityAudit port_;
+};
+
+}  // namespace forcebound::server

@@ -1,0 +1,65 @@
+#include "forcebound/server/follower/workspace_map.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+namespace forcebound::server {
+namespace {
+
+Eigen::Vector3d point_of(const Vector& position) noexcept {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  const Eigen::Index rows = std::min<Eigen::Index>(position.rows(), 3);
+  point.head(rows) = position.head(rows);
+  return point;
+}
+
+std::optional<Eigen::Quaterniond> orientation_of(const control::Handle& handle) noexcept {
+  if (!handle.orientation) return std::nullopt;
+  const auto& [w, x, y, z] = *handle.orientation;
+  return Eigen::Quaterniond(w, x, y, z).normalized();
+}
+
+void check(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  std::ostringstream text;
+  text << what << " must be " << least << " to " << most << ", got " << value;
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace
+
+WorkspaceMap::WorkspaceMap(const WorkspaceSettings& settings) : settings_(settings) {
+  check("motion scale", settings.motion_scale, 0.01, 100);
+  check("force scale", settings.force_scale, 0.001, 100);
+  constexpr double kRounding = 1e-9;
+  const Eigen::Matrix3d& r = settings.rotation;
+  if (!r.allFinite() || !(r * r.transpose()).isIdentity(kRounding) || r.determinant() < 0) {
+    throw std::invalid_argument("rotation of the workspace must be a rotation matrix of three rows");
+  }
+}
+
+void WorkspaceMap::engage(const LeaderMotion& leader, const ToolPose& tool) noexcept {
+  leader_start_m_ = point_of(leader.position);
+  leader_orientation_ = orientation_of(leader.handle);
+  tool_start_ = tool;
+}
+
+ToolPose WorkspaceMap::tool_of(const LeaderMotion& leader) const noexcept {
+  ToolPose tool = tool_start_;
+  tool.position += settings_.motion_scale * (settings_.rotation * (point_of(leader.position) - leader_start_m_));
+  const auto orientation = orientation_of(leader.handle);
+  if (orientation && leader_orientation_) {
+    const Eigen::Quaterniond turned = *orientation * leader_orientation_->conjugate();
+    const Eigen::Quaterniond axes(settings_.rotation);
+    tool.orientation = (axes * turned * axes.conjugate() * tool_start_.orientation).normalized();
+  }
+  return tool;
+}
+
+local_model::Point WorkspaceMap::leader_place_m(const Eigen::Vector3d& tool_point_m) const noexcept {
+  return leader_start_m_ +
+         settings_.rotation.transpose() * (tool_point_m - tool_start_.position) / settings_.motion_scale;
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,231 @@
+#include "forcebound/server/follower/follower.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "forcebound/server/follower/follower_environment.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/fake_clock.hpp"
+#include "tests/support/gantry_robot.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using namespace std::chrono_literals;
+using control::FollowerState;
+using test::GantryRobot;
+using test::GantrySettings;
+
+/// A gantry that is led at 1 kHz by a place as a function of time; the leader's x is the world's.
+class Led {
+ public:
+  explicit Led(FollowerSettings settings, const GantrySettings& gantry = {}) {
+    settings.workspace.rotation.setIdentity();
+    auto made = std::make_unique<GantryRobot>(gantry);
+    robot = made.get();
+    follower = std::make_unique<Follower>(std::move(made), settings, control::force_bounding_laws(), clock);
+    follower->start();
+    leader.position = Vector::Zero(3);
+  }
+
+  void run(Nanoseconds duration, const std::function<void(double, LeaderMotion&)>& lead, double given_W = 2) {
+    for (const Nanoseconds begin = now; now < begin + duration; now += 1ms) {
+      clock.time = now;
+      follower->tick(now);
+      if (!lead) continue;
+      lead(time::to_seconds(now - begin), leader);
+      leader.arrived = now;
+      leader.energy_given_J += given_W * 1e-3;
+      follower->hear(leader);
+    }
+  }
+  void engage() {
+    run(1s, [](double, LeaderMotion&) {});
+    ASSERT_EQ(follower->report().state, FollowerState::following);
+  }
+
+  test::FakeClock clock;
+  GantryRobot* robot = nullptr;
+  std::unique_ptr<Follower> follower;
+  LeaderMotion leader;
+  Nanoseconds now{0};
+};
+
+TEST(Follower, FollowsWithinAMillimetreAndStaysPassive) {
+  Led led({.architecture = "position-position"});
+  led.engage();
+  led.run(4s, [](double t, LeaderMotion& leader) {
+    leader.position[1] = 0.03 * std::sin(3 * t);
+    leader.position[2] = 0.02 * (1 - std::cos(2 * t));
+  });
+  EXPECT_NEAR(led.robot->place_m()[1], 0.03 * std::sin(12.0), 3e-3);
+  EXPECT_NEAR(led.robot->place_m()[2], 0.02 * (1 - std::cos(8.0)), 3e-3);
+  EXPECT_GE(led.follower->totals().port.minimum_J, -1e-12);
+}
+
+TEST(Follower, WithoutEnergyFromItsLeaderItHardlyMoves) {
+  Led led({.architecture = "position-position"});
+  led.engage();
+  const auto lead = [](double t, LeaderMotion& leader) { leader.position[1] = 0.05 * std::min(t, 1.0); };
+  led.robot->apply(led.now, Vector::Zero(3));
+  // What was received while it waited is spent first.
+  led.run(2s, lead, 0);
+  const control::PassivityAudit port = led.follower->totals().port;
+  EXPECT_GE(port.minimum_J, -1e-12);
+
+  Led poor({.architecture = "position-position"});
+  poor.run(
+      1s, [](double, LeaderMotion&) {}, 0);
+  poor.run(2s, lead, 0);
+  EXPECT_LT(std::abs(poor.robot->place_m()[1]), 1e-4) << "from rest nothing is dissipated, so nothing can be spent";
+  EXPECT_GE(poor.follower->totals().port.minimum_J, -1e-12);
+}
+
+TEST(Follower, WithoutALawItLeaks) {
+  Led led({.architecture = "position-position", .law = "none"});
+  led.run(
+      1s, [](double, LeaderMotion&) {}, 0);
+  led.run(
+      1s, [](double t, LeaderMotion& leader) { leader.position[1] = 0.05 * std::min(t, 1.0); }, 0);
+  EXPECT_GT(led.robot->place_m()[1], 0.04);
+  EXPECT_LT(led.follower->totals().port.minimum_J, -1e-4);
+}
+
+TEST(Follower, ReflectsWhatItsSensorFeels) {
+  Led led({.architecture = "position-force"});
+  led.engage();
+  led.run(3s, [](double t, LeaderMotion& leader) { leader.position[0] = 0.024 * std::min(t, 1.0); });
+  const FollowerReport& report = led.follower->report();
+  EXPECT_EQ(report.share, 1);
+  const double force_N = report.map.to_leader_N(report.reflection.at(Eigen::Vector3d::Zero()))[0];
+  EXPECT_LT(force_N, -2) << "the wall pushes back";
+  EXPECT_NEAR(force_N, led.robot->wall_force_N(), 0.2);
+}
+
+TEST(Follower, TellsAModelOfTheWallThatItFelt) {
+  Led led({.architecture = "model-mediated"});
+  led.engage();
+  led.run(4s, [](double t, LeaderMotion& leader) {
+    leader.position[0] = 0.022 * std::min(t, 1.0) + (t > 1 ? 1e-3 * std::sin(6 * t) : 0);
+  });
+  const auto& plane = led.follower->report().reflection.plane;
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(plane->stiffness_N_per_m, 5000, 500);
+  EXPECT_NEAR(plane->normal.x(), -1, 1e-3);
+  EXPECT_NEAR(plane->place_m.x(), 0.02, 1e-3);
+}
+
+TEST(Follower, StopsWhenItsLeaderIsSilentAndDoesNotJumpWhenItIsBack) {
+  Led led({.architecture = "position-position"});
+  led.engage();
+  led.run(1s, [](double t, LeaderMotion& leader) { leader.position[1] = 0.1 * t; });
+  led.run(150ms, nullptr);
+  EXPECT_EQ(led.follower->report().state, FollowerState::holding);
+  led.run(2s, nullptr);
+  EXPECT_EQ(led.follower->report().state, FollowerState::stopped);
+  EXPECT_TRUE(led.robot->is_stopped());
+  EXPECT_EQ(led.follower->report().share, 0) << "no force on the hand";
+  const Vector rest = led.robot->place_m();
+  // The device is elsewhere meanwhile.
+  led.run(1s, [](double, LeaderMotion& leader) { leader.position[1] = -0.2; });
+  ASSERT_EQ(led.follower->report().state, FollowerState::following);
+  EXPECT_LT((led.robot->place_m() - rest).norm(), 1e-3);
+}
+
+TEST(Follower, TheClutchKeepsTheOffset) {
+  Led led({.architecture = "position-position"});
+  led.leader.handle.buttons = 0;
+  led.run(500ms, [](double, LeaderMotion& leader) { leader.handle.buttons = 1; });
+  led.run(500ms, [](double, LeaderMotion& leader) { leader.handle.buttons = 0; });
+  ASSERT_EQ(led.follower->report().state, FollowerState::following);
+  led.run(1s, [](double t, LeaderMotion& leader) { leader.position[2] = 0.02 * t; });
+  const double height_m = led.robot->place_m()[2];
+  led.run(1s, [](double t, LeaderMotion& leader) {
+    leader.handle.buttons = 1;
+    leader.position[2] = 0.02 - 0.05 * t;
+  });
+  EXPECT_EQ(led.follower->report().state, FollowerState::clutched);
+  EXPECT_NEAR(led.robot->place_m()[2], height_m, 2e-3);
+  led.run(1s, [](double t, LeaderMotion& leader) {
+    leader.handle.buttons = 0;
+    leader.position[2] = -0.03 + 0.02 * t;
+  });
+  EXPECT_NEAR(led.robot->place_m()[2], height_m + 0.02, 3e-3) << "on from where it was";
+}
+
+TEST(Follower, StopsAtItsContactLimit) {
+  Led led({.architecture = "position-position", .contact_N_max = 5});
+  led.engage();
+  led.run(2s, [](double t, LeaderMotion& leader) { leader.position[0] = 0.05 * std::min(t, 1.0); });
+  EXPECT_EQ(led.follower->totals().why_stopped, "a limit was exceeded");
+  EXPECT_GE(led.follower->totals().stops, 1U);
+}
+
+TEST(Follower, ARobotThatIsUnpluggedFailsAndComesBack) {
+  Led led({.architecture = "position-position"});
+  led.engage();
+  led.robot->unplugged = true;
+  led.run(100ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().state, FollowerState::failed);
+  EXPECT_EQ(led.follower->totals().why_stopped, "the robot refuses");
+  led.robot->unplugged = false;
+  led.run(2s, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().state, FollowerState::following) << "after the operator was still";
+  EXPECT_GE(led.follower->totals().port.minimum_J, -1e-12);
+}
+
+TEST(Follower, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const ArchitectureKind& kind : architectures()) {
+    SCOPED_TRACE(kind.name);
+    Led led({.architecture = std::string(kind.name)});
+    led.engage();
+    const std::function<void(double, LeaderMotion&)> lead = [](double t, LeaderMotion& leader) {
+      leader.position[0] = 0.05 * t;
+    };
+    const test::AllocationGuard guard;
+    led.run(1s, lead);
+    EXPECT_EQ(guard.heap_operations(), 0U);
+    EXPECT_LT(led.robot->wall_force_N(), -0.1) << "it touched";
+  }
+}
+
+TEST(Follower, RefusesSettingsThatCannotBe) {
+  const auto make = [](const FollowerSettings& settings, bool sensor = true) {
+    test::FakeClock clock;
+    GantrySettings gantry{.has_sensor = sensor};
+    return Follower(std::make_unique<GantryRobot>(gantry), settings, control::force_bounding_laws(), clock);
+  };
+  EXPECT_NO_THROW(make({}));
+  EXPECT_THROW(make({.architecture = "telepathy"}), std::invalid_argument);
+  EXPECT_THROW(make({.law = "no-law"}), std::invalid_argument);
+  EXPECT_THROW(make({.store_J = 0}), std::invalid_argument);
+  EXPECT_THROW(make({.contact_N_max = -1}), std::invalid_argument);
+  EXPECT_THROW(make({.architecture = "position-force"}, false), std::invalid_argument);
+  EXPECT_NO_THROW(make({.architecture = "position-position"}, false));
+}
+
+TEST(FollowerEnvironment, HasOneLeaderAtATime) {
+  test::FakeClock clock;
+  auto follower = std::make_shared<Follower>(std::make_unique<GantryRobot>(), FollowerSettings{},
+                                             control::force_bounding_laws(), clock);
+  const EnvironmentKind kind =
+      follower_environment("wall", "a gantry", 3, std::make_shared<StepwiseRunner>(follower, 0ns));
+  EXPECT_EQ(kind.degrees_of_freedom, std::vector<std::uint32_t>{3});
+  MadeEnvironment first = kind.make({.device = "omni"});
+  EXPECT_TRUE(first.takes_energy);
+  try {
+    (void)kind.make({.device = "falcon"});
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("led by 'omni'"), std::string::npos) << error.what();
+  }
+  first.environment.reset();
+  EXPECT_NO_THROW((void)kind.make({.device = "falcon"}));
+}
+
+}  // namespace
+}  // namespace forcebound::server

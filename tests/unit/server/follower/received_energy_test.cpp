@@ -1,0 +1,50 @@
+#include "forcebound/server/follower/received_energy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace forcebound::server {
+namespace {
+
+TEST(ReceivedEnergy, CountsFromTheFirstSumThatIsHeard) {
+  ReceivedEnergy energy(2);
+  EXPECT_EQ(energy.hear(5), 0) << "what was given before belongs to somebody else";
+  EXPECT_EQ(energy.hear(5.5), 1);
+  EXPECT_EQ(energy.hear(5.5), 0) << "doubled";
+  EXPECT_EQ(energy.hear(6), 1) << "what was lost between is in the sum";
+  EXPECT_EQ(energy.received_J(), 2);
+}
+
+TEST(ReceivedEnergy, ASumThatFallsIsThatOfAnotherLaw) {
+  ReceivedEnergy energy(1);
+  (void)energy.hear(5);
+  EXPECT_EQ(energy.hear(1), 0);
+  EXPECT_EQ(energy.hear(2), 1);
+  energy.begin();
+  EXPECT_EQ(energy.hear(100), 0);
+  EXPECT_EQ(energy.received_J(), 1);
+}
+
+TEST(ReceivedEnergy, WhatIsNoEnergyIsNone) {
+  ReceivedEnergy energy(1);
+  (void)energy.hear(-std::numeric_limits<double>::max());
+  EXPECT_EQ(energy.hear(std::numeric_limits<double>::max()), 0);
+  EXPECT_EQ(energy.received_J(), 0);
+}
+
+TEST(ReceivedEnergy, ThePortIsLeastWhereTheRobotIs) {
+  ReceivedEnergy energy(1);
+  (void)energy.hear(0);
+  energy.note({.energy_J = 0.5, .minimum_J = 0});
+  EXPECT_EQ(energy.port().minimum_J, 0);
+  (void)energy.hear(2);
+  energy.note({.energy_J = -1, .minimum_J = -1.5});
+  EXPECT_EQ(energy.port().energy_J, 1);
+  EXPECT_EQ(energy.port().minimum_J, 0) << "it spent less than it received";
+  energy.note({.energy_J = -1, .minimum_J = -2.5});
+  EXPECT_EQ(energy.port().minimum_J, -0.5) << "between two ticks it spent more";
+}
+
+}  // namespace
+}  // namespace forcebound::server
