@@ -149,6 +149,11 @@ void SimulatedArm::resume(Nanoseconds now) noexcept {
   stopped_ = false;
 }
 
+void SimulatedArm::push(Nanoseconds now, const Vector6& wrench) noexcept {
+  advance_to(now);
+  if (wrench.allFinite()) push_ = wrench;
+}
+
 SimulatedArm::Truth SimulatedArm::truth() const noexcept {
   Truth truth{.joint = Eigen::Map<const Eigen::VectorXd>(data_->qpos, layout_.joints),
               .joint_velocity = Eigen::Map<const Eigen::VectorXd>(data_->qvel, layout_.joints),
@@ -172,7 +177,7 @@ void SimulatedArm::advance_to(Nanoseconds now) noexcept {
       const Nanoseconds length = (next - time_) / parts;
       step(time::to_seconds(length));
       time_ += length;
-      sensor_.pass(time_, -contact_.tool);
+      sensor_.pass(time_, -contact_.tool - push_);
       watch_.pass({.time_s = time::to_seconds(time_),
                    .step_s = time::to_seconds(length),
                    .tool = tool_,
@@ -244,7 +249,7 @@ void SimulatedArm::find_tool_and_block() noexcept {
 
 void SimulatedArm::add_contacts(double step_s, Coordinates& force) noexcept {
   contact_ = surroundings_.touch(tool_, block_, step_s);
-  force.head(layout_.joints) += jacobian_.transpose() * contact_.tool;
+  force.head(layout_.joints) += jacobian_.transpose() * (contact_.tool + push_);
   if (!layout_.block_body) return;
   force.segment<3>(layout_.block_speed) += contact_.block.head<3>();
   force[layout_.block_speed + 2] -= kGravity_m_per_s2 * model_->body_mass[*layout_.block_body];

@@ -82,6 +82,11 @@ class SimulatedArm final : public TaskRobot {
   [[nodiscard]] bool is_stopped() const noexcept override { return stopped_; }
 
   [[nodiscard]] TaskProgress progress() const noexcept override { return watch_.progress(); }
+
+  /// From now on somebody pushes the tool with this wrench: force [N] above torque about the tool's point [N m], world
+  /// frame. The sensor feels it; the task does not count it. Not finite: ignored.
+  void push(Nanoseconds now, const Vector6& wrench) noexcept;
+
   [[nodiscard]] Truth truth() const noexcept;
 
  private:
@@ -117,6 +122,7 @@ class SimulatedArm final : public TaskRobot {
   BodyState tool_;
   BodyState block_;
   Surroundings::Forces contact_;
+  Vector6 push_{Vector6::Zero()};
   control::EnergySum energy_;
   double least_J_ = 0;
   device::DeviceCounters counters_;
