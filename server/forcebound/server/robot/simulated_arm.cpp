@@ -77,7 +77,7 @@ device::Reading SimulatedArm::read(Nanoseconds now) noexcept {
   advance_to(now);
   device::Reading reading;
   reading.latched = now;
-  if (failed_) {
+  if (failed_ || unplugged_) {
     reading.status = device::Reading::Status::failed;
     return reading;
   }
@@ -95,7 +95,7 @@ device::Reading SimulatedArm::read(Nanoseconds now) noexcept {
 
 void SimulatedArm::apply(Nanoseconds now, const Vector& torque) noexcept {
   advance_to(now);
-  write_failed_ = stopped_ || failed_;
+  write_failed_ = stopped_ || failed_;  // and where it is unplugged it is stopped
   if (write_failed_) {
     ++counters_.failed_writes;
     return;
@@ -146,7 +146,18 @@ void SimulatedArm::soft_stop(Nanoseconds now) noexcept {
 
 void SimulatedArm::resume(Nanoseconds now) noexcept {
   advance_to(now);
-  stopped_ = false;
+  if (!unplugged_) stopped_ = false;
+}
+
+void SimulatedArm::unplug(Nanoseconds now) noexcept {
+  soft_stop(now);
+  unplugged_ = true;
+  error_ = "the robot is unplugged";
+}
+
+void SimulatedArm::plug_in(Nanoseconds now) noexcept {
+  advance_to(now);
+  unplugged_ = false;
 }
 
 void SimulatedArm::push(Nanoseconds now, const Vector6& wrench) noexcept {

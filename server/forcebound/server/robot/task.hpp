@@ -58,7 +58,7 @@ struct Task {
   std::string measure;              ///< what is counted, with its unit: "depth of the plug [m]"
   int degrees_of_freedom = 3;       ///< that a leader needs at least
   double time_s = 8;                ///< the script's length
-  double stiffness_N_per_m = 0;     ///< of what is touched, along its normal: the truth
+  double stiffness_N_per_m = 0;     ///< of a point that touches the first object, along the normal: the truth
   Eigen::Vector3d normal{0, 0, 1};  ///< of the surface that is worked on, out of it, world frame
   std::vector<ToolWaypoint> script;
   ToolSpiral spiral;

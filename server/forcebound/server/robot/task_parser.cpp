@@ -81,10 +81,11 @@ WorldObject read_object(CheckedTable& table, const std::string& name) {
   } else {
     const bool moves = shape == "block";
     object.shape = moves ? Shape::block : Shape::box;
-    Keys keys{point("position_m"), size};
+    Keys keys{point("position_m"), size, direction("normal", Eigen::Vector3d::UnitZ())};
     if (moves) keys.emplace_back(NumberParameter{.key = "mass_kg", .least = 0.1, .most = 100});
     const Values values = table.all(with_material(keys));
     object.position = values.point("position_m");
+    object.normal = values.point("normal");
     object.half_size = 0.5 * values.point("size_m");
     if (moves) object.mass_kg = values.number("mass_kg");
     object.material = material_of(values);

@@ -32,7 +32,7 @@ struct WorldObject {
   std::string name;
   Shape shape = Shape::surface;
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};
-  Eigen::Vector3d normal{0, 0, 1};
+  Eigen::Vector3d normal{0, 0, 1};  ///< of a box or block: out of it where it shall be touched, for Task::normal alone
   Eigen::Vector3d half_size{Eigen::Vector3d::Zero()};
   double radius_m = 0;
   double depth_m = 0;

@@ -178,6 +178,25 @@ TEST(SimulatedArm, HeldByABrakeGivesWayToAPersonWhoPushesHard) {
   EXPECT_GT(moved_by(100, milliseconds(500)), 0.005);
 }
 
+TEST(SimulatedArm, UnpluggedStopsAndAnswersNothingUntilItIsPluggedIn) {
+  SimulatedArm arm(free_task(), 1);
+  hold(arm, one_joint(0, 30), milliseconds(0), milliseconds(250));
+  arm.unplug(milliseconds(250));
+  EXPECT_EQ(arm.read(milliseconds(251)).status, device::Reading::Status::failed);
+  EXPECT_EQ(arm.last_error(), "the robot is unplugged");
+  arm.apply(milliseconds(251), one_joint(0, 30));
+  EXPECT_TRUE(arm.write_failed());
+  arm.resume(milliseconds(252));
+  EXPECT_TRUE(arm.is_stopped()) << "brakes need power to open";
+  (void)arm.read(milliseconds(600));
+  EXPECT_EQ(arm.truth().joint_velocity.norm(), 0);
+  arm.plug_in(milliseconds(600));
+  EXPECT_EQ(arm.read(milliseconds(601)).status, device::Reading::Status::ok);
+  EXPECT_TRUE(arm.is_stopped());
+  arm.resume(milliseconds(602));
+  EXPECT_FALSE(arm.is_stopped());
+}
+
 TEST(SimulatedArm, MovesItsGripper) {
   SimulatedArm arm(free_task(), 1);
   (void)arm.read(milliseconds(0));
@@ -248,6 +267,12 @@ class Opponent {
     return push_;
   }
 
+  /// Somebody presses the robot's stop, or opens it again.
+  void stop_or_resume(SimulatedArm& arm, Nanoseconds now) {
+    if (number(0, 1) > (arm.is_stopped() ? 0.05 : 0.005)) return;
+    arm.is_stopped() ? arm.resume(now) : arm.soft_stop(now);
+  }
+
   /// Along the motion, as far as can be known; or what held joints need to begin; or anything.
   Vector torque(const SimulatedArm& arm) {
     if (number(0, 1) < 0.02) mood_ = number(0, 1);
@@ -269,7 +294,7 @@ class Opponent {
 };
 
 template <class Law>
-double least_of_game(std::uint64_t seed, const std::string& task, const Law& law) {
+double least_of_game(std::uint64_t seed, const std::string& task, const Law& law, bool stops = false) {
   SimulatedArm arm(task.empty() ? free_task() : load_task(task), seed);
   LawfulTick loop(arm, law(arm.facts()));
   Opponent opponent(seed);
@@ -277,6 +302,7 @@ double least_of_game(std::uint64_t seed, const std::string& task, const Law& law
     const device::Reading reading = arm.read(now);
     arm.push(now, opponent.push());
     (void)loop.tick(now, reading, opponent.torque(arm));
+    if (stops) opponent.stop_or_resume(arm, now + microseconds(200));
   }
   EXPECT_EQ(arm.counters().frozen_joints, 0U);
   return arm.audit()->minimum_J;
@@ -291,6 +317,7 @@ TEST(SimulatedArm, IsPassiveUnderTheExactLawWhoeverPushesAndCommands) {
     };
     // In free space, and with whatever the tool hits.
     EXPECT_GE(least_of_game(seed, seed % 3 == 0 ? "block" : seed % 3 == 1 ? "" : "edge", law), -1e-9);
+    EXPECT_GE(least_of_game(seed, "", law, true), -1e-9) << "with stops";
   }
 }
 
