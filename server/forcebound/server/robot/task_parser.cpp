@@ -35,7 +35,7 @@ constexpr double kFar_m = 5;
 constexpr double kLong_s = 600;
 
 /// A point within reach of any robot, or a rotation vector; three numbers.
-PointParameter point(std::string_view key, std::optional<Eigen::Vector3d> preset = {}) {
+PointParameter point(std::string_view key, const std::optional<Eigen::Vector3d>& preset = {}) {
   return {.key = key, .preset = preset, .each = {.least = -kFar_m, .most = kFar_m}};
 }
 
@@ -54,7 +54,7 @@ ContactMaterial material_of(const Values& values) {
           .friction = values.number("friction")};
 }
 
-PointParameter direction(std::string_view key, std::optional<Eigen::Vector3d> preset = {}) {
+PointParameter direction(std::string_view key, const std::optional<Eigen::Vector3d>& preset = {}) {
   return {.key = key, .preset = preset, .is_direction = true};
 }
 
