@@ -73,6 +73,17 @@ SimulatedArm::SimulatedArm(const Task& task, std::uint64_t seed)
   find_tool_and_block();
 }
 
+std::string SimulatedArm::facts_in_words() const {
+  const auto range = [](const Vector& rows) {
+    return text::rounded(rows.minCoeff()) + " to " + text::rounded(rows.maxCoeff());
+  };
+  return facts_.name + ": simulated arm of " + std::to_string(facts_.joints()) + " joints, damping " +
+         range(facts_.damping.diagonal()) + " N m s/rad, friction " + range(facts_.friction) + " N m, encoder step " +
+         range(1e6 * facts_.encoder_step) + " urad, largest torque " + range(chain_.limits().torque_max) +
+         " N m, latency " + text::rounded(1e3 * facts_.latency_s) + " ms, holds a torque for " +
+         text::rounded(1e3 * facts_.hold_s_max) + " ms";
+}
+
 device::Reading SimulatedArm::read(Nanoseconds now) noexcept {
   advance_to(now);
   device::Reading reading;

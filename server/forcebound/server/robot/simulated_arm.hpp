@@ -64,6 +64,7 @@ class SimulatedArm final : public TaskRobot {
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return facts_; }
   [[nodiscard]] bool is_simulated() const noexcept override { return true; }
+  [[nodiscard]] std::string facts_in_words() const override;
   device::Reading read(Nanoseconds now) noexcept override;
   void apply(Nanoseconds now, const Vector& torque) noexcept override;
   [[nodiscard]] bool write_failed() const noexcept override { return write_failed_; }

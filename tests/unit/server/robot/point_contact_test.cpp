@@ -52,5 +52,32 @@ TEST(PointContact, SticksUntilFrictionIsOvercomeAndThenSlides) {
   EXPECT_GT(moved(-0.1), -2.9) << "and gives way the other way";
 }
 
+/// A mass that flies at a surface, in steps as the robot's. @return how fast it comes back, by how fast it came
+double rebound(const ContactMaterial& material, double mass_kg, double speed, double begin_m) {
+  PointContact contact;
+  double height_m = begin_m;
+  double velocity = -speed;
+  while (velocity < 0 || height_m < 0) {
+    const Vector3d force = contact.force(
+        material, {.normal = Vector3d::UnitZ(), .depth_m = -height_m, .velocity = {0, 0, velocity}}, kStep_s);
+    velocity += kStep_s * force.z() / mass_kg;
+    height_m += kStep_s * velocity;
+  }
+  return velocity / speed;
+}
+
+TEST(PointContact, ThrowsNothingBackFasterThanItCame) {
+  for (const double stiffness_N_per_m : {800.0, 1e4, 2e4}) {
+    for (const double speed : {0.02, 0.1, 0.5}) {
+      // Wherever between two steps it touches.
+      for (double begin_m = 1e-5; begin_m < kStep_s * speed + 1e-5; begin_m += 0.1 * kStep_s * speed) {
+        const ContactMaterial material{.stiffness_N_per_m = stiffness_N_per_m, .damping_s_per_m = 3, .friction = 0};
+        EXPECT_LE(rebound(material, 1, speed, begin_m), 1.02) << stiffness_N_per_m << " N/m, " << speed << " m/s";
+        EXPECT_GT(rebound(material, 1, speed, begin_m), 0.2);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace forcebound::server

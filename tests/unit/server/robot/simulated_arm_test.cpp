@@ -46,6 +46,13 @@ TEST(SimulatedArm, ReadsItsEncodersInWholeSteps) {
   }
 }
 
+TEST(SimulatedArm, TellsItsFactsWithUnitsOfJoints) {
+  EXPECT_EQ(
+      SimulatedArm(free_task(), 1).facts_in_words(),
+      "reach-7: simulated arm of 7 joints, damping 0.8 to 4 N m s/rad, friction 0.2 to 0.8 N m, encoder step 5.99 "
+      "to 24 urad, largest torque 12 to 87 N m, latency 0.3 ms, holds a torque for 2 ms");
+}
+
 TEST(SimulatedArm, DoesNotCreepInAMinuteUnderTorquesThatFrictionHolds) {
   SimulatedArm arm(free_task(), 1);
   const Vector start = arm.truth().joint;
