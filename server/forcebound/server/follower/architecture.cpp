@@ -11,10 +11,14 @@ Eigen::Vector3d Reflection::at(const Eigen::Vector3d& wanted_m) const noexcept {
     return size > force_N_max ? Eigen::Vector3d(part * (force_N_max / size)) : part;
   };
   Eigen::Vector3d sum = cut(force_N) + cut(tie_N_per_m * (tool_m - wanted_m));
+  Eigen::Vector3d lag_m = tool_m - wanted_m;
   if (plane) {
     const double depth_m = std::max(0.0, (plane->place_m - wanted_m).dot(plane->normal));
     sum += std::min(plane->stiffness_N_per_m * depth_m, force_N_max) * plane->normal;
+    lag_m -= depth_m * plane->normal;  // within the plane the tool is not to follow
   }
+  const double size_m = lag_m.norm();
+  if (size_m > tow_slack_m) sum += cut(tow_N_per_m * (1 - tow_slack_m / size_m) * lag_m);
   return sum;
 }
 

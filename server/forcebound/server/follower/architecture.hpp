@@ -23,13 +23,17 @@ struct ReflectedPlane {
 
 /// What the device shall show, as the robot knows it on a tick; world frame, forces on the hand.
 ///
-///     f(x_wanted) = force_N - K (x_wanted - tool_m) + K_p n max(0, n.(p - x_wanted))      each part cut to
-///     `force_N_max`
+///     f(x_wanted) = force_N - K (x_wanted - tool_m) + K_p n max(0, n.(p - x_wanted)) + tow
+///
+/// Each part is cut to `force_N_max`. Tow: where the robot's law is short of energy the robot lags; the hand then feels
+/// a spring to it, beyond some slack, so that the energy that the robot needs comes from the hand.
 struct Reflection {
   Eigen::Vector3d force_N{Eigen::Vector3d::Zero()};
   double tie_N_per_m = 0;  ///< K
   Eigen::Vector3d tool_m{Eigen::Vector3d::Zero()};
   std::optional<ReflectedPlane> plane{};
+  double tow_N_per_m = 0;  ///< to the same place
+  double tow_slack_m = 0;
   double force_N_max = 0;
 
   /// @param wanted_m where the leader wants the tool

@@ -47,11 +47,14 @@ const FeltSurface& ContactEstimator::update(Nanoseconds now, const Eigen::Vector
   const double size = pressed.norm();
   if (!(size > 0)) return surface_;
   const Eigen::Vector3d seen = -pressed / size;
-  const bool aside = seen.dot(surface_.normal) < std::cos(settings_.another_angle_rad);
+  // One sample that points elsewhere is noise, or friction that the velocity does not explain.
+  const bool points_aside = seen.dot(surface_.normal) < std::cos(settings_.another_angle_rad);
+  aside_ = points_aside ? aside_ + 1 : 0;
+  const bool aside = aside_ >= settings_.another_samples;
   const bool away = !was_touched && std::abs((tool_m - surface_.place_m).dot(surface_.normal)) > settings_.another_m;
   if (!surface_.known || aside || away) {
     begin_contact(tool_m, seen);
-  } else {
+  } else if (!points_aside) {
     const double share = 1 - std::exp(-elapsed_s / settings_.normal_s);
     surface_.normal = (surface_.normal + share * (seen - surface_.normal)).normalized();
   }
@@ -69,6 +72,7 @@ const FeltSurface& ContactEstimator::update(Nanoseconds now, const Eigen::Vector
 void ContactEstimator::begin_contact(const Eigen::Vector3d& tool_m, const Eigen::Vector3d& normal) noexcept {
   surface_ = {.known = true, .touched = true, .id = surface_.id + 1, .normal = normal};
   begin_m_ = tool_m;
+  aside_ = 0;
   line_ = {settings_.stiffness_N_per_m_first, settings_.touch_N};
   const double stiffness = kStiffnessShare * settings_.stiffness_N_per_m_first;
   covariance_ = Eigen::Vector2d(stiffness * stiffness, kOffset_N * kOffset_N).asDiagonal();

@@ -31,8 +31,9 @@ struct ContactSettings {
   double forgetting = 0.998;              ///< per sample, above 0 to 1
   double noise_N = 0.2;                   ///< standard deviation of the sensor
   double normal_s = 0.02;                 ///< time constant of the normal's low-pass
-  double another_angle_rad = 0.5;         ///< a normal further off is that of another surface,
-  double another_m = 5e-3;                ///< and so is a touch further from the plane
+  double another_angle_rad = 0.5;         ///< a normal further off, for so many samples, is that of another surface,
+  int another_samples = 20;
+  double another_m = 5e-3;  ///< and so is a touch further from the plane
 };
 
 /// Finds plane, stiffness and friction of what a tool touches, from its place and the force that it exerts.
@@ -67,6 +68,7 @@ class ContactEstimator {
   Eigen::Vector3d begin_m_{Eigen::Vector3d::Zero()};  // where the contact began
   Eigen::Vector2d line_{Eigen::Vector2d::Zero()};     // K and a
   Eigen::Matrix2d covariance_{Eigen::Matrix2d::Identity()};
+  int aside_ = 0;  // samples in a row whose force points elsewhere
   Nanoseconds last_{0};
 };
 

@@ -12,10 +12,14 @@ namespace {
 
 // Readings lost in a row until the robot counts as one that refuses.
 constexpr int kLostMost = 50;
-constexpr double kStill_m_per_s = 5e-3;
-constexpr double kAtRest = 0.02;  // of a joint [rad/s], [m/s]
+constexpr double kStill_m_per_s = 0.015;  // a tremor passes
+constexpr double kAtRest = 0.02;          // of a joint [rad/s], [m/s]
 // A tool this much faster than its largest speed is stopped.
 constexpr double kTooFast = 1.5;
+// How fast a lack of energy is noticed, and what it does.
+constexpr double kShortage_s = 0.05;
+constexpr double kTow_N_per_m = 1000;
+constexpr double kTowSlack_m = 2e-3;
 constexpr double kBegin_per_s = 5;  // the share of the reflection grows,
 constexpr double kEnd_per_s = 20;   // and ends
 
@@ -191,7 +195,14 @@ void Follower::note(const Vector& request, const Vector& given, Nanoseconds /*no
   const double period_s = time::to_seconds(period_);
   report_.state = state;
   report_.share = std::clamp(report_.share + (follows ? kBegin_per_s : -kEnd_per_s) * period_s, 0.0, 1.0);
+  const double missing = follows && request.norm() > 0 ? 1 - std::min(1.0, given.norm() / request.norm()) : 0;
+  shortage_ += (1 - std::exp(-period_s / kShortage_s)) * (missing - shortage_);
   report_.reflection = architecture_->reflection();
+  if (report_.reflection.tie_N_per_m == 0) {
+    report_.reflection.tool_m = impedance_.report().pose.position;
+    report_.reflection.tow_N_per_m = shortage_ * kTow_N_per_m;
+    report_.reflection.tow_slack_m = kTowSlack_m;
+  }
   report_.map = map_;
 }
 

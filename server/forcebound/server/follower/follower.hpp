@@ -116,6 +116,7 @@ class Follower {
   std::optional<LeaderMotion> leader_;
   double leader_speed_m_per_s_ = 0;
   int lost_in_a_row_ = 0;
+  double shortage_ = 0;  // share of the torques that the law withheld, low-passed
   Vector6 coupling_{Vector6::Zero()};
   FollowerReport report_;
   FollowerTotals totals_;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "forcebound/server/follower/architecture.hpp"
 #include "forcebound/server/follower/contact_estimator.hpp"
@@ -9,8 +8,11 @@ namespace {
 
 // A stiffness that is less sure is not told.
 constexpr double kCertaintyLeast = 0.5;
-// Within so far of the plane the tool is pressed with the force that the hand feels.
+// Below that height above the plane the tool is pressed with the force that the hand feels.
 constexpr double kNear_m = 3e-3;
+// The force loop on top of the torques asked for, which are right but for the robot's friction.
+constexpr double kForceLoop_per_s = 5;
+constexpr double kHeldBackMost_N = 15;
 // How fast a plane that was found late comes to where it is.
 constexpr double kEase_m_per_s = 0.01;
 
@@ -19,7 +21,8 @@ constexpr double kEase_m_per_s = 0.01;
 ///
 ///     f = K n max(0, n.(p - x_wanted))            K, p, n of ContactEstimator
 ///
-/// Where the device is within the plane, the robot is asked to stay on it and to press as hard as the hand does. On the
+/// Where the device is within the plane, the robot is asked to press as hard as the hand does, there where the surface
+/// gives way to under that force. On the
 /// first touch the device is deeper than the plane by as much as the round trip allowed: then the plane is told as
 /// lying so much deeper that its force is the one sensed, and comes to its own place by 10 mm/s, or at once as far as
 /// the hand withdraws. So an unknown surface is felt late, but never as a blow.
@@ -39,10 +42,10 @@ class ModelMediated final : public Architecture {
     ease_m_ = std::clamp(ease_m_ - kEase_m_per_s * seen.elapsed_s, 0.0, std::max(0.0, depth_m));
     Asked asked{.target = seen.target};
     if (depth_m > 0) {
-      asked.target.pose.position += depth_m * felt.normal;
-      asked.target.velocity -= asked.target.velocity.dot(felt.normal) * felt.normal;
-      if (std::abs((seen.tool.position - felt.place_m).dot(felt.normal)) < kNear_m) {
-        asked.push_N = -pressed_N(depth_m - ease_m_) * felt.normal;
+      // Where a surface of that stiffness gives way to, under that force.
+      asked.target.pose.position += ease_m_ * felt.normal;
+      if ((seen.tool.position - felt.place_m).dot(felt.normal) < kNear_m) {
+        asked.push_N = -held_N(pressed_N(depth_m - ease_m_), seen) * felt.normal;
       }
     }
     return asked;
@@ -69,9 +72,22 @@ class ModelMediated final : public Architecture {
     return std::clamp(estimator_.surface().stiffness_N_per_m * depth_m, 0.0, force_N_max_);
   }
 
+  /// The force to ask for so that the sensor feels the one wanted: the robot's own friction holds some of it back.
+  [[nodiscard]] double held_N(double wanted_N, const Seen& seen) noexcept {
+    if (!seen.sensed_N || !estimator_.surface().touched) {
+      held_back_N_ = 0;
+      return wanted_N;
+    }
+    const double missing_N = wanted_N + seen.sensed_N->dot(estimator_.surface().normal);
+    held_back_N_ =
+        std::clamp(held_back_N_ + kForceLoop_per_s * seen.elapsed_s * missing_N, -kHeldBackMost_N, kHeldBackMost_N);
+    return std::max(0.0, wanted_N + held_back_N_);
+  }
+
   double force_N_max_;
   ContactEstimator estimator_;
   double ease_m_ = 0;
+  double held_back_N_ = 0;
 };
 
 }  // namespace
