@@ -27,6 +27,7 @@ void add_reproduce(CLI::App& app);
 void add_soak(CLI::App& app);
 void add_spending(CLI::App& app);
 void add_table(CLI::App& app);
+void add_teleoperate(CLI::App& app);
 void add_trials(CLI::App& app);
 void add_view(CLI::App& app);
 void add_violations(CLI::App& app);

@@ -31,6 +31,7 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_soak(app);
   forcebound::lab::add_spending(app);
   forcebound::lab::add_table(app);
+  forcebound::lab::add_teleoperate(app);
   forcebound::lab::add_trials(app);
   forcebound::lab::add_view(app);
   forcebound::lab::add_violations(app);

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "forcebound/text/table.hpp"
+#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/teleoperation/teleoperation_study.hpp"
+
+namespace forcebound::lab {
+
+/// All seeds of one task, architecture, law and network: medians, and the least P of all.
+struct TeleoperationGroup {
+  std::string task;
+  std::string architecture;
+  std::string law;
+  std::string network;
+  std::size_t runs = 0;
+  std::size_t succeeded = 0;
+  TeleoperationMeasures median{};  ///< of what is known; the minima are the least
+  bool on_front = false;           ///< of all passive ones with its task and network, none is better in every respect
+};
+
+/// In the order of the rows. The front: least tracking error, force error and peak force, most successes.
+[[nodiscard]] std::vector<TeleoperationGroup> groups_of(const std::vector<TeleoperationRow>& rows);
+
+[[nodiscard]] text::Table teleoperation_table(const std::vector<TeleoperationGroup>& groups);
+
+/// What the columns mean, and over all groups of a law: least P of both sides, runs and successes.
+[[nodiscard]] std::string teleoperation_words(const std::vector<TeleoperationGroup>& groups);
+
+/// A row for each run: task, architecture, law, network, seed, `passivity: {leader_minimum_J, follower_minimum_J}`, and
+/// the measures; null for what is not known.
+[[nodiscard]] nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& rows);
+
+/// Force error over tracking error, a panel for each network (teleoperation.gnuplot).
+[[nodiscard]] Figure teleoperation_figure(const std::vector<TeleoperationGroup>& groups);
+
+}  // namespace forcebound::lab

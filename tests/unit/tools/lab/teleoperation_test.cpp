@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/lab/teleoperation/fault_study.hpp"
+#include "tests/tools/lab/teleoperation/teleoperation_results.hpp"
+#include "tests/tools/lab/teleoperation/touch_study.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+TeleoperationRow row(const std::string& architecture, double tracking_m, double force_N, bool succeeded = true,
+                     double robot_J = 0) {
+  TeleoperationRow row{.task = "plug", .architecture = architecture, .law = "fba-exact", .network = "none", .seed = 1};
+  row.measures.tracking_rms_m = tracking_m;
+  row.measures.force_error_rms_N = force_N;
+  row.measures.succeeded = succeeded;
+  row.measures.follower_minimum_J = robot_J;
+  return row;
+}
+
+TEST(TeleoperationResults, TheFrontHasWhatNobodyBeatsInEveryRespect) {
+  const auto groups = groups_of({row("a", 1e-3, 2), row("b", 2e-3, 1), row("c", 2e-3, 2), row("d", 3e-3, 3, false),
+                                 row("e", 1e-4, 0.1, true, -1e-3)});
+  ASSERT_EQ(groups.size(), 5U);
+  EXPECT_TRUE(groups[0].on_front);
+  EXPECT_TRUE(groups[1].on_front);
+  EXPECT_FALSE(groups[2].on_front) << "a is nearer, b feels truer";
+  EXPECT_FALSE(groups[3].on_front);
+  EXPECT_FALSE(groups[4].on_front) << "it leaks";
+}
+
+TEST(TeleoperationResults, SeedsBecomeMediansAndTheLeastP) {
+  auto rows = std::vector{row("a", 1e-3, 2), row("a", 3e-3, std::nan(""), false, -2e-3), row("a", 2e-3, 4)};
+  const auto groups = groups_of(rows);
+  ASSERT_EQ(groups.size(), 1U);
+  EXPECT_EQ(groups[0].runs, 3U);
+  EXPECT_EQ(groups[0].succeeded, 2U);
+  EXPECT_EQ(groups[0].median.tracking_rms_m, 2e-3);
+  EXPECT_EQ(groups[0].median.force_error_rms_N, 3) << "of those that are known";
+  EXPECT_EQ(groups[0].median.follower_minimum_J, -2e-3);
+}
+
+TEST(TeleoperationResults, AFileHasARowForEachRun) {
+  const auto json = teleoperation_json({row("a", 1e-3, std::nan(""))});
+  ASSERT_EQ(json.size(), 1U);
+  EXPECT_EQ(json[0].at("architecture"), "a");
+  EXPECT_EQ(json[0].at("passivity").at("follower_minimum_J"), 0.0);
+  EXPECT_EQ(json[0].at("passivity").at("leader_minimum_J"), 0.0);
+  EXPECT_TRUE(json[0].at("force_error_rms_N").is_null());
+}
+
+TeleoperationStudy study_of(const std::string& task, const std::string& architecture, const std::string& network) {
+  return {.tasks = {task},
+          .architectures = {architecture},
+          .laws = {"fba-exact"},
+          .networks = {network_of(network)},
+          .seeds = 1};
+}
+
+TEST(Teleoperation, EveryTaskIsPassiveAtBothEndsAndTheSameAgain) {
+  if (!server::has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
+  for (const std::string& task : server::task_names()) {
+    SCOPED_TRACE(task);
+    const auto study = study_of(task, "position-position", "delay 50ms");
+    const auto rows = study_teleoperation(study, [](double) {});
+    ASSERT_EQ(rows.size(), 1U);
+    const TeleoperationMeasures& m = rows[0].measures;
+    EXPECT_GE(m.leader_minimum_J, -1e-9);
+    EXPECT_GE(m.leader_kept_minimum_J, -1e-9);
+    EXPECT_GE(m.follower_minimum_J, -1e-9);
+    EXPECT_TRUE(m.succeeded) << m.measure << " of " << m.goal;
+    EXPECT_GT(m.received_J, 0.05);
+    const auto again = study_teleoperation(study, [](double) {});
+    EXPECT_EQ(again[0].measures.received_J, m.received_J) << "same settings, same run";
+  }
+}
+
+TEST(Teleoperation, WithoutALawTheRobotLeaks) {
+  if (!server::has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
+  auto study = study_of("plug", "position-force", "delay 10ms");
+  study.laws = {"none"};
+  const TeleoperationMeasures m = study_teleoperation(study, [](double) {}).at(0).measures;
+  EXPECT_LT(m.leader_minimum_J, -0.1);
+  EXPECT_LT(m.follower_minimum_J, -0.1);
+}
+
+TEST(Teleoperation, AKnownWallIsFeltAtOnceAndAsStiffAsWithoutANetwork) {
+  if (!server::has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
+  const auto rows = study_touches(study_of("stiff-wall", "model-mediated", "delay 50ms"));
+  ASSERT_EQ(rows.size(), 2U);
+  const TouchRow& alone = rows[0];
+  const TouchRow& afar = rows[1];
+  ASSERT_TRUE(afar.first.felt);
+  ASSERT_TRUE(afar.second.felt);
+  EXPECT_GT(afar.first.felt_after_s, 0.1) << "an unknown wall takes the way there and back";
+  EXPECT_LT(afar.second.felt_after_s, 0.005) << "in virtual time";
+  EXPECT_NEAR(afar.second.displayed_N_per_m / alone.second.displayed_N_per_m, 1, 0.2);
+  EXPECT_GE(afar.leader_minimum_J, -1e-9);
+  EXPECT_GE(afar.follower_minimum_J, -1e-9);
+}
+
+TEST(Teleoperation, FaultsStopTheRobotAndNothingJumps) {
+  if (!server::has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
+  const auto rows = study_faults(study_of("stiff-wall", "position-position", "delay 10ms"));
+  ASSERT_GE(rows.size(), 7U);
+  for (const FaultRow& fault : rows) {
+    SCOPED_TRACE(fault.fault);
+    EXPECT_GE(fault.leader_minimum_J, -1e-9);
+    EXPECT_GE(fault.follower_minimum_J, -1e-9);
+    EXPECT_LT(fault.speed_m_per_s, 0.4);
+    EXPECT_LT(fault.contact_N_max, 80);
+    const bool up_is_dead = fault.fault == "way up dead" || fault.fault == "both ways dead";
+    if (!up_is_dead) continue;
+    EXPECT_NEAR(fault.holding_s, 0.11, 0.015) << "100 ms of silence, and the way";
+    EXPECT_NEAR(fault.stopping_s, 0.51, 0.015);
+    EXPECT_TRUE(std::isfinite(fault.following_s)) << "it follows again, once both agree";
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::lab
