@@ -16,6 +16,7 @@
 #include "tests/tools/lab/outputs.hpp"
 #include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/teleoperation/fault_study.hpp"
+#include "tests/tools/lab/teleoperation/impedance_study.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_results.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_study.hpp"
 #include "tests/tools/lab/teleoperation/touch_study.hpp"
@@ -34,6 +35,7 @@ struct TeleoperateOptions {
   std::string figure;
   bool touches = false;
   bool faults = false;
+  bool impedance = false;
 };
 
 std::vector<std::string> architecture_names() {
@@ -81,6 +83,12 @@ void run(TeleoperateOptions& options) {
   if (options.faults) {
     study.tasks = {"stiff-wall"};
     std::cout << fault_text(study_faults(study));
+    return;
+  }
+  if (options.impedance) {
+    std::cout << impedance_text(study_impedance(study), study.follower.workspace.force_scale *
+                                                            study.follower.workspace.motion_scale *
+                                                            server::load_task("stiff-wall").stiffness_N_per_m);
     return;
   }
   std::vector<TeleoperationRow> rows;
@@ -159,15 +167,26 @@ void add_teleoperate(CLI::App& app) {
                      "what robot and hand do when client, server, network or robot fail, with the first of the "
                      "architectures, laws and networks")
           ->excludes(touches);
+  CLI::Option* const impedance =
+      command
+          ->add_flag("--impedance", options->impedance,
+                     "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall")
+          ->excludes(touches)
+          ->excludes(faults);
   add_output(*command, "--json", options->json, "write a row for each run to this file")
       ->excludes(touches)
       ->excludes(faults)
+      ->excludes(impedance)
       ->type_name("FILE.json");
   add_output(*command, "--csv", options->csv, "write the table to this file")
       ->excludes(touches)
       ->excludes(faults)
+      ->excludes(impedance)
       ->type_name("FILE.csv");
-  add_figure(*command, options->figure, "draw force error over tracking error")->excludes(touches)->excludes(faults);
+  add_figure(*command, options->figure, "draw force error over tracking error")
+      ->excludes(touches)
+      ->excludes(faults)
+      ->excludes(impedance);
   command->footer("Tasks:\n" + tasks_help() + "\nArchitectures:\n" + architectures_help() +
                   "\n"
                   "Both ends are bounded by the law: the device by its own damping, the robot by that of its joints "

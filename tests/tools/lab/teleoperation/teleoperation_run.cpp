@@ -75,6 +75,7 @@ class Measuring {
     const Eigen::Vector3d applied = tick.applied.rows() > 0 ? point_of(tick.applied) : Eigen::Vector3d::Zero();
     now.shown_N = applied.norm();
     const Eigen::Vector3d shown_in_world = map.settings().rotation * applied / map.settings().force_scale;
+    now.shown_in_world_N = shown_in_world;
     now.shown_along_N = shown_in_world.dot(setup_.task.normal);
     const double kept_J = loop.device().audit()->energy_J - loop.session().law().energy_given_J();
     measures_.leader_kept_minimum_J = std::min(measures_.leader_kept_minimum_J, kept_J);
@@ -155,22 +156,25 @@ TeleoperationMeasures run_teleoperation(const TeleoperationSetup& setup, std::ve
   if (setup.hand.stiffness_N_per_m > 0) hand.hand = setup.hand;
   const double script_s = ScriptOperator(setup.task, hand).duration_s();
   LastTick last;
-  sim::ClosedLoop::Settings loop_settings{
-      .device = setup.device,
-      .hand = {},
-      .make_hand = [&] { return std::make_unique<ScriptOperator>(setup.task, hand); },
-      .law = setup.law,
-      .scene = nullptr,
-      .far_side =
-          [&] {
-            return server::follower_environment(setup.task.name, setup.task.summary, setup.task.degrees_of_freedom,
-                                                runner);
-          },
-      .network = setup.network.settings,
-      .seed = setup.seed,
-      .faults = setup.faults,
-      .renders_locally = settings.architecture == "model-mediated",
-      .force_slew_N_per_s = setup.force_slew_N_per_s};
+  sim::ClosedLoop::Settings loop_settings{.device = setup.device,
+                                          .hand = {},
+                                          .make_hand = [&]() -> std::unique_ptr<const device::Operator> {
+                                            if (setup.make_hand) return setup.make_hand();
+                                            return std::make_unique<ScriptOperator>(setup.task, hand);
+                                          },
+                                          .law = setup.law,
+                                          .scene = nullptr,
+                                          .far_side =
+                                              [&] {
+                                                return server::follower_environment(setup.task.name, setup.task.summary,
+                                                                                    setup.task.degrees_of_freedom,
+                                                                                    runner);
+                                              },
+                                          .network = setup.network.settings,
+                                          .seed = setup.seed,
+                                          .faults = setup.faults,
+                                          .renders_locally = settings.architecture == "model-mediated",
+                                          .force_slew_N_per_s = setup.force_slew_N_per_s};
   loop_settings.network.seed = setup.seed;
   sim::ClosedLoop loop(std::move(loop_settings), {&last});
   Measuring measuring(setup, *follower, at_work);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +26,7 @@ struct TeleoperationSetup {
   server::FollowerSettings follower{};
   NamedNetwork network{};
   std::uint64_t seed = 1;
+  std::function<std::unique_ptr<const device::Operator>()> make_hand{};  ///< replaces the script's, if set
   std::vector<sim::ClosedLoop::Fault> faults{};
   RobotFlaws flaws{};
   double force_slew_N_per_s = 2000;  ///< of the client: a surface that is found late does not strike
@@ -58,8 +61,9 @@ struct TeleoperationMoment {
   Eigen::Vector3d leader_m{Eigen::Vector3d::Zero()};  ///< in the robot's world
   Eigen::Vector3d tool_m{Eigen::Vector3d::Zero()};
   double tool_speed_m_per_s = 0;
-  double shown_N = 0;        ///< size of the force on the hand
-  double contact_N = 0;      ///< size of the true contact force
+  double shown_N = 0;    ///< size of the force on the hand
+  double contact_N = 0;  ///< size of the true contact force
+  Eigen::Vector3d shown_in_world_N{Eigen::Vector3d::Zero()};
   double shown_along_N = 0;  ///< the force on the hand along the task's normal, robot's world
 };
 

@@ -1,0 +1,141 @@
+#include "tests/tools/lab/teleoperation/impedance_study.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/table.hpp"
+#include "tests/tools/lab/measures/summary_cells.hpp"
+
+namespace forcebound::lab {
+namespace {
+
+constexpr std::array kFrequencies_Hz{0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
+constexpr double kFree_m = 5e-3;
+constexpr double kPressed_m = 1e-3;
+constexpr double kGo_s = 1;     // at rest until then
+constexpr double kThere_s = 4;  // at the place to swing about, in contact
+constexpr double kSwing_s = 5;  // settled from then on
+
+/// At rest, then to a place, then a sine about it.
+class SwingingHand final : public device::Operator {
+ public:
+  SwingingHand(const Eigen::Vector3d& place_m, const Eigen::Vector3d& swing_m, double frequency_Hz)
+      : place_m_(place_m), swing_m_(swing_m), rad_per_s_(2 * std::numbers::pi * frequency_Hz) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "swinging"; }
+  [[nodiscard]] const device::Hand& hand() const noexcept override { return hand_; }
+  [[nodiscard]] int degrees_of_freedom() const noexcept override { return 3; }
+  [[nodiscard]] Target target(double time_s) const noexcept override {
+    const double way = std::clamp((time_s - kGo_s) / (kThere_s - kGo_s), 0.0, 1.0);
+    const double swing_s = std::max(0.0, time_s - kThere_s);
+    const double grown = std::min(1.0, swing_s);
+    const double angle = rad_per_s_ * swing_s;
+    Target target;
+    target.position = way * way * (3 - 2 * way) * place_m_ + grown * std::sin(angle) * swing_m_;
+    target.velocity = 6 * way * (1 - way) / (kThere_s - kGo_s) * place_m_ +
+                      (grown * rad_per_s_ * std::cos(angle) + (swing_s < 1 ? std::sin(angle) : 0)) * swing_m_;
+    return target;
+  }
+  [[nodiscard]] std::string description() const override { return "swinging"; }
+
+ private:
+  device::Hand hand_{.mass_kg = 0.2, .stiffness_N_per_m = 2000, .damping_N_s_per_m = 25};
+  Eigen::Vector3d place_m_;
+  Eigen::Vector3d swing_m_;
+  double rad_per_s_;
+};
+
+/// Force against the hand over velocity, from whole periods.
+std::complex<double> impedance_of(const std::vector<TeleoperationMoment>& moments, const Eigen::Vector3d& way,
+                                  double frequency_Hz) {
+  const double rad_per_s = 2 * std::numbers::pi * frequency_Hz;
+  std::complex<double> force{};
+  std::complex<double> place{};
+  const double periods = std::floor((moments.back().time_s - kSwing_s) * frequency_Hz);
+  for (const TeleoperationMoment& now : moments) {
+    if (now.time_s < kSwing_s || now.time_s >= kSwing_s + periods / frequency_Hz) continue;
+    const auto turn = std::polar(1.0, -rad_per_s * now.time_s);
+    force += turn * -now.shown_in_world_N.dot(way);
+    place += turn * now.leader_m.dot(way);
+  }
+  return force / (place * std::complex<double>(0, rad_per_s));
+}
+
+ImpedanceRow row_of(const TeleoperationStudy& study, const std::string& architecture, const NamedNetwork& network,
+                    bool in_contact) {
+  ImpedanceRow row{.architecture = architecture, .network = network.name, .in_contact = in_contact};
+  for (const double frequency_Hz : kFrequencies_Hz) {
+    TeleoperationSetup setup = setup_of(study, "stiff-wall", architecture, study.laws.front(), network, 1);
+    const Eigen::Vector3d way = in_contact ? setup.task.normal : Eigen::Vector3d::UnitX();
+    const Eigen::Matrix3d into = setup.follower.workspace.rotation.transpose() / setup.follower.workspace.motion_scale;
+    // The script knows where the wall is pressed.
+    const auto deepest = std::ranges::min_element(setup.task.script, {}, [&](const server::ToolWaypoint& waypoint) {
+      return waypoint.position.dot(setup.task.normal);
+    });
+    const Eigen::Vector3d place =
+        in_contact ? Eigen::Vector3d(deepest->position - setup.task.target(0).position) : Eigen::Vector3d::Zero();
+    setup.make_hand = [=] {
+      return std::make_unique<SwingingHand>(into * place, into * way * (in_contact ? kPressed_m : kFree_m),
+                                            frequency_Hz);
+    };
+    constexpr double kPeriods = 6;
+    setup.duration_s = kSwing_s + std::max(2.0, kPeriods / frequency_Hz) + 0.01;
+    std::vector<TeleoperationMoment> moments;
+    const TeleoperationMeasures measures = run_teleoperation(setup, &moments);
+    row.at.push_back({.frequency_Hz = frequency_Hz, .N_s_per_m = impedance_of(moments, way, frequency_Hz)});
+    row.least_P_J = std::min({row.least_P_J, measures.leader_minimum_J, measures.follower_minimum_J});
+  }
+  return row;
+}
+
+}  // namespace
+
+std::vector<ImpedanceRow> study_impedance(const TeleoperationStudy& study) {
+  std::vector<ImpedanceRow> rows;
+  for (const bool in_contact : {false, true}) {
+    for (const NamedNetwork& network : study.networks) {
+      for (const std::string& architecture : study.architectures) {
+        rows.push_back(row_of(study, architecture, network, in_contact));
+      }
+    }
+  }
+  return rows;
+}
+
+std::string impedance_text(const std::vector<ImpedanceRow>& rows, double wall_N_per_m) {
+  std::vector<text::Table::Column> columns{{"architecture"}};
+  for (const double frequency_Hz : kFrequencies_Hz) columns.push_back({text::rounded(frequency_Hz) + " Hz"});
+  columns.push_back({"least P", "mJ"});
+  text::Table table(columns);
+  std::string heading;
+  for (const ImpedanceRow& row : rows) {
+    const std::string now = std::string(row.in_contact ? "in contact, " : "free space, ") + row.network;
+    if (now != heading) {
+      table.add_heading(heading = now);
+      std::vector<text::Table::Cell> ideal{row.in_contact ? "the wall itself" : "nothing"};
+      for (const double frequency_Hz : kFrequencies_Hz) {
+        ideal.emplace_back(row.in_contact ? text::rounded(wall_N_per_m / (2 * std::numbers::pi * frequency_Hz)) + " -90"
+                                          : "0");
+      }
+      ideal.emplace_back("");
+      table.add(ideal);
+    }
+    std::vector<text::Table::Cell> cells{row.architecture};
+    for (const TransmittedImpedance& at : row.at) {
+      cells.emplace_back(text::rounded(std::abs(at.N_s_per_m)) + " " +
+                         text::fixed(std::arg(at.N_s_per_m) * 180 / std::numbers::pi, 0));
+    }
+    cells.emplace_back(millijoules(row.least_P_J));
+    table.add(cells);
+  }
+  return table.to_text() +
+         "\n  Force against the hand over its velocity [N s/m], and its phase [degrees]: 0 a\n"
+         "  damper, -90 a spring, 90 a mass; beyond +-90 it gives energy, which the law\n"
+         "  allows as far as the device's own damping takes it.\n";
+}
+
+}  // namespace forcebound::lab
