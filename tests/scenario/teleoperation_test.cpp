@@ -61,12 +61,12 @@ Ports play(std::uint64_t seed, const std::string& law) {
           },
       .law = law,
       .scene = nullptr,
-      .far_side = [&] { return server::follower_environment("gantry", "a gantry before a wall", 3, runner); },
       .network =
           lab::network_of(draw.one_of<const char*>({"none", "delay 10ms 5ms loss 10%", "delay 50ms 20ms reorder 20%",
                                                     "delay 100ms duplicate 10%", "delay 5ms loss 40%"}))
               .settings,
       .seed = seed,
+      .own_environment = server::follower_environment("gantry", "a gantry before a wall", 3, runner),
       .renders_locally = follower_settings.architecture == "model-mediated"};
   settings.network.seed = seed;
   using Kind = sim::ClosedLoop::Fault::Kind;

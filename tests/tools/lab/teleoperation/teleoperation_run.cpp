@@ -164,14 +164,10 @@ TeleoperationMeasures run_teleoperation(const TeleoperationSetup& setup, std::ve
                                           },
                                           .law = setup.law,
                                           .scene = nullptr,
-                                          .far_side =
-                                              [&] {
-                                                return server::follower_environment(setup.task.name, setup.task.summary,
-                                                                                    setup.task.degrees_of_freedom,
-                                                                                    runner);
-                                              },
                                           .network = setup.network.settings,
                                           .seed = setup.seed,
+                                          .own_environment = server::follower_environment(
+                                              setup.task.name, setup.task.summary, setup.task.degrees_of_freedom, runner),
                                           .faults = setup.faults,
                                           .renders_locally = settings.architecture == "model-mediated",
                                           .force_slew_N_per_s = setup.force_slew_N_per_s};
