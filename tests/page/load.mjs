@@ -192,7 +192,8 @@ try {
     row(name, runs);
     said.push(`${name}: ${runs[0].said}`);
   }
-  console.log("period of the tick; idle: the same of a thread that only sleeps; work: from reading to command; alloc: in the tick, in all");
+  console.log("period of the tick; idle: the same of a thread that only sleeps");
+  console.log("work: from reading to command; alloc: in the tick, in all");
   for (const line of said) console.log(line);
   weigh(given.page);
 } catch (error) {

@@ -46,14 +46,15 @@ bool Assembly::take_description(const Piece& piece) {
   const bool last = piece.number + 1 == piece.pieces;
   if (came_[piece.number] || (!last && piece.content.size() != kPieceBytes)) return false;
   came_[piece.number] = true;
-  std::memcpy(text_.data() + piece.number * kPieceBytes, piece.content.data(), piece.content.size());
+  const auto text = std::as_writable_bytes(std::span(text_)).subspan(piece.number * kPieceBytes);
+  std::ranges::copy(piece.content, text.begin());
   if (last) text_.resize((piece.pieces - 1) * kPieceBytes + piece.content.size());
   if (--missing_ > 0) return false;
   const std::uint64_t view = std::exchange(view_, 0);
-  const std::string text = std::exchange(text_, {});
+  const std::string whole = std::exchange(text_, {});
   came_.clear();
-  if (hash_of(text) != view) return false;
-  auto received = read_description(text);
+  if (hash_of(whole) != view) return false;
+  auto received = read_description(whole);
   if (!received) return false;
   shown_ = view;
   scene_ = std::move(received);
@@ -71,7 +72,7 @@ void Assembly::take_movement(const Piece& piece) {
   const MovingGroup& group = scene_->moving[piece.number];
   const std::size_t each = group.numbers_of_item();
   const std::size_t count = piece.content.size() / sizeof(float) / each;
-  if (piece.content.size() != count * each * sizeof(float) || piece.first > group.items() ||
+  if (count == 0 || piece.content.size() != count * each * sizeof(float) || piece.first > group.items() ||
       count > group.items() - piece.first) {
     return;
   }
