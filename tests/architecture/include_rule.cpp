@@ -42,6 +42,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/handover", {"forcebound/config", "forcebound/text", "forcebound/scene"}},
       {"forcebound/page", {"forcebound/security", "forcebound/text"}},
       {"forcebound/view", {"forcebound/config", "forcebound/page", "forcebound/scene", "forcebound/text"}},
+      {"forcebound/http", {"forcebound/text"}},
       {"forcebound/client/rendering",
        {"forcebound/control", "forcebound/local_model", "forcebound/text", "forcebound/time", "forcebound/wire",
         "forcebound/scene", "forcebound/handover"}},
@@ -60,7 +61,7 @@ const std::vector<Folder>& folders() {
       {"forcebound/client/app",
        {"forcebound/control", "forcebound/baselines", "forcebound/program", "forcebound/text", "forcebound/time",
         "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/device", "forcebound/driver",
-        "forcebound/scene", "forcebound/page", "forcebound/view", "forcebound/client"}},
+        "forcebound/scene", "forcebound/http", "forcebound/page", "forcebound/view", "forcebound/client"}},
       // Plug-ins: C, or C++, with no more of ours than the interface of drivers.
       {"drivers", {"forcebound/driver"}},
       {"forcebound/server/dynamics/tissue", {"forcebound/local_model", "forcebound/text", "forcebound/scene"}},
@@ -86,9 +87,9 @@ const std::vector<Folder>& folders() {
        {"forcebound/time", "forcebound/net", "forcebound/security", "forcebound/server/environment",
         "forcebound/server/security", "forcebound/server/session"}},
       {"forcebound/server/app",
-       {"forcebound/control", "forcebound/page", "forcebound/program", "forcebound/text", "forcebound/time",
-        "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/scene", "forcebound/security",
-        "forcebound/server"}},
+       {"forcebound/control", "forcebound/http", "forcebound/page", "forcebound/program", "forcebound/text",
+        "forcebound/time", "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/scene",
+        "forcebound/security", "forcebound/server"}},
       {"tests/tools/netem", {"forcebound/net", "forcebound/text", "forcebound/time"}},
       {"tests/tools/relay",
        {"forcebound/net", "forcebound/program", "forcebound/text", "forcebound/time", "tests/tools/netem"}},
@@ -146,10 +147,10 @@ const std::vector<Privilege>& privileges() {
       {"Asio", std::regex(R"(#include\s*[<"]asio)"), shells_and("common/forcebound/net/(internal/)?udp.*"),
        "common/forcebound/net/udp* and the shells"},
       {"Boost.Asio and Boost.Beast", std::regex(R"(#include\s*<boost/(asio|beast)[/.])"),
-       std::regex(
-           R"(common/forcebound/page/(internal/.*|page_server\.cpp)|client/drivers/.*|tests/(unit/page|process)/page_.*|tests/support/drivers/.*)"),
-       "common/forcebound/page/page_server.cpp with its internal headers, client/drivers, and the tests of pages and "
-       "drivers"},
+       std::regex(R"(common/forcebound/page/(internal/.*|page_server\.cpp)|common/forcebound/http/client\.cpp|)"
+                  R"(client/drivers/.*|tests/(unit/page|process)/page_.*|tests/support/drivers/.*)"),
+       "common/forcebound/page/page_server.cpp with its internal headers, common/forcebound/http/client.cpp, "
+       "client/drivers, and the tests of pages and drivers"},
       {"generated Protocol Buffers code", std::regex(R"(#include\s*[<"].*\.pb\.h[">])"),
        std::regex(
            R"(common/forcebound/(wire|handover)/internal/.*|common/forcebound/(wire|record|handover)/.*\.cpp|tests/(?!tools/).*)"),

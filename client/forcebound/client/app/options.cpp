@@ -39,6 +39,10 @@ constexpr std::string_view kMore =
     "    --operator trace-sphere --law fba-more --duration 20\n"
     "With a server on another machine, whose public key its owner has told:\n"
     "  forcebound-client --server haptics.example.org:47800 --key my.key --server-key server.pub\n"
+    "With a server of a fleet:\n"
+    "  forcebound-client --allocate https://allocator.example.org \\\n"
+    "    --allocate-ca ca.pem --allocate-certificate my.pem \\\n"
+    "    --allocate-key my-key.pem --key my.key --server-key fleet.pub\n"
     "\n";
 
 /// Folder of the user's files that programs can make again; "none" if the environment names none.
@@ -65,8 +69,9 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   app.description(kAbout);
   app.footer("Laws (--law):\n" + laws.help() + "\n" + devices.help() + std::string(kMore) +
              std::string(program::kExitCodes));
-  app.add_option("--server", options.server, "the server, or a relay in front of it (required)")
+  app.add_option("--server", options.server, "the server, or a relay in front of it (required without --allocate)")
       ->type_name("HOST:PORT");
+  add_allocation_options(app, options.allocation);
   add_identity_options(app, options.identity);
   app.add_flag("--insecure", options.insecure,
                "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
@@ -198,8 +203,12 @@ Options parse_options(int argc, const char* const* argv) {
   options.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });
   options.law_options.memory = typed.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
   if (options.law_help.empty()) {
-    if (options.server.empty()) throw std::invalid_argument("--server is required");
-    program::value_of("--server", [&] { return net::parse_peer(options.server); });
+    expect_complete(options.allocation);
+    if (!options.server.empty()) {
+      program::value_of("--server", [&] { return net::parse_peer(options.server); });
+    } else if (options.allocation.url.empty()) {
+      throw std::invalid_argument("--server is required");
+    }
   }
   // Not the nonce of the previous run: a server that still has that session would take this run for it.
   if (seed->count() == 0) options.seed = std::random_device{}();

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "forcebound/client/app/allocation.hpp"
 #include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
@@ -14,7 +15,8 @@ namespace forcebound::client {
 
 /// The command line of forcebound-client.
 struct Options {
-  std::string server;
+  std::string server;     ///< with an allocation: where it fails; may be empty
+  Allocation allocation;  ///< who is asked for a server
   IdentityFiles identity;
   bool insecure = false;
   std::string scene;

@@ -45,7 +45,9 @@ std::string footer() {
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
          "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
          "As a service of systemd it "
-         "takes a socket from there, and tells it when it is ready, that it runs, and when it ends.\n" +
+         "takes a socket from there, and tells it when it is ready, that it runs, and when it ends. In a fleet of "
+         "Agones, which sets "
+         "AGONES_SDK_HTTP_PORT, it tells the fleet when it is ready, in use, healthy and at its end.\n" +
          std::string(program::kExitCodes);
 }
 
@@ -56,6 +58,7 @@ struct Typed {
   double idle_timeout_s = time::to_seconds(ServerOptions{}.idle_timeout);
   double round_trip_ms = 0;
   double drain_s = 0;
+  std::string after_use = "ready";
   std::uint64_t session_MiB = MemoryLimits{}.session_most / kMebibyte;
   std::uint64_t all_MiB = memory_of_machine() / 2 / kMebibyte;
 };
@@ -151,6 +154,11 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->type_name("SECONDS")
       ->check(program::number_within(0, 86400))
       ->capture_default_str();
+  app.add_option("--fleet-after-use", typed.after_use,
+                 "as a server of an Agones fleet, 5 s after the last client has left: ready for the next, or shutdown")
+      ->check(program::one_of("end of use", {"ready", "shutdown"}))
+      ->type_name("ready|shutdown")
+      ->capture_default_str();
   app.add_flag("--realtime", options.realtime, "ask the system for real-time scheduling and locked memory");
   app.add_flag("-v,--verbose", options.verbose, "log totals every 10 s");
   program::add_option_file(app);
@@ -179,6 +187,7 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   options.server.memory = {
       .session_most = typed.session_MiB * kMebibyte, .all_most = typed.all_MiB * kMebibyte, .in_use = memory_in_use};
   options.server.idle_timeout = time::from_seconds(typed.idle_timeout_s);
+  options.after_use = typed.after_use == "ready" ? AfterUse::ready : AfterUse::shut_down;
   options.drain = time::from_seconds(typed.drain_s);
   return options;
 }

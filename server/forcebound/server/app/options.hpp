@@ -6,6 +6,7 @@
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/page/listen_address.hpp"
+#include "forcebound/server/app/fleet_member.hpp"
 #include "forcebound/server/app/key_options.hpp"
 #include "forcebound/server/environment/stability.hpp"
 #include "forcebound/server/session/server.hpp"
@@ -27,8 +28,9 @@ struct ProgramOptions {
   KeyOptions keys;
   bool verbose = false;
   bool realtime = false;
-  Nanoseconds drain{0};  ///< after SIGTERM it waits so long for clients to leave
-  ServerOptions server;  ///< `scene` in it is not set yet
+  Nanoseconds drain{0};                  ///< after SIGTERM it waits so long for clients to leave
+  AfterUse after_use = AfterUse::ready;  ///< as a member of a fleet
+  ServerOptions server;                  ///< `scene` in it is not set yet
 };
 
 inline constexpr const char* kProgram = "forcebound-server";

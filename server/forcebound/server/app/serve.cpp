@@ -14,6 +14,7 @@
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/security/allowed_clients.hpp"
 #include "forcebound/server/app/build_scene.hpp"
+#include "forcebound/server/app/fleet_link.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/page_observer.hpp"
 #include "forcebound/server/app/page_turn.hpp"
@@ -76,13 +77,19 @@ void reload(UdpServer& server, const ProgramOptions& options) {
   }
 }
 
-/// Serves until a signal ends it, and then until all clients have left or the time for that is over.
+/// What runs beside the server, on its thread; null: it is not there.
+struct Beside {
+  PageTurn* page = nullptr;
+  FleetLink* fleet = nullptr;
+};
+
+/// Serves until a signal or the fleet ends it, and then until all clients have left or the time for that is over.
 class Service {
  public:
-  Service(UdpServer& server, PageTurn* page, const ProgramOptions& options, const time::Clock& clock,
+  Service(UdpServer& server, const Beside& beside, const ProgramOptions& options, const time::Clock& clock,
           ServiceManager& manager)
       : server_(server),
-        page_(page),
+        beside_(beside),
         options_(options),
         clock_(clock),
         manager_(manager),
@@ -91,7 +98,8 @@ class Service {
   void run() {
     while (!over()) {
       server_.turn();
-      if (page_ != nullptr) page_->turn(server_);
+      if (beside_.page != nullptr) beside_.page->turn(server_);
+      if (beside_.fleet != nullptr) beside_.fleet->turn(server_.server().sessions());
       manager_.tell_alive(clock_.now());
       if (reloads != 0) reload_now();
       if (options_.verbose && clock_.now() >= next_report_) {
@@ -105,7 +113,7 @@ class Service {
  private:
   bool over() {
     if (interrupts != 0 || terminations > 1) return true;
-    if (terminations == 0) return false;
+    if (terminations == 0 && (beside_.fleet == nullptr || !beside_.fleet->over())) return false;
     if (options_.drain == Nanoseconds{0} || server_.server().sessions() == 0) return true;
     if (!drained_by_) begin_to_drain();
     return clock_.now() >= *drained_by_;
@@ -128,7 +136,7 @@ class Service {
   }
 
   UdpServer& server_;
-  PageTurn* page_;  ///< null: there is no live page
+  Beside beside_;
   const ProgramOptions& options_;
   const time::Clock& clock_;
   ServiceManager& manager_;
@@ -159,6 +167,7 @@ std::string totals(const UdpServer& server, const std::string& encryption) {
 
 int serve(ProgramOptions options) {
   ServiceManager manager;
+  const auto port_of_fleet = fleet_port();
   std::optional<net::UdpLink> handed_over = ServiceManager::take_socket();
   const net::Address address = handed_over ? handed_over->local_address() : net::resolve(options.listen);
   expect_encryption(options.keys, address);
@@ -188,14 +197,22 @@ int serve(ProgramOptions options) {
   // Before: its thread is to have no real-time priority.
   std::optional<PageTurn> page;
   if (options.page) page.emplace(options, page_observer, clock);
+  std::optional<FleetLink> fleet;
+  if (port_of_fleet) {
+    fleet.emplace(
+        FleetLink::Settings{
+            .port = *port_of_fleet, .places = options.server.sessions_max, .member = {.after_use = options.after_use}},
+        clock);
+  }
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
                summary(*scene));
 
   ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
 
-  Service(server, page ? &*page : nullptr, options, clock, manager).run();
+  Service(server, {page ? &*page : nullptr, fleet ? &*fleet : nullptr}, options, clock, manager).run();
   server.stop();
+  fleet.reset();
   std::cout << text::wrapped(totals(server, encryption), 2);
   if (server.overflowed() > 0) {
     std::cout << "socket: " << text::counted(server.overflowed(), "datagram") << " lost because it was full\n";

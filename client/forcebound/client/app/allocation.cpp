@@ -1,0 +1,125 @@
+#include "forcebound/client/app/allocation.hpp"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "forcebound/net/endpoint.hpp"
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/text/printable.hpp"
+
+namespace forcebound::client {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kGood = 200;
+constexpr const char* kPath = "/gameserverallocation";
+constexpr const char* kPortName = "forcebound";
+constexpr std::size_t kShownMost = 200;
+
+http::Url url_of(const Allocation& allocation) {
+  http::Url url = http::parse_url(allocation.url);
+  if (url.target == "/") url.target = kPath;
+  return url;
+}
+
+/// Null: there is none.
+Json port_in(const Json& answer) {
+  const auto ports = answer.find("ports");
+  if (ports == answer.end() || !ports->is_array() || ports->empty()) return {};
+  Json chosen = ports->front();
+  for (const Json& port : *ports) {
+    if (port.is_object() && port.value("name", Json()) == kPortName) chosen = port;
+  }
+  return chosen.is_object() ? chosen.value("port", Json()) : Json();
+}
+
+/// What the allocator says in words, or all that it says.
+std::string words_in(const std::string& body) {
+  const Json answer = Json::parse(body, nullptr, false);
+  const bool has_message = answer.is_object() && answer.contains("message") && answer["message"].is_string();
+  return text::printable((has_message ? answer["message"].get<std::string>() : body).substr(0, kShownMost));
+}
+
+}  // namespace
+
+void add_allocation_options(CLI::App& app, Allocation& allocation) {
+  app.add_option("--allocate", allocation.url,
+                 "ask this allocator of Agones for a server; where it has none, --server is used, if it is given")
+      ->check(program::accepted_by([](const std::string& text) { (void)http::parse_url(text); }))
+      ->type_name("URL");
+  app.add_option("--allocate-fleet", allocation.fleet, "with --allocate: of this fleet")
+      ->needs("--allocate")
+      ->check(program::not_empty())
+      ->type_name("NAME");
+  app.add_option("--allocate-namespace", allocation.name_space, "with --allocate: the fleet's namespace")
+      ->needs("--allocate")
+      ->check(program::not_empty())
+      ->type_name("NAME")
+      ->capture_default_str();
+  app.add_option("--allocate-wait", allocation.wait_s, "with --allocate: longest wait for the allocator's answer")
+      ->needs("--allocate")
+      ->check(program::number_within(0.1, 60))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app.add_option("--allocate-ca", allocation.certificates.authority,
+                 "with --allocate https://...: who signed the allocator's certificate; default: the system's list")
+      ->needs("--allocate")
+      ->check(program::not_empty())
+      ->type_name("FILE.pem");
+  app.add_option("--allocate-certificate", allocation.certificates.certificate,
+                 "with --allocate https://...: our certificate, as the allocator of Agones wants one")
+      ->needs("--allocate")
+      ->check(program::not_empty())
+      ->type_name("FILE.pem");
+  app.add_option("--allocate-key", allocation.certificates.key, "with --allocate-certificate: its key")
+      ->needs("--allocate-certificate")
+      ->check(program::not_empty())
+      ->type_name("FILE.pem");
+}
+
+void expect_complete(const Allocation& allocation) {
+  if (!allocation.certificates.certificate.empty() && allocation.certificates.key.empty()) {
+    throw std::invalid_argument("--allocate-certificate needs --allocate-key");
+  }
+}
+
+std::string request_text(const Allocation& allocation) {
+  Json request{{"namespace", allocation.name_space}};
+  if (!allocation.fleet.empty()) {
+    request["gameServerSelectors"] = Json::array({{{"matchLabels", {{"agones.dev/fleet", allocation.fleet}}}}});
+  }
+  return request.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string server_of(const http::Response& answer) {
+  if (answer.status != kGood) {
+    throw std::runtime_error("HTTP status " + std::to_string(answer.status) + ": " + words_in(answer.body));
+  }
+  const Json said = Json::parse(answer.body, nullptr, false);
+  const Json address = said.is_object() ? said.value("address", Json()) : Json();
+  const Json port = said.is_object() ? port_in(said) : Json();
+  if (!address.is_string() || address.get<std::string>().empty() || !port.is_number_unsigned()) {
+    throw std::runtime_error("its answer has no address and port: " + words_in(answer.body));
+  }
+  const auto host = address.get<std::string>();
+  const bool bare_v6 = host.find(':') != std::string::npos && !host.starts_with('[');
+  std::string server = (bare_v6 ? "[" + host + "]" : host) + ":" + std::to_string(port.get<std::uint64_t>());
+  try {
+    (void)net::parse_peer(server);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("its answer names no server: ") + error.what());
+  }
+  return server;
+}
+
+std::string allocate(const Allocation& allocation) {
+  const std::chrono::duration<double> wait(allocation.wait_s);
+  const http::Response answer =
+      http::ask(url_of(allocation), {"POST", request_text(allocation)},
+                std::chrono::duration_cast<std::chrono::nanoseconds>(wait), allocation.certificates);
+  return server_of(answer);
+}
+
+}  // namespace forcebound::client
