@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 #include <stdexcept>
+#include <string>
 
 #include "forcebound/page/request_check.hpp"
 #include "forcebound/security/random.hpp"
@@ -27,8 +29,29 @@ ListenAddress parse_listen_address(std::string_view text) {
   return at;
 }
 
+namespace {
+
+/// The token in the environment, which other users do not see, unlike command lines; empty: there is none.
+std::string token_given(std::size_t digits) {
+  constexpr const char* kVariable = "FORCEBOUND_PAGE_TOKEN";
+  const char* const text = std::getenv(kVariable);
+  if (text == nullptr) return {};
+  const std::string token = text;
+  if (token.size() != digits || token.find_first_not_of("0123456789abcdef") != std::string::npos) {
+    // Not the token itself, which may be a secret with a typing error.
+    throw std::runtime_error(std::string(kVariable) + " in the environment must have " + std::to_string(digits) +
+                             " digits of 0 to 9 and a to f, got " + std::to_string(token.size()) + " characters");
+  }
+  return token;
+}
+
+}  // namespace
+
 PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path) {
   constexpr std::size_t kTokenBytes = 16;
+  if (const std::string given = token_given(2 * kTokenBytes); !given.empty()) {
+    return {.host = at.host, .port = at.port, .token = given, .assets = read_assets(page_folder(program_path))};
+  }
   std::array<std::byte, kTokenBytes> random{};
   security::fill_with_random(random);
   return {

@@ -21,8 +21,8 @@ struct ListenAddress {
 /// @throws std::invalid_argument naming the text and what would be accepted
 [[nodiscard]] ListenAddress parse_listen_address(std::string_view text);
 
-/// A page at this address with a new random token.
-/// @throws std::runtime_error if its files cannot be read, or the system gives no random bytes
+/// A page at this address with the token of FORCEBOUND_PAGE_TOKEN in the environment, else a new random one.
+/// @throws std::runtime_error if its files cannot be read, that token is none, or the system gives no random bytes
 [[nodiscard]] PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path);
 
 }  // namespace forcebound::page

@@ -1,5 +1,6 @@
 #include "forcebound/program/command_line.hpp"
 
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -90,6 +92,10 @@ std::string problem_of(const CLI::App& app, const CLI::Error& error) {
   return what;
 }
 
+void note_log_form(const std::vector<std::string>& words) {
+  if (std::ranges::find(words, "--log-json") != words.end()) set_logs_json(true);
+}
+
 End wrong_use(const std::string& program, const std::string& problem, const std::string& command) {
   return {kWrongUse, program + ": " + problem + " (see " + command + " --help)\n"};
 }
@@ -111,7 +117,10 @@ void set_up(CLI::App& app, const std::string& name) {
 
 void parse(CLI::App& app, int argc, const char* const* argv) {
   try {
+    // Before anything may be wrong with them: that is told as JSON too.
+    note_log_form({argv + 1, argv + argc});
     std::vector<std::string> words = with_option_file(app, argc, argv);
+    note_log_form(words);
     // CLI11 takes the last word first.
     std::ranges::reverse(words);
     app.parse(std::move(words));
@@ -127,8 +136,16 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
 }
 
 int run(const std::string& name, const std::function<int()>& work) noexcept {
-  const auto end_with = [](const End& end) {
-    std::fputs(text::printable_lines(end.text).c_str(), end.exit_code == kDone ? stdout : stderr);
+  const auto end_with = [&name](const End& end) {
+    if (end.exit_code == kDone) {
+      std::fputs(text::printable_lines(end.text).c_str(), stdout);
+    } else if (logs_json()) {
+      const bool has_name = end.text.starts_with(name + ": ");
+      const std::string what = has_name ? end.text.substr(name.size() + 2) : end.text;
+      std::fputs(json_line_now(name, "error", what.substr(0, what.find_last_not_of('\n') + 1)).c_str(), stderr);
+    } else {
+      std::fputs(text::printable_lines(end.text).c_str(), stderr);
+    }
     return end.exit_code;
   };
   try {
@@ -140,7 +157,15 @@ int run(const std::string& name, const std::function<int()>& work) noexcept {
   } catch (const text::WriteError& error) {
     return end_with({kOutputLost, name + ": " + error.what() + "\n"});
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s: there is not enough memory\n", name.c_str());
+    if (logs_json()) {
+      // Not by the writer of JSON, which would need memory.
+      std::fprintf(stderr,
+                   R"({"time":null,"level":"error","program":"%s","version":"%s","pid":%d,"text":"%s"})"
+                   "\n",
+                   name.c_str(), FORCEBOUND_VERSION, static_cast<int>(getpid()), "there is not enough memory");
+    } else {
+      std::fprintf(stderr, "%s: there is not enough memory\n", name.c_str());
+    }
     return kFailed;
   } catch (const std::exception& error) {
     return end_with({kFailed, name + ": " + error.what() + "\n"});

@@ -99,6 +99,19 @@ function answer_of_sidecar(server, method, path, text) {
   }
 }
 
+// The first server that a selector takes; selectors are tried one after the other.
+function chosen_by(selectors) {
+  for (const selector of selectors) {
+    const fleet = selector.matchLabels?.["agones.dev/fleet"] ?? "forcebound";
+    const state = selector.gameServerState === "ALLOCATED" ? "Allocated" : "Ready";
+    const least = Number(selector.counters?.sessions?.minAvailable ?? 0);
+    const free = (server) => (server.counters.sessions?.capacity ?? 0) - (server.counters.sessions?.count ?? 0);
+    const found = servers.find((each) => fleet === "forcebound" && each.state === state && free(each) >= least);
+    if (found) return found;
+  }
+  return undefined;
+}
+
 function answer_of_allocator(method, path, text) {
   if (method !== "POST" || path !== "/gameserverallocation") return failure(404, 5, "Not Found");
   let body;
@@ -107,11 +120,14 @@ function answer_of_allocator(method, path, text) {
   } catch {
     return failure(400, 3, "the body is no JSON");
   }
-  const fleet = body.gameServerSelectors?.[0]?.matchLabels?.["agones.dev/fleet"] ?? "forcebound";
-  const server = body.namespace === "default" && fleet === "forcebound" && servers.find((each) => each.state === "Ready");
+  const server = body.namespace === "default" && chosen_by(body.gameServerSelectors ?? [{}]);
   if (!server) {
     say({ event: "nothing to allocate" });
     return failure(429, 8, "there is no available GameServer to allocate");
+  }
+  const counter = server.counters.sessions;
+  if (body.counters?.sessions?.action === "Increment" && counter) {
+    counter.count = Math.min(counter.count + Number(body.counters.sessions.amount), counter.capacity);
   }
   turn(server, "Allocated", "allocated by the allocator");
   return good({

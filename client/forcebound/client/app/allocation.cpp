@@ -15,6 +15,8 @@ using Json = nlohmann::json;
 
 constexpr int kGood = 200;
 constexpr const char* kPath = "/gameserverallocation";
+/// The counter of a GameServer that has the number of sessions.
+constexpr const char* kCounter = "sessions";
 constexpr const char* kPortName = "forcebound";
 constexpr std::size_t kShownMost = 200;
 
@@ -86,10 +88,16 @@ void expect_complete(const Allocation& allocation) {
 }
 
 std::string request_text(const Allocation& allocation) {
-  Json request{{"namespace", allocation.name_space}};
-  if (!allocation.fleet.empty()) {
-    request["gameServerSelectors"] = Json::array({{{"matchLabels", {{"agones.dev/fleet", allocation.fleet}}}}});
-  }
+  Json labels = Json::object();
+  if (!allocation.fleet.empty()) labels["agones.dev/fleet"] = allocation.fleet;
+  // A server in use that has places left, before one that waits: others can be taken away.
+  const Json in_use{
+      {"matchLabels", labels}, {"gameServerState", "ALLOCATED"}, {"counters", {{kCounter, {{"minAvailable", "1"}}}}}};
+  const Json waiting{{"matchLabels", labels}, {"gameServerState", "READY"}};
+  const Json request{{"namespace", allocation.name_space},
+                     {"gameServerSelectors", Json::array({in_use, waiting})},
+                     // A place is taken until the client is there and the server counts it.
+                     {"counters", {{kCounter, {{"action", "Increment"}, {"amount", "1"}}}}}};
   return request.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -80,7 +80,8 @@ ShownTrack LiveTrack::shown(time::Nanoseconds epoch) const {
           .figures = {.degrees_of_freedom = std::min(facts.degrees_of_freedom(), kSpace),
                       .period = time::from_seconds(facts.period_s),
                       .epoch = epoch,
-                      .audited = device->audit().has_value()},
+                      .audited = device->audit().has_value(),
+                      .scene = settings.scene},
           .pull_m = stiffness > 0 ? std::min(kPullShare * facts.force_N_max / stiffness, kPullMost_m) : kPullMost_m};
 }
 

@@ -17,6 +17,7 @@
 #include "forcebound/device/tick_rate.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
 
 namespace forcebound::client {
@@ -153,6 +154,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->type_name("HOST:PORT");
   app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
+  program::add_log_option(app);
   program::add_option_file(app);
   return seed;
 }
@@ -193,6 +195,8 @@ Options parse_options(int argc, const char* const* argv) {
   CLI::App app;
   const CLI::Option* const seed = describe(app, options, typed, laws, devices);
   program::parse(app, argc, argv);
+  // The live line would be between the lines of JSON.
+  options.quiet |= program::logs_json();
   expect_files_apart(options);
   if (options.insecure && options.identity.any()) {
     throw std::invalid_argument("--insecure excludes --key, --server-key, --known-servers, --trust-new and --psk");

@@ -85,6 +85,8 @@ void RunFigures::add(const ForceSample& force) {
   motion_answered_ = std::max(motion_answered_, force.motion_sequence);
   motions_received_ = std::max(motions_received_, force.motions_received);
   round_trips_.add(force.round_trip.count());
+  round_trip_s_.add(time::to_seconds(force.round_trip));
+  at_server_s_.add(time::to_seconds(force.at_server));
   server_stage_.add(force.at_server);
   network_stage_.add(force.round_trip - force.at_server);
   plane_ = force;
@@ -98,6 +100,7 @@ void RunFigures::add(const TickSample& tick) {
     intervals_.add(tick.interval.count());
     late_ += tick.interval > options_.period + record::kLateBy ? 1U : 0U;
   }
+  if (tick.force_sequence != 0) age_s_.add(time::to_seconds(tick.age));
   note_use(tick);
   newest_ = tick;
   if (waiting_.size() < kWaitingMost) waiting_.push_back(tick);
@@ -246,6 +249,15 @@ void RunFigures::add_metrics(std::string& to, int track, std::uint64_t dropped) 
   add("period_seconds", ",quantile=\"0.99\"", intervals_.percentile(kRare) / kSeconds);
   add("round_trip_seconds", ",quantile=\"0.5\"", round_trips_.percentile(kMedian) / kSeconds);
   add("round_trip_seconds", ",quantile=\"0.99\"", round_trips_.percentile(kRare) / kSeconds);
+  const auto add_histogram = [&](const std::string& name, const page::DurationHistogram& histogram) {
+    // Said once, before the first track's.
+    if (track == 0) to += "# TYPE forcebound_client_scene_" + name + " histogram\n";
+    const std::string scene = page::label_value(options_.scene.empty() ? "default" : options_.scene);
+    histogram.write(to, "forcebound_client_scene_" + name, "track=\"" + std::to_string(track) + "\",scene=" + scene);
+  };
+  add_histogram("round_trip_seconds", round_trip_s_);
+  add_histogram("at_server_seconds", at_server_s_);
+  add_histogram("age_seconds", age_s_);
   if (!newest_) return;
   add("ledger_joules", "", newest_->ledger_J);
   if (!options_.audited) return;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "forcebound/client/page/tick_tap.hpp"
+#include "forcebound/page/duration_histogram.hpp"
 #include "forcebound/record/histogram.hpp"
 
 namespace forcebound::client {
@@ -38,6 +39,7 @@ class RunFigures {
     time::Nanoseconds period{1'000'000};
     time::Nanoseconds epoch{0};  ///< time zero of the page
     bool audited = false;        ///< the device knows P
+    std::string scene{};         ///< as it was asked for; empty: the server's own
   };
 
   explicit RunFigures(const Options& options) : options_(options) {}
@@ -88,6 +90,9 @@ class RunFigures {
   std::uint64_t last_used_ = 0;
   record::Histogram intervals_;
   record::Histogram round_trips_;
+  page::DurationHistogram round_trip_s_;
+  page::DurationHistogram at_server_s_;
+  page::DurationHistogram age_s_;
   StageHistogram network_stage_;
   StageHistogram server_stage_;
   StageHistogram waiting_stage_;

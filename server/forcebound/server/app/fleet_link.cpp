@@ -111,7 +111,7 @@ void FleetLink::run(const std::stop_token& stop) {
 }
 
 void FleetLink::say(FleetCall call) {
-  const Sent sent = words_of(call, member_.sessions(), settings_.places);
+  const Sent sent = words_of(call, member_.count(), member_.places());
   const http::Url url{.host = kHost, .port = std::to_string(settings_.port), .target = sent.target};
   try {
     const auto turns = turns_.load(std::memory_order_relaxed);

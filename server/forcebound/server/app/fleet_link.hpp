@@ -25,7 +25,6 @@ class FleetLink {
  public:
   struct Settings {
     std::uint16_t port = 0;
-    std::size_t places = 0;  ///< sessions at the same time
     FleetMember::Options member{};
   };
 

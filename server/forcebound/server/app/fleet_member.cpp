@@ -60,7 +60,7 @@ FleetCall FleetMember::life_cycle(Nanoseconds now) const noexcept {
   if (sessions_ > 0) return allocated_ ? FleetCall::none : FleetCall::allocate;
   if (!allocated_) return FleetCall::none;
   if (now < since_ + (used_ ? options_.empty : options_.arrival)) return FleetCall::none;
-  return used_ && options_.after_use == AfterUse::shut_down ? FleetCall::shut_down : FleetCall::ready;
+  return is_about_to_shut_down() ? FleetCall::shut_down : FleetCall::ready;
 }
 
 FleetCall FleetMember::next(Nanoseconds now, bool turning) const noexcept {
@@ -68,7 +68,7 @@ FleetCall FleetMember::next(Nanoseconds now, bool turning) const noexcept {
   if (leaving_) return FleetCall::shut_down;
   if (const FleetCall call = life_cycle(now); call != FleetCall::none) return call;
   if (now >= next_health_ && turning) return FleetCall::health;
-  if (can_count_ && counted_ != sessions_) return FleetCall::count;
+  if (can_count_ && (counted_ != count() || now >= next_count_)) return FleetCall::count;
   return now >= next_look_ ? FleetCall::look : FleetCall::none;
 }
 
@@ -78,6 +78,7 @@ void FleetMember::done(FleetCall call, Nanoseconds now) noexcept {
     case FleetCall::ready:
       told_ready_ = true;
       allocated_ = used_ = false;
+      counted_.reset();
       told_ = now;
       break;
     case FleetCall::allocate:
@@ -91,7 +92,8 @@ void FleetMember::done(FleetCall call, Nanoseconds now) noexcept {
       next_health_ = now + health_period_;
       break;
     case FleetCall::count:
-      counted_ = sessions_;
+      counted_ = count();
+      next_count_ = now + options_.arrival;
       break;
     case FleetCall::look:
       next_look_ = now + options_.look;

@@ -37,12 +37,16 @@ struct FleetState {
 /// * When the last session has been gone for `empty`, it is ready again or shuts down, as `after_use` says. A client
 ///   that comes back within `empty` finds it allocated.
 /// * Allocated by the fleet, it waits `arrival` for its client, and is then ready again.
+/// * Its number of sessions is told when it changes, and anew after each `arrival`: the allocator counts a client
+/// before
+///   it comes, who may not come. Before it shuts down it is told to be full, so that nobody is sent there.
 ///
 /// Time is an argument; not thread-safe.
 class FleetMember {
  public:
   struct Options {
     AfterUse after_use = AfterUse::ready;
+    std::size_t places = 1;  ///< sessions at the same time
     Nanoseconds arrival{std::chrono::seconds{60}};
     Nanoseconds empty{std::chrono::seconds{5}};
     Nanoseconds settle{std::chrono::seconds{2}};  ///< until the sidecar shows what it was told
@@ -74,8 +78,14 @@ class FleetMember {
   [[nodiscard]] bool used() const noexcept { return used_; }
   [[nodiscard]] bool shut_down() const noexcept { return shut_down_; }
   [[nodiscard]] std::size_t sessions() const noexcept { return sessions_; }
+  [[nodiscard]] std::size_t places() const noexcept { return options_.places; }
+  /// The number of sessions to be told.
+  [[nodiscard]] std::size_t count() const noexcept { return is_about_to_shut_down() ? options_.places : sessions_; }
 
  private:
+  [[nodiscard]] bool is_about_to_shut_down() const noexcept {
+    return options_.after_use == AfterUse::shut_down && allocated_ && used_ && sessions_ == 0;
+  }
   [[nodiscard]] FleetCall life_cycle(Nanoseconds now) const noexcept;
 
   Options options_;
@@ -92,6 +102,7 @@ class FleetMember {
   Nanoseconds health_period_{std::chrono::seconds{2}};
   Nanoseconds next_health_{0};
   Nanoseconds next_look_{0};
+  Nanoseconds next_count_{0};
   Nanoseconds pause_{0};
   Nanoseconds silent_until_{0};
 };

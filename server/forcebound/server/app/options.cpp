@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/runtime/memory_in_use.hpp"
@@ -161,6 +162,7 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->capture_default_str();
   app.add_flag("--realtime", options.realtime, "ask the system for real-time scheduling and locked memory");
   app.add_flag("-v,--verbose", options.verbose, "log totals every 10 s");
+  program::add_log_option(app);
   program::add_option_file(app);
 }
 

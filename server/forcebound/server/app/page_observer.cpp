@@ -88,6 +88,9 @@ std::string PageObserver::metrics(const Load& load) const {
     add_metric(text, "compute_seconds" + label + ",quantile=\"0.5\"}", kNano * figures.compute.percentile(kMedian));
     add_metric(text, "compute_seconds" + label + ",quantile=\"0.99\"}", kNano * figures.compute.percentile(kRare));
   }
+  const std::string name = "forcebound_server_scene_compute_seconds";
+  if (!scenes_.empty()) text += "# TYPE " + name + " histogram\n";
+  for (const auto& [scene, histogram] : scenes_) histogram.write(text, name, "scene=" + page::label_value(scene));
   return text;
 }
 
@@ -104,6 +107,7 @@ void PageObserver::on_opened(const SessionInfo& info) {
   figures.shown = ++opened_;
   figures.opened = figures.answered = clock_.now();
   shown_[figures.shown] = info.session;
+  figures.compute_of_scene = &scenes_[info.scene];
 }
 
 void PageObserver::on_closed(const SessionInfo& info, CloseReason reason, const wire::Bye& final_counts) {
@@ -147,6 +151,7 @@ void PageObserver::on_force(const wire::EnvironmentForce& force) noexcept {
   figures.answered = force.server_send_time;
   ++figures.forces_sent;
   figures.compute.add(force.compute_time.count());
+  figures.compute_of_scene->add(time::to_seconds(force.compute_time));
 }
 
 }  // namespace forcebound::server

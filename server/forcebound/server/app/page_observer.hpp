@@ -6,6 +6,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "forcebound/page/duration_histogram.hpp"
 #include "forcebound/record/histogram.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/time/clock.hpp"
@@ -60,6 +61,7 @@ class PageObserver final : public ServerObserver {
     std::uint64_t unsound = 0;
     std::uint64_t quarantined = 0;
     record::Histogram compute;
+    page::DurationHistogram* compute_of_scene = nullptr;  ///< of all its sessions
 
     /// Of the motions between the first and the newest answered, in percent.
     [[nodiscard]] double lost_up_percent() const noexcept;
@@ -67,8 +69,9 @@ class PageObserver final : public ServerObserver {
 
   ServerObserver& next_;
   const time::Clock& clock_;
-  std::unordered_map<std::uint64_t, Figures> sessions_;  // by the session's number
-  std::map<std::uint64_t, std::uint64_t> shown_;         // sessions by the page's number
+  std::unordered_map<std::uint64_t, Figures> sessions_;    // by the session's number
+  std::map<std::uint64_t, std::uint64_t> shown_;           // sessions by the page's number
+  std::map<std::string, page::DurationHistogram> scenes_;  // of all sessions since the start
   std::uint64_t opened_ = 0;
   std::uint64_t refused_ = 0;
 };

@@ -199,10 +199,8 @@ int serve(ProgramOptions options) {
   if (options.page) page.emplace(options, page_observer, clock);
   std::optional<FleetLink> fleet;
   if (port_of_fleet) {
-    fleet.emplace(
-        FleetLink::Settings{
-            .port = *port_of_fleet, .places = options.server.sessions_max, .member = {.after_use = options.after_use}},
-        clock);
+    const FleetMember::Options member{.after_use = options.after_use, .places = options.server.sessions_max};
+    fleet.emplace(FleetLink::Settings{.port = *port_of_fleet, .member = member}, clock);
   }
   if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,

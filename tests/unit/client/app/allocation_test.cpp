@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,10 +13,18 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(AnAllocation, AsksForAServerOfItsFleet) {
-  EXPECT_EQ(request_text({}), R"({"namespace":"default"})");
-  EXPECT_EQ(request_text({.fleet = "haptics", .name_space = "lab"}),
-            R"({"gameServerSelectors":[{"matchLabels":{"agones.dev/fleet":"haptics"}}],"namespace":"lab"})");
+TEST(AnAllocation, AsksForAServerInUseWithPlacesLeftBeforeOneThatWaits) {
+  const auto request = nlohmann::json::parse(request_text({.fleet = "haptics", .name_space = "lab"}));
+  EXPECT_EQ(request["namespace"], "lab");
+  ASSERT_EQ(request["gameServerSelectors"].size(), 2);
+  const auto& in_use = request["gameServerSelectors"][0];
+  const auto& waiting = request["gameServerSelectors"][1];
+  EXPECT_EQ(in_use["gameServerState"], "ALLOCATED");
+  EXPECT_EQ(in_use["counters"]["sessions"]["minAvailable"], "1");
+  EXPECT_EQ(waiting["gameServerState"], "READY");
+  for (const auto& selector : {in_use, waiting}) EXPECT_EQ(selector["matchLabels"]["agones.dev/fleet"], "haptics");
+  EXPECT_EQ(request["counters"]["sessions"]["action"], "Increment");
+  EXPECT_TRUE(nlohmann::json::parse(request_text({}))["gameServerSelectors"][0]["matchLabels"].empty());
 }
 
 TEST(AnAllocation, TakesThePortThatIsNamedForceboundElseTheFirst) {

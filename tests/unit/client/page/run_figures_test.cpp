@@ -156,5 +156,31 @@ TEST(RunFigures, AreMetricsInTheTextFormatOfPrometheus) {
   EXPECT_THAT(text, HasSubstr("forcebound_client_least_passivity_joules{track=\"1\"} 0\n"));
 }
 
+TEST(RunFigures, KeepHistogramsOfRoundTripAgeAndTimeAtTheServerForTheScene) {
+  RunFigures::Options of_scene = options();
+  of_scene.scene = "a \"ball\"";
+  RunFigures figures(of_scene);
+  figures.add(force(1, 1, 1));
+  TickSample used = tick(2);
+  used.force_sequence = 1;
+  used.age = milliseconds(30);
+  figures.add(used);
+  figures.add(tick(3));
+  std::string text;
+  figures.add_metrics(text, 0, 0);
+  const auto has = [&](const std::string& name, const std::string& edge, int count) {
+    EXPECT_THAT(text,
+                HasSubstr("forcebound_client_scene_" + name + "_bucket{track=\"0\",scene=\"a \\\"ball\\\"\",le=\"" +
+                          edge + "\"} " + std::to_string(count) + "\n"));
+  };
+  has("round_trip_seconds", "0.005", 0);
+  has("round_trip_seconds", "0.01", 1);
+  has("at_server_seconds", "0.001", 0);
+  has("at_server_seconds", "0.0025", 1);
+  has("age_seconds", "0.025", 0);
+  has("age_seconds", "+Inf", 1);
+  EXPECT_THAT(text, HasSubstr("# TYPE forcebound_client_scene_age_seconds histogram\n"));
+}
+
 }  // namespace
 }  // namespace forcebound::client

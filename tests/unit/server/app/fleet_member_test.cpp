@@ -70,12 +70,14 @@ TEST(AFleetMember, IsReadyAgainOnlyWhenNobodyHasComeBack) {
 }
 
 TEST(AFleetMember, ShutsDownAfterUseIfItIsTo) {
-  Member member({.after_use = AfterUse::shut_down});
+  Member member({.after_use = AfterUse::shut_down, .places = 7});
   member.told_within(1s);
   member.sessions(1);
   member.seen_.allocated = true;
   member.told_within(10s);
+  EXPECT_EQ((*member).count(), 1);
   member.sessions(0);
+  EXPECT_EQ((*member).count(), 7) << "nobody is to be sent there any more";
   EXPECT_THAT(member.told_within(10s), ElementsAre(FleetCall::shut_down));
   EXPECT_TRUE((*member).shut_down());
   EXPECT_THAT(member.told_within(60s), ElementsAre());
@@ -146,6 +148,9 @@ TEST(AFleetMember, TellsItsNumberOfSessionsUntilThatIsRefused) {
   member.set_sessions(1, 0s);
   member.done(FleetCall::allocate, 0s);
   EXPECT_EQ(member.next(0s, true), FleetCall::count);
+  member.done(FleetCall::count, 0s);
+  EXPECT_EQ(member.next(1s, true), FleetCall::none);
+  EXPECT_EQ(member.next(1min, false), FleetCall::count) << "the allocator may have counted who did not come";
   member.refused(FleetCall::count);
   EXPECT_EQ(member.next(0s, true), FleetCall::none);
 }

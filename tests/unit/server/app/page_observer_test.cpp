@@ -111,6 +111,27 @@ TEST_F(PageObserverTest, GivesMetricsInTheTextFormatOfPrometheus) {
   EXPECT_THAT(text, HasSubstr("forcebound_server_forces_sent{session=\"1\"} 1\n"));
 }
 
+TEST_F(PageObserverTest, KeepsAHistogramOfComputeTimeForEachSceneOverAllItsSessions) {
+  observer.on_force(force(1, 1));
+  SessionInfo second = info;
+  second.session = 7;
+  observer.on_opened(second);
+  wire::EnvironmentForce slow = force(1, 1);
+  slow.session = 7;
+  slow.compute_time = std::chrono::milliseconds(3);
+  observer.on_force(slow);
+  observer.on_closed(second, CloseReason::client_said_bye, {});
+  const std::string text = observer.metrics({});
+  const std::string name = "forcebound_server_scene_compute_seconds";
+  EXPECT_THAT(text, HasSubstr("# TYPE " + name + " histogram\n"));
+  EXPECT_THAT(text, HasSubstr(name + "_bucket{scene=\"sphere\",le=\"1e-05\"} 0\n"));
+  EXPECT_THAT(text, HasSubstr(name + "_bucket{scene=\"sphere\",le=\"2.5e-05\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr(name + "_bucket{scene=\"sphere\",le=\"0.005\"} 2\n"));
+  EXPECT_THAT(text, HasSubstr(name + "_bucket{scene=\"sphere\",le=\"+Inf\"} 2\n"));
+  EXPECT_THAT(text, HasSubstr(name + "_sum{scene=\"sphere\"} 0.00302\n"));
+  EXPECT_THAT(text, HasSubstr(name + "_count{scene=\"sphere\"} 2\n"));
+}
+
 TEST_F(PageObserverTest, DoesNotAllocateForAMotion) {
   if (!time::kCountsHeapOperations) GTEST_SKIP() << "the sanitizer's malloc does not count";
   const wire::EnvironmentForce answer = force(1, 1);
