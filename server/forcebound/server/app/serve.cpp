@@ -62,6 +62,20 @@ void report(const Server& server) {
                text::counted(counters.datagrams, "datagram"));
 }
 
+/// What the system refuses is a warning: the server serves, as well as what else runs here lets it.
+void ask_for_real_time() {
+  const time::RealTimeGrant grant = time::ask_for_real_time(kPriority);
+  if (grant.first_in_first_out && grant.memory_locked) {
+    spdlog::info("{}", grant.text);
+  } else {
+    spdlog::warn(
+        "--realtime is not granted: {}; serving without, answers are late whenever the machine is busy. A service "
+        "needs "
+        "LimitRTPRIO={} and LimitMEMLOCK=infinity, a container the capabilities SYS_NICE and IPC_LOCK",
+        grant.text, kPriority);
+  }
+}
+
 /// The file of clients again; the one before stays where it cannot be read.
 void reload(UdpServer& server, const ProgramOptions& options) {
   if (options.keys.clients.empty()) {
@@ -202,7 +216,7 @@ int serve(ProgramOptions options) {
     const FleetMember::Options member{.after_use = options.after_use, .places = options.server.sessions_max};
     fleet.emplace(FleetLink::Settings{.port = *port_of_fleet, .member = member}, clock);
   }
-  if (options.realtime) spdlog::info("{}", time::ask_for_real_time(kPriority).text);
+  if (options.realtime) ask_for_real_time();
   spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
                summary(*scene));
 
