@@ -84,8 +84,9 @@ const std::vector<Folder>& folders() {
        {"forcebound/control", "forcebound/net", "forcebound/security", "forcebound/time", "forcebound/wire",
         "forcebound/server/session"}},
       {"forcebound/server/runtime",
-       {"forcebound/time", "forcebound/net", "forcebound/security", "forcebound/server/environment",
-        "forcebound/server/security", "forcebound/server/session"}},
+       {"forcebound/control", "forcebound/time", "forcebound/net", "forcebound/record", "forcebound/security",
+        "forcebound/server/environment", "forcebound/server/follower", "forcebound/server/security",
+        "forcebound/server/session"}},
       {"forcebound/server/app",
        {"forcebound/control", "forcebound/http", "forcebound/page", "forcebound/program", "forcebound/text",
         "forcebound/time", "forcebound/wire", "forcebound/net", "forcebound/record", "forcebound/scene",
@@ -163,11 +164,13 @@ const std::vector<Privilege>& privileges() {
       {"threads",
        std::regex(R"(#include\s*<(thread|future|mutex|shared_mutex|condition_variable|semaphore|latch|barrier|)"
                   R"(pthread\.h)>|std::(jthread|thread|async)\b)"),
-       shells_and(R"(common/forcebound/time/real_time\.cpp|client/forcebound/client/rendering/scene_builder\.hpp|)"
+       shells_and(R"(common/forcebound/time/real_time\.cpp|common/forcebound/record/idle_thread\.hpp|)"
+                  R"(client/forcebound/client/rendering/scene_builder\.hpp|)"
                   R"(client/forcebound/client/security/handshaker\.hpp|common/forcebound/page/page_server\.cpp|)"
                   R"(client/forcebound/client/page/live_page\.hpp|)" +
                   kChild),
-       "common/forcebound/time/real_time.cpp, the client's scene_builder.hpp and handshaker.hpp, whose counts "
+       "common/forcebound/time/real_time.cpp, common/forcebound/record/idle_thread.hpp, which measures one, the "
+       "client's scene_builder.hpp and handshaker.hpp, whose counts "
        "and texts another thread reads, the client's live_page.hpp, which two threads use, "
        "common/forcebound/page/page_server.cpp, common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
@@ -178,9 +181,11 @@ const std::vector<Privilege>& privileges() {
            R"((system|steady|high_resolution)_clock\b|\bclock_(gettime|nanosleep)\b|\bgettimeofday\b|)"
            R"(\bnanosleep\b|std::this_thread|#include\s*"forcebound/time/(steady_clock|periodic_timer|real_time))"),
        shells_and(R"(common/forcebound/net/(internal/)?udp.*|)"
-                  R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|)" +
+                  R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|)"
+                  R"(common/forcebound/record/idle_thread\.cpp|)" +
                   kChild),
-       "common/forcebound/time's steady_clock, periodic_timer and real_time, common/forcebound/child and the shells"},
+       "common/forcebound/time's steady_clock, periodic_timer and real_time, common/forcebound/record/idle_thread.cpp, "
+       "common/forcebound/child and the shells"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()"),
        shells_and(R"(common/forcebound/security/random\.[ch]pp|common/forcebound/page/listen_address\.cpp)"),

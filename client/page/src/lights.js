@@ -31,8 +31,9 @@ class Light {
     setText(this.law, law ?? "");
     setText(this.verdict, light.text);
     const state = status && status.state !== "connected" ? `${status.state} · ` : "";
+    const robot = status?.robot ? `robot ${status.robot} · ` : "";
     const least = status?.least_passivity_mJ;
-    setText(this.detail, state + (least === null || least === undefined
+    setText(this.detail, state + robot + (least === null || least === undefined
       ? "nobody audits: the true energy is not known"
       : `least P ${digits(least)} mJ`));
   }

@@ -1,5 +1,7 @@
 #include "forcebound/record/summary.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace forcebound::record {
@@ -95,6 +97,22 @@ void Summary::note_energy(const TickRecord& tick) noexcept {
   ledger_final_J_ = tick.energy_J;
 }
 
+/// Before `arrival_` is that of this one.
+void Summary::note_follower(const ForceRecord& force) noexcept {
+  using enum control::FollowerState;
+  constexpr Nanoseconds kKnown = std::chrono::milliseconds{100};
+  if (follower_ != none) {
+    const Nanoseconds since = std::max(Nanoseconds{0}, force.receive_time - arrival_);
+    const Nanoseconds known = std::min(since, kKnown);
+    follower_times_[static_cast<std::size_t>(follower_)] += known;
+    follower_unknown_ += since - known;
+  }
+  const control::FollowerState state = force.force.follower;
+  follower_changes_ += has_follower_ && state != follower_ ? 1 : 0;
+  has_follower_ = has_follower_ || state != none;
+  follower_ = state;
+}
+
 void Summary::on_force(const ForceRecord& record) noexcept {
   const wire::EnvironmentForce& force = record.force;
   const Nanoseconds at_server = force.server_send_time - force.server_receive_time;
@@ -105,6 +123,7 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   ++forces_;
   connected_ = true;
   if (force.motion_sequence <= arrived_motion_) return;  // reordered: no tick uses it
+  note_follower(record);
   arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;
   arrived_round_trip_ = record.round_trip;

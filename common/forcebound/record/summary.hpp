@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
+#include "forcebound/control/follower_state.hpp"
 #include "forcebound/record/displayed_stiffness.hpp"
 #include "forcebound/record/histogram.hpp"
 #include "forcebound/record/run_info.hpp"
@@ -49,6 +51,9 @@ namespace forcebound::record {
 ///   `stages_us` attributes the rest without synchronised clocks: `network` is the round trip less the server's time,
 ///   both ways together; `server` what the server took beside computing; `wait` from arrival until a tick used the
 ///   force.
+/// - `follower`: of a robot at the far end, null without one: the `state` that the newest answer told, `changes` of it,
+///   and for how long it was in which (`seconds`, by the state's name). A state counts until the next answer, for
+///   0.1 s at most; the rest is `unknown_s`, as nothing was heard of the robot.
 /// - `tick_latency_us`: from the reading to the command.
 /// - `contact_ticks`: those on which the device touched the surface, or, where that is not known, the newest answer had
 ///   touched it. `surface_unknown_ticks`: those on which the surface was not known.
@@ -106,6 +111,7 @@ class Summary final : public TickSink {
   void note_force_stream(const TickRecord& tick) noexcept;
   void note_contact(const TickRecord& tick) noexcept;
   void note_energy(const TickRecord& tick) noexcept;
+  void note_follower(const ForceRecord& force) noexcept;
 
   RunInfo info_;
   std::optional<RunTotals> totals_;
@@ -125,6 +131,11 @@ class Summary final : public TickSink {
   std::uint64_t arrived_motion_ = 0;  ///< which motion the last force answers ...
   Nanoseconds arrived_round_trip_{0};
   bool waiting_ = false;  ///< ... and whether a tick has used it yet
+  control::FollowerState follower_ = control::FollowerState::none;
+  bool has_follower_ = false;
+  std::uint64_t follower_changes_ = 0;
+  std::array<Nanoseconds, control::kFollowerStates> follower_times_{};
+  Nanoseconds follower_unknown_{0};
   std::uint64_t fading_ticks_ = 0;
   std::uint64_t dropped_ticks_ = 0;
   std::uint64_t policy_changes_ = 0;

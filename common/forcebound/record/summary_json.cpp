@@ -92,6 +92,7 @@ void SummaryView::add_network(Json& json) const {
       {"fading_ticks", s.fading_ticks_}, {"dropped_ticks", s.dropped_ticks_}, {"changes", s.policy_changes_}};
   json["blackouts"] = blackouts();
   json["server_clock_ms"] = server_clock();
+  json["follower"] = follower();
   json["rendering"] = {{"asked", s.info_.rendering},
                        {"at_client", share(s.at_client_ticks_)},
                        {"both", share(s.both_ticks_)},
@@ -106,6 +107,19 @@ nlohmann::ordered_json SummaryView::server_clock() const {
   if (!s.totals_ || !s.totals_->server_ahead || !s.totals_->server_ahead_off) return nullptr;
   return {{"ahead", 1e3 * time::to_seconds(*s.totals_->server_ahead)},
           {"off", 1e3 * time::to_seconds(*s.totals_->server_ahead_off)}};
+}
+
+nlohmann::ordered_json SummaryView::follower() const {
+  if (!s.has_follower_) return nullptr;
+  Json seconds = Json::object();
+  for (std::uint8_t i = 1; i < control::kFollowerStates; ++i) {
+    seconds[std::string(control::name_of(static_cast<control::FollowerState>(i)))] =
+        time::to_seconds(s.follower_times_.at(i));
+  }
+  return {{"state", std::string(control::name_of(s.follower_))},
+          {"changes", s.follower_changes_},
+          {"seconds", seconds},
+          {"unknown_s", time::to_seconds(s.follower_unknown_)}};
 }
 
 nlohmann::ordered_json SummaryView::motions() const {

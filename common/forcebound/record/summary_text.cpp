@@ -115,6 +115,23 @@ void SummaryView::print_rendering(std::string& out) const {
   print_field(out, "rendering", words);
 }
 
+void SummaryView::print_follower(std::string& out) const {
+  if (!s.has_follower_) return;
+  std::string words;
+  for (std::uint8_t i = 1; i < control::kFollowerStates; ++i) {
+    const Nanoseconds time = s.follower_times_.at(i);
+    if (time == Nanoseconds{0}) continue;
+    words += (words.empty() ? "" : ", ") + std::string(control::name_of(static_cast<control::FollowerState>(i))) + " " +
+             rounded(time::to_seconds(time)) + " s";
+  }
+  if (s.follower_unknown_ > Nanoseconds{0}) {
+    words += ", not known for " + rounded(time::to_seconds(s.follower_unknown_)) + " s without answers";
+  }
+  print_field(out, "robot",
+              words + "; " + counted(s.follower_changes_, "change") + ", last " +
+                  std::string(control::name_of(s.follower_)));
+}
+
 void SummaryView::print_contact(std::string& out) const {
   if (s.contact_ticks_ == 0) {
     print_field(out, "contact", "none; " + rounded(s.force_N_max_) + " N max");
@@ -201,6 +218,7 @@ std::string Summary::to_text(text::Colour colour) const {
   view.print_run(out);
   view.print_network(out);
   view.print_rendering(out);
+  view.print_follower(out);
   view.print_contact(out);
   view.print_energy(out, colour);
   view.print_faults(out);

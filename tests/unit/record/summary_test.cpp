@@ -58,6 +58,7 @@ TEST(Summary, HasEveryPromisedKey) {
                               "/device",
                               "/operator",
                               "/scene",
+                              "/follower",
                               "/duration_s",
                               "/ticks",
                               "/period_us/p50",
@@ -522,6 +523,39 @@ TEST(Summary, ShowsNoControlCharactersOfARecording) {
   EXPECT_EQ(text.find_first_of("\x1b\x07\x9b"), std::string::npos) << text;
   EXPECT_EQ(text.find("\nSummary: passive"), std::string::npos) << text;
   EXPECT_THAT(text, HasSubstr("?[2Jlaw"));
+}
+
+TEST(Summary, TellsHowLongARobotWasInWhichState) {
+  using enum control::FollowerState;
+  Summary summary(test::sample_info());
+  const auto answer = [&summary](std::uint64_t n, control::FollowerState state) {
+    ForceRecord force = force_at(n, n);
+    force.force.follower = state;
+    summary.on_force(force);
+  };
+  for (std::uint64_t n = 1; n <= 50; ++n) answer(n, waiting);
+  for (std::uint64_t n = 51; n <= 250; ++n) answer(n, following);
+  answer(1250, stopped);  // after a second without answers
+  answer(1300, stopped);
+  ForceRecord late = force_at(1310, 60);
+  late.force.follower = following;
+  summary.on_force(late);
+  const json follower = json_of(summary)["follower"];
+  EXPECT_EQ(follower["state"], "stopped") << "an answer that was overtaken tells nothing new";
+  EXPECT_EQ(follower["changes"], 2);
+  EXPECT_NEAR(follower["seconds"]["waiting"].get<double>(), 0.05, 1e-9);
+  EXPECT_NEAR(follower["seconds"]["following"].get<double>(), 0.199 + 0.1, 1e-9);
+  EXPECT_NEAR(follower["seconds"]["stopped"].get<double>(), 0.05, 1e-9);
+  EXPECT_EQ(follower["seconds"]["holding"], 0);
+  EXPECT_NEAR(follower["unknown_s"].get<double>(), 0.9, 1e-9);
+  EXPECT_THAT(summary.to_text(), HasSubstr("waiting 0.05 s, following 0.299 s, stopped 0.05 s"));
+}
+
+TEST(Summary, SaysNothingOfARobotWhereThereIsNone) {
+  Summary summary(test::sample_info());
+  summary.on_force(force_at(1, 1));
+  EXPECT_TRUE(json_of(summary)["follower"].is_null());
+  EXPECT_THAT(summary.to_text(), Not(HasSubstr("robot")));
 }
 
 }  // namespace

@@ -9,6 +9,37 @@ std::string in_words(time::Nanoseconds duration) {
   return seconds < 1 ? fmt::format("{:.0f} ms", seconds * 1e3) : fmt::format("{:.2f} s", seconds);
 }
 
+namespace {
+
+/// What the robot at the far end does, and what the operator can do about it.
+EventWords words_of_follower(const Event& event) {
+  using enum control::FollowerState;
+  using spdlog::level::info;
+  using spdlog::level::warn;
+  const std::string engage = event.words().empty() ? "engage" : std::string(event.words());
+  switch (event.follower) {
+    case none:
+      return {info, "there is no robot at the far end any more"};
+    case waiting:
+      return {info, fmt::format("the robot waits: {}, and it follows", engage)};
+    case following:
+      return {info, "the robot follows"};
+    case clutched:
+      return {info, "the clutch is pressed: the robot holds still until it is released"};
+    case holding:
+      return {warn, "the robot holds: it did not hear this device for a while"};
+    case stopping:
+      return {warn, "the robot is being stopped"};
+    case stopped:
+      return {warn, fmt::format("the robot has stopped: {}, and it follows again", engage)};
+    case failed:
+      return {spdlog::level::err, "the robot refuses, or another device leads it: the server's log has the reason"};
+  }
+  return {};
+}
+
+}  // namespace
+
 EventWords words_of(const Event& event) {
   using spdlog::level::err;
   using spdlog::level::info;
@@ -39,6 +70,8 @@ EventWords words_of(const Event& event) {
       return {warn, fmt::format("forces are {} old: zero force", in_words(event.duration))};
     case Event::Kind::force_fresh:
       return {info, fmt::format("forces are fresh again after {}", in_words(event.duration))};
+    case Event::Kind::follower_changed:
+      return words_of_follower(event);
   }
   return {};
 }

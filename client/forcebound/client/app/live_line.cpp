@@ -21,12 +21,17 @@ void LiveLine::on_tick(const record::TickRecord& tick) noexcept {
   audit_J_ = tick.audit_J;
 }
 
-void LiveLine::on_force(const record::ForceRecord& force) noexcept { round_trip_ns_ = force.round_trip.count(); }
+void LiveLine::on_force(const record::ForceRecord& force) noexcept {
+  round_trip_ns_ = force.round_trip.count();
+  follower_ = force.force.follower;
+}
 
 std::string LiveLine::text(std::size_t columns) const {
   const auto milliseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
+  const control::FollowerState follower = follower_;
   const std::array fields{
       fmt::format("{} {} ticks", kStates[static_cast<std::size_t>(state_.load())], ticks_.load()),
+      follower == control::FollowerState::none ? std::string() : fmt::format("  robot {}", name_of(follower)),
       fmt::format("  {:.3f} N", force_N_.load()),
       has_force_ ? fmt::format("  age {:.0f} ms  RTT {:.2f} ms", milliseconds(age_ns_), milliseconds(round_trip_ns_))
                  : std::string("  no force yet"),

@@ -26,6 +26,7 @@ class LiveLine final : public record::TickSink {
   // Each number is atomic by itself; a line may mix two neighbouring ticks.
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<record::SessionState> state_{record::SessionState::connecting};
+  std::atomic<control::FollowerState> follower_{control::FollowerState::none};
   std::atomic<bool> has_force_{false};
   std::atomic<std::int64_t> age_ns_{0};
   std::atomic<std::int64_t> round_trip_ns_{0};

@@ -200,6 +200,9 @@ std::string RunFigures::status(int track, std::uint64_t dropped, bool closing) c
                                    : "connecting"},
                {"passive", passive ? Json(*passive) : Json(nullptr)},
                {"least_passivity_mJ", passive ? Json(newest_->audit_minimum_J * kMilli) : Json(nullptr)}};
+  // What the robot at the far end does, where there is one.
+  const auto follower = plane_ ? plane_->follower : control::FollowerState::none;
+  if (follower != control::FollowerState::none) message["robot"] = std::string(name_of(follower));
   message["network"] = {{"sent", network.sent},
                         {"received", network.received},
                         {"lost_up", network.lost_up},

@@ -74,7 +74,8 @@ ForceSample Sampler::sample(const record::ForceRecord& record) noexcept {
                      .motions_received = force.motions_received,
                      .received = record.receive_time,
                      .round_trip = record.round_trip,
-                     .at_server = force.server_send_time - force.server_receive_time};
+                     .at_server = force.server_send_time - force.server_receive_time,
+                     .follower = force.follower};
   if (force.contact_normal.rows() > 0 && force.contact_normal.rows() == force.position.rows()) {
     sample.contact = true;
     sample.normal = axes_of(force.contact_normal);

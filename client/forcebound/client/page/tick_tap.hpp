@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "forcebound/control/follower_state.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -47,6 +48,7 @@ struct ForceSample {
   Axes surface_m{};  ///< a point of the surface touched
   Axes normal{};
   bool contact = false;
+  control::FollowerState follower = control::FollowerState::none;
 };
 
 /// What a page shows of the ticks and answers of one client, in their order. Real time: noexcept, no allocation.

@@ -11,7 +11,6 @@
 
 #include "forcebound/client/runtime/encryption.hpp"
 #include "forcebound/client/runtime/event_queue.hpp"
-#include "forcebound/client/runtime/idle_timer.hpp"
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/client/runtime/stuck_loop.hpp"
 #include "forcebound/client/runtime/tick_loop.hpp"
@@ -20,6 +19,7 @@
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
+#include "forcebound/record/idle_thread.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/recording_watch.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -177,7 +177,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   ZeroForceFirst zero_force_first(p.device, *p.session, p.clock, p.settings.seed);
   std::optional<control::LastResortScope> scope;
   if (!p.settings.beside) scope.emplace(zero_force_first);
-  IdleTimer idle(p.clock, p.info.period, kTickPriority);
+  record::IdleThread idle(p.clock, p.info.period, kTickPriority);
   std::optional<Watchdog> watchdog;
   if (!p.device.is_simulated()) watchdog.emplace(p.device, p.clock, longest_pause(p.device.facts()));
   TickLoop loop({.period = p.info.period,

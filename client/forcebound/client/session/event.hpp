@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "forcebound/control/follower_state.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -27,11 +28,13 @@ struct Event {
     limited_for_safety,  ///< a limit for the hand began to act; text: which, and what ends it
     device_gone,         ///< the device gives no readings; text: what its driver says of it, or nothing
     device_back,         ///< it does again; `duration` is the time without
+    follower_changed,    ///< the robot at the far end does something else: `follower`; text: how the operator engages
   };
 
   Kind kind = Kind::welcomed;
   time::Nanoseconds time{0};
   time::Nanoseconds duration{0};
+  control::FollowerState follower = control::FollowerState::none;
   std::array<char, 1024> text{};
   std::size_t text_bytes = 0;
 

@@ -324,6 +324,7 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     controller_.begin_server_side();
     server_parts_ = welcome->server_parts;
     energy_taken_ = welcome->takes_energy;
+    follower_ = control::FollowerState::none;
     scene_offered_ = welcome->offer.manifest_bytes > 0;
     if (options_.local != nullptr) options_.local->begin(welcome->session, welcome->offer);
     silent_since_ = now;
@@ -380,6 +381,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
       newest_arrived_ = arrival;
       blackouts_.on_force(now, forces_.progress());
       controller_.hear(force.server_law_numbers);
+      note_follower(force.follower, now);
       [[fallthrough]];
     case ForceStream::Verdict::reordered:
       clocks_.note({.read = ForceStream::reading_time(force),
@@ -423,6 +425,13 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
 void Session::note_news(Nanoseconds now) noexcept {
   answers_without_news_ = 0;
   last_news_ = now;
+}
+
+void Session::note_follower(control::FollowerState state, Nanoseconds now) noexcept {
+  if (state == std::exchange(follower_, state)) return;
+  event_.follower = state;
+  tell(Event::Kind::follower_changed, now,
+       buttons_sent_ ? "press and release the clutch" : "keep the device still for a moment");
 }
 
 void Session::keep_connected(Nanoseconds now) noexcept {

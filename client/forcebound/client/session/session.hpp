@@ -129,6 +129,7 @@ class Session {
   void receive_force(const wire::EnvironmentForce& force, Nanoseconds now, Nanoseconds arrival) noexcept;
   void receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept;
   void note_news(Nanoseconds now) noexcept;
+  void note_follower(control::FollowerState state, Nanoseconds now) noexcept;
   void keep_connected(Nanoseconds now) noexcept;
   [[nodiscard]] RequestRendering::Request request_at(Done& done, Nanoseconds now) noexcept;
   [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
@@ -164,6 +165,7 @@ class Session {
   ForcePolicy policy_ = ForcePolicy::none;
   wire::ServerParts server_parts_ = wire::ServerParts::held;
   bool energy_taken_ = false;  // by a robot at the far end
+  control::FollowerState follower_ = control::FollowerState::none;
   bool scene_offered_ = false;
   Nanoseconds local_since_{0};
   std::uint64_t local_scene_ = 0;

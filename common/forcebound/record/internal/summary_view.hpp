@@ -65,6 +65,7 @@ struct SummaryView {
   [[nodiscard]] nlohmann::ordered_json motions() const;
   [[nodiscard]] nlohmann::ordered_json blackouts() const;
   [[nodiscard]] nlohmann::ordered_json server_clock() const;
+  [[nodiscard]] nlohmann::ordered_json follower() const;
 
   void add_run(nlohmann::ordered_json& json) const;
   void add_network(nlohmann::ordered_json& json) const;
@@ -76,6 +77,7 @@ struct SummaryView {
   void print_run(std::string& out) const;
   void print_network(std::string& out) const;
   void print_rendering(std::string& out) const;
+  void print_follower(std::string& out) const;
   void print_contact(std::string& out) const;
   void print_energy(std::string& out, text::Colour colour) const;
   void print_faults(std::string& out) const;

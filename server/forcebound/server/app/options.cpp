@@ -27,6 +27,8 @@ std::string footer() {
   return "Scenes: " + SceneLibrary::shipped().names() +
          ", or a file of your own (FILE.toml).\n"
          "A client may ask for any of them by name; files are opened for --scene only.\n"
+         "\n" +
+         follower_help() +
          "\n"
          "Examples:\n"
          "  forcebound-server\n"
@@ -42,6 +44,8 @@ std::string footer() {
          "server.key makes the key\n"
          "  forcebound-server --listen 0.0.0.0:47800 --psk shared.key\n"
          "      for everybody elsewhere who has the same shared.key\n"
+         "  forcebound-server --follower reach-7 --task stiff-wall\n"
+         "      a simulated arm at a wall, led by the first client that comes\n"
          "\n"
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
          "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
@@ -77,16 +81,19 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->expected(0, 1)
       ->type_name("[PORT|HOST:PORT]");
   add_key_options(app, options.keys);
-  app.add_option("--scene", options.scene, "scene for clients that request none")
-      ->type_name("NAME|FILE.toml")
-      ->capture_default_str();
+  CLI::Option* const scene = app.add_option("--scene", options.scene, "scene for clients that request none")
+                                 ->type_name("NAME|FILE.toml")
+                                 ->capture_default_str();
+  add_follower_options(app, options.follower, options.server.laws);
+  CLI::Option* const follower = app.get_option("--follower")->excludes(scene);
   app.add_option("--scene-files", options.scene_files,
                  "folder in which files that the scene names may lie, besides the scene's own; may be repeated")
       ->type_name("FOLDER")
       ->allow_extra_args(false)
       ->check(program::not_empty());
   CLI::Option* const explain =
-      app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
+      app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end")
+          ->excludes(follower);
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
       ->needs("--explain");
   app.add_option("--device-damping", options.device.damping_N_s_per_m,
@@ -101,7 +108,8 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->needs("--explain");
   CLI::Option* const suggest =
       app.add_flag("--suggest", options.suggest, "print suggested --device and --operator for a client, and end")
-          ->excludes(explain);
+          ->excludes(explain)
+          ->excludes(follower);
   CLI::Option* const schema =
       app.add_flag("--schema", options.schema, "print every key of a scene file, as Markdown, and end")
           ->excludes(explain)

@@ -15,6 +15,7 @@
 #include "forcebound/security/allowed_clients.hpp"
 #include "forcebound/server/app/build_scene.hpp"
 #include "forcebound/server/app/fleet_link.hpp"
+#include "forcebound/server/app/led_robot.hpp"
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/page_observer.hpp"
 #include "forcebound/server/app/page_turn.hpp"
@@ -34,6 +35,8 @@ namespace {
 constexpr Nanoseconds kReportPeriod = std::chrono::seconds{10};
 // Below the priority of a client on the same machine, whose deadline is hard.
 constexpr int kPriority = 40;
+// Above that: a robot's deadline is hard too.
+constexpr int kRobotPriority = 60;
 
 volatile std::sig_atomic_t interrupts = 0;
 volatile std::sig_atomic_t terminations = 0;
@@ -95,6 +98,7 @@ void reload(UdpServer& server, const ProgramOptions& options) {
 struct Beside {
   PageTurn* page = nullptr;
   FleetLink* fleet = nullptr;
+  LedRobot* robot = nullptr;
 };
 
 /// Serves until a signal or the fleet ends it, and then until all clients have left or the time for that is over.
@@ -114,6 +118,7 @@ class Service {
       server_.turn();
       if (beside_.page != nullptr) beside_.page->turn(server_);
       if (beside_.fleet != nullptr) beside_.fleet->turn(server_.server().sessions());
+      if (beside_.robot != nullptr) beside_.robot->log_changes();
       manager_.tell_alive(clock_.now());
       if (reloads != 0) reload_now();
       if (options_.verbose && clock_.now() >= next_report_) {
@@ -158,14 +163,52 @@ class Service {
   std::optional<Nanoseconds> drained_by_{};
 };
 
-std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const scene::Scene& scene,
+/// What clients can request, and what those get that request nothing.
+struct Offer {
+  EnvironmentLibrary environments{};
+  std::string name{};                 ///< of what is served by default
+  std::string simulated{};            ///< in a line
+  std::string choice{};               ///< before that, in recordings
+  std::optional<LedRobot> robot{};    ///< none: a scene
+};
+
+/// @throws std::exception if scene or robot are not available
+Offer make_offer(const ProgramOptions& options, const time::Clock& clock) {
+  const scene::MeasureCost measure = measured_by(clock);
+  SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
+  Offer offer;
+  if (options.follower.any()) {
+    offer.robot.emplace(options.follower, options.server.laws, clock,
+                        options.realtime ? std::optional(kRobotPriority) : std::nullopt);
+    EnvironmentKind kind = offer.robot->environment();
+    offer.name = kind.name;
+    offer.simulated = offer.robot->summary();
+    offer.environments = EnvironmentLibrary(scenes);
+    offer.environments.add(std::move(kind));
+  } else {
+    const auto scene = build_scene(options, measure);
+    scenes.add(scene);
+    offer.name = scene->facts().name;
+    offer.simulated = summary(*scene);
+    if (scene->accuracy() != nullptr) offer.choice = "accuracy auto, a level for each client; the file's: ";
+    offer.environments = EnvironmentLibrary(scenes);
+  }
+  for (const std::string& name : options.server.scenes) {
+    const auto known = scenes.all_names();
+    if (std::ranges::find(known, name) == known.end()) {
+      throw std::invalid_argument("--scenes: no scene '" + name + "'" + text::suggestion(name, known));
+    }
+  }
+  return offer;
+}
+
+std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const Offer& offer,
                                            const std::string& encryption, const time::Clock& clock) {
   if (options.record.empty()) return std::make_unique<LogObserver>(clock);
   record::RunInfo info;
   info.program = "forcebound-server " FORCEBOUND_VERSION;
-  info.scene = scene.facts().name;
-  info.simulated =
-      (scene.accuracy() == nullptr ? "" : "accuracy auto, a level for each client; the file's: ") + summary(scene);
+  info.scene = offer.name;
+  info.simulated = offer.choice + offer.simulated;
   info.encryption = encryption;
   info.epoch = time::wall_clock_now() - clock.now();
   return std::make_unique<RecordingObserver>(clock, options.record, info);
@@ -189,24 +232,15 @@ int serve(ProgramOptions options) {
   const std::string encryption = encryption_name(keys);
   const std::string encryption_words = encryption_in_words(options.keys, keys);
   const time::SteadyClock clock;
-  const scene::MeasureCost measure = measured_by(clock);
-  const auto scene = build_scene(options, measure);
-  SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
-  scenes.add(scene);
-  options.server.scene = scene->facts().name;
-  for (const std::string& name : options.server.scenes) {
-    const auto known = scenes.all_names();
-    if (std::ranges::find(known, name) == known.end()) {
-      throw std::invalid_argument("--scenes: no scene '" + name + "'" + text::suggestion(name, known));
-    }
-  }
+  Offer offer = make_offer(options, clock);
+  options.server.scene = offer.name;
 
   take_signals(!options.keys.clients.empty() || ServiceManager::started_this());
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
-  const auto observer = make_observer(options, *scene, encryption, clock);
+  const auto observer = make_observer(options, offer, encryption, clock);
   PageObserver page_observer(*observer, clock);
   ServerObserver& told = options.page ? static_cast<ServerObserver&>(page_observer) : *observer;
-  UdpServer server(std::move(link), options.server, scenes, &told, std::move(keys));
+  UdpServer server(std::move(link), options.server, offer.environments, &told, std::move(keys));
   spdlog::info("{}", encryption_words);
   // Before: its thread is to have no real-time priority.
   std::optional<PageTurn> page;
@@ -217,19 +251,24 @@ int serve(ProgramOptions options) {
     fleet.emplace(FleetLink::Settings{.port = *port_of_fleet, .member = member}, clock);
   }
   if (options.realtime) ask_for_real_time();
-  spdlog::info("listening on {}, scene '{}': {}", net::to_string(server.address()), scene->facts().name,
-               summary(*scene));
+  spdlog::info("listening on {}, {} '{}': {}", net::to_string(server.address()),
+               offer.robot ? "task" : "scene", offer.name, offer.simulated);
 
   ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
 
-  Service(server, {page ? &*page : nullptr, fleet ? &*fleet : nullptr}, options, clock, manager).run();
+  const Beside beside{.page = page ? &*page : nullptr,
+                      .fleet = fleet ? &*fleet : nullptr,
+                      .robot = offer.robot ? &*offer.robot : nullptr};
+  Service(server, beside, options, clock, manager).run();
   server.stop();
   fleet.reset();
+  if (beside.robot != nullptr) beside.robot->stop();
   std::cout << text::wrapped(totals(server, encryption), 2);
   if (server.overflowed() > 0) {
     std::cout << "socket: " << text::counted(server.overflowed(), "datagram") << " lost because it was full\n";
   }
   std::cout << std::flush;
+  if (beside.robot != nullptr) std::cout << text::wrapped(beside.robot->totals(), 4) << std::flush;
   return observer->finish() ? program::kDone : program::kOutputLost;
 }
 

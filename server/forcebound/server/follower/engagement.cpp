@@ -24,7 +24,7 @@ FollowerState Engagement::next(const Seen& seen) noexcept {
     return stopping;
   }
   if (at_work && (!seen.silent || *seen.silent > times_.stop)) {
-    why_ = "the leader is silent";
+    why_ = seen.silent ? "the leader is silent" : "the leader has left";
     return stopping;
   }
   switch (state_) {

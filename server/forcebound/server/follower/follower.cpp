@@ -183,7 +183,7 @@ void Follower::grip(Nanoseconds now) noexcept {
   }
 }
 
-void Follower::note(const Vector& request, const Vector& given, Nanoseconds /*now*/) noexcept {
+void Follower::note(const Vector& request, const Vector& given, Nanoseconds now) noexcept {
   constexpr double kShortened = 1e-6;
   const FollowerState state = engagement_.state();
   const bool follows = state == FollowerState::following;
@@ -204,6 +204,7 @@ void Follower::note(const Vector& request, const Vector& given, Nanoseconds /*no
     report_.reflection.tow_slack_m = kTowSlack_m;
   }
   report_.map = map_;
+  report_.leader_lost = leader_ && now - leader_->arrived > settings_.times.stop;
 }
 
 FollowerTotals Follower::totals() const noexcept {

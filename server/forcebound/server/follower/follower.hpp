@@ -37,6 +37,7 @@ struct FollowerReport {
   double share = 0;  ///< of the reflection that is shown: it begins and ends by degrees
   Reflection reflection{};
   WorkspaceMap map{{}};
+  bool leader_lost = false;  ///< it was heard, and has been silent for so long that the robot stops
 };
 
 /// Counts and measures since the start, for logs and studies.

@@ -6,26 +6,35 @@
 namespace forcebound::server {
 namespace {
 
+class FollowerEnvironment;
+
 /// Which leader has the robot; shared by all sessions that ask for it.
 struct Seat {
-  std::string leader;  // empty: none
+  const FollowerEnvironment* holder = nullptr;
+  std::shared_ptr<const std::string> leader{};  ///< the holder's name
 };
 
 class FollowerEnvironment final : public Environment {
  public:
   FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<Seat> seat, std::string leader)
-      : runner_(std::move(runner)), seat_(std::move(seat)) {
-    seat_->leader = std::move(leader);
-    runner_->begin_leader();
+      : runner_(std::move(runner)),
+        seat_(std::move(seat)),
+        leader_(std::make_shared<const std::string>(std::move(leader))) {
+    take_seat();
   }
   ~FollowerEnvironment() override {
+    if (seat_->holder != this) return;
     runner_->leave();
-    seat_->leader.clear();
+    *seat_ = {};
   }
   FollowerEnvironment(const FollowerEnvironment&) = delete;
   FollowerEnvironment& operator=(const FollowerEnvironment&) = delete;
 
   [[nodiscard]] Response respond(const Motion& motion) noexcept override {
+    const Eigen::Index rows = motion.position.rows();
+    if (seat_->holder == nullptr) take_seat();
+    // Another leader took the robot while this one was silent.
+    if (seat_->holder != this) return {.force = Vector::Zero(rows), .follower = control::FollowerState::failed};
     const LeaderMotion leader{.position = motion.position,
                               .handle = motion.handle,
                               .energy_given_J = motion.energy_given_J,
@@ -33,13 +42,17 @@ class FollowerEnvironment final : public Environment {
     const FollowerReport& report = runner_->exchange(leader);
     const Eigen::Vector3d wanted_m = report.map.tool_of(leader).position;
     const Eigen::Vector3d force_N = report.share * report.map.to_leader_N(report.reflection.at(wanted_m));
-    const Eigen::Index rows = motion.position.rows();
     Response response{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
     if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, response);
     return response;
   }
 
  private:
+  void take_seat() noexcept {
+    *seat_ = {.holder = this, .leader = leader_};
+    runner_->begin_leader();
+  }
+
   static void add_plane(const FollowerReport& report, const Eigen::Vector3d& wanted_m, Eigen::Index rows,
                         Response& response) noexcept {
     const ReflectedPlane& plane = *report.reflection.plane;
@@ -65,6 +78,7 @@ class FollowerEnvironment final : public Environment {
 
   std::shared_ptr<FollowerRunner> runner_;
   std::shared_ptr<Seat> seat_;
+  std::shared_ptr<const std::string> leader_;
 };
 
 }  // namespace
@@ -93,8 +107,8 @@ EnvironmentKind follower_environment(std::string name, std::string simulated, in
   }
   kind.make = [seat = std::make_shared<Seat>(), runner = std::move(runner),
                simulated = std::move(simulated)](const ClientFacts& client) {
-    if (!seat->leader.empty()) {
-      throw std::runtime_error("the robot is led by '" + seat->leader + "': it follows one leader at a time");
+    if (seat->holder != nullptr && !runner->newest().leader_lost) {
+      throw std::runtime_error("the robot is led by '" + *seat->leader + "': it follows one leader at a time");
     }
     const std::string leader = client.device.empty() ? "a device without a name" : client.device;
     return MadeEnvironment{.environment = std::make_unique<FollowerEnvironment>(runner, seat, leader),

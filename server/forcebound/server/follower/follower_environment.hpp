@@ -23,6 +23,9 @@ class FollowerRunner {
 
   /// The robot hears of a motion, and the newest that it reports. Real time: does not wait.
   virtual const FollowerReport& exchange(const LeaderMotion& motion) noexcept = 0;
+
+  /// The newest that it reports. Real time: does not wait.
+  virtual const FollowerReport& newest() noexcept = 0;
 };
 
 /// Ticks a robot up to the times it is told, in virtual time: the robot's past never depends on what comes later.
@@ -35,6 +38,7 @@ class StepwiseRunner final : public FollowerRunner {
   void begin_leader() noexcept override { follower_->begin_leader(); }
   void leave() noexcept override { follower_->leave(); }
   const FollowerReport& exchange(const LeaderMotion& motion) noexcept override;
+  const FollowerReport& newest() noexcept override { return follower_->report(); }
 
   /// All ticks up to that time.
   void live_until(Nanoseconds time) noexcept;
@@ -44,7 +48,8 @@ class StepwiseRunner final : public FollowerRunner {
   Nanoseconds next_;
 };
 
-/// The environment that a robot is: one leader at a time.
+/// The environment that a robot is: one leader at a time. A leader that was silent until the robot stopped loses it to
+/// the next who asks; if it comes back, it has the robot again once that one has left.
 /// @param name that clients request; @param degrees_of_freedom that its task needs of a leader at least, 1 to 3
 /// @param simulated in a line: what robot, at which work, with which architecture and law
 [[nodiscard]] EnvironmentKind follower_environment(std::string name, std::string simulated, int degrees_of_freedom,

@@ -11,11 +11,11 @@
 #include <utility>
 
 #include "forcebound/client/runtime/encryption.hpp"
-#include "forcebound/client/runtime/idle_timer.hpp"
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
-#include "forcebound/record/histogram.hpp"
+#include "forcebound/record/idle_thread.hpp"
+#include "forcebound/record/wake_ups.hpp"
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "forcebound/wire/codec.hpp"
@@ -125,40 +125,18 @@ std::unique_ptr<DoctorLine> introduced_line(const net::Address& address, const E
   return line;
 }
 
-/// Intervals between a thread's wake-ups.
-class WakeUps {
- public:
-  void note(Nanoseconds interval) noexcept {
-    intervals_ns_.add(interval.count());
-    if (interval > kExaminedPeriod + record::kLateBy) ++late_;
-  }
-
-  [[nodiscard]] record::IdleTimer figures() const noexcept {
-    constexpr double kNs_in_us = 1e-3;
-    return {.wake_ups = intervals_ns_.count(),
-            .late = late_,
-            .p50_us = kNs_in_us * intervals_ns_.percentile(0.5),
-            .p99_us = kNs_in_us * intervals_ns_.percentile(0.99),
-            .p999_us = kNs_in_us * intervals_ns_.percentile(0.999),
-            .max_us = kNs_in_us * intervals_ns_.max()};
-  }
-
- private:
-  record::Histogram intervals_ns_;
-  std::uint64_t late_ = 0;
-};
-
 /// Sends motions as a client's tick does.
 void tick_for(Nanoseconds duration, DoctorSession& session, MachineFindings& machine, const time::Clock& clock) {
-  WakeUps wake_ups;
+  record::WakeUps wake_ups(kExaminedPeriod);
   machine.grant = time::ask_for_real_time(client::kTickPriority);
   time::touch_stack();
   time::PeriodicTimer timer(clock, kExaminedPeriod);
   const Nanoseconds begin = timer.wait();
+  wake_ups.note(begin);
   for (Nanoseconds now = begin; now - begin < duration;) {
     session.tick();
-    const Nanoseconds previous = std::exchange(now, timer.wait());
-    wake_ups.note(now - previous);
+    now = timer.wait();
+    wake_ups.note(now);
   }
   machine.tick = wake_ups.figures();
   machine.missed_ticks = timer.missed();
@@ -175,7 +153,7 @@ void measure(const ExaminationSettings& settings, DoctorLine& line, DoctorFindin
   const Nanoseconds duration = time::from_seconds(settings.seconds);
   Nanoseconds gap{0};
   {
-    client::IdleTimer idle(clock, kExaminedPeriod, client::kTickPriority);
+    record::IdleThread idle(clock, kExaminedPeriod, client::kTickPriority);
     std::atomic<bool> done = false;
     std::jthread ticks([&] {
       tick_for(duration, line.session, findings.machine, clock);

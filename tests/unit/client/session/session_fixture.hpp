@@ -41,10 +41,12 @@ class Events final : public EventSink {
     kinds.push_back(event.kind);
     words = event.words();
     duration = event.duration;
+    follower = event.follower;
   }
   std::vector<Event::Kind> kinds;
   std::string words;        ///< of the last one
   Nanoseconds duration{0};  ///< of the last one
+  control::FollowerState follower = control::FollowerState::none;  ///< likewise
 };
 
 /// The test plays the server: it inspects each motion and sends the answers itself.

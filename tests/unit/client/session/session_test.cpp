@@ -597,5 +597,29 @@ TEST_F(SessionTest, AsksHowTheSceneLooksOnlyForSomebodyWhoShowsIt) {
   EXPECT_EQ(views.last, 2U);
 }
 
+TEST_F(SessionTest, TellsOnceWhatTheRobotAtTheFarEndDoes) {
+  connect();
+  events.kinds.clear();
+  const auto answer_with = [this](control::FollowerState state) {
+    tick();
+    wire::EnvironmentForce force = answer(sent<wire::MotionSample>().back(), 0);
+    force.follower = state;
+    arrive(force);
+  };
+  answer_with(control::FollowerState::waiting);
+  answer_with(control::FollowerState::waiting);
+  tick();
+  ASSERT_EQ(events.kinds.size(), 1U);
+  EXPECT_EQ(events.kinds[0], Event::Kind::follower_changed);
+  EXPECT_EQ(events.follower, control::FollowerState::waiting);
+  EXPECT_EQ(events.words, "keep the device still for a moment");
+  device.handle.buttons = 0;
+  answer_with(control::FollowerState::following);
+  tick();
+  EXPECT_EQ(events.kinds.size(), 2U);
+  EXPECT_EQ(events.follower, control::FollowerState::following);
+  EXPECT_EQ(events.words, "press and release the clutch") << "its device has buttons";
+}
+
 }  // namespace
 }  // namespace forcebound::client

@@ -1,0 +1,96 @@
+#include "forcebound/server/app/follower_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+#include "forcebound/program/command_line.hpp"
+#include "forcebound/server/follower/architecture.hpp"
+#include "forcebound/server/robot/robot_kinds.hpp"
+#include "forcebound/server/robot/task.hpp"
+#include "forcebound/text/names.hpp"
+
+namespace forcebound::server {
+namespace {
+
+std::vector<std::string> architecture_names() {
+  std::vector<std::string> names;
+  for (const ArchitectureKind& kind : architectures()) names.emplace_back(kind.name);
+  return names;
+}
+
+/// "  NAME  what it does", a line each.
+template <class Kinds>
+std::string listed(const Kinds& kinds) {
+  std::size_t widest = 0;
+  for (const auto& kind : kinds) widest = std::max(widest, kind.name.size());
+  std::string text;
+  for (const auto& kind : kinds) {
+    text += "  " + std::string(kind.name) + std::string(widest + 2 - kind.name.size(), ' ') +
+            std::string(kind.summary) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> follower_laws(const control::LawRegistry& laws) {
+  std::vector<std::string> names;
+  for (const std::string& name : laws.names()) {
+    if (!laws.find(name).make_server_side) names.push_back(name);
+  }
+  return names;
+}
+
+std::string follower_help() {
+  std::vector<Task> tasks;
+  for (const std::string& name : task_names()) tasks.push_back(load_task(name));
+  return "Robots (--follower):\n" + listed(robot_kinds()) + "\nTasks (--task):\n" + listed(tasks) +
+         "or a file of your own (FILE.toml).\n\nArchitectures (--architecture):\n" + listed(architectures());
+}
+
+void add_follower_options(CLI::App& app, FollowerOptions& options, const control::LawRegistry& laws) {
+  CLI::Option* const follower =
+      app.add_option("--follower", options.robot,
+                     "drive this robot instead of a scene: it follows the device of one client, the leader, and the "
+                     "leader feels what the robot does. See Robots below")
+          ->type_name("ROBOT")
+          ->check(program::one_of("robot", robot_names()));
+  follower->needs(app.add_option("--task", options.task, "with --follower: work that the robot is set up for, see below")
+                      ->type_name("NAME|FILE.toml")
+                      ->check(program::accepted_by([](const std::string& task) { (void)load_task(task); }))
+                      ->needs(follower));
+  app.add_option("--architecture", options.settings.architecture,
+                 "with --follower: which signals go which way, see below")
+      ->type_name("NAME")
+      ->check(program::one_of("architecture", architecture_names()))
+      ->capture_default_str()
+      ->needs(follower);
+  const std::vector<std::string> names = follower_laws(laws);
+  app.add_option("--follower-law", options.settings.law,
+                 "with --follower: law that bounds the robot's torques: " + text::join(names))
+      ->type_name("NAME")
+      ->check(program::one_of("law", names))
+      ->capture_default_str()
+      ->needs(follower);
+  app.add_option("--motion-scale", options.settings.workspace.motion_scale,
+                 "with --follower: the robot's tool moves so many times as far as the device")
+      ->type_name("M")
+      ->check(program::number_within(0.01, 100))
+      ->capture_default_str()
+      ->needs(follower);
+  app.add_option("--force-scale", options.settings.workspace.force_scale,
+                 "with --follower: the device shows so many times the robot's force")
+      ->type_name("K")
+      ->check(program::number_within(0.001, 100))
+      ->capture_default_str()
+      ->needs(follower);
+  app.add_option("--approach-speed", options.settings.approach_m_per_s_max,
+                 "with --follower: largest speed of the robot's tool that a leader gets")
+      ->type_name("M_PER_S")
+      ->check(program::number_within(0.001, 1))
+      ->capture_default_str()
+      ->needs(follower);
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,141 @@
+#include "forcebound/server/app/led_robot.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <utility>
+
+#include "forcebound/server/follower/follower_environment.hpp"
+#include "forcebound/server/robot/robot_kinds.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
+
+namespace forcebound::server {
+namespace {
+
+// Of the sensor's noise and bias: each run of a server has the same.
+constexpr std::uint64_t kSeed = 1;
+
+std::string duration_text(Nanoseconds duration) {
+  const double s = time::to_seconds(duration);
+  return s < 1 ? fmt::format("{:.0f} ms", s * 1e3) : text::rounded(s) + " s";
+}
+
+std::string timer_text(const record::IdleTimer& timer) {
+  if (timer.wake_ups == 0) return "not measured";
+  return text::rounded(timer.p50_us, 4) + " us median, " + text::rounded(timer.p99_us, 4) + " p99, " +
+         text::rounded(timer.max_us, 4) + " max; " + std::to_string(timer.late) + " late";
+}
+
+std::string millijoules(double energy_J) {
+  const std::string number = text::rounded(energy_J * 1e3);
+  return (number == "-0" ? "0" : number) + " mJ";
+}
+
+std::string port_text(const FollowerTotals& totals) {
+  if (!totals.audited) return "not audited: this robot does not measure P";
+  return "least P " + millijoules(totals.port.minimum_J) + ", final " + millijoules(totals.port.energy_J) +
+         "; received from the leader's law " + millijoules(totals.received_J);
+}
+
+std::string states_text(const FollowerThread::Outcome& outcome) {
+  std::string text;
+  for (std::uint8_t i = 0; i < control::kFollowerStates; ++i) {
+    const Nanoseconds time = outcome.in_state.at(i);
+    if (time == Nanoseconds{0}) continue;
+    text += (text.empty() ? "" : ", ") + std::string(name_of(static_cast<FollowerState>(i))) + " " +
+            duration_text(time);
+  }
+  return text;
+}
+
+std::string task_text(const Task& task, const TaskRobot& robot) {
+  const TaskProgress progress = robot.progress();
+  std::string text = task.measure + ": " + text::rounded(progress.measure) + " of " + text::rounded(progress.goal);
+  text += progress.succeeded ? ", reached after " + text::rounded(progress.succeeded_s) + " s" : ", not reached";
+  return text + "; largest contact force " + text::rounded(progress.peak_N) + " N";
+}
+
+spdlog::level::level_enum level_of(FollowerState state) noexcept {
+  using enum FollowerState;
+  if (state == failed) return spdlog::level::err;
+  return state == holding || state == stopping ? spdlog::level::warn : spdlog::level::info;
+}
+
+}  // namespace
+
+std::string in_words(const StateChange& change) {
+  using enum FollowerState;
+  std::string text = std::string(name_of(change.from)) + " -> " + std::string(name_of(change.to)) + " after " +
+                     duration_text(change.lasted);
+  if (change.to == stopping || change.to == failed) text += ": " + std::string(change.why_stopped);
+  if (change.to == holding || change.to == stopping) {
+    text += change.silent ? "; the leader was last heard " + duration_text(*change.silent) + " ago"
+                          : std::string("; nobody leads");
+  }
+  if (change.to == stopped) text += "; it follows again once its leader engages";
+  return text;
+}
+
+std::string in_words(const FollowerThread::Outcome& outcome) {
+  const FollowerTotals& totals = outcome.totals;
+  std::string text = "  passivity: " + port_text(totals) + "\n";
+  const double ticks = std::max<double>(1, static_cast<double>(totals.ticks));
+  text += "  law: shortened the torques on " + text::rounded(1e2 * static_cast<double>(totals.bounded) / ticks) +
+          " % of " + text::counted(totals.ticks, "tick") + "\n";
+  text += "  lag: the tool " + text::rounded(totals.lag_m_max * 1e3) +
+          " mm behind its leader at most; offset taken anew by " + text::rounded(totals.offset_drift_m * 1e3) +
+          " mm after pauses\n";
+  text += "  states: " + states_text(outcome) + "\n";
+  text += "  stops: " + std::to_string(totals.stops) +
+          (totals.stops > 0 ? ", the last because " + std::string(totals.why_stopped) : "") + "; at the end " +
+          (outcome.at_rest ? "at rest" : "NOT AT REST, its brakes are on") + "\n";
+  text += "  period: " + timer_text(outcome.loop) + ", " + std::to_string(outcome.missed_ticks) + " missed\n";
+  text += "  idle timer: " + timer_text(outcome.idle) + "\n";
+  if (totals.lost_readings > 0) text += "  faults: " + text::counted(totals.lost_readings, "lost reading") + "\n";
+  if (outcome.allocations > 0) {
+    text += "  faults: " + text::counted(outcome.allocations, "allocation") + " in the robot's loop\n";
+  }
+  return text;
+}
+
+LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& laws, const time::Clock& clock,
+                   std::optional<int> priority)
+    : options_(options), task_(load_task(options.task)) {
+  const RobotKind& kind = find_robot(options_.robot);
+  auto follower = std::make_unique<Follower>(kind.make(task_, kSeed), options_.settings, laws, clock);
+  thread_ =
+      std::make_shared<FollowerThread>(std::move(follower), clock, FollowerThread::Settings{.priority = priority});
+  if (priority) spdlog::info("robot's loop: {}", thread_->grant());
+}
+
+EnvironmentKind LedRobot::environment() const {
+  return follower_environment(task_.name, summary(), task_.degrees_of_freedom, thread_);
+}
+
+std::string LedRobot::summary() const {
+  return "robot " + options_.robot + " at " + task_.name + " (" + task_.summary + "), " +
+         options_.settings.architecture + ", law " + options_.settings.law;
+}
+
+void LedRobot::log_changes() {
+  while (const auto change = thread_->take_change()) spdlog::log(level_of(change->to), "robot: {}", in_words(*change));
+}
+
+void LedRobot::stop() {
+  const FollowerThread::Outcome& outcome = thread_->stop();
+  log_changes();
+  if (!outcome.at_rest) spdlog::error("robot: not at rest at the end; its brakes are on");
+}
+
+std::string LedRobot::totals() const {
+  std::string text = "robot: " + options_.robot + " at " + task_.name + ", " + options_.settings.architecture +
+                     ", law " + options_.settings.law + "\n" + in_words(thread_->stop());
+  if (const auto* const robot = dynamic_cast<const TaskRobot*>(&thread_->follower().robot())) {
+    text += "  task: " + task_text(task_, *robot) + "\n";
+  }
+  return text;
+}
+
+}  // namespace forcebound::server

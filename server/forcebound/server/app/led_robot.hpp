@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/server/app/follower_options.hpp"
+#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/robot/task.hpp"
+#include "forcebound/server/runtime/follower_thread.hpp"
+#include "forcebound/time/clock.hpp"
+
+namespace forcebound::server {
+
+/// The robot that forcebound-server drives: set up by the command line, and told of in log and totals.
+class LedRobot {
+ public:
+  /// Starts the robot and its thread. @param clock must outlive it
+  /// @param priority of its thread, SCHED_FIFO; none: as any thread
+  /// @throws std::exception with the reason, in a line, why robot, task, architecture and law do not go together
+  LedRobot(const FollowerOptions& options, const control::LawRegistry& laws, const time::Clock& clock,
+           std::optional<int> priority);
+
+  /// That clients request; its name is the task's.
+  [[nodiscard]] EnvironmentKind environment() const;
+
+  /// Robot, task, architecture and law in a line.
+  [[nodiscard]] std::string summary() const;
+
+  /// Logs what changed since the last call.
+  void log_changes();
+
+  /// Brings the robot to rest, ends its thread, and logs what changed meanwhile. To be called once no client leads it.
+  void stop();
+
+  /// Of all that the robot did, after `stop`: a line for each subject, not broken.
+  [[nodiscard]] std::string totals() const;
+
+ private:
+  FollowerOptions options_;
+  Task task_;
+  std::shared_ptr<FollowerThread> thread_;
+};
+
+/// "following -> holding after 12.4 s; the leader was last heard 101 ms ago".
+[[nodiscard]] std::string in_words(const StateChange& change);
+
+/// The numbers of a robot's run, a line for each subject.
+[[nodiscard]] std::string in_words(const FollowerThread::Outcome& outcome);
+
+}  // namespace forcebound::server

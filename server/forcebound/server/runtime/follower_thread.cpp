@@ -1,0 +1,146 @@
+#include "forcebound/server/runtime/follower_thread.hpp"
+
+#include <boost/lockfree/spsc_queue.hpp>
+
+#include "forcebound/time/heap_operations.hpp"
+#include "forcebound/time/periodic_timer.hpp"
+#include "forcebound/time/real_time.hpp"
+
+namespace forcebound::server {
+namespace {
+
+constexpr std::uint64_t kSettlingTicks = 1000;  // the first second may still touch memory for the first time
+
+bool is_at_rest(FollowerState state) noexcept {
+  using enum FollowerState;
+  return state == waiting || state == stopped || state == failed;
+}
+
+}  // namespace
+
+struct FollowerThread::Changes {
+  static constexpr std::size_t kCapacity = 64;
+  boost::lockfree::spsc_queue<StateChange> queue{kCapacity};
+};
+
+FollowerThread::FollowerThread(std::unique_ptr<Follower> follower, const time::Clock& clock, const Settings& settings)
+    : clock_(clock),
+      settings_(settings),
+      first_(follower->report()),
+      changes_(std::make_unique<Changes>()),
+      follower_(std::move(follower)),
+      state_(first_.state),
+      wake_ups_(follower_->period()) {
+  follower_->start();
+  idle_.emplace(clock_, follower_->period(), settings_.priority);
+  thread_ = std::jthread([this](const std::stop_token& stopping) { run(stopping); });
+  begun_.wait();
+}
+
+FollowerThread::~FollowerThread() { stop(); }
+
+void FollowerThread::begin_leader() noexcept {
+  tells_ = {.leader = tells_.leader + 1, .leads = true};
+  told_.tell(tells_);
+}
+
+void FollowerThread::leave() noexcept {
+  tells_ = {.leader = tells_.leader + 1};
+  told_.tell(tells_);
+}
+
+const FollowerReport& FollowerThread::exchange(const LeaderMotion& motion) noexcept {
+  tells_.moved = true;
+  tells_.motion = motion;
+  told_.tell(tells_);
+  return newest();
+}
+
+const FollowerReport& FollowerThread::newest() noexcept {
+  if (const FollowerReport* const report = reports_.take()) newest_ = report;
+  return *newest_;
+}
+
+std::optional<StateChange> FollowerThread::take_change() noexcept {
+  StateChange change;
+  if (!changes_->queue.pop(change)) return std::nullopt;
+  return change;
+}
+
+const FollowerThread::Outcome& FollowerThread::stop() {
+  if (ended_) return outcome_;
+  ended_ = true;
+  thread_.request_stop();
+  thread_.join();
+  outcome_.idle = idle_->stop();
+  outcome_.loop = wake_ups_.figures();
+  outcome_.totals = follower_->totals();
+  return outcome_;
+}
+
+void FollowerThread::run(const std::stop_token& stopping) {
+  if (settings_.priority) grant_ = time::ask_for_real_time(*settings_.priority).text;
+  begun_.count_down();
+  time::touch_stack();
+  state_since_ = clock_.now();
+  time::PeriodicTimer timer(clock_, follower_->period());
+  std::uint64_t ticks = 0;
+  std::uint64_t allocations_before = 0;
+  Nanoseconds now = timer.wait();
+  for (; !stopping.stop_requested(); now = timer.wait()) {
+    hear();
+    tick(now);
+    if (++ticks == kSettlingTicks) allocations_before = time::heap_operations_of_this_thread();
+  }
+  if (ticks > kSettlingTicks) outcome_.allocations = time::heap_operations_of_this_thread() - allocations_before;
+  outcome_.last = state_;
+  // Nobody leads any more: what moves is stopped by its own brakes.
+  follower_->leave();
+  heard_.reset();
+  follower_->stop(now);
+  const Nanoseconds until = now + settings_.stop_most;
+  do {
+    tick(now);
+    now = timer.wait();
+  } while (!is_at_rest(state_) && now < until);
+  outcome_.in_state[static_cast<std::size_t>(state_)] += now - state_since_;
+  outcome_.at_rest = is_at_rest(state_);
+  outcome_.missed_ticks = timer.missed();
+}
+
+void FollowerThread::hear() noexcept {
+  const Told* const told = told_.take();
+  if (told == nullptr) return;
+  if (told->leader != leader_) {
+    leader_ = told->leader;
+    heard_.reset();
+    follower_->begin_leader();
+  }
+  if (!told->leads || !told->moved) return;
+  heard_ = told->motion.arrived;
+  follower_->hear(told->motion);
+}
+
+void FollowerThread::tick(Nanoseconds now) noexcept {
+  wake_ups_.note(now);
+  follower_->tick(now);
+  reports_.tell(follower_->report());
+  note_state(now);
+}
+
+void FollowerThread::note_state(Nanoseconds now) noexcept {
+  const FollowerState state = follower_->report().state;
+  if (state == state_) return;
+  const StateChange change{.from = state_,
+                           .to = state,
+                           .at = now,
+                           .lasted = now - state_since_,
+                           .silent = heard_ ? std::optional(now - *heard_) : std::nullopt,
+                           .why_stopped = follower_->totals().why_stopped};
+  if (!changes_->queue.push(change)) ++outcome_.changes_lost;
+  outcome_.in_state[static_cast<std::size_t>(state_)] += change.lasted;
+  state_ = state;
+  state_since_ = now;
+}
+
+}  // namespace forcebound::server

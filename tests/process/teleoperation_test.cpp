@@ -1,0 +1,174 @@
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/process/programs.hpp"
+#include "tests/tools/temporary_folder.hpp"
+
+namespace forcebound::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const Words kArm{"--follower", "reach-7", "--task", "stiff-wall"};
+
+/// A hand that waits, goes 44 mm down within two seconds, which is 4 mm into the wall, and stays.
+class RecordedHand {
+ public:
+  RecordedHand() {
+    std::string csv = "time_s,x_m,y_m,z_m\n0,0,0,0\n2,0,0,0\n";
+    constexpr int kRows = 20;
+    for (int i = 1; i <= kRows; ++i) {
+      csv += std::to_string(2 + 0.1 * i) + ",0,0," + std::to_string(-0.044 * i / kRows) + "\n";
+    }
+    write_file(folder_.file("hand.csv"), csv + "600,0,0,-0.044\n");
+  }
+
+  [[nodiscard]] Words options() const {
+    return {"--device", "firm-3dof", "--operator",
+            "replay:" + folder_.file("hand.csv") +
+                ",mass_kg=0.2,stiffness_N_per_m=2000,damping_N_s_per_m=25"};
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+Words and_also(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// Whether `text` has all of them, each after the one before.
+testing::AssertionResult has_in_order(const std::string& text, const std::vector<std::string_view>& parts) {
+  std::size_t at = 0;
+  for (const std::string_view part : parts) {
+    const std::size_t found = text.find(part, at);
+    if (found == std::string::npos) return testing::AssertionFailure() << "no '" << part << "' in order in:\n" << text;
+    at = found + part.size();
+  }
+  return testing::AssertionSuccess();
+}
+
+/// The least P of the robot's port, as the server's totals have it.
+std::optional<double> least_port_mJ(const std::string& totals) {
+  constexpr std::string_view kBefore = "passivity: least P ";
+  const std::size_t at = totals.find(kBefore);
+  if (at == std::string::npos) return std::nullopt;
+  return std::stod(totals.substr(at + kBefore.size()));
+}
+
+constexpr double kPassiveLeast_mJ = -1e-6;
+constexpr double kPassiveLeast_J = -1e-9;
+constexpr auto kLong = 60s;
+
+TEST(ARobot, FollowsItsLeaderAndBothSidesArePassive) {
+  const RecordedHand hand;
+  Server server(kArm);
+  Client client(server.address(), and_also(hand.options(), {"--duration", "7", "--once"}));
+  EXPECT_EQ(client.wait(kLong), 0);
+  EXPECT_TRUE(has_in_order(client.err(), {"robot reach-7 at stiff-wall", "the robot waits: keep the device still",
+                                          "the robot follows"}));
+  const nlohmann::json summary = client.summary();
+  EXPECT_GT(summary["follower"]["seconds"]["following"], 0);
+  EXPECT_GT(summary["force_N"]["max"], 1) << "the wall is felt";
+  EXPECT_EQ(summary["verdict"], "passive");
+  EXPECT_GE(summary["passivity"]["minimum_J"], kPassiveLeast_J);
+
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_TRUE(has_in_order(server.err(), {"task 'stiff-wall'", "waiting -> following", "-> stopping",
+                                          "the leader has left", "stopping -> stopped"}));
+  const std::string totals = unwrapped(server.out());
+  EXPECT_THAT(totals, AllOf(HasSubstr("robot: reach-7 at stiff-wall, position-force, law fba-exact"),
+                            HasSubstr("at the end at rest"), HasSubstr("idle timer: "), Not(HasSubstr("allocation"))));
+  const auto least_mJ = least_port_mJ(totals);
+  ASSERT_TRUE(least_mJ) << totals;
+  EXPECT_GE(*least_mJ, kPassiveLeast_mJ);
+}
+
+TEST(ARobot, HoldsAndStopsWhenItsLeaderIsKilledAndFollowsTheNext) {
+  const RecordedHand hand;
+  Server server(kArm);
+  {
+    Client killed(server.address(), hand.options());
+    ASSERT_TRUE(killed.wait_for("the robot follows", kLong));
+    killed.signal(SIGKILL);
+    ASSERT_TRUE(killed.wait(kLong));
+  }
+  ASSERT_TRUE(server.wait_for("stopping -> stopped", kLong));
+  EXPECT_TRUE(has_in_order(server.err(), {"waiting -> following", "following -> holding", "last heard",
+                                          "holding -> stopping", "the leader is silent", "stopping -> stopped"}));
+  // The one that was killed has said no goodbye, so its session is still open.
+  Client next(server.address(), hand.options());
+  EXPECT_TRUE(next.wait_for("the robot has stopped: keep the device still", kLong));
+  EXPECT_TRUE(next.wait_for("the robot follows", kLong));
+  EXPECT_EQ(next.stop(), next.expected_end());
+  EXPECT_EQ(server.stop(), 0);
+}
+
+TEST(ALeader, FadesItsForceWhenTheServerIsKilled) {
+  const RecordedHand hand;
+  Server server(kArm);
+  Client client(server.address(), hand.options());
+  ASSERT_TRUE(client.wait_for("the robot follows", kLong));
+  server.signal(SIGKILL);
+  ASSERT_TRUE(client.wait_for("old: zero force", kLong));
+  EXPECT_TRUE(has_in_order(client.err(), {"the robot follows", "old: fading", "old: zero force"}));
+  EXPECT_EQ(client.stop(), 0);
+  EXPECT_GE(client.summary()["passivity"]["minimum_J"], kPassiveLeast_J);
+}
+
+TEST(ARobot, RefusesASecondLeaderNamingTheFirst) {
+  const RecordedHand hand;
+  Server server(kArm);
+  Client first(server.address(), hand.options());
+  ASSERT_TRUE(first.wait_for("the robot follows", kLong));
+  Client second(server.address(), {"--device", "omni", "--operator", "wave", "--once"});
+  EXPECT_EQ(second.wait(kLong), 1);
+  EXPECT_THAT(second.err(), HasSubstr("the robot is led by 'firm-3dof': it follows one leader at a time"));
+  EXPECT_EQ(first.stop(), 0);
+  EXPECT_THAT(first.err(), Not(HasSubstr("the robot refuses")));
+}
+
+TEST(ARobot, RefusesALeaderOfTooFewDegreesOfFreedom) {
+  Server server({"--follower", "reach-7", "--task", "plug"});
+  Client client(server.address(), {"--device", "wall-1dof", "--once"});
+  EXPECT_EQ(client.wait(kLong), 1);
+  EXPECT_THAT(client.err(),
+              HasSubstr("'plug' accepts devices with 3 degrees of freedom, device 'wall-1dof' has 1"));
+}
+
+TEST(ARobot, IsBroughtToRestBySigterm) {
+  const RecordedHand hand;
+  Server server(kArm);
+  Client client(server.address(), hand.options());
+  ASSERT_TRUE(client.wait_for("the robot follows", kLong));
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_TRUE(has_in_order(server.err(), {"waiting -> following", "-> stopping", "stopping -> stopped"}));
+  EXPECT_THAT(unwrapped(server.out()), HasSubstr("at the end at rest"));
+  EXPECT_TRUE(client.wait_for("the server ended the session", kLong));
+}
+
+TEST(ARobot, IsRefusedInALineWhereItCannotBe) {
+  for (const auto& [words, said] : std::vector<std::pair<Words, std::string>>{
+           {{"--follower", "reach7", "--task", "plug"}, "did you mean 'reach-7'"},
+           {{"--follower", "reach-7", "--task", "plugs"}, "did you mean 'plug'"},
+           {{"--follower", "reach-7", "--task", "plug", "--scene", "wall"}, "--scene"},
+           {{"--follower", "reach-7", "--task", "plug", "--follower-law", "nome"}, "did you mean 'none'"}}) {
+    const Ran ran = run(kServer, words);
+    EXPECT_EQ(ran.exit_code, 2) << said;
+    EXPECT_THAT(ran.err, HasSubstr(said));
+    EXPECT_LE(lines(ran.err), 2U) << ran.err;
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::test

@@ -1,0 +1,161 @@
+#include "forcebound/server/runtime/follower_thread.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "forcebound/time/steady_clock.hpp"
+#include "tests/support/gantry_robot.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using namespace std::chrono_literals;
+using enum control::FollowerState;
+
+/// A gantry on a thread of its own, and its leader on that of the test.
+class Led {
+ public:
+  explicit Led(const EngagementTimes& times = {}) {
+    FollowerSettings settings{.architecture = "position-position", .times = times};
+    settings.workspace.rotation.setIdentity();
+    thread = std::make_unique<FollowerThread>(
+        std::make_unique<Follower>(std::make_unique<test::GantryRobot>(), settings, control::force_bounding_laws(), clock),
+        clock);
+    motion.position = Vector::Zero(3);
+  }
+
+  /// The leader moves at 0.02 m/s, or not at all, until the robot is in this state, however long that takes.
+  void lead_until(FollowerState state, double speed_m_per_s = 0) {
+    while (thread->newest().state != state) {
+      motion.position[1] += speed_m_per_s * 1e-3;
+      motion.energy_given_J += 2e-3;
+      motion.arrived = clock.now();
+      (void)thread->exchange(motion);
+      std::this_thread::sleep_for(1ms);
+    }
+  }
+  void wait_until(FollowerState state) {
+    while (thread->newest().state != state) std::this_thread::sleep_for(1ms);
+  }
+
+  [[nodiscard]] std::vector<FollowerState> states() {
+    std::vector<FollowerState> all;
+    while (const auto change = thread->take_change()) {
+      EXPECT_TRUE(all.empty() || all.back() == change->from) << "no change is missing";
+      all.push_back(change->to);
+    }
+    return all;
+  }
+
+  time::SteadyClock clock;
+  std::unique_ptr<FollowerThread> thread;
+  LeaderMotion motion;
+};
+
+TEST(FollowerThread, HoldsWhileItsLeaderIsSilentAndGoesOnWhenItIsHeard) {
+  // So late a stop that no machine is slow enough for it.
+  Led led({.stop = 1h});
+  led.thread->begin_leader();
+  led.lead_until(following, 0.02);
+  led.wait_until(holding);
+  EXPECT_FALSE(led.thread->newest().leader_lost);
+  led.lead_until(following);
+  const FollowerThread::Outcome& outcome = led.thread->stop();
+  EXPECT_TRUE(outcome.at_rest) << "the end stops what moves";
+  EXPECT_EQ(outcome.changes_lost, 0U);
+  EXPECT_GE(outcome.totals.port.minimum_J, -1e-9);
+  const auto states = led.states();
+  ASSERT_GE(states.size(), 5U);
+  EXPECT_EQ(states[0], following);
+  EXPECT_EQ(states[1], holding);
+  EXPECT_EQ(states[2], following);
+  EXPECT_EQ(states[states.size() - 2], stopping);
+  EXPECT_EQ(states.back(), stopped);
+}
+
+TEST(FollowerThread, StopsWhenItsLeaderIsSilentForLonger) {
+  Led led;
+  led.thread->begin_leader();
+  led.lead_until(following);
+  led.wait_until(stopped);
+  EXPECT_TRUE(led.thread->newest().leader_lost);
+  const FollowerThread::Outcome& outcome = led.thread->stop();
+  EXPECT_EQ(outcome.totals.why_stopped, "the leader is silent");
+  EXPECT_TRUE(outcome.at_rest);
+  const auto states = led.states();
+  ASSERT_GE(states.size(), 3U);
+  EXPECT_EQ(states[states.size() - 2], stopping);
+  EXPECT_EQ(states.back(), stopped);
+}
+
+TEST(FollowerThread, ChangesTellTimesThatAgreeWithTheStates) {
+  const EngagementTimes times;
+  Led led(times);
+  led.thread->begin_leader();
+  led.lead_until(following);
+  led.wait_until(stopped);
+  (void)led.thread->stop();
+  while (const auto change = led.thread->take_change()) {
+    if (change->to == holding) {
+      ASSERT_TRUE(change->silent);
+      EXPECT_GT(*change->silent, times.hold);
+    }
+    if (change->to == stopping) {
+      ASSERT_TRUE(change->silent);
+      EXPECT_GT(*change->silent, times.stop);
+      EXPECT_EQ(change->why_stopped, "the leader is silent");
+    }
+  }
+}
+
+TEST(FollowerThread, ALeaderWhoLeavesStopsTheRobotAtOnce) {
+  Led led;
+  led.thread->begin_leader();
+  led.lead_until(following);
+  led.thread->leave();
+  led.wait_until(stopped);
+  EXPECT_FALSE(led.thread->newest().leader_lost);
+  EXPECT_EQ(led.thread->stop().totals.why_stopped, "the leader has left");
+}
+
+TEST(FollowerThread, TheNextLeaderEngagesAnew) {
+  Led led;
+  led.thread->begin_leader();
+  led.lead_until(following);
+  led.thread->leave();
+  led.thread->begin_leader();
+  // Another device, elsewhere, with a smaller sum of energy.
+  led.motion = {.position = Vector::Constant(3, 0.1)};
+  led.wait_until(stopped);
+  led.lead_until(following);
+  const FollowerThread::Outcome& outcome = led.thread->stop();
+  EXPECT_TRUE(outcome.at_rest);
+  EXPECT_GE(outcome.totals.port.minimum_J, -1e-9);
+}
+
+TEST(FollowerThread, CountsItsTimeInStatesAndItsWakeUps) {
+  Led led;
+  led.thread->begin_leader();
+  led.lead_until(following);
+  const FollowerThread::Outcome& outcome = led.thread->stop();
+  EXPECT_GT(outcome.in_state[static_cast<std::size_t>(waiting)], 0ns);
+  EXPECT_EQ(outcome.in_state[static_cast<std::size_t>(holding)], 0ns);
+  EXPECT_EQ(outcome.loop.wake_ups, outcome.totals.ticks - 1) << "an interval between two ticks each";
+  EXPECT_GT(outcome.idle.wake_ups, 0U);
+  EXPECT_EQ(outcome.allocations, 0U);
+}
+
+TEST(FollowerThread, EndsWithoutALeaderToo) {
+  Led led;
+  while (led.thread->newest().state != waiting) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(led.thread->stop().at_rest);
+  EXPECT_EQ(&led.thread->stop(), &led.thread->stop()) << "once";
+  EXPECT_TRUE(led.states().empty());
+}
+
+}  // namespace
+}  // namespace forcebound::server
