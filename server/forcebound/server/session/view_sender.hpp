@@ -19,7 +19,7 @@ using time::Nanoseconds;
 /// How much of what can be seen is sent, in pieces of at most some 1180 bytes with their headings.
 struct ViewRate {
   int pieces_per_s = 300;       ///< to each client that asks
-  int pieces_per_s_all = 3000;  ///< to all of them: some 3 % of a processor
+  int pieces_per_s_all = 3000;  ///< to all of them
 };
 
 /// Tells one client how the scene looks, a piece at a time as the answers to its motions leave. Nothing is acknowledged
