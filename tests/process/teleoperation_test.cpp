@@ -34,8 +34,7 @@ class RecordedHand {
 
   [[nodiscard]] Words options() const {
     return {"--device", "firm-3dof", "--operator",
-            "replay:" + folder_.file("hand.csv") +
-                ",mass_kg=0.2,stiffness_N_per_m=2000,damping_N_s_per_m=25"};
+            "replay:" + folder_.file("hand.csv") + ",mass_kg=0.2,stiffness_N_per_m=2000,damping_N_s_per_m=25"};
   }
 
  private:
@@ -75,8 +74,8 @@ TEST(ARobot, FollowsItsLeaderAndBothSidesArePassive) {
   Server server(kArm);
   Client client(server.address(), and_also(hand.options(), {"--duration", "7", "--once"}));
   EXPECT_EQ(client.wait(kLong), 0);
-  EXPECT_TRUE(has_in_order(client.err(), {"robot reach-7 at stiff-wall", "the robot waits: keep the device still",
-                                          "the robot follows"}));
+  EXPECT_TRUE(has_in_order(
+      client.err(), {"robot reach-7 at stiff-wall", "the robot waits: keep the device still", "the robot follows"}));
   const nlohmann::json summary = client.summary();
   EXPECT_GT(summary["follower"]["seconds"]["following"], 0);
   EXPECT_GT(summary["force_N"]["max"], 1) << "the wall is felt";
@@ -142,8 +141,7 @@ TEST(ARobot, RefusesALeaderOfTooFewDegreesOfFreedom) {
   Server server({"--follower", "reach-7", "--task", "plug"});
   Client client(server.address(), {"--device", "wall-1dof", "--once"});
   EXPECT_EQ(client.wait(kLong), 1);
-  EXPECT_THAT(client.err(),
-              HasSubstr("'plug' accepts devices with 3 degrees of freedom, device 'wall-1dof' has 1"));
+  EXPECT_THAT(client.err(), HasSubstr("'plug' accepts devices with 3 degrees of freedom, device 'wall-1dof' has 1"));
 }
 
 TEST(ARobot, IsBroughtToRestBySigterm) {

@@ -127,9 +127,9 @@ void SummaryView::print_follower(std::string& out) const {
   if (s.follower_unknown_ > Nanoseconds{0}) {
     words += ", not known for " + rounded(time::to_seconds(s.follower_unknown_)) + " s without answers";
   }
-  print_field(out, "robot",
-              words + "; " + counted(s.follower_changes_, "change") + ", last " +
-                  std::string(control::name_of(s.follower_)));
+  print_field(
+      out, "robot",
+      words + "; " + counted(s.follower_changes_, "change") + ", last " + std::string(control::name_of(s.follower_)));
 }
 
 void SummaryView::print_contact(std::string& out) const {

@@ -56,10 +56,11 @@ void add_follower_options(CLI::App& app, FollowerOptions& options, const control
                      "leader feels what the robot does. See Robots below")
           ->type_name("ROBOT")
           ->check(program::one_of("robot", robot_names()));
-  follower->needs(app.add_option("--task", options.task, "with --follower: work that the robot is set up for, see below")
-                      ->type_name("NAME|FILE.toml")
-                      ->check(program::accepted_by([](const std::string& task) { (void)load_task(task); }))
-                      ->needs(follower));
+  follower->needs(
+      app.add_option("--task", options.task, "with --follower: work that the robot is set up for, see below")
+          ->type_name("NAME|FILE.toml")
+          ->check(program::accepted_by([](const std::string& task) { (void)load_task(task); }))
+          ->needs(follower));
   app.add_option("--architecture", options.settings.architecture,
                  "with --follower: which signals go which way, see below")
       ->type_name("NAME")

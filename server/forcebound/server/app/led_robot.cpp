@@ -44,8 +44,8 @@ std::string states_text(const FollowerThread::Outcome& outcome) {
   for (std::uint8_t i = 0; i < control::kFollowerStates; ++i) {
     const Nanoseconds time = outcome.in_state.at(i);
     if (time == Nanoseconds{0}) continue;
-    text += (text.empty() ? "" : ", ") + std::string(name_of(static_cast<FollowerState>(i))) + " " +
-            duration_text(time);
+    text +=
+        (text.empty() ? "" : ", ") + std::string(name_of(static_cast<FollowerState>(i))) + " " + duration_text(time);
   }
   return text;
 }

@@ -166,10 +166,10 @@ class Service {
 /// What clients can request, and what those get that request nothing.
 struct Offer {
   EnvironmentLibrary environments{};
-  std::string name{};                 ///< of what is served by default
-  std::string simulated{};            ///< in a line
-  std::string choice{};               ///< before that, in recordings
-  std::optional<LedRobot> robot{};    ///< none: a scene
+  std::string name{};               ///< of what is served by default
+  std::string simulated{};          ///< in a line
+  std::string choice{};             ///< before that, in recordings
+  std::optional<LedRobot> robot{};  ///< none: a scene
 };
 
 /// @throws std::exception if scene or robot are not available
@@ -251,8 +251,8 @@ int serve(ProgramOptions options) {
     fleet.emplace(FleetLink::Settings{.port = *port_of_fleet, .member = member}, clock);
   }
   if (options.realtime) ask_for_real_time();
-  spdlog::info("listening on {}, {} '{}': {}", net::to_string(server.address()),
-               offer.robot ? "task" : "scene", offer.name, offer.simulated);
+  spdlog::info("listening on {}, {} '{}': {}", net::to_string(server.address()), offer.robot ? "task" : "scene",
+               offer.name, offer.simulated);
 
   ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
 

@@ -52,10 +52,10 @@ class FollowerThread final : public FollowerRunner {
     record::IdleTimer loop{};                                      ///< intervals between the loop's wake-ups
     record::IdleTimer idle{};                                      ///< of a thread that only slept meanwhile
     std::uint64_t missed_ticks = 0;
-    std::uint64_t allocations = 0;     ///< in the loop, without its first second; 0 where nobody counts
-    std::uint64_t changes_lost = 0;    ///< of state, that nobody took in time
-    bool at_rest = false;              ///< at the end
-    FollowerState last{};              ///< before it was brought to rest
+    std::uint64_t allocations = 0;   ///< in the loop, without its first second; 0 where nobody counts
+    std::uint64_t changes_lost = 0;  ///< of state, that nobody took in time
+    bool at_rest = false;            ///< at the end
+    FollowerState last{};            ///< before it was brought to rest
   };
 
   /// Starts robot and thread. @param clock must outlive it

@@ -156,21 +156,22 @@ TeleoperationMeasures run_teleoperation(const TeleoperationSetup& setup, std::ve
   if (setup.hand.stiffness_N_per_m > 0) hand.hand = setup.hand;
   const double script_s = ScriptOperator(setup.task, hand).duration_s();
   LastTick last;
-  sim::ClosedLoop::Settings loop_settings{.device = setup.device,
-                                          .hand = {},
-                                          .make_hand = [&]() -> std::unique_ptr<const device::Operator> {
-                                            if (setup.make_hand) return setup.make_hand();
-                                            return std::make_unique<ScriptOperator>(setup.task, hand);
-                                          },
-                                          .law = setup.law,
-                                          .scene = nullptr,
-                                          .network = setup.network.settings,
-                                          .seed = setup.seed,
-                                          .own_environment = server::follower_environment(
-                                              setup.task.name, setup.task.summary, setup.task.degrees_of_freedom, runner),
-                                          .faults = setup.faults,
-                                          .renders_locally = settings.architecture == "model-mediated",
-                                          .force_slew_N_per_s = setup.force_slew_N_per_s};
+  sim::ClosedLoop::Settings loop_settings{
+      .device = setup.device,
+      .hand = {},
+      .make_hand = [&]() -> std::unique_ptr<const device::Operator> {
+        if (setup.make_hand) return setup.make_hand();
+        return std::make_unique<ScriptOperator>(setup.task, hand);
+      },
+      .law = setup.law,
+      .scene = nullptr,
+      .network = setup.network.settings,
+      .seed = setup.seed,
+      .own_environment =
+          server::follower_environment(setup.task.name, setup.task.summary, setup.task.degrees_of_freedom, runner),
+      .faults = setup.faults,
+      .renders_locally = settings.architecture == "model-mediated",
+      .force_slew_N_per_s = setup.force_slew_N_per_s};
   loop_settings.network.seed = setup.seed;
   sim::ClosedLoop loop(std::move(loop_settings), {&last});
   Measuring measuring(setup, *follower, at_work);

@@ -44,8 +44,8 @@ class Events final : public EventSink {
     follower = event.follower;
   }
   std::vector<Event::Kind> kinds;
-  std::string words;        ///< of the last one
-  Nanoseconds duration{0};  ///< of the last one
+  std::string words;                                               ///< of the last one
+  Nanoseconds duration{0};                                         ///< of the last one
   control::FollowerState follower = control::FollowerState::none;  ///< likewise
 };
 

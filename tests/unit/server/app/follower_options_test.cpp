@@ -59,8 +59,9 @@ TEST(FollowerOptions, SayRobotTaskAndHowTheyWork) {
 TEST(FollowerOptions, RefuseWhatDoesNotExistNamingTheNearest) {
   EXPECT_THAT(refusal_of({"--follower", "reach7", "--task", "plug"}),
               AllOf(HasSubstr("--follower"), HasSubstr("'reach7'"), HasSubstr("did you mean 'reach-7'")));
-  EXPECT_THAT(refusal_of({"--follower", "reach-7", "--task", "plugg"}),
-              AllOf(HasSubstr("--task"), HasSubstr("'plugg'"), HasSubstr("did you mean 'plug'"), HasSubstr("FILE.toml")));
+  EXPECT_THAT(
+      refusal_of({"--follower", "reach-7", "--task", "plugg"}),
+      AllOf(HasSubstr("--task"), HasSubstr("'plugg'"), HasSubstr("did you mean 'plug'"), HasSubstr("FILE.toml")));
   EXPECT_THAT(refusal_of({"--follower", "reach-7", "--task", "plug", "--architecture", "position-forces"}),
               AllOf(HasSubstr("--architecture"), HasSubstr("did you mean 'position-force'")));
   EXPECT_THAT(refusal_of({"--follower", "reach-7", "--task", "plug", "--follower-law", "fba-exakt"}),

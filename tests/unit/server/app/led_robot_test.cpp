@@ -25,18 +25,17 @@ TEST(ChangesOfState, AreToldInALineWithReasonAndTimes) {
             "waiting -> following after 3.21 s");
   EXPECT_EQ(in_words({.from = following, .to = holding, .lasted = 12'400ms, .silent = 101ms}),
             "following -> holding after 12.4 s; the leader was last heard 101 ms ago");
-  EXPECT_EQ(in_words({.from = holding,
-                      .to = stopping,
-                      .lasted = 400ms,
-                      .silent = 501ms,
-                      .why_stopped = "the leader is silent"}),
-            "holding -> stopping after 400 ms: the leader is silent; the leader was last heard 501 ms ago");
+  EXPECT_EQ(
+      in_words(
+          {.from = holding, .to = stopping, .lasted = 400ms, .silent = 501ms, .why_stopped = "the leader is silent"}),
+      "holding -> stopping after 400 ms: the leader is silent; the leader was last heard 501 ms ago");
   EXPECT_EQ(in_words({.from = following, .to = stopping, .lasted = 2s, .why_stopped = "the leader has left"}),
             "following -> stopping after 2 s: the leader has left; nobody leads");
   EXPECT_EQ(in_words({.from = stopping, .to = stopped, .lasted = 62ms, .why_stopped = "the leader has left"}),
             "stopping -> stopped after 62 ms; it follows again once its leader engages");
-  EXPECT_EQ(in_words({.from = following, .to = failed, .lasted = 1s, .silent = 1ms, .why_stopped = "the robot refuses"}),
-            "following -> failed after 1 s: the robot refuses");
+  EXPECT_EQ(
+      in_words({.from = following, .to = failed, .lasted = 1s, .silent = 1ms, .why_stopped = "the robot refuses"}),
+      "following -> failed after 1 s: the robot refuses");
 }
 
 TEST(RobotsTotals, HaveBothTimersAndThePort) {

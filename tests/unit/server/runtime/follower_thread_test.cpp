@@ -22,9 +22,10 @@ class Led {
   explicit Led(const EngagementTimes& times = {}) {
     FollowerSettings settings{.architecture = "position-position", .times = times};
     settings.workspace.rotation.setIdentity();
-    thread = std::make_unique<FollowerThread>(
-        std::make_unique<Follower>(std::make_unique<test::GantryRobot>(), settings, control::force_bounding_laws(), clock),
-        clock);
+    thread =
+        std::make_unique<FollowerThread>(std::make_unique<Follower>(std::make_unique<test::GantryRobot>(), settings,
+                                                                    control::force_bounding_laws(), clock),
+                                         clock);
     motion.position = Vector::Zero(3);
   }
 
