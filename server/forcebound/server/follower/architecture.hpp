@@ -58,18 +58,12 @@ class Architecture {
     const ToolTarget& target;  ///< where the leader wants the tool, already limited in speed
     const ToolPose& tool;      ///< where it is
     const Vector6& velocity;
-    const Vector6& coupling;  ///< what spring and damper exerted on the tool on the tick before [N], [N m]
     /// Of the tool on its surroundings, less the bias; none: there is no sensor.
     std::optional<Eigen::Vector3d> sensed_N;
   };
 
-  struct Asked {
-    ToolTarget target;                                ///< of the robot's impedance controller
-    Eigen::Vector3d push_N{Eigen::Vector3d::Zero()};  ///< of the tool, beyond that
-  };
-
-  /// Once a tick while the robot follows.
-  [[nodiscard]] virtual Asked ask(const Seen& seen) noexcept = 0;
+  /// What the robot's impedance controller shall do. Once a tick while the robot follows.
+  [[nodiscard]] virtual ToolTarget ask(const Seen& seen) noexcept = 0;
 
   /// As of the latest `ask`.
   [[nodiscard]] virtual Reflection reflection() const noexcept = 0;

@@ -7,6 +7,8 @@ FollowerState Engagement::update(const Seen& seen) noexcept {
   state_ = next(seen);
   begins_ = state_ == FollowerState::following && before != FollowerState::following;
   if (state_ != before) still_since_.reset();
+  if (state_ == FollowerState::stopping && before != state_) moved_ = false;
+  moved_ = moved_ || (seen.silent && !seen.leader_still);
   was_pressed_ = seen.clutch_pressed;
   return state_;
 }
@@ -27,6 +29,11 @@ FollowerState Engagement::next(const Seen& seen) noexcept {
     why_ = seen.silent ? "the leader is silent" : "the leader has left";
     return stopping;
   }
+  if (at_work && seen.robot_stopped) {
+    why_ = "the robot stopped by itself";
+    return stopped;
+  }
+  if (!seen.reading_usable && state_ != stopping) return state_;
   switch (state_) {
     case waiting:
     case stopped:
@@ -46,12 +53,12 @@ FollowerState Engagement::next(const Seen& seen) noexcept {
 
 /// Only with a leader that is heard.
 bool Engagement::operator_engages(const Seen& seen) noexcept {
-  if (!seen.silent || *seen.silent > times_.hold) {
+  if (!seen.silent || *seen.silent > times_.hold || seen.limit_exceeded) {
     still_since_.reset();
     return false;
   }
   if (seen.has_buttons) return was_pressed_ && !seen.clutch_pressed;
-  if (!seen.leader_still) {
+  if (!seen.leader_still || !moved_) {
     still_since_.reset();
     return false;
   }

@@ -29,8 +29,9 @@ struct EngagementTimes {
 ///     any of them --limit exceeded or robot refuses--> stopping or failed
 ///
 /// *Engage* takes both ends: the robot is ready, and the operator says so: by pressing and releasing the clutch, or, of
-/// a device without buttons, by keeping it still for `still`. Whenever the robot begins to follow (`begins`), the
-/// offset between device and tool is taken anew, so that nothing jumps.
+/// a device without buttons, by keeping it still for `still`; after a stop, by moving it before: a device that nobody
+/// holds, or that is still pressed against what stopped the robot, engages nothing. Whenever the robot begins to follow
+/// (`begins`), the offset between device and tool is taken anew, so that nothing jumps.
 ///
 /// Real time: noexcept, no allocation.
 class Engagement {
@@ -46,6 +47,8 @@ class Engagement {
     bool leader_still = false;
     bool robot_ready = true;  ///< it answers and takes commands
     bool robot_at_rest = false;
+    bool robot_stopped = false;   ///< its brakes hold, whoever asked for it
+    bool reading_usable = true;   ///< where it is, is known: else it cannot begin to follow
     bool limit_exceeded = false;  ///< force or speed beyond what the robot may do
   };
 
@@ -68,6 +71,7 @@ class Engagement {
   bool begins_ = false;
   bool was_pressed_ = false;
   std::optional<Nanoseconds> still_since_;
+  bool moved_ = true;  // by the operator, since the last stop
   std::string_view why_;
 };
 

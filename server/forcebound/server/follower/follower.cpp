@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "forcebound/control/exact_law.hpp"
 
@@ -13,7 +14,9 @@ namespace {
 // Readings lost in a row until the robot counts as one that refuses.
 constexpr int kLostMost = 50;
 constexpr double kStill_m_per_s = 0.015;  // a tremor passes
-constexpr double kAtRest = 0.02;          // of a joint [rad/s], [m/s]
+// No hand is farther from its device's middle.
+constexpr double kFarthest_m = 10;
+constexpr double kAtRest = 0.02;  // of a joint [rad/s], [m/s]
 // A tool this much faster than its largest speed is stopped.
 constexpr double kTooFast = 1.5;
 // How fast a lack of energy is noticed, and what it does.
@@ -35,6 +38,15 @@ const FollowerSettings& checked(const FollowerSettings& settings, const Robot& r
   check_above_zero("largest speed of the tool's target [m/s]", settings.approach_m_per_s_max);
   check_above_zero("largest turning speed of the tool's target [rad/s]", settings.turn_rad_per_s_max);
   check_above_zero("largest contact force [N]", settings.contact_N_max);
+  check_above_zero("silence until the robot holds its place [s]", time::to_seconds(settings.times.hold));
+  check_above_zero("time for which a device is kept still [s]", time::to_seconds(settings.times.still));
+  if (settings.times.stop < settings.times.hold) {
+    throw std::invalid_argument("silence until the robot stops must be at least that until it holds its place");
+  }
+  for (const int button : {settings.clutch_button, settings.grip_button}) {
+    if (button >= 0 && button < control::Handle::kButtons) continue;
+    throw std::invalid_argument("buttons have the numbers 0 to 31, got " + std::to_string(button));
+  }
   if (find_architecture(settings.architecture).needs_sensor && !robot.force_sensor()) {
     throw std::invalid_argument("architecture '" + settings.architecture + "' needs a force sensor, and robot '" +
                                 robot.facts().name + "' has none: position-position needs none");
@@ -64,17 +76,22 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       engagement_(settings.times),
       map_(settings.workspace),
       target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
-      energy_(map_.power_scale()) {
+      energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}) {
   report_.map = map_;
 }
 
 void Follower::begin_leader() noexcept {
   leader_.reset();
+  leader_speed_m_per_s_ = 0;
+  leader_is_new_ = true;
   energy_.begin();
 }
 
 void Follower::hear(const LeaderMotion& motion) noexcept {
-  controller_.receive_energy(energy_.hear(motion.energy_given_J));
+  if (motion.position.cwiseAbs().maxCoeff() > kFarthest_m) {
+    ++totals_.motions_refused;
+    return;
+  }
   if (leader_ && leader_->position.rows() == motion.position.rows()) {
     const double passed_s = time::to_seconds(motion.arrived - leader_->arrived);
     // Of motions that arrive together the last one counts: a burst is no sign of haste.
@@ -89,12 +106,10 @@ void Follower::hear(const LeaderMotion& motion) noexcept {
 
 void Follower::tick(Nanoseconds now) noexcept {
   ++totals_.ticks;
-  if (const auto audit = robot_->audit()) {
-    energy_.note(*audit);
-    totals_.audited = true;
-  }
-  const device::Reading reading =
-      device::usable_or_lost(robot_->read(now), robot_->facts(), now, std::max(now, clock_.now()));
+  const device::Reading read = robot_->read(now);
+  const device::Reading reading = device::usable_or_lost(read, robot_->facts(), now, std::max(now, clock_.now()));
+  if (const auto audit = robot_->audit()) energy_.note(*audit);
+  if (leader_) controller_.receive_energy(energy_.hear(leader_->energy_given_J));
   times_.begin_choosing(std::max(now, clock_.now()));
   const control::Motion motion = times_.motion_at(reading);
   const bool usable = judge(reading, now);
@@ -116,14 +131,17 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   const ImpedanceController::Report& tool = impedance_.report();
   const double fastest = robot_->model().limits().tool_speed_m_per_s_max;
   const FollowerState before = engagement_.state();
+  const bool is_led = leader_ && !std::exchange(leader_is_new_, false);
   const FollowerState state =
       engagement_.update({.now = now,
-                          .silent = leader_ ? std::optional(now - leader_->arrived) : std::nullopt,
+                          .silent = is_led ? std::optional(now - leader_->arrived) : std::nullopt,
                           .has_buttons = leader_ && leader_->handle.buttons.has_value(),
                           .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
                           .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
                           .robot_ready = lost_in_a_row_ < kLostMost,
                           .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
+                          .robot_stopped = robot_->is_stopped(),
+                          .reading_usable = usable,
                           .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) ||
                                             (fastest > 0 && tool.velocity.head<3>().norm() > kTooFast * fastest)});
   if (state == before) return usable;
@@ -132,7 +150,7 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
     totals_.why_stopped = engagement_.why_stopped();
     robot_->soft_stop(now);
   }
-  if (engagement_.begins() && usable) {
+  if (engagement_.begins()) {
     if (robot_->is_stopped()) robot_->resume(now);
     const ToolPose pose = robot_->model().pose(reading.position);
     if (before == FollowerState::holding) {
@@ -153,25 +171,18 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
   const ToolPose tool = robot_->model().pose(reading.position);
   if (state == FollowerState::waiting) {
     bias_.learn(robot_->sensed_force());
-    if (totals_.ticks == 1) target_.restart(tool);
+    if (!std::exchange(placed_, true)) target_.restart(tool);
     return impedance_.torque(reading, target_.rest());
   }
   if (state != FollowerState::following) return impedance_.torque(reading, target_.rest());
   grip(now);
   const ToolTarget& target = target_.move_to(map_.tool_of(*leader_), period_s);
-  const Architecture::Asked asked = architecture_->ask({.now = now,
+  return impedance_.torque(reading, architecture_->ask({.now = now,
                                                         .elapsed_s = period_s,
                                                         .target = target,
                                                         .tool = tool,
                                                         .velocity = impedance_.report().velocity,
-                                                        .coupling = coupling_,
-                                                        .sensed_N = bias_.without(robot_->sensed_force())});
-  Vector torque = impedance_.torque(reading, asked.target);
-  coupling_ = impedance_.report().wrench;
-  if (!asked.push_N.isZero(0)) {
-    torque += robot_->model().jacobian(reading.position).topRows<3>().transpose() * asked.push_N;
-  }
-  return torque;
+                                                        .sensed_N = bias_.without(robot_->sensed_force())}));
 }
 
 void Follower::grip(Nanoseconds now) noexcept {
@@ -210,7 +221,12 @@ void Follower::note(const Vector& request, const Vector& given, Nanoseconds now)
 FollowerTotals Follower::totals() const noexcept {
   FollowerTotals totals = totals_;
   totals.received_J = energy_.received_J();
-  totals.port = energy_.port();
+  ReceivedEnergy energy = energy_;
+  if (const auto audit = robot_->audit()) {
+    energy.note(*audit);
+    totals.audited = true;
+  }
+  totals.port = energy.port();
   return totals;
 }
 

@@ -46,9 +46,10 @@ struct FollowerTotals {
   std::uint64_t bounded = 0;  ///< ticks on which the law shortened the torques
   std::uint64_t stops = 0;
   std::uint64_t lost_readings = 0;
-  std::string_view why_stopped{};  ///< last
-  double received_J = 0;           ///< energy of the leader's law, at the robot's scale
-  control::PassivityAudit port{};  ///< P_F and its least; only of simulated robots
+  std::uint64_t motions_refused = 0;  ///< of the leader, farther away than any hand
+  std::string_view why_stopped{};     ///< last
+  double received_J = 0;              ///< energy of the leader's law, at the robot's scale
+  control::PassivityAudit port{};     ///< P_F and its least; only of simulated robots
   bool audited = false;
   double lag_m = 0;  ///< from tool to target, now
   double lag_m_max = 0;
@@ -116,9 +117,10 @@ class Follower {
 
   std::optional<LeaderMotion> leader_;
   double leader_speed_m_per_s_ = 0;
+  bool leader_is_new_ = false;
+  bool placed_ = false;  // the target is where the tool was first seen
   int lost_in_a_row_ = 0;
   double shortage_ = 0;  // share of the torques that the law withheld, low-passed
-  Vector6 coupling_{Vector6::Zero()};
   FollowerReport report_;
   FollowerTotals totals_;
 };

@@ -28,7 +28,8 @@ class FollowerRunner {
   virtual const FollowerReport& newest() noexcept = 0;
 };
 
-/// Ticks a robot up to the times it is told, in virtual time: the robot's past never depends on what comes later.
+/// Ticks a robot up to the times it is told: the robot's past never depends on what comes later. For virtual time
+/// alone: after a pause it makes up for all of it at once.
 class StepwiseRunner final : public FollowerRunner {
  public:
   /// @param now when the robot starts; it ticks at whole periods from there

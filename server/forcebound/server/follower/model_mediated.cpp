@@ -22,33 +22,38 @@ constexpr double kEase_m_per_s = 0.01;
 ///     f = K n max(0, n.(p - x_wanted))            K, p, n of ContactEstimator
 ///
 /// Where the device is within the plane, the robot is asked to press as hard as the hand does, there where the surface
-/// gives way to under that force. On the
-/// first touch the device is deeper than the plane by as much as the round trip allowed: then the plane is told as
-/// lying so much deeper that its force is the one sensed, and comes to its own place by 10 mm/s, or at once as far as
-/// the hand withdraws. So an unknown surface is felt late, but never as a blow.
+/// gives way to under that force. On the first touch the device is deeper than the plane by as much as the round trip
+/// allowed: then the plane is told as lying so much deeper that its force is the one sensed, and comes to its own place
+/// by 10 mm/s, or at once as far as the hand withdraws. So an unknown surface is felt late, and softly but for what the
+/// hand moved on meanwhile: that step is the client's to bound (--force-slew).
 class ModelMediated final : public Architecture {
  public:
   explicit ModelMediated(const ImpedanceSettings& impedance) noexcept : force_N_max_(impedance.force_N_max) {}
 
-  [[nodiscard]] Asked ask(const Seen& seen) noexcept override {
+  [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
     const std::uint32_t before = told_id();
     const FeltSurface& felt = estimator_.update(seen.now, seen.tool.position, seen.velocity.head<3>(),
                                                 seen.sensed_N.value_or(Eigen::Vector3d::Zero()));
-    if (!is_told()) return {.target = seen.target};
+    if (!is_told()) return seen.target;
     const double depth_m = (felt.place_m - seen.target.pose.position).dot(felt.normal);
     if (told_id() != before && seen.sensed_N) {
       ease_m_ = std::max(0.0, depth_m - seen.sensed_N->norm() / felt.stiffness_N_per_m);
     }
     ease_m_ = std::clamp(ease_m_ - kEase_m_per_s * seen.elapsed_s, 0.0, std::max(0.0, depth_m));
-    Asked asked{.target = seen.target};
+    ToolTarget asked = seen.target;
     if (depth_m > 0) {
       // Where a surface of that stiffness gives way to, under that force.
-      asked.target.pose.position += ease_m_ * felt.normal;
+      asked.pose.position += ease_m_ * felt.normal;
       if ((seen.tool.position - felt.place_m).dot(felt.normal) < kNear_m) {
         asked.push_N = -held_N(pressed_N(depth_m - ease_m_), seen) * felt.normal;
       }
     }
     return asked;
+  }
+
+  void begin() noexcept override {
+    ease_m_ = 0;
+    held_back_N_ = 0;
   }
 
   [[nodiscard]] Reflection reflection() const noexcept override {

@@ -13,9 +13,9 @@ class PositionForce final : public Architecture {
  public:
   explicit PositionForce(const ImpedanceSettings& impedance) noexcept : force_N_max_(impedance.force_N_max) {}
 
-  [[nodiscard]] Asked ask(const Seen& seen) noexcept override {
+  [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
     sensed_N_ = seen.sensed_N.value_or(Eigen::Vector3d::Zero());
-    return {.target = seen.target};
+    return seen.target;
   }
   [[nodiscard]] Reflection reflection() const noexcept override {
     return {.force_N = -sensed_N_, .force_N_max = force_N_max_};

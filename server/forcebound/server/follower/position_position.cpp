@@ -14,9 +14,9 @@ class PositionPosition final : public Architecture {
   explicit PositionPosition(const ImpedanceSettings& impedance) noexcept
       : stiffness_N_per_m_(impedance.stiffness_N_per_m), force_N_max_(impedance.force_N_max) {}
 
-  [[nodiscard]] Asked ask(const Seen& seen) noexcept override {
+  [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
     tool_m_ = seen.tool.position;
-    return {.target = seen.target};
+    return seen.target;
   }
 
   [[nodiscard]] Reflection reflection() const noexcept override {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "forcebound/control/audit.hpp"
@@ -15,13 +14,17 @@ namespace forcebound::server {
 ///     first)
 ///
 /// A_L only grows and travels as a sum, so a datagram that is lost, late, doubled or overtaken changes nothing but when
-/// the robot hears of it; a sum that fell is that of another law at the leader, and counts from there on.
+/// the robot hears of it. At once no more is received than the robot keeps at most: the rest is lost, so that no number
+/// from a network, however large, makes more of it.
 ///
 /// Real time: noexcept, no allocation.
 class ReceivedEnergy {
  public:
-  /// @param power_scale s, what a joule of the leader is worth at the robot; > 0
-  explicit ReceivedEnergy(double power_scale) noexcept : power_scale_(power_scale) {}
+  struct Settings {
+    double power_scale = 1;  ///< s, what a joule of the leader is worth at the robot; > 0
+    double most_J = 2;       ///< that is received at once; > 0
+  };
+  explicit ReceivedEnergy(const Settings& settings) noexcept : settings_(settings) {}
 
   /// Another leader: its sum begins with the first that is heard.
   void begin() noexcept { heard_J_.reset(); }
@@ -29,9 +32,8 @@ class ReceivedEnergy {
   /// What is new, for the robot's law [J].
   [[nodiscard]] double hear(double given_J) noexcept {
     const double before_J = heard_J_.value_or(given_J);
-    const double more_J = power_scale_ * std::max(0.0, given_J - before_J);
-    heard_J_ = given_J;
-    if (!std::isfinite(more_J)) return 0;
+    const double more_J = std::min(settings_.power_scale * std::max(0.0, given_J - before_J), settings_.most_J);
+    heard_J_ = std::max(before_J, given_J);
     sum_.add(more_J);
     return more_J;
   }
@@ -39,7 +41,7 @@ class ReceivedEnergy {
   /// A_F [J].
   [[nodiscard]] double received_J() const noexcept { return sum_.value_J(); }
 
-  /// To be called with the robot's own balance on each tick, before what is new is heard.
+  /// To be called with the robot's own balance on each tick, before what is new since the last one is heard.
   void note(const control::PassivityAudit& robot) noexcept {
     port_.energy_J = robot.energy_J + received_J();
     // Between two ticks A_F stays, so that P_F is least where the robot's own balance is.
@@ -53,7 +55,7 @@ class ReceivedEnergy {
   [[nodiscard]] const control::PassivityAudit& port() const noexcept { return port_; }
 
  private:
-  double power_scale_;
+  Settings settings_;
   std::optional<double> heard_J_;
   control::EnergySum sum_;
   double robot_minimum_J_ = 0;

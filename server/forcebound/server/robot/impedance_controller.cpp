@@ -158,6 +158,7 @@ Vector6 ImpedanceController::wrench_of(const Eigen::Matrix<double, 6, 6>& inerti
   faster << target.velocity, target.turn;
   faster -= report_.velocity;
   wrench += damping_of(inertia, stiffness, settings_.damping_ratio) * faster;
+  wrench.head<3>() += target.push_N;
   const RobotLimits& limits = model_.limits();
   const bool moves = slow_down(wrench.head<3>(), report_.velocity.head<3>(), limits.tool_speed_m_per_s_max);
   const bool turns = slow_down(wrench.tail<3>(), report_.velocity.tail<3>(), limits.tool_turn_rad_per_s_max);

@@ -14,6 +14,7 @@ struct ToolTarget {
   ToolPose pose;
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
   Eigen::Vector3d turn{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d push_N{Eigen::Vector3d::Zero()};  ///< that the tool shall exert beside spring and damper
 };
 
 /// How an ImpedanceController is tuned.
@@ -35,7 +36,7 @@ struct ImpedanceSettings {
 /// inertia is the tool's own.
 ///
 ///     e = [x_target - x; rotation vector from the tool's orientation to the target's]       world frame
-///     tau = J'(K e + D (v_target - J q')) + N' M (k_p (q_rest - q) - d_p q') + limits
+///     tau = J'(K e + D (v_target - J q') + push) + N' M (k_p (q_rest - q) - d_p q') + limits
 ///
 /// D is found from the inertia at the tool L = (J M^-1 J')^-1 so that K and L are damped by the given ratio in every
 /// direction: with L = A A' and A^-1 K A^-T = U s U', D = 2 ratio A U sqrt(s) U' A' (double diagonalisation). N' = 1 -

@@ -304,9 +304,9 @@ void SimulatedArm::balance(double step_s) noexcept {
   double taken_J = 0;
   for (Eigen::Index i = 0; i < layout_.joints; ++i) {
     const double moved = step_s * data_->qvel[i];
-    const double friction = facts_.friction[i] + (stopped_ ? brakes_[i] : 0);
-    taken_J +=
-        facts_.damping(i, i) * moved * data_->qvel[i] + friction * std::abs(moved) - commands_.torque()[i] * moved;
+    // What brakes take beyond that counts for nobody.
+    taken_J += facts_.damping(i, i) * moved * data_->qvel[i] + facts_.friction[i] * std::abs(moved) -
+               commands_.torque()[i] * moved;
   }
   energy_.add(taken_J);
   least_J_ = std::min(least_J_, energy_.value_J());

@@ -40,7 +40,7 @@ class Slope {
     squares_ += depth_m * depth_m;
     products_ += depth_m * force_N;
   }
-  [[nodiscard]] double N_per_m() const noexcept {
+  [[nodiscard]] double stiffness_N_per_m() const noexcept {
     const double spread = squares_ - depth_ * depth_ / count_;
     constexpr double kSpreadLeast = 1e-9;  // of depths: less tells nothing
     if (count_ < 50 || spread / count_ < kSpreadLeast) return std::numeric_limits<double>::quiet_NaN();
@@ -103,7 +103,7 @@ class Measuring {
     measures_.tracking_rms_m = following_ > 0 ? std::sqrt(tracking_ / following_) : kUnknown;
     measures_.force_error_rms_N = in_contact_ > 0 ? std::sqrt(force_ / in_contact_) : kUnknown;
     measures_.stiffness_ratio =
-        setup_.task.stiffness_N_per_m > 0 ? slope_.N_per_m() / setup_.task.stiffness_N_per_m : kUnknown;
+        setup_.task.stiffness_N_per_m > 0 ? slope_.stiffness_N_per_m() / setup_.task.stiffness_N_per_m : kUnknown;
     measures_.peak_N = progress.peak_N;
     measures_.succeeded = progress.succeeded;
     measures_.completed_s = progress.succeeded ? progress.succeeded_s - ScriptOperator::kRest_s : kUnknown;

@@ -88,8 +88,50 @@ TEST(Engagement, HoldsThenStopsThenFollowsOnlyWhenBothAgree) {
   scene.seen.silent = 0ns;
   scene.seen.leader_still = false;
   EXPECT_EQ(scene.pass(5s), stopped) << "the operator has not engaged";
+  scene.pass(1ms);
   scene.seen.leader_still = true;
   EXPECT_EQ(scene.pass(400ms), following);
+}
+
+TEST(Engagement, ADeviceThatNobodyMovesEngagesNothingAfterAStop) {
+  Scene scene;
+  scene.follow();
+  scene.seen.limit_exceeded = true;
+  scene.seen.robot_at_rest = true;
+  scene.pass(2ms);
+  scene.seen.limit_exceeded = false;
+  EXPECT_EQ(scene.pass(5s), stopped);
+  scene.seen.leader_still = false;
+  scene.pass(1ms);
+  scene.seen.leader_still = true;
+  scene.seen.limit_exceeded = true;
+  EXPECT_EQ(scene.pass(1s), stopped) << "it still presses against what stopped it";
+  scene.seen.limit_exceeded = false;
+  EXPECT_EQ(scene.pass(400ms), following);
+}
+
+TEST(Engagement, BeginsToFollowOnlyFromWhereTheRobotIsKnownToBe) {
+  Scene scene;
+  scene.seen = {.silent = 0ns, .leader_still = true, .reading_usable = false};
+  EXPECT_EQ(scene.pass(1s), waiting);
+  scene.seen.reading_usable = true;
+  EXPECT_EQ(scene.pass(400ms), following);
+  scene.seen.clutch_pressed = true;
+  scene.pass(1ms);
+  scene.seen.clutch_pressed = false;
+  scene.seen.reading_usable = false;
+  EXPECT_EQ(scene.pass(5ms), clutched);
+  scene.seen.reading_usable = true;
+  EXPECT_EQ(scene.pass(1ms), following);
+  EXPECT_EQ(scene.begins, 2);
+}
+
+TEST(Engagement, ARobotThatStopsByItselfIsNotFollowing) {
+  Scene scene;
+  scene.follow();
+  scene.seen.robot_stopped = true;
+  EXPECT_EQ(scene.pass(1ms), stopped);
+  EXPECT_EQ(scene.engagement.why_stopped(), "the robot stopped by itself");
 }
 
 TEST(Engagement, StopsAtALimitAndFailsWithTheRobot) {

@@ -8,7 +8,7 @@ namespace forcebound::server {
 namespace {
 
 TEST(ReceivedEnergy, CountsFromTheFirstSumThatIsHeard) {
-  ReceivedEnergy energy(2);
+  ReceivedEnergy energy({.power_scale = 2});
   EXPECT_EQ(energy.hear(5), 0) << "what was given before belongs to somebody else";
   EXPECT_EQ(energy.hear(5.5), 1);
   EXPECT_EQ(energy.hear(5.5), 0) << "doubled";
@@ -16,25 +16,27 @@ TEST(ReceivedEnergy, CountsFromTheFirstSumThatIsHeard) {
   EXPECT_EQ(energy.received_J(), 2);
 }
 
-TEST(ReceivedEnergy, ASumThatFallsIsThatOfAnotherLaw) {
-  ReceivedEnergy energy(1);
+TEST(ReceivedEnergy, ASumThatWasOvertakenCountsNothingTwice) {
+  ReceivedEnergy energy({});
   (void)energy.hear(5);
-  EXPECT_EQ(energy.hear(1), 0);
-  EXPECT_EQ(energy.hear(2), 1);
+  EXPECT_EQ(energy.hear(6), 1);
+  EXPECT_EQ(energy.hear(5.5), 0) << "older than what was heard";
+  EXPECT_EQ(energy.hear(6), 0);
   energy.begin();
-  EXPECT_EQ(energy.hear(100), 0);
-  EXPECT_EQ(energy.received_J(), 1);
+  EXPECT_EQ(energy.hear(1), 0) << "another leader";
+  EXPECT_EQ(energy.hear(2), 1);
+  EXPECT_EQ(energy.received_J(), 2);
 }
 
-TEST(ReceivedEnergy, WhatIsNoEnergyIsNone) {
-  ReceivedEnergy energy(1);
+TEST(ReceivedEnergy, NoNumberMakesMoreThanTheRobotKeeps) {
+  ReceivedEnergy energy({.power_scale = 3, .most_J = 2});
   (void)energy.hear(-std::numeric_limits<double>::max());
-  EXPECT_EQ(energy.hear(std::numeric_limits<double>::max()), 0);
-  EXPECT_EQ(energy.received_J(), 0);
+  EXPECT_EQ(energy.hear(std::numeric_limits<double>::max()), 2);
+  EXPECT_EQ(energy.received_J(), 2);
 }
 
 TEST(ReceivedEnergy, ThePortIsLeastWhereTheRobotIs) {
-  ReceivedEnergy energy(1);
+  ReceivedEnergy energy({});
   (void)energy.hear(0);
   energy.note({.energy_J = 0.5, .minimum_J = 0});
   EXPECT_EQ(energy.port().minimum_J, 0);
