@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "forcebound/server/robot/robot.hpp"
 
@@ -134,6 +135,8 @@ class GantryRobot final : public server::Robot {
 
   void advance(Nanoseconds now) noexcept {
     constexpr Nanoseconds kStep{50'000};
+    // A real clock began long ago.
+    if (!std::exchange(began_, true)) now_ = now;
     for (; now_ < now; now_ += kStep) {
       while (waiting_ > 0 && commands_.front().effect <= now_) {
         force_ = commands_.front().force;
@@ -167,6 +170,7 @@ class GantryRobot final : public server::Robot {
   Vector force_ = Vector::Zero(3);
   std::array<Command, 64> commands_{};
   std::size_t waiting_ = 0;
+  bool began_ = false;
   Nanoseconds now_{0};
   Nanoseconds effect_{0};
   bool stopped_ = false;
