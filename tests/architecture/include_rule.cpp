@@ -113,6 +113,7 @@ const std::vector<Folder>& folders() {
       {"tests/tools/lab/bench", {"forcebound", "tests/tools/lab/measures"}},
       {"tests/tools/lab/check_device", {"forcebound"}},
       {"tests/tools/lab/doctor", {"forcebound"}},
+      {"tests/tools/lab/fleet", {"forcebound", "tests/tools/netem"}},
       {"tests/tools/lab/identify", {"forcebound", "tests/tools/sim", "tests/tools/lab/measures"}},
       {"tests/tools/lab/soak", {"forcebound", "tests/tools/reference", "tests/tools/sim"}},
       {"tests/tools/lab/view", {"forcebound"}},

@@ -15,6 +15,7 @@ void add_check_device(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coupled_damping(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_fleet(CLI::App& app);
 void add_identify(CLI::App& app);
 void add_keygen(CLI::App& app);
 void add_load(CLI::App& app);

@@ -19,6 +19,7 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_compare(app);
   forcebound::lab::add_coupled_damping(app);
   forcebound::lab::add_doctor(app);
+  forcebound::lab::add_fleet(app);
   forcebound::lab::add_identify(app);
   forcebound::lab::add_keygen(app);
   forcebound::lab::add_load(app);
@@ -62,6 +63,8 @@ int run(int argc, const char* const* argv) {
       "      what the way to that server and this machine will feel like\n"
       "  forcebound-lab identify --device NAME --out facts.toml\n"
       "      damping, friction, latency and hold time of a device, by moving it\n"
+      "  forcebound-lab fleet --fail-at 1200,1500\n"
+      "      100,000 clients at a fleet of servers of which two nodes fail\n"
       "  forcebound-lab keygen server.key\n"
       "      a new key of a server, or of a client\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
