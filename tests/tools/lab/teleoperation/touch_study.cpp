@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFelt_N = 0.5;
 constexpr double kClear_m = 5e-4;  // so far from the wall no model of it is felt
 // The script: two presses, 6 mm beyond where the tool touches.
@@ -52,10 +52,10 @@ server::Task pressing(server::Task task, double touch_height_m) {
 }
 
 Touch touch_of(const std::vector<Felt>& all, double begin_s, double end_s) {
-  Touch touch{.displayed_N_per_m = kUnknown};
-  double crossed_s = kUnknown;
+  Touch touch{.displayed_N_per_m = kNotKnown};
+  double crossed_s = kNotKnown;
   double dragged_N = 0;  // by the robot's lag, just before the hand crosses the wall
-  double before_N = kUnknown;
+  double before_N = kNotKnown;
   double forces_N = 0;
   double depths_m = 0;
   double count = 0;
