@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 using control::FollowerState;
 using Kind = sim::ClosedLoop::Fault::Kind;
 
-constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 // While the hand of the task presses.
 constexpr auto kFrom = 6s;
 constexpr auto kLength = 2s;
@@ -56,15 +56,15 @@ FaultRow row_of(const std::string& name, const std::vector<TeleoperationMoment>&
   const double from_s = time::to_seconds(kFrom);
   const double until_s = from_s + time::to_seconds(kLength);
   FaultRow row{.fault = name,
-               .holding_s = kNever,
-               .stopping_s = kNever,
-               .stopped_s = kNever,
-               .hand_free_s = kNever,
-               .following_s = kNever,
+               .holding_s = kNoTime,
+               .stopping_s = kNoTime,
+               .stopped_s = kNoTime,
+               .hand_free_s = kNoTime,
+               .following_s = kNoTime,
                .leader_minimum_J = measures.leader_minimum_J,
                .follower_minimum_J = measures.follower_minimum_J};
   const auto first = [](double& at, double since_s) { at = std::isnan(at) ? since_s : at; };
-  double before_N = kNever;
+  double before_N = kNoTime;
   bool left = false;
   for (const TeleoperationMoment& now : moments) {
     if (now.time_s < from_s) {
