@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <stdlib.h>
+#include <filesystem>
 
 #include <chrono>
 #include <csignal>
@@ -110,7 +111,9 @@ TEST_F(AServerOfAFleet, ServesWithoutASidecarAndFindsItLater) {
   ASSERT_TRUE(server.wait_for("the sidecar answers again", 60s));
   ASSERT_TRUE(fleet.wait_for(R"("event":"ready","from":"Scheduled","to":"Ready")"));
   EXPECT_EQ(server.stop(), 0);
-  const std::string said = server.err();
+  // A stand-in on a busy machine may be silent again later.
+  const std::string all = server.err();
+  const std::string said = all.substr(0, all.find("the sidecar answers again"));
   const std::string silence = "the sidecar does not answer";
   EXPECT_EQ(said.find(silence), said.rfind(silence)) << "it is said once:\n" << said;
 }
@@ -196,6 +199,7 @@ void make_certificates(const std::string& folder) {
 }
 
 TEST_F(AClientOfAFleet, ShowsTheAllocatorItsCertificateAndChecksTheAllocators) {
+  if (!std::filesystem::exists("/usr/bin/openssl")) GTEST_SKIP() << "no openssl; deploy/setup --tests installs it";
   const TemporaryFolder folder;
   make_certificates(folder.path().string());
   const std::string at = free_address();

@@ -68,7 +68,13 @@ TEST(Metrics, AreReadWithTheTokenOfTheEnvironment) {
   setenv("FORCEBOUND_PAGE_TOKEN", "00112233445566778899aabbccddeeff", 1);
   Server server({"--page", "0"});
   unsetenv("FORCEBOUND_PAGE_TOKEN");
-  EXPECT_TRUE(server.wait_for("/?token=00112233445566778899aabbccddeeff"));
+  ASSERT_TRUE(server.wait_for(" with the token of FORCEBOUND_PAGE_TOKEN"));
+  EXPECT_THAT(server.out() + server.err(), testing::Not(testing::HasSubstr("00112233"))) << "logs are no place for it";
+  std::smatch match;
+  const std::string out = server.out();
+  ASSERT_TRUE(std::regex_search(out, match, std::regex(R"(http://([0-9.]+):(\d+)/)"))) << out;
+  const http::Url url{.host = match[1], .port = match[2], .target = "/metrics?token=00112233445566778899aabbccddeeff"};
+  EXPECT_EQ(http::ask(url, {}, 10s).status, 200);
 }
 
 /// The lines of a log of JSON, each checked against the one schema.

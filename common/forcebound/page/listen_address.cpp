@@ -31,9 +31,10 @@ ListenAddress parse_listen_address(std::string_view text) {
 
 namespace {
 
+constexpr const char* kVariable = "FORCEBOUND_PAGE_TOKEN";
+
 /// The token in the environment, which other users do not see, unlike command lines; empty: there is none.
 std::string token_given(std::size_t digits) {
-  constexpr const char* kVariable = "FORCEBOUND_PAGE_TOKEN";
   const char* const text = std::getenv(kVariable);
   if (text == nullptr) return {};
   const std::string token = text;
@@ -46,6 +47,11 @@ std::string token_given(std::size_t digits) {
 }
 
 }  // namespace
+
+std::string printed_address(const std::string& address) {
+  if (std::getenv(kVariable) == nullptr) return address;
+  return address.substr(0, address.find('?')) + " with the token of " + kVariable;
+}
 
 PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path) {
   constexpr std::size_t kTokenBytes = 16;

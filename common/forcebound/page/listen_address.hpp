@@ -25,4 +25,8 @@ struct ListenAddress {
 /// @throws std::runtime_error if its files cannot be read, that token is none, or the system gives no random bytes
 [[nodiscard]] PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path);
 
+/// A page's address as a program prints it: without the token where it came by the environment, since logs are read by
+/// more people than the environment.
+[[nodiscard]] std::string printed_address(const std::string& address);
+
 }  // namespace forcebound::page

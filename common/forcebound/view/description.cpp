@@ -37,6 +37,13 @@ std::string text_of(const ShownScene& shown, const std::vector<MovingGroup>& mov
          "],\"more\":" + dumped(shown.more) + ",\"moving\":" + dumped(groups) + "}";
 }
 
+/// A member of an object, null if it has none. Never a copy: to copy what is nested deeply takes stack.
+const Json& member(const Json& object, const char* key) {
+  static const Json kNone;
+  const auto found = object.find(key);
+  return found == object.end() ? kNone : *found;
+}
+
 bool is_list(const Json& value, std::size_t most) { return value.is_array() && value.size() <= most; }
 
 bool is_text(const Json& value) { return value.is_string(); }
@@ -54,17 +61,17 @@ bool is_value_of_shape(const Json& value) {
 bool is_shape(const Json& shape) {
   if (!shape.is_object() || shape.size() > kValuesMost) return false;
   // A lathe comes as a mesh: its number of segments, which nobody bounds here, is not for a browser.
-  return is_text(shape.value("name", Json())) && is_text(shape.value("kind", Json())) && shape["kind"] != "lathe" &&
+  return is_text(member(shape, "name")) && is_text(member(shape, "kind")) && shape["kind"] != "lathe" &&
          std::ranges::all_of(shape, is_value_of_shape);
 }
 
 bool is_mesh(const Json& mesh) {
-  if (!mesh.is_object() || !is_text(mesh.value("name", Json()))) return false;
-  const Json vertices = mesh.value("vertices_m", Json());
-  const Json triangles = mesh.value("triangles", Json());
+  if (!mesh.is_object() || !is_text(member(mesh, "name"))) return false;
+  const Json& vertices = member(mesh, "vertices_m");
+  const Json& triangles = member(mesh, "triangles");
   if (!is_list(vertices, 3 * kVerticesMost) || !is_list(triangles, 3 * kTrianglesShownMost)) return false;
   if (vertices.size() % 3 != 0 || triangles.size() % 3 != 0) return false;
-  if (mesh.size() > (mesh.value("moves", Json()).is_boolean() ? 4U : 3U)) return false;
+  if (mesh.size() > (member(mesh, "moves").is_boolean() ? 4U : 3U)) return false;
   const std::uint64_t count = vertices.size() / 3;
   return std::ranges::all_of(vertices, [](const Json& number) { return number.is_number(); }) &&
          std::ranges::all_of(triangles, [count](const Json& corner) {
@@ -82,8 +89,8 @@ std::optional<std::string> elements(const Json& list, Condition is_one) {
 
 std::optional<MovingGroup> read_group(const Json& group) {
   if (!group.is_object()) return std::nullopt;
-  const Json names = group.value("names", Json());
-  const Json vertices = group.value("vertices", Json());
+  const Json& names = member(group, "names");
+  const Json& vertices = member(group, "vertices");
   if (!is_list(names, kPartsMost) || !std::ranges::all_of(names, is_text)) return std::nullopt;
   if (!vertices.is_number_unsigned() || vertices.get<std::uint64_t>() > kVerticesMost) return std::nullopt;
   MovingGroup read{.deforms = vertices.get<std::size_t>() > 0, .vertices = vertices.get<std::size_t>()};

@@ -195,6 +195,14 @@ TEST(Assembly, TakesNoPiecesOfMoreThanADescriptionMayHave) {
   EXPECT_FALSE(assembly.take({.session = kSession, .view = 1, .pieces = 1, .number = 0, .content = longer}));
 }
 
+TEST(Description, ThatIsNestedDeeplyIsRefusedAndTakesNoStack) {
+  const std::string deep(500'000, '[');
+  EXPECT_FALSE(read_description(R"({"name":"","more":"","moving":[],"meshes":[],"shapes":[{"name":)" + deep +
+                                std::string(deep.size(), ']') + "}]}"));
+  EXPECT_FALSE(read_description(R"({"name":"","more":"","moving":[],"shapes":[],"meshes":[{"name":"a","vertices_m":)" +
+                                deep + std::string(deep.size(), ']') + R"(,"triangles":[]}]})"));
+}
+
 TEST(Description, OfMoreThanMayBeSentLeavesMeshesOutAndSaysSo) {
   const std::vector<std::vector<VisiblePart>> models{{pad(50'000)}, {pad(50'000)}, {block("one")}};
   const Description description = describe({.name = "large"}, models);

@@ -26,15 +26,27 @@ http::Url url_of(const Allocation& allocation) {
   return url;
 }
 
+const Json& nothing() {
+  static const Json kNothing;
+  return kNothing;
+}
+
+/// A member of an object, null if it has none. Never a copy: to copy what is nested deeply takes stack.
+const Json& member(const Json& object, const char* key) {
+  if (!object.is_object()) return nothing();
+  const auto found = object.find(key);
+  return found == object.end() ? nothing() : *found;
+}
+
 /// Null: there is none.
-Json port_in(const Json& answer) {
-  const auto ports = answer.find("ports");
-  if (ports == answer.end() || !ports->is_array() || ports->empty()) return {};
-  Json chosen = ports->front();
-  for (const Json& port : *ports) {
-    if (port.is_object() && port.value("name", Json()) == kPortName) chosen = port;
+const Json& port_in(const Json& answer) {
+  const Json& ports = member(answer, "ports");
+  if (!ports.is_array() || ports.empty()) return nothing();
+  const Json* chosen = &ports.front();
+  for (const Json& port : ports) {
+    if (member(port, "name") == kPortName) chosen = &port;
   }
-  return chosen.is_object() ? chosen.value("port", Json()) : Json();
+  return member(*chosen, "port");
 }
 
 /// What the allocator says in words, or all that it says.
@@ -106,8 +118,8 @@ std::string server_of(const http::Response& answer) {
     throw std::runtime_error("HTTP status " + std::to_string(answer.status) + ": " + words_in(answer.body));
   }
   const Json said = Json::parse(answer.body, nullptr, false);
-  const Json address = said.is_object() ? said.value("address", Json()) : Json();
-  const Json port = said.is_object() ? port_in(said) : Json();
+  const Json& address = member(said, "address");
+  const Json& port = port_in(said);
   if (!address.is_string() || address.get<std::string>().empty() || !port.is_number_unsigned()) {
     throw std::runtime_error("its answer has no address and port: " + words_in(answer.body));
   }

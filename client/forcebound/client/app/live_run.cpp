@@ -60,7 +60,7 @@ class LiveRun {
                    page::page_folder(program_path()).string());
     }
     server_.emplace(settings, page_);
-    std::fputs(("page: " + server_->address() + "\n").c_str(), stdout);
+    std::fputs(("page: " + page::printed_address(server_->address()) + "\n").c_str(), stdout);
     std::fflush(stdout);
   }
 

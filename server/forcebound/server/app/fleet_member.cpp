@@ -15,6 +15,7 @@ constexpr Nanoseconds kPauseFirst = 500ms;
 constexpr Nanoseconds kPauseMost = 5s;
 constexpr Nanoseconds kHealthMost = 5s;
 constexpr Nanoseconds kHealthLeast = 500ms;
+constexpr std::int64_t kLongestPeriod_s = 3600;
 
 /// Numbers of 64 bits are texts there, those of 32 bits numbers.
 std::optional<std::int64_t> whole(const Json& value) {
@@ -45,7 +46,9 @@ std::optional<FleetState> read_fleet_state(std::string_view json) {
   const Json& health = at(at(server, "spec", "spec"), "health", "health");
   const Json& disabled = at(health, "disabled", "disabled");
   const auto period_s = whole(at(health, "period_seconds", "periodSeconds"));
-  if (period_s && *period_s > 0 && disabled != true) read.health_period = std::chrono::seconds{*period_s};
+  if (period_s && *period_s > 0 && disabled != true) {
+    read.health_period = std::chrono::seconds{std::min(*period_s, kLongestPeriod_s)};
+  }
   return read;
 }
 

@@ -32,7 +32,7 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
                  page::page_folder(program_path()).string());
   }
   served_.emplace(settings, page_);
-  std::cout << "page: " << served_->address() << std::endl;
+  std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
 }
 
 void PageTurn::turn(UdpServer& server) {

@@ -26,7 +26,7 @@ class Collector final : public record::RecordingSink {
     to_.ticks.push_back(sample);
   }
   void on_force(const record::ForceRecord& force) noexcept override {
-    if (!full()) to_.forces.push_back(sampler_.sample(force));
+    if (!full() && to_.forces.size() < Recorded::kTicksMost) to_.forces.push_back(sampler_.sample(force));
   }
   void on_motion(const record::MotionRecord& /*motion*/) override { of_server_ = true; }
 

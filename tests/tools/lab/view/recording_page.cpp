@@ -18,6 +18,7 @@ using client::RunFigures;
 constexpr std::uint64_t kBeatsPerStatus = 15;
 // A slider that is dragged asks for more jumps than anybody sees.
 constexpr std::uint64_t kBeatsPerJump = 6;
+constexpr std::size_t kCheckpointTicks = 10000;
 constexpr double kCheckpointEvery_s = 30;
 constexpr std::size_t kTicksPerMessage = 1000;
 constexpr std::size_t kEventsMost = 200;
@@ -80,9 +81,12 @@ std::size_t RecordingPage::tick_at(double time_s) const noexcept {
 
 void RecordingPage::mark_checkpoints() {
   double next_s = 0;
+  std::size_t next_tick = 0;
   while (now_.tick < recorded_.ticks.size()) {
-    if (time_s(now_.tick) >= next_s) {
+    // Not only by time: a file may say that its ticks are hours apart.
+    if (time_s(now_.tick) >= next_s && now_.tick >= next_tick) {
       checkpoints_.push_back(now_);
+      next_tick = now_.tick + kCheckpointTicks;
       next_s = time_s(now_.tick) + kCheckpointEvery_s;
     }
     go_on_to(now_.tick + 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "forcebound/baselines/baselines.hpp"
@@ -17,8 +18,12 @@ RowShape shape_of_device(const control::DeviceFacts& facts) {
 
 }  // namespace
 
-KeptTicks::KeptTicks(RowShape shape, std::size_t rows_max)
-    : layout_(tick_columns(), shape), rows_max_(rows_max), bytes_(rows_max * layout_.row_bytes()) {}
+KeptTicks::KeptTicks(RowShape shape, std::size_t rows_max) : layout_(tick_columns(), shape), rows_max_(rows_max) {
+  if (rows_max > bytes_.max_size() / layout_.row_bytes()) {
+    throw std::length_error("ticks_kept must fit into memory, got " + std::to_string(rows_max));
+  }
+  bytes_.resize(rows_max * layout_.row_bytes());
+}
 
 void KeptTicks::on_tick(const record::TickRecord& tick) noexcept {
   const std::size_t row = kept_.load(std::memory_order_relaxed);

@@ -20,7 +20,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-ProgramOptions parsed(std::vector<const char*> words) {
+ProgramOptions follower_parsed(std::vector<const char*> words) {
   words.insert(words.begin(), "forcebound-server");
   return parse_command_line(static_cast<int>(words.size()), words.data());
 }
@@ -29,7 +29,7 @@ ProgramOptions parsed(std::vector<const char*> words) {
 std::string refusal_of(const std::vector<const char*>& words) {
   std::string said;
   try {
-    (void)parsed(words);
+    (void)follower_parsed(words);
     ADD_FAILURE() << "accepted";
   } catch (const program::End& end) {
     EXPECT_EQ(end.exit_code, program::kWrongUse);
@@ -43,8 +43,8 @@ std::string refusal_of(const std::vector<const char*>& words) {
 
 TEST(FollowerOptions, SayRobotTaskAndHowTheyWork) {
   const ProgramOptions options =
-      parsed({"--follower", "reach-7", "--task", "plug", "--architecture", "model-mediated", "--follower-law", "none",
-              "--motion-scale", "0.5", "--force-scale", "0.25", "--approach-speed", "0.1"});
+      follower_parsed({"--follower", "reach-7", "--task", "plug", "--architecture", "model-mediated", "--follower-law",
+                       "none", "--motion-scale", "0.5", "--force-scale", "0.25", "--approach-speed", "0.1"});
   EXPECT_TRUE(options.follower.any());
   EXPECT_EQ(options.follower.robot, "reach-7");
   EXPECT_EQ(options.follower.task, "plug");
@@ -53,7 +53,7 @@ TEST(FollowerOptions, SayRobotTaskAndHowTheyWork) {
   EXPECT_EQ(options.follower.settings.workspace.motion_scale, 0.5);
   EXPECT_EQ(options.follower.settings.workspace.force_scale, 0.25);
   EXPECT_EQ(options.follower.settings.approach_m_per_s_max, 0.1);
-  EXPECT_FALSE(parsed({}).follower.any());
+  EXPECT_FALSE(follower_parsed({}).follower.any());
 }
 
 TEST(FollowerOptions, RefuseWhatDoesNotExistNamingTheNearest) {
