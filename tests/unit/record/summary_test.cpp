@@ -58,7 +58,6 @@ TEST(Summary, HasEveryPromisedKey) {
                               "/device",
                               "/operator",
                               "/scene",
-                              "/follower",
                               "/duration_s",
                               "/ticks",
                               "/period_us/p50",

@@ -7,7 +7,9 @@ FollowerState Engagement::update(const Seen& seen) noexcept {
   state_ = next(seen);
   begins_ = state_ == FollowerState::following && before != FollowerState::following;
   if (state_ != before) still_since_.reset();
-  if (state_ == FollowerState::stopping && before != state_) moved_ = false;
+  const bool ended =
+      state_ == FollowerState::stopping || state_ == FollowerState::stopped || state_ == FollowerState::failed;
+  if (ended && before != state_ && before != FollowerState::stopping) moved_ = false;
   moved_ = moved_ || (seen.silent && !seen.leader_still);
   was_pressed_ = seen.clutch_pressed;
   return state_;

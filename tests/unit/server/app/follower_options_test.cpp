@@ -71,9 +71,10 @@ TEST(FollowerOptions, RefuseWhatDoesNotExistNamingTheNearest) {
 TEST(FollowerOptions, RefuseATaskFileWithItsLine) {
   const test::TemporaryFolder folder;
   const std::string file = folder.file("my.toml");
-  EXPECT_THAT(refusal_of({"--follower", "reach-7", "--task", file.c_str()}), HasSubstr("my.toml"));
+  const auto parse = [&] { (void)follower_parsed({"--follower", "reach-7", "--task", file.c_str()}); };
+  EXPECT_THAT(parse, testing::ThrowsMessage<std::runtime_error>(HasSubstr("my.toml: cannot be read")));
   text::write_file(file, "summary = 3\n");
-  EXPECT_THAT(refusal_of({"--follower", "reach-7", "--task", file.c_str()}), HasSubstr("my.toml"));
+  EXPECT_THAT(parse, testing::ThrowsMessage<std::exception>(HasSubstr("my.toml")));
 }
 
 TEST(FollowerOptions, BelongTogether) {

@@ -112,7 +112,8 @@ TEST(Teleoperation, FaultsStopTheRobotAndNothingJumps) {
     EXPECT_GE(fault.follower_minimum_J, -1e-9);
     EXPECT_LT(fault.speed_m_per_s, 0.4);
     EXPECT_LT(fault.contact_N_max, 80);
-    EXPECT_LT(fault.step_N_per_ms, 5) << "the device lets go of 4 N at most";
+    // A device whose client stalls lets go of all of its force.
+    EXPECT_LT(fault.step_N_per_ms, fault.fault == "client stalls" ? 10 : 3);
     const bool goes_on = fault.fault == "none" || fault.fault == "way down dead" || fault.fault == "hand too deep";
     EXPECT_EQ(std::isfinite(fault.stopping_s), !goes_on);
     EXPECT_EQ(std::isfinite(fault.stopped_s), !goes_on);
