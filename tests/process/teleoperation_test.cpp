@@ -58,7 +58,7 @@ testing::AssertionResult has_in_order(const std::string& text, const std::vector
 }
 
 /// The least P of the robot's port, as the server's totals have it.
-std::optional<double> least_port_mJ(const std::string& totals) {
+std::optional<double> least_port_millijoules(const std::string& totals) {
   constexpr std::string_view kBefore = "passivity: least P ";
   const std::size_t at = totals.find(kBefore);
   if (at == std::string::npos) return std::nullopt;
@@ -88,7 +88,7 @@ TEST(ARobot, FollowsItsLeaderAndBothSidesArePassive) {
   const std::string totals = unwrapped(server.out());
   EXPECT_THAT(totals, AllOf(HasSubstr("robot: reach-7 at stiff-wall, position-force, law fba-exact"),
                             HasSubstr("at the end at rest"), HasSubstr("idle timer: "), Not(HasSubstr("allocation"))));
-  const auto least_mJ = least_port_mJ(totals);
+  const auto least_mJ = least_port_millijoules(totals);
   ASSERT_TRUE(least_mJ) << totals;
   EXPECT_GE(*least_mJ, kPassiveLeast_mJ);
 }

@@ -44,7 +44,7 @@ class DurationHistogram {
     std::uint64_t below = 0;
     for (std::size_t i = 0; i < counts_.size(); ++i) {
       below += counts_[i];
-      to += name + "_bucket{" + labels + ",le=\"";
+      to.append(name).append("_bucket{").append(labels).append(",le=\"");
       if (i < kEdges_s.size()) {
         add_number(to, kEdges_s[i]);
       } else {
