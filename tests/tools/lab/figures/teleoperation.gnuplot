@@ -10,7 +10,7 @@ stats data using 'force_N' name 'y' nooutput
 columns = words(networks) > 3 ? 3 : words(networks)
 rows = ceil(words(networks) / real(columns))
 top = head_px + 50
-panel_px = 270
+panel_px = 300
 height = top + rows * panel_px + 20
 eval(begin(1000, height))
 set output name.'.png'
@@ -36,9 +36,9 @@ do for [p = 1:words(networks)] {
   r = (p - 1) / columns
   set lmargin at screen 0.06 + c * width
   set rmargin at screen 0.06 + (c + 1) * width - 0.05
-  set tmargin at screen from_top(top + r * panel_px + 20)
+  set tmargin at screen from_top(top + r * panel_px + 30)
   set bmargin at screen from_top(top + (r + 1) * panel_px - 46)
-  set label 10 network at graph 0.5, screen from_top(top + r * panel_px + 8) center font 'DejaVu Sans Bold,10' \
+  set label 10 network at graph 0.5, screen from_top(top + r * panel_px + 18) center font 'DejaVu Sans Bold,10' \
       textcolor rgb ink
   set xlabel 'tracking error [mm]' offset 0, 0.4
   if (c == 0) { set ylabel 'force error [N]' } else { unset ylabel }
