@@ -29,18 +29,24 @@ class Led {
     motion.position = Vector::Zero(3);
   }
 
-  /// The leader moves at 0.02 m/s, or not at all, until the robot is in this state, however long that takes.
-  void lead_until(FollowerState state, double speed_m_per_s = 0) {
-    while (thread->newest().state != state) {
-      motion.position[1] += speed_m_per_s * 1e-3;
-      motion.energy_given_J += 2e-3;
-      motion.arrived = clock.now();
-      (void)thread->exchange(motion);
-      std::this_thread::sleep_for(1ms);
-    }
+  /// The leader is still until the robot is in this state, however long that takes.
+  void lead_until(FollowerState state) {
+    while (thread->newest().state != state) lead(0);
+  }
+  /// It moves, as somebody does who takes it into the hand.
+  void move() {
+    for (int n = 0; n < 100; ++n) lead(1e-4);
   }
   void wait_until(FollowerState state) {
     while (thread->newest().state != state) std::this_thread::sleep_for(1ms);
+  }
+
+  void lead(double step_m) {
+    motion.position[1] += step_m;
+    motion.energy_given_J += 2e-3;
+    motion.arrived = clock.now();
+    (void)thread->exchange(motion);
+    std::this_thread::sleep_for(1ms);
   }
 
   [[nodiscard]] std::vector<FollowerState> states() {
@@ -61,7 +67,7 @@ TEST(FollowerThread, HoldsWhileItsLeaderIsSilentAndGoesOnWhenItIsHeard) {
   // So late a stop that no machine is slow enough for it.
   Led led({.stop = 1h});
   led.thread->begin_leader();
-  led.lead_until(following, 0.02);
+  led.lead_until(following);
   led.wait_until(holding);
   EXPECT_FALSE(led.thread->newest().leader_lost);
   led.lead_until(following);
@@ -132,6 +138,7 @@ TEST(FollowerThread, TheNextLeaderEngagesAnew) {
   // Another device, elsewhere, with a smaller sum of energy.
   led.motion = {.position = Vector::Constant(3, 0.1)};
   led.wait_until(stopped);
+  led.move();
   led.lead_until(following);
   const FollowerThread::Outcome& outcome = led.thread->stop();
   EXPECT_TRUE(outcome.at_rest);
@@ -144,7 +151,7 @@ TEST(FollowerThread, CountsItsTimeInStatesAndItsWakeUps) {
   led.lead_until(following);
   const FollowerThread::Outcome& outcome = led.thread->stop();
   EXPECT_GT(outcome.in_state[static_cast<std::size_t>(waiting)], 0ns);
-  EXPECT_EQ(outcome.in_state[static_cast<std::size_t>(holding)], 0ns);
+  EXPECT_GT(outcome.in_state[static_cast<std::size_t>(following)], 0ns);
   EXPECT_EQ(outcome.loop.wake_ups, outcome.totals.ticks - 1) << "an interval between two ticks each";
   EXPECT_GT(outcome.idle.wake_ups, 0U);
   EXPECT_EQ(outcome.allocations, 0U);
