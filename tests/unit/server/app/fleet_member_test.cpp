@@ -14,22 +14,22 @@ using testing::ElementsAre;
 /// A member that is asked every 100 ms, and whose sidecar takes all calls.
 class Member {
  public:
-  explicit Member(const FleetMember::Options& options = {}) : member_(options) {}
+  explicit Member(const FleetMember::Options& options = {}) : member(options) {}
 
-  FleetMember& operator*() { return member_; }
+  FleetMember& operator*() { return member; }
 
-  void sessions(std::size_t count) { member_.set_sessions(count, now_); }
+  void sessions(std::size_t count) { member.set_sessions(count, now); }
 
   /// What of its life cycle is told within a time.
   std::vector<FleetCall> told_within(time::Nanoseconds duration) {
     std::vector<FleetCall> told;
-    for (const auto end = now_ + duration; now_ < end; now_ += 100ms) {
+    for (const auto end = now + duration; now < end; now += 100ms) {
       for (;;) {
-        const FleetCall call = member_.next(now_, turning_);
+        const FleetCall call = member.next(now, turning);
         if (call == FleetCall::none) break;
-        member_.done(call, now_);
-        if (call == FleetCall::look) member_.looked(seen_, now_);
-        if (call == FleetCall::health) ++healthy_;
+        member.done(call, now);
+        if (call == FleetCall::look) member.looked(seen, now);
+        if (call == FleetCall::health) ++healthy;
         if (call == FleetCall::health || call == FleetCall::look || call == FleetCall::count) continue;
         told.push_back(call);
       }
@@ -37,18 +37,18 @@ class Member {
     return told;
   }
 
-  FleetState seen_{.allocated = false, .health_period = 5s};
-  bool turning_ = true;
-  int healthy_ = 0;
-  time::Nanoseconds now_{0};
-  FleetMember member_;
+  FleetState seen{.allocated = false, .health_period = 5s};
+  bool turning = true;
+  int healthy = 0;
+  time::Nanoseconds now{0};
+  FleetMember member;
 };
 
 TEST(AFleetMember, IsReadyOnceAndInUseFromItsFirstSession) {
   Member member;
   EXPECT_THAT(member.told_within(30s), ElementsAre(FleetCall::ready));
   member.sessions(1);
-  member.seen_.allocated = true;
+  member.seen.allocated = true;
   EXPECT_THAT(member.told_within(1s), ElementsAre(FleetCall::allocate));
   member.sessions(3);
   EXPECT_THAT(member.told_within(3600s), ElementsAre());
@@ -58,7 +58,7 @@ TEST(AFleetMember, IsReadyAgainOnlyWhenNobodyHasComeBack) {
   Member member;
   member.told_within(1s);
   member.sessions(1);
-  member.seen_.allocated = true;
+  member.seen.allocated = true;
   member.told_within(10s);
   member.sessions(0);
   EXPECT_THAT(member.told_within(4s), ElementsAre());
@@ -73,7 +73,7 @@ TEST(AFleetMember, ShutsDownAfterUseIfItIsTo) {
   Member member({.after_use = AfterUse::shut_down, .places = 7});
   member.told_within(1s);
   member.sessions(1);
-  member.seen_.allocated = true;
+  member.seen.allocated = true;
   member.told_within(10s);
   EXPECT_EQ((*member).count(), 1);
   member.sessions(0);
@@ -87,7 +87,7 @@ TEST(AFleetMember, ThatIsAllocatedWaitsForItsClientAMinuteAndIsThenReadyAgain) {
   for (const AfterUse after_use : {AfterUse::ready, AfterUse::shut_down}) {
     Member member({.after_use = after_use});
     member.told_within(10s);
-    member.seen_.allocated = true;
+    member.seen.allocated = true;
     EXPECT_THAT(member.told_within(59s), ElementsAre());
     EXPECT_TRUE((*member).allocated());
     EXPECT_THAT(member.told_within(5s), ElementsAre(FleetCall::ready));
@@ -99,7 +99,7 @@ TEST(AFleetMember, IsNotAllocatedAnewByWhatTheSidecarStillShows) {
   member.told_within(1s);
   member.sessions(1);
   EXPECT_THAT(member.told_within(1900ms), ElementsAre(FleetCall::allocate)) << "the sidecar shows Ready for a while";
-  member.seen_.allocated = true;
+  member.seen.allocated = true;
   EXPECT_THAT(member.told_within(10s), ElementsAre());
 }
 
@@ -107,21 +107,21 @@ TEST(AFleetMember, ThatSomebodyElseMadeReadyWhileInUseIsAllocatedAgain) {
   Member member;
   member.told_within(1s);
   member.sessions(1);
-  member.seen_.allocated = true;
+  member.seen.allocated = true;
   member.told_within(10s);
-  member.seen_.allocated = false;
+  member.seen.allocated = false;
   EXPECT_THAT(member.told_within(2s), ElementsAre(FleetCall::allocate));
 }
 
 TEST(AFleetMember, IsHealthyTwiceInAPeriodAndOnlyWhileItTurns) {
   Member member;
   member.told_within(10s);
-  EXPECT_GE(member.healthy_, 4);
-  EXPECT_LE(member.healthy_, 6);
-  member.turning_ = false;
-  member.healthy_ = 0;
+  EXPECT_GE(member.healthy, 4);
+  EXPECT_LE(member.healthy, 6);
+  member.turning = false;
+  member.healthy = 0;
   member.told_within(60s);
-  EXPECT_EQ(member.healthy_, 0);
+  EXPECT_EQ(member.healthy, 0);
 }
 
 TEST(AFleetMember, AsksASilentSidecarMoreAndMoreSeldom) {

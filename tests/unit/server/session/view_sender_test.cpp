@@ -38,7 +38,7 @@ class ViewSenderTest : public ServerFixture {
   void move_for(std::uint64_t session, int ticks, const Vector& position_m = vector_of({0, 0, 0.2})) {
     for (int i = 0; i < ticks; ++i) {
       clock.time += milliseconds{1};
-      wire::MotionSample motion = this->motion(session, ++sequence_);
+      wire::MotionSample motion = ServerFixture::motion(session, ++sequence_);
       motion.position = position_m;
       arrive(motion);
       for (const wire::Message& message : answers()) {
@@ -117,7 +117,7 @@ TEST_F(ViewSenderTest, TellsNothingToAnAddressThatIsNotProven) {
   const std::uint64_t session = enter("sphere", true);
   for (std::uint64_t i = 1; i <= 300; ++i) {
     clock.time += milliseconds{1};
-    wire::MotionSample motion = this->motion(session, i);
+    wire::MotionSample motion = ServerFixture::motion(session, i);
     motion.position = vector_of({0, 0, 0.2});
     arrive(motion, address(static_cast<std::uint16_t>(2 + i % 2)));
   }
@@ -128,7 +128,7 @@ TEST_F(ViewSenderTest, DoesNotAllocateAsItTells) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const std::uint64_t session = enter("pad", true);
   link.keep = false;
-  wire::MotionSample motion = this->motion(session, 1);
+  wire::MotionSample motion = ServerFixture::motion(session, 1);
   motion.position = vector_of({0, 0, 0.2});
   arrive(motion);
   const test::AllocationGuard guard;

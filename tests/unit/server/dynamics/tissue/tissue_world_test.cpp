@@ -394,7 +394,7 @@ TEST(LinearTissueWorld, IsSeenWhereAPointPressesIt) {
   const TissueSurface& surface = model.tissue().surface();
   ASSERT_EQ(world.join(), 0);
   EXPECT_EQ(world.visible().at(0).vertices_m.size(), surface.nodes_m().size());
-  const scene::Point goal_m = kBeside_m[0];
+  const scene::Point& goal_m = kBeside_m[0];
   for (int n = 0; n <= 30; ++n) {
     world.move(0, goal_m + scene::Point(0, 0, 0.01 * (1 - n / 30.0)), scene::Point::Zero());
   }
