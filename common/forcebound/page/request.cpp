@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "forcebound/page/json_member.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::page {
@@ -23,14 +24,8 @@ std::string shown(const Json& value) {
   throw std::invalid_argument(key + " is " + shown(value) + "; accepted is " + accepted);
 }
 
-const Json& at(const Json& message, const char* key) {
-  static const Json kNone;
-  const auto found = message.find(key);
-  return found == message.end() ? kNone : *found;
-}
-
 double number_at(const Json& message, const char* key, double least, double most) {
-  const Json& value = at(message, key);
+  const Json& value = json_member(message, key);
   const bool fits = value.is_number() && std::isfinite(value.get<double>());
   if (!fits || value.get<double>() < least || value.get<double>() > most) {
     refuse(key, value, "a number from " + shown(least) + " to " + shown(most));
@@ -39,13 +34,13 @@ double number_at(const Json& message, const char* key, double least, double most
 }
 
 bool flag_at(const Json& message, const char* key) {
-  const Json& value = at(message, key);
+  const Json& value = json_member(message, key);
   if (!value.is_boolean()) refuse(key, value, "true or false");
   return value.get<bool>();
 }
 
 std::uint64_t whole_at(const Json& message, const char* key) {
-  const Json& value = at(message, key);
+  const Json& value = json_member(message, key);
   if (!value.is_number_unsigned()) refuse(key, value, "a whole number from 0");
   return value.get<std::uint64_t>();
 }
@@ -53,7 +48,7 @@ std::uint64_t whole_at(const Json& message, const char* key) {
 HandAt read_hand(const Json& message) {
   constexpr double kMost_m = 10;
   HandAt hand;
-  const Json& point = at(message, "point_m");
+  const Json& point = json_member(message, "point_m");
   if (!point.is_array() || point.empty() || point.size() > hand.point_m.size()) {
     refuse("point_m", point, "a list of 1 to 3 numbers");
   }
@@ -81,10 +76,10 @@ Network read_network(const Json& value) {
 
 Choose read_choice(const Json& message) {
   constexpr std::size_t kNameMost = 200;
-  const Json& setting = at(message, "setting");
+  const Json& setting = json_member(message, "setting");
   if (!setting.is_string()) refuse("setting", setting, "a name");
   Choose choice{.setting = text::printable(setting.get<std::string>().substr(0, kNameMost))};
-  const Json& value = at(message, "value");
+  const Json& value = json_member(message, "value");
   if (value.is_null()) return choice;
   if (value.is_string()) {
     choice.value = text::printable(value.get<std::string>().substr(0, kNameMost));
@@ -106,7 +101,7 @@ std::optional<Request> read_request(std::string_view text) {
   constexpr double kSpeedMost = 100;
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) throw std::invalid_argument("a message must be a JSON object");
-  const Json& kind = at(message, "kind");
+  const Json& kind = json_member(message, "kind");
   if (!kind.is_string()) refuse("kind", kind, "a text");
   const auto& name = kind.get_ref<const std::string&>();
   if (name == "hand") return read_hand(message);

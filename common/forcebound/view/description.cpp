@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "forcebound/page/json_member.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::view {
@@ -37,13 +38,6 @@ std::string text_of(const ShownScene& shown, const std::vector<MovingGroup>& mov
          "],\"more\":" + dumped(shown.more) + ",\"moving\":" + dumped(groups) + "}";
 }
 
-/// A member of an object, null if it has none. Never a copy: to copy what is nested deeply takes stack.
-const Json& member(const Json& object, const char* key) {
-  static const Json kNone;
-  const auto found = object.find(key);
-  return found == object.end() ? kNone : *found;
-}
-
 bool is_list(const Json& value, std::size_t most) { return value.is_array() && value.size() <= most; }
 
 bool is_text(const Json& value) { return value.is_string(); }
@@ -61,17 +55,17 @@ bool is_value_of_shape(const Json& value) {
 bool is_shape(const Json& shape) {
   if (!shape.is_object() || shape.size() > kValuesMost) return false;
   // A lathe comes as a mesh: its number of segments, which nobody bounds here, is not for a browser.
-  return is_text(member(shape, "name")) && is_text(member(shape, "kind")) && shape["kind"] != "lathe" &&
-         std::ranges::all_of(shape, is_value_of_shape);
+  return is_text(page::json_member(shape, "name")) && is_text(page::json_member(shape, "kind")) &&
+         shape["kind"] != "lathe" && std::ranges::all_of(shape, is_value_of_shape);
 }
 
 bool is_mesh(const Json& mesh) {
-  if (!mesh.is_object() || !is_text(member(mesh, "name"))) return false;
-  const Json& vertices = member(mesh, "vertices_m");
-  const Json& triangles = member(mesh, "triangles");
+  if (!mesh.is_object() || !is_text(page::json_member(mesh, "name"))) return false;
+  const Json& vertices = page::json_member(mesh, "vertices_m");
+  const Json& triangles = page::json_member(mesh, "triangles");
   if (!is_list(vertices, 3 * kVerticesMost) || !is_list(triangles, 3 * kTrianglesShownMost)) return false;
   if (vertices.size() % 3 != 0 || triangles.size() % 3 != 0) return false;
-  if (mesh.size() > (member(mesh, "moves").is_boolean() ? 4U : 3U)) return false;
+  if (mesh.size() > (page::json_member(mesh, "moves").is_boolean() ? 4U : 3U)) return false;
   const std::uint64_t count = vertices.size() / 3;
   return std::ranges::all_of(vertices, [](const Json& number) { return number.is_number(); }) &&
          std::ranges::all_of(triangles, [count](const Json& corner) {
@@ -89,8 +83,8 @@ std::optional<std::string> elements(const Json& list, Condition is_one) {
 
 std::optional<MovingGroup> read_group(const Json& group) {
   if (!group.is_object()) return std::nullopt;
-  const Json& names = member(group, "names");
-  const Json& vertices = member(group, "vertices");
+  const Json& names = page::json_member(group, "names");
+  const Json& vertices = page::json_member(group, "vertices");
   if (!is_list(names, kPartsMost) || !std::ranges::all_of(names, is_text)) return std::nullopt;
   if (!vertices.is_number_unsigned() || vertices.get<std::uint64_t>() > kVerticesMost) return std::nullopt;
   MovingGroup read{.deforms = vertices.get<std::size_t>() > 0, .vertices = vertices.get<std::size_t>()};

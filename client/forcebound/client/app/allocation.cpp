@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "forcebound/net/endpoint.hpp"
+#include "forcebound/page/json_member.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -26,27 +27,16 @@ http::Url url_of(const Allocation& allocation) {
   return url;
 }
 
-const Json& nothing() {
-  static const Json kNothing;
-  return kNothing;
-}
-
-/// A member of an object, null if it has none. Never a copy: to copy what is nested deeply takes stack.
-const Json& member(const Json& object, const char* key) {
-  if (!object.is_object()) return nothing();
-  const auto found = object.find(key);
-  return found == object.end() ? nothing() : *found;
-}
-
 /// Null: there is none.
 const Json& port_in(const Json& answer) {
-  const Json& ports = member(answer, "ports");
-  if (!ports.is_array() || ports.empty()) return nothing();
+  const Json& ports = page::json_member(answer, "ports");
+  static const Json kNone;
+  if (!ports.is_array() || ports.empty()) return kNone;
   const Json* chosen = &ports.front();
   for (const Json& port : ports) {
-    if (member(port, "name") == kPortName) chosen = &port;
+    if (page::json_member(port, "name") == kPortName) chosen = &port;
   }
-  return member(*chosen, "port");
+  return page::json_member(*chosen, "port");
 }
 
 /// What the allocator says in words, or all that it says.
@@ -118,7 +108,7 @@ std::string server_of(const http::Response& answer) {
     throw std::runtime_error("HTTP status " + std::to_string(answer.status) + ": " + words_in(answer.body));
   }
   const Json said = Json::parse(answer.body, nullptr, false);
-  const Json& address = member(said, "address");
+  const Json& address = page::json_member(said, "address");
   const Json& port = port_in(said);
   if (!address.is_string() || address.get<std::string>().empty() || !port.is_number_unsigned()) {
     throw std::runtime_error("its answer has no address and port: " + words_in(answer.body));

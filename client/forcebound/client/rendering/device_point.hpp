@@ -1,22 +1,14 @@
 #pragma once
 
-#include <algorithm>
-
+#include "forcebound/control/translation.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/local_model/local_model.hpp"
 
 namespace forcebound::client {
 
+using control::translation_of;
 using control::Vector;
 using local_model::Point;
-
-/// Of a vector with the device's rows; zero on axes that it lacks.
-[[nodiscard]] inline Point translation_of(const Vector& vector) noexcept {
-  Point point = Point::Zero();
-  const Eigen::Index rows = std::min<Eigen::Index>(vector.rows(), 3);
-  point.head(rows) = vector.head(rows);
-  return point;
-}
 
 /// The device's point on a tick.
 struct DevicePoint {

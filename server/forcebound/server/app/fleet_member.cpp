@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
+#include "forcebound/page/json_member.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -28,12 +29,9 @@ std::optional<std::int64_t> whole(const Json& value) {
   return std::stoll(text);
 }
 
+/// The sidecar's REST has both spellings.
 const Json& at(const Json& object, const char* name, const char* other_name) {
-  static const Json kNone;
-  if (!object.is_object()) return kNone;
-  if (const auto found = object.find(name); found != object.end()) return *found;
-  const auto found = object.find(other_name);
-  return found == object.end() ? kNone : *found;
+  return page::json_member(object, object.contains(name) ? name : other_name);
 }
 
 }  // namespace

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "forcebound/local_model/no_longer_than.hpp"
+
 namespace forcebound::server {
 
 Eigen::Vector3d Reflection::at(const Eigen::Vector3d& wanted_m) const noexcept {
-  const auto cut = [this](const Eigen::Vector3d& part) {
-    const double size = part.norm();
-    return size > force_N_max ? Eigen::Vector3d(part * (force_N_max / size)) : part;
-  };
+  const auto cut = [this](const Eigen::Vector3d& part) { return local_model::no_longer_than(part, force_N_max); };
   Eigen::Vector3d sum = cut(force_N) + cut(tie_N_per_m * (tool_m - wanted_m));
   Eigen::Vector3d lag_m = tool_m - wanted_m;
   if (plane) {

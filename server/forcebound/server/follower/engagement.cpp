@@ -40,10 +40,9 @@ FollowerState Engagement::next(const Seen& seen) noexcept {
     case waiting:
     case stopped:
       return operator_engages(seen) ? following : state_;
-    case following:
-      return *seen.silent > times_.hold ? holding : seen.clutch_pressed ? clutched : following;
     case clutched:
       return *seen.silent > times_.hold || seen.clutch_pressed ? clutched : following;
+    case following:
     case holding:
       return *seen.silent > times_.hold ? holding : seen.clutch_pressed ? clutched : following;
     case stopping:

@@ -1,18 +1,12 @@
 #include "forcebound/server/follower/workspace_map.hpp"
 
-#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/translation.hpp"
+
 namespace forcebound::server {
 namespace {
-
-Eigen::Vector3d point_of(const Vector& position) noexcept {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  const Eigen::Index rows = std::min<Eigen::Index>(position.rows(), 3);
-  point.head(rows) = position.head(rows);
-  return point;
-}
 
 std::optional<Eigen::Quaterniond> orientation_of(const control::Handle& handle) noexcept {
   if (!handle.orientation) return std::nullopt;
@@ -40,14 +34,15 @@ WorkspaceMap::WorkspaceMap(const WorkspaceSettings& settings) : settings_(settin
 }
 
 void WorkspaceMap::engage(const LeaderMotion& leader, const ToolPose& tool) noexcept {
-  leader_start_m_ = point_of(leader.position);
+  leader_start_m_ = control::translation_of(leader.position);
   leader_orientation_ = orientation_of(leader.handle);
   tool_start_ = tool;
 }
 
 ToolPose WorkspaceMap::tool_of(const LeaderMotion& leader) const noexcept {
   ToolPose tool = tool_start_;
-  tool.position += settings_.motion_scale * (settings_.rotation * (point_of(leader.position) - leader_start_m_));
+  tool.position +=
+      settings_.motion_scale * (settings_.rotation * (control::translation_of(leader.position) - leader_start_m_));
   const auto orientation = orientation_of(leader.handle);
   if (orientation && leader_orientation_) {
     const Eigen::Quaterniond turned = *orientation * leader_orientation_->conjugate();

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "forcebound/local_model/no_longer_than.hpp"
 #include "forcebound/server/robot/inverse_kinematics.hpp"
 
 namespace forcebound::server {
@@ -45,11 +46,6 @@ void check(const ImpedanceSettings& settings) {
     if (!holds) refuse(setting, setting.zero_allowed ? ">= 0 and finite" : "> 0 and finite");
   }
   if (settings.limit_torque_share > 1) refuse({"limit_torque_share", settings.limit_torque_share}, "0 to 1");
-}
-
-Eigen::Vector3d shortened(const Eigen::Vector3d& vector, double longest) noexcept {
-  const double length = vector.norm();
-  return length > longest ? Eigen::Vector3d(vector * (longest / length)) : vector;
 }
 
 double smallest_singular_of(const ToolJacobian& jacobian) noexcept {
@@ -152,8 +148,8 @@ Vector6 ImpedanceController::wrench_of(const Eigen::Matrix<double, 6, 6>& inerti
   const Eigen::Vector3d stretch = target.pose.position - report_.pose.position;
   const Eigen::Vector3d turn = turn_between(report_.pose.orientation, target.pose.orientation);
   Vector6 wrench;
-  wrench << shortened(settings_.stiffness_N_per_m * stretch, settings_.force_N_max),
-      shortened(settings_.stiffness_N_m_per_rad * turn, settings_.torque_N_m_max);
+  wrench << local_model::no_longer_than<Eigen::Vector3d>(settings_.stiffness_N_per_m * stretch, settings_.force_N_max),
+      local_model::no_longer_than<Eigen::Vector3d>(settings_.stiffness_N_m_per_rad * turn, settings_.torque_N_m_max);
   Vector6 faster;
   faster << target.velocity, target.turn;
   faster -= report_.velocity;

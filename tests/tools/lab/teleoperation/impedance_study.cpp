@@ -43,7 +43,7 @@ class SwingingHand final : public device::Operator {
   [[nodiscard]] std::string description() const override { return "swinging"; }
 
  private:
-  device::Hand hand_{.mass_kg = 0.2, .stiffness_N_per_m = 2000, .damping_N_s_per_m = 25};
+  device::Hand hand_ = ScriptOperator::Settings{}.hand;
   Eigen::Vector3d place_m_;
   Eigen::Vector3d swing_m_;
   double rad_per_s_;

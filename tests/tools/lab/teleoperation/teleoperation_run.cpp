@@ -5,30 +5,15 @@
 #include <limits>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/translation.hpp"
 #include "forcebound/server/follower/follower_environment.hpp"
+#include "tests/tools/lab/teleoperation/last_tick.hpp"
 
 namespace forcebound::lab {
 namespace {
 
 using namespace std::chrono_literals;
 using time::Nanoseconds;
-
-/// Keeps the last tick.
-class LastTick final : public record::TickSink {
- public:
-  void on_tick(const record::TickRecord& tick) noexcept override { tick_ = tick; }
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
-  [[nodiscard]] const record::TickRecord& tick() const noexcept { return tick_; }
-
- private:
-  record::TickRecord tick_;
-};
-
-Eigen::Vector3d point_of(const control::Vector& rows) noexcept {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  point.head(std::min<Eigen::Index>(rows.rows(), 3)) = rows.head(std::min<Eigen::Index>(rows.rows(), 3));
-  return point;
-}
 
 /// Slope of force over depth, by least squares.
 class Slope {
@@ -72,7 +57,7 @@ class Measuring {
     now.tool_m = progress.tool.position;
     now.tool_speed_m_per_s = progress.tool_velocity.head<3>().norm();
     now.contact_N = progress.force_N.norm();
-    const Eigen::Vector3d applied = tick.applied.rows() > 0 ? point_of(tick.applied) : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d applied = control::translation_of(tick.applied);
     now.shown_N = applied.norm();
     const Eigen::Vector3d shown_in_world = map.settings().rotation * applied / map.settings().force_scale;
     now.shown_in_world_N = shown_in_world;

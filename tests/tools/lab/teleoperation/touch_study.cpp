@@ -11,6 +11,7 @@
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/measures/summary_cells.hpp"
+#include "tests/tools/lab/teleoperation/last_tick.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -149,13 +150,8 @@ TouchRow without_robot(const TeleoperationStudy& study, double height_m) {
               text::to_text(workspace.force_scale * workspace.motion_scale * task.stiffness_N_per_m) + "\n",
           "wall"),
       .seed = setup.seed};
-  class Seen final : public record::TickSink {
-   public:
-    void on_tick(const record::TickRecord& tick) noexcept override { applied = tick.applied; }
-    void on_force(const record::ForceRecord& /*force*/) noexcept override {}
-    control::Vector applied;
-  } seen;
-  sim::ClosedLoop loop(std::move(settings), {&seen});
+  LastTick last;
+  sim::ClosedLoop loop(std::move(settings), {&last});
   const double pace = ScriptOperator(task, hand).pace();
   std::vector<Felt> felt;
   for (const double end_s = ScriptOperator(task, hand).duration_s(); time::to_seconds(loop.time()) < end_s;) {
@@ -163,7 +159,7 @@ TouchRow without_robot(const TeleoperationStudy& study, double height_m) {
     const Eigen::Vector3d place = loop.device().truth().position;
     felt.push_back({.time_s = pace * (time::to_seconds(loop.time()) - ScriptOperator::kRest_s),
                     .depth_m = workspace.motion_scale * (through - place).dot(normal),
-                    .force_N = Eigen::Vector3d(seen.applied).dot(normal) / workspace.force_scale});
+                    .force_N = Eigen::Vector3d(last.tick().applied).dot(normal) / workspace.force_scale});
   }
   TouchRow row{
       .architecture = "no robot, no network", .network = "-", .leader_minimum_J = loop.device().audit()->minimum_J};

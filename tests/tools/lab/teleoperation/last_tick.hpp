@@ -1,0 +1,18 @@
+#pragma once
+
+#include "forcebound/record/tick_record.hpp"
+
+namespace forcebound::lab {
+
+/// Keeps the last tick.
+class LastTick final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override { tick_ = tick; }
+  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
+  [[nodiscard]] const record::TickRecord& tick() const noexcept { return tick_; }
+
+ private:
+  record::TickRecord tick_;
+};
+
+}  // namespace forcebound::lab
