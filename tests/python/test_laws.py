@@ -191,7 +191,15 @@ def test_times_that_cannot_be_are_refused_before_the_law_sees_them(wall_facts):
         laws.by_name("wave")(wall_facts).server_side().place([np.nan], [], 0.001)
 
 
-def test_a_law_has_one_owner(wall_facts):
+@pytest.mark.parametrize("use_law", [
+    lambda law: law.step([0.0], [0.0]),
+    lambda law: law.energy_J,
+    lambda law: law.xi,
+    lambda law: law.counts,
+    lambda law: law.outgoing(),
+    lambda law: law.begin_server_side(),
+], ids=["step", "energy_J", "xi", "counts", "outgoing", "begin_server_side"])
+def test_a_law_has_one_owner(wall_facts, use_law):
     law = laws.FbaExact(wall_facts)
     positions, requests_N = random_ticks(wall_facts, 200_000)
     over = threading.Event()
@@ -204,8 +212,8 @@ def test_a_law_has_one_owner(wall_facts):
     user.start()
     try:
         with pytest.raises(RuntimeError, match="another thread"):
-            while True:  # until a step comes while the other thread runs the sequence
-                law.step([0.0], [0.0])
+            while True:  # until it comes while the other thread runs the sequence
+                use_law(law)
     finally:
         over.set()
         user.join()

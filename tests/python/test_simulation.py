@@ -1,5 +1,6 @@
-"""forcebound.simulation: the loop in virtual time, with laws and environments in Python."""
+"""forcebound.simulation: the loop in virtual time, with laws, environments and hands in Python."""
 
+import math
 import threading
 
 import numpy as np
@@ -107,6 +108,64 @@ def test_a_law_may_keep_the_motions_that_it_is_told():
     ticks = simulate(0.2, law=own, **PRESS).ticks
     np.testing.assert_array_equal([m.position for m in own.motions], ticks["position"])
     assert {m.damping[0, 0] for m in own.motions} == {30.0}
+
+
+PRESS_HAND = dict(mass_kg=0.05, stiffness_N_per_m=1000, damping_N_s_per_m=4)  # of the hand "press"
+
+
+def sway(time_s):
+    return [0.02 * math.sin(6 * time_s)], [0.12 * math.cos(6 * time_s)]
+
+
+def test_a_hand_in_python_moves_as_the_same_hand_does():
+    settings = dict(scene="wall", device="wall-1dof", network="delay 10ms")
+    by_words = simulate(2, hand="press:from_m=-0.01,to_m=-0.01", **settings)
+    by_function = simulate(2, hand=simulation.OwnHand(lambda time_s: [-0.01], **PRESS_HAND), **settings)
+    np.testing.assert_array_equal(by_function.ticks["position"], by_words.ticks["position"])
+
+
+def test_a_hand_that_gives_no_velocity_moves_straight_to_its_next_target():
+    settings = dict(scene="wall", device="wall-1dof")
+    with_velocity = simulate(1, hand=sway, **settings).ticks["position"]
+    without = simulate(1, hand=lambda time_s: sway(time_s)[0], **settings).ticks["position"]
+    assert np.ptp(with_velocity) > 0.01
+    np.testing.assert_allclose(without, with_velocity, atol=2e-4)
+
+
+def test_a_stiffer_hand_presses_deeper():
+    settings = dict(scene="wall", device="wall-1dof")
+    soft, firm = (
+        simulate(2, hand=simulation.OwnHand(lambda time_s: [0.02 * min(time_s, 1)], 0.1, stiffness, 4), **settings)
+        for stiffness in (200, 1000)
+    )
+    assert firm.ticks["position"][-1, 0] > 2 * soft.ticks["position"][-1, 0]
+    assert soft.summary["passivity"]["minimum_J"] >= -1e-9
+
+
+def test_a_hand_in_python_is_refused_with_what_it_may_be():
+    settings = dict(scene="wall", device="wall-1dof")
+    with pytest.raises(TypeError, match="hand: expected its words, an OwnHand or a function of time_s, got int"):
+        simulate(1, hand=3, **settings)
+    with pytest.raises(TypeError, match="target: expected a function of time_s, got str"):
+        simulate(1, hand=simulation.OwnHand("press"), **settings)
+    with pytest.raises(ValueError, match=r"OwnHand: mass_kg must be finite and >= 0, got -1"):
+        simulate(1, hand=simulation.OwnHand(sway, mass_kg=-1), **settings)
+    with pytest.raises(ValueError, match=r"the position of a hand: expected shape \(1,\), got \(3,\)"):
+        simulate(1, hand=lambda time_s: [0, 0, 0], **settings)
+    with pytest.raises(ValueError, match="expected position or \\(position, velocity\\), got a tuple of 3"):
+        simulate(1, hand=lambda time_s: (0, 0, 0), **settings)
+    with pytest.raises(ValueError, match="the position of a hand must be finite"):
+        simulate(1, hand=lambda time_s: [math.nan], **settings)
+    with pytest.raises(ZeroDivisionError):
+        simulate(1, hand=lambda time_s: [1 / (time_s - 0.5)], **settings)
+
+
+def test_the_truth_of_a_loop_is_not_asked_for_below_its_own_hand():
+    loops = []
+    loops.append(None)
+    loops[0] = ClosedLoop(hand=lambda time_s: loops[0].truth["position"] if loops[0] else [0.0], scene="wall")
+    with pytest.raises(RuntimeError, match="runs already"):
+        loops[0].run(1)
 
 
 def test_an_exception_of_a_law_or_environment_ends_the_run_with_it():

@@ -12,7 +12,7 @@ at x >= 0 gives f = -K x. Arrays are numpy's, of float64, with a row for each de
 laws         every law: one tick is one call, a recorded sequence is one call; laws of one's own
 devices      simulated devices, and the facts of any device that a law relies on
 scenes       what the server simulates
-simulation   client, network and server in virtual time, with laws and environments in Python if wanted
+simulation   client, network and server in virtual time, with laws, environments and hands in Python if wanted
 recordings   MCAP files as numpy's structured arrays
 client       a client of a live server, with a simulated device
 """

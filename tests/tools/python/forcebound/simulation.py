@@ -21,10 +21,26 @@ from forcebound.devices import Device, DeviceFacts, device_from
 from forcebound.laws import Law, OwnLaw
 from forcebound.scenes import Scene, parse, scene_from
 
-__all__ = ["ClosedLoop", "Run", "hostile_environments", "network_words", "simulate"]
+__all__ = ["ClosedLoop", "OwnHand", "Run", "hostile_environments", "network_words", "simulate"]
 
 #: position (dof,) [m], time_s -> force (dof,) [N], or (force, unit normal out of the surface (dof,), depth_m).
 Environment = Callable[[np.ndarray, float], Any]
+
+#: time_s -> position (dof,) [m] in the scene's frame, or (position, velocity (dof,) [m/s]).
+HandTarget = Callable[[float], Any]
+
+
+class OwnHand(NamedTuple):
+    """A simulated hand whose target is a function: a mass at the tip, and a spring and a damper to the target.
+
+    The device takes a sample of the target each millisecond. A position alone moves in a straight line to the next
+    sample. An exception ends the run with it.
+    """
+
+    target: HandTarget
+    mass_kg: float = 0.1
+    stiffness_N_per_m: float = 200
+    damping_N_s_per_m: float = 1
 
 
 class Run(NamedTuple):
@@ -52,7 +68,7 @@ class ClosedLoop:
     environment  None: the scene; a function (position (dof,) [m], time_s) -> force (dof,) [N], or (force, normal,
                  depth_m); or the name of a hostile one
     device       name, TOML file or Device
-    hand         the simulated hand, as `devices.hands()` explains: "press:to_m=0.01"
+    hand         the simulated hand, as `devices.hands()` explains: "press:to_m=0.01"; an OwnHand, or the target of one
     law          name, class of `laws`, or an OwnLaw
     memory, law_parameters    of a law that is not an OwnLaw: "capped" or "full"; numbers by name
     network      both ways, in netem's words; `up` and `down` say it for one way
@@ -74,7 +90,7 @@ class ClosedLoop:
         scene: str | os.PathLike | Scene | None = None,
         environment: Environment | str | None = None,
         device: str | os.PathLike | Device = "wall-1dof",
-        hand: str = "press",
+        hand: str | OwnHand | HandTarget = "press",
         law: str | type[Law] | OwnLaw = "fba-exact",
         memory: str = "capped",
         law_parameters: Mapping[str, float] | None = None,
@@ -99,7 +115,6 @@ class ClosedLoop:
         settings: dict[str, Any] = {
             "scene": _scene_of(scene, environment),
             "device": device_from(device),
-            "hand": hand,
             "up": network if up is None else up,
             "down": network if down is None else down,
             "renders_locally": rendering == "local",
@@ -111,6 +126,7 @@ class ClosedLoop:
             "late_s_max": late_s_max,
             "measured_timing": measured_timing,
             "choosing_s_max": choosing_s_max,
+            **_hand_settings(hand),
             **_law_settings(law, memory, law_parameters),
         }
         if callable(environment):
@@ -129,7 +145,7 @@ class ClosedLoop:
     def run(self, duration_s: float) -> tuple[np.ndarray, np.ndarray]:
         """Goes on for that time [s]: the ticks and forces of it, structured arrays as in `recordings`.
 
-        Other threads of Python run meanwhile, unless law or environment are in Python. An exception of these ends the
+        Other threads of Python run meanwhile, unless law, environment or hand are in Python. An exception of these ends the
         run with it.
         """
         self._loop.run(duration_s)
@@ -166,6 +182,18 @@ def _scene_of(scene: str | os.PathLike | Scene | None, environment: Environment 
     if not callable(environment):
         raise TypeError("scene: a loop needs a scene, or an environment that is a function")
     return parse("scene = { name = 'python', description = 'nothing', degrees_of_freedom = 'any' }", "python")
+
+
+def _hand_settings(hand: Any) -> dict[str, Any]:
+    if isinstance(hand, str):
+        return {"hand": hand}
+    if isinstance(hand, OwnHand):
+        if not callable(hand.target):
+            raise TypeError(f"target: expected a function of time_s, got {type(hand.target).__name__}")
+        return {"own_hand": hand}
+    if callable(hand):
+        return {"own_hand": OwnHand(hand)}
+    raise TypeError(f"hand: expected its words, an OwnHand or a function of time_s, got {type(hand).__name__}")
 
 
 def _law_settings(law: Any, memory: str, parameters: Mapping[str, float] | None) -> dict[str, Any]:

@@ -25,12 +25,12 @@ void RecordingTap::finish(const record::RunTotals& totals) {
   if (!problem.empty()) throw std::runtime_error("the recording is incomplete: " + problem);
 }
 
-/// A loop is used by one thread at a time, and not by its own law or environment.
+/// A loop is used by one thread at a time, and not by its own law, environment or hand.
 class PythonLoop::Running {
  public:
   explicit Running(bool& flag) : flag_(flag) {
     if (flag_)
-      throw std::runtime_error("this loop runs already, in another thread or below its own law or environment");
+      throw std::runtime_error("this loop runs already, in another thread or below its own law, environment or hand");
     flag_ = true;
   }
   ~Running() { flag_ = false; }
@@ -50,6 +50,7 @@ PythonLoop::PythonLoop(sim::ClosedLoop::Settings settings, Parts parts, const st
 void PythonLoop::check() {
   if (parts_.own_law) parts_.own_law->fault.rethrow();
   if (parts_.own_environment) parts_.own_environment->fault.rethrow();
+  if (parts_.own_hand) parts_.own_hand->fault.rethrow();
   tables_.rethrow();
 }
 
@@ -83,7 +84,8 @@ std::string PythonLoop::close() {
   return *summary_;
 }
 
-py::dict PythonLoop::truth() const {
+py::dict PythonLoop::truth() {
+  const Running not_running(running_);
   const device::SimulatedDevice::Truth truth = loop_.device().truth();
   py::dict all;
   all["joint"] = array_of(truth.joint);

@@ -6,6 +6,7 @@
 
 #include "forcebound/record/recording_writer.hpp"
 #include "tests/tools/python/native/own_environment.hpp"
+#include "tests/tools/python/native/own_hand.hpp"
 #include "tests/tools/python/native/own_law.hpp"
 #include "tests/tools/python/native/tables.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
@@ -29,19 +30,21 @@ class RecordingTap final : public record::TickSink {
   std::optional<record::RecordingWriter> writer_;
 };
 
-/// sim::ClosedLoop with tables of its ticks and forces, and with law or environment in Python.
+/// sim::ClosedLoop with tables of its ticks and forces, and with law, environment or hand in Python.
 class PythonLoop {
  public:
   struct Parts {
     std::shared_ptr<OwnLaw::Shared> own_law{};
     std::shared_ptr<OwnEnvironment::Shared> own_environment{};
+    std::shared_ptr<OwnHand::Shared> own_hand{};
   };
 
   /// @throws what sim::ClosedLoop does; std::runtime_error if the recording cannot be created
   PythonLoop(sim::ClosedLoop::Settings settings, Parts parts, const std::string& recording);
 
   /// Goes on for that time. Other Python threads run meanwhile, and Ctrl-C ends it.
-  /// @throws py::value_error unless the duration is 0 to 1e6 s; the first exception of a law or environment in Python
+  /// @throws py::value_error unless the duration is 0 to 1e6 s; the first exception of a law, environment or hand in
+  /// Python
   void run(py::handle duration_s);
 
   /// The ticks and forces since the last time; also of a loop that was closed, when forces still came.
@@ -51,7 +54,8 @@ class PythonLoop {
   std::string close();
 
   [[nodiscard]] double time_s() const noexcept { return time::to_seconds(end_); }
-  [[nodiscard]] py::dict truth() const;
+  /// Not while it runs in another thread. @throws std::runtime_error
+  [[nodiscard]] py::dict truth();
 
  private:
   class Running;

@@ -84,8 +84,8 @@ void bind_laws(py::module_& module) {
   law.def("outgoing", &RunningLaw::outgoing);
   law.def("begin_server_side", &RunningLaw::begin_server_side);
   law.def_property_readonly("facts", &RunningLaw::facts);
-  law.def_property_readonly("energy_J", [](const RunningLaw& self) { return self.law().energy_J(); });
-  law.def_property_readonly("xi", [](const RunningLaw& self) { return self.law().xi(); });
+  law.def_property_readonly("energy_J", &RunningLaw::energy_J);
+  law.def_property_readonly("xi", &RunningLaw::xi);
   law.def_property_readonly("counts", &RunningLaw::counts);
   law.def_property_readonly("memory", [](const RunningLaw& self) {
     return self.options().memory == control::EnergyMemory::full ? "full" : "capped";

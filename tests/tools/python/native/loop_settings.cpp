@@ -65,6 +65,7 @@ std::vector<Setting> settings_there_are() {
          a.parts.own_environment = std::make_shared<OwnEnvironment::Shared>();
          a.parts.own_environment->function = py::reinterpret_borrow<py::object>(value);
        }},
+      {"own_hand", [](Asked& a, py::handle value, const char*) { a.parts.own_hand = own_hand_from(value); }},
       {"hostile_environment", [](Asked& a, py::handle value, const char*) { a.hostile = value.cast<std::string>(); }},
       {"up", [](Asked& a, py::handle value,
                 const char*) { a.settings.network.up = netem::parse_netem(value.cast<std::string>()); }},
@@ -117,6 +118,11 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
   }
   if (asked.parts.own_environment) {
     settings.own_environment = own_environment("a function in Python", asked.parts.own_environment);
+  }
+  if (asked.parts.own_hand) {
+    settings.make_hand = [hand = asked.parts.own_hand, dof = facts.degrees_of_freedom()] {
+      return std::make_unique<OwnHand>(hand, dof);
+    };
   }
   if (!asked.hostile.empty()) {
     settings.environment =

@@ -199,8 +199,8 @@ py::tuple RunningLaw::run(py::handle positions, py::handle requests_N, const Rec
       bend_damping();
       const Vector force_N = controller_.tick(motion_, request_N_);
       for (Eigen::Index i = 0; i < force_N.rows(); ++i) *force_at++ = force_N[i];
-      *energy_at++ = law().energy_J();
-      *xi_at++ = law().xi();
+      *energy_at++ = controller_.law().energy_J();
+      *xi_at++ = controller_.law().xi();
     }
   }
   return py::make_tuple(forces_N, energies_J, xis);
@@ -219,11 +219,28 @@ void RunningLaw::hear(py::handle numbers) {
 }
 
 py::array_t<double> RunningLaw::outgoing() const {
-  const control::ServerLawNumbers numbers = law().outgoing();
+  const InUse in_use(in_use_);
+  const control::ServerLawNumbers numbers = controller_.law().outgoing();
   return array_of(numbers.data(), numbers.rows());
 }
 
+void RunningLaw::begin_server_side() {
+  const InUse in_use(in_use_);
+  controller_.begin_server_side();
+}
+
+double RunningLaw::energy_J() const {
+  const InUse in_use(in_use_);
+  return controller_.law().energy_J();
+}
+
+double RunningLaw::xi() const {
+  const InUse in_use(in_use_);
+  return controller_.law().xi();
+}
+
 py::dict RunningLaw::counts() const {
+  const InUse in_use(in_use_);
   const control::PassivityController::Counts& c = controller_.counts();
   py::dict counts;
   counts["requests_not_finite"] = c.requests_not_finite;

@@ -19,6 +19,8 @@ namespace forcebound::python {
 ///
 /// A Cartesian device's joints are its position, and nothing else is read of them. Of any other device each tick needs
 /// joints and Jacobian.
+///
+/// A law has one owner: what is called while a sequence runs in another thread throws std::runtime_error.
 class RunningLaw {
  public:
   /// @throws std::invalid_argument as LawRegistry::make and PassivityController
@@ -52,11 +54,12 @@ class RunningLaw {
 
   void hear(py::handle numbers);
   [[nodiscard]] py::array_t<double> outgoing() const;
-  void begin_server_side() noexcept { controller_.begin_server_side(); }
+  void begin_server_side();
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept { return facts_; }
-  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
   [[nodiscard]] const control::LawOptions& options() const noexcept { return options_; }
+  [[nodiscard]] double energy_J() const;
+  [[nodiscard]] double xi() const;
   [[nodiscard]] py::dict counts() const;
 
  private:
@@ -73,7 +76,7 @@ class RunningLaw {
   control::Motion motion_;
   Vector request_N_;
   bool begun_ = false;
-  std::atomic<bool> in_use_{false};
+  mutable std::atomic<bool> in_use_{false};
 };
 
 }  // namespace forcebound::python
