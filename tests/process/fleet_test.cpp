@@ -118,6 +118,18 @@ TEST_F(AServerOfAFleet, ServesWithoutASidecarAndFindsItLater) {
   EXPECT_EQ(said.find(silence), said.rfind(silence)) << "it is said once:\n" << said;
 }
 
+TEST_F(AServerOfAFleet, LogsAWrongAnswerOnceWhileTheSidecarAnswersAllElse) {
+  StandIn fleet({"--odd-looks", "3"});
+  const Variable port("AGONES_SDK_HTTP_PORT", fleet.sidecar());
+  Server server({"--scene", "sphere"});
+  ASSERT_TRUE(server.wait_for("/gameserver was answered with what is no state of a GameServer", 60s));
+  ASSERT_TRUE(server.wait_for("the sidecar answers again: /gameserver", 60s));
+  EXPECT_EQ(server.stop(), 0);
+  const std::string said = server.err();
+  const std::string fault = "no state of a GameServer";
+  EXPECT_EQ(said.find(fault), said.rfind(fault)) << "it is said once:\n" << said;
+}
+
 TEST_F(AServerOfAFleet, ServesBesideASidecarThatTakesConnectionsAndNeverAnswers) {
   StandIn fleet({"--deaf"});
   const Variable port("AGONES_SDK_HTTP_PORT", fleet.sidecar());

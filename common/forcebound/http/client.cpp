@@ -59,7 +59,7 @@ template <class Stream>
 Response exchange(Steps& steps, Stream& stream, const Url& url, const Request& request) {
   namespace http = beast::http;
   http::request<http::string_body> message(http::string_to_verb(request.method), url.target, 11);
-  message.set(http::field::host, url.host + ":" + url.port);
+  message.set(http::field::host, url.authority());
   message.set(http::field::user_agent, "forcebound/" FORCEBOUND_VERSION);
   message.set(http::field::connection, "close");
   if (!request.body.empty()) {

@@ -14,6 +14,9 @@ struct Url {
   std::string target{"/"};
 
   [[nodiscard]] std::string text() const;
+
+  /// "HOST:PORT"; an IPv6 address is in brackets.
+  [[nodiscard]] std::string authority() const;
 };
 
 /// Reads http://HOST[:PORT][/PATH] or https://...; an IPv6 address is in brackets.

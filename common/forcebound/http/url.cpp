@@ -24,10 +24,12 @@ bool is_port(const std::string& text) {
 
 }  // namespace
 
-std::string Url::text() const {
+std::string Url::authority() const {
   const bool in_brackets = host.find(':') != std::string::npos;
-  return std::string(encrypted ? kEncrypted : kPlain) + (in_brackets ? "[" + host + "]" : host) + ":" + port + target;
+  return (in_brackets ? "[" + host + "]" : host) + ":" + port;
 }
+
+std::string Url::text() const { return std::string(encrypted ? kEncrypted : kPlain) + authority() + target; }
 
 Url parse_url(std::string_view text) {
   Url url;

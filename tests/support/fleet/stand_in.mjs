@@ -3,11 +3,12 @@
 // their states, and writes each request that changes one, or that is wrong, as a line of JSON on stdout.
 //
 //   node stand_in.mjs [--servers N] [--first-port UDP-PORT] [--sidecar-port PORT] [--allocator-port PORT]
-//                     [--no-counters] [--deaf] [--health-period SECONDS] [--tls-folder FOLDER]
+//                     [--no-counters] [--deaf] [--odd-looks N] [--health-period SECONDS] [--tls-folder FOLDER]
 //
 // Server I of N is said to be at 127.0.0.1:(UDP-PORT + I); its sidecar listens on PORT + I, or a free port for 0. With a
 // folder that has ca.pem, server.pem and server-key.pem the allocator speaks TLS and wants a certificate of that
-// authority. --deaf: connections are taken, and never answered.
+// authority. --deaf: connections are taken, and never answered. --odd-looks: the first N times that a server is asked for, it
+// has no state.
 import fs from "node:fs";
 import http from "node:http";
 import https from "node:https";
@@ -20,6 +21,7 @@ const { values } = parseArgs({
     "sidecar-port": { type: "string", default: "0" },
     "allocator-port": { type: "string", default: "0" },
     "no-counters": { type: "boolean", default: false },
+    "odd-looks": { type: "string", default: "0" },
     deaf: { type: "boolean", default: false },
     "health-period": { type: "string", default: "5" },
     "tls-folder": { type: "string" },
@@ -38,6 +40,7 @@ const servers = Array.from({ length: Number(values.servers) }, (_, index) => ({
   state: "Scheduled",
   counters: values["no-counters"] ? {} : { sessions: { count: 0, capacity: 0 } },
   healthy: 0,
+  looks: 0,
   heard: Date.now(),
 }));
 
@@ -72,7 +75,7 @@ const shown = (server) => ({
 });
 
 function answer_of_sidecar(server, method, path, text) {
-  if (method === "GET" && path === "/gameserver") return good(shown(server));
+  if (method === "GET" && path === "/gameserver") return good(++server.looks > Number(values["odd-looks"]) ? shown(server) : {});
   let body;
   try {
     body = JSON.parse(text);

@@ -30,6 +30,11 @@ TEST(AUrl, IsWrittenAsItIsRead) {
   }
 }
 
+TEST(AUrl, NamesItsHostAndPortWithAnIpv6AddressInBrackets) {
+  EXPECT_EQ(parse_url("http://127.0.0.1:9358/ready").authority(), "127.0.0.1:9358");
+  EXPECT_EQ(parse_url("http://[::1]/").authority(), "[::1]:80");
+}
+
 TEST(AUrl, IsRefusedWithTheReason) {
   struct Case {
     std::string text;

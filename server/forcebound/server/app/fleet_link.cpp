@@ -105,7 +105,7 @@ void FleetLink::run(const std::stop_token& stop) {
     } while (call != FleetCall::none && !stop.stop_requested());
     if (member_.shut_down()) over_.store(true, std::memory_order_relaxed);
   }
-  if (member_.shut_down() || silent_) return;
+  if (member_.shut_down() || failed_) return;
   member_.leave();
   if (member_.next(clock_.now(), false) == FleetCall::shut_down) say(FleetCall::shut_down);
 }
@@ -118,30 +118,35 @@ void FleetLink::say(FleetCall call) {
     const http::Response answer = http::ask(url, sent.request, call == FleetCall::shut_down ? kLastAnswer : kAnswer);
     if (answer.status != kGood) {
       const std::string why = sent.target + " was answered with HTTP status " + std::to_string(answer.status);
-      if (call != FleetCall::count) return note_silence(why);
+      if (call != FleetCall::count) return note_fault(call, why);
       spdlog::warn("fleet: the number of sessions is not told: {}; the fleet's GameServer needs a counter '{}'", why,
                    kCounter);
       return member_.refused(call);
     }
     if (call == FleetCall::health) healthy_turns_ = turns;
-    if (silent_) spdlog::info("fleet: the sidecar answers again");
-    silent_ = false;
-    note(call, answer.body);
+    if (!note(call, answer.body)) {
+      return note_fault(call, "/gameserver was answered with what is no state of a GameServer");
+    }
+    failed_ = false;
+    // The others may have been answered all the time.
+    if (faults_.erase(call) > 0) spdlog::info("fleet: the sidecar answers again: {}", sent.target);
   } catch (const std::exception& error) {
-    note_silence(error.what());
+    note_fault(call, error.what());
   }
 }
 
-void FleetLink::note(FleetCall call, const std::string& body) {
+/// Whether the answer is one to that call.
+bool FleetLink::note(FleetCall call, const std::string& body) {
   const Nanoseconds now = clock_.now();
   log(call);
   member_.done(call, now);
-  if (call != FleetCall::look) return;
+  if (call != FleetCall::look) return true;
   const auto state = read_fleet_state(body);
-  if (!state) return note_silence("/gameserver was answered with what is no state of a GameServer");
+  if (!state) return false;
   const bool before = member_.allocated();
   member_.looked(*state, now);
   if (!before && member_.allocated()) spdlog::info("fleet: allocated by the fleet, waiting for a client");
+  return true;
 }
 
 void FleetLink::log(FleetCall call) {
@@ -155,10 +160,11 @@ void FleetLink::log(FleetCall call) {
   if (call == FleetCall::shut_down) spdlog::info("fleet: shut down");
 }
 
-void FleetLink::note_silence(const std::string& why) {
+void FleetLink::note_fault(FleetCall call, const std::string& why) {
   member_.failed(clock_.now());
-  if (!silent_) spdlog::warn("fleet: the sidecar does not answer: {}; serving on and asking again", why);
-  silent_ = true;
+  failed_ = true;
+  if (!faults_.insert(call).second) return;
+  spdlog::warn("fleet: the sidecar does not answer: {}; serving on and asking again", why);
 }
 
 }  // namespace forcebound::server

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -20,7 +21,7 @@ namespace forcebound::server {
 [[nodiscard]] std::optional<std::uint16_t> fleet_port();
 
 /// Tells the fleet's sidecar how this server is, by its REST interface, on a thread of its own. A sidecar that does not
-/// answer is logged once, and asked again; the server serves on.
+/// answer, or not as it should, is logged once, and asked again; the server serves on.
 class FleetLink {
  public:
   struct Settings {
@@ -44,8 +45,8 @@ class FleetLink {
  private:
   void run(const std::stop_token& stop);
   void say(FleetCall call);
-  void note(FleetCall call, const std::string& body);
-  void note_silence(const std::string& why);
+  [[nodiscard]] bool note(FleetCall call, const std::string& body);
+  void note_fault(FleetCall call, const std::string& why);
   void log(FleetCall call);
   void take_sessions(const std::stop_token& stop);
 
@@ -61,7 +62,8 @@ class FleetLink {
 
   // Of the link's thread.
   FleetMember member_;
-  bool silent_ = false;
+  bool failed_ = false;           // the last call
+  std::set<FleetCall> faults_{};  // the calls whose fault was logged, each until it is answered again
   std::uint64_t healthy_turns_ = 0;
   std::jthread thread_;  // the last: it ends before what it uses
 };
