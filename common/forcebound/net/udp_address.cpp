@@ -39,20 +39,15 @@ Address from_asio(const asio::ip::udp::endpoint& endpoint) noexcept {
   return result;
 }
 
-Told told(msghdr& message, time::Nanoseconds wall_clock_now) noexcept {
+time::Nanoseconds waited_of(msghdr& message, time::Nanoseconds wall_clock_now) noexcept {
   constexpr time::Nanoseconds kMost = std::chrono::seconds{10};  // more is a jump of the wall clock
-  Told result;
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level != SOL_SOCKET) continue;
-    if (part->cmsg_type == SCM_TIMESTAMPNS) {
-      const auto stamp = value_of<timespec>(*part);
-      const auto arrival = std::chrono::seconds{stamp.tv_sec} + time::Nanoseconds{stamp.tv_nsec};
-      result.waited = std::clamp(wall_clock_now - arrival, time::Nanoseconds{0}, kMost);
-    } else if (part->cmsg_type == SO_RXQ_OVFL) {
-      result.overflowed = value_of<std::uint32_t>(*part);
-    }
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
+    const auto stamp = value_of<timespec>(*part);
+    const auto arrival = std::chrono::seconds{stamp.tv_sec} + time::Nanoseconds{stamp.tv_nsec};
+    return std::clamp(wall_clock_now - arrival, time::Nanoseconds{0}, kMost);
   }
-  return result;
+  return time::Nanoseconds{0};
 }
 
 }  // namespace forcebound::net

@@ -52,10 +52,12 @@ std::span<const UdpBatch::Arrived> UdpBatch::wait_for_some() noexcept { return r
 
 std::span<const UdpBatch::Arrived> UdpBatch::receive(int flags) noexcept {
   Storage& all = *storage_;
+  const bool stamped = link_.stamped();
   // Only these: after a millisecond the others are no longer in the caches, and each would cost an access to memory.
   for (std::size_t i = 0; i < all.written; ++i) {
     msghdr& message = all.in.messages[i].msg_hdr;
     message.msg_namelen = static_cast<socklen_t>(all.in.peers[i].capacity());
+    if (!stamped) continue;
     message.msg_control = all.control[i].bytes.data();
     message.msg_controllen = kControlBytes;
   }
@@ -69,15 +71,14 @@ std::span<const UdpBatch::Arrived> UdpBatch::receive(int flags) noexcept {
   }
   all.written = std::min(static_cast<std::size_t>(std::max(count, 0)) + 1, kDatagramsMax);
   if (count <= 0) return {};
-  const time::Nanoseconds now = time::wall_clock_now();
+  const time::Nanoseconds now = stamped ? time::wall_clock_now() : time::Nanoseconds{0};
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     mmsghdr& message = all.in.messages[i];
     all.in.peers[i].resize(message.msg_hdr.msg_namelen);
-    const Told extra = told(message.msg_hdr, now);
-    if (extra.overflowed) link_.note_overflowed(*extra.overflowed);
+    const time::Nanoseconds waited = stamped ? waited_of(message.msg_hdr, now) : time::Nanoseconds{0};
     const std::size_t bytes = message.msg_len;
     all.arrived[i] = {std::span(all.in.bytes[i]).first(std::min(bytes, kDatagramBytesMax)),
-                      {bytes, from_asio(all.in.peers[i]), extra.waited}};
+                      {bytes, from_asio(all.in.peers[i]), waited}};
   }
   return std::span(all.arrived).first(static_cast<std::size_t>(count));
 }

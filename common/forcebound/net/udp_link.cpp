@@ -1,5 +1,6 @@
 #include "forcebound/net/udp_link.hpp"
 
+#include <linux/sock_diag.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -47,8 +48,9 @@ asio::io_context& shared_context() {
 
 struct UdpLink::Socket {
   udp::socket socket{shared_context()};
-  UdpCounters counters;
-  udp::endpoint sender;
+  UdpCounters counters{};
+  bool stamped = false;  ///< each datagram, by the system
+  udp::endpoint sender{};
 
   void open(const udp& protocol, Stamps stamps) {
     // Blocking, for those who wait for a datagram in the same call that receives it; all others say MSG_DONTWAIT.
@@ -61,9 +63,9 @@ struct UdpLink::Socket {
     asio::error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
+    stamped = stamps == Stamps::taken;
     const int on = 1;
-    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
-    if (stamps == Stamps::taken) setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+    if (stamped) setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
     if (protocol == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   }
 };
@@ -150,9 +152,8 @@ std::optional<Received> UdpLink::receive(std::span<std::byte> buffer) noexcept {
     const ssize_t bytes = recvmsg(descriptor(), &message, MSG_TRUNC | MSG_DONTWAIT);
     if (bytes >= 0) {
       sender.resize(message.msg_namelen);
-      const Told extra = told(message, time::wall_clock_now());
-      if (extra.overflowed) socket_->counters.overflowed = *extra.overflowed;
-      return Received{static_cast<std::size_t>(bytes), from_asio(sender), extra.waited};
+      const time::Nanoseconds waited = stamped() ? waited_of(message, time::wall_clock_now()) : time::Nanoseconds{0};
+      return Received{static_cast<std::size_t>(bytes), from_asio(sender), waited};
     }
     if (errno != ECONNREFUSED) break;
     ++socket_->counters.refused;
@@ -171,10 +172,18 @@ Address UdpLink::local_address() const noexcept {
   return from_asio(socket_->socket.local_endpoint(error));
 }
 
-const UdpCounters& UdpLink::counters() const noexcept { return socket_->counters; }
+UdpCounters UdpLink::counters() const noexcept {
+  UdpCounters counters = socket_->counters;
+  // Asked for here rather than told with each datagram: that costs each one more.
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t bytes = sizeof memory;
+  if (getsockopt(descriptor(), SOL_SOCKET, SO_MEMINFO, memory.data(), &bytes) == 0)
+    counters.overflowed = memory[SK_MEMINFO_DROPS];
+  return counters;
+}
 
 void UdpLink::note_refused() noexcept { ++socket_->counters.refused; }
-void UdpLink::note_overflowed(std::uint64_t overflowed) noexcept { socket_->counters.overflowed = overflowed; }
+bool UdpLink::stamped() const noexcept { return socket_->stamped; }
 void UdpLink::note_send_failed() noexcept { ++socket_->counters.send_failed; }
 
 int UdpLink::descriptor() const noexcept { return socket_->socket.native_handle(); }

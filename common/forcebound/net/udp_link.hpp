@@ -12,7 +12,7 @@ namespace forcebound::net {
 /// Errors that a UDP socket reported.
 struct UdpCounters {
   std::uint64_t refused = 0;      ///< port unreachable (ICMP) received from the peer's machine
-  std::uint64_t overflowed = 0;   ///< datagrams dropped before the last one received: the buffer was full
+  std::uint64_t overflowed = 0;   ///< datagrams dropped because the buffer was full
   std::uint64_t send_failed = 0;  ///< the system did not take a datagram: no route, no memory, too large
 };
 
@@ -52,7 +52,8 @@ class UdpLink final : public DatagramLink {
   void wait_at_most(time::Nanoseconds duration) noexcept;
 
   [[nodiscard]] Address local_address() const noexcept;
-  [[nodiscard]] const UdpCounters& counters() const noexcept;
+  /// Asks the system: a call of it, not for each tick.
+  [[nodiscard]] UdpCounters counters() const noexcept;
 
   /// The file descriptor, for waiting.
   [[nodiscard]] int descriptor() const noexcept;
@@ -60,7 +61,7 @@ class UdpLink final : public DatagramLink {
  private:
   friend class UdpBatch;
   void note_refused() noexcept;
-  void note_overflowed(std::uint64_t overflowed) noexcept;
+  [[nodiscard]] bool stamped() const noexcept;
   void note_send_failed() noexcept;
 
   struct Socket;

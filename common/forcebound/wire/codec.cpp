@@ -1,7 +1,5 @@
 #include "forcebound/wire/codec.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include <type_traits>
 
 #include "forcebound/v1/session.pb.h"
+#include "forcebound/wire/internal/crc32.hpp"
 #include "forcebound/wire/internal/known_fields.hpp"
 #include "forcebound/wire/internal/proto_conversion.hpp"
 
@@ -28,11 +27,8 @@ constexpr std::size_t kChecksumAt = 4;
 constexpr std::size_t kPaddingOverhead = 3;
 
 std::uint32_t checksum(std::span<const std::byte> datagram) noexcept {
-  const auto* bytes = reinterpret_cast<const Bytef*>(datagram.data());
   // The checksum covers the kind too: else a flipped bit could turn a Hello into a Bye.
-  const uLong kind = crc32(crc32(0, nullptr, 0), bytes + kKindAt, 1);
-  return static_cast<std::uint32_t>(
-      crc32(kind, bytes + kHeaderBytes, static_cast<uInt>(datagram.size() - kHeaderBytes)));
+  return crc32_of(datagram[kKindAt], datagram.subspan(kHeaderBytes));
 }
 
 /// Silences Protocol Buffers, which writes to stderr about our own text that is not UTF-8; the other end refuses it.
@@ -362,6 +358,11 @@ std::span<const std::byte> Codec::encode(const Message& message) noexcept {
     default:
       return storage_->frame(kind, storage_->view);
   }
+}
+
+std::span<const std::byte> Codec::encode(const EnvironmentForce& force) noexcept {
+  storage_->fill(force);
+  return storage_->frame(index_in<EnvironmentForce>(static_cast<const Message*>(nullptr)) + 1, storage_->force);
 }
 
 std::variant<Heading, Malformed> heading_of(std::span<const std::byte> datagram) noexcept {

@@ -82,6 +82,9 @@ class Codec {
   /// The datagram, valid until the next `encode`. Text that does not fit is cut.
   [[nodiscard]] std::span<const std::byte> encode(const Message& message) noexcept;
 
+  /// The same without a copy into a Message, which is large.
+  [[nodiscard]] std::span<const std::byte> encode(const EnvironmentForce& force) noexcept;
+
   /// The message, or why there is none; text in it is valid until the codec is used again. `datagram` is untrusted.
   [[nodiscard]] std::variant<Message, Malformed> decode(std::span<const std::byte> datagram) noexcept;
 

@@ -148,8 +148,6 @@ TEST_F(UdpBatchTest, CountsWhatASlowReaderMakesTheSystemDrop) {
   std::uint64_t received = 0;
   for (auto arrived = batch_.receive_all(); !arrived.empty(); arrived = batch_.receive_all())
     received += arrived.size();
-  ASSERT_TRUE(first_.send(batch_bytes("x"), address_));
-  EXPECT_THAT(texts(), ElementsAre("x"));
   EXPECT_EQ(link_.counters().overflowed, sent - received);
   EXPECT_GT(link_.counters().overflowed, 0U);
 }

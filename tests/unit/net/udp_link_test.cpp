@@ -136,10 +136,6 @@ TEST(UdpLink, CountsWhatASlowReaderMakesTheSystemDrop) {
   std::uint64_t received = 0;
   std::array<std::byte, 16> buffer;
   while (server.receive(buffer)) ++received;
-  EXPECT_EQ(server.counters().overflowed, 0U) << "what was in the buffer came before any was dropped";
-  // The system reports it with the next datagram.
-  ASSERT_TRUE(client.send(bytes_of("x"), server.local_address()));
-  ASSERT_TRUE(hear(server));
   EXPECT_EQ(server.counters().overflowed, sent - received);
   EXPECT_GT(server.counters().overflowed, 0U);
 }

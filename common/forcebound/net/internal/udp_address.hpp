@@ -14,13 +14,8 @@ namespace forcebound::net {
 
 inline constexpr std::size_t kControlBytes = 128;
 
-/// The kernel's control data of a datagram.
-struct Told {
-  time::Nanoseconds waited{0};                ///< in the system's buffer
-  std::optional<std::uint32_t> overflowed{};  ///< datagrams dropped since the socket was opened
-};
-
+/// For how long a datagram was in the system's buffer, from the kernel's control data of it.
 /// @param wall_clock_now now, on the clock of the kernel's stamps
-[[nodiscard]] Told told(msghdr& message, time::Nanoseconds wall_clock_now) noexcept;
+[[nodiscard]] time::Nanoseconds waited_of(msghdr& message, time::Nanoseconds wall_clock_now) noexcept;
 
 }  // namespace forcebound::net

@@ -373,11 +373,12 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
       .challenge = session.allowance.challenge(),
       .follower = response.follower};
   for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
-  if (!session.allowance.proven() && !session.allowance.spend(codec_.encode(force).size())) {
+  const std::span<const std::byte> encoded = codec_.encode(force);
+  if (!session.allowance.proven() && !session.allowance.spend(encoded.size())) {
     ++counters_.motions_unproven;
     return;
   }
-  if (!send(force, session.info.address)) return;
+  if (!send_encoded(encoded, session.info.address)) return;
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
   observer_.on_force(force);
@@ -434,8 +435,8 @@ void Server::answer_bye(const wire::Bye& counts, std::size_t bytes, const net::A
   if (from == proven_at || codec_.encode(counts).size() <= bytes) send(counts, from);
 }
 
-bool Server::send(const wire::Message& message, const net::Address& to) noexcept {
-  const bool sent = link_.send(codec_.encode(message), to);
+bool Server::send_encoded(std::span<const std::byte> datagram, const net::Address& to) noexcept {
+  const bool sent = link_.send(datagram, to);
   if (!sent) ++counters_.sends_failed;
   return sent;
 }

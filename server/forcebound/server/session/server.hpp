@@ -260,7 +260,10 @@ class Server {
   [[nodiscard]] Response ask(Session& session, const Motion& motion) noexcept;
   /// What of its local model can be sent.
   [[nodiscard]] local_model::LocalModel model_of(const Session& session, const Response& response) noexcept;
-  bool send(const wire::Message& message, const net::Address& to) noexcept;
+  bool send(const wire::Message& message, const net::Address& to) noexcept {
+    return send_encoded(codec_.encode(message), to);
+  }
+  bool send_encoded(std::span<const std::byte> datagram, const net::Address& to) noexcept;
 
   /// Notifies the observer and adds the session's faults to the totals; the caller erases the session.
   void close(const Session& session, CloseReason reason);
