@@ -16,6 +16,7 @@ set(FORCEBOUND_PACKAGE_protobuf Protobuf)
 set(FORCEBOUND_PACKAGE_spdlog spdlog)
 set(FORCEBOUND_PACKAGE_tinyxml2 tinyxml2)
 set(FORCEBOUND_PACKAGE_tomlplusplus tomlplusplus)
+set(FORCEBOUND_PACKAGE_zstd zstd)
 
 # forcebound_component(NAME [LINKED ...]): installs the library NAME and what find_package(Forcebound COMPONENTS NAME)
 # needs.

@@ -16,6 +16,7 @@ inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 inline constexpr std::size_t kRecordHeaderBytes = 9;
 
 enum class Opcode : std::uint8_t {
+  none = 0x00,  ///< not one: a file that lost power may end in zeros
   header = 0x01,
   footer = 0x02,
   schema = 0x03,
@@ -24,12 +25,26 @@ enum class Opcode : std::uint8_t {
   chunk = 0x06,
   message_index = 0x07,
   chunk_index = 0x08,
+  attachment = 0x09,
+  attachment_index = 0x0a,
   statistics = 0x0b,
   metadata = 0x0c,
   metadata_index = 0x0d,
   summary_offset = 0x0e,
   data_end = 0x0f,
 };
+
+/// As the specification calls it; empty: a kind that it does not have.
+[[nodiscard]] constexpr std::string_view name_of(Opcode opcode) noexcept {
+  constexpr std::array<std::string_view, 16> kNames{
+      "",         "header",         "footer",         "schema",     "channel",          "message",
+      "chunk",    "message index",  "chunk index",    "attachment", "attachment index", "statistics",
+      "metadata", "metadata index", "summary offset", "data end"};
+  const auto number = static_cast<std::size_t>(opcode);
+  return number < kNames.size() ? kNames[number] : std::string_view();
+}
+
+enum class Compression : std::uint8_t { none, zstd };
 
 struct Schema {
   std::uint16_t id = 0;

@@ -5,62 +5,22 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <stdexcept>
+
+#include "forcebound/record/internal/mcap_fields.hpp"
+#include "forcebound/record/internal/zstd.hpp"
 
 namespace forcebound::record::mcap {
 namespace {
 
-/// Errors that name file and byte.
-struct Place {
-  const std::string& file;
-  [[noreturn]] void refuse(std::uint64_t byte, const std::string& what) const {
-    throw std::runtime_error(file + ": byte " + std::to_string(byte) + ": " + what);
-  }
-};
+constexpr std::string_view kZstd = "zstd";
 
-/// Takes a record's content apart.
-class Fields {
- public:
-  Fields(const Place& place, std::uint64_t offset, std::string_view content)
-      : place_(place), offset_(offset), rest_(content) {}
-
-  template <std::unsigned_integral Number>
-  Number number() {
-    const std::string_view bytes = take(sizeof(Number));
-    Number value = 0;
-    for (std::size_t i = sizeof(Number); i-- > 0;) {
-      value = static_cast<Number>((std::uint64_t{value} << 8U) | static_cast<unsigned char>(bytes[i]));
-    }
-    return value;
-  }
-  std::string_view text() { return take(number<std::uint32_t>()); }
-  std::string_view take(std::uint64_t count) {
-    if (count > rest_.size()) {
-      place_.refuse(offset_, "a field of " + std::to_string(count) + " bytes does not fit in the " +
-                                 std::to_string(rest_.size()) + " left of its record");
-    }
-    const std::string_view bytes = rest_.substr(0, count);
-    rest_.remove_prefix(count);
-    offset_ += count;
-    return bytes;
-  }
-  std::map<std::string, std::string> map() {
-    std::map<std::string, std::string> values;
-    const std::uint64_t start = offset_ + sizeof(std::uint32_t);
-    Fields entries(place_, start, text());
-    while (!entries.rest().empty()) {
-      std::string key(entries.text());
-      values[std::move(key)] = entries.text();
-    }
-    return values;
-  }
-  [[nodiscard]] std::string_view rest() const { return rest_; }
-  [[nodiscard]] std::uint64_t offset() const { return offset_; }
-
- private:
-  const Place& place_;
-  std::uint64_t offset_;
-  std::string_view rest_;
+/// A chunk's content apart from its records.
+struct ChunkHead {
+  std::uint64_t start = 0;  ///< byte of the chunk's content
+  std::uint64_t size = 0;   ///< of the records, uncompressed
+  std::uint32_t crc = 0;
+  bool compressed = false;
+  std::uint64_t stored = 0;  ///< bytes of the records in the file
 };
 
 class Reader {
@@ -68,20 +28,26 @@ class Reader {
   Reader(std::istream& in, const std::string& name, const Visitor& visitor)
       : in_(in), place_{name}, visitor_(visitor) {}
 
-  bool run();
+  Ending run();
 
  private:
   void measure();
+  bool at_its_end(Opcode opcode, std::uint64_t begin, std::uint64_t length);
   void record(Opcode opcode, std::uint64_t offset, std::string_view content);
   void schema(Fields fields);
   void channel(Fields fields);
-  void message(Fields fields);
+  void message(Fields fields, std::uint64_t offset);
+  void attachment(Fields fields);
+  ChunkHead chunk_head(Fields& fields);
   void chunk(Fields fields);
+  void cut_chunk(std::uint64_t offset, std::string_view content);
+  void expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what) const;
+  std::uint64_t records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut);
 
   std::istream& in_;
   Place place_;
   const Visitor& visitor_;
-  std::uint64_t size_ = 0;
+  Ending ending_;
   bool ended_ = false;  ///< the file's last bytes are those of a complete one
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
@@ -90,8 +56,8 @@ class Reader {
 void Reader::measure() {
   std::string magic(kMagic.size(), '\0');
   in_.seekg(0, std::ios::end);
-  size_ = in_ ? static_cast<std::uint64_t>(in_.tellg()) : 0;
-  if (size_ >= 2 * kMagic.size()) {
+  ending_.size = in_ ? static_cast<std::uint64_t>(in_.tellg()) : 0;
+  if (ending_.size >= 2 * kMagic.size()) {
     in_.seekg(-static_cast<std::streamoff>(kMagic.size()), std::ios::end);
     in_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
     ended_ = magic == kMagic;
@@ -103,30 +69,51 @@ void Reader::measure() {
     place_.refuse(0, "not an MCAP file of version 0: the magic bytes at its start are missing");
 }
 
-bool Reader::run() {
+/// Whether the record that begins there is not one to be visited: it ends the file, or is cut off.
+bool Reader::at_its_end(Opcode opcode, std::uint64_t begin, std::uint64_t length) {
+  const std::uint64_t left = ending_.size - begin - kRecordHeaderBytes;
+  if (length > left || opcode == Opcode::none) {
+    // A length may not exceed the rest of the file, so that a wrong one allocates no memory.
+    if (!ended_) {
+      ending_.kind = name_of(opcode);
+      ending_.declared = length;
+      return true;
+    }
+    if (opcode == Opcode::none) place_.refuse(begin, "a record of kind 0, which there is not");
+    place_.refuse(begin + kRecordHeaderBytes, "a record of " + std::to_string(length) + " bytes, where the file has " +
+                                                  std::to_string(left) + " left");
+  }
+  if (opcode != Opcode::footer) return false;
+  ending_.complete = ended_;
+  ending_.whole = begin + kRecordHeaderBytes + length;
+  return true;
+}
+
+Ending Reader::run() {
   measure();
-  std::uint64_t offset = kMagic.size();
+  ending_.whole = kMagic.size();
   std::string content;
   for (;;) {
+    const std::uint64_t begin = ending_.whole;
     char head[kRecordHeaderBytes];
     in_.read(head, sizeof head);
-    if (!in_) return false;
-    Fields header(place_, offset, std::string_view(head, sizeof head));
+    if (!in_) return ending_;
+    Fields header(place_, begin, std::string_view(head, sizeof head));
     const Opcode opcode{header.number<std::uint8_t>()};
     const auto length = header.number<std::uint64_t>();
-    offset += kRecordHeaderBytes;
-    if (length > size_ - offset) {
-      // A length may not exceed the rest of the file, so that a wrong one allocates no memory.
-      if (!ended_) return false;
-      place_.refuse(offset, "a record of " + std::to_string(length) + " bytes, where the file has " +
-                                std::to_string(size_ - offset) + " left");
-    }
-    content.resize(length);
-    in_.read(content.data(), static_cast<std::streamsize>(length));
+    const std::uint64_t offset = begin + kRecordHeaderBytes;
+    const bool last = at_its_end(opcode, begin, length);
+    if (last && (opcode != Opcode::chunk || ending_.complete)) return ending_;
+    content.resize(last ? ending_.size - offset : length);
+    in_.read(content.data(), static_cast<std::streamsize>(content.size()));
     if (!in_) place_.refuse(offset, "cannot be read: " + std::string(std::strerror(errno)));
-    if (opcode == Opcode::footer) return true;
+    if (last) {
+      cut_chunk(offset, content);
+      return ending_;
+    }
+    if (opcode == Opcode::data_end) ending_.only_index_is_lost = true;
     record(opcode, offset, content);
-    offset += length;
+    ending_.whole = offset + length;
   }
 }
 
@@ -138,9 +125,11 @@ void Reader::record(Opcode opcode, std::uint64_t offset, std::string_view conten
     case Opcode::channel:
       return channel(fields);
     case Opcode::message:
-      return message(fields);
+      return message(fields, offset);
     case Opcode::chunk:
       return chunk(fields);
+    case Opcode::attachment:
+      return attachment(fields);
     case Opcode::metadata: {
       Fields metadata = fields;
       const std::string name(metadata.text());
@@ -148,7 +137,7 @@ void Reader::record(Opcode opcode, std::uint64_t offset, std::string_view conten
       return;
     }
     default:
-      return;  // indexes, attachments, and additions of later versions
+      return;  // indexes, and additions of later versions
   }
 }
 
@@ -170,9 +159,9 @@ void Reader::channel(Fields fields) {
   channels_[channel.id] = std::move(channel);
 }
 
-void Reader::message(Fields fields) {
+void Reader::message(Fields fields, std::uint64_t offset) {
   Message message;
-  message.offset = fields.offset();
+  message.offset = offset;
   const auto id = fields.number<std::uint16_t>();
   message.sequence = fields.number<std::uint32_t>();
   message.log_time = fields.number<std::uint64_t>();
@@ -187,41 +176,123 @@ void Reader::message(Fields fields) {
   if (visitor_.message) visitor_.message(schema == schemas_.end() ? none : schema->second, channel->second, message);
 }
 
-void Reader::chunk(Fields fields) {
-  const std::uint64_t start = fields.offset();
+void Reader::attachment(Fields fields) {
+  const std::string_view all = fields.rest();
+  const std::uint64_t offset = fields.offset();
+  Attachment attachment;
+  attachment.log_time = fields.number<std::uint64_t>();
+  fields.number<std::uint64_t>();  // time of creation
+  attachment.name = fields.text();
+  attachment.media_type = fields.text();
+  attachment.data = fields.take(fields.number<std::uint64_t>());
+  const std::string_view covered = all.substr(0, all.size() - fields.rest().size());
+  expect_crc(fields.number<std::uint32_t>(), covered, offset, "attachment");
+  if (visitor_.attachment) visitor_.attachment(attachment);
+}
+
+void Reader::expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what) const {
+  const auto actual =
+      static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  if (said == 0 || said == actual) return;  // 0: none was made
+  char text[96];
+  std::snprintf(text, sizeof text, "the %s is damaged: its CRC-32 is 0x%08x, the file says 0x%08x", what, actual, said);
+  place_.refuse(offset, text);
+}
+
+ChunkHead Reader::chunk_head(Fields& fields) {
+  ChunkHead head{.start = fields.offset()};
   fields.number<std::uint64_t>();  // earliest and latest log time
   fields.number<std::uint64_t>();
-  fields.number<std::uint64_t>();  // uncompressed size
-  const auto crc = fields.number<std::uint32_t>();
+  head.size = fields.number<std::uint64_t>();
+  head.crc = fields.number<std::uint32_t>();
   const std::string compression(fields.text());
-  if (!compression.empty()) {
-    place_.refuse(start,
-                  "a chunk compressed with '" + compression +
-                      "'; only uncompressed chunks are accepted ('mcap compress --compression none' makes them)");
+  head.compressed = !compression.empty();
+  if (head.compressed && compression != kZstd) {
+    place_.refuse(head.start, "a chunk compressed with '" + compression +
+                                  "'; accepted are zstd and none ('mcap compress --compression zstd' makes them)");
   }
-  const auto length = fields.number<std::uint64_t>();
+  if (head.compressed && head.size > kChunkBytesMost) {
+    place_.refuse(head.start, "a compressed chunk that would hold " + std::to_string(head.size) +
+                                  " bytes; accepted are at most " + std::to_string(kChunkBytesMost));
+  }
+  head.stored = fields.number<std::uint64_t>();
+  return head;
+}
+
+void Reader::chunk(Fields fields) {
+  const ChunkHead head = chunk_head(fields);
   const std::uint64_t offset = fields.offset();
-  const std::string_view records = fields.take(length);
-  const auto actual =
-      static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size()));
-  if (crc != 0 && crc != actual) {
-    char text[96];
-    std::snprintf(text, sizeof text, "the chunk is damaged: its CRC-32 is 0x%08x, the file says 0x%08x", actual, crc);
-    place_.refuse(start, text);
+  std::string_view records = fields.take(head.stored);
+  Decompressed decompressed;
+  if (head.compressed) {
+    decompressed = decompress(records, head.size);
+    const std::uint64_t got = decompressed.bytes.size();
+    if (!decompressed.problem.empty()) {
+      place_.refuse(head.start, "the compressed chunk is damaged: " + decompressed.problem);
+    }
+    if (got != head.size) {
+      place_.refuse(head.start, "a compressed chunk that holds " + std::to_string(got) + " bytes, where it says " +
+                                    std::to_string(head.size));
+    }
+    records = decompressed.bytes;
   }
+  expect_crc(head.crc, records, head.start, "chunk");
+  ending_.stored += head.stored;
+  ending_.uncompressed += records.size();
+  records_of(records, head.compressed ? head.start : offset, head.compressed, false);
+}
+
+/// Visits what is whole at the beginning of a chunk that the file's end cuts off.
+void Reader::cut_chunk(std::uint64_t offset, std::string_view content) {
+  constexpr std::size_t kFixed = 8 + 8 + 8 + 4 + 4 + 8;  // with an empty name of the compression
+  if (content.size() < kFixed + kZstd.size()) return;
+  Fields fields(place_, offset, content);
+  const ChunkHead head = chunk_head(fields);
+  if (!head.compressed) {
+    ending_.rescued = records_of(fields.rest(), fields.offset(), false, true);
+    return;
+  }
+  const Decompressed decompressed = decompress(fields.rest(), head.size);
+  ending_.rescued = records_of(decompressed.bytes, head.start, true, true);
+}
+
+/// @param offset of the records, or where they are compressed that of their chunk
+/// @param cut the last record may be cut off; else it is refused
+/// @returns the messages among them
+std::uint64_t Reader::records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut) {
+  std::uint64_t messages = 0;
   Fields inner(place_, offset, records);
   while (!inner.rest().empty()) {
+    if (cut && inner.rest().size() < kRecordHeaderBytes) break;
     const Opcode opcode{inner.number<std::uint8_t>()};
     const auto size = inner.number<std::uint64_t>();
-    const std::uint64_t at = inner.offset();
+    const std::uint64_t at = compressed ? offset : inner.offset();
+    if (cut && size > inner.rest().size()) break;
     const std::string_view content = inner.take(size);
     if (opcode == Opcode::chunk) place_.refuse(at, "a chunk within a chunk");
+    if (opcode == Opcode::none) place_.refuse(at, "a record of kind 0, which there is not");
     record(opcode, at, content);
+    messages += opcode == Opcode::message ? 1U : 0U;
   }
+  return messages;
 }
 
 }  // namespace
 
-bool read(std::istream& in, const std::string& name, const Visitor& visitor) { return Reader(in, name, visitor).run(); }
+std::string in_words(const Ending& ending) {
+  if (ending.complete) return {};
+  std::string words = "it ends at byte " + std::to_string(ending.size);
+  if (ending.only_index_is_lost) return words + ", within the index behind its last record: all records are there";
+  if (ending.whole == ending.size) return words + ", behind a whole record";
+  if (ending.kind.empty()) return words + "; from byte " + std::to_string(ending.whole) + " on it has no whole record";
+  words += ", within a " + ending.kind + " of " + std::to_string(ending.declared) + " bytes that begins at byte " +
+           std::to_string(ending.whole);
+  if (ending.rescued > 0) words += ", of which the first " + std::to_string(ending.rescued) + " messages are whole";
+  return words;
+}
+
+Ending read(std::istream& in, const std::string& name, const Visitor& visitor) {
+  return Reader(in, name, visitor).run();
+}
 
 }  // namespace forcebound::record::mcap

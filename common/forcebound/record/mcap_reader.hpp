@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <istream>
@@ -11,26 +12,61 @@
 
 namespace forcebound::record::mcap {
 
+/// A compressed chunk that says that it holds more is refused before memory is taken for it.
+inline constexpr std::size_t kChunkBytesMost = std::size_t{64} << 20U;
+
 struct Message {
   std::uint32_t sequence = 0;
   std::uint64_t log_time = 0;
-  std::string_view data;     ///< valid during the call
-  std::uint64_t offset = 0;  ///< in the file, for error messages
+  std::string_view data;  ///< valid during the call
+  /// In the file, for error messages; of a message in a compressed chunk, that chunk's.
+  std::uint64_t offset = 0;
+};
+
+/// A file within the file.
+struct Attachment {
+  std::string name;
+  std::string media_type;
+  std::uint64_t log_time = 0;
+  std::string_view data;  ///< valid during the call
 };
 
 /// Called with what a file holds, in file order.
 struct Visitor {
-  std::function<void(const Schema&, const Channel&, const Message&)> message;
-  std::function<void(const std::string& name, const std::map<std::string, std::string>& values)> metadata;
+  std::function<void(const Schema&, const Channel&, const Message&)> message{};
+  std::function<void(const std::string& name, const std::map<std::string, std::string>& values)> metadata{};
+  std::function<void(const Attachment&)> attachment{};
 };
 
+/// Where a file ends, and what is whole of it: all that was visited.
+struct Ending {
+  bool complete = false;
+  std::uint64_t size = 0;           ///< of the file [bytes]
+  std::uint64_t whole = 0;          ///< of these, in records that are whole
+  std::uint64_t declared = 0;       ///< bytes that the record which is cut off says it has; 0: not known
+  std::string kind{};               ///< of that record: "chunk"; empty: not known
+  std::uint64_t rescued = 0;        ///< messages at the beginning of a chunk that is cut off, visited too
+  bool only_index_is_lost = false;  ///< all data are whole
+  std::uint64_t stored = 0;         ///< bytes of chunks, as they are in the file ...
+  std::uint64_t uncompressed = 0;   ///< ... and without compression
+
+  explicit operator bool() const noexcept { return complete; }
+};
+
+/// What is missing and what is not, with byte positions: "it ends at byte 18442, within a chunk of 12000 bytes that
+/// begins at byte 9000, of which the first 150 messages are whole". Empty: it is complete.
+[[nodiscard]] std::string in_words(const Ending& ending);
+
 /// Reads an MCAP file from its beginning, without its index, so that the file of a killed process can be read too.
+/// Chunks may be compressed with zstd. All that is whole is visited: where the file ends within a chunk, the messages
+/// of that chunk up to there, which no checksum covers then.
 ///
 /// @param name of the file, for error messages.
-/// @returns whether the file is complete; false when it ends in the middle of a record, or without its end record. What
-/// lies before was visited.
+/// @returns whether the file is complete; it is not when it ends in the middle of a record, or without its end record,
+/// or in zeros, as after a loss of power.
 /// @throws std::runtime_error naming file, byte, what is wrong and what would be accepted: not an MCAP file, a checksum
-/// that disagrees, lengths that contradict each other, a compressed chunk. Whatever the visitor throws passes through.
-bool read(std::istream& in, const std::string& name, const Visitor& visitor);
+/// that disagrees, lengths that contradict each other, a chunk that is compressed by other means or would hold more
+/// than 64 MiB. Whatever the visitor throws passes through.
+Ending read(std::istream& in, const std::string& name, const Visitor& visitor);
 
 }  // namespace forcebound::record::mcap

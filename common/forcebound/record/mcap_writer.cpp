@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <optional>
 #include <utility>
+
+#include "forcebound/record/internal/zstd.hpp"
 
 namespace forcebound::record::mcap {
 namespace {
@@ -19,7 +22,8 @@ std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0) {
 
 }  // namespace
 
-Writer::Writer(std::ostream& out, std::string_view library) : out_(out) {
+Writer::Writer(std::ostream& out, std::string_view library, Compression compression)
+    : out_(out), compressor_(compression == Compression::zstd ? std::make_unique<Compressor>() : nullptr) {
   std::string begin(kMagic);
   std::string header;
   put(header, std::string_view{});  // no profile
@@ -28,6 +32,8 @@ Writer::Writer(std::ostream& out, std::string_view library) : out_(out) {
   emit(begin);
   chunk_.records.reserve(kChunkBytes + kChunkBytes / 8);
 }
+
+Writer::~Writer() = default;
 
 bool Writer::emit(std::string_view bytes) {
   if (failed()) return false;
@@ -83,6 +89,33 @@ void Writer::add_metadata(std::string_view name, const std::map<std::string, std
   ++metadata_count_;
 }
 
+void Writer::add_attachment(std::string_view name, std::string_view media_type, std::uint64_t log_time,
+                            std::string_view data) {
+  flush();
+  std::string content;
+  put(content, log_time);
+  put(content, log_time);  // created when it was logged
+  put(content, name);
+  put(content, media_type);
+  put(content, static_cast<std::uint64_t>(data.size()));
+  content += data;
+  put(content, crc32_of(content));
+  std::string record;
+  put_record(record, Opcode::attachment, content);
+
+  content.clear();
+  put(content, offset_);
+  put(content, static_cast<std::uint64_t>(record.size()));
+  put(content, log_time);
+  put(content, log_time);
+  put(content, static_cast<std::uint64_t>(data.size()));
+  put(content, name);
+  put(content, media_type);
+  if (!emit(record)) return;
+  put_record(attachment_indexes_, Opcode::attachment_index, content);
+  ++attachment_count_;
+}
+
 void Writer::write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t log_time, std::string_view data) {
   if (failed() || closed_) {
     ++unwritten_;
@@ -108,22 +141,25 @@ void Writer::write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t 
 
 void Writer::flush() {
   if (chunk_.records.empty()) return;
+  const std::optional<std::string_view> compressed =
+      compressor_ ? compressor_->compress(chunk_.records) : std::optional<std::string_view>();
+  const std::string_view records = compressed.value_or(chunk_.records);
+  Stored stored{.offset = offset_, .compression = compressed ? "zstd" : "", .records_bytes = records.size()};
   std::string content;
   put(content, chunk_.start);
   put(content, chunk_.end);
   put(content, static_cast<std::uint64_t>(chunk_.records.size()));
   put(content, crc32_of(chunk_.records));
-  put(content, std::string_view{});  // not compressed
-  put(content, static_cast<std::uint64_t>(chunk_.records.size()));
-  content += chunk_.records;
+  put(content, stored.compression);
+  put(content, stored.records_bytes);
+  content += records;
   std::string out;
   put_record(out, Opcode::chunk, content);
-  const std::uint64_t chunk_bytes = out.size();
-  const std::uint64_t chunk_offset = offset_;
+  stored.bytes = out.size();
 
   std::map<std::uint16_t, std::uint64_t> index_offsets;
   for (const auto& [channel, entries] : chunk_.index) {
-    index_offsets[channel] = chunk_offset + out.size();
+    index_offsets[channel] = stored.offset + out.size();
     content.clear();
     put(content, channel);
     put(content, static_cast<std::uint32_t>(entries.size() * 2 * sizeof(std::uint64_t)));
@@ -134,7 +170,7 @@ void Writer::flush() {
     put_record(out, Opcode::message_index, content);
   }
   if (emit(out)) {
-    note_chunk(chunk_offset, chunk_bytes, index_offsets, out.size() - chunk_bytes);
+    note_chunk(stored, index_offsets, out.size() - stored.bytes);
   } else {
     unwritten_ += chunk_.messages;
   }
@@ -143,21 +179,21 @@ void Writer::flush() {
   chunk_.messages = chunk_.start = chunk_.end = 0;
 }
 
-void Writer::note_chunk(std::uint64_t offset, std::uint64_t chunk_bytes,
-                        const std::map<std::uint16_t, std::uint64_t>& index_offsets, std::uint64_t index_bytes) {
+void Writer::note_chunk(const Stored& stored, const std::map<std::uint16_t, std::uint64_t>& index_offsets,
+                        std::uint64_t index_bytes) {
   std::string content;
   put(content, chunk_.start);
   put(content, chunk_.end);
-  put(content, offset);
-  put(content, chunk_bytes);
+  put(content, stored.offset);
+  put(content, stored.bytes);
   put(content, static_cast<std::uint32_t>(index_offsets.size() * (sizeof(std::uint16_t) + sizeof(std::uint64_t))));
   for (const auto& [channel, at] : index_offsets) {
     put(content, channel);
     put(content, at);
   }
   put(content, index_bytes);
-  put(content, std::string_view{});
-  put(content, static_cast<std::uint64_t>(chunk_.records.size()));
+  put(content, stored.compression);
+  put(content, stored.records_bytes);
   put(content, static_cast<std::uint64_t>(chunk_.records.size()));
   put_record(chunk_indexes_, Opcode::chunk_index, content);
 
@@ -175,7 +211,7 @@ std::string Writer::statistics() const {
   put(content, written_);
   put(content, schema_count_);
   put(content, std::uint32_t{channel_count_});
-  put(content, std::uint32_t{0});  // attachments
+  put(content, attachment_count_);
   put(content, metadata_count_);
   put(content, chunk_count_);
   put(content, start_);
@@ -201,9 +237,10 @@ void Writer::close() {
   if (!emit(out)) return;
 
   const std::uint64_t summary_start = offset_;
-  const std::array<std::pair<Opcode, std::string>, 5> groups{{{Opcode::schema, schemas_},
+  const std::array<std::pair<Opcode, std::string>, 6> groups{{{Opcode::schema, schemas_},
                                                               {Opcode::channel, channels_},
                                                               {Opcode::chunk_index, chunk_indexes_},
+                                                              {Opcode::attachment_index, attachment_indexes_},
                                                               {Opcode::metadata_index, metadata_indexes_},
                                                               {Opcode::statistics, statistics()}}};
   std::string summary;

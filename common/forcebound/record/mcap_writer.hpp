@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -12,7 +13,10 @@
 
 namespace forcebound::record::mcap {
 
-/// Writes an indexed, uncompressed MCAP file with CRC-32 over chunks, data and summary.
+class Compressor;
+
+/// Writes an indexed MCAP file with CRC-32 over chunks, attachments, data and summary; chunks are compressed with zstd
+/// unless another is said, or where that makes them no smaller.
 ///
 /// Messages are collected in chunks of up to one second of log time (or 4 MB), each handed to the stream and flushed
 /// when it is full. The first write that fails ends the file there: everything before is readable, everything after is
@@ -22,13 +26,18 @@ namespace forcebound::record::mcap {
 class Writer {
  public:
   /// @param out must outlive the writer; writing starts at its present position, taken as offset 0.
-  Writer(std::ostream& out, std::string_view library);
+  Writer(std::ostream& out, std::string_view library, Compression compression = Compression::zstd);
+  ~Writer();
 
   /// Declares a topic whose messages are of one schema; returns the channel's number.
   std::uint16_t add_channel(std::string_view topic, std::string_view schema_name, std::string_view schema_encoding,
                             std::string_view schema, std::string_view message_encoding);
 
   void add_metadata(std::string_view name, const std::map<std::string, std::string>& values);
+
+  /// A file within the file, for people and other programs.
+  void add_attachment(std::string_view name, std::string_view media_type, std::uint64_t log_time,
+                      std::string_view data);
 
   /// @param log_time nanoseconds since 1970; need not be in order.
   void write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t log_time, std::string_view data);
@@ -62,9 +71,17 @@ class Writer {
     std::map<std::uint16_t, std::vector<Entry>> index;
   };
 
+  /// A chunk as it was written.
+  struct Stored {
+    std::uint64_t offset = 0;
+    std::uint64_t bytes = 0;  ///< of the record
+    std::string_view compression;
+    std::uint64_t records_bytes = 0;
+  };
+
   bool emit(std::string_view bytes);
-  void note_chunk(std::uint64_t offset, std::uint64_t chunk_bytes,
-                  const std::map<std::uint16_t, std::uint64_t>& index_offsets, std::uint64_t index_bytes);
+  void note_chunk(const Stored& stored, const std::map<std::uint16_t, std::uint64_t>& index_offsets,
+                  std::uint64_t index_bytes);
   [[nodiscard]] std::string statistics() const;
 
   std::ostream& out_;
@@ -75,11 +92,14 @@ class Writer {
   std::uint64_t written_ = 0;
   std::uint64_t unwritten_ = 0;
   Chunk chunk_;
+  std::unique_ptr<Compressor> compressor_;  // null: nothing is compressed
 
-  std::string schemas_, channels_, chunk_indexes_, metadata_indexes_;  // records of the summary section
+  // Records of the summary section.
+  std::string schemas_, channels_, chunk_indexes_, attachment_indexes_, metadata_indexes_;
   std::uint16_t schema_count_ = 0;
   std::uint16_t channel_count_ = 0;
   std::uint32_t chunk_count_ = 0;
+  std::uint32_t attachment_count_ = 0;
   std::uint32_t metadata_count_ = 0;
   std::uint64_t start_ = 0;
   std::uint64_t end_ = 0;

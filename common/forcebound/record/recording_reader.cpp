@@ -55,7 +55,7 @@ struct Dispatcher {
 
 }  // namespace
 
-bool read_recording(const std::filesystem::path& file, RecordingSink& sink) {
+mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& sink) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) {
     throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(in ? EISDIR : errno));
@@ -77,11 +77,16 @@ bool read_recording(const std::filesystem::path& file, RecordingSink& sink) {
                                channel.topic + "': " + error.what());
     }
   };
-  const bool complete = mcap::read(in, file.string(), visitor);
+  mcap::Ending ending = mcap::read(in, file.string(), visitor);
   if (!dispatcher.started) {
-    throw std::runtime_error(file.string() + ": not a Forcebound recording: it has no metadata 'forcebound.run'");
+    throw std::runtime_error(file.string() + ": not a Forcebound recording: it has no metadata 'forcebound.run'" +
+                             (ending ? "" : "; " + mcap::in_words(ending)));
   }
-  return complete;
+  return ending;
+}
+
+std::string incomplete_in_words(const std::filesystem::path& file, const mcap::Ending& ending) {
+  return file.string() + ": incomplete: " + mcap::in_words(ending) + "; shown is what is whole";
 }
 
 }  // namespace forcebound::record

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
+#include "forcebound/record/mcap_reader.hpp"
 #include "forcebound/record/recording_writer.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/tick_record.hpp"
@@ -20,8 +22,13 @@ class RecordingSink : public TickSink {
 
 /// Reads what RecordingWriter wrote; unknown topics are skipped.
 ///
-/// @returns whether the file is complete; that of a killed process is not.
+/// @returns whether the file is complete, as a condition; that of a killed process is not. `mcap::in_words` says what
+/// is missing then.
 /// @throws std::runtime_error naming the file, the byte in it and what is wrong there.
-bool read_recording(const std::filesystem::path& file, RecordingSink& sink);
+mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& sink);
+
+/// For people, of a recording that is not complete: "run.mcap: incomplete: it ends at byte ...; shown is what is
+/// whole".
+[[nodiscard]] std::string incomplete_in_words(const std::filesystem::path& file, const mcap::Ending& ending);
 
 }  // namespace forcebound::record

@@ -32,7 +32,7 @@ struct RecordingWriter::Storage {
   }
 };
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RunInfo& info)
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RunInfo& info, mcap::Compression compression)
     : storage_(std::make_unique<Storage>()) {
   storage_->path = file;
   storage_->epoch = info.epoch;
@@ -41,7 +41,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RunInf
   if (!storage_->file) {
     throw std::runtime_error("cannot create the recording '" + file.string() + "': " + std::strerror(errno));
   }
-  storage_->mcap.emplace(storage_->file, info.program);
+  storage_->mcap.emplace(storage_->file, info.program, compression);
   storage_->mcap->add_metadata(kInfoMetadata, to_key_values(info));
 }
 

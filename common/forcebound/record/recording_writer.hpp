@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "forcebound/record/mcap_format.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/tick_record.hpp"
 
@@ -24,6 +25,8 @@ struct SentForceRecord {
 /// Writes a recording: an MCAP file with Protocol Buffers messages, which Foxglove, PlotJuggler and the official
 /// readers open. A client's has the topics /tick and /force, a server's /motion and /force.
 ///
+/// Chunks are compressed with zstd unless another is said.
+///
 /// Records reach the operating system every second of log time, so a killed process loses at most that. Log times are
 /// the record's own, moved by `RunInfo::epoch` to wall-clock time.
 ///
@@ -35,7 +38,8 @@ class RecordingWriter {
  public:
   /// Creates the file, replacing one that is there.
   /// @throws std::runtime_error naming the file and the system's reason if it cannot be created.
-  RecordingWriter(const std::filesystem::path& file, const RunInfo& info);
+  RecordingWriter(const std::filesystem::path& file, const RunInfo& info,
+                  mcap::Compression compression = mcap::Compression::zstd);
   ~RecordingWriter();
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;

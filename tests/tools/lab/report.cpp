@@ -61,11 +61,11 @@ void run(const ReportOptions& options) {
            .folder = options.figures,
            .figures = pictures_in(options.figures, {kRunPicture})});
   auto report = std::make_unique<Report>();
-  const bool complete = record::read_recording(options.recording, *report);
+  const record::mcap::Ending ending = record::read_recording(options.recording, *report);
   if (!report->any_tick()) {
     throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
   }
-  if (!complete) std::cerr << options.recording << ": incomplete; shown is what it has\n";
+  if (!ending) std::cerr << record::incomplete_in_words(options.recording, ending) << '\n';
   if (!to_stdout) std::cout << report->summary().to_text(text::colour_for(STDOUT_FILENO)) << std::flush;
   if (to_stdout) {
     std::cout << report->summary().to_json();

@@ -59,11 +59,11 @@ class RunReader final : public record::RecordingSink {
 
 Json read_run(const std::string& file, LawsFigure& figure) {
   RunReader run(figure, std::filesystem::path(file).filename().string());
-  const bool complete = record::read_recording(file, run);
+  const record::mcap::Ending ending = record::read_recording(file, run);
   if (!run.any_tick()) {
     throw std::runtime_error(file + ": no message on topic /tick; a client's recording is needed");
   }
-  if (!complete) std::cerr << file << ": incomplete; shown is what it has\n";
+  if (!ending) std::cerr << record::incomplete_in_words(file, ending) << '\n';
   return run.summary();
 }
 

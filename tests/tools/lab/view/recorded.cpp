@@ -54,9 +54,8 @@ Recorded read_recorded(const std::filesystem::path& file) {
   Recorded recorded;
   Collector collector(recorded);
   try {
-    if (!record::read_recording(file, collector)) {
-      recorded.flaw = file.string() + ": incomplete, as of a program that was killed; shown is what it has";
-    }
+    const record::mcap::Ending ending = record::read_recording(file, collector);
+    if (!ending) recorded.flaw = record::incomplete_in_words(file, ending);
   } catch (const std::runtime_error& error) {
     if (recorded.ticks.empty()) throw;
     recorded.flaw = std::string(error.what()) + "; shown is what comes before";

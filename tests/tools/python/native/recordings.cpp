@@ -80,7 +80,7 @@ py::dict read(const std::string& file) {
   {
     const py::gil_scoped_release others_run;
     try {
-      complete = record::read_recording(file, tables);
+      complete = record::read_recording(file, tables).complete;
     } catch (const std::runtime_error& malformed) {
       throw std::invalid_argument(malformed.what());  // a ValueError in Python
     }
