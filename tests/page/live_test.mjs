@@ -34,10 +34,10 @@ async function untilLaw(tab, track, law) {
     document.querySelector(`.light[data-track="${index}"] .law-name`)?.textContent === name, [track, law]);
 }
 
-async function withClient(browser, options, then, netem = kFar) {
+async function withClient(browser, options, then, netem = kFar, served = []) {
   const programs = await Programs.in(given.bin);
   try {
-    const client = await programs.client(netem, options);
+    const client = await programs.client(netem, options, served);
     const tab = await Tab.open(browser, client.url);
     await tab.untilTicks();
     await then(tab, programs, client);
@@ -164,6 +164,36 @@ const cases = {
         .some((value, i) => Math.abs(value - old[i]) > 1e-3), before);
       await tab.page.mouse.up();
     }, "delay 5ms");
+  },
+
+  /** A robot that follows is drawn with its task; it moves with the hand, both forces and its numbers are shown. */
+  async robot(browser) {
+    await withClient(browser, ["--device", "firm-3dof"], async (tab) => {
+      await tab.until("arm and plate are drawn", () => window.forcebound.stage.views[0].parts.children.length > 15 &&
+        window.forcebound.stage.views[0].parts.children.some((part) => part.name.startsWith("forearm")) &&
+        window.forcebound.stage.views[0].parts.children.some((part) => part.name === "wall"));
+      await tab.until("it is told where the tool is", () => window.forcebound.stage.views[0].state.tool !== null);
+      // Who takes hold of the hand and keeps it still engages.
+      const { x, y } = await tab.tip();
+      await tab.page.mouse.move(x, y);
+      await tab.page.mouse.down();
+      await tab.until("the robot follows", () => document.getElementById("robot").dataset.state === "following");
+      const height = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.tool.z);
+      const before = await height();
+      let down = 0;
+      const pressed = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.exerted.length() > 3);
+      while (!(await pressed()) && down < 400) {
+        await tab.page.mouse.move(x, y + (down += 2));
+        await forSeconds(tab, 0.1);
+      }
+      assert.ok(await height() < before - 0.02, "the arm went down with the hand");
+      await tab.until("both forces have their newtons", () => ["applied", "exerted"].every((name) =>
+        / N$/.test(document.querySelector(`.force-label.colour-${name}:not([hidden])`)?.textContent ?? "")));
+      assert.match(await tab.text("robot-numbers"), /position-force.*× 1/s);
+      assert.ok(await tab.page.locator("#legend-exerted").isVisible());
+      await tab.light(0, true);
+      await tab.page.mouse.up();
+    }, "delay 20ms", ["--follower", "reach-7", "--task", "stiff-wall"]);
   },
 
   /** A recording replays; its slider seeks, by the keyboard too. */

@@ -78,9 +78,9 @@ export class Programs {
     return program;
   }
 
-  /** A client of a server through a relay, with a page. */
-  async client(netem, options = []) {
-    this.served = await this.server();
+  /** A client of a server through a relay, with a page. @param {string[]} served options of the server */
+  async client(netem, options = [], served = []) {
+    this.served = await this.server(served);
     this.between = await this.relay(this.served.address, netem);
     return this.withPage("client", ["--server", this.between.address, "--relay-control", this.between.control,
       "--scene-cache", "none", "--quiet", ...options]);

@@ -1,14 +1,15 @@
 // A picture of the live page of the real programs: node screenshot.mjs TO.png --page FOLDER --chromium PROGRAM --bin FOLDER
 //
-// fba-exact beside no law, the same hand on a dome through 50 ms +- 10 ms and 5 % loss each way. Says how many frames a
-// second were drawn meanwhile.
+// fba-exact beside no law, the same hand on a dome through 50 ms +- 10 ms and 5 % loss each way; with --task instead a
+// robot at that task, which is led down through the same network until it presses. Says how many frames a second were
+// drawn meanwhile.
 import { parseArgs } from "node:util";
 import { needPage, openBrowser, Tab } from "./browser.mjs";
 import { Programs } from "./programs.mjs";
 
 const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
   page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" }, scene: { type: "string", default: "dome" },
-  size: { type: "string", default: "1280x720" }, sharpness: { type: "string", default: "1" }, dark: { type: "boolean" }, alone: { type: "boolean" } } });
+  size: { type: "string", default: "1280x720" }, sharpness: { type: "string", default: "1" }, task: { type: "string" }, dark: { type: "boolean" }, alone: { type: "boolean" } } });
 const [to] = positionals;
 const kNetem = "delay 50ms 10ms loss 5%";
 
@@ -27,16 +28,33 @@ async function stroke(tab) {
   }
 }
 
+/** Takes the robot by the hand and leads it down until it presses, and a little further; the pointer stays down. */
+async function press(tab) {
+  await tab.until("it is told where the tool is", () => window.forcebound.stage.views[0].state.tool !== null);
+  const { x, y } = await tab.tip();
+  await tab.page.mouse.move(x, y);
+  await tab.page.mouse.down();
+  await tab.until("the robot follows", () => document.getElementById("robot").dataset.state === "following");
+  const exerted_N = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.exerted.length());
+  for (let down = 0; await exerted_N() < 7 && down < 500; ++down) {
+    await tab.page.mouse.move(x, y + down);
+    await tab.page.waitForTimeout(60);
+  }
+  await tab.page.waitForTimeout(3000);
+}
+
 needPage(given.page);
 const browser = await openBrowser(given.chromium);
 const programs = await Programs.in(given.bin);
 try {
-  const client = await programs.client(kNetem, ["--scene", given.scene, "--law", "fba-exact", "--rendering", "remote"]);
+  const what = given.task ? ["--device", "firm-3dof"] : ["--scene", given.scene, "--rendering", "remote"];
+  const served = given.task ? ["--follower", "reach-7", "--task", given.task] : [];
+  const client = await programs.client(kNetem, ["--law", "fba-exact", ...what], served);
   const size = given.size.split("x").map(Number);
   const tab = await Tab.open(browser, client.url, {
     size, colorScheme: given.dark ? "dark" : "light", deviceScaleFactor: Number(given.sharpness) });
   await tab.untilTicks();
-  if (!given.alone) {
+  if (!given.alone && !given.task) {
     await tab.page.locator("#law-beside").selectOption("none");
     await tab.until("two laws run", () => document.querySelectorAll(".light").length === 2);
     await tab.untilValue("1.asked", "below", 1000);
@@ -44,7 +62,7 @@ try {
   await tab.page.waitForTimeout(2000);
   const frames = () => tab.page.evaluate(() => [window.forcebound.frames.count, performance.now()]);
   const [count, at] = await frames();
-  await stroke(tab);
+  await (given.task ? press(tab) : stroke(tab));
   const [more, later] = await frames();
   await tab.page.screenshot({ path: to });
   console.log(`${to}: ${(((more - count) * 1000) / (later - at)).toFixed(1)} frames a second, drawn without a graphics card`);

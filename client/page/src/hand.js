@@ -23,10 +23,11 @@ const steps = {
  */
 export function attachHand(area, stage, program) {
   const pointers = new Map(); // id -> {x, y}
-  let drag = null; // {id, view, through, offset}
-  let hand = null; // Vector3 of the arrow keys
+  let drag = null; // {id, view, through, offset, frame}
+  let hand = null; // Vector3 of the arrow keys, in the device's frame
   let pending = null;
 
+  /** @param {Vector3} place in the device's frame */
   const sendHand = (place) => {
     // One message for each frame at most: the newest place counts.
     if (!pending) {
@@ -54,14 +55,16 @@ export function attachHand(area, stage, program) {
     const seen = stage.onScreen(view, through);
     // Who takes hold of the tip beside its middle does not pull at it yet.
     const near = Math.hypot(seen.x - event.clientX, seen.y - event.clientY) < kNear_px;
-    drag = { id: event.pointerId, view, through, offset: near && under ? through.clone().sub(under) : new Vector3() };
+    // The frame stays as it is now, where a robot's clutch moves it: else the hand would run after it.
+    const frame = stage.frameOf(view);
+    drag = { id: event.pointerId, view, frame, through, offset: near && under ? through.clone().sub(under) : new Vector3() };
     hand = null;
     area.classList.add("dragging");
     pull(event);
   };
   const pull = (event) => {
     const under = stage.pointAt(drag.view, event.clientX, event.clientY, drag.through);
-    if (under) sendHand(under.add(drag.offset));
+    if (under) sendHand(drag.frame.deviceOf(under.add(drag.offset)));
   };
 
   area.addEventListener("pointerdown", (event) => {
@@ -112,7 +115,8 @@ export function attachHand(area, stage, program) {
     } else if (step) {
       const tip = stage.tip(0);
       if (!tip || !program.allowed()) return;
-      hand = (hand ?? tip.clone()).addScaledVector(new Vector3(...step), kStepOfRadius * stage.radius_m);
+      const frame = stage.frameOf(0);
+      hand = (hand ?? frame.deviceOf(tip)).addScaledVector(new Vector3(...step), (kStepOfRadius * stage.radius_m) / frame.scale);
       sendHand(hand);
     } else if (event.key === "Escape") {
       letGo();

@@ -10,6 +10,7 @@ import { openLink } from "./link.js";
 import { Pipes } from "./pipes.js";
 import { Player } from "./player.js";
 import { Sessions } from "./sessions.js";
+import { Robot } from "./robot.js";
 import { Settings } from "./settings.js";
 import { Stage } from "./stage.js";
 import { digits, duration } from "./text.js";
@@ -52,6 +53,7 @@ const events = new Events();
 const settings = new Settings(send);
 const sessions = new Sessions(send);
 const player = new Player(send);
+const robot = new Robot();
 let hello = null;
 const scenes = [];
 
@@ -122,7 +124,10 @@ function showHello(message) {
   byId("hints").hidden = !live || !handIsOurs();
   holdButton.hidden = !handIsOurs();
   if (live) {
-    if (other) charts.clear();
+    if (other) {
+      charts.clear();
+      robot.clear();
+    }
     charts.setUp({ period_s: hello.period_s || 0.001, dof: hello.dof || 3, tracks: hello.tracks.length });
     stage.setTracks(hello.tracks.length, hello.dof || 3);
     lights.setTracks(hello.tracks);
@@ -135,9 +140,27 @@ function showHello(message) {
 function showScene(message) {
   const track = message.track ?? 0;
   scenes[track] = message;
+  if (track === 0) showRobot(message);
   stage.setScene(track, { ...message, shapes: message.shapes ?? [], meshes: message.meshes ?? [] });
   const more = message.more ? ` (${message.more})` : "";
   setText(byId("scene-title"), message.name ? `scene: ${message.name}${more}` : "");
+}
+
+/** A robot at the far end: its panel, and what the marks mean then. */
+function showRobot(message) {
+  if (message.robot) {
+    robot.setFacts(message.robot);
+  } else {
+    robot.clear();
+  }
+  byId("legend-exerted").hidden = !message.robot;
+  setText(byId("legend-applied"), message.robot ? "force on the hand" : "force applied");
+  setText(byId("legend-tip"), message.robot ? "where the hand wants the tool" : "tip");
+  // A server's own page has no track but shows its robot.
+  if (message.robot && hello?.tracks.length === 0) {
+    byId("scene").hidden = false;
+    stage.setTracks(1, 3);
+  }
 }
 
 /** Where the program does not tell its scene, as with remote rendering, one that ships is drawn as it ships. */
@@ -156,7 +179,10 @@ function expectScene() {
 const kinds = {
   hello: showHello,
   scene: showScene,
-  moved: (message) => stage.moved(message.track ?? 0, message),
+  moved: (message) => {
+    stage.moved(message.track ?? 0, message);
+    if ((message.track ?? 0) === 0 && message.values) robot.set({ values: message.values });
+  },
   ticks: (message) => {
     if (!hello || !message.time_s?.length) return;
     charts.add(message.track ?? 0, message);
@@ -170,6 +196,9 @@ const kinds = {
     pipes.show(message.network, hello?.settings?.network);
     latency.show(message.stages_ms);
     showTick(message.tick);
+    if (message.robot) {
+      robot.set({ leader: message.state, hand_N: stage.views[0]?.state.applied.length(), ...(robot.present ? {} : { state: message.robot }) });
+    }
   },
   event: (message) => events.add(message, hello?.tracks.length ?? 1),
   refused: (message) => {
@@ -212,4 +241,4 @@ const link = openLink({
 });
 
 /** Frames drawn, for who measures the page. */
-window.forcebound = { frames, stage, charts };
+window.forcebound = { frames, stage, charts, robot };

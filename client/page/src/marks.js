@@ -80,6 +80,7 @@ export class Marks extends Group {
     this.behind = lineOfTwo(new LineBasicMaterial(), 6);
     this.asked = new Arrow(0.5, 0.75, 8);
     this.applied = new Arrow(0.26, 1, 9);
+    this.exerted = new Arrow(0.4, 0.9, 8); // by a robot, at its tool
     this.spring = lineOfTwo(new LineDashedMaterial(), 6);
     this.hand = new Mesh(new RingGeometry(0.75, 1.1, 4), above(new MeshBasicMaterial({ side: DoubleSide }), 7));
     this.hand.renderOrder = 7;
@@ -90,7 +91,7 @@ export class Marks extends Group {
     const circle = Array.from({ length: 48 }, (_, i) => new Vector3(Math.cos((i * Math.PI) / 24), Math.sin((i * Math.PI) / 24), 0));
     this.circle = new LineLoop(new BufferGeometry().setFromPoints(circle), above(new LineBasicMaterial(), 4));
     this.plane.add(this.disc, this.circle);
-    this.add(this.tip, this.tipBehind, this.place, this.behind, this.asked, this.applied, this.spring, this.hand, this.plane);
+    this.add(this.tip, this.tipBehind, this.place, this.behind, this.asked, this.applied, this.exerted, this.spring, this.hand, this.plane);
     this.unit_m = 0.002;
     this.vector = new Vector3();
     this.visible = false;
@@ -102,13 +103,15 @@ export class Marks extends Group {
     for (const mark of [this.place, this.behind]) mark.material.color.set(colours.text);
     this.asked.material.color.set(colours.asked);
     this.applied.material.color.set(colours.applied);
+    this.exerted.material.color.set(colours.exerted);
     for (const mark of [this.spring, this.hand]) mark.material.color.set(colours.hand);
     for (const mark of [this.disc, this.circle]) mark.material.color.set(colours.plane);
   }
 
+  /** @param {number} radius_m of the scene, of what the device reaches where that is less */
   resize(radius_m) {
     this.unit_m = radius_m / kUnitsInRadius;
-    for (const mark of [this.tip, this.tipBehind, this.place, this.hand, this.asked, this.applied]) {
+    for (const mark of [this.tip, this.tipBehind, this.place, this.hand, this.asked, this.applied, this.exerted]) {
       mark.scale.setScalar(this.unit_m);
     }
     this.plane.scale.setScalar(0.3 * radius_m);
@@ -123,8 +126,15 @@ export class Marks extends Group {
    * @param {number} longest arrow, in units
    */
   show(state, facing, unitsPerN, longest) {
-    this.visible = state.tip !== null;
-    if (!this.visible) return;
+    this.visible = state.tip !== null || state.tool !== null;
+    this.exerted.visible = state.tool !== null;
+    if (state.tool) {
+      this.exerted.position.copy(state.tool);
+      this.exerted.show(this.vector.copy(state.exerted).multiplyScalar(unitsPerN).clampLength(0, longest));
+    }
+    const ofDevice = [this.tip, this.tipBehind, this.place, this.behind, this.asked, this.applied, this.spring, this.hand, this.plane];
+    for (const mark of ofDevice) mark.visible = state.tip !== null;
+    if (state.tip === null) return;
     for (const mark of [this.tip, this.tipBehind, this.asked, this.applied]) mark.position.copy(state.tip);
     this.place.visible = state.place !== null;
     this.behind.visible = this.place.visible;

@@ -63,7 +63,7 @@ const kinds = {
 
   capsule(shape) {
     const { length, middle, turn } = along(shape);
-    return { geometry: new CapsuleGeometry(shape.radius_m, length, 16, 48), middle, turn };
+    return { geometry: new CapsuleGeometry(shape.radius_m, length, 10, 32), middle, turn };
   },
 
   cylinder(shape) {
@@ -121,12 +121,13 @@ function surface(vertices, triangles) {
  * @param {object} shape of a `scene` message
  * @param {{radius_m: number, around: Vector3, dof: number}} extent of the scene, for what is endless; axes of the device
  * @param {Object<string, import("three").Material>} materials solid, floor, inside, sheet
+ * @param {import("three").Material} solid for what is seen from outside
  * @returns {Group|null} null for a kind that is not known
  */
-export function makeShape(shape, extent, materials) {
+export function makeShape(shape, extent, materials, solid = materials.solid) {
   const made = kinds[shape.kind]?.(shape, extent);
   if (!made) return null;
-  const bySide = new Map([[FrontSide, materials.solid], [BackSide, materials.inside], [DoubleSide, materials.sheet]]);
+  const bySide = new Map([[FrontSide, solid], [BackSide, materials.inside], [DoubleSide, materials.sheet]]);
   const mesh = new Mesh(made.geometry, made.endless ? materials.floor : bySide.get(made.side ?? FrontSide));
   if (made.turn) mesh.quaternion.copy(made.turn);
   const group = new Group();

@@ -3,6 +3,8 @@ import {
   AmbientLight, Box3, Color, DirectionalLight, DoubleSide, BackSide, GridHelper, Group, LineBasicMaterial, MeshLambertMaterial,
   PerspectiveCamera, Plane, Quaternion, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer,
 } from "three";
+import { DeviceFrame } from "./frame.js";
+import { ForceLabels } from "./labels.js";
 import { Marks } from "./marks.js";
 import { deform, makeMesh, makeShape, point } from "./shapes.js";
 import { colours } from "./theme.js";
@@ -11,6 +13,10 @@ const kLeastRadius_m = 0.03;
 const kMostRadius_m = 0.4;
 const kArrowUnits = 15; // length of the longest arrow; in units of the marks
 const kAskedMost_N = 50; // what a bound forbids may be a thousand times what is applied: longer arrows end there
+// Of a robot: what of it is seen at first about its tool, and the marks' size beside that.
+const kRobotRadius_m = 0.27;
+const kRobotMiddle_m = [-0.07, 0, 0.13];
+const kMarksOfRobot = 0.55;
 const kSteps_N = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
 /** Whether a processor draws in place of a graphics card. Asked on a canvas of its own: a canvas keeps its first answer. */
@@ -41,6 +47,20 @@ class TrackState {
     this.plane = null;
     this.asked = new Vector3();
     this.applied = new Vector3();
+    this.tool = null; // of a robot that follows, in the picture as are the two below
+    this.exerted = new Vector3();
+    this.frame = new DeviceFrame();
+  }
+
+  /** The same, in the picture. */
+  placed() {
+    const { frame } = this;
+    const place = (at) => (at ? frame.place(at) : null);
+    return {
+      tip: place(this.tip), place: place(this.place), hand: place(this.hand), tool: this.tool, exerted: this.exerted,
+      plane: this.plane ? { middle: frame.place(this.plane.middle), normal: frame.direction(this.plane.normal) } : null,
+      asked: frame.direction(this.asked), applied: frame.direction(this.applied),
+    };
   }
 }
 
@@ -51,6 +71,7 @@ class View {
     this.parts = new Group();
     this.marks = new Marks(track);
     this.state = new TrackState();
+    this.bodies = new Map(); // name -> {position_m, orientation}: where each was told of last
     this.ground = null;
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(-0.5, -0.8, 1.4);
@@ -72,6 +93,7 @@ export class Stage {
     this.zoom = 1;
     this.full_N = kSteps_N[0];
     this.peak_N = 0;
+    this.labels = new ForceLabels(canvas.parentElement);
     if (this.renderer) {
       this.renderer.setScissorTest(true);
       this.renderer.autoClear = false;
@@ -82,6 +104,8 @@ export class Stage {
     this.facing = new Plane();
     this.materials = {
       solid: new MeshLambertMaterial(),
+      robot: new MeshLambertMaterial(),
+      joint: new MeshLambertMaterial(),
       floor: new MeshLambertMaterial(),
       inside: new MeshLambertMaterial({ side: BackSide }),
       sheet: new MeshLambertMaterial({ side: DoubleSide }),
@@ -121,19 +145,36 @@ export class Stage {
     const view = this.views[track];
     const other = view.message?.name !== message.name;
     view.message = message;
+    view.state.frame = new DeviceFrame();
+    if (!message.robot) view.state.tool = null;
+    if (other) view.bodies.clear();
+    this.#placeFrame(view);
     if (track !== 0) {
       this.#build(view);
     } else {
-      const extent = this.#extentOf(message);
-      this.target.copy(extent.around);
-      this.radius_m = extent.radius_m;
+      this.#look(message);
       if (other) {
         this.full_N = kSteps_N[0];
+        this.labels.hide();
         this.resetCamera();
       }
       for (const each of this.views) this.#build(each);
     }
     this.changed();
+  }
+
+  /** What is seen at first. Of a robot, as soon as it is known where its tool is. */
+  #look(message) {
+    const { robot } = message;
+    const tool = robot ? this.views[0].state.tool : null;
+    if (robot) {
+      this.radius_m = kRobotRadius_m;
+      this.target.copy(tool ?? point([0.5, 0, 0])).add(point(kRobotMiddle_m));
+      return;
+    }
+    const extent = this.#extentOf(message);
+    this.target.copy(extent.around);
+    this.radius_m = extent.radius_m;
   }
 
   #extentOf(message) {
@@ -161,11 +202,15 @@ export class Stage {
     dispose(view.parts);
     view.parts.clear();
     const extent = { radius_m: this.radius_m, around: this.target, dof: this.dof };
-    for (const shape of view.message?.shapes ?? []) {
-      const made = makeShape(shape, extent, this.materials);
+    const robots = view.message?.robot?.solids ?? 0; // the first ones are the robot's
+    (view.message?.shapes ?? []).forEach((shape, i) => {
+      const joint = shape.kind === "cylinder" || shape.kind === "sphere";
+      const solid = i >= robots ? this.materials.solid : joint ? this.materials.joint : this.materials.robot;
+      const made = makeShape(shape, extent, this.materials, solid);
       if (made) view.parts.add(made);
-    }
+    });
     for (const mesh of view.message?.meshes ?? []) view.parts.add(makeMesh(mesh, this.materials));
+    for (const [name, body] of view.bodies) placeBody(view, name, body);
     if (view.ground) {
       view.scene.remove(view.ground);
       view.ground.dispose();
@@ -194,13 +239,38 @@ export class Stage {
       if (part) deform(part, mesh.vertices_m, this.materials);
     }
     for (const body of message.bodies ?? []) {
-      const part = view.parts.getObjectByName(body.name);
-      if (!part) continue;
-      const [w, x, y, z] = body.orientation;
-      part.position.copy(point(body.position_m));
-      part.quaternion.set(x, y, z, w);
+      view.bodies.set(body.name, body);
+      placeBody(view, body.name, body);
     }
+    this.#placeFrame(view);
+    if (message.values) this.#showRobot(view, message.values);
     this.changed();
+  }
+
+  /** Of a shape that is the device's frame. */
+  #placeFrame(view) {
+    const shape = view.message?.shapes?.find(({ kind }) => kind === "frame");
+    const body = shape && view.bodies.get(shape.name);
+    if (!body) return;
+    const { frame } = view.state;
+    const [w, x, y, z] = body.orientation;
+    frame.position.copy(point(body.position_m));
+    frame.turn.set(x, y, z, w);
+    frame.scale = shape.scale || 1;
+  }
+
+  /** Where the tool is, and what it exerts. */
+  #showRobot(view, values) {
+    const { state } = view;
+    const first = state.tool === null;
+    state.tool = new Vector3(values.tool_x_m, values.tool_y_m, values.tool_z_m);
+    state.exerted.set(values.force_x_N, values.force_y_N, values.force_z_N);
+    if (first && view === this.views[0] && view.message?.robot) {
+      this.#look(view.message);
+      this.resetCamera();
+      for (const each of this.views) this.#build(each);
+    }
+    this.#scaleArrows(state.exerted.length());
   }
 
   /** The newest tick of a `ticks` message. */
@@ -218,7 +288,7 @@ export class Stage {
     state.plane = message.plane && message.contact?.[last]
       ? { middle: point(message.plane.point_m), normal: point(message.plane.normal).normalize() } : null;
     this.#scaleArrows(Math.max(Math.min(state.asked.length(), kAskedMost_N), state.applied.length()));
-    this.#keepInSight(state.tip);
+    this.#keepInSight(this.tip(track));
     this.changed();
   }
 
@@ -231,7 +301,8 @@ export class Stage {
 
   /** What is thrown about stays in the picture: the camera goes back, up to a limit. */
   #keepInSight(tip) {
-    if (!tip) return;
+    // A robot's tip is somewhere else until it is told where the device's frame is.
+    if (!tip || (this.views[0].message?.robot && !this.views[0].state.tool)) return;
     const away = tip.distanceTo(this.target);
     const seen = this.radius_m / this.zoom;
     if (away < 0.95 * seen) return;
@@ -240,6 +311,8 @@ export class Stage {
 
   paint() {
     this.back = new Color(colours["view-back"]);
+    this.materials.robot.color.set(colours.robot);
+    this.materials.joint.color.set(colours["robot-joint"]);
     for (const name of ["solid", "inside", "sheet"]) this.materials[name].color.set(colours.solid);
     this.materials.floor.color.set(colours.floor);
     this.materials.soft.color.set(colours.soft);
@@ -252,12 +325,14 @@ export class Stage {
   }
 
   #resizeMarks() {
-    for (const view of this.views) view.marks.resize(this.radius_m);
+    for (const view of this.views) view.marks.resize((view.message?.robot ? kMarksOfRobot : 1) * this.radius_m);
   }
 
   resetCamera() {
     this.angles = { 1: { azimuth: -0.25, elevation: 0.25 }, 2: { azimuth: 0, elevation: 1.25 } }[this.dof] ??
       { azimuth: -0.45, elevation: 0.38 };
+    // From beside the robot and a little behind it, where its tool is not hidden.
+    if (this.views[0]?.message?.robot) this.angles = { azimuth: -0.6, elevation: 0.22 };
     this.zoom = 1;
     this.changed();
   }
@@ -307,9 +382,15 @@ export class Stage {
     return Math.min(Math.max(Math.floor(part * this.views.length), 0), this.views.length - 1);
   }
 
-  /** Where a track's tip is, or null. */
+  /** Where a track's tip is in the picture, or null. */
   tip(index) {
-    return this.views[index]?.state.tip ?? null;
+    const state = this.views[index]?.state;
+    return state?.tip ? state.frame.place(state.tip) : null;
+  }
+
+  /** Where the device's frame is in the picture now. */
+  frameOf(index) {
+    return this.views[index].state.frame.clone();
   }
 
   /** Where a point of the scene is on the screen [CSS pixels of the window]. */
@@ -350,14 +431,39 @@ export class Stage {
     this.views.forEach((view, index) => {
       const frame = this.#frame(index);
       this.#aim(frame.width / frame.height);
-      view.marks.show(view.state, this.camera.getWorldQuaternion(new Quaternion()), kArrowUnits / this.full_N, kArrowUnits);
+      const placed = view.state.placed();
+      view.marks.show(placed, this.camera.getWorldQuaternion(new Quaternion()), kArrowUnits / this.full_N, kArrowUnits);
       this.renderer.setViewport(frame.x, frame.y, frame.width, frame.height);
       this.renderer.setScissor(frame.x, frame.y, frame.width, frame.height);
       this.renderer.setClearColor(this.back);
       this.renderer.clear();
       this.renderer.render(view.scene, this.camera);
+      if (index === 0 && view.message?.robot) this.#label(placed, frame);
     });
   }
+
+  /** The forces of hand and robot in newtons, beside their arrows; the camera is aimed. */
+  #label(placed, frame) {
+    const onArea = (place) => {
+      const seen = place.clone().project(this.camera);
+      return { x: frame.x + ((seen.x + 1) / 2) * frame.width, y: ((1 - seen.y) / 2) * frame.height };
+    };
+    const unit_m = this.views[0].marks.unit_m;
+    const label = (name, at, force) => {
+      if (!at) return;
+      const arrow = force.clone().multiplyScalar((unit_m * kArrowUnits) / this.full_N).clampLength(0, unit_m * kArrowUnits);
+      this.labels.show(name, force.length(), onArea(at), onArea(arrow.add(at)));
+    };
+    label("applied", placed.tip, placed.applied);
+    label("exerted", placed.tool, placed.exerted);
+  }
+}
+
+function placeBody(view, name, { position_m, orientation: [w, x, y, z] }) {
+  const part = view.parts.getObjectByName(name);
+  if (!part) return;
+  part.position.copy(point(position_m));
+  part.quaternion.set(x, y, z, w);
 }
 
 function dispose(group) {

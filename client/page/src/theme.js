@@ -3,6 +3,7 @@
 const names = [
   "view-back", "floor", "solid", "solid-edge", "soft", "grid", "track-0", "track-1", "asked", "applied", "axis-x", "axis-y",
   "axis-z", "text", "faint", "line", "good", "bad", "unknown", "plane", "hand",
+  "robot", "robot-joint", "exerted",
 ];
 
 /** The colours of now, by the name of their variable; the same object is filled anew when the theme changes. */

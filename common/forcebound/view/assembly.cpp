@@ -99,17 +99,20 @@ void Assembly::tell_again() noexcept {
 std::string Assembly::take_moved(int track) {
   std::string meshes;
   std::string bodies;
+  std::string values;
   for (std::size_t group = 0; group < moving_.size(); ++group) {
     if (!std::exchange(moving_[group].changed, false)) continue;
-    if (scene_->moving[group].deforms) {
+    if (scene_->moving[group].values) {
+      add_values(values, group);
+    } else if (scene_->moving[group].deforms) {
       add_surface(meshes, group);
     } else {
       add_solids(bodies, group);
     }
   }
-  if (meshes.empty() && bodies.empty()) return {};
+  if (meshes.empty() && bodies.empty() && values.empty()) return {};
   return "{\"kind\":\"moved\",\"track\":" + std::to_string(track) + ",\"meshes\":[" + meshes + "],\"bodies\":[" +
-         bodies + "]}";
+         bodies + "]" + (values.empty() ? "" : ",\"values\":{" + values + "}") + "}";
 }
 
 void Assembly::add_surface(std::string& to, std::size_t group) {
@@ -133,6 +136,15 @@ void Assembly::add_solids(std::string& to, std::size_t group) {
     to += ",\"orientation\":";
     page::add_numbers(to, numbers.subspan(3, 4));
     to += '}';
+  }
+}
+
+void Assembly::add_values(std::string& to, std::size_t group) {
+  const Moving& moving = moving_[group];
+  for (std::size_t i = 0; i < moving.known.size(); ++i) {
+    if (!moving.known[i]) continue;
+    to += (to.empty() ? "" : ",") + json_text(scene_->moving[group].names[i]) + ':';
+    page::add_number(to, moving.numbers[i]);
   }
 }
 

@@ -50,6 +50,7 @@ class Assembly {
   void begin(const Piece& piece);
   void add_surface(std::string& to, std::size_t group);
   void add_solids(std::string& to, std::size_t group);
+  void add_values(std::string& to, std::size_t group);
 
   std::uint64_t session_ = 0;
   std::uint64_t view_ = 0;  // that is put together

@@ -33,9 +33,11 @@ std::string text_of(const ShownScene& shown, const std::vector<MovingGroup>& mov
   Json groups = Json::array();
   for (const MovingGroup& group : moving) {
     groups.push_back({{"names", group.names}, {"vertices", group.deforms ? group.vertices : 0}});
+    if (group.values) groups.back()["values"] = true;
   }
   return "{\"name\":" + dumped(shown.name) + ",\"shapes\":[" + shown.shapes + "],\"meshes\":[" + shown.meshes +
-         "],\"more\":" + dumped(shown.more) + ",\"moving\":" + dumped(groups) + "}";
+         "],\"more\":" + dumped(shown.more) + (shown.robot.empty() ? "" : ",\"robot\":" + shown.robot) +
+         ",\"moving\":" + dumped(groups) + "}";
 }
 
 bool is_list(const Json& value, std::size_t most) { return value.is_array() && value.size() <= most; }
@@ -57,6 +59,13 @@ bool is_shape(const Json& shape) {
   // A lathe comes as a mesh: its number of segments, which nobody bounds here, is not for a browser.
   return is_text(page::json_member(shape, "name")) && is_text(page::json_member(shape, "kind")) &&
          shape["kind"] != "lathe" && std::ranges::all_of(shape, is_value_of_shape);
+}
+
+/// Facts of a robot: an object of texts, numbers and flags.
+bool is_robot(const Json& robot) {
+  return robot.is_object() && robot.size() <= kValuesMost && std::ranges::all_of(robot, [](const Json& value) {
+           return is_text(value) || is_number(value) || value.is_boolean();
+         });
 }
 
 bool is_mesh(const Json& mesh) {
@@ -87,8 +96,12 @@ std::optional<MovingGroup> read_group(const Json& group) {
   const Json& vertices = page::json_member(group, "vertices");
   if (!is_list(names, kPartsMost) || !std::ranges::all_of(names, is_text)) return std::nullopt;
   if (!vertices.is_number_unsigned() || vertices.get<std::uint64_t>() > kVerticesMost) return std::nullopt;
-  MovingGroup read{.deforms = vertices.get<std::size_t>() > 0, .vertices = vertices.get<std::size_t>()};
-  if (read.deforms && names.size() != 1) return std::nullopt;
+  const Json& values = page::json_member(group, "values");
+  if (!values.is_null() && !values.is_boolean()) return std::nullopt;
+  MovingGroup read{.deforms = vertices.get<std::size_t>() > 0,
+                   .vertices = vertices.get<std::size_t>(),
+                   .values = values.is_boolean() && values.get<bool>()};
+  if (read.deforms && (names.size() != 1 || read.values)) return std::nullopt;
   for (const Json& name : names) read.names.push_back(name.get<std::string>());
   return read;
 }
@@ -113,12 +126,14 @@ std::span<const std::byte> Description::piece(std::uint32_t number) const noexce
   return bytes.subspan(begin, std::min(kPieceBytes, bytes.size() - begin));
 }
 
-Description describe(ShownScene objects, std::span<const std::vector<scene::VisiblePart>> models) {
+Description describe(ShownScene objects, std::span<const std::vector<scene::VisiblePart>> models,
+                     const std::vector<MovingGroup>& more) {
   Description description;
   for (const auto& parts : models) {
     for (const scene::VisiblePart& part : parts) add_part(objects, part);
     description.moving.push_back(group_of(parts));
   }
+  description.moving.insert(description.moving.end(), more.begin(), more.end());
   description.text = text_of(objects, description.moving);
   if (description.text.size() > kDescriptionBytesMost) {
     objects.meshes.clear();
@@ -130,7 +145,7 @@ Description describe(ShownScene objects, std::span<const std::vector<scene::Visi
   }
   // Only what nobody writes: thousands of objects.
   if (description.text.size() > kDescriptionBytesMost) {
-    description.moving.assign(models.size(), {});
+    description.moving.assign(description.moving.size(), {});
     description.text = text_of({.name = objects.name, .more = "it is not drawn: too many objects"}, description.moving);
   }
   description.hash = hash_of(description.text);
@@ -150,10 +165,13 @@ std::optional<Received> read_description(std::string_view text) {
   if (!is_text(at("name")) || !is_text(at("more")) || !shapes || !meshes || !is_list(at("moving"), kPartsMost)) {
     return std::nullopt;
   }
+  const Json& robot = at("robot");
+  if (!robot.is_null() && !is_robot(robot)) return std::nullopt;
   Received received{.shown = {.name = text::printable(at("name").get<std::string>()),
                               .shapes = *shapes,
                               .meshes = *meshes,
-                              .more = text::printable(at("more").get<std::string>())}};
+                              .more = text::printable(at("more").get<std::string>()),
+                              .robot = robot.is_null() ? "" : dumped(robot)}};
   std::size_t items = 0;
   for (const Json& group : at("moving")) {
     const auto read = read_group(group);

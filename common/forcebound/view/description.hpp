@@ -20,14 +20,17 @@ inline constexpr std::size_t kDescriptionBytesMost = std::size_t{2} << 20U;
 /// Of what moves, numbers that one piece holds.
 inline constexpr std::size_t kNumbersMost = kPieceBytes / sizeof(float);
 
-/// The surface of a tissue, or the solids of a dynamic model together, as they are told of while they move.
+/// The surface of a tissue, or the solids of a dynamic model together, as they are told of while they move; or numbers
+/// for a panel beside the picture.
 struct MovingGroup {
   std::vector<std::string> names{};  ///< of a surface one
   bool deforms = false;              ///< a surface
   std::size_t vertices = 0;          ///< of it
+  bool values = false;               ///< numbers, each with its name
 
   [[nodiscard]] std::size_t items() const noexcept { return deforms ? vertices : names.size(); }
   [[nodiscard]] std::size_t numbers_of_item() const noexcept {
+    if (values) return 1;
     return deforms ? scene::kNumbersOfVertex : scene::kNumbersOfSolid;
   }
 };
@@ -43,7 +46,9 @@ struct Description {
 };
 
 /// @param models what is seen of each dynamic model
-[[nodiscard]] Description describe(ShownScene objects, std::span<const std::vector<scene::VisiblePart>> models);
+/// @param more groups after those, of solids that are among the objects, and of values
+[[nodiscard]] Description describe(ShownScene objects, std::span<const std::vector<scene::VisiblePart>> models,
+                                   const std::vector<MovingGroup>& more = {});
 
 /// FNV-1a, never 0.
 [[nodiscard]] std::uint64_t hash_of(std::string_view text) noexcept;

@@ -215,6 +215,10 @@ void add_part(ShownScene& to, const scene::VisiblePart& part) {
   add_shape(to, shown_json(shape));
 }
 
+void add_frame(ShownScene& to, const std::string& name, double scale) {
+  add_shape(to, shown_json({{"name", name}, {"kind", "frame"}, {"scale", scale}, {"moves", true}}));
+}
+
 ShownScene joined(ShownScene first, const ShownScene& second) {
   const auto add = [](std::string& to, const std::string& more) {
     if (!more.empty()) to += (to.empty() ? "" : ",") + more;
@@ -222,13 +226,14 @@ ShownScene joined(ShownScene first, const ShownScene& second) {
   add(first.shapes, second.shapes);
   add(first.meshes, second.meshes);
   add_words(first.more, second.more);
+  if (first.robot.empty()) first.robot = second.robot;
   return first;
 }
 
 std::string scene_message(int track, const ShownScene& shown) {
   return "{\"kind\":\"scene\",\"track\":" + std::to_string(track) + ",\"name\":" + shown_json(shown.name) +
          ",\"shapes\":[" + shown.shapes + "],\"meshes\":[" + shown.meshes + "],\"more\":" + shown_json(shown.more) +
-         "}";
+         (shown.robot.empty() ? "" : ",\"robot\":" + shown.robot) + "}";
 }
 
 }  // namespace forcebound::view

@@ -17,7 +17,8 @@ struct ShownScene {
   std::string name;
   std::string shapes{};
   std::string meshes{};
-  std::string more{};  ///< what is not drawn, in words, not JSON
+  std::string more{};   ///< what is not drawn, in words, not JSON
+  std::string robot{};  ///< of a robot at work: an object of texts, numbers and flags; empty: there is none
 
   [[nodiscard]] bool empty() const noexcept { return shapes.empty() && meshes.empty(); }
 };
@@ -33,6 +34,10 @@ enum class Which : std::uint8_t {
 
 /// What moves or deforms, as it begins, with `"moves":true`.
 void add_part(ShownScene& to, const scene::VisiblePart& part);
+
+/// Where the frame of the client's device is, which is not the scene's: it moves, and is no solid.
+/// @param scale how long a metre of the device is in the scene
+void add_frame(ShownScene& to, const std::string& name, double scale);
 
 /// Puts words behind those that are there.
 void add_words(std::string& to, const std::string& words);

@@ -113,6 +113,22 @@ TEST(Assembly, TellsWhatMovedOnceAndAllOfItAgainWhereAsked) {
   EXPECT_EQ(Json::parse(assembly.take_moved(0))["meshes"].size(), 1);
 }
 
+TEST(Assembly, TellsValuesByTheirNamesAndFactsOfARobot) {
+  const Description description = describe({.name = "plug", .robot = R"({"architecture":"position-force"})"}, {},
+                                           {{.names = {"solid"}}, {.names = {"lag_m", "state"}, .values = true}});
+  Assembly assembly;
+  ASSERT_TRUE(give_all(assembly, description));
+  EXPECT_EQ(scene_message(0, assembly.scene()->shown),
+            R"({"kind":"scene","track":0,"name":"plug","shapes":[],"meshes":[],"more":"",)"
+            R"("robot":{"architecture":"position-force"}})");
+  const std::vector<float> values{0.5F, 2};
+  EXPECT_FALSE(assembly.take(
+      {.session = kSession, .view = description.hash, .number = 1, .content = std::as_bytes(std::span(values))}));
+  const Json moved = Json::parse(assembly.take_moved(0));
+  EXPECT_EQ(moved["values"], (Json{{"lag_m", 0.5}, {"state", 2}}));
+  EXPECT_TRUE(assembly.take_moved(0).empty()) << "once";
+}
+
 TEST(Assembly, ForgetsTheSceneOfAnotherSession) {
   const Description description = sample();
   Assembly assembly;
@@ -173,6 +189,15 @@ TEST(Assembly, RefusesDescriptionsThatAreNotSound) {
   EXPECT_TRUE(moving(R"({"names":["a","b"],"vertices":0})"));
   EXPECT_FALSE(moving(R"({"names":["a","b"],"vertices":5})"));
   EXPECT_FALSE(moving(R"({"names":["a"],"vertices":1000000000})"));
+  EXPECT_TRUE(moving(R"({"names":["a"],"vertices":0,"values":true})"));
+  EXPECT_FALSE(moving(R"({"names":["a"],"vertices":0,"values":1})"));
+  EXPECT_FALSE(moving(R"({"names":["a"],"vertices":1,"values":true})"));
+  const auto robot = [&begin](const std::string& facts) {
+    return is_taken(begin + R"(],"meshes":[],"moving":[],"robot":)" + facts + "}");
+  };
+  EXPECT_TRUE(robot(R"({"name":"arm","motion_scale":2,"audited":true})"));
+  EXPECT_FALSE(robot(R"(["arm"])"));
+  EXPECT_FALSE(robot(R"({"name":["arm"]})"));
   std::string many = R"({"names":["a"],"vertices":170000})";
   EXPECT_TRUE(moving(many));
   EXPECT_FALSE(moving(many + "," + many)) << "too much memory in all";

@@ -105,13 +105,15 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
     : options_(options), task_(load_task(options.task)) {
   const RobotKind& kind = find_robot(options_.robot);
   auto follower = std::make_unique<Follower>(kind.make(task_, kSeed), options_.settings, laws, clock);
+  looks_ = std::make_shared<const FollowerLooks>(follower->robot().model(), kind.simulated ? &task_ : nullptr,
+                                                 options_.settings, follower->robot().audit().has_value());
   thread_ =
       std::make_shared<FollowerThread>(std::move(follower), clock, FollowerThread::Settings{.priority = priority});
   if (priority) spdlog::info("robot's loop: {}", thread_->grant());
 }
 
 EnvironmentKind LedRobot::environment() const {
-  return follower_environment(task_.name, summary(), task_.degrees_of_freedom, thread_);
+  return follower_environment(task_.name, summary(), task_.degrees_of_freedom, thread_, looks_);
 }
 
 std::string LedRobot::summary() const {

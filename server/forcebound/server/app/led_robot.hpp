@@ -27,6 +27,10 @@ class LedRobot {
   /// Robot, task, architecture and law in a line.
   [[nodiscard]] std::string summary() const;
 
+  /// How it looks, and what it reports now for that.
+  [[nodiscard]] const FollowerLooks& looks() const noexcept { return *looks_; }
+  [[nodiscard]] const FollowerReport& newest() noexcept { return thread_->newest(); }
+
   /// Logs what changed since the last call.
   void log_changes();
 
@@ -40,6 +44,7 @@ class LedRobot {
   FollowerOptions options_;
   Task task_;
   std::shared_ptr<FollowerThread> thread_;
+  std::shared_ptr<const FollowerLooks> looks_;
 };
 
 /// "following -> holding after 12.4 s; the leader was last heard 101 ms ago".

@@ -2,9 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <span>
 
 #include "forcebound/page/listen_address.hpp"
 
@@ -12,6 +14,7 @@ namespace forcebound::server {
 namespace {
 
 constexpr time::Nanoseconds kPeriod = std::chrono::milliseconds{500};
+constexpr time::Nanoseconds kMovementPeriod = std::chrono::milliseconds{33};
 
 std::string program_path() {
   std::error_code ignored;
@@ -20,9 +23,10 @@ std::string program_path() {
 
 }  // namespace
 
-PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock)
+PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock, LedRobot* robot)
     : observer_(observer),
       clock_(clock),
+      robot_(robot),
       places_(options.server.sessions_max),
       page_(clock, options.record),
       shown_(clock.now()) {
@@ -31,12 +35,25 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
     spdlog::warn("the page's files are missing in {}: it answers programs alone",
                  page::page_folder(program_path()).string());
   }
+  if (robot_ != nullptr) page_.set_robot(*robot_->looks().description());
   served_.emplace(settings, page_);
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
 }
 
+void PageTurn::show_robot(time::Nanoseconds now) {
+  if (robot_ == nullptr || now < next_movement_ || !page_.watched()) return;
+  next_movement_ = now + kMovementPeriod;
+  const FollowerReport& report = robot_->newest();
+  std::array<float, view::kNumbersMost> numbers{};
+  for (const std::size_t group : {FollowerLooks::kSolids, FollowerLooks::kValues}) {
+    const std::size_t count = robot_->looks().see(report, group, 0, numbers);
+    if (count > 0) page_.move_robot(group, std::span(numbers).first(count));
+  }
+}
+
 void PageTurn::turn(UdpServer& server) {
   const time::Nanoseconds now = clock_.now();
+  show_robot(now);
   if (now < next_ && !page_.awaited()) return;
   next_ = now + kPeriod;
   while (const auto kick = page_.take_kick()) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "forcebound/page/page_server.hpp"
+#include "forcebound/server/app/led_robot.hpp"
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/page_observer.hpp"
 #include "forcebound/server/app/server_page.hpp"
@@ -16,20 +17,25 @@ namespace forcebound::server {
 class PageTurn {
  public:
   /// Serves the page and prints its address. All must outlive it.
+  /// @param robot that is served and shown; null: there is none
   /// @throws std::runtime_error if it cannot be served there
-  PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock);
+  PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock, LedRobot* robot);
 
   /// To be called after each turn of the server: twice a second it ends sessions as asked, and shows what is to those
-  /// who look. While nobody does it costs nothing more.
+  /// who look, the robot 30 times a second. While nobody does it costs nothing more.
   void turn(UdpServer& server);
 
  private:
+  void show_robot(time::Nanoseconds now);
+
   PageObserver& observer_;
   const time::Clock& clock_;
+  LedRobot* robot_;
   std::size_t places_;
   ServerPage page_;
   std::optional<page::PageServer> served_;
   time::Nanoseconds next_{0};
+  time::Nanoseconds next_movement_{0};
   time::Nanoseconds shown_{0};
   std::uint64_t motions_ = 0;
 };

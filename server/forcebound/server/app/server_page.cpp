@@ -14,6 +14,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Of 60 a second.
+constexpr std::uint64_t kBeatsPerMovement = 2;
+
 page::Text shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
 std::string refused(const std::string& about, const std::string& why) {
@@ -41,6 +44,20 @@ void ServerPage::tell(const std::string& level, const std::string& text) {
   const Json message{{"kind", "event"}, {"track", 0}, {"time_s", now_s()}, {"level", level}, {"text", text}};
   const std::scoped_lock lock(lock_);
   events_.push_back(message.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void ServerPage::set_robot(const view::Description& looks) {
+  for (std::uint32_t i = 0; i < looks.pieces(); ++i) {
+    (void)assembly_.take({.view = looks.hash, .pieces = looks.pieces(), .number = i, .content = looks.piece(i)});
+  }
+  view_ = looks.hash;
+  scene_ = view::scene_message(0, assembly_.scene()->shown);
+  moved_.resize(looks.moving.size());
+}
+
+void ServerPage::move_robot(std::size_t group, std::span<const float> numbers) {
+  const std::scoped_lock lock(lock_);
+  moved_.at(group).assign(numbers.begin(), numbers.end());
 }
 
 std::optional<std::uint64_t> ServerPage::take_kick() {
@@ -86,6 +103,9 @@ void ServerPage::greet(page::ViewerId viewer, page::Viewers& viewers) {
     sessions = sessions_;
   }
   if (!sessions.empty()) viewers.send(viewer, shared(std::move(sessions)), page::Worth::needed);
+  if (scene_.empty()) return;
+  viewers.send(viewer, shared(scene_), page::Worth::needed);
+  assembly_.tell_again();
 }
 
 void ServerPage::receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) {
@@ -114,13 +134,23 @@ void ServerPage::beat(page::Viewers& viewers) {
   watched_ = viewers.count() > 0;
   std::deque<std::string> events;
   std::string sessions;
+  std::vector<std::vector<float>> moved;
   {
     const std::scoped_lock lock(lock_);
+    moved = std::exchange(moved_, std::vector<std::vector<float>>(moved_.size()));
     events.swap(events_);
     if (std::exchange(fresh_, false)) sessions = sessions_;
   }
   for (std::string& event : events) viewers.send_to_all(shared(std::move(event)), page::Worth::needed);
   if (!sessions.empty()) viewers.send_to_all(shared(std::move(sessions)), page::Worth::stream);
+  for (std::size_t group = 0; group < moved.size(); ++group) {
+    (void)assembly_.take({.view = view_,
+                          .number = static_cast<std::uint32_t>(group),
+                          .content = std::as_bytes(std::span(moved[group]))});
+  }
+  if (++beats_ % kBeatsPerMovement != 0) return;
+  std::string message = assembly_.take_moved(0);
+  if (!message.empty()) viewers.send_to_all(shared(std::move(message)), page::Worth::stream);
 }
 
 std::string ServerPage::metrics() {

@@ -6,10 +6,13 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "forcebound/page/subject.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/view/assembly.hpp"
 
 namespace forcebound::server {
 
@@ -29,6 +32,11 @@ class ServerPage final : public page::Subject {
   /// What is shown from now on.
   void show(std::string sessions, std::string metrics);
   void tell(const std::string& level, const std::string& text);
+
+  /// How the robot that is served looks. Before the page is served.
+  void set_robot(const view::Description& looks);
+  /// Where the items of a group of it are; the newest counts.
+  void move_robot(std::size_t group, std::span<const float> numbers);
 
   /// The page's number of a session that is to be ended.
   [[nodiscard]] std::optional<std::uint64_t> take_kick();
@@ -50,10 +58,15 @@ class ServerPage final : public page::Subject {
   std::mutex lock_;
   std::string sessions_;
   std::string metrics_;
-  std::deque<std::string> events_;  // not sent yet
+  std::deque<std::string> events_;         // not sent yet
+  std::vector<std::vector<float>> moved_;  // of each group of the robot's looks; empty: nothing new
   std::deque<std::uint64_t> kicks_;
   bool fresh_ = false;
   std::condition_variable shown_;
+  std::uint64_t beats_ = 0;
+  std::uint64_t view_ = 0;   // of the robot's looks; 0: there is none
+  view::Assembly assembly_;  // of the page's thread
+  std::string scene_;
   std::atomic<bool> watched_{false};
   std::atomic<bool> awaited_{false};
 };

@@ -120,6 +120,7 @@ void Follower::tick(Nanoseconds now) noexcept {
   const Vector given = controller_.confirmed(chosen, times_.command_at(reading, commanded));
   robot_->apply(commanded, given);
   note(request, given, now);
+  if (usable) picture(reading);
 }
 
 /// What the robot does on this tick. @return whether the reading can be used
@@ -171,18 +172,22 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
   const ToolPose tool = robot_->model().pose(reading.position);
   if (state == FollowerState::waiting) {
     bias_.learn(robot_->sensed_force());
-    if (!std::exchange(placed_, true)) target_.restart(tool);
+    if (!std::exchange(placed_, true)) {
+      target_.restart(tool);
+      map_.engage({.position = Vector::Zero(3)}, tool);  // for pictures, until somebody does
+    }
     return impedance_.torque(reading, target_.rest());
   }
   if (state != FollowerState::following) return impedance_.torque(reading, target_.rest());
   grip(now);
   const ToolTarget& target = target_.move_to(map_.tool_of(*leader_), period_s);
-  return impedance_.torque(reading, architecture_->ask({.now = now,
-                                                        .elapsed_s = period_s,
-                                                        .target = target,
-                                                        .tool = tool,
-                                                        .velocity = impedance_.report().velocity,
-                                                        .sensed_N = bias_.without(robot_->sensed_force())}));
+  const ToolTarget asked = architecture_->ask({.now = now,
+                                               .elapsed_s = period_s,
+                                               .target = target,
+                                               .tool = tool,
+                                               .velocity = impedance_.report().velocity,
+                                               .sensed_N = bias_.without(robot_->sensed_force())});
+  return impedance_.torque(reading, asked);
 }
 
 void Follower::grip(Nanoseconds now) noexcept {
@@ -216,6 +221,20 @@ void Follower::note(const Vector& request, const Vector& given, Nanoseconds now)
   }
   report_.map = map_;
   report_.leader_lost = leader_ && now - leader_->arrived > settings_.times.stop;
+}
+
+void Follower::picture(const device::Reading& reading) noexcept {
+  const FollowerState state = engagement_.state();
+  report_.picture = {.joint = reading.joint,
+                     .opening = robot_->gripper().value_or(0),
+                     .tool = impedance_.report().pose,
+                     .block = robot_->block(),
+                     .sensed_N = bias_.without(robot_->sensed_force()).value_or(Eigen::Vector3d::Zero()),
+                     .lag_m = state == FollowerState::following ? totals_.lag_m : 0,
+                     .drift_m = totals_.offset_drift_m,
+                     .store_J = controller_.law().energy_J(),
+                     .received_J = energy_.received_J(),
+                     .port = energy_.port()};
 }
 
 FollowerTotals Follower::totals() const noexcept {

@@ -31,6 +31,20 @@ struct FollowerSettings {
   int grip_button = 1;  ///< closes the gripper, of a device without one
 };
 
+/// What a robot tells of itself for pictures and panels.
+struct FollowerPicture {
+  Vector joint{};      ///< of the newest reading that could be used; no rows: there was none
+  double opening = 0;  ///< of the gripper, 0 to 1
+  ToolPose tool{};     ///< by that reading
+  std::optional<ToolPose> block{};
+  Eigen::Vector3d sensed_N{Eigen::Vector3d::Zero()};  ///< of the tool on its surroundings, less the bias; world frame
+  double lag_m = 0;                                   ///< from the tool to its target
+  double drift_m = 0;                                 ///< FollowerTotals::offset_drift_m
+  double store_J = 0;                                 ///< energy that the robot's law may spend
+  double received_J = 0;
+  control::PassivityAudit port{};  ///< P_F and its least; only of robots that are audited
+};
+
 /// What a robot tells of itself on each tick, for answers to its leader.
 struct FollowerReport {
   FollowerState state = FollowerState::waiting;
@@ -38,6 +52,7 @@ struct FollowerReport {
   Reflection reflection{};
   WorkspaceMap map{{}};
   bool leader_lost = false;  ///< it was heard, and has been silent for so long that the robot stops
+  FollowerPicture picture{};
 };
 
 /// Counts and measures since the start, for logs and studies.
@@ -98,6 +113,7 @@ class Follower {
  private:
   [[nodiscard]] bool judge(const device::Reading& reading, Nanoseconds now) noexcept;
   [[nodiscard]] Vector torque(const device::Reading& reading, Nanoseconds now) noexcept;
+  void picture(const device::Reading& reading) noexcept;
   void grip(Nanoseconds now) noexcept;
   void note(const Vector& request, const Vector& given, Nanoseconds now) noexcept;
 

@@ -16,8 +16,10 @@ struct Seat {
 
 class FollowerEnvironment final : public Environment {
  public:
-  FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<Seat> seat, std::string leader)
+  FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<const FollowerLooks> looks,
+                      std::shared_ptr<Seat> seat, std::string leader)
       : runner_(std::move(runner)),
+        looks_(std::move(looks)),
         seat_(std::move(seat)),
         leader_(std::make_shared<const std::string>(std::move(leader))) {
     take_seat();
@@ -45,6 +47,15 @@ class FollowerEnvironment final : public Environment {
     Response response{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
     if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, response);
     return response;
+  }
+
+  /// Of the whole world: nothing of it is handed over.
+  [[nodiscard]] std::shared_ptr<const view::Description> looks(view::Which /*which*/) override {
+    return looks_ ? looks_->description() : nullptr;
+  }
+
+  [[nodiscard]] std::size_t see(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
+    return looks_ ? looks_->see(runner_->newest(), group, first, to) : 0;
   }
 
  private:
@@ -77,6 +88,7 @@ class FollowerEnvironment final : public Environment {
   }
 
   std::shared_ptr<FollowerRunner> runner_;
+  std::shared_ptr<const FollowerLooks> looks_;
   std::shared_ptr<Seat> seat_;
   std::shared_ptr<const std::string> leader_;
 };
@@ -99,19 +111,20 @@ void StepwiseRunner::live_until(Nanoseconds time) noexcept {
 }
 
 EnvironmentKind follower_environment(std::string name, std::string simulated, int degrees_of_freedom,
-                                     std::shared_ptr<FollowerRunner> runner) {
+                                     std::shared_ptr<FollowerRunner> runner,
+                                     std::shared_ptr<const FollowerLooks> looks) {
   EnvironmentKind kind;
   kind.name = std::move(name);
   for (int rows = degrees_of_freedom; rows <= 3; ++rows) {
     kind.degrees_of_freedom.push_back(static_cast<std::uint32_t>(rows));
   }
-  kind.make = [seat = std::make_shared<Seat>(), runner = std::move(runner),
+  kind.make = [seat = std::make_shared<Seat>(), runner = std::move(runner), looks = std::move(looks),
                simulated = std::move(simulated)](const ClientFacts& client) {
     if (seat->holder != nullptr && !runner->newest().leader_lost) {
       throw std::runtime_error("the robot is led by '" + *seat->leader + "': it follows one leader at a time");
     }
     const std::string leader = client.device.empty() ? "a device without a name" : client.device;
-    return MadeEnvironment{.environment = std::make_unique<FollowerEnvironment>(runner, seat, leader),
+    return MadeEnvironment{.environment = std::make_unique<FollowerEnvironment>(runner, looks, seat, leader),
                            .simulated = simulated,
                            .least_rendering = scene::Rendering::modelled,
                            .takes_energy = true};

@@ -7,6 +7,7 @@
 
 #include "forcebound/server/environment/environment.hpp"
 #include "forcebound/server/follower/follower.hpp"
+#include "forcebound/server/follower/follower_looks.hpp"
 
 namespace forcebound::server {
 
@@ -53,7 +54,9 @@ class StepwiseRunner final : public FollowerRunner {
 /// the next who asks; if it comes back, it has the robot again once that one has left.
 /// @param name that clients request; @param degrees_of_freedom that its task needs of a leader at least, 1 to 3
 /// @param simulated in a line: what robot, at which work, with which architecture and law
+/// @param looks of the robot, as long as the runner lives; null: it is not to be seen
 [[nodiscard]] EnvironmentKind follower_environment(std::string name, std::string simulated, int degrees_of_freedom,
-                                                   std::shared_ptr<FollowerRunner> runner);
+                                                   std::shared_ptr<FollowerRunner> runner,
+                                                   std::shared_ptr<const FollowerLooks> looks = nullptr);
 
 }  // namespace forcebound::server

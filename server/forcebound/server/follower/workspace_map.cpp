@@ -52,6 +52,13 @@ ToolPose WorkspaceMap::tool_of(const LeaderMotion& leader) const noexcept {
   return tool;
 }
 
+Eigen::Isometry3d WorkspaceMap::leader_frame() const noexcept {
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.linear() = settings_.rotation;
+  frame.translation() = tool_start_.position - settings_.motion_scale * (settings_.rotation * leader_start_m_);
+  return frame;
+}
+
 local_model::Point WorkspaceMap::leader_place_m(const Eigen::Vector3d& tool_point_m) const noexcept {
   return leader_start_m_ +
          settings_.rotation.transpose() * (tool_point_m - tool_start_.position) / settings_.motion_scale;

@@ -44,6 +44,9 @@ class WorkspaceMap {
   /// Where the leader's tip would be for this place of the tool's point [m].
   [[nodiscard]] local_model::Point leader_place_m(const Eigen::Vector3d& tool_point_m) const noexcept;
 
+  /// Where the origin of the leader's frame is, and how its axes stand, in the robot's world; without the scale m.
+  [[nodiscard]] Eigen::Isometry3d leader_frame() const noexcept;
+
   [[nodiscard]] Eigen::Vector3d to_leader_N(const Eigen::Vector3d& world_N) const noexcept {
     return settings_.force_scale * (settings_.rotation.transpose() * world_N);
   }

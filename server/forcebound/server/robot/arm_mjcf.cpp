@@ -76,6 +76,48 @@ void add_mass(ChainLink& link, const mjModel& model, int body, const Eigen::Isom
   link.mass_kg = total_kg;
 }
 
+/// How the parts of the arm look.
+std::vector<LinkShape> shapes_of(const mjModel& model, const mjData& start, const std::vector<int>& link_of_body,
+                                 const std::vector<Eigen::Isometry3d>& frames) {
+  std::vector<LinkShape> shapes;
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const int body = model.geom_bodyid[geom];
+    const char* const name = mj_id2name(&model, mjOBJ_GEOM, geom);
+    if (name == nullptr) throw std::runtime_error("the arm's MJCF: each geom must have a name");
+    LinkShape shape{.name = name, .link = link_of_body[static_cast<std::size_t>(body)]};
+    const Eigen::Vector3d size = vector_at(model.geom_size, geom);
+    const bool has_length = model.geom_type[geom] == mjGEOM_CAPSULE || model.geom_type[geom] == mjGEOM_CYLINDER;
+    shape.half_m = has_length ? Eigen::Vector3d(size.x(), size.x(), size.y()) : size;
+    switch (model.geom_type[geom]) {
+      case mjGEOM_BOX:
+        shape.kind = LinkShape::Kind::box;
+        break;
+      case mjGEOM_SPHERE:
+        shape.kind = LinkShape::Kind::sphere;
+        break;
+      case mjGEOM_CAPSULE:
+        shape.kind = LinkShape::Kind::capsule;
+        break;
+      case mjGEOM_CYLINDER:
+        shape.kind = LinkShape::Kind::cylinder;
+        break;
+      default:
+        throw std::runtime_error("the arm's MJCF: geom '" + shape.name +
+                                 "' must be a box, sphere, capsule or cylinder");
+    }
+    const Eigen::Isometry3d place =
+        frame_of(start.xpos, start.xquat, body) * frame_of(model.geom_pos, model.geom_quat, geom);
+    shape.in_link = shape.link < 0 ? place : frames[static_cast<std::size_t>(shape.link)].inverse() * place;
+    if (const int joint = model.body_jntadr[body]; joint >= 0 && model.jnt_type[joint] == mjJNT_SLIDE) {
+      const double travel_m = model.jnt_range[static_cast<std::ptrdiff_t>(2) * joint + 1];
+      const Eigen::Vector3d way = turn_at(start.xquat, body) * vector_at(model.jnt_axis, joint);
+      shape.opens_m = travel_m * (frames[static_cast<std::size_t>(shape.link)].linear().transpose() * way);
+    }
+    shapes.push_back(std::move(shape));
+  }
+  return shapes;
+}
+
 }  // namespace
 
 std::string arm_mjcf(const Task::World& world) {
@@ -150,6 +192,7 @@ SerialChain chain_of(const mjModel& model, const ArmLayout& layout) {
   const Eigen::Isometry3d tool =
       Eigen::Translation3d(vector_at(start->site_xpos, layout.tool_site)) * turn_at(start->xquat, layout.tool_body);
   chain.tool = frames.back().inverse() * tool;
+  chain.shapes = shapes_of(model, *start, link_of_body, frames);
   limits.tool_speed_m_per_s_max = 1;
   limits.tool_turn_rad_per_s_max = 2.5;
   return SerialChain(std::move(chain));

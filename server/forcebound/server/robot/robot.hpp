@@ -58,6 +58,9 @@ class Robot : public device::HapticDevice {
   /// 0 to 1; none: it has no gripper. `Reading::handle.gripper` has it too.
   [[nodiscard]] virtual std::optional<double> gripper() const noexcept { return std::nullopt; }
 
+  /// Where the block of a simulated task is, for pictures alone; none: there is none, or nobody knows.
+  [[nodiscard]] virtual std::optional<ToolPose> block() const noexcept { return std::nullopt; }
+
   /// The robot's own stop, for a leader that is silent and faults of ours: drops the commanded torque and brings all
   /// joints to rest by brakes, which slip at a torque that a person can stand beside, and which then hold. Brakes only
   /// take energy. Commands are ignored until `resume`. May be called in any state.

@@ -2,7 +2,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "forcebound/control/vector.hpp"
 
@@ -36,6 +40,21 @@ struct RobotLimits {
   double tool_turn_rad_per_s_max = 0;
 };
 
+/// Where the links are, a frame for each joint, world frame.
+using LinkFrames = std::array<Eigen::Isometry3d, control::kJointsMax>;
+
+/// A part of a robot as a picture shows it; nothing touches it.
+struct LinkShape {
+  enum class Kind : std::uint8_t { box, sphere, capsule, cylinder };
+  std::string name;
+  Kind kind = Kind::box;
+  int link = -1;  ///< that it is fixed to; -1: the base
+  Eigen::Isometry3d in_link{Eigen::Isometry3d::Identity()};
+  /// A box's half edges; else the radius, and of capsule and cylinder half of their straight part along z.
+  Eigen::Vector3d half_m{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d opens_m{Eigen::Vector3d::Zero()};  ///< moves it in the link's frame where the gripper is open
+};
+
 /// A robot's geometry and masses: pure functions of the joints' positions q, which have `joints()` rows.
 ///
 /// Real time: all members are noexcept and allocate nothing. Any thread may call them at any time.
@@ -58,6 +77,20 @@ class RobotModel {
 
   /// A posture well inside the limits and far from singular ones: what redundant joints return to.
   [[nodiscard]] virtual const Vector& rest() const noexcept = 0;
+
+  /// How it looks; none: nobody knows.
+  [[nodiscard]] virtual const std::vector<LinkShape>& shapes() const noexcept {
+    static const std::vector<LinkShape> kNone;
+    return kNone;
+  }
+
+  /// Of the links that `shapes` name; the first `joints()` are of meaning.
+  [[nodiscard]] virtual LinkFrames link_frames(const Vector& q) const noexcept {
+    (void)q;
+    LinkFrames frames;
+    frames.fill(Eigen::Isometry3d::Identity());
+    return frames;
+  }
 };
 
 }  // namespace forcebound::server

@@ -41,8 +41,8 @@ SerialChain::SerialChain(Description description) : description_(std::move(descr
   }
 }
 
-SerialChain::Frames SerialChain::frames(const Vector& q) const noexcept {
-  Frames frames;
+LinkFrames SerialChain::link_frames(const Vector& q) const noexcept {
+  LinkFrames frames;
   Eigen::Isometry3d before = Eigen::Isometry3d::Identity();
   for (int i = 0; i < joints(); ++i) {
     Eigen::Isometry3d& here = frames[static_cast<std::size_t>(i)];
@@ -54,13 +54,13 @@ SerialChain::Frames SerialChain::frames(const Vector& q) const noexcept {
 }
 
 ToolPose SerialChain::pose(const Vector& q) const noexcept {
-  const Frames all = frames(q);
+  const LinkFrames all = link_frames(q);
   const Eigen::Isometry3d tool = all[static_cast<std::size_t>(joints() - 1)] * description_.tool;
   return {.position = tool.translation(), .orientation = Eigen::Quaterniond(tool.linear()).normalized()};
 }
 
 ToolJacobian SerialChain::jacobian(const Vector& q) const noexcept {
-  const Frames all = frames(q);
+  const LinkFrames all = link_frames(q);
   const Eigen::Vector3d tool = all[static_cast<std::size_t>(joints() - 1)] * description_.tool.translation();
   ToolJacobian jacobian(6, joints());
   for (int i = 0; i < joints(); ++i) {
@@ -72,7 +72,7 @@ ToolJacobian SerialChain::jacobian(const Vector& q) const noexcept {
 }
 
 Matrix SerialChain::mass_matrix(const Vector& q) const noexcept {
-  const Frames all = frames(q);
+  const LinkFrames all = link_frames(q);
   Matrix mass(joints(), joints());
   Composite outward;
   for (int i = joints() - 1; i >= 0; --i) {

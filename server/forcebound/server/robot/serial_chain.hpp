@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <string>
 #include <vector>
 
@@ -31,6 +30,7 @@ class SerialChain final : public RobotModel {
     Eigen::Isometry3d tool{Eigen::Isometry3d::Identity()};  ///< in the last link's frame
     RobotLimits limits;
     Vector rest;
+    std::vector<LinkShape> shapes;
   };
 
   /// @throws std::invalid_argument unless there are 1 to 7 links, and as many rows of limits and rest.
@@ -43,10 +43,10 @@ class SerialChain final : public RobotModel {
   [[nodiscard]] Matrix mass_matrix(const Vector& q) const noexcept override;
   [[nodiscard]] const RobotLimits& limits() const noexcept override { return description_.limits; }
   [[nodiscard]] const Vector& rest() const noexcept override { return description_.rest; }
+  [[nodiscard]] const std::vector<LinkShape>& shapes() const noexcept override { return description_.shapes; }
+  [[nodiscard]] LinkFrames link_frames(const Vector& q) const noexcept override;
 
  private:
-  using Frames = std::array<Eigen::Isometry3d, control::kJointsMax>;
-  [[nodiscard]] Frames frames(const Vector& q) const noexcept;
   [[nodiscard]] const ChainLink& link(int number) const noexcept {
     return description_.links[static_cast<std::size_t>(number)];
   }

@@ -155,6 +155,11 @@ void SimulatedArm::soft_stop(Nanoseconds now) noexcept {
   write_failed_ = true;
 }
 
+std::optional<ToolPose> SimulatedArm::block() const noexcept {
+  if (!layout_.block_body) return std::nullopt;
+  return ToolPose{.position = block_.position, .orientation = Eigen::Quaterniond(block_.axes)};
+}
+
 void SimulatedArm::resume(Nanoseconds now) noexcept {
   advance_to(now);
   if (!unplugged_) stopped_ = false;

@@ -78,6 +78,7 @@ class SimulatedArm final : public TaskRobot {
   [[nodiscard]] std::optional<ForceSensorFacts> force_sensor() const noexcept override { return sensor_.facts(); }
   void command_gripper(Nanoseconds now, double opening) noexcept override;
   [[nodiscard]] std::optional<double> gripper() const noexcept override;
+  [[nodiscard]] std::optional<ToolPose> block() const noexcept override;
   void soft_stop(Nanoseconds now) noexcept override;
   void resume(Nanoseconds now) noexcept override;
   [[nodiscard]] bool is_stopped() const noexcept override { return stopped_; }

@@ -53,6 +53,7 @@ class FlawedRobot final : public server::TaskRobot {
     if (!failed_) robot_->command_gripper(now, opening);
   }
   [[nodiscard]] std::optional<double> gripper() const noexcept override { return robot_->gripper(); }
+  [[nodiscard]] std::optional<server::ToolPose> block() const noexcept override { return robot_->block(); }
   void soft_stop(Nanoseconds now) noexcept override { robot_->soft_stop(now); }
   void resume(Nanoseconds now) noexcept override { robot_->resume(now); }
   [[nodiscard]] bool is_stopped() const noexcept override { return robot_->is_stopped(); }

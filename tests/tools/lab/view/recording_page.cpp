@@ -96,8 +96,14 @@ void RecordingPage::mark_checkpoints() {
 }
 
 void RecordingPage::note_events() {
-  const auto add = [this](double at_s, const std::string& level, const std::string& text) {
-    if (events_.size() < kEventsMost) events_.push_back(client::event_message(0, at_s, level, text::printable(text)));
+  struct Noted {
+    double at_s = 0;
+    std::string level;
+    std::string text;
+  };
+  std::vector<Noted> all;
+  const auto add = [&all](double at_s, std::string level, std::string text) {
+    all.push_back({.at_s = at_s, .level = std::move(level), .text = std::move(text)});
   };
   if (!recorded_.flaw.empty()) add(0, "warning", recorded_.flaw);
   std::optional<record::SessionState> last;
@@ -107,8 +113,20 @@ void RecordingPage::note_events() {
     const bool good = state == record::SessionState::active || i == 0;
     add(time_s(i), good ? "info" : "warning", words_of(state));
   }
-  if (!recorded_.totals) return;
-  for (const std::string& note : recorded_.totals->notes) add(recorded_.duration_s(), "info", note);
+  auto robot = control::FollowerState::none;
+  for (const client::ForceSample& force : recorded_.forces) {
+    if (force.follower == std::exchange(robot, force.follower)) continue;
+    const double at_s = time::to_seconds(force.received - recorded_.ticks.front().time);
+    add(at_s, "info", "the robot: " + std::string(name_of(robot)));
+  }
+  if (recorded_.totals) {
+    for (const std::string& note : recorded_.totals->notes) add(recorded_.duration_s(), "info", note);
+  }
+  std::ranges::stable_sort(all, {}, &Noted::at_s);
+  if (all.size() > kEventsMost) all.resize(kEventsMost);
+  for (const Noted& one : all) {
+    events_.push_back(client::event_message(0, one.at_s, one.level, text::printable(one.text)));
+  }
 }
 
 void RecordingPage::go_on_to(std::size_t tick) {

@@ -1,11 +1,13 @@
 #include "tests/tools/lab/view/shipped_look.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 #include <stdexcept>
 
 #include "forcebound/server/environment/scene_environment.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/server/robot/task.hpp"
 #include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::lab {
@@ -33,6 +35,11 @@ std::string scene_message_of(const Recorded& recorded, const std::string& file) 
   try {
     const auto scene = server::SceneLibrary::shipped().find(shown.name);
     if (scene) return view::scene_message(0, look_of(scene, recorded.degrees_of_freedom));
+    const auto tasks = server::task_names();
+    if (std::ranges::find(tasks, shown.name) != tasks.end()) {
+      shown.more = "work of a robot: where arm and surroundings were is not in the recording";
+      return view::scene_message(0, shown);
+    }
     shown.more = "its shapes are not in the recording, and no scene ships under that name; --scene FILE.toml shows it";
   } catch (const std::exception& error) {
     shown.more = error.what();

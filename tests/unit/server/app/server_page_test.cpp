@@ -42,6 +42,22 @@ TEST(ServerPage, ShowsTheSessionsOncePerChange) {
   EXPECT_EQ(page.metrics(), "metric 1\n");
 }
 
+TEST(ServerPage, ShowsItsRobotToWhoeverComesAndAsItMoves) {
+  const StillClock clock;
+  ServerPage page(clock, "");
+  page.set_robot(view::describe({.name = "plug", .robot = R"({"name":"reach-7"})"}, {},
+                                {{.names = {"tool"}}, {.names = {"lag_m"}, .values = true}}));
+  Sent viewers;
+  page.greet(1, viewers);
+  const std::vector<float> place{0, 0, 1, 1, 0, 0, 0};
+  page.move_robot(0, place);
+  for (int beat = 0; beat < 4; ++beat) page.beat(viewers);
+  EXPECT_EQ(viewers.kinds, (Kinds{"hello", "scene", "moved"})) << "nothing is told twice";
+  page.greet(2, viewers);
+  for (int beat = 0; beat < 2; ++beat) page.beat(viewers);
+  EXPECT_EQ(viewers.kinds, (Kinds{"hello", "scene", "moved", "hello", "scene", "moved"}));
+}
+
 TEST(ServerPage, AsksForFiguresOnlyWhileSomebodyLooks) {
   const StillClock clock;
   ServerPage page(clock, "");

@@ -26,6 +26,14 @@ TEST(WorkspaceMap, TurnsTheUsersAxesIntoTheRobots) {
   EXPECT_TRUE(map.tool_of(at({0.01, 0.02, 0.04})).position.isApprox(Eigen::Vector3d(0.5, 0, 0.32)));
 }
 
+TEST(WorkspaceMap, HasTheLeadersFrameInTheRobotsWorld) {
+  WorkspaceMap map({.motion_scale = 3});
+  map.engage(at({0.01, 0.02, 0.03}), {.position = {0.5, 0, 0.3}});
+  const LeaderMotion leader = at({-0.02, 0.05, 0.01});
+  const Eigen::Vector3d place = map.leader_frame() * Eigen::Vector3d(3 * leader.position);
+  EXPECT_TRUE(place.isApprox(map.tool_of(leader).position, 1e-12));
+}
+
 TEST(WorkspaceMap, PlaceForceAndPowerBelongTogether) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> number(-1, 1);
