@@ -69,6 +69,63 @@ TEST(ARecording, GivesEveryTickToTheOfficialReader) {
   EXPECT_THAT(check.out, HasSubstr("the official reader finds every tick: "));
 }
 
+/// Recordings of both ends of a run on a scene.
+struct BothRecordings {
+  TemporaryFolder folder;
+  std::string client = folder.file("client.mcap");
+  std::string server = folder.file("server.mcap");
+
+  BothRecordings() {
+    Server serving({"--scene", "sphere", "--record", server});
+    Relay relay(serving.address(), {"--netem-up", "loss 5%", "--netem-down", "loss 10%", "--seed", "3"});
+    Client running(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "3", "--record",
+                                     client, "--rendering", "local"});
+    EXPECT_EQ(running.wait(30s), 0);
+    serving.stop(SIGINT);
+  }
+};
+
+TEST(ARecording, ShowsItsRunInFoxglovesPanel) {
+  const std::string node = FORCEBOUND_NODE;
+  if (node.empty()) GTEST_SKIP() << "node is not installed (Debian: apt-get install nodejs npm)";
+  const BothRecordings both;
+  setenv("FORCEBOUND_NODE_MODULES", FORCEBOUND_MCAP_PACKAGES, 0);
+  const Ran client = run(node.c_str(), {FORCEBOUND_FOXGLOVE_CHECK, both.client});
+  if (client.exit_code == kNodeModulesMissing) GTEST_SKIP() << client.out;
+  EXPECT_EQ(client.exit_code, 0) << client.out << client.err;
+  EXPECT_THAT(client.out, HasSubstr("attached: device.toml, law.toml, scene.json"));
+  EXPECT_THAT(client.out, HasSubstr("what the 3D panel shows is there: "));
+  const Ran server = run(node.c_str(), {FORCEBOUND_FOXGLOVE_CHECK, both.server, "--server"});
+  EXPECT_EQ(server.exit_code, 0) << server.out << server.err;
+  EXPECT_THAT(server.out, HasSubstr("attached: sphere.toml"));
+}
+
+TEST(ARecording, OfAClientAndOfItsServerAreReportedTogetherInEitherOrder) {
+  const BothRecordings both;
+  const Ran report = run(kLab, {"report", both.client, both.server});
+  EXPECT_EQ(report.exit_code, 0) << report.err;
+  EXPECT_EQ(report.err, "");
+  EXPECT_THAT(report.out, HasSubstr("Both ends: 1 session in both recordings"));
+  EXPECT_THAT(report.out, HasSubstr("device.toml ("));
+  EXPECT_THAT(report.out, HasSubstr("sphere.toml ("));
+  EXPECT_EQ(run(kLab, {"report", both.server, both.client}).out, report.out);
+
+  const Ran json = run(kLab, {"report", both.client, both.server, "--json", "-"});
+  const nlohmann::json results = nlohmann::json::parse(json.out)["both_ends"];
+  EXPECT_EQ(results["forces"]["differ"], 0);
+  const auto sent = results["motions"]["sent"].get<int>();
+  const auto answered = results["motions"]["answered"].get<int>();
+  const auto back = results["motions"]["came_back"].get<int>();
+  EXPECT_GT(back, 0);
+  EXPECT_LT(back, answered);  // 10 % of the answers were lost
+  EXPECT_LT(answered, sent);  // and 5 % of the motions
+  EXPECT_EQ(results["forces"]["received"], back);
+  EXPECT_EQ(results["forces"]["sent"], answered);
+  const Ran twice = run(kLab, {"report", both.client, both.client});
+  EXPECT_EQ(twice.exit_code, 1);
+  EXPECT_THAT(twice.err, HasSubstr("both are of clients"));
+}
+
 TEST(ARecording, OfAKilledClientLacksAtMostItsLastSecond) {
   const TemporaryFolder folder;
   const std::string recording = folder.file("run.mcap");

@@ -52,15 +52,19 @@ std::uint16_t Writer::add_channel(std::string_view topic, std::string_view schem
   const std::size_t schemas_before = schemas_.size();
   const std::size_t channels_before = channels_.size();
   std::string content;
-  put(content, ++schema_count_);
-  put(content, schema_name);
-  put(content, schema_encoding);
-  put(content, schema);
-  put_record(schemas_, Opcode::schema, content);
+  auto known = schema_ids_.find(schema_name);
+  if (known == schema_ids_.end()) {
+    known = schema_ids_.emplace(schema_name, static_cast<std::uint16_t>(schema_ids_.size() + 1)).first;
+    put(content, known->second);
+    put(content, schema_name);
+    put(content, schema_encoding);
+    put(content, schema);
+    put_record(schemas_, Opcode::schema, content);
+  }
 
   content.clear();
   put(content, ++channel_count_);
-  put(content, schema_count_);
+  put(content, known->second);
   put(content, topic);
   put(content, message_encoding);
   put(content, std::map<std::string, std::string>{});
@@ -209,7 +213,7 @@ void Writer::note_chunk(const Stored& stored, const std::map<std::uint16_t, std:
 std::string Writer::statistics() const {
   std::string content;
   put(content, written_);
-  put(content, schema_count_);
+  put(content, static_cast<std::uint16_t>(schema_ids_.size()));
   put(content, std::uint32_t{channel_count_});
   put(content, attachment_count_);
   put(content, metadata_count_);

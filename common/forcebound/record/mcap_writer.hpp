@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <ostream>
@@ -29,7 +30,8 @@ class Writer {
   Writer(std::ostream& out, std::string_view library, Compression compression = Compression::zstd);
   ~Writer();
 
-  /// Declares a topic whose messages are of one schema; returns the channel's number.
+  /// Declares a topic whose messages are of one schema; returns the channel's number. Topics may share a schema of one
+  /// name.
   std::uint16_t add_channel(std::string_view topic, std::string_view schema_name, std::string_view schema_encoding,
                             std::string_view schema, std::string_view message_encoding);
 
@@ -96,7 +98,7 @@ class Writer {
 
   // Records of the summary section.
   std::string schemas_, channels_, chunk_indexes_, attachment_indexes_, metadata_indexes_;
-  std::uint16_t schema_count_ = 0;
+  std::map<std::string, std::uint16_t, std::less<>> schema_ids_;
   std::uint16_t channel_count_ = 0;
   std::uint32_t chunk_count_ = 0;
   std::uint32_t attachment_count_ = 0;

@@ -8,6 +8,7 @@
 
 #include "forcebound/v1/record.pb.h"
 #include "forcebound/wire/internal/proto_conversion.hpp"
+#include "foxglove/scene.pb.h"
 
 namespace forcebound::record {
 namespace {
@@ -90,7 +91,9 @@ void add_file(const google::protobuf::FileDescriptor& file, std::set<std::string
 }  // namespace
 
 std::string schema_of(std::string_view message_name) {
-  v1::TickRecord::descriptor();  // makes the linker keep the file that declares our messages
+  // Makes the linker keep the files that declare our messages.
+  v1::TickRecord::descriptor();
+  foxglove::SceneUpdate::descriptor();
   const auto* message =
       google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName(std::string(message_name));
   google::protobuf::FileDescriptorSet set;
@@ -175,11 +178,18 @@ std::string encode(const ForceRecord& force) {
   return out.SerializeAsString();
 }
 
-void decode(std::string_view bytes, ForceRecord& force) {
+std::string encode(const SentForceRecord& force) {
+  v1::ForceRecord out;
+  wire::fill(force.force, *out.mutable_force());
+  return out.SerializeAsString();
+}
+
+bool decode(std::string_view bytes, ForceRecord& force) {
   const auto in = parse<v1::ForceRecord>(bytes);
   force.receive_time = time_from(in.receive_time_ns(), "receive_time_ns");
   force.round_trip = time_from(in.round_trip_ns(), "round_trip_ns");
   take_over(in.force(), force.force);
+  return in.has_receive_time_ns();
 }
 
 std::string encode(const wire::MotionSample& motion) {
@@ -189,12 +199,6 @@ std::string encode(const wire::MotionSample& motion) {
 }
 
 void decode(std::string_view bytes, wire::MotionSample& motion) { take_over(parse<v1::MotionSample>(bytes), motion); }
-
-std::string encode(const wire::EnvironmentForce& force) {
-  v1::EnvironmentForce out;
-  wire::fill(force, out);
-  return out.SerializeAsString();
-}
 
 void decode(std::string_view bytes, wire::EnvironmentForce& force) {
   take_over(parse<v1::EnvironmentForce>(bytes), force);

@@ -37,15 +37,18 @@ struct Dispatcher {
       sink.on_tick(tick);
     } else if (schema.name == kForceSchema) {
       ForceRecord force;
-      decode(message.data, force);
-      sink.on_force(force);
+      if (decode(message.data, force)) {
+        sink.on_force(force);
+      } else {
+        sink.on_sent({.force = force.force});
+      }
     } else if (schema.name == kMotionSchema) {
       // Unsigned, so that no file can make it overflow.
       const auto since_start = message.log_time - static_cast<std::uint64_t>(epoch.count());
       MotionRecord motion{Nanoseconds{static_cast<Nanoseconds::rep>(since_start)}, {}};
       decode(message.data, motion.motion);
       sink.on_motion(motion);
-    } else if (schema.name == kSentForceSchema) {
+    } else if (schema.name == kEarlierSentForceSchema) {
       SentForceRecord force;
       decode(message.data, force.force);
       sink.on_sent(force);
@@ -68,6 +71,9 @@ mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& si
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(file.string() + ": metadata '" + name + "': " + error.what());
     }
+  };
+  visitor.attachment = [&](const mcap::Attachment& attachment) {
+    sink.on_file({attachment.name, attachment.media_type, std::string(attachment.data)});
   };
   visitor.message = [&](const mcap::Schema& schema, const mcap::Channel& channel, const mcap::Message& message) {
     try {

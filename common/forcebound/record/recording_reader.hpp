@@ -10,14 +10,15 @@
 
 namespace forcebound::record {
 
-/// Receives a recording in the order in which it was written: `on_start`, then records, then `on_end` unless the
-/// recording was cut off. A client's recording has ticks and received forces, a server's motions and sent forces.
+/// Receives a recording in the order in which it was written: `on_start`, then records and files, then `on_end` unless
+/// the recording was cut off. A client's recording has ticks and received forces, a server's motions and sent forces.
 class RecordingSink : public TickSink {
  public:
   virtual void on_start(const RunInfo& info) = 0;
   virtual void on_end(const RunTotals& totals) = 0;
   virtual void on_motion(const MotionRecord&) {}
   virtual void on_sent(const SentForceRecord&) {}
+  virtual void on_file(const RecordedFile&) {}
 };
 
 /// Reads what RecordingWriter wrote; unknown topics are skipped.

@@ -1,5 +1,7 @@
 #include "forcebound/record/recording_writer.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -7,28 +9,58 @@
 #include <optional>
 #include <stdexcept>
 
+#include "forcebound/record/internal/foxglove_codec.hpp"
+#include "forcebound/record/internal/picture_rate.hpp"
 #include "forcebound/record/internal/recording_codec.hpp"
 #include "forcebound/record/mcap_writer.hpp"
 
 namespace forcebound::record {
+
+namespace {
+
+constexpr std::array<double, 3> kOrange{0.95, 0.55, 0.1};
+constexpr std::array<double, 3> kGrey{0.5, 0.5, 0.5};
+constexpr std::array<double, 3> kBlue{0.2, 0.45, 0.9};
+
+constexpr std::size_t kSessionsShownMost = 256;
+
+}  // namespace
 
 struct RecordingWriter::Storage {
   std::filesystem::path path;
   Nanoseconds epoch;
   std::ofstream file;
   std::optional<mcap::Writer> mcap;
-  std::map<std::string_view, std::uint16_t> channels;  // by schema, declared at the first message
+  std::map<std::string_view, std::uint16_t> channels{};  // by topic, declared at the first message
+  std::uint64_t pictures = 0;
+  PictureRate of_ticks{};
+  std::map<std::uint64_t, ShownSession> sessions{};
+  std::uint64_t sessions_seen = 0;
+
+  [[nodiscard]] Nanoseconds wall_clock(Nanoseconds at) const { return std::max(epoch + at, Nanoseconds{0}); }
 
   void write(std::string_view topic, std::string_view schema, std::uint64_t sequence, Nanoseconds at,
              const std::string& message) {
-    auto channel = channels.find(schema);
+    auto channel = channels.find(topic);
     if (channel == channels.end()) {
       const auto id = mcap->add_channel(topic, schema, kProtobufEncoding, schema_of(schema), kProtobufEncoding);
-      channel = channels.emplace(schema, id).first;
+      channel = channels.emplace(topic, id).first;
     }
-    const Nanoseconds log_time = std::max(epoch + at, Nanoseconds{0});
-    mcap->write(channel->second, static_cast<std::uint32_t>(sequence), static_cast<std::uint64_t>(log_time.count()),
-                message);
+    mcap->write(channel->second, static_cast<std::uint32_t>(sequence),
+                static_cast<std::uint64_t>(wall_clock(at).count()), message);
+  }
+
+  void picture(std::string_view topic, std::string_view schema, Nanoseconds at, const std::string& message) {
+    write(topic, schema, ++pictures, at, message);
+  }
+
+  /// The pictures of a server have a device for each session, numbered in the order in which they came.
+  ShownSession& shown(std::uint64_t session) {
+    const auto known = sessions.find(session);
+    if (known != sessions.end()) return known->second;
+    if (sessions.size() >= kSessionsShownMost) sessions.clear();
+    return sessions.emplace(session, ShownSession{"server's device " + std::to_string(++sessions_seen), {}, {}})
+        .first->second;
   }
 };
 
@@ -51,6 +83,15 @@ RecordingWriter& RecordingWriter::operator=(RecordingWriter&&) noexcept = defaul
 
 void RecordingWriter::write(const TickRecord& tick) {
   storage_->write("/tick", kTickSchema, tick.tick, tick.time, encode(tick));
+  if (!storage_->of_ticks.take(tick.time)) return;
+  constexpr std::string_view kDevice = "device";
+  const Nanoseconds at = storage_->wall_clock(tick.time);
+  storage_->picture("/device", kFrameTransformSchema, tick.time,
+                    encode_device(kDevice, tick.position, tick.handle, at));
+  const std::array<ShownForce, 3> forces{{{"displayed force", tick.applied, kOrange},
+                                          {"requested force", tick.request, kGrey},
+                                          {"remote force", tick.remote, kBlue}}};
+  storage_->picture("/arrows", kSceneUpdateSchema, tick.time, encode_arrows(kDevice, tick.position, forces, at));
 }
 
 void RecordingWriter::write(const ForceRecord& force) {
@@ -59,10 +100,30 @@ void RecordingWriter::write(const ForceRecord& force) {
 
 void RecordingWriter::write(const MotionRecord& motion) {
   storage_->write("/motion", kMotionSchema, motion.motion.sequence, motion.receive_time, encode(motion.motion));
+  ShownSession& session = storage_->shown(motion.motion.session);
+  if (!session.motions.take(motion.receive_time)) return;
+  storage_->picture("/device", kFrameTransformSchema, motion.receive_time,
+                    encode_device(session.device, motion.motion.position, motion.motion.handle,
+                                  storage_->wall_clock(motion.receive_time)));
 }
 
 void RecordingWriter::write(const SentForceRecord& force) {
-  storage_->write("/force", kSentForceSchema, force.force.sequence, force.force.server_send_time, encode(force.force));
+  const Nanoseconds at = force.force.server_send_time;
+  storage_->write("/force", kForceSchema, force.force.sequence, at, encode(force));
+  ShownSession& session = storage_->shown(force.force.session);
+  if (!session.forces.take(at)) return;
+  const std::array<ShownForce, 1> forces{{{"sent force", force.force.force, kBlue}}};
+  storage_->picture("/arrows", kSceneUpdateSchema, at,
+                    encode_arrows(session.device, force.force.position, forces, storage_->wall_clock(at)));
+}
+
+void RecordingWriter::write_scene(std::span<const ScenePart> parts, Nanoseconds at) {
+  storage_->picture("/scene", kSceneUpdateSchema, at, encode_scene(parts, storage_->wall_clock(at)));
+}
+
+void RecordingWriter::attach(const RecordedFile& file, Nanoseconds at) {
+  storage_->mcap->add_attachment(file.name, file.media_type,
+                                 static_cast<std::uint64_t>(storage_->wall_clock(at).count()), file.content);
 }
 
 void RecordingWriter::flush() { storage_->mcap->flush(); }

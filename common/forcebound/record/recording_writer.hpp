@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "forcebound/record/mcap_format.hpp"
 #include "forcebound/record/run_info.hpp"
+#include "forcebound/record/scene_part.hpp"
 #include "forcebound/record/tick_record.hpp"
 
 namespace forcebound::record {
@@ -22,8 +24,18 @@ struct SentForceRecord {
   wire::EnvironmentForce force;
 };
 
+/// A file that a recording has within.
+struct RecordedFile {
+  std::string name;        ///< "scene.toml"
+  std::string media_type;  ///< "application/toml"
+  std::string content;
+};
+
 /// Writes a recording: an MCAP file with Protocol Buffers messages, which Foxglove, PlotJuggler and the official
 /// readers open. A client's has the topics /tick and /force, a server's /motion and /force.
+///
+/// Beside them are pictures for Foxglove's 3D panel, by its own schemas: /scene whenever that is told, and 60 times a
+/// second of the records' time /device, where a device's tip is, and /arrows, the forces on it, 10 mm for each newton.
 ///
 /// Chunks are compressed with zstd unless another is said.
 ///
@@ -48,6 +60,12 @@ class RecordingWriter {
   void write(const ForceRecord& force);
   void write(const MotionRecord& motion);
   void write(const SentForceRecord& force);
+
+  /// How the scene looks from now on, in place of what was told before.
+  void write_scene(std::span<const ScenePart> parts, Nanoseconds at);
+
+  /// A file within the recording, for people: a scene, a device.
+  void attach(const RecordedFile& file, Nanoseconds at);
 
   /// Hands all that was written to the operating system.
   void flush();

@@ -2,36 +2,13 @@
 //
 //   node check.mjs RECORDING.mcap [--truth TRUTH.jsonl] [--summary SUMMARY.json]
 //
-// Compares each message with its line in TRUTH, and the number of ticks with SUMMARY's. The packages of package.json
-// are looked for in $FORCEBOUND_NODE_MODULES, or in node_modules here or above the working directory; without them the
-// check is skipped (exit 77).
+// Compares each message with its line in TRUTH, and the number of ticks with SUMMARY's.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
-import { open, readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
-import { resolve } from "node:path";
+import { readFile } from "node:fs/promises";
 import { parseArgs } from "node:util";
 
-function loadPackages() {
-  const given = process.env.FORCEBOUND_NODE_MODULES;
-  const places = [given && resolve(given, "x"), resolve("x"), import.meta.url].filter(Boolean);
-  for (const place of places) {
-    try {
-      const require = createRequire(place);
-      return {
-        core: require("@mcap/core"),
-        protobuf: require("protobufjs"),
-        descriptor: require("protobufjs/ext/descriptor"),
-      };
-    } catch (error) {
-      if (error.code !== "MODULE_NOT_FOUND") throw error;
-    }
-  }
-  console.log("SKIPPED: the npm packages @mcap/core and protobufjs are missing (npm ci with this folder's lock file)");
-  process.exit(77);
-}
-
-const { core, protobuf, descriptor } = loadPackages();
+import { core, decoderOf, decompressHandlers, openIndexed } from "./recording.mjs";
 
 const { positionals, values: options } = parseArgs({
   allowPositionals: true,
@@ -39,28 +16,6 @@ const { positionals, values: options } = parseArgs({
 });
 const [file] = positionals;
 assert.ok(file && existsSync(file), `no such recording: '${file}'`);
-
-async function openIndexed(path) {
-  const handle = await open(path);
-  const readable = {
-    size: async () => BigInt((await handle.stat()).size),
-    read: async (offset, size) => {
-      const buffer = new Uint8Array(Number(size));
-      const { bytesRead } = await handle.read(buffer, 0, Number(size), Number(offset));
-      assert.equal(bytesRead, Number(size));
-      return buffer;
-    },
-  };
-  return { handle, reader: await core.McapIndexedReader.Initialize({ readable }) };
-}
-
-/// Decodes by the schema in the file alone.
-function decoderOf(schema) {
-  assert.equal(schema.encoding, "protobuf");
-  const root = protobuf.Root.fromDescriptor(descriptor.FileDescriptorSet.decode(schema.data));
-  const type = root.lookupType(schema.name);
-  return (data) => type.toObject(type.decode(data), { longs: String, arrays: true, defaults: true });
-}
 
 async function messagesByIndex(path) {
   const { handle, reader } = await openIndexed(path);
@@ -78,7 +33,7 @@ async function messagesByIndex(path) {
 }
 
 async function countByStream(path) {
-  const reader = new core.McapStreamReader({ validateCrcs: true });
+  const reader = new core.McapStreamReader({ validateCrcs: true, decompressHandlers });
   reader.append(await readFile(path));
   let messages = 0n;
   for (let record; (record = reader.nextRecord()); ) if (record.type === "Message") ++messages;

@@ -59,6 +59,18 @@ int main(int argc, char** argv) {
   RecordingWriter writer(argv[1], test::sample_info());
   std::ofstream truth(argv[2]);
   Twice twice(writer, truth);
+  using Kind = ScenePart::Kind;
+  std::vector<ScenePart> parts;
+  for (const Kind kind : {Kind::plane, Kind::box, Kind::sphere, Kind::cavity, Kind::cylinder, Kind::capsule}) {
+    parts.push_back({.name = "part", .kind = kind, .size_m = {0.01, 0.01, 0.02}});
+  }
+  parts.push_back({.name = "mesh",
+                   .kind = Kind::mesh,
+                   .vertices_m = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                   .triangles = {{0, 1, 2}, {0, 1, 3}}});
+  writer.write_scene(parts, test::kSampleStart);
+  writer.attach({.name = "scene.toml", .media_type = "application/toml", .content = "name = \"sample\"\n"},
+                test::kSampleStart);
   test::play_sample_run(twice, 3000);
   writer.finish(test::sample_totals());
   return writer.problem().empty() && truth ? 0 : 1;

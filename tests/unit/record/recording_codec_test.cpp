@@ -38,7 +38,7 @@ TEST(RecordingCodec, NamesATimeOutOfRange) {
   EXPECT_EQ(refusal_of<wire::MotionSample>(encode(motion)),
             "device_time_ns must be within 2^61, got 2305843009213693953");
   const wire::EnvironmentForce force{.compute_time = -wire::kTimeMost - Nanoseconds{1}};
-  EXPECT_EQ(refusal_of<wire::EnvironmentForce>(encode(force)),
+  EXPECT_EQ(refusal_of<ForceRecord>(encode(SentForceRecord{force})),
             "compute_time_ns must be within 2^61, got -2305843009213693953");
 }
 

@@ -60,9 +60,11 @@ inline RunTotals sample_totals() {
   return totals;
 }
 
+inline constexpr Nanoseconds kSampleStart{77'000'000'123};
+
 /// A run as a client might write it down: three axes, contact from half of it on, one blackout, a fading force.
 inline void play_sample_run(TickSink& sink, std::uint64_t ticks) {
-  constexpr std::int64_t kStart = 77'000'000'123;
+  constexpr std::int64_t kStart = kSampleStart.count();
   for (std::uint64_t n = 1; n <= ticks; ++n) {
     const double t = static_cast<double>(n) * 1e-3;
     TickRecord tick;

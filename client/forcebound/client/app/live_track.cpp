@@ -169,7 +169,8 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   Client::Settings& settings = track->settings;
   settings = settings_of(options_);
   settings.law = law;
-  settings.law_parameters = baselines::describe(laws_.parameters(law, facts, chosen.parameters));
+  const control::LawParameters parameters = laws_.parameters(law, facts, chosen.parameters);
+  settings.law_parameters = baselines::describe(parameters);
   settings.guarantee = guarantee_with(*track->device, laws_.guarantee(law));
   settings.scene = choice.scene;
   settings.hand = request.hand;
@@ -180,6 +181,7 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   // As if each were another program: a session that ended must not be taken for the next one.
   settings.seed = options_.seed + 2 * static_cast<std::uint64_t>(run) + (beside ? 1U : 0U);
   settings.recording = recording_of(choice, beside, run);
+  if (!settings.recording.empty()) settings.attachments = recorded_files(request.device, law, parameters);
   return track;
 }
 

@@ -44,7 +44,11 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const control::LawOptions chosen = law_options(options, laws);
   auto law = laws.make(options.law, device->facts(), chosen);
   Client::Settings settings = settings_of(options);
-  settings.law_parameters = baselines::describe(laws.parameters(options.law, device->facts(), chosen.parameters));
+  const control::LawParameters parameters = laws.parameters(options.law, device->facts(), chosen.parameters);
+  settings.law_parameters = baselines::describe(parameters);
+  if (!settings.recording.empty()) {
+    settings.attachments = recorded_files(options.device.device, options.law, parameters);
+  }
   // Whether the summary can be written is known before the run.
   if (!options.summary.empty()) text::expect_writable(options.summary);
   settings.guarantee = guarantee_with(*device, laws.guarantee(options.law));

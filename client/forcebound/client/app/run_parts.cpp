@@ -2,11 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
 #include <stdexcept>
 
 #include "forcebound/baselines/law_file.hpp"
+#include "forcebound/device/load_device.hpp"
+#include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::client {
 
@@ -57,6 +61,25 @@ int exit_code_of(const Client& client, bool summary_written) {
   if (client.summary().not_passive()) return program::kNotPassive;
   if (!client.why_no_session().empty()) return program::kFailed;
   return summary_written && client.recording_complete() ? program::kDone : program::kOutputLost;
+}
+
+std::vector<record::RecordedFile> recorded_files(const std::string& device, const std::string& law,
+                                                 const control::LawParameters& parameters) {
+  constexpr const char* kToml = "application/toml";
+  std::vector<record::RecordedFile> files;
+  std::string text;
+  if (device::names_a_file(device) && std::filesystem::is_regular_file(device)) {
+    text = text::read_file(device);
+  } else {
+    for (const text::EmbeddedText& shipped : device::shipped_devices()) {
+      if (shipped.name == device) text = shipped.text;
+    }
+  }
+  if (!text.empty()) files.push_back({"device.toml", kToml, text});
+  std::string table = "[" + law + "]\n";
+  for (const auto& [key, value] : parameters) table += key + " = " + text::to_text(value) + '\n';
+  files.push_back({"law.toml", kToml, table});
+  return files;
 }
 
 }  // namespace forcebound::client

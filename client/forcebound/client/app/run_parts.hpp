@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "forcebound/client/app/options.hpp"
 #include "forcebound/client/runtime/client.hpp"
@@ -22,5 +23,9 @@ bool write_summary(const std::string& file, const record::Summary& summary);
 
 /// What the results of a run make of a program's exit code.
 [[nodiscard]] int exit_code_of(const Client& client, bool summary_written);
+
+/// What a recording has within: the device's file, if it has one, and the law with its parameters.
+[[nodiscard]] std::vector<record::RecordedFile> recorded_files(const std::string& device, const std::string& law,
+                                                               const control::LawParameters& parameters);
 
 }  // namespace forcebound::client

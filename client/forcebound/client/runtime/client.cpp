@@ -24,6 +24,8 @@
 #include "forcebound/record/recording_watch.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "forcebound/view/scene_parts.hpp"
+#include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -101,6 +103,7 @@ struct Client::Parts {
     sinks.push_back(&summary);
     if (!settings.recording.empty()) {
       writer.emplace(settings.recording, info);
+      for (const record::RecordedFile& file : settings.attachments) writer->attach(file, clock.now());
       sinks.push_back(&recorder);
     }
     if (settings.renders_locally) {
@@ -118,6 +121,18 @@ struct Client::Parts {
                                      .send_rate = settings.send_rate},
                     device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link,
                     clock, Session::Sinks{.ticks = sinks, .events = &events, .view = settings.view});
+  }
+
+  /// What has come of the scene since the last call, as pictures show it. Not for the tick's thread.
+  void record_scene() {
+    if (!writer || !local) return;
+    auto newest = local->builder().newest();
+    if (!newest || newest == recorded_scene) return;
+    recorded_scene = std::move(newest);
+    const view::ShownScene shown = view::shown(*recorded_scene, view::Which::all);
+    writer->write_scene(view::parts_of(shown), clock.now());
+    writer->attach({.name = "scene.json", .media_type = "application/json", .content = view::scene_message(1, shown)},
+                   clock.now());
   }
 
   /// Ends the process: the tick's thread, which is in the driver, cannot be ended alone. What that thread has in hand,
@@ -156,6 +171,7 @@ struct Client::Parts {
   EventQueue events;
   std::vector<record::TickSink*> sinks;
   std::optional<LocalRendering> local;
+  std::shared_ptr<const scene::Scene> recorded_scene;
   std::optional<Session> session;
   record::RecordingWatch recording_watch;
   std::string problem_told;
@@ -201,6 +217,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   StuckLoop looks(kStuckLooks);
   while (!loop.done()) {
     std::this_thread::sleep_for(kHousekeeping);
+    p.record_scene();
     if (p.writer) p.recorder.drain(*p.writer);
     const Nanoseconds now = p.clock.now();
     if (housekeeping) housekeeping(now, now - start);

@@ -12,6 +12,7 @@
 #include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/device/haptic_device.hpp"
+#include "forcebound/record/recording_writer.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "forcebound/scene/scene.hpp"
@@ -55,9 +56,10 @@ class Client {
     std::string program{};
     std::string law{};  ///< its name; empty: the law's own
     std::string law_parameters{};
-    std::string guarantee{};  ///< what the law's ledger guarantees, and under which facts
-    std::string hand{};       ///< as requested
-    std::string network{};    ///< what is known of the way to the server
+    std::string guarantee{};                          ///< what the law's ledger guarantees, and under which facts
+    std::string hand{};                               ///< as requested
+    std::string network{};                            ///< what is known of the way to the server
+    std::vector<record::RecordedFile> attachments{};  ///< files that the recording has within
   };
 
   /// Called several times a second while it runs.

@@ -12,7 +12,8 @@ namespace forcebound::record {
 inline constexpr std::string_view kTickSchema = "forcebound.v1.TickRecord";
 inline constexpr std::string_view kForceSchema = "forcebound.v1.ForceRecord";
 inline constexpr std::string_view kMotionSchema = "forcebound.v1.MotionSample";
-inline constexpr std::string_view kSentForceSchema = "forcebound.v1.EnvironmentForce";
+/// Of a force that was sent in recordings of before 0.3; now it is a ForceRecord without a time of receipt.
+inline constexpr std::string_view kEarlierSentForceSchema = "forcebound.v1.EnvironmentForce";
 
 inline constexpr std::string_view kProtobufEncoding = "protobuf";
 inline constexpr const char* kInfoMetadata = "forcebound.run";
@@ -24,12 +25,13 @@ std::string schema_of(std::string_view message_name);
 std::string encode(const TickRecord& tick);
 std::string encode(const ForceRecord& force);
 std::string encode(const wire::MotionSample& motion);
-std::string encode(const wire::EnvironmentForce& force);
+std::string encode(const SentForceRecord& force);
 
 /// @throws std::invalid_argument saying what is wrong: not that message, a vector of more than six rows, a time beyond
 /// 73 years, an unknown state.
 void decode(std::string_view bytes, TickRecord& tick);
-void decode(std::string_view bytes, ForceRecord& force);
+/// @returns whether it was received; else it was sent, and its times of receipt are zero
+bool decode(std::string_view bytes, ForceRecord& force);
 void decode(std::string_view bytes, wire::MotionSample& motion);
 void decode(std::string_view bytes, wire::EnvironmentForce& force);
 

@@ -211,7 +211,9 @@ std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const 
   info.simulated = offer.choice + offer.simulated;
   info.encryption = encryption;
   info.epoch = time::wall_clock_now() - clock.now();
-  return std::make_unique<RecordingObserver>(clock, options.record, info);
+  RecordingObserver::Scenes scenes{.library = offer.environments.scenes()};
+  if (!offer.robot) scenes.text = scene_source(options.scene).text;
+  return std::make_unique<RecordingObserver>(clock, options.record, info, std::move(scenes));
 }
 
 std::string totals(const UdpServer& server, const std::string& encryption) {
