@@ -4,12 +4,16 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
+#include "tests/tools/lab/both_ends.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/figures/run_figure.hpp"
 #include "tests/tools/lab/option_checks.hpp"
@@ -21,60 +25,145 @@ namespace {
 constexpr const char* kRunPicture = "run.png";
 
 struct ReportOptions {
-  std::string recording;
+  std::vector<std::string> recordings;
   std::string figures;
   std::string json;
 };
 
-/// Reads a recording into its summary and its figure in one pass.
+/// Reads a recording in one pass: into its summary and its figure, and what joins it with the other end's.
 class Report final : public record::RecordingSink {
  public:
+  /// @param both null: there is one recording alone
+  explicit Report(BothEnds* both) : both_(both) {}
+
   void on_start(const record::RunInfo& info) override {
+    info_ = info;
     summary_.emplace(info);
     figure_.emplace(info);
   }
-  void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
+  void on_end(const record::RunTotals& totals) override {
+    summary_->finish(totals);
+    if (both_ != nullptr && any_tick_) both_->take_client(totals);
+  }
   void on_tick(const record::TickRecord& tick) noexcept override {
     summary_->on_tick(tick);
     figure_->on_tick(tick);
     any_tick_ = true;
+    if (both_ != nullptr) both_->take(tick);
   }
   void on_force(const record::ForceRecord& force) noexcept override {
     summary_->on_force(force);
     figure_->on_force(force);
+    if (both_ != nullptr) both_->take(force);
+  }
+  void on_motion(const record::MotionRecord& motion) override {
+    any_motion_ = true;
+    if (both_ != nullptr) both_->take(motion);
+  }
+  void on_sent(const record::SentForceRecord& force) override {
+    if (both_ != nullptr) both_->take(force);
+  }
+  void on_file(const record::RecordedFile& file) override {
+    files_ +=
+        (files_.empty() ? "" : ", ") + text::printable(file.name) + " (" + bytes_in_words(file.content.size()) + ")";
+  }
+
+  /// Tells about its size and files on one line, and what is missing.
+  void read(const std::string& file) {
+    const record::mcap::Ending ending = record::read_recording(file, *this);
+    if (!ending) std::cerr << record::incomplete_in_words(file, ending) << '\n';
+    recording_ = bytes_in_words(ending.size);
+    if (ending.stored < ending.uncompressed) {
+      recording_ += ", " + bytes_in_words(ending.size - ending.stored + ending.uncompressed) + " without compression";
+    }
+    recording_ += "; " + (files_.empty() ? "no files within" : "within: " + files_);
   }
 
   [[nodiscard]] const record::Summary& summary() const { return *summary_; }
+  [[nodiscard]] const record::RunInfo& info() const { return info_; }
   [[nodiscard]] const RunFigure& figure() const { return *figure_; }
-  [[nodiscard]] bool any_tick() const { return any_tick_; }
+  [[nodiscard]] const std::string& recording() const { return recording_; }
+  [[nodiscard]] bool is_clients() const { return any_tick_; }
+  [[nodiscard]] bool is_servers() const { return any_motion_ && !any_tick_; }
 
  private:
+  static std::string bytes_in_words(std::uint64_t bytes) {
+    constexpr double kKilo = 1e3;
+    const auto number = static_cast<double>(bytes);
+    if (number < kKilo) return std::to_string(bytes) + " B";
+    if (number < kKilo * kKilo) return text::rounded(number / kKilo) + " kB";
+    return text::rounded(number / kKilo / kKilo) + " MB";
+  }
+
+  BothEnds* both_;
+  record::RunInfo info_;
   std::optional<record::Summary> summary_;
   std::optional<RunFigure> figure_;
+  std::string files_;
+  std::string recording_;
   bool any_tick_ = false;
+  bool any_motion_ = false;
 };
+
+/// @param report of the client
+void print(const ReportOptions& options, const Report& report, const std::string& rest, const std::string& json) {
+  const bool to_stdout = options.json == "-";
+  if (!to_stdout) std::cout << report.summary().to_text(text::colour_for(STDOUT_FILENO)) << rest << std::flush;
+  if (to_stdout) {
+    std::cout << json;
+  } else if (!options.json.empty()) {
+    text::write_file(options.json, json);
+  }
+  if (options.figures.empty()) return;
+  const auto drawn = report.figure().draw_to(std::filesystem::path(options.figures) / kRunPicture);
+  (to_stdout ? std::cerr : std::cout) << "figure " << drawn.string() << '\n';
+}
+
+void report_one(const ReportOptions& options) {
+  const std::string& file = options.recordings.front();
+  auto report = std::make_unique<Report>(nullptr);
+  report->read(file);
+  if (!report->is_clients()) {
+    throw std::runtime_error(file + ": no message on topic /tick; a client's recording is needed");
+  }
+  print(options, *report, text::wrapped("  recording     " + report->recording(), 16) + '\n',
+        report->summary().to_json());
+}
+
+void report_both(const ReportOptions& options) {
+  BothEnds both;
+  auto first = std::make_unique<Report>(&both);
+  auto second = std::make_unique<Report>(&both);
+  first->read(options.recordings[0]);
+  second->read(options.recordings[1]);
+  const bool client_first = first->is_clients();
+  const Report& client = client_first ? *first : *second;
+  const Report& server = client_first ? *second : *first;
+  if (!client.is_clients() || !server.is_servers()) {
+    const char* const of = client.is_clients() ? "clients" : "servers";
+    throw std::runtime_error(options.recordings[0] + ", " + options.recordings[1] + ": both are of " + of +
+                             ", or one is empty; one of a client and one of its server are needed");
+  }
+  both.take_client(client.info());
+  both.take_server(server.info());
+  auto json = nlohmann::ordered_json::parse(client.summary().to_json());
+  json["both_ends"] = both.results();
+  const std::string rest = text::wrapped("  recording     " + client.recording(), 16) + '\n' + both.to_text() +
+                           text::wrapped("  recording     " + server.recording(), 16) + '\n';
+  print(options, client, rest, json.dump(2) + "\n");
+}
 
 void run(const ReportOptions& options) {
   const bool to_stdout = options.json == "-";
-  prepare({.inputs = {options.recording},
+  prepare({.inputs = options.recordings,
            .files = {to_stdout ? std::string() : options.json},
            .folder = options.figures,
            .figures = pictures_in(options.figures, {kRunPicture})});
-  auto report = std::make_unique<Report>();
-  const record::mcap::Ending ending = record::read_recording(options.recording, *report);
-  if (!report->any_tick()) {
-    throw std::runtime_error(options.recording + ": no message on topic /tick; a client's recording is needed");
+  if (options.recordings.size() == 1) {
+    report_one(options);
+  } else {
+    report_both(options);
   }
-  if (!ending) std::cerr << record::incomplete_in_words(options.recording, ending) << '\n';
-  if (!to_stdout) std::cout << report->summary().to_text(text::colour_for(STDOUT_FILENO)) << std::flush;
-  if (to_stdout) {
-    std::cout << report->summary().to_json();
-  } else if (!options.json.empty()) {
-    text::write_file(options.json, report->summary().to_json());
-  }
-  if (options.figures.empty()) return;
-  const auto drawn = report->figure().draw_to(std::filesystem::path(options.figures) / kRunPicture);
-  (to_stdout ? std::cerr : std::cout) << "figure " << drawn.string() << '\n';
 }
 
 }  // namespace
@@ -82,11 +171,18 @@ void run(const ReportOptions& options) {
 void add_report(CLI::App& app) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* report = app.add_subcommand("report", "Print the summary of a recorded run again, and draw it");
-  report->add_option("RECORDING", options->recording, "FILE.mcap that a client's --record wrote")->required();
+  report
+      ->add_option(
+          "RECORDING", options->recordings,
+          "FILE.mcap that a client's --record wrote; with the one of its server's --record, also what both show "
+          "only together: times up and down, and what was lost on which way")
+      ->required()
+      ->expected(1, 2);
   add_figures(*report, options->figures, "draw motion, force, energy and timing, as run.png,");
   add_output(*report, "--json", options->json, "write the summary to this file; -: to stdout, instead of the text")
       ->type_name("FILE.json");
-  report->footer("Example:\n  forcebound-lab report run.mcap --figures out");
+  report->footer(
+      "Examples:\n  forcebound-lab report run.mcap --figures out\n  forcebound-lab report run.mcap server.mcap");
   report->callback([options] { run(*options); });
 }
 

@@ -56,7 +56,9 @@ class LabReport : public ::testing::Test {
 TEST_F(LabReport, PrintsTheLiveSummaryFromTheRecordingAlone) {
   const Outcome outcome = lab("report " + recording_.path().string());
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_EQ(outcome.out, live_.to_text());
+  EXPECT_THAT(outcome.out, StartsWith(live_.to_text() + "  recording     "));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr(" kB, "), HasSubstr(" MB without compression; no files within")));
+  EXPECT_EQ(std::ranges::count(outcome.out, '\n'), std::ranges::count(live_.to_text(), '\n') + 1);
 }
 
 TEST_F(LabReport, WritesTheLiveSummaryAsJson) {
@@ -110,6 +112,31 @@ TEST_F(LabReport, AndATableSayThatARecordingIsIncomplete) {
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("part.mcap"), HasSubstr(": incomplete: it ends at byte "),
                                    HasSubstr("; shown is what is whole\n")));
   }
+}
+
+TEST_F(LabReport, NamesTheFilesWithinARecording) {
+  const TemporaryFile file("files.mcap");
+  record::RecordingWriter writer(file.path(), record::test::sample_info());
+  writer.attach({.name = "device.toml", .media_type = "application/toml", .content = std::string(1234, 'x')}, {});
+  writer.attach({.name = "law\x1b.toml", .media_type = "application/toml", .content = "[none]\n"}, {});
+  writer.write(record::TickRecord{});
+  writer.finish({});
+  EXPECT_THAT(lab("report " + file.path().string()).out, HasSubstr("within: device.toml (1.23 kB), law?.toml (7 B)"));
+}
+
+TEST_F(LabReport, RefusesTwoRecordingsOfOneSideOrWithoutACommonSession) {
+  const TemporaryFile server("server.mcap");
+  record::RecordingWriter writer(server.path(), {});
+  writer.write(record::MotionRecord{});
+  writer.finish({});
+  const std::string client = recording_.path().string();
+  EXPECT_THAT(lab("report " + client + " " + client, true).out, HasSubstr("both are of clients"));
+  EXPECT_THAT(lab("report " + server.path().string() + " " + server.path().string(), true).out,
+              HasSubstr("both are of servers"));
+  const Outcome strange = lab("report " + client + " " + server.path().string(), true);
+  EXPECT_EQ(strange.code, 1);
+  EXPECT_THAT(strange.out, HasSubstr("no session in common"));
+  EXPECT_EQ(lab("report " + client + " " + client + " " + client, true).code, 2);
 }
 
 TEST_F(LabReport, RefusesAServersRecordingSayingWhatItNeeds) {
