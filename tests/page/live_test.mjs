@@ -28,6 +28,15 @@ async function forSeconds(tab, seconds) {
   await tab.until(`${seconds} s went by`, (until) => window.forcebound.charts.store.newest_s >= until, from + seconds);
 }
 
+/** The clutch, pressed and released: from then on the robot follows. */
+async function engage(tab) {
+  await tab.page.locator("#hold-button").hover();
+  await tab.page.mouse.down();
+  await forSeconds(tab, 0.3);
+  await tab.page.mouse.up();
+  await tab.until("the robot follows", () => document.getElementById("robot").dataset.state === "following");
+}
+
 /** Waits for the run of another choice: the light of a law with its name. */
 async function untilLaw(tab, track, law) {
   await tab.until(`track ${track} runs ${law}`, ([index, name]) =>
@@ -173,19 +182,14 @@ const cases = {
         window.forcebound.stage.views[0].parts.children.some((part) => part.name.startsWith("forearm")) &&
         window.forcebound.stage.views[0].parts.children.some((part) => part.name === "wall"));
       await tab.until("it is told where the tool is", () => window.forcebound.stage.views[0].state.tool !== null);
-      // Who takes hold of the hand and keeps it still engages.
+      await engage(tab);
       const { x, y } = await tab.tip();
       await tab.page.mouse.move(x, y);
       await tab.page.mouse.down();
-      await tab.until("the robot follows", () => document.getElementById("robot").dataset.state === "following");
       const height = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.tool.z);
       const before = await height();
-      let down = 0;
-      const pressed = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.exerted.length() > 3);
-      while (!(await pressed()) && down < 400) {
-        await tab.page.mouse.move(x, y + (down += 2));
-        await forSeconds(tab, 0.1);
-      }
+      await tab.page.mouse.move(x, y + 200, { steps: 20 });
+      await tab.until("it presses", () => window.forcebound.stage.views[0].state.exerted.length() > 1.5);
       assert.ok(await height() < before - 0.02, "the arm went down with the hand");
       await tab.until("both forces have their newtons", () => ["applied", "exerted"].every((name) =>
         / N$/.test(document.querySelector(`.force-label.colour-${name}:not([hidden])`)?.textContent ?? "")));

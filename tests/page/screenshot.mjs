@@ -31,16 +31,24 @@ async function stroke(tab) {
 /** Takes the robot by the hand and leads it down until it presses, and a little further; the pointer stays down. */
 async function press(tab) {
   await tab.until("it is told where the tool is", () => window.forcebound.stage.views[0].state.tool !== null);
+  // The clutch, pressed and released.
+  await tab.page.locator("#hold-button").hover();
+  await tab.page.mouse.down();
+  await tab.page.waitForTimeout(300);
+  await tab.page.mouse.up();
+  await tab.until("the robot follows", () => document.getElementById("robot").dataset.state === "following");
   const { x, y } = await tab.tip();
   await tab.page.mouse.move(x, y);
   await tab.page.mouse.down();
-  await tab.until("the robot follows", () => document.getElementById("robot").dataset.state === "following");
   const exerted_N = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.exerted.length());
-  for (let down = 0; await exerted_N() < 7 && down < 500; ++down) {
+  // Slowly, until it has pressed with 5 to 12 N for two seconds.
+  for (let down = 0, held = 0, tries = 0; held < 10 && tries < 400; ++tries) {
+    const force_N = await exerted_N();
+    down += force_N < 5 ? (force_N < 0.7 ? 2 : 1) : force_N > 12 ? -1 : 0;
+    held = force_N >= 5 && force_N <= 12 ? held + 1 : 0;
     await tab.page.mouse.move(x, y + down);
-    await tab.page.waitForTimeout(60);
+    await tab.page.waitForTimeout(200);
   }
-  await tab.page.waitForTimeout(3000);
 }
 
 needPage(given.page);

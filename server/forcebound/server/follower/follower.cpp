@@ -176,9 +176,9 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
       target_.restart(tool);
       map_.engage({.position = Vector::Zero(3)}, tool);  // for pictures, until somebody does
     }
-    return impedance_.torque(reading, target_.rest());
+    return impedance_.torque(reading, target_.rest(), tool);
   }
-  if (state != FollowerState::following) return impedance_.torque(reading, target_.rest());
+  if (state != FollowerState::following) return impedance_.torque(reading, target_.rest(), tool);
   grip(now);
   const ToolTarget& target = target_.move_to(map_.tool_of(*leader_), period_s);
   const ToolTarget asked = architecture_->ask({.now = now,
@@ -187,7 +187,7 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
                                                .tool = tool,
                                                .velocity = impedance_.report().velocity,
                                                .sensed_N = bias_.without(robot_->sensed_force())});
-  return impedance_.torque(reading, asked);
+  return impedance_.torque(reading, asked, tool);
 }
 
 void Follower::grip(Nanoseconds now) noexcept {

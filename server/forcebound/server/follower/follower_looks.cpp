@@ -84,16 +84,19 @@ struct Held {
 };
 
 std::vector<Held> parts_of(const ToolShape& tool) {
-  constexpr double kRod_m = 0.03;  // that a fingertip is fixed to
-  const bool is_plug = tool.kind == ToolShape::Kind::plug;
-  const double length_m = is_plug ? tool.length_m : kRod_m;
-  const double radius_m = is_plug ? tool.radius_m : tool.radius_m / 2;
-  std::vector<Held> parts{
-      {.part = {.name = "tool", .kind = Kind::cylinder, .half_m = {radius_m, radius_m, length_m / 2}},
-       .in_tool = Eigen::Isometry3d(Eigen::Translation3d(0, 0, -length_m / 2))}};
-  if (is_plug) return parts;
-  parts.push_back(
-      {.part = {.name = "fingertip", .kind = Kind::sphere, .half_m = Eigen::Vector3d::Constant(tool.radius_m)}});
+  constexpr double kRod_m = 0.07;  // from the gripper's palm: the tool is fixed there, however the fingers stand
+  const auto behind = [](double length_m) { return Eigen::Isometry3d(Eigen::Translation3d(0, 0, -length_m / 2)); };
+  const double half_m = tool.radius_m / 2;
+  std::vector<Held> parts{{.part = {.name = "rod", .kind = Kind::cylinder, .half_m = {half_m, half_m, kRod_m / 2}},
+                           .in_tool = behind(kRod_m)}};
+  if (tool.kind == ToolShape::Kind::plug) {
+    parts.push_back(
+        {.part = {.name = "tool", .kind = Kind::cylinder, .half_m = {tool.radius_m, tool.radius_m, tool.length_m / 2}},
+         .in_tool = behind(tool.length_m)});
+  } else {
+    parts.push_back(
+        {.part = {.name = "tool", .kind = Kind::sphere, .half_m = Eigen::Vector3d::Constant(tool.radius_m)}});
+  }
   return parts;
 }
 

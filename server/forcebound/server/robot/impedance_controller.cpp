@@ -92,7 +92,8 @@ void ImpedanceController::set(const ImpedanceSettings& settings) {
 
 void ImpedanceController::restart() noexcept { velocity_.restart(); }
 
-Vector ImpedanceController::torque(const device::Reading& reading, const ToolTarget& target) noexcept {
+Vector ImpedanceController::torque(const device::Reading& reading, const ToolTarget& target,
+                                   const std::optional<ToolPose>& pose) noexcept {
   report_ = {};
   const Eigen::Index joints = model_.joints();
   if (!device::is_usable(reading, model_.joints())) {
@@ -103,7 +104,7 @@ Vector ImpedanceController::torque(const device::Reading& reading, const ToolTar
   const Vector velocity = velocity_.update(reading.latched, q);
   const ToolJacobian jacobian = model_.jacobian(q);
   const Matrix mass = model_.mass_matrix(q);
-  report_.pose = model_.pose(q);
+  report_.pose = pose ? *pose : model_.pose(q);
   report_.velocity = jacobian * velocity;
   const Matrix6 inertia = inertia_of(jacobian, mass);
   report_.wrench = wrench_of(inertia, target);

@@ -69,7 +69,9 @@ class ImpedanceController {
   explicit ImpedanceController(const RobotModel& model, const ImpedanceSettings& settings = {});
 
   /// Joint torques towards the target; within the model's torque limits. Once for each reading.
-  [[nodiscard]] Vector torque(const device::Reading& reading, const ToolTarget& target) noexcept;
+  /// @param pose of the tool by that reading, where it is known already
+  [[nodiscard]] Vector torque(const device::Reading& reading, const ToolTarget& target,
+                              const std::optional<ToolPose>& pose = std::nullopt) noexcept;
 
   /// A soft stop by torque: damps every joint towards rest, with torques within the limits, from any state; holds
   /// nothing. Once for each reading, in place of `torque`.
