@@ -41,10 +41,10 @@ async function press(tab) {
   await tab.page.mouse.move(x, y);
   await tab.page.mouse.down();
   const exerted_N = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.exerted.length());
-  // Slowly, until it has pressed with 5 to 12 N for two seconds.
-  for (let down = 0, held = 0, tries = 0; held < 10 && tries < 400; ++tries) {
+  // Slowly, until it has pressed with 5 to 12 N for a second.
+  for (let down = 0, held = 0, tries = 0; held < 6 && tries < 400; ++tries) {
     const force_N = await exerted_N();
-    down += force_N < 5 ? (force_N < 0.7 ? 2 : 1) : force_N > 12 ? -1 : 0;
+    down += force_N < 5 ? (force_N < 0.7 ? 4 : 2) : force_N > 12 ? -1 : 0;
     held = force_N >= 5 && force_N <= 12 ? held + 1 : 0;
     await tab.page.mouse.move(x, y + down);
     await tab.page.waitForTimeout(200);
