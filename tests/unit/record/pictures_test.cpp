@@ -74,9 +74,9 @@ TEST(Pictures, ComeSixtyTimesASecondWhateverTheRateOfTheTicks) {
   const Pictures pictures = pictures_in(file.path());
   EXPECT_EQ(pictures.devices.size(), 300U);
   EXPECT_EQ(pictures.arrows.size(), 300U);
-  EXPECT_EQ(pictures.schemas["/device"], "foxglove.FrameTransform");
-  EXPECT_EQ(pictures.schemas["/arrows"], "foxglove.SceneUpdate");
-  EXPECT_EQ(pictures.schemas["/tick"], "forcebound.v1.TickRecord");
+  EXPECT_EQ(pictures.schemas.at("/device"), "foxglove.FrameTransform");
+  EXPECT_EQ(pictures.schemas.at("/arrows"), "foxglove.SceneUpdate");
+  EXPECT_EQ(pictures.schemas.at("/tick"), "forcebound.v1.TickRecord");
 }
 
 TEST(Pictures, ShowTheTipAndTheForcesOnIt) {

@@ -109,7 +109,8 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       app.add_option("--seed", options.seed, "seed of the handshake's nonces; default: random")
           ->check(program::whole_within(0))
           ->type_name("N");
-  app.add_option("--record", options.record, "write every tick and force to this file, and what Foxglove's 3D panel shows of them")
+  app.add_option("--record", options.record,
+                 "write every tick and force to this file, and what Foxglove's 3D panel shows of them")
       ->check(program::not_empty())
       ->type_name("FILE.mcap");
   app.add_option("--summary", options.summary, "write the summary to this file as well")

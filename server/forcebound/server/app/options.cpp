@@ -114,7 +114,9 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       app.add_flag("--schema", options.schema, "print every key of a scene file, as Markdown, and end")
           ->excludes(explain)
           ->excludes(suggest);
-  app.add_option("--record", options.record, "write every motion answered and every force sent to this file, and what Foxglove's 3D panel shows of them")
+  app.add_option(
+         "--record", options.record,
+         "write every motion answered and every force sent to this file, and what Foxglove's 3D panel shows of them")
       ->check(program::not_empty())
       ->excludes(explain)
       ->excludes(suggest)
