@@ -158,8 +158,13 @@ std::string teleoperation_words(const std::vector<TeleoperationGroup>& groups) {
 
 nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& rows) {
   Json all = Json::array();
+  const std::vector<TeleoperationGroup> groups = groups_of(rows);
   for (const TeleoperationRow& row : rows) {
     const TeleoperationMeasures& m = row.measures;
+    const bool on_front = std::ranges::any_of(groups, [&row](const TeleoperationGroup& group) {
+      return group.on_front && group.task == row.task && group.architecture == row.architecture &&
+             group.law == row.law && group.network == row.network;
+    });
     all.push_back({{"task", row.task},
                    {"architecture", row.architecture},
                    {"law", row.law},
@@ -182,7 +187,8 @@ nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& r
                    {"stops", m.stops},
                    {"why_stopped", m.why_stopped},
                    {"bounded_share", m.bounded_share},
-                   {"lag_m_max", m.lag_m_max}});
+                   {"lag_m_max", m.lag_m_max},
+                   {"on_pareto_front", on_front}});
   }
   return all;
 }

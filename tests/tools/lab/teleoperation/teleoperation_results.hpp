@@ -31,7 +31,8 @@ struct TeleoperationGroup {
 [[nodiscard]] std::string teleoperation_words(const std::vector<TeleoperationGroup>& groups);
 
 /// A row for each run: task, architecture, law, network, seed, `passivity: {leader_minimum_J, follower_minimum_J}`, and
-/// the measures; null for what is not known.
+/// the measures; null for what is not known. `on_pareto_front`: TeleoperationGroup::on_front of the runs that the row
+/// is of.
 [[nodiscard]] nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& rows);
 
 /// Force error over tracking error, a panel for each network (teleoperation.gnuplot).
