@@ -27,4 +27,10 @@ void require_constant_translations(std::string_view law, const control::DeviceFa
   }
 }
 
+void require_translations(std::string_view law, const control::DeviceFacts& facts) {
+  if (facts.rotations == 0) return;
+  throw std::invalid_argument("law '" + std::string(law) + "' adds up all axes, but device '" + facts.name +
+                              "' turns as well; a device that shows no torque is wanted");
+}
+
 }  // namespace forcebound::baselines

@@ -18,4 +18,8 @@ namespace forcebound::baselines {
 /// one gain for all axes.
 void require_constant_translations(std::string_view law, const control::DeviceFacts& facts);
 
+/// @throws std::invalid_argument if the device shows torques: these laws compare lengths of forces or ways over all
+/// axes.
+void require_translations(std::string_view law, const control::DeviceFacts& facts);
+
 }  // namespace forcebound::baselines

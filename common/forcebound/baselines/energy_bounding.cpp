@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/baselines/device_limits.hpp"
 #include "forcebound/control/ledger.hpp"
 
 namespace forcebound::baselines {
@@ -155,6 +156,7 @@ control::LawDescription energy_bounding() {
                       .most = 1e3,
                       .standard = [](const control::DeviceFacts&) { return 4.0; }}},
       .make = [](const control::DeviceFacts& facts, const control::LawOptions& options) {
+        require_translations("eba", facts);
         return std::make_unique<EnergyBoundingLaw>(
             facts, Bounds{.c1 = options.parameters.at("c1_T_per_b"), .c2 = options.parameters.at("c2_T_per_b")});
       }};

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/baselines/device_limits.hpp"
 #include "forcebound/control/held_force.hpp"
 
 namespace forcebound::baselines {
@@ -188,8 +189,11 @@ control::LawDescription memory_based_passivation() {
           .summary = "memory-based passivation: releasing stays below the remembered path of pressing",
           .reference = "Ryu, Yoon 2014",
           .certainty = control::LawCertainty::reconstruction,
-          .make = [](const control::DeviceFacts& facts, const control::LawOptions& /*options*/)
-              -> std::unique_ptr<control::PassivityLaw> { return std::make_unique<MemoryBasedPassivation>(facts); }};
+          .make = [](const control::DeviceFacts& facts,
+                     const control::LawOptions& /*options*/) -> std::unique_ptr<control::PassivityLaw> {
+            require_translations("mbpa", facts);
+            return std::make_unique<MemoryBasedPassivation>(facts);
+          }};
 }
 
 }  // namespace forcebound::baselines

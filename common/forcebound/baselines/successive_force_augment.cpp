@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/baselines/device_limits.hpp"
 #include "forcebound/control/held_force.hpp"
 
 namespace forcebound::baselines {
@@ -160,6 +161,7 @@ control::LawDescription successive_force_augment() {
                           .standard = [](const control::DeviceFacts&) { return 0.003; }}},
           .make = [](const control::DeviceFacts& facts,
                      const control::LawOptions& options) -> std::unique_ptr<control::PassivityLaw> {
+            require_translations("sfa", facts);
             const Augmentation augmentation{.feedback_share = options.parameters.at("feedback_share"),
                                             .increment_m = options.parameters.at("increment_m"),
                                             .rest_m_per_s = options.parameters.at("rest_m_per_s")};

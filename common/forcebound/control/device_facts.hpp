@@ -39,14 +39,16 @@ struct Uncertainty {
 /// has axes: all that joints dissipate counts in the joints, whether the tip moves or not.
 struct DeviceFacts {
   std::string name;
-  bool cartesian = true;   ///< the Jacobian is the identity
-  int tip_axes = 0;        ///< degrees of freedom of the tip, where the joints are more; 0: as many as joints
-  double period_s = 1e-3;  ///< nominal length of a tick
-  Matrix damping;          ///< positive definite lower bound of the physical damping
-  Vector friction;         ///< lower bound of the Coulomb friction, >= 0
-  Vector encoder_step;     ///< distance of two neighbouring readings, 0: ideal
-  Vector actuator_step;    ///< distance of two neighbouring commands, 0: ideal
-  double force_N_max = 0;  ///< largest tip force the device may be asked for
+  bool cartesian = true;      ///< the Jacobian is the identity
+  int tip_axes = 0;           ///< degrees of freedom of the tip, where the joints are more; 0: as many as joints
+  int rotations = 0;          ///< 3: the last three of those are rotations, and torques are shown too; 0: none is
+  double period_s = 1e-3;     ///< nominal length of a tick
+  Matrix damping;             ///< positive definite lower bound of the physical damping
+  Vector friction;            ///< lower bound of the Coulomb friction, >= 0
+  Vector encoder_step;        ///< distance of two neighbouring readings, 0: ideal
+  Vector actuator_step;       ///< distance of two neighbouring commands, 0: ideal
+  double force_N_max = 0;     ///< largest tip force the device may be asked for
+  double torque_N_m_max = 0;  ///< largest torque at the tip, where there are rotations
   double hold_s_max =
       2e-3;  ///< the device layer holds a force in effect for so long without a new one, then releases it
   double release_share = 0;  ///< the release begins with this share of the force,
@@ -58,8 +60,12 @@ struct DeviceFacts {
 
   [[nodiscard]] int joints() const noexcept { return static_cast<int>(damping.rows()); }
 
-  /// Rows of positions and forces of the tip.
+  /// Rows of the Jacobian and of what is asked of a law: the force at the tip, and below it the torque, if there is
+  /// one.
   [[nodiscard]] int degrees_of_freedom() const noexcept { return tip_axes > 0 ? tip_axes : joints(); }
+
+  /// Rows of the tip's position, and of the force alone.
+  [[nodiscard]] int translations() const noexcept { return degrees_of_freedom() - rotations; }
 };
 
 }  // namespace forcebound::control

@@ -75,6 +75,7 @@ void check(const DeviceFacts& facts) {
     refuse(facts, "latency must be 0 to 8 periods [s]", facts.latency_s);
   }
   if (!(facts.force_N_max >= 0)) refuse(facts, "largest force must be >= 0 N", facts.force_N_max);
+  if (!(facts.torque_N_m_max >= 0)) refuse(facts, "largest torque must be >= 0 N m", facts.torque_N_m_max);
   if (!per_joint(facts.friction)) refuse(facts, "friction must be >= 0 for each joint", facts.friction.transpose());
   if (!per_joint(facts.encoder_step)) {
     refuse(facts, "encoder step must be >= 0 for each joint", facts.encoder_step.transpose());
@@ -109,6 +110,8 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
       torque_share_(facts.uncertainty.torque_share),
       lag_s_(facts.uncertainty.actuator_lag_s),
       force_N_max_(facts.force_N_max),
+      torque_N_m_max_(facts.torque_N_m_max),
+      rotations_(facts.rotations),
       memory_(memory),
       spending_(spending),
       jacobian_(Matrix::Identity(dof_, joint_count_)),
@@ -187,7 +190,8 @@ void ExactLaw::charge_all() noexcept {
 
 void ExactLaw::forget_excess() noexcept {
   constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
-  const Vector largest = force_N_max_ * jacobian_.colwise().norm().transpose();
+  Vector largest = force_N_max_ * jacobian_.topRows(dof_ - rotations_).colwise().norm().transpose();
+  if (rotations_ > 0) largest += torque_N_m_max_ * jacobian_.bottomRows(rotations_).colwise().norm().transpose();
   const double kept_J = std::min(kRoom * spending_.memory_reserves * needed_J(largest), spending_.memory_J_max);
   const double excess_J = energy_J() - kept_J;
   if (!(excess_J > 0)) return;

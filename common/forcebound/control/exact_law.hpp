@@ -42,7 +42,8 @@ struct Spending {
 /// that the facts allow, T_1 and the actuator's lag together. What the lag leaves of earlier forces is subtracted from
 /// E_n too. Scaling the torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular
 /// configurations are harmless. Without any energy the torque is what friction holds: the largest one along J'u with
-/// (1 + q) |tau_i| <= c_i. A coupled damping matrix D counts as the diagonal `largest_diagonal_below` it.
+/// (1 + q) |tau_i| <= c_i. Where the tip turns, f is a force and a torque: nothing changes, as all terms are energies
+/// of the joints. A coupled damping matrix D counts as the diagonal `largest_diagonal_below` it.
 ///
 /// Of times, torques, damping and friction only bounds need be known (DeviceFacts::uncertainty): V is taken over
 /// everything within them. The proof is in README.md beside this file.
@@ -127,6 +128,8 @@ class ExactLaw final : public PassivityLaw {
   double torque_share_;
   double lag_s_;
   double force_N_max_;
+  double torque_N_m_max_;
+  Eigen::Index rotations_;
   EnergyMemory memory_;
   Spending spending_;
 

@@ -19,9 +19,11 @@ struct Motion {
   double held_s = std::numeric_limits<double>::infinity();     ///< from `latency_s` until the device let go, if it did
   bool write_failed = false;  ///< whether the force was ever in effect, or the one before it still is, is unknown
   double latency_s_max = 0;   ///< the longest that the force now to be chosen may take from this reading to its effect
-  Vector position;            ///< task space [m], device frame
-  Vector joint;               ///< joint readings; equal to `position` for a Cartesian device
-  Matrix jacobian;            ///< d position / d joint at this reading
+  /// Task space [m], device frame. Where the tip turns, below that the sum of the rotation vectors of all intervals,
+  /// each about the pose at its beginning [rad]: its differences alone mean something.
+  Vector position;
+  Vector joint;     ///< joint readings; equal to `position` for a Cartesian device
+  Matrix jacobian;  ///< of the tip's velocity, and of its angular velocity where it turns, at this reading
   const Damping* damping = nullptr;  ///< task-space damping at this reading; holds for the interval that begins here
 };
 

@@ -36,7 +36,7 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
       actuator_step_(facts.actuator_step),
       latency_s_least_(facts.latency_s),
       cartesian_(facts.cartesian),
-      force_N_max_(facts.force_N_max),
+      limits_(facts),
       reach_m_per_s_(facts.speed_max / (1 - facts.uncertainty.clock_share)),
       reading_error_((1 + 2 * facts.uncertainty.encoder_steps) * facts.encoder_step) {
   if (reach_m_per_s_.rows() > 0) {
@@ -58,9 +58,13 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
     text << "device '" << facts.name << "': actuator step must be >= 0, got " << actuator_step_.transpose();
     throw std::invalid_argument(text.str());
   }
-  if (!(force_N_max_ >= 0)) {
+  if (!(facts.force_N_max >= 0)) {
     throw std::invalid_argument("device '" + facts.name + "': largest force must be >= 0 N, got " +
-                                std::to_string(force_N_max_));
+                                std::to_string(facts.force_N_max));
+  }
+  if (!(facts.torque_N_m_max >= 0)) {
+    throw std::invalid_argument("device '" + facts.name + "': largest torque must be >= 0 N m, got " +
+                                std::to_string(facts.torque_N_m_max));
   }
 }
 
@@ -156,10 +160,10 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
   const double largest = request_N.lpNorm<Eigen::Infinity>();
   if (next_to_nothing(request_N)) return Vector::Zero(dof_);
   // The length of 1e308 N on every axis is beyond a double, its direction is not.
-  const double length = (request_N / largest).norm();
-  if (largest * length <= force_N_max_) return request_N;
+  const double most = limits_.longest_along(request_N / largest);
+  if (largest <= most) return request_N;
   ++counts_.saturated;
-  return (request_N / largest) * (force_N_max_ / length);
+  return (request_N / largest) * most;
 }
 
 /// Guards against a faulty law: a force that is not finite or of the wrong size becomes zero; one longer than the
@@ -170,8 +174,8 @@ Vector PassivityController::sound(const Vector& force_N) noexcept {
     return Vector::Zero(dof_);
   }
   constexpr double kRounding = 1 + 1e-12;
-  const double length = force_N.stableNorm();
-  return length > force_N_max_ * kRounding ? Vector(force_N * (force_N_max_ / length)) : force_N;
+  const double most = limits_.longest_along(force_N);
+  return 1 > most * kRounding ? Vector(force_N * most) : force_N;
 }
 
 Vector PassivityController::rounded(const Vector& force_N, const Motion& motion) const noexcept {
@@ -181,7 +185,7 @@ Vector PassivityController::rounded(const Vector& force_N, const Motion& motion)
                             : Vector(jacobian.transpose().partialPivLu().solve(
                                   rounded_toward_zero(jacobian.transpose() * force_N, actuator_step_)));
   // Near a singular configuration a small torque can be a huge force at the tip.
-  const bool longer = force.norm() > force_N_max_;
+  const bool longer = !(limits_.longest_along(force) >= 1);
   if (!force.allFinite() || longer || !law_->allows(force, motion.latency_s_max)) force.setZero();
   return force;
 }

@@ -7,6 +7,7 @@
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/force_times.hpp"
 #include "forcebound/control/law.hpp"
+#include "forcebound/control/wrench.hpp"
 
 namespace forcebound::control {
 
@@ -14,6 +15,9 @@ namespace forcebound::control {
 ///
 ///     request -> finite? -> saturate at f_max along u -> law -> finite? within f_max? -> round to the actuator
 ///     -> commit the same number
+///
+/// Where the device shows torques, the request is a force and a torque below it, and both saturate by the same share,
+/// at f_max or the largest torque, whichever comes first: that keeps the wrench's direction.
 ///
 /// A request that is not finite is zero force. A reading that is not finite, or further from the last one than the
 /// device's largest speed explains, is zero force too; the tick credits nothing and the force held is charged its worst
@@ -90,7 +94,7 @@ class PassivityController {
   Vector actuator_step_;
   double latency_s_least_;
   bool cartesian_;
-  double force_N_max_;
+  WrenchLimits limits_;
   Vector reach_m_per_s_;  ///< no rows: not known
   Vector reading_error_;
   Vector reached_;               ///< the last reading that was used; no rows: there was none

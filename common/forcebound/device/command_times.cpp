@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "forcebound/control/rotation.hpp"
+
 namespace forcebound::device {
 
 control::Motion CommandTimes::motion_at(const Reading& reading) const noexcept {
-  control::Motion motion{
-      .position = reading.position, .joint = reading.joint, .jacobian = reading.jacobian, .damping = reading.damping};
+  control::Motion motion{.position = with_rotations(reading),
+                         .joint = reading.joint,
+                         .jacobian = reading.jacobian,
+                         .damping = reading.damping};
   if (previous_reading_) {
     motion.interval_s = time::to_seconds(reading.latched - *previous_reading_);
     motion.latency_s = latency_s(*previous_command_ - *previous_reading_);
@@ -23,8 +27,23 @@ control::Motion CommandTimes::motion_at(const Reading& reading) const noexcept {
   return motion;
 }
 
+/// Each interval's rotation about the pose at its beginning: no angle of many turns, no chart that ends.
+Vector CommandTimes::with_rotations(const Reading& reading) const noexcept {
+  if (device_.facts().rotations == 0) return reading.position;
+  Vector place(reading.position.rows() + turned_rad_.rows());
+  place.head(reading.position.rows()) = reading.position;
+  place.tail<3>() = turned_rad_;
+  if (pose_ && reading.handle.orientation)
+    place.tail<3>() += control::rotation_vector(*pose_, control::quaternion_of(*reading.handle.orientation));
+  return place;
+}
+
 double CommandTimes::command_at(const Reading& reading, Nanoseconds now) noexcept {
   choosing_.note(now - choosing_since_);
+  if (device_.facts().rotations > 0 && reading.handle.orientation) {
+    turned_rad_ = with_rotations(reading).tail<3>();
+    pose_ = control::quaternion_of(*reading.handle.orientation);
+  }
   previous_reading_ = reading.latched;
   previous_command_ = now;
   return latency_s(now - reading.latched);
@@ -32,9 +51,9 @@ double CommandTimes::command_at(const Reading& reading, Nanoseconds now) noexcep
 
 Reading usable_or_lost(Reading reading, const control::DeviceFacts& facts, Nanoseconds now,
                        Nanoseconds latest) noexcept {
-  if (is_usable(reading, facts.degrees_of_freedom(), facts.joints()) && reading.latched <= latest) return reading;
+  if (is_usable(reading, facts) && reading.latched <= latest) return reading;
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  reading.position = Vector::Constant(facts.degrees_of_freedom(), unknown);
+  reading.position = Vector::Constant(facts.translations(), unknown);
   reading.joint = Vector::Constant(facts.joints(), unknown);
   reading.jacobian = Matrix::Identity(facts.degrees_of_freedom(), facts.joints());
   reading.handle = {};

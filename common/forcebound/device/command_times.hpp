@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 
 #include "forcebound/control/law.hpp"
@@ -8,7 +9,7 @@
 
 namespace forcebound::device {
 
-/// When a device was read and commanded, as a law is told of it in control::Motion.
+/// When a device was read and commanded, and how far its tip turned, as a law is told of it in control::Motion.
 ///
 /// On each tick, in this order: `begin_choosing`, `motion_at`, `command_at` once the force is chosen, then the device's
 /// `apply`.
@@ -33,6 +34,7 @@ class CommandTimes {
   [[nodiscard]] std::optional<Nanoseconds> previous_command() const noexcept { return previous_command_; }
 
  private:
+  [[nodiscard]] Vector with_rotations(const Reading& reading) const noexcept;
   [[nodiscard]] double latency_s(Nanoseconds reading_to_command) const noexcept {
     return time::to_seconds(reading_to_command) + device_.facts().latency_s;
   }
@@ -42,6 +44,8 @@ class CommandTimes {
   Nanoseconds choosing_since_{0};
   std::optional<Nanoseconds> previous_reading_;
   std::optional<Nanoseconds> previous_command_;
+  std::optional<Eigen::Quaterniond> pose_{};              // orientation at the last usable reading
+  Eigen::Vector3d turned_rad_ = Eigen::Vector3d::Zero();  // sum of the rotation vectors until then
 };
 
 /// A reading that a law may use, or in its place one that is lost: not a number, latched at `now`.

@@ -41,6 +41,14 @@ std::string uncertainty_text(const control::Uncertainty& uncertainty) {
   return out.str().empty() ? "" : "; may be off: " + out.str().substr(2);
 }
 
+/// "torque <= 0.2 N m, " of a device that shows one; empty of any other.
+std::string torque_text(const control::DeviceFacts& facts) {
+  if (facts.rotations == 0) return {};
+  std::ostringstream out;
+  out << "torque <= " << facts.torque_N_m_max << " N m, ";
+  return out.str();
+}
+
 /// The description around the inertia.
 std::string described(const control::DeviceFacts& facts, const std::string& mechanism, const std::string& inertia) {
   const bool joints = !facts.cartesian;
@@ -51,7 +59,7 @@ std::string described(const control::DeviceFacts& facts, const std::string& mech
       << ", " << mechanism << ", " << inertia << "damping " << written(facts.damping)
       << (joints ? " N m s/rad" : " N s/m") << ", friction " << written(facts.friction) << (joints ? " N m" : " N")
       << ", encoder " << written(facts.encoder_step) << (joints ? " rad" : " m") << ", force <= " << facts.force_N_max
-      << " N, hold " << facts.hold_s_max << " s";
+      << " N, " << torque_text(facts) << "hold " << facts.hold_s_max << " s";
   if (facts.release_share > 0 && facts.release_s > 0) {
     out << ", then " << facts.release_share << " of it for " << facts.release_s << " s";
   }

@@ -20,7 +20,8 @@ using control::Matrix;
 using control::Vector;
 using time::Nanoseconds;
 
-/// One reading of the device's encoders; vectors of the tip have `dof` rows.
+/// One reading of the device's encoders; the position of the tip has a row for each translation, the Jacobian for each
+/// degree of freedom. The orientation of a tip that turns is the handle's.
 ///
 /// Only an `ok` reading is used. A stale reading does not mean that the device stands still: its motion since then is
 /// unknown, so a law must charge the worst case.
@@ -33,7 +34,7 @@ struct Reading {
 
   Vector joint;                               ///< encoder readings [m] or [rad], a row for each joint
   Vector position;                            ///< of the tip, from `joint` by the kinematics [m], scene frame
-  Matrix jacobian;                            ///< d position / d joint
+  Matrix jacobian;                            ///< d position / d joint; below it, of the angular velocity, scene frame
   const control::Damping* damping = nullptr;  ///< task-space lower bound here, owned by the device
   Nanoseconds latched{0};                     ///< stamp of the encoders' sampling, caller's clock
   Status status = Status::ok;
@@ -41,11 +42,17 @@ struct Reading {
 };
 
 /// Whether a law may use it: ok, and finite numbers of the right sizes.
-[[nodiscard]] inline bool is_usable(const Reading& reading, int degrees_of_freedom, int joints) noexcept {
+[[nodiscard]] inline bool is_usable(const Reading& reading, int degrees_of_freedom, int joints,
+                                    int rotations = 0) noexcept {
   const auto fits = [](const auto& rows, int expected) { return rows.rows() == expected && rows.allFinite(); };
-  return reading.status == Reading::Status::ok && fits(reading.position, degrees_of_freedom) &&
+  return reading.status == Reading::Status::ok && fits(reading.position, degrees_of_freedom - rotations) &&
          fits(reading.joint, joints) && fits(reading.jacobian, degrees_of_freedom) &&
-         reading.jacobian.cols() == joints && reading.damping != nullptr;
+         reading.jacobian.cols() == joints && reading.damping != nullptr &&
+         (rotations == 0 || reading.handle.orientation.has_value());
+}
+/// As above, of a device with these facts.
+[[nodiscard]] inline bool is_usable(const Reading& reading, const control::DeviceFacts& facts) noexcept {
+  return is_usable(reading, facts.degrees_of_freedom(), facts.joints(), facts.rotations);
 }
 /// As above, with as many joints as degrees of freedom.
 [[nodiscard]] inline bool is_usable(const Reading& reading, int degrees_of_freedom) noexcept {
@@ -103,8 +110,8 @@ class HapticDevice {
   /// Latches the encoders. `now` never runs backwards.
   virtual Reading read(Nanoseconds now) noexcept = 0;
 
-  /// Commands a tip force, which the motors hold until the next command, but at most for the hold time: the device
-  /// layer then releases it, in the facts' stages.
+  /// Commands a tip force, and below it a torque if the device has rotations [N], [N m], which the motors hold until
+  /// the next command, but at most for the hold time: the device layer then releases it, in the facts' stages.
   virtual void apply(Nanoseconds now, const Vector& force_N) noexcept = 0;
 
   /// Commands zero force at once. Called at the end; when an assertion fails, then in any state and on any thread; and

@@ -46,6 +46,12 @@ void read_limits(config::CheckedTable& file, control::DeviceFacts& facts) {
   // A faster loop would leave other threads no time.
   facts.period_s = file.number({.key = "period_s", .preset = facts.period_s, .least = 1e-4, .most = 0.1});
   facts.force_N_max = file.number(positive("force_N_max"));
+  constexpr std::string_view kTorque = "torque_N_m_max";
+  if (facts.rotations > 0) {
+    facts.torque_N_m_max = file.number(positive(kTorque));
+  } else if (file.find(kTorque) != nullptr) {
+    file.refuse(kTorque, "left out, as this tip shows no torque; kind = 'chain' with degrees_of_freedom = 6 does");
+  }
   // A force in effect for longer without a new one is not "held".
   facts.hold_s_max =
       file.number({.key = "hold_s_max", .preset = facts.hold_s_max, .least = 0, .least_excluded = true, .most = 1});
@@ -97,7 +103,7 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   return uncertainty;
 }
 
-Safety read_safety(config::CheckedTable section, Safety safety) {
+Safety read_safety(config::CheckedTable section, Safety safety, bool turns) {
   const auto limit = [&](std::string_view key, double preset, double most) {
     return section.number({.key = key, .preset = preset, .least = 0, .most = most});
   };
@@ -112,6 +118,7 @@ Safety read_safety(config::CheckedTable section, Safety safety) {
                                             .least_excluded = true,
                                             .most = kMost});
   safety.rms_force_N_max = limit("rms_force_N_max", safety.rms_force_N_max, kMost);
+  if (turns) safety.rms_torque_N_m_max = limit("rms_torque_N_m_max", safety.rms_torque_N_m_max, kMost);
   safety.rms_s =
       section.number({.key = "rms_s", .preset = safety.rms_s, .least = 0, .least_excluded = true, .most = 3600});
   constexpr NumberParameter kButton{
@@ -127,7 +134,8 @@ struct AxesRange {
   double most = control::kDofMax;
 };
 AxesRange axes_of(std::string_view kind, Use use) {
-  if (kind == "chain") return {1, 3};
+  // Keys of a Cartesian device are in metres, which rotations are not.
+  if (kind == "cartesian") return {1, 3};
   if (kind == "five_bar") return {2, 2};
   if (kind == "delta" || (kind == "arm" && use == Use::simulation)) return {3, 3};
   return {};
@@ -142,6 +150,11 @@ DeviceDescription parse_description(std::string_view toml_text, const std::strin
   device.facts.cartesian = kind == "cartesian";
   const AxesRange range = axes_of(kind, use);
   const int dof = file.whole({.key = "degrees_of_freedom", .least = range.least, .most = range.most});
+  constexpr int kTranslations = 3;
+  if (dof > kTranslations && dof < control::kDofMax && kind == "chain") {
+    file.refuse("degrees_of_freedom", "1, 2 or 3, or 6 for a tip that turns as well");
+  }
+  if (kind == "chain" && dof == control::kDofMax) device.facts.rotations = dof - kTranslations;
   int joints = dof;
   // A chain's says how many joints there are.
   const bool needs_geometry = !device.facts.cartesian && (use == Use::simulation || kind == "chain");
@@ -160,7 +173,8 @@ DeviceDescription parse_description(std::string_view toml_text, const std::strin
   }
   device.identified = file.flag("identified", device.identified);
   if (use == Use::facts) device.safety = Safety::of_a_person(device.facts);
-  if (file.find("safety") != nullptr) device.safety = read_safety(file.table("safety"), device.safety);
+  if (file.find("safety") != nullptr)
+    device.safety = read_safety(file.table("safety"), device.safety, device.facts.rotations > 0);
   file.refuse_unknown_keys();
   return device;
 }

@@ -11,7 +11,7 @@ namespace forcebound::device {
 /// A device from the text of its TOML file; the device is named after the file. Real devices' facts and simulated
 /// devices' motion in one place:
 ///
-///     kind = "cartesian"              degrees_of_freedom (1 to 6), mass_kg, damping_N_s_per_m, friction_N = 0,
+///     kind = "cartesian"              degrees_of_freedom (1 to 3), mass_kg, damping_N_s_per_m, friction_N = 0,
 ///                                     encoder_step_m = 0, actuator_step_N = 0
 ///     the others                      joint_inertia_kg_m2, joint_damping_N_m_s_per_rad, joint_friction_N_m = 0,
 ///                                     encoder_step_rad = 0, actuator_step_N_m = 0, and
@@ -22,7 +22,8 @@ namespace forcebound::device {
 ///     kind = "delta"                  degrees_of_freedom = 3 (DeltaKinematics), and
 ///                                     [delta] base_radius_m, platform_radius_m, upper_arm_length_m, forearm_length_m,
 ///                                     side_offset_m = 0, first_arm_rad, origin_reach_m
-///     kind = "chain"                  degrees_of_freedom, of the tip: x; x and y; or x, y and z (ChainKinematics), and
+///     kind = "chain"                  degrees_of_freedom, of the tip: x; x and y; x, y and z; or 6, these and the
+///                                     rotations, with torque_N_m_max (ChainKinematics), and
 ///                                     [chain] tip_m = [x, y, z] at zero angles, and as many joints as those or more,
 ///                                     up to 6, from the base to the tip: [[chain.joint]] name, axis = [x, y, z],
 ///                                     point_m = [x, y, z] on the axis, start_rad = 0; more joints than degrees of
@@ -38,8 +39,8 @@ namespace forcebound::device {
 ///                                     torque_share; encoder_steps beyond half a step; actuator_lag_s
 ///
 ///     [safety]                        limits for the hand (Safety): ramp_s, speed_m_per_s_max, workspace_radius_m,
-///                                     workspace_fade_m, rms_force_N_max, rms_s; those of a simulated device are 0
-///                                     unless said
+///                                     workspace_fade_m, rms_force_N_max, rms_torque_N_m_max, rms_s; those of a
+///                                     simulated device are 0 unless said
 ///
 /// A number holds for all axes; a list has one for each; inertia and damping may also be full matrices (lists of rows).
 ///

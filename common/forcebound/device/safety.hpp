@@ -14,12 +14,16 @@ struct Safety {
   double workspace_radius_m = 0;   ///< beyond this distance from the origin the force fades to zero
   double workspace_fade_m = 0.01;  ///< over this one
   double rms_force_N_max = 0;      ///< root mean square of the force over about `rms_s`: more heats the motors
+  double rms_torque_N_m_max = 0;   ///< likewise of the torque, where the device shows one
   double rms_s = 10;
   std::optional<int> dead_man_button{};  ///< the hand feels nothing unless this button is pressed; none: as always
 
   /// For a device that is not simulated, unless its file says otherwise.
   [[nodiscard]] static Safety of_a_person(const control::DeviceFacts& facts) noexcept {
-    return {.ramp_s = 0.5, .speed_m_per_s_max = 2, .rms_force_N_max = 0.6 * facts.force_N_max};
+    return {.ramp_s = 0.5,
+            .speed_m_per_s_max = 2,
+            .rms_force_N_max = 0.6 * facts.force_N_max,
+            .rms_torque_N_m_max = 0.6 * facts.torque_N_m_max};
   }
 
   friend bool operator==(const Safety&, const Safety&) = default;

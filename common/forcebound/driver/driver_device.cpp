@@ -190,7 +190,7 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
   }
   device::Reading reading;
   reading.latched = latched;
-  reading.position = Eigen::Map<const Eigen::VectorXd>(told.position_m, dof);
+  reading.position = Eigen::Map<const Eigen::VectorXd>(told.position_m, facts_.translations());
   if (facts_.cartesian) {
     reading.joint = reading.position;
     reading.jacobian = Matrix::Identity(dof, dof);
@@ -201,15 +201,17 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
     if (reading.jacobian.allFinite()) damping_ = control::Damping::from_joints(reading.jacobian, facts_.damping);
   }
   reading.damping = &damping_;
-  if (!device::is_usable(reading, dof)) {
-    note_error("its reading has numbers that are not finite");
-    return failed();
-  }
   const control::SoundHandle handle = control::sound(handle_of(told));
   reading.handle = handle.handle;
   if (handle.refused > 0) {
     counters_.handle_refused += static_cast<std::uint64_t>(handle.refused);
     note_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
+  }
+  if (!device::is_usable(reading, facts_)) {
+    note_error(facts_.rotations > 0 && !reading.handle.orientation
+                   ? "its reading has no orientation, which a device that shows torques must tell"
+                   : "its reading has numbers that are not finite");
+    return failed();
   }
   latched_ = latched;
   return reading;
@@ -225,7 +227,7 @@ void DriverDevice::note_reports(const forcebound_reading& told) noexcept {
 device::Reading DriverDevice::failed() const noexcept {
   const int dof = facts_.degrees_of_freedom();
   return {.joint = Vector::Zero(dof),
-          .position = Vector::Zero(dof),
+          .position = Vector::Zero(facts_.translations()),
           .jacobian = Matrix::Identity(dof, dof),
           .damping = &damping_,
           .latched = latched_.value_or(Nanoseconds{0}),
@@ -238,7 +240,8 @@ void DriverDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   command.size = sizeof command;
   command.at_ns = now.count();
   if (force_N.size() == dof && force_N.allFinite()) {
-    Eigen::Map<Eigen::VectorXd>(command.force_N, dof) = force_N;
+    Eigen::Map<Eigen::VectorXd>(command.force_N, facts_.translations()) = force_N.head(facts_.translations());
+    Eigen::Map<Eigen::VectorXd>(command.torque_N_m, facts_.rotations) = force_N.tail(facts_.rotations);
   } else {
     ++counters_.faulty_commands;
   }

@@ -47,7 +47,7 @@ TEST(LoadDevice, ShipsThePapersDevices) {
 }
 
 TEST(LoadDevice, EveryShippedDeviceLoadsWithTheHoldTimeOfTwoTicks) {
-  ASSERT_EQ(shipped_device_names().size(), 8U);
+  ASSERT_EQ(shipped_device_names().size(), 9U);
   for (const std::string& name : shipped_device_names()) {
     const DeviceDescription device = load_device(name);
     EXPECT_EQ(device.facts.hold_s_max, 2e-3) << name;
@@ -223,7 +223,7 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 2\n"),
               HasSubstr("'mass_kg' is missing (accepted: > 0: one number, 2 numbers, or 2 rows of 2)"));
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
-              HasSubstr("degrees_of_freedom must be a whole number from 1 to 6, got 7"));
+              HasSubstr("degrees_of_freedom must be a whole number from 1 to 3, got 7"));
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
@@ -325,7 +325,32 @@ TEST(ParseDevice, RefusesChainsThatCannotBe) {
   std::string stepped = planar_chain(4);
   stepped.insert(stepped.find("[chain]"), "actuator_step_N_m = 1e-3\n");
   EXPECT_THAT(refusal_of_file(stepped), HasSubstr("actuator_step_N_m must be 0 with more joints than"));
-  EXPECT_THAT(refusal_of_file(of_kind("chain", 4)), HasSubstr("degrees_of_freedom must be a whole number from 1 to 3"));
+  EXPECT_THAT(refusal_of_file(of_kind("chain", 4)),
+              HasSubstr("degrees_of_freedom must be 1, 2 or 3, or 6 for a tip that turns"));
+  EXPECT_THAT(refusal_of_file(planar_chain(6, 6)), HasSubstr("'torque_N_m_max' is missing"));
+  std::string without_torque = planar_chain(3);
+  without_torque.insert(without_torque.find("[chain]"), "torque_N_m_max = 1\n");
+  EXPECT_THAT(refusal_of_file(without_torque),
+              HasSubstr("torque_N_m_max must be left out, as this tip shows no torque"));
+  std::string flat = planar_chain(6, 6);
+  flat.insert(flat.find("[chain]"), "torque_N_m_max = 1\n");
+  EXPECT_THAT(refusal_of_file(flat), HasSubstr("the tip does not move and turn every way"));
+}
+
+TEST(ParseDevice, KeysInMetresAreOfTranslationsAlone) {
+  EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 6\n"),
+              HasSubstr("degrees_of_freedom must be a whole number from 1 to 3"));
+}
+
+TEST(ParseDevice, AChainOfSixAxesHasThreeRotationsAndALimitOfItsTorque) {
+  const DeviceDescription arm = load_device("arm-6dof");
+  EXPECT_EQ(arm.facts.degrees_of_freedom(), 6);
+  EXPECT_EQ(arm.facts.translations(), 3);
+  EXPECT_EQ(arm.facts.joints(), 6);
+  EXPECT_EQ(arm.facts.torque_N_m_max, 0.3);
+  EXPECT_FALSE(arm.identified);
+  EXPECT_THAT(describe(arm), HasSubstr("force <= 8 N, torque <= 0.3 N m, hold"));
+  EXPECT_THAT(describe(load_device("omni")), Not(HasSubstr("torque")));
 }
 
 TEST(ParseFacts, NeedNeitherMassNorGeometry) {

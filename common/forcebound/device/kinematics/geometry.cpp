@@ -1,6 +1,7 @@
 #include "forcebound/device/kinematics/geometry.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 namespace forcebound::device {
 namespace {
@@ -38,15 +39,21 @@ std::unique_ptr<const Kinematics> make_kinematics(const Geometry& geometry) { re
 std::string refusal_of_origin(const Kinematics& kinematics, int degrees_of_freedom) {
   constexpr double kNear_m = 1e-6;
   constexpr double kSingularShare = 1e-3;
-  const Vector origin = Vector::Zero(degrees_of_freedom);
+  constexpr int kTranslations = 3;
+  const Vector origin = Vector::Zero(std::min(degrees_of_freedom, kTranslations));
   const Vector joints = kinematics.joints_at(origin);
   if (!(kinematics.position(joints).norm() < kNear_m)) return "the tip does not reach the scene's origin";
-  const Matrix jacobian = kinematics.jacobian(joints);
+  Matrix jacobian = kinematics.jacobian(joints);
+  // Rotations count with an arm of 0.1 m, the size of such devices: the singular values of mixed units mean nothing.
+  constexpr double kArm_m = 0.1;
+  if (degrees_of_freedom > kTranslations) jacobian.bottomRows(degrees_of_freedom - kTranslations) *= kArm_m;
   const Vector squares =
       Eigen::SelfAdjointEigenSolver<Matrix>(jacobian * jacobian.transpose(), Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = squares[degrees_of_freedom - 1];
   if (squares[0] > kSingularShare * kSingularShare * largest) return {};
-  return "singular at the scene's origin: there the tip does not move every way";
+  return degrees_of_freedom > kTranslations
+             ? "singular at the scene's origin: there the tip does not move and turn every way"
+             : "singular at the scene's origin: there the tip does not move every way";
 }
 
 std::string in_words(const Geometry& geometry) { return std::visit(Words{}, geometry); }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <optional>
+
 #include "forcebound/control/vector.hpp"
 
 namespace forcebound::device {
@@ -19,14 +22,29 @@ class Kinematics {
  public:
   virtual ~Kinematics() = default;
 
-  /// Of the tip [m], a row for each of its axes. Finite everywhere.
+  /// Of the tip [m], a row for each of its translations. Finite everywhere.
   [[nodiscard]] virtual Vector position(const Vector& joint) const noexcept = 0;
 
-  /// d position / d joint. Finite everywhere, singular or not.
+  /// d position / d joint; where the tip turns, below it what gives its angular velocity in the scene's frame [rad/s].
+  /// Finite everywhere, singular or not.
   [[nodiscard]] virtual Matrix jacobian(const Vector& joint) const noexcept = 0;
 
-  /// Joints that bring the tip to `position`, or towards it as far as it can come.
+  /// Joints that bring the tip to `position`, or towards it as far as it can come; a tip that turns, as it is turned
+  /// while all joints are at their start.
   [[nodiscard]] virtual Vector joints_at(const Vector& position) const noexcept = 0;
+
+  /// Of the tip that turns: turns the handle's axes into the scene's. Of any other, none.
+  [[nodiscard]] virtual std::optional<Eigen::Quaterniond> orientation(const Vector& joint) const noexcept {
+    (void)joint;
+    return std::nullopt;
+  }
+
+  /// As `joints_at` above; a tip that turns is turned so.
+  [[nodiscard]] virtual Vector joints_at_pose(const Vector& position,
+                                              const Eigen::Quaterniond& orientation) const noexcept {
+    (void)orientation;
+    return joints_at(position);
+  }
 };
 
 /// Kinematics of a Cartesian device: its joints are the task axes.

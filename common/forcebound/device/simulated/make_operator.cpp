@@ -2,6 +2,7 @@
 
 #include <array>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "forcebound/device/simulated/motion_operators.hpp"
@@ -37,23 +38,28 @@ constexpr std::array<Entry, 7> kOperators = {{
      [](OperatorSettings s, int dof) -> Made { return std::make_unique<PointerOperator>(std::move(s), dof); }},
 }};
 
-Made make_replay(const std::string& arguments, int dof) {
+Made make_replay(const std::string& arguments, int dof, bool tip_turns) {
   const std::string path = arguments.substr(0, arguments.find(','));
   if (path.empty()) throw std::invalid_argument("operator 'replay': expected replay:FILE.csv[,KEY=VALUE...]");
   const std::string settings = path.size() < arguments.size() ? arguments.substr(path.size() + 1) : "";
-  return std::make_unique<ReplayOperator>(OperatorSettings("replay:" + path, settings), dof,
-                                          parse_motion(text::read_file(path), path, dof));
+  OperatorSettings replay("replay:" + path, settings);
+  if (tip_turns) replay.hold_a_turning_tip();
+  return std::make_unique<ReplayOperator>(std::move(replay), dof, parse_motion(text::read_file(path), path, dof));
 }
 
 }  // namespace
 
-Made make_operator(const std::string& specification, int dof) {
+Made make_operator(const std::string& specification, int dof, bool tip_turns) {
   const std::string name = specification.substr(0, specification.find(':'));
   const std::string arguments = name.size() < specification.size() ? specification.substr(name.size() + 1) : "";
-  if (name == "replay") return make_replay(arguments, dof);
+  if (name == "replay") return make_replay(arguments, dof, tip_turns);
   std::vector<std::string> known;
   for (const Entry& entry : kOperators) {
-    if (entry.name == name) return entry.make(OperatorSettings(name, arguments), dof);
+    if (entry.name == name) {
+      OperatorSettings settings(name, arguments);
+      if (tip_turns) settings.hold_a_turning_tip();
+      return entry.make(std::move(settings), dof);
+    }
     known.emplace_back(entry.name);
   }
   known.emplace_back("replay:FILE.csv");
@@ -75,6 +81,7 @@ std::string operators_help() {
   const std::vector<MotionSample> still = {{0, Vector::Zero(kDof)}, {1, Vector::Zero(kDof)}};
   text += ReplayOperator(OperatorSettings("replay:FILE.csv", ""), kDof, still).description() + "\n";
   text += "each but carry, to press a button of the handle: button=0,button_from_s=0,button_until_s=TIME\n";
+  text += "on a device that turns, all: turn_x_rad=0,turn_y_rad=0,turn_z_rad=0,turn_Hz=0.5\n";
   return text;
 }
 

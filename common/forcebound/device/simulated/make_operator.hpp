@@ -13,10 +13,13 @@ namespace forcebound::device {
 /// damping_N_s_per_m of the hand, and button, button_from_s and button_until_s: a button that it presses (to the end,
 /// unless told). Without these the handle has no buttons; carry presses its button by itself.
 ///
-/// @param dof of the device that it moves, 1 to 6.
+/// @param dof translations of the device that it moves, 1 to 6.
+/// @param tip_turns the hand also turns the tip, by turn_x_rad, turn_y_rad, turn_z_rad and turn_Hz, and holds it by
+/// inertia_kg_m2, rotation_stiffness_N_m_per_rad and rotation_damping_N_m_s_per_rad
 /// @throws std::invalid_argument with what was wrong and what would be accepted; for a recorded motion `FILE:LINE:
 /// ...`.
-[[nodiscard]] std::unique_ptr<const Operator> make_operator(const std::string& specification, int dof);
+[[nodiscard]] std::unique_ptr<const Operator> make_operator(const std::string& specification, int dof,
+                                                            bool tip_turns = false);
 
 /// The file of a recorded hand, `replay:FILE.csv[,KEY=VALUE...]`; empty for any other.
 [[nodiscard]] std::string recorded_hand(std::string_view specification);

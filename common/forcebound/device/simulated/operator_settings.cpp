@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
+#include "forcebound/device/simulated/smooth_step.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -63,9 +65,30 @@ int OperatorSettings::integer(const std::string& key, int least, int most, int o
 }
 
 Hand OperatorSettings::hand(const Hand& otherwise) {
-  return {.mass_kg = number("mass_kg", Allowed::not_negative, otherwise.mass_kg),
-          .stiffness_N_per_m = number("stiffness_N_per_m", Allowed::not_negative, otherwise.stiffness_N_per_m),
-          .damping_N_s_per_m = number("damping_N_s_per_m", Allowed::not_negative, otherwise.damping_N_s_per_m)};
+  Hand hand{.mass_kg = number("mass_kg", Allowed::not_negative, otherwise.mass_kg),
+            .stiffness_N_per_m = number("stiffness_N_per_m", Allowed::not_negative, otherwise.stiffness_N_per_m),
+            .damping_N_s_per_m = number("damping_N_s_per_m", Allowed::not_negative, otherwise.damping_N_s_per_m)};
+  if (!tip_turns_) return hand;
+  // Guesses, of the size of a relaxed wrist's.
+  constexpr double kInertia_kg_m2 = 5e-4;
+  constexpr double kStiffness_N_m_per_rad = 1;
+  constexpr double kDamping_N_m_s_per_rad = 0.01;
+  hand.inertia_kg_m2 = number("inertia_kg_m2", Allowed::not_negative, kInertia_kg_m2);
+  hand.rotation_stiffness_N_m_per_rad =
+      number("rotation_stiffness_N_m_per_rad", Allowed::not_negative, kStiffness_N_m_per_rad);
+  hand.rotation_damping_N_m_s_per_rad =
+      number("rotation_damping_N_m_s_per_rad", Allowed::not_negative, kDamping_N_m_s_per_rad);
+  return hand;
+}
+
+OperatorSettings::Turning OperatorSettings::turning() {
+  if (!tip_turns_) return {};
+  Turning turning;
+  turning.amplitude_rad.x() = number("turn_x_rad", Allowed::any, 0);
+  turning.amplitude_rad.y() = number("turn_y_rad", Allowed::any, 0);
+  turning.amplitude_rad.z() = number("turn_z_rad", Allowed::any, 0);
+  turning.frequency_Hz = number("turn_Hz", Allowed::not_negative, 0.5);
+  return turning;
 }
 
 std::optional<Press> OperatorSettings::press() {
@@ -118,6 +141,13 @@ control::Handle SpecifiedOperator::handle(double time_s) const noexcept {
   if (!press_) return {};
   const bool pressed = time_s >= press_->from_s && time_s < press_->until_s;
   return {.buttons = pressed ? 1U << static_cast<unsigned>(press_->button) : 0U};
+}
+
+Eigen::Vector3d SpecifiedOperator::turn(double time_s) const noexcept {
+  // As far apart as axes of WaveOperator, so that the turning never repeats.
+  const Eigen::Array3d paces(1, 1.4142136, 0.7320508);
+  const double angle = 2 * std::numbers::pi * turning_.frequency_Hz * time_s;
+  return smooth_step(time_s).value * turning_.amplitude_rad.array() * (angle * paces).sin();
 }
 
 }  // namespace forcebound::device

@@ -31,7 +31,8 @@ class OperatorSettings {
   [[nodiscard]] double number(const std::string& key, Allowed allowed, double otherwise);
   [[nodiscard]] int integer(const std::string& key, int least, int most, int otherwise);
 
-  /// mass_kg, stiffness_N_per_m, damping_N_s_per_m.
+  /// mass_kg, stiffness_N_per_m, damping_N_s_per_m; on a tip that turns also inertia_kg_m2,
+  /// rotation_stiffness_N_m_per_rad, rotation_damping_N_m_s_per_rad.
   [[nodiscard]] Hand hand(const Hand& otherwise);
 
   /// offset_x_m, offset_y_m, ... of as many axes, 0 otherwise.
@@ -39,6 +40,17 @@ class OperatorSettings {
 
   /// button, button_from_s, button_until_s; none of them given: it presses none, and none is in `complete`.
   [[nodiscard]] std::optional<Press> press();
+
+  /// How the hand turns a tip that turns: each axis in a sine of its own pace, faded in during the first second.
+  struct Turning {
+    Eigen::Vector3d amplitude_rad = Eigen::Vector3d::Zero();
+    double frequency_Hz = 0;
+  };
+  /// turn_x_rad, turn_y_rad, turn_z_rad, turn_Hz.
+  [[nodiscard]] Turning turning();
+
+  /// The device's tip turns: the hand has keys for that, else unknown ones.
+  void hold_a_turning_tip() noexcept { tip_turns_ = true; }
 
   /// To be called when all has been read.
   void refuse_other_keys() const;
@@ -51,6 +63,7 @@ class OperatorSettings {
   [[nodiscard]] double take(const std::string& key, double otherwise);
 
   std::string name_;
+  bool tip_turns_ = false;
   std::vector<std::pair<std::string, double>> given_;
   std::vector<std::pair<std::string, double>> used_;
   std::vector<std::string> also_known_;
@@ -64,6 +77,7 @@ class SpecifiedOperator : public Operator {
   [[nodiscard]] int degrees_of_freedom() const noexcept final { return dof_; }
   [[nodiscard]] std::string description() const final { return description_; }
   [[nodiscard]] control::Handle handle(double time_s) const noexcept override;
+  [[nodiscard]] Eigen::Vector3d turn(double time_s) const noexcept final;
 
  protected:
   SpecifiedOperator(OperatorSettings& settings, int dof, const Hand& hand)
@@ -75,6 +89,7 @@ class SpecifiedOperator : public Operator {
   /// To be called last by the constructor: no other key is known.
   void finish(OperatorSettings& settings) {
     if (!press_) press_ = settings.press();
+    turning_ = settings.turning();
     settings.refuse_other_keys();
     description_ = settings.complete();
   }
@@ -84,6 +99,7 @@ class SpecifiedOperator : public Operator {
   int dof_;
   Hand hand_;
   std::optional<Press> press_{};
+  OperatorSettings::Turning turning_{};
   std::string description_;
 };
 

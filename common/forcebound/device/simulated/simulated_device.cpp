@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/rotation.hpp"
+
 namespace forcebound::device {
 namespace {
 
@@ -12,10 +14,10 @@ constexpr Nanoseconds kCell = std::chrono::milliseconds(1);
 constexpr double kRateMax = 1e5;  // 1/s
 
 std::unique_ptr<const Operator> checked(std::unique_ptr<const Operator> hand, const control::DeviceFacts& facts) {
-  if (hand->degrees_of_freedom() == facts.degrees_of_freedom()) return hand;
+  if (hand->degrees_of_freedom() == facts.translations()) return hand;
   std::ostringstream text;
   text << "operator '" << hand->name() << "' moves " << hand->degrees_of_freedom() << " degrees of freedom, device '"
-       << facts.name << "' has " << facts.degrees_of_freedom();
+       << facts.name << "' has " << facts.translations();
   throw std::invalid_argument(text.str());
 }
 
@@ -43,7 +45,7 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
       kinematics_(make_kinematics(description_.geometry)),
       motion_((1 - flaws.damping_share) * description_.facts.damping,
               (1 - flaws.friction_share) * description_.facts.friction,
-              kinematics_->joints_at(operator_->target(0).position)),
+              kinematics_->joints_at_pose(operator_->target(0).position, control::turn_by(operator_->turn(0)))),
       tip_damping_(
           description_.facts.cartesian
               ? control::Damping::from_matrix(description_.facts.damping)
@@ -85,6 +87,9 @@ Reading SimulatedDevice::read(Nanoseconds now) noexcept {
   reading.latched = std::min(now, shown_time(time_) - off);
   if (framed_ || off == Nanoseconds{0}) reading.latched = now;
   reading.handle = control::sound(operator_->handle(time::to_seconds(time_))).handle;
+  if (const auto turned = kinematics_->orientation(reading.joint)) {
+    reading.handle.orientation = control::orientation_of(*turned);
+  }
   return reading;
 }
 
@@ -241,6 +246,13 @@ void SimulatedDevice::enter_cell(std::int64_t cell) noexcept {
   cell_start_ = cell == cell_ + 1 && cell > 0 ? cell_end_ : target_at(cell);
   cell_end_ = target_at(cell + 1);
   cell_ = cell;
+  if (facts().rotations > 0) {
+    const auto turn_at = [this](std::int64_t knot) {
+      return control::turn_by(operator_->turn(time::to_seconds(knot * kCell)));
+    };
+    turn_start_ = turn_at(cell);
+    turn_rad_ = control::rotation_vector(turn_start_, turn_at(cell + 1));
+  }
   if (cell_start_.grip == grip_) return;
   grip_ = cell_start_.grip;
   linearise();
@@ -249,10 +261,36 @@ void SimulatedDevice::enter_cell(std::int64_t cell) noexcept {
 void SimulatedDevice::linearise() noexcept {
   const Hand& hand = operator_->hand();
   jacobian_ = kinematics_->jacobian(motion_.position());
-  const Matrix metric = jacobian_.transpose() * jacobian_;
-  motion_.set_system({.inertia = description_.inertia + hand.mass_kg * metric,
-                      .damping = (1 - flaws_.damping_share) * facts().damping + grip_ * hand.damping_N_s_per_m * metric,
-                      .stiffness = grip_ * hand.stiffness_N_per_m * metric});
+  motion_.set_system({.inertia = description_.inertia + metric(hand.mass_kg, hand.inertia_kg_m2),
+                      .damping = (1 - flaws_.damping_share) * facts().damping +
+                                 grip_ * metric(hand.damping_N_s_per_m, hand.rotation_damping_N_m_s_per_rad),
+                      .stiffness = grip_ * metric(hand.stiffness_N_per_m, hand.rotation_stiffness_N_m_per_rad)});
+}
+
+/// In the joints: what the hand has of it for each translation and each rotation.
+Matrix SimulatedDevice::metric(double translation, double rotation) const noexcept {
+  const auto along = jacobian_.topRows(facts().translations());
+  Matrix metric = translation * (along.transpose() * along);
+  if (facts().rotations > 0) {
+    const auto about = jacobian_.bottomRows(facts().rotations);
+    metric += rotation * (about.transpose() * about);
+  }
+  return metric;
+}
+
+/// The hand's pull about the tip, from this instant of the cell on.
+void SimulatedDevice::turn_by_hand(JointDrive& drive, double elapsed_s) const noexcept {
+  const auto here = kinematics_->orientation(motion_.position());
+  if (!here) return;
+  const double cell_s = time::to_seconds(kCell);
+  const Eigen::Quaterniond wanted = control::turn_by(elapsed_s / cell_s * turn_rad_) * turn_start_;
+  const Vector offset = control::rotation_vector(*here, wanted);
+  const Vector rate = turn_rad_ / cell_s;
+  const double k = grip_ * operator_->hand().rotation_stiffness_N_m_per_rad;
+  const double b = grip_ * operator_->hand().rotation_damping_N_m_s_per_rad;
+  const auto about = jacobian_.bottomRows(facts().rotations);
+  drive.hand_pull[0] += about.transpose() * (k * offset + b * rate);
+  drive.hand_pull[1] += about.transpose() * (k * rate);
 }
 
 void SimulatedDevice::integrate(Nanoseconds length) noexcept {
@@ -275,10 +313,12 @@ void SimulatedDevice::integrate(Nanoseconds length) noexcept {
   JointDrive drive;
   drive.length_s = time::to_seconds(length);
   drive.torque = torque_;
-  drive.hand_pull[0] = jacobian_.transpose() * (k * offset + b * velocity);
-  drive.hand_pull[1] = jacobian_.transpose() * (k * velocity + 2 * b * bend);
-  drive.hand_pull[2] = jacobian_.transpose() * (k * bend + 3 * b * cube);
-  drive.hand_pull[3] = jacobian_.transpose() * (k * cube);
+  const auto along = jacobian_.topRows(facts().translations());
+  drive.hand_pull[0] = along.transpose() * (k * offset + b * velocity);
+  drive.hand_pull[1] = along.transpose() * (k * velocity + 2 * b * bend);
+  drive.hand_pull[2] = along.transpose() * (k * bend + 3 * b * cube);
+  drive.hand_pull[3] = along.transpose() * (k * cube);
+  turn_by_hand(drive, e);
   motion_.advance(drive);
 }
 

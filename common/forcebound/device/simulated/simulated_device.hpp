@@ -19,7 +19,9 @@ namespace forcebound::device {
 ///
 ///     M q'' = tau - D q' - friction + J'(k_h (x_h - x) + b_h (x_h' - x') - m_h x'')
 ///
-/// with the joints q, the tip x, the hand's target x_h(t), and tau = J(reading)'f held between commands. The motion
+/// with the joints q, the tip x, the hand's target x_h(t), and tau = J(reading)'f held between commands. Where the tip
+/// turns, J has rows for that, f a torque, and the hand a spring, a damper and an inertia of its own about them. The
+/// motion
 /// begins, at rest at the hand's first target, with the first reading or command. JointMotion integrates it without
 /// time-stepping error, and fills the audit.
 ///
@@ -80,6 +82,8 @@ class SimulatedDevice final : public HapticDevice {
   void integrate(Nanoseconds length) noexcept;
   void enter_cell(std::int64_t cell) noexcept;
   void linearise() noexcept;
+  [[nodiscard]] Matrix metric(double translation, double rotation) const noexcept;
+  void turn_by_hand(JointDrive& drive, double elapsed_s) const noexcept;
   void change_torque() noexcept;
   void let_go() noexcept;
   [[nodiscard]] Nanoseconds true_time(Nanoseconds now) const noexcept;
@@ -107,8 +111,10 @@ class SimulatedDevice final : public HapticDevice {
   Operator::Target cell_start_;
   Operator::Target cell_end_;
   double grip_ = 1;
-  Vector tip_;       ///< where the hand's coupling is linearised
-  Matrix jacobian_;  ///< likewise
+  Vector tip_;                                                      ///< where the hand's coupling is linearised
+  Eigen::Quaterniond turn_start_ = Eigen::Quaterniond::Identity();  ///< that the hand wants, in this cell
+  Eigen::Vector3d turn_rad_ = Eigen::Vector3d::Zero();              ///< from there to the cell's end
+  Matrix jacobian_;                                                 ///< likewise
   Matrix reading_jacobian_;
 
   std::array<Command, kPendingMax> pending_;

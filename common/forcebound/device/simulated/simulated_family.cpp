@@ -18,6 +18,7 @@ constexpr std::string_view kHelp =
     "  cartesian-3dof  three axes, 0.5 N s/m, 55 um\n"
     "  firm-3dof       three axes, 30 N s/m, 15 um\n"
     "  omni            three-joint arm in the size of a PHANToM Omni\n"
+    "  arm-6dof        six-joint arm that shows torques too; all of it a guess\n"
     "  falcon          delta in the size of a Novint Falcon; its damping is a guess\n"
     "  omega-3         delta as strong as an omega.3; sizes and damping are guesses\n"
     "  haply-2diy      five-bar in the size of a Haply 2DIY; its damping is a guess\n"
@@ -33,6 +34,7 @@ constexpr std::string_view kHelp =
     "                  plays a recorded hand (time_s,x_m[,y_m,z_m])\n"
     "Each but carry presses a button of the handle with button=0,button_from_s=1 and,\n"
     "to let it go, button_until_s=5.\n"
+    "On arm-6dof each turns the handle with turn_x_rad=0.3 (y, z) and turn_Hz=0.5.\n"
     "The summary lists an operator's keys and their values; such as press:to_m=0.03, or "
     "replay:hand.csv,offset_x_m=0.01. Without --operator the device chooses one, without --device the operator "
     "does; without both it is press on wall-1dof. forcebound-server --scene SCENE --suggest prints a device and an "
@@ -57,7 +59,7 @@ void complete_simulated(DeviceRequest& request) {
 std::unique_ptr<HapticDevice> make_simulated(const DeviceRequest& request) {
   DeviceDescription description = load_device(request.device);
   description.facts = at_tick_rate(std::move(description.facts), request.rate_Hz);
-  auto hand = make_operator(request.hand, description.facts.degrees_of_freedom());
+  auto hand = make_operator(request.hand, description.facts.translations(), description.facts.rotations > 0);
   return std::make_unique<SimulatedDevice>(std::move(description), std::move(hand));
 }
 

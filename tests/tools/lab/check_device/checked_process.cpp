@@ -147,7 +147,7 @@ bool is_of_simulated_family(const std::string& device) {
 std::unique_ptr<device::HapticDevice> untouched_device(const std::string& name) {
   if (!is_of_simulated_family(name)) return client::known_devices().make({.device = name});
   device::DeviceDescription description = device::load_device(name);
-  auto nobody = std::make_unique<Nobody>(description.facts.degrees_of_freedom());
+  auto nobody = std::make_unique<Nobody>(description.facts.translations());
   return std::make_unique<device::SimulatedDevice>(std::move(description), std::move(nobody));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "forcebound/control/wrench.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -86,20 +87,20 @@ bool DeviceDriving::read_next() {
   device::Reading reading;
   timed("read", [&] { reading = device_.read(now_); });
   note(reading, now_);
-  return device::is_usable(reading, facts().degrees_of_freedom(), facts().joints());
+  return device::is_usable(reading, facts());
 }
 
 void DeviceDriving::command(const Vector& force) {
   if (force.norm() > 0) expect_slow();
   ++commands_;
-  timed("command", [&] { device_.apply(now_, force); });
+  timed("command", [&] { device_.apply(now_, wrench_of(force)); });
 }
 
 void DeviceDriving::expect_slow() {
   const double speed = speed_now();
   if (speed <= settings_.speed_m_per_s_max) return;
   ++commands_;
-  timed("command", [&] { device_.apply(now_, zero()); });
+  timed("command", [&] { device_.apply(now_, wrench_of(zero())); });
   throw too_fast(speed);
 }
 
@@ -123,7 +124,7 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
     ++readings_.stale;
     return;
   }
-  if (!device::is_usable(reading, facts().degrees_of_freedom(), facts().joints())) {
+  if (!device::is_usable(reading, facts())) {
     ++readings_.failed;
     ++failures_;
     readings_.last_failure = std::string(device_.last_error());
@@ -158,7 +159,15 @@ double DeviceDriving::speed_now() const {
   return from == track_.rend() ? 0 : velocity_since(*from).norm();
 }
 
-double DeviceDriving::damping_along(const Vector& along) const { return along.dot(damping_ * along); }
+double DeviceDriving::damping_along(const Vector& along) const {
+  const Vector with_rotations = wrench_of(along);
+  return with_rotations.dot(damping_ * with_rotations);
+}
+
+/// Forces alone: what turns is not pushed.
+Vector DeviceDriving::wrench_of(const Vector& force) const {
+  return control::wrench_of(force, Eigen::Vector3d::Zero(), facts().rotations);
+}
 
 Push DeviceDriving::push(const PushSettings& settings) {
   const Vector from = position();

@@ -94,7 +94,8 @@ class DeviceDriving {
   [[nodiscard]] Vector position() const { return track_.empty() ? zero() : track_.back().position; }
   [[nodiscard]] Vector velocity() const;
   [[nodiscard]] double damping_along(const Vector& along) const;
-  [[nodiscard]] Vector zero() const { return Vector::Zero(device_.facts().degrees_of_freedom()); }
+  [[nodiscard]] Vector wrench_of(const Vector& force) const;
+  [[nodiscard]] Vector zero() const { return Vector::Zero(device_.facts().translations()); }
   [[nodiscard]] Nanoseconds now() { return pace_.now(); }
   [[nodiscard]] const ReadingCounts& readings() const { return readings_; }
   void forget_readings() { readings_ = {}; }

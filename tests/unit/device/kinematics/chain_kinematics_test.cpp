@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/device/kinematics/arm_kinematics.hpp"
 #include "tests/unit/device/kinematics/kinematics_checks.hpp"
 
@@ -66,6 +67,59 @@ TEST(ChainKinematics, IsTheArmWhereItsJointsAreThose) {
 TEST(ChainKinematics, JointsLeadBackToThePlaceAndTheJacobianIsTheDerivative) {
   test::expect_consistent(ChainKinematics(arm(3)), vector_of({0.05, 0.05, 0.05}), 100);
   test::expect_consistent(ChainKinematics(planar(2, 1.2)), vector_of({0.02, 0.02}), 100);
+}
+
+/// The arm with all of its six joints for six axes; its gimbal's axes meet at the tip.
+ChainGeometry turning_arm() {
+  ChainGeometry geometry = arm(6);
+  geometry.tip_axes = 6;
+  for (std::size_t i = 3; i < 6; ++i) geometry.joints[i].point_m = geometry.tip_m;
+  geometry.joints[3].axis = {0, 0, 1};
+  geometry.joints[4].axis = {1, 0, 0};
+  geometry.joints[5].axis = {0, 1, 0};
+  return geometry;
+}
+
+TEST(ChainKinematics, OfSixAxesHasTheAngularVelocityInTheLastRowsOfItsJacobian) {
+  const ChainKinematics chain(turning_arm());
+  rc::check([&] {
+    const auto angle = [] { return *rc::gen::inRange(-3000, 3001) * 1e-3; };
+    const Vector q = vector_of({angle(), angle(), angle(), angle(), angle(), angle()});
+    const Matrix jacobian = chain.jacobian(q);
+    RC_ASSERT(jacobian.rows() == 6 && jacobian.cols() == 6);
+    constexpr double kStep_rad = 1e-6;
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      Vector above = q;
+      Vector below = q;
+      above[i] += kStep_rad;
+      below[i] -= kStep_rad;
+      const Eigen::Vector3d moved = (chain.position(above) - chain.position(below)) / (2 * kStep_rad);
+      const Eigen::Vector3d turned =
+          control::rotation_vector(*chain.orientation(below), *chain.orientation(above)) / (2 * kStep_rad);
+      RC_ASSERT((jacobian.col(i).head<3>() - moved).norm() < 1e-8);
+      RC_ASSERT((jacobian.col(i).tail<3>() - turned).norm() < 1e-8);
+    }
+  });
+}
+
+TEST(ChainKinematics, OfSixAxesComesToAPlaceTurnedAsAsked) {
+  const ChainKinematics chain(turning_arm());
+  rc::check([&] {
+    const auto part = [](double most) { return most * 1e-3 * *rc::gen::inRange(-1000, 1001); };
+    const Vector place = vector_of({part(0.04), part(0.04), part(0.04)});
+    const Eigen::Quaterniond turned = control::turn_by({part(0.5), part(0.5), part(0.5)});
+    const Vector q = chain.joints_at_pose(place, turned);
+    RC_ASSERT((chain.position(q) - place).norm() < 1e-9);
+    RC_ASSERT(control::rotation_vector(*chain.orientation(q), turned).norm() < 1e-9);
+  });
+}
+
+TEST(ChainKinematics, OfFourOrFiveAxesIsRefused) {
+  for (const int axes : {4, 5}) {
+    ChainGeometry geometry = arm(6);
+    geometry.tip_axes = axes;
+    EXPECT_THROW(ChainKinematics{geometry}, std::invalid_argument);
+  }
 }
 
 TEST(ChainKinematics, MoreJointsThanAxesLeadBackToThePlaceToo) {

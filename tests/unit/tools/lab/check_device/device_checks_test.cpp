@@ -122,7 +122,7 @@ TEST(CheckDevice, PassesTheSimulatedDevices) {
   for (const std::string& name : device::shipped_device_names()) {
     SCOPED_TRACE(name);
     device::DeviceDescription description = device::load_device(name);
-    auto nobody = std::make_unique<Nobody>(description.facts.degrees_of_freedom());
+    auto nobody = std::make_unique<Nobody>(description.facts.translations());
     device::SimulatedDevice device(std::move(description), std::move(nobody));
     EXPECT_THAT(failed_of(device), IsEmpty());
   }

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "forcebound/control/handle.hpp"
+
+namespace forcebound::control {
+
+[[nodiscard]] inline Eigen::Quaterniond quaternion_of(const Handle::Orientation& orientation) noexcept {
+  const auto& [w, x, y, z] = orientation;
+  return {w, x, y, z};
+}
+
+[[nodiscard]] inline Handle::Orientation orientation_of(const Eigen::Quaterniond& quaternion) noexcept {
+  return {quaternion.w(), quaternion.x(), quaternion.y(), quaternion.z()};
+}
+
+/// The rotation vector [rad], in the frame that both turn into, of the shorter turn that leads from one orientation to
+/// another: to = exp(vector) from. Both are unit quaternions. Of half a turn it is one of two.
+///
+///     q = to from^-1 = (w, v):   2 atan2(|v|, |w|) v/|v|, the sign of w times that        (log of SO(3))
+///
+/// Real time.
+[[nodiscard]] inline Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& from,
+                                                     const Eigen::Quaterniond& to) noexcept {
+  const Eigen::Quaterniond turn = to * from.conjugate();
+  const double sine = turn.vec().norm();
+  const double sign = turn.w() < 0 ? -1 : 1;
+  // Below this the angle over the sine is 2 to rounding, of any cosine: 1 to rounding.
+  constexpr double kSmall = 1e-8;
+  const double per_sine = sine > kSmall ? 2 * std::atan2(sine, sign * turn.w()) / sine : 2;
+  return sign * per_sine * turn.vec();
+}
+
+/// exp(vector): the turn about it by its length [rad]. Real time.
+[[nodiscard]] inline Eigen::Quaterniond turn_by(const Eigen::Vector3d& vector) noexcept {
+  const double angle = vector.norm();
+  constexpr double kSmall = 1e-8;
+  const double per_angle = angle > kSmall ? std::sin(0.5 * angle) / angle : 0.5;
+  const Eigen::Vector3d part = per_angle * vector;
+  return {std::cos(0.5 * angle), part.x(), part.y(), part.z()};
+}
+
+}  // namespace forcebound::control
