@@ -41,11 +41,11 @@ async function press(tab) {
   await tab.page.mouse.move(x, y);
   await tab.page.mouse.down();
   const exerted_N = () => tab.page.evaluate(() => window.forcebound.stage.views[0].state.exerted.length());
-  // Slowly, until it has pressed with 5 to 12 N for a second.
-  for (let down = 0, held = 0, tries = 0; held < 6 && tries < 400; ++tries) {
+  // Slowly, until it has pressed with 3 to 12 N for some frames.
+  for (let down = 0, held = 0, tries = 0; held < 4 && tries < 60; ++tries) {
     const force_N = await exerted_N();
-    down += force_N < 5 ? (force_N < 0.7 ? 4 : 2) : force_N > 12 ? -1 : 0;
-    held = force_N >= 5 && force_N <= 12 ? held + 1 : 0;
+    down += force_N < 3 ? 5 : force_N > 12 ? -2 : 0;
+    held = force_N >= 3 && force_N <= 12 ? held + 1 : 0;
     await tab.page.mouse.move(x, y + down);
     await tab.page.waitForTimeout(200);
   }
@@ -55,7 +55,7 @@ needPage(given.page);
 const browser = await openBrowser(given.chromium);
 const programs = await Programs.in(given.bin);
 try {
-  const what = given.task ? ["--device", "firm-3dof"] : ["--scene", given.scene, "--rendering", "remote"];
+  const what = given.task ? ["--device", "firm-3dof", "--operator", "pointer:stiffness_N_per_m=1500"] : ["--scene", given.scene, "--rendering", "remote"];
   const served = given.task ? ["--follower", "reach-7", "--task", given.task] : [];
   const client = await programs.client(kNetem, ["--law", "fba-exact", ...what], served);
   const size = given.size.split("x").map(Number);
