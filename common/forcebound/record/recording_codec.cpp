@@ -117,6 +117,8 @@ std::string encode(const TickRecord& tick) {
   put(tick.joint, *out.mutable_joint());
   put(tick.request, *out.mutable_request_n());
   put(tick.applied, *out.mutable_applied_n());
+  put(tick.request_torque_N_m, *out.mutable_request_torque_n_m());
+  put(tick.applied_torque_N_m, *out.mutable_applied_torque_n_m());
   out.set_penetration_m(tick.penetration_m);
   out.set_displayed_n(tick.displayed_N);
   out.set_contact(tick.contact);
@@ -153,6 +155,8 @@ void decode(std::string_view bytes, TickRecord& tick) {
   tick.joint = vector_from(in.joint(), "joint");
   tick.request = vector_from(in.request_n(), "request_N");
   tick.applied = vector_from(in.applied_n(), "applied_N");
+  tick.request_torque_N_m = vector_from(in.request_torque_n_m(), "request_torque_N_m");
+  tick.applied_torque_N_m = vector_from(in.applied_torque_n_m(), "applied_torque_N_m");
   tick.penetration_m = in.penetration_m();
   tick.displayed_N = in.displayed_n();
   tick.contact = in.has_contact() ? in.contact() : in.penetration_m() > 0;

@@ -32,17 +32,19 @@ struct TickRecord {
   Nanoseconds latency{0};   ///< from the reading to the command
   SessionState state = SessionState::connecting;
   ForcePolicy policy = ForcePolicy::none;
-  std::uint64_t motion_sequence = 0;  ///< sent on this tick, 0: none
-  std::uint64_t force_sequence = 0;   ///< of the motion that the force used answers, 0: none
-  Nanoseconds force_age{0};           ///< time since that motion's reading
-  control::Vector position;           ///< reading, task space [m]
-  control::Vector joint;              ///< reading, joints
-  control::Vector request;            ///< force asked for, after the late-force policy [N]
-  control::Vector applied;            ///< force commanded [N]
-  bool contact = false;               ///< the newest answer, or the true surface where it is known, says so
-  double penetration_m = 0;           ///< below that surface; <= 0: no contact; not a number: not known here
-  double displayed_N = 0;             ///< component of `applied` out of that surface
-  double energy_J = 0;                ///< energy that the law may spend now: E of its recursion
+  std::uint64_t motion_sequence = 0;     ///< sent on this tick, 0: none
+  std::uint64_t force_sequence = 0;      ///< of the motion that the force used answers, 0: none
+  Nanoseconds force_age{0};              ///< time since that motion's reading
+  control::Vector position;              ///< reading, task space [m]
+  control::Vector joint;                 ///< reading, joints
+  control::Vector request;               ///< force asked for, after the late-force policy [N]
+  control::Vector applied;               ///< force commanded [N]
+  control::Vector request_torque_N_m{};  ///< asked for, on the handle, scene frame; no rows: the device shows none
+  control::Vector applied_torque_N_m{};  ///< commanded; likewise
+  bool contact = false;                  ///< the newest answer, or the true surface where it is known, says so
+  double penetration_m = 0;              ///< below that surface; <= 0: no contact; not a number: not known here
+  double displayed_N = 0;                ///< component of `applied` out of that surface
+  double energy_J = 0;                   ///< energy that the law may spend now: E of its recursion
   /// Share, 0 to 1, of what the device's damping dissipates in the interval that begins here which the law will credit
   /// to E. fba-more: energy that the force needs over energy available, and 1 where the force is bounded or
   /// zero; other laws: always 1.

@@ -112,10 +112,11 @@ Codec::Storage::Storage() {
         piece.mutable_content(), view.mutable_content()}) {
     *text = longest;
   }
-  for (Numbers* numbers : {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_server_parts_n(),
-                           force.mutable_position_m(), force.mutable_contact_normal(),
-                           force.mutable_texture_wave_rad_per_m(), force.mutable_texture_across_rad_per_m(),
-                           motion.mutable_server_law_numbers(), force.mutable_server_law_numbers()}) {
+  for (Numbers* numbers :
+       {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_torque_n_m(), welcome.mutable_tool_m(),
+        force.mutable_server_parts_n(), force.mutable_position_m(), force.mutable_contact_normal(),
+        force.mutable_texture_wave_rad_per_m(), force.mutable_texture_across_rad_per_m(),
+        motion.mutable_server_law_numbers(), force.mutable_server_law_numbers()}) {
     numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
   }
   motion.mutable_orientation()->Reserve(static_cast<int>(kFrameBytesMax / sizeof(float)));
@@ -159,6 +160,7 @@ void Codec::Storage::fill(const Hello& from) noexcept {
   hello.mutable_server_law()->assign(cut_name(from.server_law));
   hello.set_renders_locally(from.renders_locally);
   hello.set_shows_scene(from.shows_scene);
+  hello.set_shows_torque(from.shows_torque);
   hello.mutable_padding()->assign(kFrameBytesMax - kHeaderBytes - kPaddingOverhead - hello.ByteSizeLong(), '\0');
 }
 
@@ -171,6 +173,7 @@ void Codec::Storage::fill(const Welcome& from) noexcept {
   welcome.mutable_simulated()->assign(cut_text(from.simulated));
   welcome.set_server_parts(static_cast<v1::Welcome::ServerParts>(from.server_parts));
   welcome.set_takes_energy(from.takes_energy);
+  for (Eigen::Index i = 0; i < from.tool_m.rows(); ++i) welcome.add_tool_m(from.tool_m[i]);
   if (from.offer.manifest_bytes == 0) return;
   const auto& hash = from.offer.manifest_sha256;
   welcome.mutable_manifest_sha256()->assign(reinterpret_cast<const char*>(hash.data()), hash.size());
@@ -238,13 +241,19 @@ Decoded to_value(const v1::Hello& from, std::size_t datagram_bytes) noexcept {
                        .round_trip = round_trip,
                        .server_law = cut_name(from.server_law()),
                        .renders_locally = from.renders_locally(),
-                       .shows_scene = from.shows_scene()}};
+                       .shows_scene = from.shows_scene(),
+                       .shows_torque = from.shows_torque()}};
 }
 
 Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
   SceneOffer offer{.manifest_bytes = from.manifest_bytes(), .pieces = from.pieces()};
   if (offer.manifest_bytes > 0 && from.manifest_sha256().size() != offer.manifest_sha256.size())
     return Malformed::unreadable;
+  // Three numbers, or the tool is none.
+  control::Vector tool_m;
+  constexpr int kSpace = 3;
+  if (from.tool_m_size() == kSpace) tool_m = Eigen::Map<const Eigen::Vector3d>(from.tool_m().data());
+  if (!tool_m.allFinite()) return Malformed::non_finite;
   std::memcpy(offer.manifest_sha256.data(), from.manifest_sha256().data(),
               std::min(offer.manifest_sha256.size(), from.manifest_sha256().size()));
   return Message{Welcome{.client_nonce = from.client_nonce(),
@@ -256,7 +265,8 @@ Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
                          .server_parts = v1::Welcome::ServerParts_IsValid(from.server_parts())
                                              ? static_cast<ServerParts>(from.server_parts())
                                              : ServerParts::held,
-                         .takes_energy = from.takes_energy()}};
+                         .takes_energy = from.takes_energy(),
+                         .tool_m = tool_m}};
 }
 
 Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {

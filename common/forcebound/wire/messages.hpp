@@ -41,6 +41,7 @@ struct Hello {
   std::string_view server_law{};  ///< the client's law, by name, if it works with a server-side law; empty: none
   bool renders_locally = false;   ///< requests the scene itself, to run what does not move at the client
   bool shows_scene = false;       ///< requests what can be seen of the scene, for a page
+  bool shows_torque = false;      ///< the device turns its handle by motors: EnvironmentForce::torque_N_m is for it
 };
 
 /// The static part of a scene that the server hands over, in numbered pieces (handover/packed_scene.hpp).
@@ -68,6 +69,9 @@ struct Welcome {
   SceneOffer offer{};
   ServerParts server_parts = ServerParts::held;
   bool takes_energy = false;  ///< a robot can use what the law at the device gives up: MotionSample::energy_given_J
+  /// From the grip to the tip of the tool that the scene puts into the hand, in the handle's axes: motions tell the
+  /// tip, forces act there. No rows: none, the tip is the grip.
+  control::Vector tool_m{};
 };
 
 /// Server to client: a piece of the scene, sent again until it is acknowledged.
@@ -140,7 +144,8 @@ struct EnvironmentForce {
   std::uint64_t sequence = 0;            ///< of this force: 1, 2, 3, ... per session
   std::uint64_t motion_sequence = 0;     ///< which motion it answers
   Nanoseconds motion_device_time{0};     ///< echoed
-  control::Vector force{};               ///< [N], then torque [N m]; dof rows
+  control::Vector force{};               ///< [N]; dof rows
+  control::Vector torque_N_m{};          ///< on the handle, scene frame, three rows; no rows: none
   control::Vector position{};            ///< [m] where it was computed
   control::Vector contact_normal{};      ///< unit, out of the surface touched (deepest one); no rows: no contact
   double penetration_m = 0;              ///< depth below that surface at `position`, > 0 in contact

@@ -270,6 +270,7 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   to.set_motion_sequence(from.motion_sequence);
   to.set_motion_device_time_ns(from.motion_device_time.count());
   add_rows(from.force, to.mutable_force_n());
+  add_rows(from.torque_N_m, to.mutable_torque_n_m());
   add_rows(from.position, to.mutable_position_m());
   add_rows(from.contact_normal, to.mutable_contact_normal());
   to.set_penetration_m(from.penetration_m);
@@ -297,6 +298,7 @@ Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
   to.motion_sequence = from.motion_sequence();
   taker.time(from.motion_device_time_ns(), "motion_device_time_ns", to.motion_device_time);
   taker.rows(from.force_n(), "force_N", to.force);
+  taker.rows(from.torque_n_m(), "torque_N_m", to.torque_N_m);
   taker.rows(from.position_m(), "position_m", to.position);
   taker.rows(from.contact_normal(), "contact_normal", to.contact_normal);
   taker.number(from.penetration_m(), to.penetration_m);

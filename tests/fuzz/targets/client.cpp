@@ -133,6 +133,7 @@ class ScriptedClient {
     force.server_law_numbers = control::ServerLawNumbers::Zero(script_.byte() % 17);
     for (double& number : force.server_law_numbers) number = script_.value<std::int16_t>() * 1e-2;
     force.server_parts_N = vector(1);
+    force.torque_N_m = vector(1);
     return force;
   }
 

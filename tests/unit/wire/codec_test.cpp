@@ -248,6 +248,16 @@ TEST(Codec, GivesAPieceOfASceneAndItsReceiptBack) {
   EXPECT_TRUE(force.texture_in_server_parts);
 }
 
+TEST(Codec, GivesATorqueAndAToolBackAndTakesThemForAbsentWhereTheyAre) {
+  Codec codec;
+  EXPECT_TRUE(round_trip(codec, std::get<Hello>(one_of_each()[0])).shows_torque);
+  EXPECT_FALSE(round_trip(codec, Hello{}).shows_torque);
+  EXPECT_EQ(round_trip(codec, std::get<Welcome>(one_of_each()[1])).tool_m, vector_of({0, 0.01, -0.1}));
+  EXPECT_EQ(round_trip(codec, Welcome{}).tool_m.rows(), 0);
+  EXPECT_EQ(round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).torque_N_m, vector_of({0.1, -0.2, 0.3}));
+  EXPECT_EQ(round_trip(codec, EnvironmentForce{}).torque_N_m.rows(), 0);
+}
+
 TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
   Codec codec;
   const local_model::LocalModel sent = std::get<EnvironmentForce>(one_of_each()[4]).model;
@@ -370,6 +380,7 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
                                 .motion_sequence = any_count(),
                                 .motion_device_time = any_time(),
                                 .force = any_vector(0),
+                                .torque_N_m = any_vector(0),
                                 .position = any_vector(0),
                                 .contact_normal = any_vector(0),
                                 .penetration_m = *finite_number(),
@@ -393,6 +404,7 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
     RC_ASSERT(back.motion_sequence == sent.motion_sequence);
     RC_ASSERT(back.motion_device_time == sent.motion_device_time);
     expect_same(back.force, sent.force);
+    expect_same(back.torque_N_m, sent.torque_N_m);
     expect_same(back.position, sent.position);
     expect_same(back.contact_normal, sent.contact_normal);
     RC_ASSERT(back.texture_N == sent.texture_N);

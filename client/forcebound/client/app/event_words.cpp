@@ -62,6 +62,8 @@ EventWords words_of(const Event& event) {
     case Event::Kind::device_gone:
       return {warn, fmt::format("no readings of the device, and no force until there are: {}",
                                 event.words().empty() ? "no reason given" : event.words())};
+    case Event::Kind::no_torque:
+      return {info, fmt::format("device {} tracks orientation, shows no torque", event.words())};
     case Event::Kind::device_back:
       return {info, fmt::format("the device is back after {}", in_words(event.duration))};
     case Event::Kind::force_fading:

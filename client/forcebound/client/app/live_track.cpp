@@ -77,7 +77,7 @@ ShownTrack LiveTrack::shown(time::Nanoseconds epoch) const {
           .pointer = pointer,
           .view = view,
           .renders_locally = settings.renders_locally,
-          .figures = {.degrees_of_freedom = std::min(facts.degrees_of_freedom(), kSpace),
+          .figures = {.degrees_of_freedom = std::min(facts.translations(), kSpace),
                       .period = time::from_seconds(facts.period_s),
                       .epoch = epoch,
                       .audited = device->audit().has_value(),
@@ -103,7 +103,7 @@ control::DeviceFacts TrackMaker::facts_of(const std::string& device) const {
 
 PageChoice TrackMaker::suited(PageChoice next, const PageChoice& now) const {
   const KnownScene* const scene = find_known_scene(next.scene);
-  if (scene == nullptr || scene->accepts(facts_of(next.device).degrees_of_freedom())) return next;
+  if (scene == nullptr || scene->accepts(facts_of(next.device).translations())) return next;
   const std::string other = device_for(*scene);
   if (next.device != now.device || !has_pointer()) {
     throw std::invalid_argument("device " + next.device + " has other degrees of freedom than scene " + next.scene +
@@ -123,7 +123,7 @@ void TrackMaker::check(const PageChoice& choice) const {
 }
 
 void TrackMaker::set_start(const PageChoice& choice, const std::optional<control::Vector>& tip) {
-  const int rows = facts_of(choice.device).degrees_of_freedom();
+  const int rows = facts_of(choice.device).translations();
   const bool goes_on = tip && tip->rows() == rows && tip->allFinite() && choice.scene == last_scene_;
   start_m_ = goes_on ? *tip : start_in(find_known_scene(choice.scene), rows);
   // A pointer that the command line places begins there.
@@ -191,7 +191,7 @@ PageState TrackMaker::state(const PageChoice& choice, const LiveTrack& main) con
                   .choice = choice,
                   .simulated = is_simulated,
                   .pointer = main.pointer != nullptr,
-                  .degrees_of_freedom = std::min(main.device->facts().degrees_of_freedom(), kSpace),
+                  .degrees_of_freedom = std::min(main.device->facts().translations(), kSpace),
                   .period_s = main.device->facts().period_s,
                   .recording_file = main.settings.recording};
   for (const std::string& law : laws_.names()) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "forcebound/client/rendering/texture.hpp"
+#include "forcebound/control/translation.hpp"
 
 namespace forcebound::client {
 
@@ -11,6 +12,7 @@ RequestRendering::Request RequestRendering::render(const std::optional<wire::Env
   Request request{.force_N = Vector::Zero(tick.position.rows())};
   if (newest) request.force_N = tick.share * (newest->force + texture_force_N(*newest, tick.position));
   request.remote_N = request.force_N;
+  if (newest) request.torque_N_m = tick.share * control::translation_of(newest->torque_N_m);
   if (local_ != nullptr && tick.place.allFinite()) render_locally(newest, tick, request);
   request.force_N = slew_.bound(request.force_N, tick.elapsed_s);
   last_request_N_ = request.force_N;

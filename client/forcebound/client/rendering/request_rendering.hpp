@@ -31,7 +31,7 @@ class RequestRendering {
     Nanoseconds now{0};
     Nanoseconds read_at{0};    ///< of the device's position
     double elapsed_s = 0;      ///< since the reading before; zero on the first tick
-    const Vector& position;    ///< of the device
+    const Vector& position;    ///< of the device: the tip of its tool
     const Vector& place;       ///< where the environment is asked: the device's, unless the law moves it
     double share = 0;          ///< what the late-force policy leaves of the newest answer; zero: there is none
     ModelAge age{};            ///< of the state that it tells of
@@ -40,7 +40,8 @@ class RequestRendering {
 
   struct Request {
     Vector force_N{};
-    Vector remote_N{};  ///< what the server's answers alone would ask for
+    Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< of the answer, beside what the force's lever makes
+    Vector remote_N{};                                     ///< what the server's answers alone would ask for
     std::optional<LocalAnswer> local{};
     bool with_server_parts = false;      ///< of the server's answer there is a part in it, beside the scene here
     AnswerRendering::Rendered models{};  ///< what local models change of the server's answer

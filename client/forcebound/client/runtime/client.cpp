@@ -107,7 +107,7 @@ struct Client::Parts {
       sinks.push_back(&recorder);
     }
     if (settings.renders_locally) {
-      const auto rows = static_cast<std::uint32_t>(device.facts().degrees_of_freedom());
+      const auto rows = static_cast<std::uint32_t>(device.facts().translations());
       local.emplace(SceneBuilder::Options{.degrees_of_freedom = rows,
                                           .cache_folder = settings.scene_cache,
                                           .limits = handover::Limits::of_period(device.facts().period_s)});

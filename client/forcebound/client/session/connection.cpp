@@ -111,7 +111,8 @@ wire::Hello Connection::hello(Nanoseconds now) noexcept {
           .round_trip = round_trip_,
           .server_law = facts_.server_law,
           .renders_locally = facts_.renders_locally,
-          .shows_scene = facts_.shows_scene};
+          .shows_scene = facts_.shows_scene,
+          .shows_torque = facts_.shows_torque};
 }
 
 }  // namespace forcebound::client

@@ -40,6 +40,7 @@ class Connection {
     double force_N_max = 0;
     bool renders_locally = false;
     bool shows_scene = false;
+    bool shows_torque = false;
   };
 
   Connection(Facts facts, std::uint64_t seed);

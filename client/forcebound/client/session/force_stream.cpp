@@ -21,6 +21,7 @@ bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept 
   constexpr double kNormalRounding = 1e-6;
   if (force.force.rows() != degrees_of_freedom || force.position.rows() != degrees_of_freedom) return false;
   if (force.server_parts_N.rows() != 0 && force.server_parts_N.rows() != degrees_of_freedom) return false;
+  if (force.torque_N_m.rows() != 0 && force.torque_N_m.rows() != Eigen::Vector3d::RowsAtCompileTime) return false;
   if (force.server_receive_time < Nanoseconds::zero() || force.server_send_time < force.server_receive_time)
     return false;
   if (force.compute_time < Nanoseconds::zero() ||

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "forcebound/local_model/no_longer_than.hpp"
+
 namespace forcebound::client {
 namespace {
 
@@ -23,7 +25,10 @@ double share_of_newest(double elapsed_s, double mean_s) noexcept { return 1 - st
 
 Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   const double elapsed_s = std::max(0.0, tick.elapsed_s);
-  note_heat(tick);
+  share_ = 0;
+  bool heated = note_heat(force_load_, tick.applied_N.norm(), limits_.rms_force_N_max, tick.elapsed_s);
+  heated |= note_heat(torque_load_, tick.applied_N_m.norm(), limits_.rms_torque_N_m_max, tick.elapsed_s);
+  if (heated) begin(Trip::heat);
   const double since_reading_s = missing_s_ + elapsed_s;
   // As long without a tick as without a reading: the device has let go of the force meanwhile.
   if (since_reading_s > kGone_s) {
@@ -44,12 +49,18 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   }
   // By ticks: a pause between two readings is no time in which the force grew.
   ramp_ = limits_.ramp_s > 0 ? std::min(1.0, ramp_ + std::min(elapsed_s, kTickMost_s) / limits_.ramp_s) : 1;
-  Vector asked_N = ramp_ * fade(tick.position) * wanted_N;
+  share_ = ramp_ * fade(tick.position);
+  Vector asked_N = share_ * wanted_N;
   const double length_N = asked_N.norm();
   // Deep in a stiff object a small share of what is wanted is all that the device has.
-  const double most_N = ramp_ < 1 ? std::min(cap_N_, ramp_ * force_N_max_) : cap_N_;
+  const double most_N = ramp_ < 1 ? std::min(force_load_.cap, ramp_ * force_N_max_) : force_load_.cap;
   if (length_N > most_N) asked_N *= most_N / length_N;
   return asked_N;
+}
+
+Eigen::Vector3d HandSafety::limited_torque(const Eigen::Vector3d& wanted_N_m) const noexcept {
+  const double most_N_m = ramp_ < 1 ? std::min(torque_load_.cap, ramp_ * torque_N_m_max_) : torque_load_.cap;
+  return local_model::no_longer_than<Eigen::Vector3d>(share_ * wanted_N_m, most_N_m);
 }
 
 void HandSafety::note_speed(const Vector& position, double elapsed_s) noexcept {
@@ -74,22 +85,22 @@ void HandSafety::note_button(const Tick& tick) noexcept {
   let_go_ = up;
 }
 
-void HandSafety::note_heat(const Tick& tick) noexcept {
-  const double most_N = limits_.rms_force_N_max;
-  if (!(most_N > 0) || !(tick.elapsed_s > 0) || !tick.applied_N.allFinite()) return;
-  const double force_N = tick.applied_N.norm();
-  mean_square_N2_ += share_of_newest(tick.elapsed_s, limits_.rms_s) * (force_N * force_N - mean_square_N2_);
-  if (mean_square_N2_ > most_N * most_N) {
-    if (!std::exchange(hot_, true)) {
-      cap_N_ = std::max(std::min(cap_N_, force_N), most_N);
-      begin(Trip::heat);
+bool HandSafety::note_heat(Load& load, double applied, double most, double elapsed_s) const noexcept {
+  if (!(most > 0) || !(elapsed_s > 0) || !std::isfinite(applied)) return false;
+  bool heated = false;
+  load.mean_square += share_of_newest(elapsed_s, limits_.rms_s) * (applied * applied - load.mean_square);
+  if (load.mean_square > most * most) {
+    if (!std::exchange(load.hot, true)) {
+      load.cap = std::max(std::min(load.cap, applied), most);
+      heated = true;
     }
-  } else if (mean_square_N2_ < kCoolAgain * most_N * most_N) {
-    hot_ = false;
+  } else if (load.mean_square < kCoolAgain * most * most) {
+    load.hot = false;
   }
-  const double moves_N = kCapMoves_per_s * most_N * tick.elapsed_s;
-  cap_N_ = hot_ ? std::max(most_N, cap_N_ - moves_N) : cap_N_ + moves_N;
-  if (cap_N_ > kCapNone * most_N) cap_N_ = std::numeric_limits<double>::infinity();
+  const double moves = kCapMoves_per_s * most * elapsed_s;
+  load.cap = load.hot ? std::max(most, load.cap - moves) : load.cap + moves;
+  if (load.cap > kCapNone * most) load.cap = std::numeric_limits<double>::infinity();
+  return heated;
 }
 
 double HandSafety::fade(const Vector& position) noexcept {

@@ -27,6 +27,8 @@ using control::Vector;
 ///
 /// While it grows the length is at most ramp force_N_max. Readings that are missing for less than 20 ms begin no ramp.
 ///
+/// A torque has a share of its own: the same ramp and fade, and a cap by its own mean square and rms_torque_N_m_max.
+///
 /// The speed is that between readings, smoothed over 5 ms, so that one jump of an encoder trips nothing.
 ///
 /// Real time: noexcept, no allocation, O(dof). Deterministic.
@@ -35,19 +37,23 @@ class HandSafety {
   enum class Trip : std::uint8_t { speed, workspace, heat, dead_man };
   static constexpr std::size_t kTrips = 4;
 
-  /// @param force_N_max the device's largest
-  explicit HandSafety(const device::Safety& limits,
-                      double force_N_max = std::numeric_limits<double>::infinity()) noexcept
-      : limits_(limits), force_N_max_(force_N_max) {}
+  /// @param force_N_max the device's largest, as the torque
+  explicit HandSafety(const device::Safety& limits, double force_N_max = std::numeric_limits<double>::infinity(),
+                      double torque_N_m_max = std::numeric_limits<double>::infinity()) noexcept
+      : limits_(limits), force_N_max_(force_N_max), torque_N_m_max_(torque_N_m_max) {}
 
   struct Tick {
     const Vector& position;   ///< [m]; not finite: there is no usable reading
     const Vector& applied_N;  ///< since the last tick
     double elapsed_s = 0;     ///< since the last reading
     control::Handle handle{};
+    Eigen::Vector3d applied_N_m = Eigen::Vector3d::Zero();  ///< torque since the last tick
   };
   /// @param wanted_N of the rendering @returns what may be asked of the law
   [[nodiscard]] Vector limited(const Vector& wanted_N, const Tick& tick) noexcept;
+
+  /// After `limited` on the same tick: what may be asked of the law of a torque [N m].
+  [[nodiscard]] Eigen::Vector3d limited_torque(const Eigen::Vector3d& wanted_N_m) const noexcept;
 
   /// The limit that began to act since the last call, to tell the user.
   [[nodiscard]] std::optional<Trip> take_trip() noexcept;
@@ -59,7 +65,14 @@ class HandSafety {
 
  private:
   void note_speed(const Vector& position, double elapsed_s) noexcept;
-  void note_heat(const Tick& tick) noexcept;
+  /// The load of motors, by their force or torque, and the cap that it makes.
+  struct Load {
+    double mean_square = 0;
+    bool hot = false;
+    double cap = std::numeric_limits<double>::infinity();
+  };
+  /// @param most of the root mean square @returns whether it has become too hot just now
+  [[nodiscard]] bool note_heat(Load& load, double applied, double most, double elapsed_s) const noexcept;
   void note_button(const Tick& tick) noexcept;
   [[nodiscard]] double fade(const Vector& position) noexcept;
   void begin(Trip which) noexcept;
@@ -71,12 +84,13 @@ class HandSafety {
   bool let_go_ = false;  ///< of the dead-man button
   double ramp_ = 0;
   bool outside_ = false;
-  double mean_square_N2_ = 0;
-  bool hot_ = false;
-  double cap_N_ = std::numeric_limits<double>::infinity();
+  double share_ = 0;  ///< ramp and fade of this tick
+  Load force_load_{};
+  Load torque_load_{};
   std::optional<Trip> newest_{};
   std::array<std::uint64_t, kTrips> trips_{};
   double force_N_max_;
+  double torque_N_m_max_;
   double missing_s_ = 0;  ///< without a usable reading
 };
 

@@ -7,6 +7,8 @@
 #include <variant>
 
 #include "forcebound/control/assertion.hpp"
+#include "forcebound/control/translation.hpp"
+#include "forcebound/control/wrench.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/wire/version_mismatch.hpp"
 
@@ -28,11 +30,12 @@ Connection::Facts connection_facts(const control::DeviceFacts& device, const Ses
   return {.device = device.name,
           .scene = options.scene,
           .server_law = std::string(server_law),
-          .degrees_of_freedom = device.degrees_of_freedom(),
+          .degrees_of_freedom = device.translations(),
           .period_s = device.period_s,
           .force_N_max = device.force_N_max,
           .renders_locally = options.local != nullptr,
-          .shows_scene = shows_scene};
+          .shows_scene = shows_scene,
+          .shows_torque = device.rotations > 0};
 }
 
 std::string_view words_of(HandSafety::Trip trip) noexcept {
@@ -64,12 +67,12 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       // A client that was killed and starts again with the same seed is not the one before: its motions count from one.
       connection_(connection_facts(device.facts(), options_, controller_.law().server_law(), sinks.view != nullptr),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
-      forces_(device.facts().degrees_of_freedom()),
+      forces_(device.facts().translations()),
       blackouts_(options_.policy.hold),
       rendering_(options_.local,
                  {.slew_N_per_s = options_.force_slew_N_per_s, .force_N_max = device.facts().force_N_max}),
-      safety_(device.safety(), device.facts().force_N_max),
-      last_applied_N_(Vector::Zero(device.facts().degrees_of_freedom())) {
+      safety_(device.safety(), device.facts().force_N_max, device.facts().torque_N_m_max),
+      last_applied_(Vector::Zero(device.facts().degrees_of_freedom())) {
   options_.policy.validate();
   const std::string_view server_law = controller_.law().server_law();
   const Nanoseconds interval = options_.send_rate.interval(time::from_seconds(device.facts().period_s));
@@ -94,7 +97,10 @@ void Session::tick(Nanoseconds now) noexcept {
     keep_connected(now);
     return;
   }
-  done.place = controller_.law().proxy_position(reading.position);
+  tell_of_torque(reading, now);
+  done.arm_m = tool_.arm_m(reading.handle.orientation);
+  done.tip = tip_of(reading.position, done.arm_m);
+  done.place = tip_of(controller_.law().proxy_position(reading.position), done.arm_m);
   // However rare motions are: a short press must not fall between two of them.
   if (readable && reading.handle.buttons != buttons_sent_) schedule_.send_at_once();
   if (readable && schedule_.is_due(reading.latched)) done.motion_sequence = send_motion(done.place, reading);
@@ -109,7 +115,7 @@ void Session::tick(Nanoseconds now) noexcept {
   done.request = request_at(done, now);
   const bool no_answer = policy_ == ForcePolicy::none || policy_ == ForcePolicy::dropped;
   const bool silent = no_answer && !done.request.local && done.request.models.model_N.rows() == 0;
-  const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, done.request.force_N);
+  const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, wrench_of(done));
   const Nanoseconds commanded = clock_.now();
   done.latency = commanded - reading.latched;
   done.interval = times_.previous_reading() ? reading.latched - *times_.previous_reading() : Nanoseconds::zero();
@@ -117,7 +123,7 @@ void Session::tick(Nanoseconds now) noexcept {
   FORCEBOUND_ASSERT(done.applied.rows() == device_.facts().degrees_of_freedom() && done.applied.allFinite(),
                     "a force on its way to the device is finite, with a row for each degree of freedom");
   device_.apply(commanded, done.applied);
-  last_applied_N_ = done.applied;
+  last_applied_ = done.applied;
 
   last_tick_ = reading.latched;
   ++ticks_;
@@ -151,6 +157,17 @@ void Session::tell_of_device(device::Reading::Status status, bool usable, Nanose
   if (change == DeviceWatch::Change::back) tell(Event::Kind::device_back, now, {}, device_watch_.pause());
 }
 
+/// The handle turns by the hand alone.
+void Session::tell_of_torque(const device::Reading& reading, Nanoseconds now) noexcept {
+  if (told_of_torque_ || device_.facts().rotations > 0 || !reading.handle.orientation) return;
+  told_of_torque_ = true;
+  tell(Event::Kind::no_torque, now, device_.facts().name);
+}
+
+Vector Session::wrench_of(const Done& done) const noexcept {
+  return control::wrench_of(done.request.force_N, done.request.torque_N_m, device_.facts().rotations);
+}
+
 RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexcept {
   const device::Reading& reading = done.reading;
   const auto& newest = forces_.newest();
@@ -158,11 +175,11 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
       .now = now,
       .read_at = reading.latched,
       .elapsed_s = times_.previous_reading() ? time::to_seconds(reading.latched - *times_.previous_reading()) : 0,
-      .position = reading.position,
+      .position = done.tip,
       .place = done.place,
       .handle = reading.handle};
   if (newest) {
-    FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().degrees_of_freedom() && newest->force.allFinite(),
+    FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().translations() && newest->force.allFinite(),
                       "a force that was accepted is finite, with a row for each degree of freedom");
     done.force_sequence = newest->motion_sequence;
     done.force_age = now - ForceStream::reading_time(*newest);
@@ -174,10 +191,14 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
   if (options_.local != nullptr && done.place.allFinite()) tell_of_scene(now);
   note_late_force(request, done.force_age, now);
   schedule_.note(need_of(request));
-  request.force_N = safety_.limited(request.force_N, {.position = reading.position,
-                                                      .applied_N = last_applied_N_,
-                                                      .elapsed_s = tick.elapsed_s,
-                                                      .handle = reading.handle});
+  const int rotations = device_.facts().rotations;
+  const Vector applied_N = last_applied_.head(device_.facts().translations());
+  const Eigen::Vector3d lever_N_m = done.arm_m.cross(control::translation_of(request.force_N));
+  HandSafety::Tick safety{
+      .position = reading.position, .applied_N = applied_N, .elapsed_s = tick.elapsed_s, .handle = reading.handle};
+  if (rotations > 0) safety.applied_N_m = last_applied_.tail<3>();
+  request.force_N = safety_.limited(request.force_N, safety);
+  request.torque_N_m = rotations > 0 ? safety_.limited_torque(request.torque_N_m + lever_N_m) : Eigen::Vector3d::Zero();
   if (const auto trip = safety_.take_trip()) tell(Event::Kind::limited_for_safety, now, words_of(*trip));
   return request;
 }
@@ -324,6 +345,7 @@ void Session::receive(const wire::Message& message, Nanoseconds now, Nanoseconds
     controller_.begin_server_side();
     server_parts_ = welcome->server_parts;
     energy_taken_ = welcome->takes_energy;
+    tool_.take(welcome->tool_m);
     follower_ = control::FollowerState::none;
     scene_offered_ = welcome->offer.manifest_bytes > 0;
     if (options_.local != nullptr) options_.local->begin(welcome->session, welcome->offer);

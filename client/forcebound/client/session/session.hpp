@@ -8,6 +8,7 @@
 
 #include "forcebound/client/rendering/local_rendering.hpp"
 #include "forcebound/client/rendering/request_rendering.hpp"
+#include "forcebound/client/rendering/tool.hpp"
 #include "forcebound/client/session/blackout_watch.hpp"
 #include "forcebound/client/session/clock_offset.hpp"
 #include "forcebound/client/session/connection.hpp"
@@ -39,6 +40,11 @@ using time::Nanoseconds;
 ///     -> limits for the hand on the device (HandSafety)
 ///     -> saturate, bound, round (PassivityController)
 ///     -> apply -> write down
+///
+/// Where a tool is in the hand (Welcome), all that the environment is asked, and all of its force, is at the tool's
+/// tip; a device that shows torques is asked for the torque of that force about the grip, and for what the answer says.
+/// A device that tells its orientation but has no motors for it is told no torque, and the user once that there is
+/// none.
 ///
 /// The motion leaves before the force is chosen, so that an answer loses no tick where the server is near.
 /// Recording never influences the force. Whatever fails, the force is zero and the event is counted. The law runs in
@@ -93,12 +99,14 @@ class Session {
   /// Data of one tick, for the record.
   struct Done {
     device::Reading reading{};
-    Vector place{};                     ///< where the environment is asked: the device's, unless the law moves it
+    Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  ///< from the grip to the tool's tip
+    Vector tip{};                                     ///< of the tool in the hand; without one, the device's
+    Vector place{};                     ///< where the environment is asked: there, unless the law moves it
     std::uint64_t motion_sequence = 0;  ///< sent, 0: none
     RequestRendering::Request request{};
     std::uint64_t force_sequence = 0;  ///< of the motion that the newest answer is for, 0: there is none
     Nanoseconds force_age{0};          ///< since that motion's reading
-    Vector applied{};
+    Vector applied{};                  ///< force, and torque where the device shows it
     Nanoseconds interval{0};
     Nanoseconds latency{0};
   };
@@ -135,6 +143,9 @@ class Session {
   [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
   void tell_of_scene(Nanoseconds now) noexcept;
   void tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept;
+  void tell_of_torque(const device::Reading& reading, Nanoseconds now) noexcept;
+  /// What is asked of the law: the force, and the torque where the device shows it.
+  [[nodiscard]] Vector wrench_of(const Done& done) const noexcept;
   /// Whether this tick has no new reading, and is left to the force that the device still holds.
   [[nodiscard]] bool is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept;
   [[nodiscard]] ServerNeed need_of(const RequestRendering::Request& request) const noexcept;
@@ -174,7 +185,9 @@ class Session {
   ClockOffset clocks_;
   RequestRendering rendering_;
   HandSafety safety_;
-  Vector last_applied_N_;
+  Tool tool_;
+  bool told_of_torque_ = false;
+  Vector last_applied_;  // as Done::applied
   Nanoseconds last_tick_{0};
   Nanoseconds silent_since_{0};
   Nanoseconds not_fresh_since_{0};

@@ -64,7 +64,7 @@ void Session::write_down(const Done& done) const noexcept {
       .position = done.reading.position,
       .joint = done.reading.joint,
       .request = done.request.force_N,
-      .applied = done.applied,
+      .applied = done.applied.head(done.request.force_N.rows()),
       .energy_J = law().energy_J(),
       .xi = law().xi(),
       .rendering = recorded(done.request.local || done.request.models.model_N.rows() > 0, done.request.models.held),
@@ -72,6 +72,10 @@ void Session::write_down(const Done& done) const noexcept {
       .model = done.request.models.model_N,
       .model_deviation_m = done.request.models.deviation_m,
       .handle = done.reading.handle};
+  if (device_.facts().rotations > 0) {
+    record.request_torque_N_m = done.request.torque_N_m;
+    record.applied_torque_N_m = done.applied.tail<3>();
+  }
   if (done.request.local) {
     record.local = done.request.local->force_N;
     record.local_scene = done.request.local->scene;
@@ -101,19 +105,19 @@ void Session::note_contact(const Done& done, record::TickRecord& record) const n
   if (const auto& local = done.request.local; local && (local->penetration_m > 0 || !done.request.with_server_parts)) {
     record.contact = local->penetration_m > 0;
     record.penetration_m = local->penetration_m;
-    if (record.contact) record.displayed_N = done.applied.dot(local->contact_normal);
+    if (record.contact) record.displayed_N = record.applied.dot(local->contact_normal);
     return;
   }
   const auto& force = forces_.newest();
   if (!force || policy_ == ForcePolicy::dropped) return;
-  const Vector away = done.reading.position - force->position;
+  const Vector away = done.tip - force->position;
   const bool near = away.head(std::min(away.rows(), kTranslationsMax)).norm() <= kPlaneReach_m;
-  record.contact = force->contact_normal.rows() == done.applied.rows();
+  record.contact = force->contact_normal.rows() == record.applied.rows();
   if (!record.contact) {
     if (near) record.penetration_m = 0;
     return;
   }
-  record.displayed_N = done.applied.dot(force->contact_normal);
+  record.displayed_N = record.applied.dot(force->contact_normal);
   if (!near) return;
   record.penetration_m = force->penetration_m - force->contact_normal.dot(away);
   record.contact = record.penetration_m > 0;
