@@ -1,5 +1,6 @@
 #include "tests/tools/lab/both_ends.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>

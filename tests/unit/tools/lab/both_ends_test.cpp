@@ -51,7 +51,8 @@ void play(const Trip& trip, BothEnds& both) {
   sent.force.force = control::Vector::Constant(3, trip.force_N);
   both.take(sent);
   if (!trip.came_back) return;
-  record::ForceRecord received{.receive_time = read + kUp + kServer + kDown, .round_trip = kUp + kServer + kDown};
+  record::ForceRecord received{
+      .receive_time = read + kUp + kServer + kDown, .round_trip = kUp + kServer + kDown, .force = {}};
   received.force = sent.force;
   received.force.force.setConstant(trip.force_at_client_N);
   both.take(received);
