@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
   Server server({"--scene", "sphere"});
@@ -30,6 +31,25 @@ TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
   EXPECT_EQ(server.stop(), 0);
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 5U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 5U);
+}
+
+TEST(LabLoad, IsAnsweredByTwoWorkersAtOneAddress) {
+  Server server({"--scene", "sphere", "--workers", "2"});
+  const Ran lab = run(kLab, {"load", "--server", server.address(), "--clients", "16", "--sockets", "16", "--seconds", "0.3"});
+  ASSERT_EQ(lab.exit_code, 0) << lab.err;
+  EXPECT_THAT(lab.out, HasSubstr("16 clients: "));
+  std::this_thread::sleep_for(200ms);
+  EXPECT_EQ(server.stop(), 0);
+  EXPECT_EQ(counted(server.out(), "sessions", "opened"), 16U);
+  EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 16U);
+  EXPECT_GT(counted(server.out(), "forces", "sent"), 0U);
+  EXPECT_THAT(server.out(), Not(HasSubstr("handed over"))) << "the system steers";
+}
+
+TEST(LabLoad, ServesARobotByOneWorkerAlone) {
+  const Ran server = run(kServer, {"--listen", "127.0.0.1:0", "--follower", "reach-7", "--workers", "2"});
+  EXPECT_NE(server.exit_code, 0);
+  EXPECT_THAT(server.err, HasSubstr("--workers must be 1 with --follower: a robot has one leader, got 2"));
 }
 
 TEST(LabLoad, AsksForTheSceneAndForLocalModelsAsAClientDoes) {

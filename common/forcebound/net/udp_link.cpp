@@ -110,6 +110,21 @@ UdpLink UdpLink::adopt(int descriptor, Stamps stamps) try {
   throw std::runtime_error("cannot use descriptor " + std::to_string(descriptor) + ": " + reason(error.code()));
 }
 
+UdpLink UdpLink::beside(UdpLink& first, Stamps stamps) try {
+  // After it was bound: had another program the address, that has failed.
+  const asio::detail::socket_option::boolean<SOL_SOCKET, SO_REUSEPORT> shared(true);
+  first.socket_->socket.set_option(shared);
+  const udp::endpoint endpoint = to_asio(first.local_address());
+  auto socket = std::make_unique<Socket>();
+  socket->open(endpoint.protocol(), stamps);
+  socket->socket.set_option(shared);
+  socket->socket.bind(endpoint);
+  return UdpLink(std::move(socket));
+} catch (const asio::system_error& error) {
+  throw std::runtime_error("cannot listen on " + to_string(first.local_address()) +
+                           " with another socket: " + reason(error.code()));
+}
+
 UdpLink UdpLink::towards(const Address& peer) try {
   const udp::endpoint endpoint = to_asio(peer);
   auto socket = std::make_unique<Socket>();

@@ -35,6 +35,12 @@ class UdpLink final : public DatagramLink {
   /// @throws std::runtime_error if it is no bound UDP socket, IPv4 or IPv6
   static UdpLink adopt(int descriptor, Stamps stamps = Stamps::taken);
 
+  /// Another socket at the same address, so that the system distributes what arrives there (SO_REUSEPORT): by a hash of
+  /// both addresses, if no filter is attached. No other user's program, and no `listen`, can bind there too.
+  ///
+  /// @throws std::runtime_error with the reason
+  static UdpLink beside(UdpLink& first, Stamps stamps = Stamps::taken);
+
   /// A client's end: any free port, connected, so that only `peer`'s datagrams are received and its errors seen
   /// (`refused`).
   ///

@@ -30,6 +30,8 @@ struct ProgramOptions {
   KeyOptions keys;
   bool verbose = false;
   bool realtime = false;
+  std::size_t workers = 1;               ///< threads that serve, each with its own socket and sessions; 0: one for
+                                         ///< each processor that the process may use
   Nanoseconds drain{0};                  ///< after SIGTERM it waits so long for clients to leave
   AfterUse after_use = AfterUse::ready;  ///< as a member of a fleet
   ServerOptions server;                  ///< `scene` in it is not set yet

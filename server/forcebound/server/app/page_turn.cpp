@@ -51,28 +51,34 @@ void PageTurn::show_robot(time::Nanoseconds now) {
   }
 }
 
-void PageTurn::turn(UdpServer& server) {
+std::optional<std::uint64_t> PageTurn::session_of(std::uint64_t shown, ServerWorkers& server) const {
+  const auto lock = server.observer_lock();
+  return observer_.session_of(shown);
+}
+
+void PageTurn::turn(ServerWorkers& server) {
   const time::Nanoseconds now = clock_.now();
   show_robot(now);
   if (now < next_ && !page_.awaited()) return;
   next_ = now + kPeriod;
   while (const auto kick = page_.take_kick()) {
-    const auto session = observer_.session_of(*kick);
+    const auto session = session_of(*kick, server);
     const bool ended = session && server.end_session(*session);
     page_.tell(ended ? "info" : "warning",
                "session " + std::to_string(*kick) + (ended ? " is ended" : " has ended already"));
   }
   if (!page_.watched() && !page_.awaited()) return;
-  const std::uint64_t motions = server.server().counters().motions_received;
+  const std::uint64_t motions = server.counters().motions_received;
   const double elapsed_s = time::to_seconds(now - shown_);
   const PageObserver::Load load{
-      .busy = server.server().busy(),
+      .busy = server.busy(),
       .motions_per_s = elapsed_s > 0 ? static_cast<double>(motions - motions_) / elapsed_s : 0,
-      .places_used = server.server().sessions(),
+      .places_used = server.sessions(),
       .places = places_};
   motions_ = motions;
   shown_ = now;
   try {
+    const auto lock = server.observer_lock();
     page_.show(observer_.sessions_message(load), observer_.metrics(load));
   } catch (const std::bad_alloc&) {  // the page shows what it had; serving goes on
   }

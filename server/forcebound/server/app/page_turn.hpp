@@ -8,7 +8,7 @@
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/page_observer.hpp"
 #include "forcebound/server/app/server_page.hpp"
-#include "forcebound/server/runtime/udp_server.hpp"
+#include "forcebound/server/runtime/server_workers.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::server {
@@ -23,9 +23,10 @@ class PageTurn {
 
   /// To be called after each turn of the server: twice a second it ends sessions as asked, and shows what is to those
   /// who look, the robot 30 times a second. While nobody does it costs nothing more.
-  void turn(UdpServer& server);
+  void turn(ServerWorkers& server);
 
  private:
+  [[nodiscard]] std::optional<std::uint64_t> session_of(std::uint64_t shown, ServerWorkers& server) const;
   void show_robot(time::Nanoseconds now);
 
   PageObserver& observer_;

@@ -1,5 +1,6 @@
 #include "forcebound/server/app/serve.hpp"
 
+#include <sched.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/app/service_manager.hpp"
 #include "forcebound/server/environment/explain.hpp"
-#include "forcebound/server/runtime/udp_server.hpp"
+#include "forcebound/server/runtime/server_workers.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -58,7 +59,7 @@ void take_signals(bool reloadable) {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-void report(const Server& server) {
+void report(const ServerWorkers& server) {
   const ServerCounters counters = server.counters();
   spdlog::info("{}, {} received, {} sent, {} in all", text::counted(server.sessions(), "session"),
                text::counted(counters.motions_received, "motion"), text::counted(counters.forces_sent, "force"),
@@ -80,7 +81,7 @@ void ask_for_real_time() {
 }
 
 /// The file of clients again; the one before stays where it cannot be read.
-void reload(UdpServer& server, const ProgramOptions& options) {
+void reload(ServerWorkers& server, const ProgramOptions& options) {
   if (options.keys.clients.empty()) {
     spdlog::warn("nothing to read again: there is no --clients");
     return;
@@ -88,7 +89,7 @@ void reload(UdpServer& server, const ProgramOptions& options) {
   try {
     auto clients = security::AllowedClients::from_file(options.keys.clients);
     spdlog::info("{} read again: {}", options.keys.clients, text::counted(clients.all().size(), "client"));
-    server.replace_clients(std::move(clients));
+    server.replace_clients(clients);
   } catch (const std::exception& error) {
     spdlog::error("{}; the clients are those of before", error.what());
   }
@@ -104,7 +105,7 @@ struct Beside {
 /// Serves until a signal or the fleet ends it, and then until all clients have left or the time for that is over.
 class Service {
  public:
-  Service(UdpServer& server, const Beside& beside, const ProgramOptions& options, const time::Clock& clock,
+  Service(ServerWorkers& server, const Beside& beside, const ProgramOptions& options, const time::Clock& clock,
           ServiceManager& manager)
       : server_(server),
         beside_(beside),
@@ -117,12 +118,12 @@ class Service {
     while (!over()) {
       server_.turn();
       if (beside_.page != nullptr) beside_.page->turn(server_);
-      if (beside_.fleet != nullptr) beside_.fleet->turn(server_.server().sessions());
+      if (beside_.fleet != nullptr) beside_.fleet->turn(server_.sessions());
       if (beside_.robot != nullptr) beside_.robot->log_changes();
-      manager_.tell_alive(clock_.now());
+      if (server_.alive(clock_.now())) manager_.tell_alive(clock_.now());
       if (reloads != 0) reload_now();
       if (options_.verbose && clock_.now() >= next_report_) {
-        report(server_.server());
+        report(server_);
         next_report_ = clock_.now() + kReportPeriod;
       }
     }
@@ -133,7 +134,7 @@ class Service {
   bool over() {
     if (interrupts != 0 || terminations > 1) return true;
     if (terminations == 0 && (beside_.fleet == nullptr || !beside_.fleet->over())) return false;
-    if (options_.drain == Nanoseconds{0} || server_.server().sessions() == 0) return true;
+    if (options_.drain == Nanoseconds{0} || server_.sessions() == 0) return true;
     if (!drained_by_) begin_to_drain();
     return clock_.now() >= *drained_by_;
   }
@@ -142,7 +143,7 @@ class Service {
     drained_by_ = clock_.now() + options_.drain;
     server_.admit_none("the server is about to end and takes no more clients; try again later");
     const std::string words = "ending: waiting up to " + text::to_text(time::to_seconds(options_.drain)) + " s for " +
-                              text::counted(server_.server().sessions(), "session");
+                              text::counted(server_.sessions(), "session");
     spdlog::info("{}; a second SIGTERM ends at once", words);
     ServiceManager::tell_stopping(words);
   }
@@ -154,7 +155,7 @@ class Service {
     if (!drained_by_) ServiceManager::tell_ready("serving");
   }
 
-  UdpServer& server_;
+  ServerWorkers& server_;
   Beside beside_;
   const ProgramOptions& options_;
   const time::Clock& clock_;
@@ -216,10 +217,36 @@ std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const 
   return std::make_unique<RecordingObserver>(clock, options.record, info, std::move(scenes));
 }
 
-std::string totals(const UdpServer& server, const std::string& encryption) {
-  std::string text = server.server().counters().text() + "encryption: " + encryption + "\n";
-  if (server.encryption() != nullptr) text += server.encryption()->counters().text();
+std::string totals(const ServerWorkers& server, const std::string& encryption) {
+  std::string text = server.counters().text() + "encryption: " + encryption + "\n";
+  if (const auto secure = server.secure_counters()) text += secure->text();
+  if (const std::uint64_t handed_over = server.handed_over(); handed_over > 0) {
+    text += text::counted(handed_over, "datagram") + " handed over from one worker to another\n";
+  }
+  if (const std::uint64_t lost = server.not_handed_over(); lost > 0) {
+    text += text::counted(lost, "datagram") + " lost since a worker had no room for more from others\n";
+  }
   return text;
+}
+
+/// How many threads serve.
+/// @throws std::invalid_argument where several were asked for and cannot be
+std::size_t workers_for(const ProgramOptions& options, bool socket_handed_over) {
+  if (options.follower.any() || socket_handed_over) {
+    if (options.workers > 1) {
+      throw std::invalid_argument("--workers must be 1 with " +
+                                  std::string(socket_handed_over ? "a socket from the service manager, which has bound "
+                                                                   "one for one worker"
+                                                                 : "--follower: a robot has one leader") +
+                                  ", got " + std::to_string(options.workers));
+    }
+    return 1;
+  }
+  if (options.workers > 0) return options.workers;
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
+  return std::clamp<std::size_t>(static_cast<std::size_t>(CPU_COUNT(&allowed)), 1, WorkerPlace::kMost);
 }
 
 }  // namespace
@@ -228,6 +255,7 @@ int serve(ProgramOptions options) {
   ServiceManager manager;
   const auto port_of_fleet = fleet_port();
   std::optional<net::UdpLink> handed_over = ServiceManager::take_socket();
+  const std::size_t workers = workers_for(options, handed_over.has_value());
   const net::Address address = handed_over ? handed_over->local_address() : net::resolve(options.listen);
   expect_encryption(options.keys, address);
   std::optional<ServerKeys> keys = read_keys(options.keys);
@@ -242,7 +270,9 @@ int serve(ProgramOptions options) {
   const auto observer = make_observer(options, offer, encryption, clock);
   PageObserver page_observer(*observer, clock);
   ServerObserver& told = options.page ? static_cast<ServerObserver&>(page_observer) : *observer;
-  UdpServer server(std::move(link), options.server, offer.environments, &told, std::move(keys));
+  ServerWorkers server(std::move(link),
+                       {.workers = workers, .observes_motions = options.page.has_value() || !options.record.empty()},
+                       options.server, offer.environments, &told, std::move(keys));
   spdlog::info("{}", encryption_words);
   // Before: its thread is to have no real-time priority.
   std::optional<PageTurn> page;
@@ -253,6 +283,8 @@ int serve(ProgramOptions options) {
     fleet.emplace(FleetLink::Settings{.port = *port_of_fleet, .member = member}, clock);
   }
   if (options.realtime) ask_for_real_time();
+  server.start();
+  if (workers > 1) spdlog::info("{} workers", workers);
   spdlog::info("listening on {}, {} '{}': {}", net::to_string(server.address()), offer.robot ? "task" : "scene",
                offer.name, offer.simulated);
 

@@ -44,6 +44,12 @@ EnvironmentLibrary::EnvironmentLibrary() : EnvironmentLibrary(SceneLibrary{}) {}
 
 EnvironmentLibrary::EnvironmentLibrary(SceneLibrary scenes) : shelf_(std::make_shared<Shelf>(std::move(scenes))) {}
 
+EnvironmentLibrary EnvironmentLibrary::copy() const {
+  EnvironmentLibrary other(shelf_->scenes.copy());
+  other.shelf_->added = shelf_->added;
+  return other;
+}
+
 void EnvironmentLibrary::add(EnvironmentKind kind) {
   if (kind.name.empty() || !kind.make) {
     throw std::invalid_argument("environment '" + kind.name + "' must have a name and a function that makes it");

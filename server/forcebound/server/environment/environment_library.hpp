@@ -20,6 +20,10 @@ class EnvironmentLibrary {
   /// passed directly.
   EnvironmentLibrary(SceneLibrary scenes);
 
+  /// Another library of the same environments, for another thread: see SceneLibrary's. What a program has added is
+  /// called by all those threads.
+  [[nodiscard]] EnvironmentLibrary copy() const;
+
   /// Replaces an environment of the same name; takes precedence over a scene of that name.
   /// @throws std::invalid_argument without a name or without `make`
   void add(EnvironmentKind kind);

@@ -1,6 +1,8 @@
 #include "forcebound/server/environment/scene_library.hpp"
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -23,6 +25,22 @@ std::string file_of(const std::string& shipped) { return "scenes/" + shipped + "
 
 }  // namespace
 
+/// What copies of a library have compiled.
+class SceneLibrary::Compiled {
+ public:
+  std::shared_ptr<const scene::Scene> get_or(const std::string& name,
+                                             const std::function<std::shared_ptr<const scene::Scene>()>& compile) {
+    const std::lock_guard lock(guard_);
+    auto& scene = scenes_[name];
+    if (!scene) scene = compile();
+    return scene;
+  }
+
+ private:
+  std::mutex guard_;
+  std::map<std::string, std::shared_ptr<const scene::Scene>> scenes_;
+};
+
 struct SceneLibrary::Shelf {
   struct Entry {
     std::string name;
@@ -41,10 +59,15 @@ struct SceneLibrary::Shelf {
   scene::MeasureCost measure{};
   std::function<void(Compilation)> elsewhere{};
   std::vector<Entry> entries{};
+  std::shared_ptr<Compiled> compiled{};  ///< null: there are no copies
 
   [[nodiscard]] Compilation compilation_of(const Entry& entry) const {
-    return {entry.name, [registry = registry, measure = measure, name = entry.name, text = entry.text] {
-              return parse_scene(text, file_of(name), *registry, measure);
+    auto compile = [registry = registry, measure = measure, name = entry.name, text = entry.text] {
+      return parse_scene(text, file_of(name), *registry, measure);
+    };
+    if (!compiled) return {entry.name, std::move(compile)};
+    return {entry.name, [compiled = compiled, name = entry.name, compile = std::move(compile)] {
+              return compiled->get_or(name, compile);
             }};
   }
 };
@@ -59,6 +82,15 @@ SceneLibrary SceneLibrary::shipped(scene::Registry registry, scene::MeasureCost 
     library.shelf_->entries.push_back({.name = std::string(scene.name), .text = scene.text});
   }
   return library;
+}
+
+SceneLibrary SceneLibrary::copy() const {
+  if (!shelf_->compiled) shelf_->compiled = std::make_shared<Compiled>();
+  SceneLibrary other;
+  *other.shelf_ = *shelf_;
+  other.shelf_->elsewhere = {};
+  for (Shelf::Entry& entry : other.shelf_->entries) entry.coming = false;
+  return other;
 }
 
 void SceneLibrary::add(std::shared_ptr<const scene::Scene> scene) {

@@ -25,6 +25,10 @@ class SceneLibrary {
   /// @param measure as parse_scene's
   static SceneLibrary shipped(scene::Registry registry = scene::Registry::standard(), scene::MeasureCost measure = {});
 
+  /// Another library of the same scenes, for another thread. Each scene that ships is still compiled once, for all
+  /// copies: who requests it elsewhere meanwhile waits.
+  [[nodiscard]] SceneLibrary copy() const;
+
   /// Replaces a scene of the same name, also a shipped one.
   void add(std::shared_ptr<const scene::Scene> scene);
 
@@ -63,6 +67,7 @@ class SceneLibrary {
   [[nodiscard]] std::string unknown_scene_text(std::string_view name) const;
 
  private:
+  class Compiled;
   struct Shelf;
 
   std::shared_ptr<Shelf> shelf_;

@@ -1,11 +1,13 @@
 #include "forcebound/server/runtime/udp_server.hpp"
 
 #include <algorithm>
+#include <array>
 #include <new>
 #include <random>
 #include <utility>
 
 #include "forcebound/security/random.hpp"
+#include "forcebound/server/runtime/steering.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -37,7 +39,10 @@ void unless_out_of_memory(const Work& work) {
 std::unique_ptr<SecureLink> secured(std::optional<ServerKeys> keys, const ServerOptions& options,
                                     net::DatagramLink& link, const time::Clock& clock, ServerObserver* observer) {
   if (!keys) return nullptr;
-  const SecureLimits limits{.sessions_max = options.sessions_max, .idle_timeout = options.idle_timeout};
+  const SecureLimits limits{.sessions_max = options.sessions_max,
+                            .idle_timeout = options.idle_timeout,
+                            .worker = options.worker.number,
+                            .workers = options.worker.of};
   return std::make_unique<SecureLink>(std::move(*keys), limits, link, clock, security::fill_with_random, observer);
 }
 
@@ -58,7 +63,8 @@ net::UdpLink listen_at(const net::Address& address) {
 }
 
 UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
-                     ServerObserver* observer, std::optional<ServerKeys> keys)
+                     ServerObserver* observer, std::optional<ServerKeys> keys,
+                     std::span<const std::unique_ptr<WorkerMail>> mail)
     : link_(std::move(link)),
       secure_(secured(std::move(keys), options, batch_, clock_, observer)),
       compiler_(environments.scenes(),
@@ -68,7 +74,10 @@ UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const Envi
       server_(options, environments, secure_ ? static_cast<net::DatagramLink&>(*secure_) : batch_, clock_,
               random_session_id, observer),
       timer_(clock_.now() + kTimerPeriod),
-      busy_since_(clock_.now()) {
+      busy_since_(clock_.now()),
+      place_(options.worker),
+      mail_(mail),
+      turned_(clock_.now().count()) {
   link_.wait_at_most(kTimerPeriod);
 }
 
@@ -77,15 +86,16 @@ void UdpServer::turn() {
   const auto arrived = batch_.wait_for_some();
   note_busy(clock_.now() - before);
   unless_out_of_memory([this] { compiler_.deliver(); });
-  if (!arrived.empty()) {
-    take_in(arrived);
-    answer_all();
-  }
+  if (!arrived.empty()) take_in(arrived);
+  if (!mail_.empty() && !mail_[place_.number]->empty()) take_in_mail();
+  answer_all();
   const Nanoseconds now = clock_.now();
+  turned_.store(now.count(), std::memory_order_relaxed);
   if (now < timer_) return;
   unless_out_of_memory([&] { server_.on_timer(now); });
   if (secure_) secure_->on_timer(now);
   batch_.flush();
+  note_figures();
   timer_ = now + kTimerPeriod;
 }
 
@@ -118,6 +128,7 @@ void UdpServer::replace_clients(security::AllowedClients clients) {
 void UdpServer::stop() {
   server_.stop();
   batch_.flush();
+  note_figures();
 }
 
 bool UdpServer::end_session(std::uint64_t session) {
@@ -139,11 +150,79 @@ void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
 
 void UdpServer::take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now) {
   const net::Address& from = datagram.received.from;
+  if (!mail_.empty() && was_for_others(datagram, now)) return;
   if (!secure_) {
     server_.take_in(datagram.bytes, from, now);
+    if (const auto worker = server_.take_elsewhere()) hand_over(*worker, datagram.bytes, from);
   } else if (const auto opened = secure_->take_in(datagram.bytes, from, now)) {
     server_.take_in(opened->bytes, from, now, rights_of(opened->client));
+    const auto worker = server_.take_elsewhere();
+    if (!worker) return;
+    unless_out_of_memory([&] { hand_over(*worker, opened->bytes, from, secure_->move_out(opened->keys, *worker, now)); });
   }
+}
+
+bool UdpServer::was_for_others(const net::UdpBatch::Arrived& datagram, Nanoseconds now) noexcept {
+  if (is_wake_up_call(datagram.bytes)) return true;
+  auto worker = worker_for(datagram.bytes, place_.of);
+  if (secure_ && (!worker || *worker == place_.number)) worker = secure_->moved_to(datagram.bytes, now);
+  if (!worker || *worker == place_.number) return false;
+  hand_over(*worker, datagram.bytes, datagram.received.from);
+  return true;
+}
+
+void UdpServer::hand_over(std::size_t worker, std::span<const std::byte> datagram, const net::Address& from,
+                          std::optional<SecureLink::Moving> keys) noexcept {
+  const WorkerMail::Put put = mail_[worker]->put(datagram, from, std::move(keys));
+  ++(put == WorkerMail::Put::no_room ? not_handed_over_ : handed_over_);
+  if (put == WorkerMail::Put::taken_first) wake(worker);
+}
+
+void UdpServer::wake(std::size_t worker) noexcept {
+  net::Address to = link_.local_address();
+  // Bound to all of this machine's addresses: one of them.
+  if (to.ip == net::Address{}.ip) to.ip.back() = 1;
+  constexpr std::array<std::uint8_t, 16> kAllIpv4{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0, 0, 0, 0};
+  if (to.ip == kAllIpv4) to.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1};
+  const WakeUpCall call = wake_up_call(worker);
+  link_.send(call, to);
+}
+
+/// As many datagrams as there were when it began: those who put them down must not hold up this worker's own.
+void UdpServer::take_in_mail() {
+  WorkerMail& mail = *mail_[place_.number];
+  const Nanoseconds now = clock_.now();
+  for (std::size_t i = 0; i < WorkerMail::kDatagramsMost && mail.take(handed_); ++i) take_in_handed(now);
+  handed_.keys.reset();
+  for (const auto& work : mail.take_work()) unless_out_of_memory([&] { work(*this); });
+}
+
+void UdpServer::take_in_handed(Nanoseconds now) {
+  const auto bytes = std::span<const std::byte>(handed_.bytes).first(handed_.length);
+  if (!secure_) {
+    server_.take_in_handed(bytes, handed_.from, now);
+  } else if (handed_.keys) {
+    const auto client = secure_->move_in(*std::exchange(handed_.keys, std::nullopt), handed_.from);
+    if (client) server_.take_in_handed(bytes, handed_.from, now, rights_of(*client));
+  } else if (const auto opened = secure_->take_in(bytes, handed_.from, now)) {
+    server_.take_in_handed(opened->bytes, handed_.from, now, rights_of(opened->client));
+  }
+}
+
+void UdpServer::note_figures() {
+  if (mail_.empty()) return;
+  Figures figures{.counters = server_.counters(),
+                  .secure = secure_ ? secure_->counters() : SecureCounters{},
+                  .busy = server_.busy(),
+                  .handed_over = handed_over_,
+                  .not_handed_over = not_handed_over_};
+  const std::lock_guard lock(figures_guard_);
+  figures_ = figures;
+}
+
+UdpServer::Figures UdpServer::figures() const {
+  const std::lock_guard lock(figures_guard_);
+  return figures_;
 }
 
 /// The newest motion of each client.

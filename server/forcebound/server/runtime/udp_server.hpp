@@ -1,7 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -11,6 +13,7 @@
 #include "forcebound/net/udp_batch.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/server/runtime/scene_compiler.hpp"
+#include "forcebound/server/runtime/worker_mail.hpp"
 #include "forcebound/server/security/secure_link.hpp"
 #include "forcebound/server/session/server.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -40,9 +43,11 @@ class UdpServer {
  public:
   /// @param observer may be null; must outlive the server
   /// @param keys nothing: sessions in the clear, which everybody on the way can read and change
+  /// @param mail of all workers, in their order; empty where there is but this one. Must outlive the server
   /// @throws std::invalid_argument as Server's and SecureLink's
   UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
-            ServerObserver* observer = nullptr, std::optional<ServerKeys> keys = std::nullopt);
+            ServerObserver* observer = nullptr, std::optional<ServerKeys> keys = std::nullopt,
+            std::span<const std::unique_ptr<WorkerMail>> mail = {});
   UdpServer(const UdpServer&) = delete;
   UdpServer& operator=(const UdpServer&) = delete;
 
@@ -65,6 +70,22 @@ class UdpServer {
   /// Ends one, at once; false: there is none of that number. Of the thread that calls `turn`.
   bool end_session(std::uint64_t session);
 
+  /// Ends the wait of another worker's `turn`, for it to look at its mail.
+  void wake(std::size_t worker) noexcept;
+
+  /// When it last turned; for other threads too.
+  [[nodiscard]] Nanoseconds turned() const noexcept { return Nanoseconds{turned_.load(std::memory_order_relaxed)}; }
+
+  /// As they were at most 0.1 s ago, or at the end; for other threads too.
+  struct Figures {
+    ServerCounters counters{};
+    SecureCounters secure{};
+    double busy = 0;
+    std::uint64_t handed_over = 0;      ///< to other workers
+    std::uint64_t not_handed_over = 0;  ///< lost: the other had no room for it
+  };
+  [[nodiscard]] Figures figures() const;
+
   [[nodiscard]] net::Address address() const noexcept { return link_.local_address(); }
   [[nodiscard]] const Server& server() const noexcept { return server_; }
   /// Null: sessions are not encrypted.
@@ -76,6 +97,13 @@ class UdpServer {
  private:
   void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now);
+  /// True: it was another worker's, or a wake-up call.
+  [[nodiscard]] bool was_for_others(const net::UdpBatch::Arrived& datagram, Nanoseconds now) noexcept;
+  void hand_over(std::size_t worker, std::span<const std::byte> datagram, const net::Address& from,
+                 std::optional<SecureLink::Moving> keys = std::nullopt) noexcept;
+  void take_in_mail();
+  void take_in_handed(Nanoseconds now);
+  void note_figures();
   void answer_all();
   void note_busy(Nanoseconds waited) noexcept;
 
@@ -90,6 +118,14 @@ class UdpServer {
   std::uint64_t arrived_ = 0;
   Nanoseconds busy_since_{0};
   Nanoseconds waited_{0};
+  WorkerPlace place_;
+  std::span<const std::unique_ptr<WorkerMail>> mail_;
+  WorkerMail::Handed handed_;
+  std::uint64_t handed_over_ = 0;
+  std::uint64_t not_handed_over_ = 0;
+  std::atomic<std::int64_t> turned_;
+  mutable std::mutex figures_guard_;
+  Figures figures_;
 };
 
 }  // namespace forcebound::server

@@ -4,6 +4,26 @@
 
 namespace forcebound::server {
 
+void SecureCounters::add(const SecureCounters& other) noexcept {
+  cookies_offered += other.cookies_offered;
+  handshakes += other.handshakes;
+  handshakes_later += other.handshakes_later;
+  handshakes_again += other.handshakes_again;
+  handshakes_not_allowed += other.handshakes_not_allowed;
+  handshakes_full += other.handshakes_full;
+  handshakes_not_authentic += other.handshakes_not_authentic;
+  handshakes_malformed += other.handshakes_malformed;
+  handshakes_over_rate += other.handshakes_over_rate;
+  handshakes_overtaken += other.handshakes_overtaken;
+  addresses_of_others += other.addresses_of_others;
+  handshakes_failed += other.handshakes_failed;
+  handshakes_unused += other.handshakes_unused;
+  sessions_idle += other.sessions_idle;
+  in_clear += other.in_clear;
+  hellos_in_clear += other.hellos_in_clear;
+  for (std::size_t i = 0; i < records.size(); ++i) records[i] += other.records[i];
+}
+
 std::string SecureCounters::text() const {
   using security::Opening;
   const auto dropped = [&](Opening why) { return records[static_cast<std::size_t>(why)]; };

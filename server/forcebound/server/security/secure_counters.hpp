@@ -28,6 +28,9 @@ struct SecureCounters {
   std::uint64_t hellos_in_clear = 0;                         ///< of these: refused
   std::array<std::uint64_t, security::kOpenings> records{};  ///< sealed datagrams, by security::Opening
 
+  /// Adds those of another link.
+  void add(const SecureCounters& other) noexcept;
+
   /// One line per subject, without counts that are zero.
   [[nodiscard]] std::string text() const;
 };

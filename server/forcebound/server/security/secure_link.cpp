@@ -90,7 +90,36 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
     on_later(peer, opened, content, from, now);
     return std::nullopt;
   }
-  return Content{.bytes = content, .client = peer.client};
+  return Content{.bytes = content, .client = peer.client, .keys = number};
+}
+
+std::optional<SecureLink::Moving> SecureLink::move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now) {
+  const auto found = peers_.find(keys);
+  if (found == peers_.end()) return std::nullopt;
+  moved_[keys] = {.worker = worker, .heard = now};
+  owners_.forget(keys, found->second.places);
+  found->second.places = {};
+  confirmed_ -= found->second.confirmed ? 1 : 0;
+  return Moving(peers_.extract(found));
+}
+
+std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving, const net::Address& from) {
+  Peer& peer = moving.node_.mapped();
+  peer.client = keys_.own && keys_.clients ? keys_.clients->find(peer.key) : nullptr;
+  if (keys_.own && keys_.clients && peer.client == nullptr) return std::nullopt;
+  const auto inserted = peers_.insert(std::move(moving.node_));
+  if (!inserted.inserted) return std::nullopt;
+  owners_.note(inserted.position->first, inserted.position->second.places, from);
+  confirm(inserted.position);
+  return inserted.position->second.client;
+}
+
+std::optional<std::size_t> SecureLink::moved_to(std::span<const std::byte> record, Nanoseconds now) noexcept {
+  if (moved_.empty() || !security::is_record(record)) return std::nullopt;
+  const auto found = moved_.find(security::session_of_record(record));
+  if (found == moved_.end()) return std::nullopt;
+  found->second.heard = now;
+  return found->second.worker;
 }
 
 void SecureLink::confirm(Peers::iterator peer) noexcept {
@@ -173,6 +202,8 @@ void SecureLink::replace_clients(security::AllowedClients clients) {
 }
 
 void SecureLink::on_timer(Nanoseconds now) noexcept {
+  // Where it went it is forgotten after as long.
+  std::erase_if(moved_, [&](const auto& moved) { return now - moved.second.heard > limits_.idle_timeout + kKeptAfterIdle; });
   for (auto next = peers_.begin(); next != peers_.end();) {
     const auto peer = next++;
     const bool confirmed = peer->second.confirmed;

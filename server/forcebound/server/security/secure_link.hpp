@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/security/channel.hpp"
@@ -27,6 +28,9 @@ namespace forcebound::server {
 struct SecureLimits {
   std::size_t sessions_max = 64;                        ///< of the server behind it
   Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< of its sessions
+
+  std::size_t worker = 0;   ///< of the server behind it; numbers of sessions of keys tell it
+  std::size_t workers = 1;
 
   /// Sessions of keys that can be confirmed: twice those of the server, since a client that lost its keys begins
   /// another while the one before is still there.
@@ -79,7 +83,21 @@ class SecureLink final : public net::DatagramLink {
   struct Content {
     std::span<const std::byte> bytes;                 ///< valid until the next call
     const security::AllowedClient* client = nullptr;  ///< null: the server has no list
+    std::uint32_t keys = 0;                           ///< this end's number for the session of keys
   };
+
+  /// A session of keys on its way to the link of another worker.
+  class Moving;
+
+  /// Takes it out: from now on `moved_to` knows of its records. Not real time.
+  [[nodiscard]] std::optional<Moving> move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now);
+
+  /// Takes it in; what was sealed came from `from`. @return its client's entry here, as Content has it; nothing if this
+  /// link's list lacks the client. Not real time.
+  [[nodiscard]] std::optional<const security::AllowedClient*> move_in(Moving moving, const net::Address& from);
+
+  /// The worker to which the session of keys of this record has moved.
+  [[nodiscard]] std::optional<std::size_t> moved_to(std::span<const std::byte> record, Nanoseconds now) noexcept;
 
   /// A datagram that arrived at `now`. Nothing if it has no content for the server.
   std::optional<Content> take_in(std::span<const std::byte> datagram, const net::Address& from,
@@ -133,6 +151,10 @@ class SecureLink final : public net::DatagramLink {
     bool confirmed = false;
   };
   using Peers = std::unordered_map<std::uint32_t, Peer>;
+  struct Moved {
+    std::size_t worker = 0;
+    Nanoseconds heard{0};
+  };
 
   /// What was decided about who asked.
   struct Decision {
@@ -194,6 +216,7 @@ class SecureLink final : public net::DatagramLink {
   ServerObserver nobody_;
   ServerObserver& observer_;
   Peers peers_;  ///< by this end's number for the session of keys
+  std::unordered_map<std::uint32_t, Moved> moved_;  ///< that are other workers' now
   std::size_t confirmed_ = 0;
   AddressOwners owners_;
   security::Cookies cookies_;
@@ -204,6 +227,17 @@ class SecureLink final : public net::DatagramLink {
   std::array<std::byte, net::kDatagramBytesMax> plain_{};
   std::array<std::byte, net::kDatagramBytesMax> sealed_{};
   SecureCounters counters_;
+};
+
+class SecureLink::Moving {
+ public:
+  Moving(Moving&&) noexcept = default;
+  Moving& operator=(Moving&&) noexcept = default;
+
+ private:
+  friend class SecureLink;
+  explicit Moving(Peers::node_type node) noexcept : node_(std::move(node)) {}
+  Peers::node_type node_;
 };
 
 }  // namespace forcebound::server

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "forcebound/server/security/secure_link.hpp"
+#include "forcebound/server/session/shared_limits.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -168,7 +169,11 @@ void SecureLink::make_room() noexcept {
 
 std::uint32_t SecureLink::new_number() {
   auto number = random<std::uint32_t>();
-  while (number == 0 || peers_.contains(number)) number = random<std::uint32_t>();
+  const auto is_free = [&] {
+    return number != 0 && WorkerPlace::owner_of(number, limits_.workers) == limits_.worker &&
+           !peers_.contains(number) && !moved_.contains(number);
+  };
+  while (!is_free()) number = random<std::uint32_t>();
   return number;
 }
 

@@ -14,6 +14,19 @@ struct ServerKeys {
   std::optional<security::AllowedClients> clients{};  ///< of IKpsk2; nothing: whoever has the shared key
   std::optional<security::SecretKey> shared{};
 
+  /// For another worker.
+  [[nodiscard]] ServerKeys copy() const {
+    ServerKeys copied;
+    if (own) {
+      copied.own.emplace();
+      *copied.own->secret = *own->secret;
+      copied.own->public_key = own->public_key;
+    }
+    copied.clients = clients;
+    if (shared) **(copied.shared = security::SecretKey()) = **shared;
+    return copied;
+  }
+
   [[nodiscard]] security::Pattern pattern() const noexcept {
     return own ? security::Pattern::ik_psk2 : security::Pattern::nn_psk0;
   }

@@ -4,6 +4,52 @@
 
 namespace forcebound::server {
 
+void ServerCounters::add(const ServerCounters& other) noexcept {
+  datagrams += other.datagrams;
+  unexpected += other.unexpected;
+  sessions_opened += other.sessions_opened;
+  sessions_ended += other.sessions_ended;
+  sessions_idle += other.sessions_idle;
+  sessions_still += other.sessions_still;
+  sessions_removed += other.sessions_removed;
+  hellos_repeated += other.hellos_repeated;
+  hellos_after_bye += other.hellos_after_bye;
+  hellos_too_early += other.hellos_too_early;
+  hellos_to_measure += other.hellos_to_measure;
+  hellos_refused += other.hellos_refused;
+  hellos_of_other_versions += other.hellos_of_other_versions;
+  hellos_over_rate += other.hellos_over_rate;
+  hellos_out_of_memory += other.hellos_out_of_memory;
+  byes_repeated += other.byes_repeated;
+  byes_unknown += other.byes_unknown;
+  addresses_changed += other.addresses_changed;
+  motions_received += other.motions_received;
+  motions_duplicated += other.motions_duplicated;
+  motions_reordered += other.motions_reordered;
+  motions_superseded += other.motions_superseded;
+  motions_over_rate += other.motions_over_rate;
+  motions_over_budget += other.motions_over_budget;
+  motions_unproven += other.motions_unproven;
+  motions_after_end += other.motions_after_end;
+  motions_far_ahead += other.motions_far_ahead;
+  motions_of_wrong_size += other.motions_of_wrong_size;
+  motions_without_session += other.motions_without_session;
+  datagrams_of_others += other.datagrams_of_others;
+  forces_sent += other.forces_sent;
+  sends_failed += other.sends_failed;
+  pieces_sent += other.pieces_sent;
+  pieces_sent_again += other.pieces_sent_again;
+  view_pieces_sent += other.view_pieces_sent;
+  responses_unsound += other.responses_unsound;
+  models_unsound += other.models_unsound;
+  old_normals += other.old_normals;
+  objects_quarantined += other.objects_quarantined;
+  contacts_left_out += other.contacts_left_out;
+  not_converged += other.not_converged;
+  for (std::size_t i = 0; i < malformed.size(); ++i) malformed[i] += other.malformed[i];
+  slipped_s += other.slipped_s;
+}
+
 void ServerCounters::add(const EnvironmentFaults& faults) noexcept {
   old_normals += faults.old_normals;
   objects_quarantined += faults.quarantined;

@@ -66,6 +66,9 @@ struct ServerCounters {
            motions_over_budget;
   }
 
+  /// Adds those of another server.
+  void add(const ServerCounters& other) noexcept;
+
   /// Adds the faults of one session.
   void add(const EnvironmentFaults& faults) noexcept;
 

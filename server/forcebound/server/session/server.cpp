@@ -98,7 +98,7 @@ bool Server::answer_next() noexcept {
 
 void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
                      const ClientRights& rights) {
-  ++counters_.datagrams;
+  counters_.datagrams += handed_ ? 0 : 1;
   const auto heading = wire::heading_of(datagram);
   if (const auto* malformed = std::get_if<wire::Malformed>(&heading)) {
     ++counters_.malformed[static_cast<std::size_t>(*malformed)];
@@ -126,6 +126,14 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     on_bye(*bye, datagram.size(), from);
   }
+}
+
+void Server::take_in_handed(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+                            const ClientRights& rights) {
+  handed_ = true;
+  take_in(datagram, from, now, rights);
+  handed_ = false;
+  elsewhere_.reset();
 }
 
 bool Server::is_of_another(const wire::Message& message, const ClientRights& rights) const noexcept {

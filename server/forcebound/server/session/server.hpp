@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
@@ -21,6 +22,7 @@
 #include "forcebound/server/session/memory_budget.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
+#include "forcebound/server/session/shared_limits.hpp"
 #include "forcebound/server/session/source_buckets.hpp"
 #include "forcebound/server/session/view_sender.hpp"
 #include "forcebound/time/clock.hpp"
@@ -53,6 +55,7 @@ struct ServerOptions {
   MemoryLimits memory{};
   HandoverRate handover{};                                ///< of scenes, to each client that renders locally
   ViewRate view{};                                        ///< of pictures, to clients that ask
+  WorkerPlace worker{};                                   ///< among the servers of this process
   control::LawRegistry laws = baselines::shipped_laws();  ///< the laws whose server-side law clients can request
 };
 
@@ -98,6 +101,13 @@ class Server {
   /// that opened it
   void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
                const ClientRights& rights = {});
+
+  /// `take_in` of what another worker was sent and handed over, which has counted it.
+  void take_in_handed(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+                      const ClientRights& rights = {});
+
+  /// The worker to which the datagram taken in last is to be handed over: it asks for a shared scene that is there.
+  [[nodiscard]] std::optional<std::size_t> take_elsewhere() noexcept { return std::exchange(elsewhere_, std::nullopt); }
 
   /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
   /// than a tick is answered less often, but its delay does not grow. Real time: no allocation, O(objects of the
@@ -168,6 +178,7 @@ class Server {
     std::uint64_t nonce;
     std::shared_ptr<const EnvironmentKind> kind;
     MadeEnvironment made;
+    SharedLimits::Place place;  ///< none, where there are no other workers
     ServerSide server_side;
     time::TokenBucket rate;
     time::TokenBucket hellos;  ///< repeated ones
@@ -250,7 +261,13 @@ class Server {
   [[nodiscard]] bool is_allowed(std::string_view scene) const;
   [[nodiscard]] std::string refusal_of_scene(std::string_view scene) const;
   [[nodiscard]] std::size_t sessions_of(const net::Address& address) const noexcept;
+  [[nodiscard]] std::size_t sessions_of(std::string_view client) const noexcept;
+  [[nodiscard]] std::size_t sessions_of_all() const noexcept;
   [[nodiscard]] std::size_t sessions_among(const Among& among) const;
+  [[nodiscard]] std::uint64_t new_session_number();
+  /// Among those of all workers. @throws std::runtime_error if others have taken the last one meanwhile
+  [[nodiscard]] SharedLimits::Place place_for(std::uint64_t session, const Guest& guest);
+  [[nodiscard]] bool hello_is_over_rate(const net::Address& from, Nanoseconds now) noexcept;
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
   void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
@@ -283,6 +300,8 @@ class Server {
   std::size_t ended_next_ = 0;
   MemoryBudget memory_;
   std::string admits_none_;  ///< why; empty: it does
+  std::optional<std::size_t> elsewhere_{};
+  bool handed_ = false;  ///< what is taken in now
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
   time::TokenBucket views_;               ///< pieces of pictures

@@ -112,7 +112,7 @@ void Server::on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds 
     welcome(*session);
     return;
   }
-  if (!hellos_.take(from, now)) {
+  if (hello_is_over_rate(from, now)) {
     ++counters_.hellos_over_rate;
     return;
   }
@@ -157,6 +157,11 @@ void Server::on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds 
     refuse(hello, from, {RefusalReason::unknown_scene, environments_.unknown_text(printable(hello.scene))});
     return;
   }
+  if (const std::size_t home = options_.worker.home_of(wanted.kind->name);
+      wanted.kind->sessions_max > 0 && home != options_.worker.number && !handed_) {
+    elsewhere_ = home;
+    return;
+  }
   if (const auto refusal = refusal_of(hello, *wanted.kind, guest, now)) {
     refuse(hello, from, *refusal);
     return;
@@ -182,6 +187,8 @@ void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentK
     refuse(hello, from, {too_much.for_now ? RefusalReason::server_full : RefusalReason::unknown_scene, too_much.text});
   };
   try {
+    const auto making =
+        options_.worker.limits != nullptr ? options_.worker.limits->making() : std::unique_lock<std::mutex>();
     if (const auto too_much = memory_.refusal_of(name); !too_much.text.empty()) return refuse_for_memory(too_much);
     const std::size_t before = memory_.in_use();
     MadeEnvironment made = make_for(hello, *kind);
@@ -234,7 +241,7 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
   }
   const auto of_client = [&](const Session& session) { return session.client == guest.rights.name; };
   if (const auto most = guest.rights.sessions_max;
-      most && sessions_among(of_client) >= *most && !evict_one(now, of_client)) {
+      most && sessions_of(guest.rights.name) >= *most && !evict_one(now, of_client)) {
     return Refused{RefusalReason::server_full, "client '" + printable(guest.rights.name) +
                                                    "' has as many sessions as it may, " + std::to_string(*most) +
                                                    ": end one or try again later"};
@@ -248,7 +255,7 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
                                                    " places in the shared scene '" + kind.name +
                                                    "' are taken, try again later"};
   }
-  if (sessions_.size() >= options_.sessions_max && !evict_one(now, {})) {
+  if (sessions_of_all() >= options_.sessions_max && !evict_one(now, {})) {
     return Refused{RefusalReason::server_full,
                    "all " + std::to_string(options_.sessions_max) + " sessions are taken, try again later"};
   }
@@ -268,7 +275,42 @@ std::string Server::refusal_of_scene(std::string_view scene) const {
   return "this server does not offer scene '" + printable(scene) + "' (offered: " + known + ")";
 }
 
+bool Server::hello_is_over_rate(const net::Address& from, Nanoseconds now) noexcept {
+  if (handed_) return false;
+  SharedLimits* const limits = options_.worker.limits;
+  return limits != nullptr ? !limits->take_hello(from, now) : !hellos_.take(from, now);
+}
+
+std::uint64_t Server::new_session_number() {
+  std::uint64_t number = session_ids_();
+  // Zero means "no session" on the wire.
+  while (number == 0 || !options_.worker.owns(number) || sessions_.contains(number)) number = session_ids_();
+  return number;
+}
+
+SharedLimits::Place Server::place_for(std::uint64_t session, const Guest& guest) {
+  if (options_.worker.limits == nullptr) return {};
+  auto place = options_.worker.limits->take(
+      {.session = session, .address = guest.address, .client = std::string(guest.rights.name)},
+      {.all = options_.sessions_max,
+       .of_address = options_.sessions_per_address,
+       .of_client = guest.rights.sessions_max ? std::optional<std::size_t>(*guest.rights.sessions_max) : std::nullopt});
+  if (!place) throw std::runtime_error("others have just taken the last session, try again later");
+  return std::move(*place);
+}
+
+std::size_t Server::sessions_of_all() const noexcept {
+  return options_.worker.limits != nullptr ? options_.worker.limits->sessions() : sessions_.size();
+}
+
+std::size_t Server::sessions_of(std::string_view client) const noexcept {
+  if (options_.worker.limits != nullptr) return options_.worker.limits->sessions_of(client);
+  return static_cast<std::size_t>(
+      std::ranges::count_if(sessions_, [&](const auto& entry) { return entry.second.client == client; }));
+}
+
 std::size_t Server::sessions_of(const net::Address& address) const noexcept {
+  if (options_.worker.limits != nullptr) return options_.worker.limits->sessions_of(address);
   return static_cast<std::size_t>(std::count_if(
       sessions_.begin(), sessions_.end(), [&](const auto& entry) { return entry.second.proven_at.ip == address.ip; }));
 }
@@ -343,10 +385,8 @@ Server::Session* Server::find(const net::Address& address, std::uint64_t nonce) 
 
 Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind,
                               MadeEnvironment made, const Guest& guest, Nanoseconds now) {
-  std::uint64_t id = session_ids_();
-  // Zero means "no session" on the wire.
-  while (id == 0 || sessions_.contains(id)) id = session_ids_();
-
+  const std::uint64_t id = new_session_number();
+  SharedLimits::Place place = place_for(id, guest);
   const double period_s = believed_period_s(hello);
   const double interval_s = answered_every_s(period_s, options_.motions_per_promised, guest.rights);
   SessionInfo info{.session = id,
@@ -360,6 +400,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
                   .nonce = hello.client_nonce,
                   .kind = std::move(kind),
                   .made = std::move(made),
+                  .place = std::move(place),
                   .server_side = {.law = options_.laws.make_server_side(hello.server_law,
                                                                         static_cast<int>(hello.degrees_of_freedom))},
                   .rate = time::TokenBucket(time::from_seconds(interval_s), burst(std::max(period_s, interval_s)), now),

@@ -9,7 +9,7 @@
 #include "forcebound/server/runtime/udp_server.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/support/vector_of.hpp"
-#include "tests/unit/server/security/client_end.hpp"
+#include "tests/unit/server/runtime/askers.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -45,47 +45,6 @@ ServerKeys keys_with_anna_in_pull() {
       "clients.toml");
   return keys;
 }
-
-/// The other end, a plain client that encrypts.
-class SecureAsker {
- public:
-  explicit SecureAsker(const net::Address& server) : link_(net::UdpLink::towards(server)), server_(server) {
-    link_.send(end_.request(), server_);
-    EXPECT_TRUE(end_.take_offer(hear_datagram()).has_value());
-    link_.send(end_.request(), server_);
-    EXPECT_TRUE(end_.take_answer(hear_datagram(), clock_.now()).has_value());
-  }
-
-  template <class Answer>
-  Answer ask(const wire::Message& question) {
-    link_.send(end_.seal(codec_.encode(question), clock_.now()), server_);
-    return hear<Answer>();
-  }
-
-  template <class Answer>
-  Answer hear() {
-    content_ = end_.open(hear_datagram(), clock_.now()).value();
-    return std::get<Answer>(std::get<wire::Message>(codec_.decode(content_)));
-  }
-
- private:
-  std::span<const std::byte> hear_datagram() {
-    net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds{10});
-    const auto received = link_.receive(buffer_);
-    if (!received) throw std::runtime_error("nothing came in 10 s");
-    return std::span(buffer_).first(received->bytes);
-  }
-
-  time::SteadyClock clock_;
-  net::UdpLink link_;
-  net::Address server_;
-  security::KeyPair own_ = security::key_pair_from(security::key_bytes(1));
-  security::PublicKey server_key_ = security::public_key(2);
-  ClientEnd end_{{.own = &own_, .server = &server_key_}, 7};
-  wire::Codec codec_;
-  Bytes content_;
-  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
-};
 
 //   asker ==( sealed datagrams by UDP of this machine )== UdpServer, on a thread of its own
 TEST(EncryptedUdpServer, AnswersSealedDatagramsAndKnowsWhoseTheyAre) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/support/vector_of.hpp"
+#include "tests/unit/server/runtime/askers.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -25,32 +26,6 @@ EnvironmentLibrary pushing() {
                     }});
   return environments;
 }
-
-/// The other end, a plain client.
-class Asker {
- public:
-  explicit Asker(const net::Address& server) : link_(net::UdpLink::towards(server)), server_(server) {}
-
-  template <class Answer>
-  Answer ask(const wire::Message& question) {
-    link_.send(codec_.encode(question), server_);
-    return hear<Answer>();
-  }
-
-  template <class Answer>
-  Answer hear() {
-    net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds{10});
-    const auto received = link_.receive(buffer_);
-    if (!received) throw std::runtime_error("nothing came in 10 s");
-    return std::get<Answer>(std::get<wire::Message>(codec_.decode(std::span(buffer_).first(received->bytes))));
-  }
-
- private:
-  net::UdpLink link_;
-  net::Address server_;
-  wire::Codec codec_;
-  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
-};
 
 //   asker ==( UDP of this machine )== UdpServer, on a thread of its own -- an environment of one's own
 TEST(UdpServer, AnswersByUdpUntilStoppedAndThenEndsItsSessions) {

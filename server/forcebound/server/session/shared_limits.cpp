@@ -1,0 +1,69 @@
+#include "forcebound/server/session/shared_limits.hpp"
+
+#include <algorithm>
+
+namespace forcebound::server {
+
+SharedLimits::SharedLimits(int hellos_per_s_max, time::Nanoseconds now, std::uint64_t key)
+    : hellos_(time::Nanoseconds{std::chrono::seconds{1}} / std::max(1, hellos_per_s_max), std::max(1, hellos_per_s_max),
+              now, key) {}
+
+bool SharedLimits::take_hello(const net::Address& from, time::Nanoseconds now) noexcept {
+  const std::lock_guard lock(guard_);
+  return hellos_.take(from, now);
+}
+
+std::optional<SharedLimits::Place> SharedLimits::take(Asking asking, const Most& most) {
+  const std::lock_guard lock(guard_);
+  if (places_.size() >= most.all || places_.contains(asking.session)) return std::nullopt;
+  if (most.of_address > 0 && count_of(asking.address) >= most.of_address) return std::nullopt;
+  if (most.of_client && count_of(std::string_view(asking.client)) >= *most.of_client) return std::nullopt;
+  places_.emplace(asking.session, Entry{asking.address, std::move(asking.client)});
+  return Place(*this, asking.session);
+}
+
+std::size_t SharedLimits::sessions() const noexcept {
+  const std::lock_guard lock(guard_);
+  return places_.size();
+}
+
+bool SharedLimits::has(std::uint64_t session) const noexcept {
+  const std::lock_guard lock(guard_);
+  return places_.contains(session);
+}
+
+std::size_t SharedLimits::sessions_of(const net::Address& address) const noexcept {
+  const std::lock_guard lock(guard_);
+  return count_of(address);
+}
+
+std::size_t SharedLimits::sessions_of(std::string_view client) const noexcept {
+  const std::lock_guard lock(guard_);
+  return count_of(client);
+}
+
+void SharedLimits::give_back(std::uint64_t session) noexcept {
+  const std::lock_guard lock(guard_);
+  places_.erase(session);
+}
+
+std::size_t SharedLimits::count_of(const net::Address& address) const noexcept {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(places_, [&](const auto& entry) { return entry.second.address.ip == address.ip; }));
+}
+
+std::size_t SharedLimits::count_of(std::string_view client) const noexcept {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(places_, [&](const auto& entry) { return entry.second.client == client; }));
+}
+
+// FNV-1a [Fowler, Noll and Vo]: by the name alone, so that no worker has to ask another.
+std::size_t WorkerPlace::home_of(std::string_view scene) const noexcept {
+  constexpr std::uint64_t kBasis = 0xcbf29ce484222325;
+  constexpr std::uint64_t kPrime = 0x100000001b3;
+  std::uint64_t hash = kBasis;
+  for (const char letter : scene) hash = (hash ^ static_cast<unsigned char>(letter)) * kPrime;
+  return static_cast<std::size_t>(hash % of);
+}
+
+}  // namespace forcebound::server

@@ -1,0 +1,302 @@
+#include "forcebound/server/runtime/server_workers.hpp"
+
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "forcebound/server/runtime/steering.hpp"
+#include "tests/unit/server/runtime/askers.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using test::vector_of;
+using testing::HasSubstr;
+
+class WorkersPush final : public Environment {
+ public:
+  Response respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
+};
+
+/// "push" is each client's own, the others have two places together.
+EnvironmentLibrary pushes() {
+  EnvironmentLibrary environments;
+  for (const std::string name : {"push", "shared a", "shared b", "shared c", "shared d"}) {
+    environments.add({.name = name,
+                      .sessions_max = name == "push" ? std::size_t{0} : std::size_t{2},
+                      .make = [](const ClientFacts&) {
+                        return MadeEnvironment{.environment = std::make_unique<WorkersPush>(), .simulated = "a push"};
+                      }});
+  }
+  return environments;
+}
+
+/// Moves to another address, and whether the session answers there: once it has been sent more than that answer.
+template <class Any>
+bool is_answered_elsewhere(Any& asker, std::uint64_t session) {
+  asker.move();
+  constexpr std::uint64_t kFirst = 2;
+  constexpr std::uint64_t kLast = 5;
+  for (std::uint64_t n = kFirst; n <= kLast; ++n) asker.send(motion_of(session, n));
+  return asker.template await<wire::EnvironmentForce>().session == session;
+}
+
+//   askers ==( UDP of this machine )== two or more sockets at one address, each with a worker; the first worker's turns
+//                                      are a thread of the fixture's
+class ServerWorkersTest : public testing::Test {
+ protected:
+  void serve(std::size_t workers, ServerOptions options = {}, std::optional<ServerKeys> keys = std::nullopt,
+             ServerObserver* observer = nullptr) {
+    options.scene = "push";
+    server_.emplace(listen({"127.0.0.1", 0}), ServerWorkers::Settings{.workers = workers}, options, pushes(), observer,
+                    std::move(keys));
+    server_->start();
+    turning_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) server_->turn();
+      server_->stop();
+    });
+  }
+
+  void stop() {
+    turning_.request_stop();
+    turning_.join();
+  }
+
+  static ServerKeys keys() {
+    ServerKeys keys{.own = security::key_pair_from(security::key_bytes(2))};
+    keys.clients = security::AllowedClients::parse(
+        "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(1) + "\"\n", "clients.toml");
+    return keys;
+  }
+
+  std::optional<ServerWorkers> server_;
+  std::jthread turning_;
+};
+
+TEST_F(ServerWorkersTest, SendEachSessionsMotionsToTheWorkerThatHasIt) {
+  constexpr std::size_t kWorkers = 3;
+  serve(kWorkers);
+  std::set<std::size_t> owners;
+  std::vector<std::unique_ptr<Asker>> askers;
+  for (std::uint64_t i = 1; i <= 24; ++i) {
+    askers.push_back(std::make_unique<Asker>(server_->address()));
+    const auto session = askers.back()->ask<wire::Welcome>(hello_of(i)).session;
+    owners.insert(WorkerPlace::owner_of(session, kWorkers));
+    for (std::uint64_t n = 1; n <= 5; ++n) {
+      EXPECT_EQ(askers.back()->ask<wire::EnvironmentForce>(motion_of(session, n)).force, vector_of({-2}));
+    }
+  }
+  EXPECT_EQ(owners.size(), kWorkers) << "of 24 clients each worker has some";
+  EXPECT_EQ(server_->sessions(), 24U);
+  stop();
+  EXPECT_EQ(server_->counters().forces_sent, 24U * 5U);
+  EXPECT_EQ(server_->handed_over(), 0U) << "the system steers";
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerWorkersTest, KeepASessionWhoseAddressChanges) {
+  serve(2);
+  for (std::uint64_t i = 1; i <= 8; ++i) {
+    Asker asker(server_->address());
+    const auto session = asker.ask<wire::Welcome>(hello_of(i)).session;
+    ASSERT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
+    EXPECT_TRUE(is_answered_elsewhere(asker, session));
+    asker.send(wire::Bye{.session = session});
+    EXPECT_EQ(asker.await<wire::Bye>().motions_received, 5U);
+  }
+  stop();
+  EXPECT_EQ(server_->counters().addresses_changed, 8U);
+  EXPECT_EQ(server_->handed_over(), 0U);
+}
+
+TEST_F(ServerWorkersTest, KeepAnEncryptedSessionWhoseAddressChanges) {
+  serve(2, {}, keys());
+  for (std::uint32_t i = 1; i <= 8; ++i) {
+    SecureAsker asker(server_->address(), i);
+    const auto session = asker.ask<wire::Welcome>(hello_of(i)).session;
+    ASSERT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
+    EXPECT_TRUE(is_answered_elsewhere(asker, session));
+  }
+  stop();
+  EXPECT_EQ(server_->counters().addresses_changed, 8U);
+  EXPECT_EQ(server_->handed_over(), 0U);
+}
+
+TEST_F(ServerWorkersTest, BringTheClientsOfASharedSceneTogetherWhateverTheirAddresses) {
+  serve(2);
+  for (const std::string scene : {"shared a", "shared b", "shared c", "shared d"}) {
+    // Of eight clients some come to either worker.
+    std::vector<std::unique_ptr<Asker>> askers;
+    std::size_t let_in = 0;
+    for (std::uint64_t i = 1; i <= 8; ++i) {
+      askers.push_back(std::make_unique<Asker>(server_->address()));
+      askers.back()->send(hello_of(i, scene));
+      const wire::Message answer = askers.back()->hear_any();
+      const auto* const welcome = std::get_if<wire::Welcome>(&answer);
+      if (welcome == nullptr) {
+        EXPECT_THAT(std::string(std::get<wire::Refusal>(answer).text), HasSubstr("all 2 places"));
+        continue;
+      }
+      ++let_in;
+      const auto session = welcome->session;
+      EXPECT_EQ(WorkerPlace::owner_of(session, 2), (WorkerPlace{.number = 0, .of = 2}.home_of(scene)));
+      EXPECT_EQ(askers.back()->ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
+    }
+    EXPECT_EQ(let_in, 2U) << scene;
+  }
+  stop();
+  EXPECT_GT(server_->handed_over(), 0U);
+  EXPECT_EQ(server_->not_handed_over(), 0U);
+}
+
+TEST_F(ServerWorkersTest, HandTheKeysOverWithAHelloForASharedScene) {
+  serve(2, {}, keys());
+  for (const std::string scene : {"shared a", "shared b", "shared c", "shared d"}) {
+    for (std::uint32_t i = 1; i <= 2; ++i) {
+      SecureAsker asker(server_->address(), i);
+      const auto session = asker.ask<wire::Welcome>(hello_of(i, scene)).session;
+      EXPECT_EQ(WorkerPlace::owner_of(session, 2), (WorkerPlace{.number = 0, .of = 2}.home_of(scene)));
+      EXPECT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
+      EXPECT_TRUE(is_answered_elsewhere(asker, session));
+      asker.send(wire::Bye{.session = session});
+      EXPECT_EQ(asker.await<wire::Bye>().motions_received, 5U);
+    }
+  }
+  stop();
+  EXPECT_EQ(server_->not_handed_over(), 0U);
+  EXPECT_EQ(server_->counters().sends_failed, 0U);
+}
+
+TEST_F(ServerWorkersTest, HaveNoMoreSessionsThanOneServerWouldHowManyEverAskAtOnce) {
+  constexpr std::size_t kMost = 6;
+  serve(2, {.sessions_max = kMost, .hellos_per_s_max = 1000});
+  std::vector<std::unique_ptr<Asker>> askers;
+  for (std::uint64_t i = 1; i <= 40; ++i) {
+    askers.push_back(std::make_unique<Asker>(server_->address()));
+    askers.back()->send(hello_of(i));
+  }
+  std::size_t let_in = 0;
+  std::size_t refused = 0;
+  for (const auto& asker : askers) {
+    const wire::Message answer = asker->hear_any();
+    if (const auto* const welcome = std::get_if<wire::Welcome>(&answer)) {
+      asker->send(motion_of(welcome->session, 1));
+      ++let_in;
+    } else {
+      refused += std::holds_alternative<wire::Refusal>(answer) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(let_in, kMost);
+  EXPECT_EQ(refused, 40U - kMost);
+  EXPECT_EQ(server_->sessions(), kMost);
+}
+
+TEST_F(ServerWorkersTest, CountAnAddressesSessionsTogether) {
+  serve(2, {.sessions_per_address = 3});
+  std::vector<std::unique_ptr<Asker>> askers;
+  std::size_t let_in = 0;
+  for (std::uint64_t i = 1; i <= 12; ++i) {
+    askers.push_back(std::make_unique<Asker>(server_->address()));
+    askers.back()->send(hello_of(i));
+    let_in += std::holds_alternative<wire::Welcome>(askers.back()->hear_any()) ? 1 : 0;
+  }
+  EXPECT_EQ(let_in, 3U);
+}
+
+TEST_F(ServerWorkersTest, AllAdmitNoneAndAllEndTheirSessions) {
+  serve(2);
+  std::vector<std::unique_ptr<Asker>> askers;
+  std::vector<std::uint64_t> sessions;
+  for (std::uint64_t i = 1; i <= 12; ++i) {
+    askers.push_back(std::make_unique<Asker>(server_->address()));
+    sessions.push_back(askers.back()->ask<wire::Welcome>(hello_of(i)).session);
+  }
+  stop();
+  for (std::size_t i = 0; i < askers.size(); ++i) EXPECT_EQ(askers[i]->hear<wire::Bye>().session, sessions[i]);
+}
+
+/// Turned by the test itself.
+TEST(ServerWorkers, EndAnyWorkersSessionAndAdmitNoneAsAsked) {
+  ServerOptions options{.scene = "push"};
+  ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 2}, options, pushes());
+  server.start();
+  std::vector<std::unique_ptr<Asker>> askers;
+  for (std::uint64_t i = 1; i <= 8; ++i) {
+    askers.push_back(std::make_unique<Asker>(server.address()));
+    askers.back()->send(hello_of(i));
+  }
+  while (server.sessions() < 8) server.turn();
+  for (const auto& asker : askers) {
+    const auto session = asker->hear<wire::Welcome>().session;
+    EXPECT_TRUE(server.end_session(session));
+    EXPECT_EQ(asker->hear<wire::Bye>().session, session);
+  }
+  while (server.sessions() > 0) server.turn();
+  EXPECT_FALSE(server.end_session(2));
+  EXPECT_FALSE(server.end_session(3));
+  server.admit_none("the end is near");
+  for (std::uint64_t i = 1; i <= 8; ++i) {
+    Asker asker(server.address());
+    // A worker may not have been told yet.
+    wire::Message answer;
+    for (std::uint64_t again = 0; !std::holds_alternative<wire::Refusal>(answer); ++again) {
+      asker.send(hello_of(100 * i + again));
+      const std::uint64_t before = server.counters().datagrams;
+      server.turn();
+      if (before == server.counters().datagrams) server.turn();
+      answer = asker.hear_any();
+    }
+    EXPECT_EQ(std::get<wire::Refusal>(answer).text, "the end is near");
+  }
+  server.stop();
+}
+
+class Throws final : public ServerObserver {
+ public:
+  void on_refused(const net::Address&, std::string_view) override { throw std::logic_error("the observer is broken"); }
+};
+
+TEST(ServerWorkers, FailTogetherWithTheOneThatFails) {
+  Throws observer;
+  ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 4}, {.scene = "push"}, pushes(), &observer);
+  server.start();
+  std::vector<std::unique_ptr<Asker>> askers;
+  EXPECT_THROW(
+      {
+        // Refused, as there is no such scene; after a few, one of them by another worker than the first.
+        for (std::uint64_t i = 1; i < 1000; ++i) {
+          askers.push_back(std::make_unique<Asker>(server.address()));
+          askers.back()->send(hello_of(i, "none"));
+          server.turn();
+        }
+      },
+      std::logic_error);
+}
+
+TEST(ServerWorkers, AreAliveWhileAllTurn) {
+  ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 2}, {.scene = "push"}, pushes());
+  const time::SteadyClock clock;
+  EXPECT_TRUE(server.alive(clock.now()));
+  EXPECT_FALSE(server.alive(clock.now() + std::chrono::seconds{10})) << "none has turned since";
+  server.turn();
+  EXPECT_FALSE(server.alive(clock.now() + std::chrono::seconds{10}));
+}
+
+TEST(ServerWorkers, RefuseToBeNone) {
+  EXPECT_THROW(ServerWorkers(listen({"127.0.0.1", 0}), {.workers = 0}, {.scene = "push"}, pushes()),
+               std::invalid_argument);
+  EXPECT_THROW(ServerWorkers(listen({"127.0.0.1", 0}), {.workers = 257}, {.scene = "push"}, pushes()),
+               std::invalid_argument);
+}
+
+TEST(ServerWorkers, LeaveTheirAddressToNoOtherServer) {
+  const ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 2}, {.scene = "push"}, pushes());
+  EXPECT_THROW((void)listen({"127.0.0.1", server.address().port}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace forcebound::server
