@@ -107,6 +107,10 @@ std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving,
   Peer& peer = moving.node_.mapped();
   peer.client = keys_.own && keys_.clients ? keys_.clients->find(peer.key) : nullptr;
   if (keys_.own && keys_.clients && peer.client == nullptr) return std::nullopt;
+  if (confirmed_ >= limits_.confirmed_most()) {
+    ++counters_.handshakes_full;
+    return std::nullopt;
+  }
   const auto inserted = peers_.insert(std::move(moving.node_));
   if (!inserted.inserted) return std::nullopt;
   owners_.note(inserted.position->first, inserted.position->second.places, from);

@@ -93,7 +93,7 @@ class SecureLink final : public net::DatagramLink {
   [[nodiscard]] std::optional<Moving> move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now);
 
   /// Takes it in; what was sealed came from `from`. @return its client's entry here, as Content has it; nothing if this
-  /// link's list lacks the client. Not real time.
+  /// link's list lacks the client, or there are as many keys as there may be. Not real time.
   [[nodiscard]] std::optional<const security::AllowedClient*> move_in(Moving moving, const net::Address& from);
 
   /// The worker to which the session of keys of this record has moved.
