@@ -42,7 +42,12 @@ bool is_answered_elsewhere(Any& asker, std::uint64_t session) {
   constexpr std::uint64_t kFirst = 2;
   constexpr std::uint64_t kLast = 5;
   for (std::uint64_t n = kFirst; n <= kLast; ++n) asker.send(motion_of(session, n));
-  return asker.template await<wire::EnvironmentForce>().session == session;
+  const auto force = asker.template await<wire::EnvironmentForce>();
+  // With the challenge sent back all is answered there, also a Bye.
+  wire::MotionSample proof = motion_of(session, kLast + 1);
+  proof.challenge = force.challenge;
+  asker.send(proof);
+  return force.session == session;
 }
 
 //   askers ==( UDP of this machine )== two or more sockets at one address, each with a worker; the first worker's turns
@@ -106,7 +111,7 @@ TEST_F(ServerWorkersTest, KeepASessionWhoseAddressChanges) {
     ASSERT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
     EXPECT_TRUE(is_answered_elsewhere(asker, session));
     asker.send(wire::Bye{.session = session});
-    EXPECT_EQ(asker.await<wire::Bye>().motions_received, 5U);
+    EXPECT_EQ(asker.await<wire::Bye>().motions_received, 6U);
   }
   stop();
   EXPECT_EQ(server_->counters().addresses_changed, 8U);
@@ -163,7 +168,7 @@ TEST_F(ServerWorkersTest, HandTheKeysOverWithAHelloForASharedScene) {
       EXPECT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
       EXPECT_TRUE(is_answered_elsewhere(asker, session));
       asker.send(wire::Bye{.session = session});
-      EXPECT_EQ(asker.await<wire::Bye>().motions_received, 5U);
+      EXPECT_EQ(asker.await<wire::Bye>().motions_received, 6U);
     }
   }
   stop();
