@@ -35,7 +35,8 @@ TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
 
 TEST(LabLoad, IsAnsweredByTwoWorkersAtOneAddress) {
   Server server({"--scene", "sphere", "--workers", "2"});
-  const Ran lab = run(kLab, {"load", "--server", server.address(), "--clients", "16", "--sockets", "16", "--seconds", "0.3"});
+  const Ran lab =
+      run(kLab, {"load", "--server", server.address(), "--clients", "16", "--sockets", "16", "--seconds", "0.3"});
   ASSERT_EQ(lab.exit_code, 0) << lab.err;
   EXPECT_THAT(lab.out, HasSubstr("16 clients: "));
   std::this_thread::sleep_for(200ms);

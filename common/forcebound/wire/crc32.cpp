@@ -76,8 +76,8 @@ FORCEBOUND_CARRY_LESS inline __m128i factors(std::uint64_t low, std::uint64_t hi
 FORCEBOUND_CARRY_LESS std::uint32_t reduced(__m128i block) noexcept {
   const __m128i low_words = _mm_set_epi32(0, -1, 0, -1);
   // 128 bits to 96, to 64, and Barrett's reduction to 32.
-  __m128i rest = _mm_xor_si128(_mm_srli_si128(block, 8),
-                               _mm_clmulepi64_si128(block, factors(factor(96), factor(64)), 0x00));
+  __m128i rest =
+      _mm_xor_si128(_mm_srli_si128(block, 8), _mm_clmulepi64_si128(block, factors(factor(96), factor(64)), 0x00));
   rest = _mm_xor_si128(_mm_srli_si128(rest, 4),
                        _mm_clmulepi64_si128(_mm_and_si128(rest, low_words), factors(factor(96), factor(64)), 0x10));
   const __m128i division = factors(std::uint64_t{kPolynomial} << 1U | 1U, quotient());
@@ -91,15 +91,14 @@ FORCEBOUND_CARRY_LESS std::uint32_t folded(std::uint32_t crc, std::span<const st
   // Zeros before it do not change a remainder: the first block has what is more than whole ones.
   const std::size_t first_bytes = (rest.size() - 1) % kBlockBytes + 1;
   const __m128i state = _mm_cvtsi32_si128(static_cast<int>(~crc));
-  __m128i sum =
-      _mm_shuffle_epi8(_mm_xor_si128(load(rest.data()), state), load(kShifts.data() + first_bytes));
+  __m128i sum = _mm_shuffle_epi8(_mm_xor_si128(load(rest.data()), state), load(kShifts.data() + first_bytes));
   __m128i beyond_first = _mm_shuffle_epi8(state, load(kShifts.data() + kBlockBytes + first_bytes));
   const __m128i by_block = factors(factor(kBlockBytes * 8 + 32), factor(kBlockBytes * 8 - 32));
   for (std::size_t at = first_bytes; at < rest.size(); at += kBlockBytes) {
     const __m128i next = _mm_xor_si128(load(rest.data() + at), beyond_first);
     beyond_first = _mm_setzero_si128();
-    sum = _mm_xor_si128(next, _mm_xor_si128(_mm_clmulepi64_si128(sum, by_block, 0x00),
-                                            _mm_clmulepi64_si128(sum, by_block, 0x11)));
+    sum = _mm_xor_si128(
+        next, _mm_xor_si128(_mm_clmulepi64_si128(sum, by_block, 0x00), _mm_clmulepi64_si128(sum, by_block, 0x11)));
   }
   return ~reduced(sum);
 }

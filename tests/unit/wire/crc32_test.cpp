@@ -20,7 +20,8 @@ std::vector<std::byte> random_bytes(std::size_t count) {
 }
 
 std::uint32_t crc_of_zlib(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
+  return static_cast<std::uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
 }
 
 TEST(Crc32, IsThatOfZlibForEveryLengthOfADatagramWhereverItBegins) {

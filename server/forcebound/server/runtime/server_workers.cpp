@@ -84,7 +84,8 @@ ServerWorkers::ServerWorkers(net::UdpLink link, const Settings& settings, Server
   for (std::size_t i = 0; i < settings.workers; ++i) mail_.push_back(std::make_unique<WorkerMail>());
   std::vector<net::UdpLink> links;
   links.push_back(std::move(link));
-  while (links.size() < settings.workers) links.push_back(net::UdpLink::beside(links.front(), net::UdpLink::Stamps::left_out));
+  while (links.size() < settings.workers)
+    links.push_back(net::UdpLink::beside(links.front(), net::UdpLink::Stamps::left_out));
   (void)steer(links.front(), settings.workers);  // else they hand over to each other
   for (std::size_t i = 0; i < settings.workers; ++i) {
     options.worker = {.number = i, .of = settings.workers, .limits = limits_.get()};
@@ -159,7 +160,8 @@ void ServerWorkers::stop() {
 }
 
 bool ServerWorkers::alive(Nanoseconds now) const noexcept {
-  return std::ranges::all_of(workers_, [&](const auto& worker) { return now - worker->server.turned() < kAliveWithin; });
+  return std::ranges::all_of(workers_,
+                             [&](const auto& worker) { return now - worker->server.turned() < kAliveWithin; });
 }
 
 std::size_t ServerWorkers::sessions() const noexcept {

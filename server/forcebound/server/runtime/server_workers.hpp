@@ -17,11 +17,14 @@ namespace forcebound::server {
 
 /// A server for each core at one address: workers, each a UdpServer with its own socket, sessions and thread.
 ///
-/// - **The system steers** a session's datagrams to its worker's socket (steering.hpp), whatever address they come from.
+/// - **The system steers** a session's datagrams to its worker's socket (steering.hpp), whatever address they come
+/// from.
 ///   What comes to another is handed over by a bounded queue.
-/// - **Limits** on sessions, of all, of an address and of a client, on memory and on Hellos hold for all workers together.
+/// - **Limits** on sessions, of all, of an address and of a client, on memory and on Hellos hold for all workers
+/// together.
 ///   A worker that has no place left ends none of another's sessions for one, though: who asks is refused.
-/// - **A shared scene** is in one worker, which its name decides; Hellos that ask for it are handed there, with the keys
+/// - **A shared scene** is in one worker, which its name decides; Hellos that ask for it are handed there, with the
+/// keys
 ///   of their session where there is encryption.
 /// - **The first worker** has the thread that calls `turn`; with one worker there is nothing but that.
 /// - **A worker that fails** fails all: `turn` throws what it threw.
@@ -73,7 +76,8 @@ class ServerWorkers {
   /// Nothing: sessions are not encrypted.
   [[nodiscard]] std::optional<SecureCounters> secure_counters() const;
   [[nodiscard]] std::uint64_t overflowed() const noexcept;
-  /// Datagrams that came to a worker that they were not for, and those that were lost as the other had no room for them.
+  /// Datagrams that came to a worker that they were not for, and those that were lost as the other had no room for
+  /// them.
   [[nodiscard]] std::uint64_t handed_over() const;
   [[nodiscard]] std::uint64_t not_handed_over() const;
 

@@ -158,7 +158,8 @@ void UdpServer::take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now)
     server_.take_in(opened->bytes, from, now, rights_of(opened->client));
     const auto worker = server_.take_elsewhere();
     if (!worker) return;
-    unless_out_of_memory([&] { hand_over(*worker, opened->bytes, from, secure_->move_out(opened->keys, *worker, now)); });
+    unless_out_of_memory(
+        [&] { hand_over(*worker, opened->bytes, from, secure_->move_out(opened->keys, *worker, now)); });
   }
 }
 

@@ -207,7 +207,8 @@ void SecureLink::replace_clients(security::AllowedClients clients) {
 
 void SecureLink::on_timer(Nanoseconds now) noexcept {
   // Where it went it is forgotten after as long.
-  std::erase_if(moved_, [&](const auto& moved) { return now - moved.second.heard > limits_.idle_timeout + kKeptAfterIdle; });
+  std::erase_if(moved_,
+                [&](const auto& moved) { return now - moved.second.heard > limits_.idle_timeout + kKeptAfterIdle; });
   for (auto next = peers_.begin(); next != peers_.end();) {
     const auto peer = next++;
     const bool confirmed = peer->second.confirmed;

@@ -29,7 +29,7 @@ struct SecureLimits {
   std::size_t sessions_max = 64;                        ///< of the server behind it
   Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< of its sessions
 
-  std::size_t worker = 0;   ///< of the server behind it; numbers of sessions of keys tell it
+  std::size_t worker = 0;  ///< of the server behind it; numbers of sessions of keys tell it
   std::size_t workers = 1;
 
   /// Sessions of keys that can be confirmed: twice those of the server, since a client that lost its keys begins
@@ -215,7 +215,7 @@ class SecureLink final : public net::DatagramLink {
   FillRandom fill_random_;
   ServerObserver nobody_;
   ServerObserver& observer_;
-  Peers peers_;  ///< by this end's number for the session of keys
+  Peers peers_;                                     ///< by this end's number for the session of keys
   std::unordered_map<std::uint32_t, Moved> moved_;  ///< that are other workers' now
   std::size_t confirmed_ = 0;
   AddressOwners owners_;

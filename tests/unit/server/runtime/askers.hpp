@@ -73,9 +73,7 @@ class SecureAsker {
     EXPECT_TRUE(end_.take_answer(hear_datagram(), clock_.now()).has_value());
   }
 
-  void send(const wire::Message& question) {
-    link_.send(end_.seal(codec_.encode(question), clock_.now()), server_);
-  }
+  void send(const wire::Message& question) { link_.send(end_.seal(codec_.encode(question), clock_.now()), server_); }
 
   template <class Answer>
   Answer ask(const wire::Message& question) {

@@ -50,7 +50,8 @@ TEST(SharedLimits, HoldForAnAddressWhateverThePortAndForAClient) {
   SharedLimits limits(50, 0s, 1);
   net::Address other_port = limited_address(1);
   other_port.port = 999;
-  const auto first = limits.take({.session = 1, .address = limited_address(1), .client = "ann"}, {.all = 9, .of_address = 1});
+  const auto first =
+      limits.take({.session = 1, .address = limited_address(1), .client = "ann"}, {.all = 9, .of_address = 1});
   ASSERT_TRUE(first);
   EXPECT_FALSE(limits.take({.session = 2, .address = other_port}, {.all = 9, .of_address = 1}));
   EXPECT_FALSE(limits.take({.session = 2, .address = limited_address(2), .client = "ann"}, {.all = 9, .of_client = 1}));
