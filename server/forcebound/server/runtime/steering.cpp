@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include "forcebound/server/session/shared_limits.hpp"
-#include "forcebound/wire/codec.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -24,11 +23,8 @@ constexpr std::size_t kNumberAt = 9;
 constexpr std::byte kNumberInField1{0x09};  // tag of a fixed64
 constexpr std::size_t kWakeUpWorkerAt = 2;
 
-/// As the header of a datagram in the clear has it.
-template <class Type>
-constexpr std::byte kKindOf{wire::index_in<Type>(static_cast<const wire::Message*>(nullptr)) + 1};
-constexpr std::byte kMotion = kKindOf<wire::MotionSample>;
-constexpr std::byte kBye = kKindOf<wire::Bye>;
+constexpr std::byte kMotion{4};
+constexpr std::byte kBye{6};
 
 /// No socket has it: the system falls back on the hash.
 constexpr std::uint32_t kByHash = 0xffffffff;
