@@ -48,7 +48,8 @@ TEST(LabLoad, IsAnsweredByTwoWorkersAtOneAddress) {
 }
 
 TEST(LabLoad, ServesARobotByOneWorkerAlone) {
-  const Ran server = run(kServer, {"--listen", "127.0.0.1:0", "--follower", "reach-7", "--workers", "2"});
+  const Ran server =
+      run(kServer, {"--listen", "127.0.0.1:0", "--follower", "reach-7", "--task", "stiff-wall", "--workers", "2"});
   EXPECT_NE(server.exit_code, 0);
   EXPECT_THAT(server.err, HasSubstr("--workers must be 1 with --follower: a robot has one leader, got 2"));
 }
