@@ -12,9 +12,6 @@
 namespace forcebound::driver {
 namespace {
 
-// `now` was read before the encoders were: by so much at most.
-constexpr Nanoseconds kAhead = std::chrono::milliseconds{1};
-
 forcebound_facts told_by(const forcebound_driver& driver, forcebound_device* device) {
   forcebound_facts told{};
   told.size = sizeof told;
@@ -57,72 +54,21 @@ device::Safety own_safety(const device::RealDevice& own, const forcebound_facts&
 
 }  // namespace
 
-DriverRequest DriverRequest::parse(std::string_view text) {
-  const std::size_t colon = text.find(':');
-  DriverRequest request{.name = std::string(text.substr(0, colon))};
-  std::string_view rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
-  while (!rest.empty()) {
-    const std::string_view item = rest.substr(0, rest.find(','));
-    rest.remove_prefix(std::min(rest.size(), item.size() + 1));
-    const std::size_t equals = item.find('=');
-    const auto refuse = [&](const std::string& why) {
-      throw std::invalid_argument("device '" + text::printable(request.name) + "': " + why);
-    };
-    if (equals == std::string_view::npos || equals == 0) {
-      refuse("expected KEY=VALUE, got '" + text::printable(item) + "'");
-    }
-    std::string key(item.substr(0, equals));
-    std::string value(item.substr(equals + 1));
-    const bool twice = std::ranges::any_of(request.settings, [&](const auto& other) { return other.first == key; });
-    if (twice || (key == "facts" && !request.facts_file.empty())) refuse(key + " is given twice");
-    if (key != "facts") {
-      request.settings.emplace_back(std::move(key), std::move(value));
-    } else if (value.empty()) {
-      refuse("facts must be the path of a .toml file");
-    } else {
-      request.facts_file = std::move(value);
-    }
-  }
-  return request;
-}
-
 DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const DriverRequest& request,
                            std::optional<device::RealDevice> own)
-    : library_(std::move(library)) {
-  std::vector<forcebound_setting> settings;
-  settings.reserve(request.settings.size());
-  for (const auto& [key, value] : request.settings) settings.push_back({key.c_str(), value.c_str()});
-  std::array<char, FORCEBOUND_TEXT_BYTES> error{};
-  const int opened = driver().open(settings.data(), settings.size(), &device_, error.data(), error.size());
-  if (opened != FORCEBOUND_OK) {
-    const std::string_view why(error.data(), ::strnlen(error.data(), error.size()));
-    throw std::runtime_error("driver '" + request.name + "': " + (why.empty() ? "no device" : text::printable(why)));
+    : opened_(std::move(library), request) {
+  const forcebound_facts told = told_by(driver(), opened_.device());
+  identified_ = told.identified != 0;
+  facts_ = facts_of(told, driver().name);
+  safety_ = safety_of(told, facts_, driver().name);
+  if (own) {
+    expect_same_axes(own->facts, facts_, request);
+    safety_ = own_safety(*own, told);
+    facts_ = std::move(own->facts);
+    identified_ = own->identified;
+    guessed_by_ = "its file";
   }
-  try {
-    const forcebound_facts told = told_by(driver(), device_);
-    identified_ = told.identified != 0;
-    facts_ = facts_of(told, driver().name);
-    safety_ = safety_of(told, facts_, driver().name);
-    if (own) {
-      expect_same_axes(own->facts, facts_, request);
-      safety_ = own_safety(*own, told);
-      facts_ = std::move(own->facts);
-      identified_ = own->identified;
-      guessed_by_ = "its file";
-    }
-    damping_ = control::Damping::from_matrix(facts_.damping);
-  } catch (...) {
-    driver().close(device_);
-    throw;
-  }
-}
-
-DriverDevice::~DriverDevice() {
-  try {
-    driver().stop(device_);
-    driver().close(device_);
-  } catch (...) {  // of a driver in C++; there is nobody left to tell
-  }
+  damping_ = control::Damping::from_matrix(facts_.damping);
 }
 
 void DriverDevice::run_at(double rate_Hz) {
@@ -141,52 +87,29 @@ std::string DriverDevice::facts_in_words() const {
   return HapticDevice::facts_in_words() + (identified_ ? "" : "; bounds not identified: guesses of " + guessed_by_);
 }
 
-void DriverDevice::start() {
-  if (driver().start(device_) == FORCEBOUND_OK) return;
-  if (!note_drivers_error("does not start")) ++counters_.unexplained;
-  throw std::runtime_error("driver '" + std::string(driver().name) + "': " + std::string(last_error()));
-}
-
 device::Reading DriverDevice::read(Nanoseconds now) noexcept {
   forcebound_reading told{};
   told.size = sizeof told;
-  int result = FORCEBOUND_FAILED;
-  try {
-    result = driver().read(device_, now.count(), &told);
-  } catch (...) {
-    note_error("the driver threw an exception");
-    return failed();
-  }
+  const int result = opened_.call(driver().read, now.count(), &told);
   if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
-  if (result == FORCEBOUND_STALE) {
-    device::Reading stale = failed();
-    stale.status = device::Reading::Status::stale;
-    return stale;
-  }
+  if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
   const bool unplugged = result == FORCEBOUND_UNPLUGGED;
-  const bool explained = note_drivers_error(unplugged ? "the device is unplugged" : "no reading");
+  const bool explained = opened_.note_failure(unplugged ? "the device is unplugged" : "no reading");
   if (!explained && !unplugged) ++counters_.unexplained;
-  return failed();
+  return without_reading(device::Reading::Status::failed);
 }
 
 device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanoseconds now) noexcept {
   const int dof = facts_.degrees_of_freedom();
   const Nanoseconds latched{told.latched_ns};
-  if (latched_ && latched < *latched_) {
+  using Verdict = ReadingTimes::Verdict;
+  const Verdict verdict = times_.judge(latched, now);
+  if (verdict == Verdict::same) return without_reading(device::Reading::Status::stale);
+  if (verdict != Verdict::newer) {
     ++counters_.times_refused;
-    note_error("its readings run backwards in time");
-    return failed();
-  }
-  if (latched > now + kAhead) {
-    ++counters_.times_refused;
-    note_error("its reading was latched in the future");
-    return failed();
-  }
-  if (latched_ && latched == *latched_) {
-    device::Reading stale = failed();
-    stale.status = device::Reading::Status::stale;
-    return stale;
+    opened_.note_error(ReadingTimes::in_words(verdict));
+    return without_reading(device::Reading::Status::failed);
   }
   device::Reading reading;
   reading.latched = latched;
@@ -205,15 +128,15 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
   reading.handle = handle.handle;
   if (handle.refused > 0) {
     counters_.handle_refused += static_cast<std::uint64_t>(handle.refused);
-    note_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
+    opened_.note_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
   }
   if (!device::is_usable(reading, facts_)) {
-    note_error(facts_.rotations > 0 && !reading.handle.orientation
-                   ? "its reading has no orientation, which a device that shows torques must tell"
-                   : "its reading has numbers that are not finite");
-    return failed();
+    opened_.note_error(facts_.rotations > 0 && !reading.handle.orientation
+                           ? "its reading has no orientation, which a device that shows torques must tell"
+                           : "its reading has numbers that are not finite");
+    return without_reading(device::Reading::Status::failed);
   }
-  latched_ = latched;
+  times_.accept(latched);
   return reading;
 }
 
@@ -224,14 +147,14 @@ void DriverDevice::note_reports(const forcebound_reading& told) noexcept {
   released_at_ = told.released_ns > 0 ? std::optional(Nanoseconds{told.released_ns}) : std::nullopt;
 }
 
-device::Reading DriverDevice::failed() const noexcept {
+device::Reading DriverDevice::without_reading(device::Reading::Status status) const noexcept {
   const int dof = facts_.degrees_of_freedom();
   return {.joint = Vector::Zero(dof),
           .position = Vector::Zero(facts_.translations()),
           .jacobian = Matrix::Identity(dof, dof),
           .damping = &damping_,
-          .latched = latched_.value_or(Nanoseconds{0}),
-          .status = device::Reading::Status::failed};
+          .latched = times_.newest().value_or(Nanoseconds{0}),
+          .status = status};
 }
 
 void DriverDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
@@ -247,49 +170,12 @@ void DriverDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   }
   effective_at_.reset();
   released_at_.reset();
-  write_failed_ = true;
-  int result = FORCEBOUND_FAILED;
-  try {
-    result = driver().command(device_, &command);
-  } catch (...) {
-    note_error("the driver threw an exception");
-    ++counters_.failed_writes;
-    return;
-  }
+  const int result = opened_.call(driver().command, static_cast<const forcebound_command*>(&command));
   write_failed_ = result != FORCEBOUND_OK;
   if (!write_failed_) return;
   ++counters_.failed_writes;
-  const bool explained = note_drivers_error("the command failed");
+  const bool explained = opened_.note_failure("the command failed");
   if (!explained && result != FORCEBOUND_UNPLUGGED) ++counters_.unexplained;
-}
-
-void DriverDevice::stop(Nanoseconds /*now*/) noexcept {
-  try {
-    driver().stop(device_);
-  } catch (...) {
-    note_error("the driver threw an exception");
-  }
-}
-
-void DriverDevice::note_error(std::string_view text) noexcept {
-  error_bytes_ = std::min(text.size(), error_.size());
-  std::copy_n(text.begin(), error_bytes_, error_.begin());
-}
-
-/// @returns whether the driver gave a reason
-bool DriverDevice::note_drivers_error(std::string_view otherwise) noexcept {
-  const char* text = nullptr;
-  try {
-    if (driver().last_error != nullptr) text = driver().last_error(device_);
-  } catch (...) {
-    text = nullptr;
-  }
-  const bool told = text != nullptr && *text != '\0';
-  std::string_view words = told ? std::string_view(text, ::strnlen(text, error_.size())) : otherwise;
-  while (words.ends_with('\n')) words.remove_suffix(1);
-  note_error(words);
-  text::make_printable({error_.data(), error_bytes_});
-  return told;
 }
 
 }  // namespace forcebound::driver

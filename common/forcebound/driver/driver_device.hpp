@@ -1,31 +1,19 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/device/load_device.hpp"
-#include "forcebound/driver/driver_library.hpp"
+#include "forcebound/driver/opened_driver.hpp"
+#include "forcebound/driver/reading_times.hpp"
 
 namespace forcebound::driver {
 
 using control::Matrix;
 using control::Vector;
 using time::Nanoseconds;
-
-/// `NAME[:KEY=VALUE,...]` of a command line.
-struct DriverRequest {
-  std::string name;
-  std::vector<std::pair<std::string, std::string>> settings{};
-  std::string facts_file{};  ///< of the key `facts`, which no driver sees
-
-  /// @throws std::invalid_argument in one line
-  [[nodiscard]] static DriverRequest parse(std::string_view text);
-};
 
 /// A device behind a driver of forcebound_device.h.
 ///
@@ -39,9 +27,6 @@ class DriverDevice final : public device::HapticDevice {
   /// @throws std::runtime_error in one line: what the driver says, or what is wrong with its facts
   DriverDevice(std::shared_ptr<const DriverLibrary> library, const DriverRequest& request,
                std::optional<device::RealDevice> own = std::nullopt);
-  ~DriverDevice() override;
-  DriverDevice(const DriverDevice&) = delete;
-  DriverDevice& operator=(const DriverDevice&) = delete;
 
   /// Before start. @throws std::invalid_argument as device::at_tick_rate, or above the rate that the driver tells
   void run_at(double rate_Hz);
@@ -50,38 +35,33 @@ class DriverDevice final : public device::HapticDevice {
   [[nodiscard]] bool bounds_are_identified() const noexcept override { return identified_; }
   [[nodiscard]] std::string facts_in_words() const override;
   [[nodiscard]] device::Safety safety() const noexcept override { return safety_; }
-  void start() override;
+  void start() override { opened_.start(); }
   device::Reading read(Nanoseconds now) noexcept override;
   void apply(Nanoseconds now, const Vector& force_N) noexcept override;
-  void stop(Nanoseconds now) noexcept override;
+  void stop(Nanoseconds /*now*/) noexcept override { (void)opened_.stop(); }
   [[nodiscard]] std::optional<Nanoseconds> effective_at() const noexcept override { return effective_at_; }
   [[nodiscard]] bool write_failed() const noexcept override { return write_failed_; }
   [[nodiscard]] std::optional<Nanoseconds> released_at() const noexcept override { return released_at_; }
   [[nodiscard]] device::DeviceCounters counters() const noexcept override { return counters_; }
-  [[nodiscard]] std::string_view last_error() const noexcept override { return {error_.data(), error_bytes_}; }
+  [[nodiscard]] std::string_view last_error() const noexcept override { return opened_.last_error(); }
 
  private:
-  [[nodiscard]] const forcebound_driver& driver() const noexcept { return library_->functions(); }
-  void note_error(std::string_view text) noexcept;
-  bool note_drivers_error(std::string_view otherwise) noexcept;
-  [[nodiscard]] device::Reading failed() const noexcept;
+  [[nodiscard]] const forcebound_driver& driver() const noexcept { return opened_.functions(); }
+  [[nodiscard]] device::Reading without_reading(device::Reading::Status status) const noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_reading& told, Nanoseconds now) noexcept;
   void note_reports(const forcebound_reading& told) noexcept;
 
-  std::shared_ptr<const DriverLibrary> library_;
-  forcebound_device* device_ = nullptr;
+  OpenedDriver opened_;
   control::DeviceFacts facts_;
   device::Safety safety_{};
   bool identified_ = true;
   std::string guessed_by_ = "the driver";
   control::Damping damping_ = control::Damping::of_axis(1);
-  std::optional<Nanoseconds> latched_{};
+  ReadingTimes times_;
   std::optional<Nanoseconds> effective_at_{};
   std::optional<Nanoseconds> released_at_{};
   bool write_failed_ = false;
   device::DeviceCounters counters_{};
-  std::array<char, FORCEBOUND_TEXT_BYTES> error_{};
-  std::size_t error_bytes_ = 0;
 };
 
 }  // namespace forcebound::driver

@@ -5,17 +5,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "forcebound/child/in_child.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/driver/driver_device.hpp"
+#include "forcebound/driver/first_opening.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::driver {
 namespace {
-
-// Devices are looked for on buses and networks, and may move to find their zero.
-constexpr std::chrono::milliseconds kOpenMost{15'000};
 
 std::unique_ptr<DriverDevice> open(const std::string& file, const DriverRequest& request) {
   std::optional<device::RealDevice> own;
@@ -24,24 +21,6 @@ std::unique_ptr<DriverDevice> open(const std::string& file, const DriverRequest&
   }
   return std::make_unique<DriverDevice>(std::make_shared<const DriverLibrary>(file, request.name), request,
                                         std::move(own));
-}
-
-/// @throws std::runtime_error if it crashes or does not end; what it refuses, this process is told when it asks itself.
-void expect_to_survive(const std::string& file, const DriverRequest& request) {
-  const auto tried = [&] {
-    try {
-      (void)open(file, request);
-    } catch (const std::exception&) {
-      return std::string();
-    }
-    return std::string();
-  };
-  try {
-    (void)child::in_child(tried, {.time = kOpenMost, .opens_files = true});
-  } catch (const std::exception& error) {
-    throw std::runtime_error("driver '" + request.name + "' (" + file +
-                             "), when it was asked to open its device: " + error.what());
-  }
 }
 
 /// One device at a time, between the question for its facts and the one for the device.
@@ -72,7 +51,7 @@ class Opener {
     const DriverRequest request = DriverRequest::parse(text);
     const auto file = find_driver(request.name, folders_);
     if (!file) throw std::runtime_error("driver '" + request.name + "' is gone");
-    expect_to_survive(*file, request);
+    expect_to_survive(*file, request, [&] { (void)open(*file, request); });
     return open(*file, request);
   }
 

@@ -34,7 +34,28 @@ void expect_function(const std::string& file, bool there, const char* function) 
   if (!there) refuse_driver(file, std::string("lacks the function '") + function + "'; forcebound_device.h names all");
 }
 
-forcebound_driver functions_of(void* library, const std::string& file, const std::string& name) {
+/// What only a device or only a robot needs.
+void expect_functions_of(const forcebound_driver& functions, const std::string& file, DriverPurpose purpose) {
+  const bool device = functions.describe != nullptr || functions.read != nullptr || functions.command != nullptr;
+  const bool robot = functions.describe_robot != nullptr || functions.read_robot != nullptr;
+  if (purpose == DriverPurpose::robot) {
+    if (device && !robot) refuse_driver(file, "is for haptic devices, not for robots: it lacks 'describe_robot'");
+    expect_function(file, functions.describe_robot != nullptr, "describe_robot");
+    expect_function(file, functions.read_robot != nullptr, "read_robot");
+    expect_function(file, functions.command_robot != nullptr, "command_robot");
+    expect_function(file, functions.resume != nullptr, "resume");
+    return;
+  }
+  if (robot && !device) {
+    refuse_driver(file, "is for robots, not for haptic devices: forcebound-server --follower driver:FILE.so takes it");
+  }
+  expect_function(file, functions.describe != nullptr, "describe");
+  expect_function(file, functions.read != nullptr, "read");
+  expect_function(file, functions.command != nullptr, "command");
+}
+
+forcebound_driver functions_of(void* library, const std::string& file, const std::string& name,
+                               DriverPurpose purpose) {
   using Entry = const forcebound_driver* (*)(std::uint32_t);
   const auto entry = reinterpret_cast<Entry>(::dlsym(library, kEntry));
   if (entry == nullptr) {
@@ -50,16 +71,16 @@ forcebound_driver functions_of(void* library, const std::string& file, const std
   forcebound_driver functions{};
   std::memcpy(&functions, table, std::min<std::size_t>(table->size, sizeof functions));
   expect_function(file, functions.open != nullptr, "open");
-  expect_function(file, functions.describe != nullptr, "describe");
+  expect_functions_of(functions, file, purpose);
   expect_function(file, functions.start != nullptr, "start");
-  expect_function(file, functions.read != nullptr, "read");
-  expect_function(file, functions.command != nullptr, "command");
   expect_function(file, functions.stop != nullptr, "stop");
   expect_function(file, functions.close != nullptr, "close");
-  if (functions.name == nullptr || functions.name != name) {
+  const bool named_otherwise = purpose == DriverPurpose::device && (functions.name == nullptr || functions.name != name);
+  if (named_otherwise) {
     refuse_driver(file, "calls itself '" + text::printable(functions.name == nullptr ? "" : functions.name) +
                             "', but its file is named for '" + name + "'");
   }
+  if (functions.name == nullptr) functions.name = "nameless";
   if (functions.description == nullptr) functions.description = "";
   if (functions.settings == nullptr) functions.settings = "";
   return functions;
@@ -113,9 +134,10 @@ std::vector<std::string> drivers_in(const std::vector<std::string>& folders) {
   return names;
 }
 
-DriverLibrary::DriverLibrary(const std::string& file, const std::string& name) : file_(file), library_(opened(file)) {
+DriverLibrary::DriverLibrary(const std::string& file, const std::string& name, DriverPurpose purpose)
+    : file_(file), library_(opened(file)) {
   try {
-    functions_ = functions_of(library_, file, name);
+    functions_ = functions_of(library_, file, name, purpose);
   } catch (...) {
     ::dlclose(library_);
     throw;

@@ -21,13 +21,16 @@ namespace forcebound::driver {
 /// The names of all drivers there, sorted, each once.
 [[nodiscard]] std::vector<std::string> drivers_in(const std::vector<std::string>& folders);
 
+/// What a driver is loaded for, which says what functions it must have.
+enum class DriverPurpose { device, robot };
+
 /// The shared library of a driver, which stays open as long as this lives.
 class DriverLibrary {
  public:
   /// @param file its path
-  /// @param name as it must call itself
+  /// @param name as it must call itself; one of a robot, which is found by its path, may have any
   /// @throws std::runtime_error in one line: what the file is not, or which interface it has
-  DriverLibrary(const std::string& file, const std::string& name);
+  DriverLibrary(const std::string& file, const std::string& name, DriverPurpose purpose = DriverPurpose::device);
   ~DriverLibrary();
   DriverLibrary(const DriverLibrary&) = delete;
   DriverLibrary& operator=(const DriverLibrary&) = delete;

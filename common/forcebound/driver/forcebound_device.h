@@ -1,8 +1,9 @@
-/* The C interface of drivers for haptic devices: what a driver implements, and what Forcebound may rely on.
+/* The C interface of drivers for haptic devices and robots: what a driver implements, and what Forcebound may rely on.
  *
  * A driver is a shared library called forcebound-device-NAME.so that exports one function, forcebound_driver_entry. It
  * is found by `--device NAME[:KEY=VALUE,...]` in the folders of FORCEBOUND_DEVICE_PATH (colons between them), then in
- * the folder where Forcebound's own drivers are installed. It needs nothing but this header (C99 or C++).
+ * the folder where Forcebound's own drivers are installed. It needs nothing but this header (C99 or C++). A driver of a
+ * robot is found by its path, `forcebound-server --follower driver:FILE.so[:KEY=VALUE,...]`, whatever its file's name.
  *
  * Units and frames: SI; metres, newtons, seconds, radians. Positions and forces are those of the tip in the scene's
  * frame: x to the user's right, y away from the user, z up; a right-handed frame, whose origin is the middle of the
@@ -36,6 +37,7 @@ extern "C" {
 
 #define FORCEBOUND_DEVICE_INTERFACE 1u
 #define FORCEBOUND_AXES_MAX 6
+#define FORCEBOUND_JOINTS_MAX 8 /* of a robot */
 #define FORCEBOUND_TEXT_BYTES 256
 
 /* What a function of a driver returns. */
@@ -122,10 +124,97 @@ typedef struct forcebound_command {
   double torque_N_m[3]; /* on the handle, scene frame; zero unless the device turns its handle */
 } forcebound_command;
 
-/* A device that was opened; only its driver knows what is in it. */
+/* What is known of a robot with a torque interface: all that its law and its controller rely on. Turning joints in a row,
+ * from the base to the tool. Its world frame is that of its base: right-handed, z up, metres. Geometry and masses are
+ * told with all joints at zero. A user's own file (facts=ROBOT.toml) replaces all but joints.
+ *
+ * A torque that is commanded comes *beyond* what holds the robot, its gripper and tool against gravity, unless `gravity`
+ * says that the robot does not do that itself.
+ *
+ * Forcebound sets `size` and zeros the rest before it calls describe_robot. */
+typedef struct forcebound_robot {
+  uint32_t size;
+  int32_t joints; /* 1 to FORCEBOUND_JOINTS_MAX, and no more than the program takes */
+  char name[FORCEBOUND_TEXT_BYTES]; /* of the robot that was opened, with its serial number if it has one */
+  int32_t identified; /* as in forcebound_facts */
+  int32_t brakes;     /* 1: `stop` also closes brakes, which hold it; 0: it is brought to rest by its own damping */
+  int32_t gravity;    /* 0: the robot compensates its weight itself; 1: Forcebound adds the torques that hold it, found
+                         from the masses below; then it must have brakes, and `torque_max` is what the motors can give
+                         beyond that */
+  int32_t reserved;
+  double period_s;  /* as in forcebound_facts; the robot's loop has this period */
+  double hold_s_max; /* as in forcebound_facts; > 0: a torque must end by itself when no new one comes */
+  double latency_s;
+  double stamp_s_most;
+
+  /* Of the joints: the axis about which one turns by the right hand, and a point on it [m]; base frame, all at zero. */
+  double axis[FORCEBOUND_JOINTS_MAX][3];
+  double point_m[FORCEBOUND_JOINTS_MAX][3];
+  double tool_m[3];   /* the tool's point, likewise */
+  double tool_rad[3]; /* rotation vector that turns the base's axes into the tool's; the tool points along its z */
+  double lowest_rad[FORCEBOUND_JOINTS_MAX]; /* the robot's own limits are to be a little wider */
+  double highest_rad[FORCEBOUND_JOINTS_MAX];
+  double rest_rad[FORCEBOUND_JOINTS_MAX];  /* a posture far from limits and singular ones */
+  double speed_max[FORCEBOUND_JOINTS_MAX]; /* largest that it may have, > 0 [rad/s] */
+  double torque_max[FORCEBOUND_JOINTS_MAX]; /* largest that may be commanded, and that then will be, > 0 [N m] */
+  double torque_rate_max[FORCEBOUND_JOINTS_MAX]; /* fastest that a torque may be asked to change [N m/s]; 0: at once. The
+                                                    law, a fault or a stop may still end one at once */
+  double damping[FORCEBOUND_JOINTS_MAX];  /* lower bound of what the joint itself dissipates, > 0 [N m s/rad] */
+  double friction[FORCEBOUND_JOINTS_MAX]; /* likewise, Coulomb friction [N m] */
+  double encoder_step[FORCEBOUND_JOINTS_MAX];  /* [rad]; 0: ideal */
+  double actuator_step[FORCEBOUND_JOINTS_MAX]; /* [N m]; 0: ideal */
+  double tool_speed_m_per_s_max;    /* > 0: half as much again stops the robot */
+  double tool_turn_rad_per_s_max; /* > 0 */
+
+  /* Of the link behind each joint, up to the next one, with all that is fixed to it. */
+  double mass_kg[FORCEBOUND_JOINTS_MAX];
+  double centre_m[FORCEBOUND_JOINTS_MAX][3];       /* of the mass; base frame, all joints at zero */
+  double inertia_kg_m2[FORCEBOUND_JOINTS_MAX][6]; /* about that: xx, yy, zz, xy, xz, yz along the base's axes */
+  double rotor_kg_m2[FORCEBOUND_JOINTS_MAX];      /* the motor's inertia, seen behind its gear */
+
+  /* Of the force sensor between flange and tool. */
+  double sensor_period_s; /* 0: there is none */
+  double sensor_N_sd;     /* standard deviation of the noise of each axis */
+  double sensor_N_m_sd;
+  double sensor_bias_N_max; /* largest constant error of each axis */
+  double sensor_bias_N_m_max;
+} forcebound_robot;
+
+/* Bits of forcebound_robot_reading.has, beside HAS_GRIPPER and HAS_EFFECTIVE. */
+#define FORCEBOUND_HAS_SENSED 16u  /* a sample of the force sensor */
+#define FORCEBOUND_HAS_ENERGY 32u  /* of simulated robots: energy_J and energy_J_least */
+#define FORCEBOUND_IS_STOPPED 64u  /* its brakes hold or are about to close or open, whoever asked for it */
+
+/* Forcebound sets `size` and zeros the rest before it calls read_robot. */
+typedef struct forcebound_robot_reading {
+  uint32_t size;
+  uint32_t has;
+  int64_t latched_ns; /* as in forcebound_reading, as are effective_ns and released_ns */
+  double position_rad[FORCEBOUND_JOINTS_MAX];
+  int64_t effective_ns;
+  int64_t released_ns;
+  double force_N[3];    /* what the tool exerts on its surroundings, without its own weight and inertia; base frame */
+  double torque_N_m[3]; /* likewise, about the tool's point */
+  int64_t sensed_ns;    /* when that was sampled */
+  double gripper;       /* 0: closed, 1: open */
+  double energy_J;      /* what the joints dissipated less what the commanded torques gave, since the start, exactly, */
+  double energy_J_least; /* and the least that it ever was */
+} forcebound_robot_reading;
+
+/* All numbers are finite, and no torque is above its largest. */
+typedef struct forcebound_robot_command {
+  uint32_t size;
+  uint32_t has; /* HAS_GRIPPER: the gripper shall move to `gripper` */
+  int64_t at_ns;
+  double torque_N_m[FORCEBOUND_JOINTS_MAX];
+  double gripper; /* 0: closed, 1: open */
+} forcebound_robot_command;
+
+/* A device or robot that was opened; only its driver knows what is in it. */
 typedef struct forcebound_device forcebound_device;
 
-/* All functions but last_error, and `settings` where a driver has none, must be there. */
+/* All functions but last_error must be there, and `settings` unless a driver has none: of a device without those of
+ * robots at the end, of a robot those in place of describe, read and command. A driver may serve both. */
 typedef struct forcebound_driver {
   uint32_t size;
   uint32_t interface_version; /* FORCEBOUND_DEVICE_INTERFACE of the header that the driver was built with */
@@ -145,6 +234,14 @@ typedef struct forcebound_driver {
   void (*close)(forcebound_device* device); /* zero force, and all that open took is given back */
   const char* (*last_error)(forcebound_device* device); /* why the last call failed, in one line; valid until the
                                                            next. Nothing that failed: empty, or null */
+
+  /* Of robots; not there in drivers that are older. Threads and time limits as for describe, read and command. `stop`
+   * ends the torque at once and closes the brakes, if it has some. */
+  int (*describe_robot)(forcebound_device* robot, forcebound_robot* facts);
+  int (*read_robot)(forcebound_device* robot, int64_t now_ns, forcebound_robot_reading* reading);
+  int (*command_robot)(forcebound_device* robot, const forcebound_robot_command* command); /* never while stopped */
+  int (*resume)(forcebound_device* robot); /* after stop, on the thread of read_robot: begins to open the brakes. Until
+                                              they are open read_robot tells IS_STOPPED, for 2 s at most */
 } forcebound_driver;
 
 /* The one function that a driver exports. `wanted` is the interface of the program; a driver that cannot serve it

@@ -284,20 +284,22 @@ static const char* faulty_last_error(forcebound_device* rails) {
   return "";
 }
 
-static const forcebound_driver kFaulty = {sizeof kFaulty,
-                                          FORCEBOUND_DEVICE_INTERFACE,
-                                          "faulty",
-                                          "three rails that are simulated, for tests",
-                                          "  fault=KIND      what is wrong\n"
-                                          "  control=FOLDER  of files that say what a person does to it\n",
-                                          faulty_open,
-                                          faulty_describe,
-                                          faulty_start,
-                                          faulty_read,
-                                          faulty_command,
-                                          faulty_stop,
-                                          faulty_close,
-                                          faulty_last_error};
+static const forcebound_driver kFaulty = {
+    .size = sizeof kFaulty,
+    .interface_version = FORCEBOUND_DEVICE_INTERFACE,
+    .name = "faulty",
+    .description = "three rails that are simulated, for tests",
+    .settings = "  fault=KIND      what is wrong\n"
+                "  control=FOLDER  of files that say what a person does to it\n",
+    .open = faulty_open,
+    .describe = faulty_describe,
+    .start = faulty_start,
+    .read = faulty_read,
+    .command = faulty_command,
+    .stop = faulty_stop,
+    .close = faulty_close,
+    .last_error = faulty_last_error,
+};
 
 const forcebound_driver* forcebound_driver_entry(uint32_t wanted) {
   (void)wanted;

@@ -140,19 +140,21 @@ static void slider_close(forcebound_device* slider) { free(slider); }
 
 static const char* slider_last_error(forcebound_device* slider) { return slider->error; }
 
-static const forcebound_driver kSlider = {sizeof kSlider,
-                                          FORCEBOUND_DEVICE_INTERFACE,
-                                          "slider",
-                                          "a slider that is simulated, for tests",
-                                          "  axes=N      1 to 3\n",
-                                          slider_open,
-                                          slider_describe,
-                                          slider_start,
-                                          slider_read,
-                                          slider_command,
-                                          slider_stop,
-                                          slider_close,
-                                          slider_last_error};
+static const forcebound_driver kSlider = {
+    .size = sizeof kSlider,
+    .interface_version = FORCEBOUND_DEVICE_INTERFACE,
+    .name = "slider",
+    .description = "a slider that is simulated, for tests",
+    .settings = "  axes=N      1 to 3\n",
+    .open = slider_open,
+    .describe = slider_describe,
+    .start = slider_start,
+    .read = slider_read,
+    .command = slider_command,
+    .stop = slider_stop,
+    .close = slider_close,
+    .last_error = slider_last_error,
+};
 
 const forcebound_driver* forcebound_driver_entry(uint32_t wanted) {
   (void)wanted;

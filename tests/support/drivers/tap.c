@@ -130,20 +130,22 @@ static void tap_close(forcebound_device* tap) {
 
 static const char* tap_last_error(forcebound_device* tap) { return tap->driver->last_error(tap->device); }
 
-static const forcebound_driver kTap = {sizeof kTap,
-                                       FORCEBOUND_DEVICE_INTERFACE,
-                                       "tap",
-                                       "writes down what passes between the client and another driver, for tests",
-                                       "  driver=PATH  the other driver's file\n"
-                                       "  log=PATH     what passed\n",
-                                       tap_open,
-                                       tap_describe,
-                                       tap_start,
-                                       tap_read,
-                                       tap_command,
-                                       tap_stop,
-                                       tap_close,
-                                       tap_last_error};
+static const forcebound_driver kTap = {
+    .size = sizeof kTap,
+    .interface_version = FORCEBOUND_DEVICE_INTERFACE,
+    .name = "tap",
+    .description = "writes down what passes between the client and another driver, for tests",
+    .settings = "  driver=PATH  the other driver's file\n"
+                "  log=PATH     what passed\n",
+    .open = tap_open,
+    .describe = tap_describe,
+    .start = tap_start,
+    .read = tap_read,
+    .command = tap_command,
+    .stop = tap_stop,
+    .close = tap_close,
+    .last_error = tap_last_error,
+};
 
 const forcebound_driver* forcebound_driver_entry(uint32_t wanted) {
   (void)wanted;

@@ -43,8 +43,20 @@ static int wrong_command(forcebound_device* device, const forcebound_command* co
 static void wrong_stop(forcebound_device* device) { (void)device; }
 
 static const forcebound_driver kWrong = {
-    sizeof kWrong, INTERFACE,  NAME,          NULL,       NULL,       wrong_open, wrong_describe,
-    wrong_start,   wrong_read, wrong_command, wrong_stop, wrong_stop, NULL};
+    .size = sizeof kWrong,
+    .interface_version = INTERFACE,
+    .name = NAME,
+    .description = NULL,
+    .settings = NULL,
+    .open = wrong_open,
+    .describe = wrong_describe,
+    .start = wrong_start,
+    .read = wrong_read,
+    .command = wrong_command,
+    .stop = wrong_stop,
+    .close = wrong_stop,
+    .last_error = NULL,
+};
 
 const forcebound_driver* forcebound_driver_entry(uint32_t wanted) {
   (void)wanted;

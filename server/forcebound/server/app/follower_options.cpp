@@ -45,8 +45,21 @@ std::vector<std::string> follower_laws(const control::LawRegistry& laws) {
 std::string follower_help() {
   std::vector<Task> tasks;
   for (const std::string& name : task_names()) tasks.push_back(load_task(name));
-  return "Robots (--follower):\n" + listed(robot_kinds()) + "\nTasks (--task):\n" + listed(tasks) +
+  return "Robots (--follower):\n" + listed(robot_kinds()) +
+         "  driver:FILE.so[:KEY=VALUE,...]\n"
+         "           a robot behind a driver of forcebound_device.h; facts=ROBOT.toml replaces what it tells of itself\n"
+         "  ROBOT.toml\n"
+         "           a robot's file, which names its driver\n"
+         "\nTasks (--task):\n" + listed(tasks) +
          "or a file of your own (FILE.toml).\n\nArchitectures (--architecture):\n" + listed(architectures());
+}
+
+void expect_task(const FollowerOptions& options) {
+  if (!options.any() || is_driven(options.robot) == options.task.empty()) return;
+  throw program::End{.exit_code = program::kWrongUse,
+                     .text = options.task.empty()
+                                 ? "--follower " + options.robot + " requires --task: a simulated robot needs work\n"
+                                 : "--task is for simulated robots; one behind a driver has work of its own\n"};
 }
 
 void add_follower_options(CLI::App& app, FollowerOptions& options, const control::LawRegistry& laws) {
@@ -55,12 +68,13 @@ void add_follower_options(CLI::App& app, FollowerOptions& options, const control
                      "drive this robot instead of a scene: it follows the device of one client, the leader, and the "
                      "leader feels what the robot does. See Robots below")
           ->type_name("ROBOT")
-          ->check(program::one_of("robot", robot_names()));
-  follower->needs(
-      app.add_option("--task", options.task, "with --follower: work that the robot is set up for, see below")
-          ->type_name("NAME|FILE.toml")
-          ->check(program::accepted_by([](const std::string& task) { (void)load_task(task); }))
-          ->needs(follower));
+          ->check(program::accepted_by([](const std::string& robot) {
+            if (!is_driven(robot)) (void)find_robot(robot);
+          }));
+  app.add_option("--task", options.task, "with a simulated --follower: work that the robot is set up for, see below")
+      ->type_name("NAME|FILE.toml")
+      ->check(program::accepted_by([](const std::string& task) { (void)load_task(task); }))
+      ->needs(follower);
   app.add_option("--architecture", options.settings.architecture,
                  "with --follower: which signals go which way, see below")
       ->type_name("NAME")

@@ -14,14 +14,17 @@ namespace forcebound::server {
 
 /// The command line's options on a robot that follows its clients.
 struct FollowerOptions {
-  std::string robot{};  ///< name; empty: there is none, but scenes
-  std::string task{};   ///< name or file
+  std::string robot{};  ///< name, `driver:FILE.so...` or a robot's file; empty: there is none, but scenes
+  std::string task{};   ///< name or file, of a simulated robot
   FollowerSettings settings{};
 
   [[nodiscard]] bool any() const noexcept { return !robot.empty(); }
 };
 
 void add_follower_options(CLI::App& app, FollowerOptions& options, const control::LawRegistry& laws);
+
+/// @throws program::End where a simulated robot has no task, or one behind a driver has some
+void expect_task(const FollowerOptions& options);
 
 /// Robots, tasks and architectures, for the help.
 [[nodiscard]] std::string follower_help();

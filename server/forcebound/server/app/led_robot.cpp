@@ -4,11 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "forcebound/server/follower/follower_environment.hpp"
 #include "forcebound/server/robot/robot_kinds.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::server {
@@ -69,7 +71,8 @@ std::string in_words(const StateChange& change) {
   using enum FollowerState;
   std::string text = std::string(name_of(change.from)) + " -> " + std::string(name_of(change.to)) + " after " +
                      duration_text(change.lasted);
-  if (change.to == stopping || change.to == failed) text += ": " + std::string(change.why_stopped);
+  if (change.to == stopping || change.by_robot()) text += ": " + std::string(change.why_stopped);
+  if (change.by_robot() && change.said.front() != '\0') text += ": " + text::printable(change.said.data());
   if (change.to == holding || change.to == stopping) {
     text += change.silent ? "; the leader was last heard " + duration_text(*change.silent) + " ago"
                           : std::string("; nobody leads");
@@ -100,12 +103,32 @@ std::string in_words(const FollowerThread::Outcome& outcome) {
   return text;
 }
 
+std::string loss_in_words(const RobotGuard& guard, const std::string& robot) {
+  const int signal = guard.signal();
+  return "the driver of robot " + robot +
+         (signal != 0 ? " crashed (" + std::string(::strsignal(signal)) + ")"
+                      : std::string(" has not returned from a call for 2 s")) +
+         "; " +
+         (guard.stopped() ? "the robot was stopped" : "its stop does not return either, so that a torque may be left") +
+         "; the server ends";
+}
+
 LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& laws, const time::Clock& clock,
                    std::optional<int> priority)
-    : options_(options), task_(load_task(options.task)) {
-  const RobotKind& kind = find_robot(options_.robot);
-  auto follower = std::make_unique<Follower>(kind.make(task_, kSeed), options_.settings, laws, clock);
-  looks_ = std::make_shared<const FollowerLooks>(follower->robot().model(), kind.simulated ? &task_ : nullptr,
+    : options_(options) {
+  std::unique_ptr<Robot> robot;
+  bool simulated = false;
+  if (is_driven(options_.robot)) {
+    robot = make_driven(options_.robot);
+    spdlog::info("robot: {}", robot->facts_in_words());
+  } else {
+    task_ = load_task(options_.task);
+    const RobotKind& kind = find_robot(options_.robot);
+    robot = kind.make(*task_, kSeed);
+    simulated = kind.simulated;
+  }
+  auto follower = std::make_unique<Follower>(std::move(robot), options_.settings, laws, clock);
+  looks_ = std::make_shared<const FollowerLooks>(follower->robot().model(), simulated ? &*task_ : nullptr,
                                                  options_.settings, follower->robot().audit().has_value());
   thread_ =
       std::make_shared<FollowerThread>(std::move(follower), clock, FollowerThread::Settings{.priority = priority});
@@ -113,29 +136,39 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
 }
 
 EnvironmentKind LedRobot::environment() const {
-  return follower_environment(task_.name, summary(), task_.degrees_of_freedom, thread_, looks_);
+  constexpr int kDegreesOfFreedom = 3;  // of what a robot's tool does unless it is known
+  return follower_environment(task_ ? task_->name : "robot", summary(),
+                              task_ ? task_->degrees_of_freedom : kDegreesOfFreedom, thread_, looks_);
 }
 
 std::string LedRobot::summary() const {
-  return "robot " + options_.robot + " at " + task_.name + " (" + task_.summary + "), " +
+  return "robot " + (task_ ? at_work() + " (" + task_->summary + ")" : at_work()) + ", " +
          options_.settings.architecture + ", law " + options_.settings.law;
+}
+
+std::string LedRobot::at_work() const {
+  return task_ ? options_.robot + " at " + task_->name : text::printable(options_.robot);
 }
 
 void LedRobot::log_changes() {
   while (const auto change = thread_->take_change()) spdlog::log(level_of(change->to), "robot: {}", in_words(*change));
+  if (!is_lost() || std::exchange(told_lost_, true)) return;
+  spdlog::error("robot: {}", loss_in_words(*thread_->guard(), at_work()));
 }
 
 void LedRobot::stop() {
   const FollowerThread::Outcome& outcome = thread_->stop();
   log_changes();
-  if (!outcome.at_rest) spdlog::error("robot: not at rest at the end; its brakes are on");
+  if (!outcome.at_rest && !is_lost()) spdlog::error("robot: not at rest at the end; its brakes are on");
 }
 
 std::string LedRobot::totals() const {
-  std::string text = "robot: " + options_.robot + " at " + task_.name + ", " + options_.settings.architecture +
+  if (is_lost()) return "robot: " + loss_in_words(*thread_->guard(), at_work()) + "\n";
+  std::string text = "robot: " + at_work() + ", " + options_.settings.architecture +
                      ", law " + options_.settings.law + "\n" + in_words(thread_->stop());
-  if (const auto* const robot = dynamic_cast<const TaskRobot*>(&thread_->follower().robot())) {
-    text += "  task: " + task_text(task_, *robot) + "\n";
+  if (const auto* const robot = dynamic_cast<const TaskRobot*>(&std::as_const(*thread_).follower().robot());
+      robot != nullptr && task_) {
+    text += "  task: " + task_text(*task_, *robot) + "\n";
   }
   return text;
 }

@@ -21,7 +21,7 @@ class LedRobot {
   LedRobot(const FollowerOptions& options, const control::LawRegistry& laws, const time::Clock& clock,
            std::optional<int> priority);
 
-  /// That clients request; its name is the task's.
+  /// That clients request; its name is the task's, or `robot`.
   [[nodiscard]] EnvironmentKind environment() const;
 
   /// Robot, task, architecture and law in a line.
@@ -37,15 +37,25 @@ class LedRobot {
   /// Brings the robot to rest, ends its thread, and logs what changed meanwhile. To be called once no client leads it.
   void stop();
 
+  /// Whether its driver hangs or has crashed: the process cannot but end, by std::_Exit after `stop`.
+  [[nodiscard]] bool is_lost() const noexcept { return thread_->is_lost(); }
+
   /// Of all that the robot did, after `stop`: a line for each subject, not broken.
   [[nodiscard]] std::string totals() const;
 
  private:
+  /// "robot at task", or the robot alone.
+  [[nodiscard]] std::string at_work() const;
+
   FollowerOptions options_;
-  Task task_;
+  std::optional<Task> task_;  ///< none: the robot has work of its own
+  bool told_lost_ = false;
   std::shared_ptr<FollowerThread> thread_;
   std::shared_ptr<const FollowerLooks> looks_;
 };
+
+/// Why there is no robot any more, and what became of it.
+[[nodiscard]] std::string loss_in_words(const RobotGuard& guard, const std::string& robot);
 
 /// "following -> holding after 12.4 s; the leader was last heard 101 ms ago".
 [[nodiscard]] std::string in_words(const StateChange& change);

@@ -46,6 +46,8 @@ std::string footer() {
          "      for everybody elsewhere who has the same shared.key\n"
          "  forcebound-server --follower reach-7 --task stiff-wall\n"
          "      a simulated arm at a wall, led by the first client that comes\n"
+         "  forcebound-server --follower driver:./my-arm.so:facts=my-arm.toml\n"
+         "      a robot of your own, behind a driver\n"
          "\n"
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
          "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
@@ -193,6 +195,7 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   if (is_scene_file(options.scene)) {
     program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
   }
+  expect_task(options.follower);
   expect_bounds(options.keys);
   program::expect_apart(
       {"--record", options.record},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -133,6 +134,7 @@ class Service {
  private:
   bool over() {
     if (interrupts != 0 || terminations > 1) return true;
+    if (beside_.robot != nullptr && beside_.robot->is_lost()) return true;
     if (terminations == 0 && (beside_.fleet == nullptr || !beside_.fleet->over())) return false;
     if (options_.drain == Nanoseconds{0} || server_.sessions() == 0) return true;
     if (!drained_by_) begin_to_drain();
@@ -303,6 +305,12 @@ int serve(ProgramOptions options) {
   }
   std::cout << std::flush;
   if (beside.robot != nullptr) std::cout << text::wrapped(beside.robot->totals(), 4) << std::flush;
+  if (beside.robot != nullptr && beside.robot->is_lost()) {
+    (void)observer->finish();
+    spdlog::shutdown();
+    // Its thread is in the driver, for ever.
+    std::_Exit(program::kFailed);
+  }
   return observer->finish() ? program::kDone : program::kOutputLost;
 }
 

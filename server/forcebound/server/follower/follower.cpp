@@ -13,6 +13,8 @@ namespace {
 
 // Readings lost in a row until the robot counts as one that refuses.
 constexpr int kLostMost = 50;
+// Brakes that are not open after this were closed by the robot itself.
+constexpr Nanoseconds kOpensWithin = std::chrono::seconds{2};
 constexpr double kStill_m_per_s = 0.015;  // a tremor passes
 // No hand is farther from its device's middle.
 constexpr double kFarthest_m = 10;
@@ -76,7 +78,8 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       engagement_(settings.times),
       map_(settings.workspace),
       target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
-      energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}) {
+      energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}),
+      given_(Vector::Zero(robot_->facts().joints())) {
   report_.map = map_;
 }
 
@@ -113,12 +116,14 @@ void Follower::tick(Nanoseconds now) noexcept {
   times_.begin_choosing(std::max(now, clock_.now()));
   const control::Motion motion = times_.motion_at(reading);
   const bool usable = judge(reading, now);
-  const Vector request = usable ? torque(reading, now) : Vector::Zero(reading.position.rows());
+  const Vector request = usable ? within_rate(torque(reading, now)) : Vector::Zero(reading.position.rows());
   const bool free = usable && !robot_->is_stopped();
   const Vector chosen = free ? controller_.tick(motion, request) : controller_.release(motion);
   const Nanoseconds commanded = std::max(now, clock_.now());
   const Vector given = controller_.confirmed(chosen, times_.command_at(reading, commanded));
   robot_->apply(commanded, given);
+  given_ = given;
+  refused_in_a_row_ = robot_->write_failed() && !robot_->is_stopped() ? refused_in_a_row_ + 1 : 0;
   note(request, given, now);
   if (usable) picture(reading);
 }
@@ -132,6 +137,7 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   const ImpedanceController::Report& tool = impedance_.report();
   const double fastest = robot_->model().limits().tool_speed_m_per_s_max;
   const FollowerState before = engagement_.state();
+  const bool opens = brakes_open(reading, usable, now);
   const bool is_led = leader_ && !std::exchange(leader_is_new_, false);
   const FollowerState state =
       engagement_.update({.now = now,
@@ -139,9 +145,9 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
                           .has_buttons = leader_ && leader_->handle.buttons.has_value(),
                           .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
                           .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
-                          .robot_ready = lost_in_a_row_ < kLostMost,
+                          .robot_ready = lost_in_a_row_ < kLostMost && refused_in_a_row_ < kLostMost,
                           .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
-                          .robot_stopped = robot_->is_stopped(),
+                          .robot_stopped = robot_->is_stopped() && !opens,
                           .reading_usable = usable,
                           .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) ||
                                             (fastest > 0 && tool.velocity.head<3>().norm() > kTooFast * fastest)});
@@ -153,16 +159,51 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   }
   if (engagement_.begins()) {
     if (robot_->is_stopped()) robot_->resume(now);
-    const ToolPose pose = robot_->model().pose(reading.position);
+    if (robot_->is_stopped()) resumed_ = now;
     if (before == FollowerState::holding) {
+      const ToolPose pose = robot_->model().pose(reading.position);
       totals_.offset_drift_m += (map_.tool_of(*leader_).position - pose.position).norm();
     }
-    map_.engage(*leader_, pose);
-    target_.restart(pose);
-    architecture_->begin();
-    impedance_.restart();
+    begin_following(reading);
   }
   return usable;
+}
+
+/// From where tool and leader are now, so that nothing jumps.
+void Follower::begin_following(const device::Reading& reading) noexcept {
+  const ToolPose pose = robot_->model().pose(reading.position);
+  map_.engage(*leader_, pose);
+  target_.restart(pose);
+  architecture_->begin();
+  impedance_.restart();
+}
+
+/// Whether its brakes are being opened, for somebody to follow; once they are open, it begins anew from there.
+bool Follower::brakes_open(const device::Reading& reading, bool usable, Nanoseconds now) noexcept {
+  if (!resumed_) return false;
+  if (robot_->is_stopped()) {
+    if (now - *resumed_ < kOpensWithin) return true;
+    resumed_.reset();
+    return false;
+  }
+  if (!usable) return true;
+  resumed_.reset();
+  if (leader_) begin_following(reading);
+  return false;
+}
+
+/// No torque changes faster than the robot lets it. What the law then takes away, it takes at once.
+Vector Follower::within_rate(const Vector& torque) const noexcept {
+  const Vector& fastest = robot_->model().limits().torque_rate_max;
+  if (fastest.rows() != torque.rows()) return torque;
+  const double period_s = time::to_seconds(period_);
+  Vector limited = torque;
+  for (Eigen::Index i = 0; i < torque.rows(); ++i) {
+    if (!(fastest[i] > 0)) continue;
+    const double most = fastest[i] * period_s;
+    limited[i] = given_[i] + std::clamp(torque[i] - given_[i], -most, most);
+  }
+  return limited;
 }
 
 Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcept {

@@ -106,14 +106,18 @@ class Follower {
   [[nodiscard]] const FollowerReport& report() const noexcept { return report_; }
   [[nodiscard]] FollowerTotals totals() const noexcept;
   [[nodiscard]] const Robot& robot() const noexcept { return *robot_; }
+  [[nodiscard]] Robot& robot() noexcept { return *robot_; }
   [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
   [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
   [[nodiscard]] const FollowerSettings& settings() const noexcept { return settings_; }
 
  private:
   [[nodiscard]] bool judge(const device::Reading& reading, Nanoseconds now) noexcept;
+  void begin_following(const device::Reading& reading) noexcept;
+  [[nodiscard]] bool brakes_open(const device::Reading& reading, bool usable, Nanoseconds now) noexcept;
   [[nodiscard]] Vector torque(const device::Reading& reading, Nanoseconds now) noexcept;
   void picture(const device::Reading& reading) noexcept;
+  [[nodiscard]] Vector within_rate(const Vector& torque) const noexcept;
   void grip(Nanoseconds now) noexcept;
   void note(const Vector& request, const Vector& given, Nanoseconds now) noexcept;
 
@@ -136,6 +140,9 @@ class Follower {
   bool leader_is_new_ = false;
   bool placed_ = false;  // the target is where the tool was first seen
   int lost_in_a_row_ = 0;
+  int refused_in_a_row_ = 0;            // commands
+  std::optional<Nanoseconds> resumed_;  // its brakes begin to open
+  Vector given_;                        // torques of the tick before
   double shortage_ = 0;  // share of the torques that the law withheld, low-passed
   FollowerReport report_;
   FollowerTotals totals_;

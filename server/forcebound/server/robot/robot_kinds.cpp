@@ -3,10 +3,23 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "forcebound/server/robot/driver_robot.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::server {
+namespace {
+
+constexpr std::string_view kDriver = "driver:";
+
+}  // namespace
+
+bool is_driven(std::string_view robot) noexcept { return robot.starts_with(kDriver) || robot.ends_with(".toml"); }
+
+std::unique_ptr<Robot> make_driven(const std::string& robot) {
+  if (!robot.starts_with(kDriver)) return open_robot_of_file(robot);
+  return open_robot(std::string_view(robot).substr(kDriver.size()));
+}
 
 const std::vector<RobotKind>& robot_kinds() {
   static const std::vector<RobotKind> kAll{

@@ -15,6 +15,8 @@ namespace forcebound::server {
 using control::Matrix;
 using control::Vector;
 
+inline constexpr double kGravity_m_per_s2 = 9.81;
+
 /// Where the tool's point is [m] and how the tool stands, in the robot's world frame: z is up, the base is at its
 /// origin.
 struct ToolPose {
@@ -36,6 +38,7 @@ struct RobotLimits {
   Vector highest;     ///< likewise
   Vector speed_max;   ///< of the joints, > 0
   Vector torque_max;  ///< commanded beyond gravity, > 0 [N m] or [N]
+  Vector torque_rate_max{};  ///< fastest change of a torque that is asked for [N m/s]; 0, or no rows: at once
   double tool_speed_m_per_s_max = 0;
   double tool_turn_rad_per_s_max = 0;
 };

@@ -94,4 +94,19 @@ Matrix SerialChain::mass_matrix(const Vector& q) const noexcept {
   return mass;
 }
 
+Vector SerialChain::gravity(const Vector& q) const noexcept {
+  const Frames all = frames(q);
+  Vector torque(joints());
+  double mass_kg = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // mass times centre, of all links from here outward
+  for (int i = joints() - 1; i >= 0; --i) {
+    const Eigen::Isometry3d& frame = all[static_cast<std::size_t>(i)];
+    mass_kg += link(i).mass_kg;
+    moment += link(i).mass_kg * (frame * link(i).centre);
+    const Eigen::Vector3d axis = frame.linear() * link(i).axis;
+    torque[i] = kGravity_m_per_s2 * axis.cross(moment - mass_kg * frame.translation()).z();
+  }
+  return torque;
+}
+
 }  // namespace forcebound::server

@@ -41,6 +41,8 @@ class SerialChain final : public RobotModel {
   [[nodiscard]] ToolPose pose(const Vector& q) const noexcept override;
   [[nodiscard]] ToolJacobian jacobian(const Vector& q) const noexcept override;
   [[nodiscard]] Matrix mass_matrix(const Vector& q) const noexcept override;
+  /// The torques that hold the links, and what is fixed to them, against gravity. Real time as the others.
+  [[nodiscard]] Vector gravity(const Vector& q) const noexcept;
   [[nodiscard]] const RobotLimits& limits() const noexcept override { return description_.limits; }
   [[nodiscard]] const Vector& rest() const noexcept override { return description_.rest; }
   [[nodiscard]] const std::vector<LinkShape>& shapes() const noexcept override { return description_.shapes; }

@@ -8,8 +8,6 @@
 
 namespace forcebound::server {
 
-inline constexpr double kGravity_m_per_s2 = 9.81;
-
 /// Where a rigid body is and how it moves; world frame.
 struct BodyState {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};  ///< of its reference point

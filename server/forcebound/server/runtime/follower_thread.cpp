@@ -1,6 +1,8 @@
 #include "forcebound/server/runtime/follower_thread.hpp"
 
+#include <algorithm>
 #include <boost/lockfree/spsc_queue.hpp>
+#include <cstdlib>
 
 #include "forcebound/time/heap_operations.hpp"
 #include "forcebound/time/periodic_timer.hpp"
@@ -32,12 +34,20 @@ FollowerThread::FollowerThread(std::unique_ptr<Follower> follower, const time::C
       state_(first_.state),
       wake_ups_(follower_->period()) {
   follower_->start();
+  if (!follower_->robot().is_simulated()) {
+    guard_.emplace(follower_->robot(), clock_,
+                   settings_.priority ? std::optional(*settings_.priority + 1) : std::nullopt);
+  }
   idle_.emplace(clock_, follower_->period(), settings_.priority);
   thread_ = std::jthread([this](const std::stop_token& stopping) { run(stopping); });
   begun_.wait();
 }
 
-FollowerThread::~FollowerThread() { stop(); }
+FollowerThread::~FollowerThread() {
+  stop();
+  // A thread that is in a call cannot be ended alone, and uses what would be destroyed here.
+  if (!over_) std::_Exit(EXIT_FAILURE);
+}
 
 void FollowerThread::begin_leader() noexcept {
   tells_ = {.leader = tells_.leader + 1, .leads = true};
@@ -58,7 +68,11 @@ const FollowerReport& FollowerThread::exchange(const LeaderMotion& motion) noexc
 
 const FollowerReport& FollowerThread::newest() noexcept {
   if (const FollowerReport* const report = reports_.take()) newest_ = report;
-  return *newest_;
+  if (trouble() == RobotGuard::Trouble::none) return *newest_;
+  without_robot_ = *newest_;
+  without_robot_.state = FollowerState::failed;
+  without_robot_.share = 0;
+  return without_robot_;
 }
 
 std::optional<StateChange> FollowerThread::take_change() noexcept {
@@ -68,10 +82,17 @@ std::optional<StateChange> FollowerThread::take_change() noexcept {
 }
 
 const FollowerThread::Outcome& FollowerThread::stop() {
-  if (ended_) return outcome_;
+  if (ended_) return over_ ? outcome_ : lost_;
   ended_ = true;
   thread_.request_stop();
+  while (!over_ && !is_lost()) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  if (!over_) {
+    lost_.last = FollowerState::failed;
+    lost_.idle = idle_->stop();
+    return lost_;
+  }
   thread_.join();
+  guard_.reset();
   outcome_.idle = idle_->stop();
   outcome_.loop = wake_ups_.figures();
   outcome_.totals = follower_->totals();
@@ -82,6 +103,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   if (settings_.priority) grant_ = time::ask_for_real_time(*settings_.priority).text;
   begun_.count_down();
   time::touch_stack();
+  if (guard_) guard_->watch_this_thread();
   state_since_ = clock_.now();
   time::PeriodicTimer timer(clock_, follower_->period());
   std::uint64_t ticks = 0;
@@ -97,7 +119,9 @@ void FollowerThread::run(const std::stop_token& stopping) {
   // Nobody leads any more: what moves is stopped by its own brakes.
   follower_->leave();
   heard_.reset();
+  if (guard_) guard_->begin(now);
   follower_->stop(now);
+  if (guard_) guard_->end();
   const Nanoseconds until = now + settings_.stop_most;
   do {
     tick(now);
@@ -106,6 +130,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   outcome_.in_state[static_cast<std::size_t>(state_)] += now - state_since_;
   outcome_.at_rest = is_at_rest(state_);
   outcome_.missed_ticks = timer.missed();
+  over_ = true;
 }
 
 void FollowerThread::hear() noexcept {
@@ -123,7 +148,9 @@ void FollowerThread::hear() noexcept {
 
 void FollowerThread::tick(Nanoseconds now) noexcept {
   wake_ups_.note(now);
+  if (guard_) guard_->begin(clock_.now());
   follower_->tick(now);
+  if (guard_) guard_->end();
   reports_.tell(follower_->report());
   note_state(now);
 }
@@ -131,12 +158,16 @@ void FollowerThread::tick(Nanoseconds now) noexcept {
 void FollowerThread::note_state(Nanoseconds now) noexcept {
   const FollowerState state = follower_->report().state;
   if (state == state_) return;
-  const StateChange change{.from = state_,
+  StateChange change{.from = state_,
                            .to = state,
                            .at = now,
                            .lasted = now - state_since_,
                            .silent = heard_ ? std::optional(now - *heard_) : std::nullopt,
                            .why_stopped = follower_->totals().why_stopped};
+  if (change.by_robot()) {
+    const std::string_view said = follower_->robot().last_error();
+    std::copy_n(said.begin(), std::min(said.size(), change.said.size() - 1), change.said.begin());
+  }
   if (!changes_->queue.push(change)) ++outcome_.changes_lost;
   outcome_.in_state[static_cast<std::size_t>(state_)] += change.lasted;
   state_ = state;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <latch>
@@ -17,6 +18,7 @@
 #include "forcebound/server/follower/follower.hpp"
 #include "forcebound/server/follower/follower_environment.hpp"
 #include "forcebound/server/follower/latest.hpp"
+#include "forcebound/server/runtime/robot_guard.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::server {
@@ -29,13 +31,21 @@ struct StateChange {
   Nanoseconds lasted{0};                ///< how long it was in the state before
   std::optional<Nanoseconds> silent{};  ///< since the leader was last heard; none: nobody leads
   std::string_view why_stopped{};       ///< last, in a few words; empty: it never did. Static text
+  std::array<char, 160> said{};         ///< by the robot, where it failed or stopped by itself; ends with a zero
+
+  /// Whether it was the robot that ended its work.
+  [[nodiscard]] bool by_robot() const noexcept {
+    return to == FollowerState::failed || (to == FollowerState::stopped && from != FollowerState::stopping &&
+                                           from != FollowerState::failed);
+  }
 };
 
 /// Ticks a robot on a thread of its own at the robot's period, at absolute times; a simulated robot lives by the same
 /// clock. Missed ticks are left out and counted. The thread of the server and that of the robot exchange the newest
 /// motion and the newest report without waiting for each other (Latest).
 ///
-/// Beside it runs a thread that only sleeps, to tell the loop's jitter from the machine's.
+/// Beside it runs a thread that only sleeps, to tell the loop's jitter from the machine's. A robot that is not simulated
+/// is watched by a RobotGuard: while its driver does not return, its leader is told that the robot has failed.
 ///
 /// All members are called on the thread of the server.
 class FollowerThread final : public FollowerRunner {
@@ -81,6 +91,14 @@ class FollowerThread final : public FollowerRunner {
   /// Brings the robot to rest and ends both threads; again: nothing more.
   const Outcome& stop();
 
+  /// What is wrong with the robot's thread. Once it is lost, the process cannot but end, by std::_Exit after `stop`.
+  [[nodiscard]] RobotGuard::Trouble trouble() const noexcept {
+    return guard_ ? guard_->trouble() : RobotGuard::Trouble::none;
+  }
+  [[nodiscard]] bool is_lost() const noexcept { return guard_ && guard_->is_lost(); }
+  /// Null: a simulated robot has none.
+  [[nodiscard]] const RobotGuard* guard() const noexcept { return guard_ ? &*guard_ : nullptr; }
+
   /// Of the robot, after `stop` only.
   [[nodiscard]] const Follower& follower() const noexcept { return *follower_; }
 
@@ -107,6 +125,8 @@ class FollowerThread final : public FollowerRunner {
   Told tells_;
   FollowerReport first_;
   const FollowerReport* newest_ = &first_;
+  FollowerReport without_robot_;
+  Outcome lost_;  // in place of what only a thread that ends can tell
   bool ended_ = false;
 
   // Between the two.
@@ -114,6 +134,7 @@ class FollowerThread final : public FollowerRunner {
   Latest<FollowerReport> reports_;
   std::unique_ptr<Changes> changes_;
   std::latch begun_{1};
+  std::atomic<bool> over_{false};
 
   // Of the robot's thread, until it has ended.
   std::unique_ptr<Follower> follower_;
@@ -125,6 +146,7 @@ class FollowerThread final : public FollowerRunner {
   Outcome outcome_;
 
   std::optional<record::IdleThread> idle_;
+  std::optional<RobotGuard> guard_;
   std::jthread thread_;
 };
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "forcebound/driver/driver_library.hpp"
+#include "forcebound/driver/driver_request.hpp"
+
+namespace forcebound::driver {
+
+/// A device or robot that a driver has opened, and why its last call failed. At the end it is stopped and closed.
+///
+/// Real time: what is noexcept allocates nothing, and takes as long as the driver. Used by one thread, but for `stop`.
+class OpenedDriver {
+ public:
+  /// @throws std::runtime_error in one line: what the driver says
+  OpenedDriver(std::shared_ptr<const DriverLibrary> library, const DriverRequest& request);
+  ~OpenedDriver();
+  OpenedDriver(const OpenedDriver&) = delete;
+  OpenedDriver& operator=(const OpenedDriver&) = delete;
+
+  [[nodiscard]] const forcebound_driver& functions() const noexcept { return library_->functions(); }
+  [[nodiscard]] forcebound_device* device() const noexcept { return device_; }
+
+  /// @throws std::runtime_error with the reason
+  void start();
+
+  /// What `function` returns; FORCEBOUND_FAILED, and noted, where a driver in C++ throws.
+  template <class... Arguments>
+  int call(int (*function)(forcebound_device*, Arguments...), Arguments... arguments) noexcept {
+    try {
+      threw_ = false;
+      return function(device_, arguments...);
+    } catch (...) {
+      threw_ = true;
+      note_error("the driver threw an exception");
+      return FORCEBOUND_FAILED;
+    }
+  }
+
+  /// Of any thread. @return false: a driver in C++ threw
+  bool stop() noexcept;
+
+  void note_error(std::string_view text) noexcept;
+
+  /// Notes the driver's own reason after a call that failed, in one line, or `otherwise`.
+  /// @returns whether the driver gave one, or threw
+  bool note_failure(std::string_view otherwise) noexcept;
+
+  [[nodiscard]] std::string_view last_error() const noexcept { return {error_.data(), error_bytes_}; }
+
+ private:
+  std::shared_ptr<const DriverLibrary> library_;
+  forcebound_device* device_ = nullptr;
+  bool threw_ = false;
+  std::array<char, FORCEBOUND_TEXT_BYTES> error_{};
+  std::size_t error_bytes_ = 0;
+};
+
+}  // namespace forcebound::driver
