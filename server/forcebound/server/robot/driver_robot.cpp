@@ -74,7 +74,7 @@ device::Reading DriverRobot::read(Nanoseconds now) noexcept {
   take_stop_from_outside();
   forcebound_robot_reading told{};
   told.size = sizeof told;
-  const int result = opened_.call(driver().read_robot, now.count(), &told);
+  const int result = opened_.call(table().read_robot, now.count(), &told);
   if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told, now);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
   if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
@@ -180,7 +180,7 @@ void DriverRobot::apply(Nanoseconds now, const Vector& torque) noexcept {
   }
   effective_at_.reset();
   released_at_.reset();
-  const int result = opened_.call(driver().command_robot, static_cast<const forcebound_robot_command*>(&command));
+  const int result = opened_.call(table().command_robot, static_cast<const forcebound_robot_command*>(&command));
   write_failed_ = result != FORCEBOUND_OK;
   if (!write_failed_) return;
   ++counters_.failed_writes;
@@ -203,7 +203,7 @@ void DriverRobot::soft_stop(Nanoseconds now) noexcept {
 
 void DriverRobot::resume(Nanoseconds now) noexcept {
   if (!stopped_) return;
-  const int result = opened_.call(driver().resume);
+  const int result = opened_.call(table().resume);
   if (result == FORCEBOUND_OK) {
     resumed_ = now;
   } else {

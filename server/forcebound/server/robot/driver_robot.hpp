@@ -60,7 +60,7 @@ class DriverRobot final : public Robot {
   [[nodiscard]] bool compensates_gravity() const noexcept { return about_.compensates_gravity; }
 
  private:
-  [[nodiscard]] const forcebound_driver& driver() const noexcept { return opened_.functions(); }
+  [[nodiscard]] const forcebound_driver& table() const noexcept { return opened_.functions(); }
   void take_stop_from_outside() noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
   void note_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
