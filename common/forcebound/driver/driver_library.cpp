@@ -54,8 +54,7 @@ void expect_functions_of(const forcebound_driver& functions, const std::string& 
   expect_function(file, functions.command != nullptr, "command");
 }
 
-forcebound_driver functions_of(void* library, const std::string& file, const std::string& name,
-                               DriverPurpose purpose) {
+forcebound_driver functions_of(void* library, const std::string& file, const std::string& name, DriverPurpose purpose) {
   using Entry = const forcebound_driver* (*)(std::uint32_t);
   const auto entry = reinterpret_cast<Entry>(::dlsym(library, kEntry));
   if (entry == nullptr) {
@@ -75,7 +74,8 @@ forcebound_driver functions_of(void* library, const std::string& file, const std
   expect_function(file, functions.start != nullptr, "start");
   expect_function(file, functions.stop != nullptr, "stop");
   expect_function(file, functions.close != nullptr, "close");
-  const bool named_otherwise = purpose == DriverPurpose::device && (functions.name == nullptr || functions.name != name);
+  const bool named_otherwise =
+      purpose == DriverPurpose::device && (functions.name == nullptr || functions.name != name);
   if (named_otherwise) {
     refuse_driver(file, "calls itself '" + text::printable(functions.name == nullptr ? "" : functions.name) +
                             "', but its file is named for '" + name + "'");

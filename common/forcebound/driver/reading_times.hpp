@@ -29,7 +29,8 @@ class ReadingTimes {
   [[nodiscard]] std::optional<Nanoseconds> newest() const noexcept { return newest_; }
 
   [[nodiscard]] static std::string_view in_words(Verdict verdict) noexcept {
-    return verdict == Verdict::backwards ? "its readings run backwards in time" : "its reading was latched in the future";
+    return verdict == Verdict::backwards ? "its readings run backwards in time"
+                                         : "its reading was latched in the future";
   }
 
  private:

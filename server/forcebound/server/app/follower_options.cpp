@@ -47,11 +47,13 @@ std::string follower_help() {
   for (const std::string& name : task_names()) tasks.push_back(load_task(name));
   return "Robots (--follower):\n" + listed(robot_kinds()) +
          "  driver:FILE.so[:KEY=VALUE,...]\n"
-         "           a robot behind a driver of forcebound_device.h; facts=ROBOT.toml replaces what it tells of itself\n"
+         "           a robot behind a driver of forcebound_device.h; facts=ROBOT.toml replaces what it tells of "
+         "itself\n"
          "  ROBOT.toml\n"
          "           a robot's file, which names its driver\n"
-         "\nTasks (--task):\n" + listed(tasks) +
-         "or a file of your own (FILE.toml).\n\nArchitectures (--architecture):\n" + listed(architectures());
+         "\nTasks (--task):\n" +
+         listed(tasks) + "or a file of your own (FILE.toml).\n\nArchitectures (--architecture):\n" +
+         listed(architectures());
 }
 
 void expect_task(const FollowerOptions& options) {

@@ -164,8 +164,8 @@ void LedRobot::stop() {
 
 std::string LedRobot::totals() const {
   if (is_lost()) return "robot: " + loss_in_words(*thread_->guard(), at_work()) + "\n";
-  std::string text = "robot: " + at_work() + ", " + options_.settings.architecture +
-                     ", law " + options_.settings.law + "\n" + in_words(thread_->stop());
+  std::string text = "robot: " + at_work() + ", " + options_.settings.architecture + ", law " + options_.settings.law +
+                     "\n" + in_words(thread_->stop());
   if (const auto* const robot = dynamic_cast<const TaskRobot*>(&std::as_const(*thread_).follower().robot());
       robot != nullptr && task_) {
     text += "  task: " + task_text(*task_, *robot) + "\n";

@@ -143,7 +143,7 @@ class Follower {
   int refused_in_a_row_ = 0;            // commands
   std::optional<Nanoseconds> resumed_;  // its brakes begin to open
   Vector given_;                        // torques of the tick before
-  double shortage_ = 0;  // share of the torques that the law withheld, low-passed
+  double shortage_ = 0;                 // share of the torques that the law withheld, low-passed
   FollowerReport report_;
   FollowerTotals totals_;
 };

@@ -18,8 +18,9 @@ constexpr double kBeyond_rad = 0.5;
 /// @throws std::runtime_error in one line
 void expect_to_match(const RobotDescription& file, const forcebound_robot& told, const driver::DriverRequest& request) {
   const auto refuse = [&](const std::string& what, double got, const std::string& but, double theirs) {
-    throw std::runtime_error(request.facts_file + ": " + what + " " + text::to_text(got) + ", but the robot of driver '" +
-                             text::printable(request.name) + "' has " + but + text::to_text(theirs));
+    throw std::runtime_error(request.facts_file + ": " + what + " " + text::to_text(got) +
+                             ", but the robot of driver '" + text::printable(request.name) + "' has " + but +
+                             text::to_text(theirs));
   };
   if (file.facts.joints() != told.joints) refuse("joints:", file.facts.joints(), "", told.joints);
   if (file.facts.period_s < told.period_s) refuse("period_s =", file.facts.period_s, "at least ", told.period_s);

@@ -87,8 +87,8 @@ class DriverRobot final : public Robot {
   std::atomic<bool> stopped_from_outside_{false};
 };
 
-/// Opens the robot of `FILE.so[:KEY=VALUE,...,facts=ROBOT.toml]`, or of a robot's file that names its driver; in a child
-/// process first, so that a driver that crashes or never returns there ends that one alone.
+/// Opens the robot of `FILE.so[:KEY=VALUE,...,facts=ROBOT.toml]`, or of a robot's file that names its driver; in a
+/// child process first, so that a driver that crashes or never returns there ends that one alone.
 /// @throws std::exception in one line
 [[nodiscard]] std::unique_ptr<DriverRobot> open_robot(std::string_view file_and_settings);
 [[nodiscard]] std::unique_ptr<DriverRobot> open_robot_of_file(const std::string& file);

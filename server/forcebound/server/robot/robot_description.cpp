@@ -47,8 +47,7 @@ class ToldRobot {
     return rows(what, values, [this](const std::string& name, double value) { return within(name, value, 0, kMost); });
   }
   Vector angles(const std::string& what, const double* values) const {
-    return rows(what, values,
-                [this](const std::string& name, double value) { return within(name, value, -100, 100); });
+    return rows(what, values, [this](const std::string& name, double value) { return within(name, value, -100, 100); });
   }
   Eigen::Vector3d vector(const std::string& what, const double* values) const {
     for (int i = 0; i < 3; ++i) (void)within(what, values[i], -1000, 1000);
@@ -154,14 +153,14 @@ RobotDescription description_of(const forcebound_robot& told, const std::string&
   robot.chain.links = links_of(joints);
   robot.chain.tool = tool_of(joints, checks.vector("tool_m", told.tool_m), checks.vector("tool_rad", told.tool_rad));
   robot.chain.rest = checks.angles("rest_rad", told.rest_rad);
-  robot.chain.limits = {.lowest = checks.angles("lowest_rad", told.lowest_rad),
-                        .highest = checks.angles("highest_rad", told.highest_rad),
-                        .speed_max = checks.positive_rows("speed_max", told.speed_max),
-                        .torque_max = checks.positive_rows("torque_max", told.torque_max),
-                        .torque_rate_max = checks.not_negative_rows("torque_rate_max", told.torque_rate_max),
-                        .tool_speed_m_per_s_max = checks.positive("tool_speed_m_per_s_max", told.tool_speed_m_per_s_max),
-                        .tool_turn_rad_per_s_max =
-                            checks.positive("tool_turn_rad_per_s_max", told.tool_turn_rad_per_s_max)};
+  robot.chain.limits = {
+      .lowest = checks.angles("lowest_rad", told.lowest_rad),
+      .highest = checks.angles("highest_rad", told.highest_rad),
+      .speed_max = checks.positive_rows("speed_max", told.speed_max),
+      .torque_max = checks.positive_rows("torque_max", told.torque_max),
+      .torque_rate_max = checks.not_negative_rows("torque_rate_max", told.torque_rate_max),
+      .tool_speed_m_per_s_max = checks.positive("tool_speed_m_per_s_max", told.tool_speed_m_per_s_max),
+      .tool_turn_rad_per_s_max = checks.positive("tool_turn_rad_per_s_max", told.tool_turn_rad_per_s_max)};
   robot.facts.force_N_max = robot.chain.limits.torque_max.norm();
   if (told.sensor_period_s != 0) {
     robot.sensor = {.period = time::from_seconds(checks.within("sensor_period_s", told.sensor_period_s, 1e-5, 0.1)),

@@ -17,9 +17,9 @@ namespace forcebound::server {
 struct RobotDescription {
   control::DeviceFacts facts;  ///< in its joints, as Robot has them
   SerialChain::Description chain;
-  bool identified = false;           ///< false: the bounds are guesses
-  bool brakes = false;               ///< `stop` closes them
-  bool compensates_gravity = true;   ///< false: the program adds what holds the robot
+  bool identified = false;          ///< false: the bounds are guesses
+  bool brakes = false;              ///< `stop` closes them
+  bool compensates_gravity = true;  ///< false: the program adds what holds the robot
   std::optional<ForceSensorFacts> sensor{};
 };
 

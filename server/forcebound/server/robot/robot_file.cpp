@@ -57,7 +57,7 @@ ToldJoint read_link(CheckedTable& table) {
   return joint;
 }
 
-Vector all_of(const std::vector<JointNumbers>& joints, double JointNumbers::* number) {
+Vector all_of(const std::vector<JointNumbers>& joints, double JointNumbers::*number) {
   Vector rows(static_cast<Eigen::Index>(joints.size()));
   for (Eigen::Index i = 0; i < rows.rows(); ++i) rows[i] = joints[static_cast<std::size_t>(i)].*number;
   return rows;

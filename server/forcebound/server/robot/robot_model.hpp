@@ -34,10 +34,10 @@ using ToolJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, control::kJo
 
 /// What a robot may do; vectors have a row for each joint, [rad] or [m].
 struct RobotLimits {
-  Vector lowest;      ///< of the joints' positions
-  Vector highest;     ///< likewise
-  Vector speed_max;   ///< of the joints, > 0
-  Vector torque_max;  ///< commanded beyond gravity, > 0 [N m] or [N]
+  Vector lowest;             ///< of the joints' positions
+  Vector highest;            ///< likewise
+  Vector speed_max;          ///< of the joints, > 0
+  Vector torque_max;         ///< commanded beyond gravity, > 0 [N m] or [N]
   Vector torque_rate_max{};  ///< fastest change of a torque that is asked for [N m/s]; 0, or no rows: at once
   double tool_speed_m_per_s_max = 0;
   double tool_turn_rad_per_s_max = 0;

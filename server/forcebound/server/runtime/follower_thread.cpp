@@ -159,11 +159,11 @@ void FollowerThread::note_state(Nanoseconds now) noexcept {
   const FollowerState state = follower_->report().state;
   if (state == state_) return;
   StateChange change{.from = state_,
-                           .to = state,
-                           .at = now,
-                           .lasted = now - state_since_,
-                           .silent = heard_ ? std::optional(now - *heard_) : std::nullopt,
-                           .why_stopped = follower_->totals().why_stopped};
+                     .to = state,
+                     .at = now,
+                     .lasted = now - state_since_,
+                     .silent = heard_ ? std::optional(now - *heard_) : std::nullopt,
+                     .why_stopped = follower_->totals().why_stopped};
   if (change.by_robot()) {
     const std::string_view said = follower_->robot().last_error();
     std::copy_n(said.begin(), std::min(said.size(), change.said.size() - 1), change.said.begin());

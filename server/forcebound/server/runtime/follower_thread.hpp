@@ -35,8 +35,8 @@ struct StateChange {
 
   /// Whether it was the robot that ended its work.
   [[nodiscard]] bool by_robot() const noexcept {
-    return to == FollowerState::failed || (to == FollowerState::stopped && from != FollowerState::stopping &&
-                                           from != FollowerState::failed);
+    return to == FollowerState::failed ||
+           (to == FollowerState::stopped && from != FollowerState::stopping && from != FollowerState::failed);
   }
 };
 
@@ -44,8 +44,9 @@ struct StateChange {
 /// clock. Missed ticks are left out and counted. The thread of the server and that of the robot exchange the newest
 /// motion and the newest report without waiting for each other (Latest).
 ///
-/// Beside it runs a thread that only sleeps, to tell the loop's jitter from the machine's. A robot that is not simulated
-/// is watched by a RobotGuard: while its driver does not return, its leader is told that the robot has failed.
+/// Beside it runs a thread that only sleeps, to tell the loop's jitter from the machine's. A robot that is not
+/// simulated is watched by a RobotGuard: while its driver does not return, its leader is told that the robot has
+/// failed.
 ///
 /// All members are called on the thread of the server.
 class FollowerThread final : public FollowerRunner {

@@ -70,13 +70,13 @@ class RobotGuard {
   const time::Clock& clock_;
   Nanoseconds limit_;
   std::optional<int> priority_;
-  std::atomic<pid_t> calls_{0};          ///< the thread that calls
-  std::atomic<std::int64_t> began_{0};   ///< of the tick in progress [ns]; 0: none is
+  std::atomic<pid_t> calls_{0};         ///< the thread that calls
+  std::atomic<std::int64_t> began_{0};  ///< of the tick in progress [ns]; 0: none is
   std::atomic<int> signal_{0};
-  std::atomic<bool> dying_{false};       ///< by a crash in another thread
+  std::atomic<bool> dying_{false};  ///< by a crash in another thread
   std::atomic<bool> stopped_{false};
   std::unique_ptr<std::array<std::byte, kStackBytes>> stack_;  ///< for a crash by too deep a recursion
-  std::jthread thread_;  // last, so that it ends before the members that it reads
+  std::jthread thread_;                                        // last, so that it ends before the members that it reads
 };
 
 }  // namespace forcebound::server
