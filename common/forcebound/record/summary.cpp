@@ -67,6 +67,8 @@ void Summary::note_force_stream(const TickRecord& tick) noexcept {
 void Summary::note_contact(const TickRecord& tick) noexcept {
   const double force_N = tick.applied.norm();
   force_N_max_ = std::max(force_N_max_, force_N);
+  shows_torque_ |= tick.applied_torque_N_m.rows() > 0;
+  torque_N_m_max_ = std::max(torque_N_m_max_, tick.applied_torque_N_m.norm());
   if (tick.penetration_m > penetration_m_max_) penetration_m_max_ = tick.penetration_m;
   if (was_bounded(tick, info_)) ++bounded_ticks_;
   if (std::isnan(tick.penetration_m)) ++unknown_ticks_;

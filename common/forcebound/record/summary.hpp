@@ -153,6 +153,8 @@ class Summary final : public TickSink {
   RunningStatistics force_N_, penetration_m_, stiffness_;
   Histogram stiffness_mN_per_m_, rest_uN_, rest_nm_;
   double force_N_max_ = 0;
+  double torque_N_m_max_ = 0;
+  bool shows_torque_ = false;
   double penetration_m_max_ = 0;
   std::uint64_t bounded_ticks_ = 0;
   std::uint64_t at_client_ticks_ = 0;

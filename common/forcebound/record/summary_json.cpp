@@ -150,6 +150,7 @@ void SummaryView::add_contact(Json& json) const {
   json["contact_ticks"] = s.contact_ticks_;
   json["surface_unknown_ticks"] = s.unknown_ticks_;
   json["force_N"] = {{"mean", s.force_N_.mean()}, {"variance", s.force_N_.variance()}, {"max", s.force_N_max_}};
+  if (s.shows_torque_) json["torque_N_m"] = {{"max", s.torque_N_m_max_}};
   json["penetration_m"] = {{"mean", s.penetration_m_.mean()}, {"max", s.penetration_m_max_}};
   json["displayed_stiffness_N_per_m"] = {{"mean", s.stiffness_.mean()}, {"median", stiffness_median()}};
   json["at_rest"] = {{"fraction", rest_fraction()},

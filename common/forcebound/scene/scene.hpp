@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/control/vector.hpp"
 #include "forcebound/scene/auto_accuracy.hpp"
 #include "forcebound/scene/dynamic_model.hpp"
 #include "forcebound/scene/plan.hpp"
@@ -21,6 +22,7 @@ struct SceneFacts {
   bool shared = false;             ///< all clients feel the same bodies and tissue
   bool accuracy_auto = false;      ///< has levels of accuracy, see Scene::accuracy
   int clients_max = 1;             ///< of a shared scene, at once; else any number
+  control::Vector tool_m{};        ///< in the hand, from the grip to its tip in the handle's axes; no rows: none
   std::uint64_t hash = 0;          ///< FNV-1a of the file's text: equal hash, equal scene
   std::string suggested_device{};  ///< as the author wrote them; empty: see suggested_hand.hpp
   std::string suggested_hand{};

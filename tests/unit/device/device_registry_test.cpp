@@ -69,10 +69,10 @@ TEST(DeviceRegistry, UnknownDeviceIsRefusedWithTheKnownNames) {
     (void)devices.make({.device = "stil", .hand = ""});
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "unknown device 'stil', did you mean 'still'? (known: cartesian-2dof, cartesian-3dof, falcon, firm-3dof, "
-        "haply-2diy, omega-3, omni, wall-1dof, still); or the path of a .toml file");
+    EXPECT_STREQ(error.what(),
+                 "unknown device 'stil', did you mean 'still'? (known: arm-6dof, cartesian-2dof, cartesian-3dof, "
+                 "falcon, firm-3dof, "
+                 "haply-2diy, omega-3, omni, wall-1dof, still); or the path of a .toml file");
   }
   EXPECT_THROW((void)devices.facts("no/such/file.toml"), std::runtime_error);
 }

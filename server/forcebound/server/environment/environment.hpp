@@ -37,7 +37,8 @@ struct Motion {
 /// Output of an environment for one motion. All numbers are finite; vectors have one row per degree of freedom of the
 /// device, optional ones may have none.
 struct Response {
-  Vector force{};                        ///< on the device [N], then torque [N m]
+  Vector force{};                        ///< on the device [N]
+  Vector torque_N_m{};                   ///< on its handle, scene frame, three rows; no rows: none
   Vector contact_normal{};               ///< unit, out of the surface touched (deepest one); no rows: no contact
   double penetration_m = 0;              ///< depth below that surface, 0: no contact
   double texture_N = 0;                  ///< amplitude of the surface's ripples, 0: smooth
@@ -103,6 +104,7 @@ struct ClientFacts {
   double force_N_max = 0;        ///< the device's maximum force
   Nanoseconds round_trip{0};     ///< 0: not measured
   bool renders_locally = false;  ///< what it can: static parts, and local models of the rest
+  bool shows_torque = false;     ///< it turns its handle by motors: Response::torque_N_m is for it
 };
 
 /// An environment for one session, and its description for the client and the log.
@@ -116,6 +118,9 @@ struct MadeEnvironment {
   /// The least of its parts' renderings, so that a client knows what to expect beside the packed ones.
   scene::Rendering least_rendering = scene::Rendering::held;
   bool takes_energy = false;  ///< it spends what the law at the device gives up: Motion::energy_given_J
+  /// Of the tool in the hand, from the grip to its tip in the handle's axes [m]; motions then tell the tip. No rows:
+  /// none.
+  Vector tool_m{};
 };
 
 /// An environment that clients can request by name. `make` is called once per session.

@@ -123,7 +123,8 @@ MadeEnvironment made(const scene::Scene& scene, const Shared& shared, scene::Sce
           .simulated = summary(scene),
           .hash = scene.facts().hash,
           .packed = shared.packed,
-          .least_rendering = scene.least_rendering()};
+          .least_rendering = scene.least_rendering(),
+          .tool_m = scene.facts().tool_m};
 }
 
 }  // namespace

@@ -120,6 +120,16 @@ class Parser {
     return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + written(value)));
   }
 
+  /// Longer ones are no tools for a hand.
+  static void parse_tool(CheckedTable& scene, scene::SceneFacts& facts) {
+    constexpr std::string_view kTool = "tool_m";
+    constexpr double kLongest_m = 0.5;
+    constexpr int kSpace = 3;
+    if (scene.find(kTool) == nullptr) return;
+    if (facts.degrees_of_freedom != kSpace) scene.refuse(kTool, "left out unless degrees_of_freedom = 3");
+    facts.tool_m = scene.vector({.key = kTool, .least = -kLongest_m, .most = kLongest_m}, kSpace);
+  }
+
   static scene::SceneFacts parse_facts(CheckedTable scene) {
     const std::vector<config::Parameter> keys = scene_table().keys;
     const config::Values given = scene.given(keys);
@@ -138,6 +148,7 @@ class Parser {
       scene.fail(scene.at("clients_max"),
                  "clients_max is for shared scenes; any number of clients may feel another one, each alone");
     }
+    parse_tool(scene, facts);
     parse_suggestion(scene, facts);
     scene.refuse_unknown_keys();
     return facts;
@@ -225,6 +236,13 @@ config::TableDescription scene_table() {
            .key = "accuracy",
            .meaning = "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
            .choices = {"fixed", "auto"}},
+       config::OtherParameter{.key = "tool_m",
+                              .meaning =
+                                  "the rigid tool in the hand: from the grip to its tip, in the axes of a handle "
+                                  "that tells its orientation; what is touched is touched with the tip, and "
+                                  "turns a handle that shows torque",
+                              .accepted = "`[x, y, z]`, each from -0.5 to 0.5",
+                              .absent = "none: the grip touches"},
        TextParameter{
            .key = "suggested_device",
            .meaning = "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",

@@ -32,7 +32,7 @@ std::string device_for(const scene::SceneFacts& facts) {
 
 device::SimulatedDevice make_device(const SuggestedHand& suggested) {
   device::DeviceDescription description = device::load_device(suggested.device);
-  auto hand = device::make_operator(suggested.hand, description.facts.degrees_of_freedom());
+  auto hand = device::make_operator(suggested.hand, description.facts.translations());
   return {std::move(description), std::move(hand)};
 }
 
@@ -188,7 +188,7 @@ void parse_suggestion(config::CheckedTable& scene, scene::SceneFacts& facts) {
     suggested.device = scene.text("suggested_device");
     const std::vector<std::string> known = device::shipped_device_names();
     if (std::ranges::find(known, suggested.device) == known.end()) refuse_device(scene, *where, suggested.device);
-    const int device_dof = device::load_device(suggested.device).facts.degrees_of_freedom();
+    const int device_dof = device::load_device(suggested.device).facts.translations();
     if (!facts.accepts(static_cast<std::uint32_t>(device_dof))) {
       scene.fail(*where, "suggested_device: this scene accepts " + facts.accepted_degrees_of_freedom() +
                              " degrees of freedom, '" + suggested.device + "' has " + std::to_string(device_dof));
@@ -236,7 +236,7 @@ std::string to_options(const SuggestedHand& suggested) {
 HandTrial try_hand(const std::shared_ptr<const scene::Scene>& scene, const SuggestedHand& suggested) {
   device::SimulatedDevice device = make_device(suggested);
   const control::DeviceFacts& facts = device.facts();
-  scene::SceneState state(scene, static_cast<std::uint32_t>(facts.degrees_of_freedom()));
+  scene::SceneState state(scene, static_cast<std::uint32_t>(facts.translations()));
   const bool surface = has_surface(*scene);
   for (time::Nanoseconds now{0}; time::to_seconds(now) <= HandTrial::kLongest_s; now += kTick) {
     const device::Reading reading = device.read(now);

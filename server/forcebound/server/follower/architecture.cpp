@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
 
 namespace forcebound::server {
@@ -19,6 +20,11 @@ Eigen::Vector3d Reflection::at(const Eigen::Vector3d& wanted_m) const noexcept {
   const double size_m = lag_m.norm();
   if (size_m > tow_slack_m) sum += cut(tow_N_per_m * (1 - tow_slack_m / size_m) * lag_m);
   return sum;
+}
+
+Eigen::Vector3d Reflection::torque_at(const Eigen::Quaterniond& wanted) const noexcept {
+  const Eigen::Vector3d lag_rad = control::rotation_vector(wanted, tool_orientation);
+  return local_model::no_longer_than<Eigen::Vector3d>(turn_N_m_per_rad * lag_rad, torque_N_m_max);
 }
 
 const std::vector<ArchitectureKind>& architectures() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,9 +25,11 @@ struct ReflectedPlane {
 /// What the device shall show, as the robot knows it on a tick; world frame, forces on the hand.
 ///
 ///     f(x_wanted) = force_N - K (x_wanted - tool_m) + K_p n max(0, n.(p - x_wanted)) + tow
+///     torque(o_wanted) = K_r rotation vector from o_wanted to the tool's orientation
 ///
-/// Each part is cut to `force_N_max`. Tow: where the robot's law is short of energy the robot lags; the hand then feels
-/// a spring to it, beyond some slack, so that the energy that the robot needs comes from the hand.
+/// Each part is cut to `force_N_max`, the torque to `torque_N_m_max`. Tow: where the robot's law is short of energy the
+/// robot lags; the hand then feels a spring to it, beyond some slack, so that the energy that the robot needs comes
+/// from the hand.
 struct Reflection {
   Eigen::Vector3d force_N{Eigen::Vector3d::Zero()};
   double tie_N_per_m = 0;  ///< K
@@ -35,6 +38,12 @@ struct Reflection {
   double tow_N_per_m = 0;  ///< to the same place
   double tow_slack_m = 0;
   double force_N_max = 0;
+  double turn_N_m_per_rad = 0;  ///< K_r; 0: no torque
+  Eigen::Quaterniond tool_orientation{Eigen::Quaterniond::Identity()};
+  double torque_N_m_max = 0;
+
+  /// On a hand that wants the tool's orientation so [N m].
+  [[nodiscard]] Eigen::Vector3d torque_at(const Eigen::Quaterniond& wanted) const noexcept;
 
   /// @param wanted_m where the leader wants the tool
   [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector3d& wanted_m) const noexcept;

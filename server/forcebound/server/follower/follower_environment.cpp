@@ -17,11 +17,12 @@ struct Seat {
 class FollowerEnvironment final : public Environment {
  public:
   FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<const FollowerLooks> looks,
-                      std::shared_ptr<Seat> seat, std::string leader)
+                      std::shared_ptr<Seat> seat, std::string leader, bool shows_torque)
       : runner_(std::move(runner)),
         looks_(std::move(looks)),
         seat_(std::move(seat)),
-        leader_(std::make_shared<const std::string>(std::move(leader))) {
+        leader_(std::make_shared<const std::string>(std::move(leader))),
+        shows_torque_(shows_torque) {
     take_seat();
   }
   ~FollowerEnvironment() override {
@@ -42,9 +43,13 @@ class FollowerEnvironment final : public Environment {
                               .energy_given_J = motion.energy_given_J,
                               .arrived = motion.server_time};
     const FollowerReport& report = runner_->exchange(leader);
-    const Eigen::Vector3d wanted_m = report.map.tool_of(leader).position;
+    const ToolPose wanted = report.map.tool_of(leader);
+    const Eigen::Vector3d& wanted_m = wanted.position;
     const Eigen::Vector3d force_N = report.share * report.map.to_leader_N(report.reflection.at(wanted_m));
     Response response{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
+    if (shows_torque_ && motion.handle.orientation && report.reflection.turn_N_m_per_rad > 0) {
+      response.torque_N_m = report.share * report.map.to_leader_N_m(report.reflection.torque_at(wanted.orientation));
+    }
     if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, response);
     return response;
   }
@@ -91,6 +96,7 @@ class FollowerEnvironment final : public Environment {
   std::shared_ptr<const FollowerLooks> looks_;
   std::shared_ptr<Seat> seat_;
   std::shared_ptr<const std::string> leader_;
+  bool shows_torque_;
 };
 
 }  // namespace
@@ -124,10 +130,11 @@ EnvironmentKind follower_environment(std::string name, std::string simulated, in
       throw std::runtime_error("the robot is led by '" + *seat->leader + "': it follows one leader at a time");
     }
     const std::string leader = client.device.empty() ? "a device without a name" : client.device;
-    return MadeEnvironment{.environment = std::make_unique<FollowerEnvironment>(runner, looks, seat, leader),
-                           .simulated = simulated,
-                           .least_rendering = scene::Rendering::modelled,
-                           .takes_energy = true};
+    return MadeEnvironment{
+        .environment = std::make_unique<FollowerEnvironment>(runner, looks, seat, leader, client.shows_torque),
+        .simulated = simulated,
+        .least_rendering = scene::Rendering::modelled,
+        .takes_energy = true};
   };
   return kind;
 }

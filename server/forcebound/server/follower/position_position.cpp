@@ -6,27 +6,30 @@ namespace {
 /// Places go both ways: tool and device are tied by one spring and damper, whose force on the tool the hand feels as
 /// its opposite [Hannaford 1989].
 ///
-///     f = -K (x_wanted - x)
+///     f = -K (x_wanted - x),   torque = K_r rotation vector from the wanted orientation to the tool's
 ///
 /// Needs no sensor; in free space the hand feels the robot's lag.
 class PositionPosition final : public Architecture {
  public:
-  explicit PositionPosition(const ImpedanceSettings& impedance) noexcept
-      : stiffness_N_per_m_(impedance.stiffness_N_per_m), force_N_max_(impedance.force_N_max) {}
+  explicit PositionPosition(const ImpedanceSettings& impedance) noexcept : impedance_(impedance) {}
 
   [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
-    tool_m_ = seen.tool.position;
+    tool_ = seen.tool;
     return seen.target;
   }
 
   [[nodiscard]] Reflection reflection() const noexcept override {
-    return {.tie_N_per_m = stiffness_N_per_m_, .tool_m = tool_m_, .force_N_max = force_N_max_};
+    return {.tie_N_per_m = impedance_.stiffness_N_per_m,
+            .tool_m = tool_.position,
+            .force_N_max = impedance_.force_N_max,
+            .turn_N_m_per_rad = impedance_.stiffness_N_m_per_rad,
+            .tool_orientation = tool_.orientation,
+            .torque_N_m_max = impedance_.torque_N_m_max};
   }
 
  private:
-  double stiffness_N_per_m_;
-  double force_N_max_;
-  Eigen::Vector3d tool_m_{Eigen::Vector3d::Zero()};
+  ImpedanceSettings impedance_;
+  ToolPose tool_{};
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ struct WorkspaceSettings {
 /// The place of the leader's tip in the robot's world, with an offset that a clutch changes:
 ///
 ///     x = x_0 + m R (p - p_0),   o = R o_l o_l0^-1 R' o_0         p_0, o_l0, x_0, o_0: as they were at `engage`
-///     f_leader = k R' f_world,   K_leader = k m R' K_world R
+///     f_leader = k R' f_world,   K_leader = k m R' K_world R,   torque_leader = k/m R' torque_world
 ///
 /// Powers differ by the scales: f_leader'p' = (k/m) f_world'x'. So energy that the leader gives counts m/k times at the
 /// robot: `power_scale`. With m = k nothing is created or lost; else the two ports are passive together up to that
@@ -52,6 +52,10 @@ class WorkspaceMap {
   }
   [[nodiscard]] Eigen::Vector3d to_leader_direction(const Eigen::Vector3d& world) const noexcept {
     return settings_.rotation.transpose() * world;
+  }
+  /// Rotations are not scaled, so torques are by what keeps the scale of power that of the translations: k/m.
+  [[nodiscard]] Eigen::Vector3d to_leader_N_m(const Eigen::Vector3d& world_N_m) const noexcept {
+    return settings_.rotation.transpose() * world_N_m / power_scale();
   }
   /// Stiffness that the leader feels for one of the robot's world [N/m].
   [[nodiscard]] double leader_stiffness_N_per_m(double world_N_per_m) const noexcept {

@@ -27,10 +27,13 @@ bool is_sound(const Response& response, Eigen::Index rows) noexcept {
   const auto none_or_sound = [rows](const Vector& vector) {
     return vector.rows() == 0 || (vector.rows() == rows && vector.allFinite());
   };
-  return response.force.rows() == rows && response.force.allFinite() && none_or_sound(response.contact_normal) &&
-         none_or_sound(response.server_parts_N) && std::isfinite(response.penetration_m) &&
-         response.penetration_m >= 0 && std::isfinite(response.texture_N) && response.texture_N >= 0 &&
-         none_or_sound(response.texture_wave) && none_or_sound(response.texture_across);
+  const bool torque_is_sound =
+      response.torque_N_m.rows() == 0 ||
+      (response.torque_N_m.rows() == Eigen::Vector3d::RowsAtCompileTime && response.torque_N_m.allFinite());
+  return torque_is_sound && response.force.rows() == rows && response.force.allFinite() &&
+         none_or_sound(response.contact_normal) && none_or_sound(response.server_parts_N) &&
+         std::isfinite(response.penetration_m) && response.penetration_m >= 0 && std::isfinite(response.texture_N) &&
+         response.texture_N >= 0 && none_or_sound(response.texture_wave) && none_or_sound(response.texture_across);
 }
 
 }  // namespace
@@ -362,6 +365,7 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
       .motion_sequence = motion.sequence,
       .motion_device_time = motion.device_time,
       .force = said.force,
+      .torque_N_m = response.torque_N_m,
       .position = place,
       .contact_normal = response.contact_normal,
       .penetration_m = response.penetration_m,

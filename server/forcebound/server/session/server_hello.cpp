@@ -39,7 +39,8 @@ MadeEnvironment make_for(const wire::Hello& hello, const EnvironmentKind& kind) 
                                     .period_s = believed_period_s(hello),
                                     .force_N_max = hello.force_N_max,
                                     .round_trip = hello.round_trip,
-                                    .renders_locally = renders_locally(hello)});
+                                    .renders_locally = renders_locally(hello),
+                                    .shows_torque = hello.shows_torque});
   if (!made.environment) throw std::runtime_error("its maker returned none");
   return made;
 }
@@ -444,7 +445,8 @@ void Server::welcome(const Session& session) {
                      .offer = offer,
                      .server_parts =
                          session.wants_models ? server_parts_of(made.least_rendering) : wire::ServerParts::held,
-                     .takes_energy = made.takes_energy},
+                     .takes_energy = made.takes_energy,
+                     .tool_m = made.tool_m},
        session.info.address);
 }
 

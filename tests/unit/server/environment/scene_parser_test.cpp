@@ -105,7 +105,7 @@ TEST(ParseScene, UnknownKeysAreErrorsWithTheNearestKnown) {
   EXPECT_EQ(
       error_of(with("degrees_of_freedom = 2", "degrees_of_freedom = 2\ndescripton = ''")),
       "scenes/wall.toml:5: scene: unknown key 'descripton', did you mean 'description'? (known: name, description, "
-      "degrees_of_freedom, shared, clients_max, accuracy, suggested_device, suggested_hand)");
+      "degrees_of_freedom, shared, clients_max, accuracy, tool_m, suggested_device, suggested_hand)");
   EXPECT_EQ(
       error_of(with("[scene]", "[scenery]\n[scene]")),
       "scenes/wall.toml:1: scene file: unknown key 'scenery', did you mean 'scene'? (known: scene, accuracy, object, "
