@@ -397,6 +397,11 @@ constexpr forcebound_driver kHaply{
     .stop = haply_stop,
     .close = haply_close,
     .last_error = haply_last_error,
+    // A device, not a robot.
+    .describe_robot = nullptr,
+    .read_robot = nullptr,
+    .command_robot = nullptr,
+    .resume = nullptr,
 };
 
 }  // namespace

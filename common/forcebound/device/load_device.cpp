@@ -6,6 +6,7 @@
 
 #include "forcebound/config/checked_table.hpp"
 #include "forcebound/control/handle.hpp"
+#include "forcebound/device/kinematics/kinematics.hpp"
 #include "forcebound/device/load_geometry.hpp"
 #include "forcebound/device/shipped_devices.hpp"
 #include "forcebound/text/file.hpp"
@@ -150,7 +151,6 @@ DeviceDescription parse_description(std::string_view toml_text, const std::strin
   device.facts.cartesian = kind == "cartesian";
   const AxesRange range = axes_of(kind, use);
   const int dof = file.whole({.key = "degrees_of_freedom", .least = range.least, .most = range.most});
-  constexpr int kTranslations = 3;
   if (dof > kTranslations && dof < control::kDofMax && kind == "chain") {
     file.refuse("degrees_of_freedom", "1, 2 or 3, or 6 for a tip that turns as well");
   }

@@ -12,8 +12,6 @@
 namespace forcebound::device {
 namespace {
 
-constexpr int kTranslations = 3;
-
 /// Where the joints that were passed put what follows them.
 Eigen::Isometry3d turn(const ChainGeometry::Joint& joint, double angle_rad) noexcept {
   return Eigen::Translation3d(joint.point_m) * Eigen::AngleAxisd(angle_rad, joint.axis) *

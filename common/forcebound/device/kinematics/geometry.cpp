@@ -39,7 +39,6 @@ std::unique_ptr<const Kinematics> make_kinematics(const Geometry& geometry) { re
 std::string refusal_of_origin(const Kinematics& kinematics, int degrees_of_freedom) {
   constexpr double kNear_m = 1e-6;
   constexpr double kSingularShare = 1e-3;
-  constexpr int kTranslations = 3;
   const Vector origin = Vector::Zero(std::min(degrees_of_freedom, kTranslations));
   const Vector joints = kinematics.joints_at(origin);
   if (!(kinematics.position(joints).norm() < kNear_m)) return "the tip does not reach the scene's origin";

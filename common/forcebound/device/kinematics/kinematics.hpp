@@ -10,6 +10,9 @@ namespace forcebound::device {
 using control::Matrix;
 using control::Vector;
 
+/// Of a tip that turns: axes in metres, before those in radians.
+inline constexpr int kTranslations = 3;
+
 /// Tip position from joint positions, in the scene frame: x to the user's right, y away from the user, z up [m]. There
 /// may be more joints than axes of the tip, never fewer.
 ///
