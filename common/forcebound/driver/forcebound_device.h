@@ -121,7 +121,9 @@ typedef struct forcebound_command {
   uint32_t reserved;
   int64_t at_ns; /* now */
   double force_N[FORCEBOUND_AXES_MAX];
-  double torque_N_m[3]; /* on the handle, scene frame; zero unless the device turns its handle */
+  double torque_N_m[3]; /* on the handle, scene frame; zero unless the device turns its handle: then the user's file of
+                           facts is a chain of six axes, readings have an orientation and three rows of angular velocity
+                           in the Jacobian below those of the position, and the joints' torques are J' times both */
 } forcebound_command;
 
 /* What is known of a robot with a torque interface: all that its law and its controller rely on. Turning joints in a row,

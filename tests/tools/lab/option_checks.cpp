@@ -41,7 +41,7 @@ CLI::Validator known_network() {
 }
 
 void expect_accepted(const scene::Scene& scene, const std::string& device) {
-  const int has = device::load_device(device).facts.degrees_of_freedom();
+  const int has = device::load_device(device).facts.translations();
   if (scene.accepts(static_cast<std::uint32_t>(has))) return;
   throw std::invalid_argument("--device: '" + device + "' has " + std::to_string(has) + " degrees of freedom, scene '" +
                               scene.facts().name + "' accepts " + scene.facts().accepted_degrees_of_freedom());

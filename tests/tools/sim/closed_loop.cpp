@@ -36,7 +36,8 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       busy_(settings_.server_turn),
       device_(settings_.device,
               settings_.make_hand ? settings_.make_hand()
-                                  : device::make_operator(settings_.hand, settings_.device.facts.degrees_of_freedom()),
+                                  : device::make_operator(settings_.hand, settings_.device.facts.translations(),
+                                                          settings_.device.facts.rotations > 0),
               settings_.flaws),
       surface_(settings_.own_environment ? nullptr : settings_.scene, device_),
       summary_(info()) {
@@ -54,7 +55,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
   start_server();
   if (settings_.renders_locally) {
     local_.emplace(client::SceneBuilder::Options{
-        .degrees_of_freedom = static_cast<std::uint32_t>(settings_.device.facts.degrees_of_freedom()),
+        .degrees_of_freedom = static_cast<std::uint32_t>(settings_.device.facts.translations()),
         .cache_folder = settings_.scene_cache,
         .limits = handover::Limits::of_period(settings_.device.facts.period_s)});
   }

@@ -4,7 +4,7 @@ namespace forcebound::sim {
 
 TrueSurface::TrueSurface(const std::shared_ptr<const scene::Scene>& scene, const device::SimulatedDevice& device)
     : device_(device) {
-  const auto rows = static_cast<std::uint32_t>(device.facts().degrees_of_freedom());
+  const auto rows = static_cast<std::uint32_t>(device.facts().translations());
   if (scene && scene->dynamic_models().empty() && scene->accepts(rows)) scene_.emplace(scene, rows);
 }
 

@@ -44,7 +44,8 @@ py::array KeptTicks::since(std::size_t first) const {
 }
 
 LiveClient::LiveClient(const Settings& settings)
-    : device_(settings.device, device::make_operator(settings.hand, settings.device.facts.degrees_of_freedom())),
+    : device_(settings.device, device::make_operator(settings.hand, settings.device.facts.translations(),
+                                                     settings.device.facts.rotations > 0)),
       ticks_(shape_of_device(device_.facts()), settings.ticks_kept),
       client_(settings.client, device_,
               baselines::shipped_laws().make(settings.law, device_.facts(), settings.law_options), {&ticks_}) {}
