@@ -122,7 +122,7 @@ void Writer::add_attachment(std::string_view name, std::string_view media_type, 
 
 void Writer::write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t log_time, std::string_view data) {
   if (failed() || closed_) {
-    ++unwritten_;
+    ++unwritten_[channel];
     return;
   }
   const bool full = chunk_.messages != 0 &&
@@ -141,6 +141,11 @@ void Writer::write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t 
   put(chunk_.records, log_time);
   put(chunk_.records, log_time);  // published when it was logged
   chunk_.records += data;
+}
+
+std::uint64_t Writer::unwritten(std::uint16_t channel) const noexcept {
+  const auto found = unwritten_.find(channel);
+  return found == unwritten_.end() ? 0 : found->second;
 }
 
 void Writer::flush() {
@@ -176,7 +181,7 @@ void Writer::flush() {
   if (emit(out)) {
     note_chunk(stored, index_offsets, out.size() - stored.bytes);
   } else {
-    unwritten_ += chunk_.messages;
+    for (const auto& [channel, entries] : chunk_.index) unwritten_[channel] += entries.size();
   }
   chunk_.records.clear();
   chunk_.index.clear();

@@ -54,8 +54,8 @@ class Writer {
   [[nodiscard]] int error() const noexcept { return error_; }
   [[nodiscard]] bool failed() const noexcept { return error_ != 0; }
 
-  /// Messages that did not reach the stream.
-  [[nodiscard]] std::uint64_t unwritten() const noexcept { return unwritten_; }
+  /// Messages of a channel that did not reach the stream.
+  [[nodiscard]] std::uint64_t unwritten(std::uint16_t channel) const noexcept;
 
   /// Messages that did.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
@@ -92,7 +92,7 @@ class Writer {
   std::uint64_t offset_ = 0;
   std::uint32_t crc_ = 0;
   std::uint64_t written_ = 0;
-  std::uint64_t unwritten_ = 0;
+  std::map<std::uint16_t, std::uint64_t> unwritten_;
   Chunk chunk_;
   std::unique_ptr<Compressor> compressor_;  // null: nothing is compressed
 

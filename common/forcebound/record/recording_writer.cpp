@@ -24,6 +24,12 @@ constexpr std::array<double, 3> kBlue{0.2, 0.45, 0.9};
 
 constexpr std::size_t kSessionsShownMost = 256;
 
+constexpr std::string_view kTicks = "/tick";
+constexpr std::string_view kForces = "/force";
+constexpr std::string_view kMotions = "/motion";
+/// All other topics show in pictures what these record.
+constexpr std::array kTopicsOfRecords{kTicks, kForces, kMotions};
+
 }  // namespace
 
 struct RecordingWriter::Storage {
@@ -82,7 +88,7 @@ RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 RecordingWriter& RecordingWriter::operator=(RecordingWriter&&) noexcept = default;
 
 void RecordingWriter::write(const TickRecord& tick) {
-  storage_->write("/tick", kTickSchema, tick.tick, tick.time, encode(tick));
+  storage_->write(kTicks, kTickSchema, tick.tick, tick.time, encode(tick));
   if (!storage_->of_ticks.take(tick.time)) return;
   constexpr std::string_view kDevice = "device";
   const Nanoseconds at = storage_->wall_clock(tick.time);
@@ -95,11 +101,11 @@ void RecordingWriter::write(const TickRecord& tick) {
 }
 
 void RecordingWriter::write(const ForceRecord& force) {
-  storage_->write("/force", kForceSchema, force.force.sequence, force.receive_time, encode(force));
+  storage_->write(kForces, kForceSchema, force.force.sequence, force.receive_time, encode(force));
 }
 
 void RecordingWriter::write(const MotionRecord& motion) {
-  storage_->write("/motion", kMotionSchema, motion.motion.sequence, motion.receive_time, encode(motion.motion));
+  storage_->write(kMotions, kMotionSchema, motion.motion.sequence, motion.receive_time, encode(motion.motion));
   ShownSession& session = storage_->shown(motion.motion.session);
   if (!session.motions.take(motion.receive_time)) return;
   storage_->picture("/device", kFrameTransformSchema, motion.receive_time,
@@ -109,7 +115,7 @@ void RecordingWriter::write(const MotionRecord& motion) {
 
 void RecordingWriter::write(const SentForceRecord& force) {
   const Nanoseconds at = force.force.server_send_time;
-  storage_->write("/force", kForceSchema, force.force.sequence, at, encode(force));
+  storage_->write(kForces, kForceSchema, force.force.sequence, at, encode(force));
   ShownSession& session = storage_->shown(force.force.session);
   if (!session.forces.take(at)) return;
   const std::array<ShownForce, 1> forces{{{"sent force", force.force.force, kBlue}}};
@@ -133,7 +139,14 @@ void RecordingWriter::finish(const RunTotals& totals) {
   storage_->mcap->close();
 }
 
-std::uint64_t RecordingWriter::unwritten() const noexcept { return storage_->mcap->unwritten(); }
+std::uint64_t RecordingWriter::unwritten() const noexcept {
+  std::uint64_t all = 0;
+  for (const std::string_view topic : kTopicsOfRecords) {
+    const auto channel = storage_->channels.find(topic);
+    if (channel != storage_->channels.end()) all += storage_->mcap->unwritten(channel->second);
+  }
+  return all;
+}
 
 std::string RecordingWriter::problem() const {
   const mcap::Writer& mcap = *storage_->mcap;
