@@ -147,6 +147,29 @@ TEST(HandSafety, FadesBeyondTheWorkspace) {
   EXPECT_EQ(hand.safety.trips(Trip::workspace), 2U);
 }
 
+TEST(HandSafety, BoundsATorqueByTheSameRampAndFadeAndByALimitOfItsOwn) {
+  const Eigen::Vector3d wanted_N_m(0, 0, 0.2);
+  Hand ramp{HandSafety({.ramp_s = 0.1, .workspace_radius_m = 0.1, .workspace_fade_m = 0.02}, 10, 0.2)};
+  (void)ramp.ticks(50, 0, 0);
+  EXPECT_NEAR(ramp.safety.limited_torque(wanted_N_m).z(), 0.1, 0.005) << "half of the ramp";
+  (void)ramp.ticks(60, 0, 0);
+  EXPECT_EQ(ramp.safety.limited_torque(wanted_N_m), wanted_N_m);
+  (void)ramp.tick(0.115, 0);
+  EXPECT_NEAR(ramp.safety.limited_torque(wanted_N_m).z(), 0.05, 1e-9) << "outside the workspace";
+  (void)ramp.tick(std::numeric_limits<double>::quiet_NaN(), 0);
+  EXPECT_TRUE(ramp.safety.limited_torque(wanted_N_m).isZero(0)) << "without a reading";
+
+  HandSafety warm({.rms_torque_N_m_max = 0.1, .rms_s = 2});
+  const Vector none = one(0);
+  Eigen::Vector3d asked_N_m = wanted_N_m;
+  for (int i = 0; i < 20'000; ++i) {
+    (void)warm.limited(none, {.position = none, .applied_N = none, .elapsed_s = 1e-3, .applied_N_m = asked_N_m});
+    asked_N_m = warm.limited_torque(wanted_N_m);
+  }
+  EXPECT_NEAR(asked_N_m.z(), 0.1, 1e-9);
+  EXPECT_EQ(warm.trips(Trip::heat), 1U);
+}
+
 TEST(HandSafety, BoundsTheMeanSquareOfTheForceWithoutAJump) {
   Hand hand{HandSafety({.rms_force_N_max = 3, .rms_s = 2})};
   double before_N = hand.tick(0, 6);
