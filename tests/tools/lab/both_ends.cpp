@@ -30,10 +30,10 @@ std::string spread_words(const nlohmann::ordered_json& us) {
 }
 
 std::string row(const std::string& name, const std::string& words) {
-  constexpr std::size_t kColumns = 16;
+  constexpr std::size_t kValuesColumn = 16;
   std::string line = "  " + name;
-  line.resize(std::max(line.size() + 1, kColumns), ' ');
-  return text::wrapped(line + words, kColumns) + '\n';
+  line.resize(std::max(line.size() + 1, kValuesColumn), ' ');
+  return text::wrapped(line + words, kValuesColumn) + '\n';
 }
 
 bool same(const control::Vector& a, const control::Vector& b) { return a.size() == b.size() && a == b; }

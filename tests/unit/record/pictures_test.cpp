@@ -55,7 +55,7 @@ const foxglove::SceneEntity* entity_of(const foxglove::SceneUpdate& update, cons
   return nullptr;
 }
 
-TickRecord tick_at(std::int64_t ms) {
+TickRecord pictured_tick_at(std::int64_t ms) {
   TickRecord tick;
   tick.tick = static_cast<std::uint64_t>(ms) + 1;
   tick.time = std::chrono::milliseconds{ms};
@@ -69,7 +69,7 @@ TickRecord tick_at(std::int64_t ms) {
 TEST(Pictures, ComeSixtyTimesASecondWhateverTheRateOfTheTicks) {
   const TemporaryFile file("rate.mcap");
   RecordingWriter writer(file.path(), test::sample_info());
-  for (std::int64_t ms = 0; ms < 5000; ++ms) writer.write(tick_at(ms));
+  for (std::int64_t ms = 0; ms < 5000; ++ms) writer.write(pictured_tick_at(ms));
   writer.finish({});
   const Pictures pictures = pictures_in(file.path());
   EXPECT_EQ(pictures.devices.size(), 300U);
@@ -82,7 +82,7 @@ TEST(Pictures, ComeSixtyTimesASecondWhateverTheRateOfTheTicks) {
 TEST(Pictures, ShowTheTipAndTheForcesOnIt) {
   const TemporaryFile file("arrows.mcap");
   RecordingWriter writer(file.path(), test::sample_info());
-  TickRecord tick = tick_at(0);
+  TickRecord tick = pictured_tick_at(0);
   tick.handle.orientation = {{0, 0, 0, 1}};
   writer.write(tick);
   writer.finish({});
@@ -118,7 +118,7 @@ TEST(Pictures, OfNumbersThatAreNotFiniteAreFinite) {
   const TemporaryFile file("finite.mcap");
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   RecordingWriter writer(file.path(), test::sample_info());
-  TickRecord tick = tick_at(0);
+  TickRecord tick = pictured_tick_at(0);
   tick.position = vector_of({kNaN, 1, std::numeric_limits<double>::infinity()});
   tick.applied = vector_of({kNaN, 0, 1});
   tick.handle.orientation = {{kNaN, 0, 0, 0}};
@@ -202,7 +202,7 @@ TEST(Pictures, AreNoRecordsToOurReader) {
   const TemporaryFile file("files.mcap");
   RecordingWriter writer(file.path(), test::sample_info());
   writer.write_scene({}, Nanoseconds{5});
-  writer.write(tick_at(0));
+  writer.write(pictured_tick_at(0));
   writer.attach({.name = "device.toml", .media_type = "application/toml", .content = "mass_kg = 1\n"}, Nanoseconds{6});
   writer.finish({});
   EXPECT_TRUE(read_recording(file.path(), sink));

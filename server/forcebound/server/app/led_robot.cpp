@@ -117,18 +117,15 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
                    std::optional<int> priority)
     : options_(options) {
   std::unique_ptr<Robot> robot;
-  bool simulated = false;
   if (is_driven(options_.robot)) {
     robot = make_driven(options_.robot);
     spdlog::info("robot: {}", robot->facts_in_words());
   } else {
     task_ = load_task(options_.task);
-    const RobotKind& kind = find_robot(options_.robot);
-    robot = kind.make(*task_, kSeed);
-    simulated = kind.simulated;
+    robot = find_robot(options_.robot).make(*task_, kSeed);
   }
   auto follower = std::make_unique<Follower>(std::move(robot), options_.settings, laws, clock);
-  looks_ = std::make_shared<const FollowerLooks>(follower->robot().model(), simulated ? &*task_ : nullptr,
+  looks_ = std::make_shared<const FollowerLooks>(follower->robot().model(), task_ ? &*task_ : nullptr,
                                                  options_.settings, follower->robot().audit().has_value());
   thread_ =
       std::make_shared<FollowerThread>(std::move(follower), clock, FollowerThread::Settings{.priority = priority});

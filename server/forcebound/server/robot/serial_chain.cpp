@@ -95,7 +95,7 @@ Matrix SerialChain::mass_matrix(const Vector& q) const noexcept {
 }
 
 Vector SerialChain::gravity(const Vector& q) const noexcept {
-  const Frames all = frames(q);
+  const LinkFrames all = link_frames(q);
   Vector torque(joints());
   double mass_kg = 0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // mass times centre, of all links from here outward

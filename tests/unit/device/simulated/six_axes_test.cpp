@@ -24,7 +24,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Nanoseconds kStart = std::chrono::hours(1);
+constexpr Nanoseconds kSixAxesStart = std::chrono::hours(1);
 
 /// The shipped device of six axes, a hand and a law, tick by tick as a client runs them.
 class SixAxes {
@@ -37,7 +37,7 @@ class SixAxes {
   /// @param wrench_at of a reading: what is asked for
   template <class Environment>
   void tick(Environment&& wrench_at) {
-    const Nanoseconds now = kStart + ticks_++ * milliseconds(1);
+    const Nanoseconds now = kSixAxesStart + ticks_++ * milliseconds(1);
     const Reading reading = usable_or_lost(device_.read(now), device_.facts(), now, now);
     times_.begin_choosing(now);
     const control::Motion motion = times_.motion_at(reading);
@@ -140,11 +140,11 @@ TEST(SixAxesDevice, AuditCountsTheTorqueTimesTheAngularVelocity) {
   SimulatedDevice device(description, make_operator("press:from_m=0,to_m=0,turn_x_rad=0.2,turn_y_rad=0.3", 3, true));
   Vector wrench(6);
   double balance_J = 0;
-  constexpr double kStep_s = 1e-5;
+  constexpr double kDifference_s = 1e-5;
   for (int step = 0; step < 100'000; ++step) {
-    const Nanoseconds now = kStart + step * std::chrono::microseconds(10);
+    const Nanoseconds now = kSixAxesStart + step * std::chrono::microseconds(10);
     if (step % 100 == 0) {
-      const double t = step * kStep_s;
+      const double t = step * kDifference_s;
       wrench << std::sin(20 * t), 1, std::cos(9 * t), 0.1 * std::sin(8 * t), 0.1, -0.1 * std::cos(11 * t);
       (void)device.read(now);
       device.apply(now, wrench);
@@ -153,7 +153,7 @@ TEST(SixAxesDevice, AuditCountsTheTorqueTimesTheAngularVelocity) {
     }
     const SimulatedDevice::Truth truth = device.truth();
     const Vector& speed = truth.joint_velocity;
-    balance_J += kStep_s * (speed.dot(description.facts.damping * speed) +
+    balance_J += kDifference_s * (speed.dot(description.facts.damping * speed) +
                             description.facts.friction.dot(speed.cwiseAbs()) - wrench.dot(truth.velocity));
   }
   EXPECT_GT(std::abs(balance_J), 1e-3);
