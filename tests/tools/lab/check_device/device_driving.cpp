@@ -201,10 +201,13 @@ Push DeviceDriving::push(const PushSettings& settings) {
 void DeviceDriving::brake(double force_N) {
   constexpr int kTicks_max = 600;
   constexpr double kFull_m_per_s = 0.5;
+  // The velocity is one of half as long ago as it is measured over: a force that stops it faster would shake it.
+  const double window_s = static_cast<double>(kPlaces) * facts().period_s;
+  const double damping = std::min(force_N / kFull_m_per_s, mass_kg_ / (2 * window_s));
   for (int ticks = 0; ticks < kTicks_max; ++ticks) {
     const Vector speed = velocity();
     if (ticks > 20 && speed.norm() < kStill_m_per_s) break;
-    Vector force = -force_N / kFull_m_per_s * speed;
+    Vector force = -damping * speed;
     if (force.norm() > force_N) force *= force_N / force.norm();
     try {
       tick(force);

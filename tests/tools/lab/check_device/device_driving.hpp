@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -88,6 +90,8 @@ class DeviceDriving {
     double way_m = 0.005;
   };
   [[nodiscard]] Push push(const PushSettings& settings);
+  /// What it moves like along the lightest axis pushed so far, so that braking is not too hard for it.
+  void note_mass(double mass_kg) { mass_kg_ = std::min(mass_kg_, mass_kg); }
   /// Opposes the motion until there is none, once it is no faster than it may be. @throws OutOfControl as `tick`
   void brake(double force_N);
 
@@ -135,6 +139,7 @@ class DeviceDriving {
   Nanoseconds seen_{0};  ///< of the last tick with a usable reading
   std::deque<Place> track_{};
   control::Matrix damping_{};
+  double mass_kg_ = std::numeric_limits<double>::infinity();
   ReadingCounts readings_{};
   CallCounts calls_{};
   std::uint64_t commands_ = 0;

@@ -123,7 +123,7 @@ TEST_F(LabReport, NamesTheFilesWithinARecording) {
   writer.finish({});
   // The row is wrapped where it is too long for a terminal.
   EXPECT_THAT(lab("report " + file.path().string()).out,
-              ContainsRegex(R"(within: device\.toml \(1\.23\s+kB\),\s+law\?\.toml \(7 B\))"));
+              ::testing::ContainsRegex(R"(within: device\.toml \(1\.23\s+kB\),\s+law\?\.toml \(7 B\))"));
 }
 
 TEST_F(LabReport, RefusesTwoRecordingsOfOneSideOrWithoutACommonSession) {
