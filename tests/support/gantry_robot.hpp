@@ -24,6 +24,7 @@ struct GantrySettings {
   double wall_m = 0.02;
   double wall_N_per_m = 5000;
   double force_N_max = 60;
+  double force_N_per_s_max = 0;  ///< that it says; 0: at once
   Nanoseconds latency{300'000};
   bool has_sensor = true;
 };
@@ -35,6 +36,7 @@ class GantryModel final : public server::RobotModel {
                .highest = Vector::Constant(3, 0.5),
                .speed_max = Vector::Constant(3, 2),
                .torque_max = Vector::Constant(3, settings.force_N_max),
+               .torque_rate_max = Vector::Constant(3, settings.force_N_per_s_max),
                .tool_speed_m_per_s_max = 1,
                .tool_turn_rad_per_s_max = 1};
   }
@@ -59,7 +61,7 @@ class GantryModel final : public server::RobotModel {
 };
 
 /// Integrated in steps of 50 us; the audit is that of these very steps.
-class GantryRobot final : public server::Robot {
+class GantryRobot : public server::Robot {
  public:
   explicit GantryRobot(const GantrySettings& settings = {}) : settings_(settings), model_(settings) {
     facts_.name = "gantry";
@@ -94,6 +96,8 @@ class GantryRobot final : public server::Robot {
   }
   void apply(Nanoseconds now, const Vector& force_N) noexcept override {
     advance(now);
+    fastest_rise_N_ = std::max(fastest_rise_N_, (force_N.cwiseAbs() - commanded_N_.cwiseAbs()).maxCoeff());
+    commanded_N_ = force_N;
     // Far more than can wait at any rate of ticks.
     if (waiting_ < commands_.size()) {
       commands_.at(waiting_++) = {now + settings_.latency, stopped_ ? Vector(Vector::Zero(3)) : force_N};
@@ -124,6 +128,9 @@ class GantryRobot final : public server::Robot {
   [[nodiscard]] double wall_force_N() const noexcept {
     return -settings_.wall_N_per_m * std::max(0.0, q_[0] - settings_.wall_m);
   }
+
+  /// By which a force grew at most from one command to the next.
+  [[nodiscard]] double fastest_rise_N() const noexcept { return fastest_rise_N_; }
 
   bool unplugged = false;
 
@@ -168,6 +175,8 @@ class GantryRobot final : public server::Robot {
   Vector q_ = Vector::Zero(3);
   Vector v_ = Vector::Zero(3);
   Vector force_ = Vector::Zero(3);
+  Vector commanded_N_ = Vector::Zero(3);
+  double fastest_rise_N_ = 0;
   std::array<Command, 64> commands_{};
   std::size_t waiting_ = 0;
   bool began_ = false;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <string>
 
 #include "forcebound/child/in_child.hpp"
 
@@ -25,8 +26,10 @@ void expect_to_survive(const std::string& file, const DriverRequest& request, co
   try {
     (void)child::in_child(tried, {.time = kOpenMost, .opens_files = true});
   } catch (const std::exception& error) {
-    throw std::runtime_error("driver '" + request.name + "' (" + file +
-                             "), when it was asked to open its device: " + error.what());
+    // One of a robot is named by its file.
+    const std::string where = request.name == file ? "" : " (" + file + ")";
+    throw std::runtime_error("driver '" + request.name + "'" + where +
+                             ", when it was asked to open its device: " + error.what());
   }
 }
 

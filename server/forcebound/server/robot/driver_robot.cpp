@@ -79,9 +79,13 @@ device::Reading DriverRobot::read(Nanoseconds now) noexcept {
   if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told, now);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
   if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
-  const bool unplugged = result == FORCEBOUND_UNPLUGGED;
-  if (!opened_.note_failure(unplugged ? "the robot is unplugged" : "no reading") && !unplugged) ++counters_.unexplained;
+  note_failure(result, "no reading");
   return without_reading(device::Reading::Status::failed);
+}
+
+void DriverRobot::note_failure(int result, std::string_view what) noexcept {
+  const bool unplugged = result == FORCEBOUND_UNPLUGGED;
+  if (!opened_.note_failure(unplugged ? "the robot is unplugged" : what) && !unplugged) ++counters_.unexplained;
 }
 
 device::Reading DriverRobot::reading_of(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
@@ -185,7 +189,7 @@ void DriverRobot::apply(Nanoseconds now, const Vector& torque) noexcept {
   write_failed_ = result != FORCEBOUND_OK;
   if (!write_failed_) return;
   ++counters_.failed_writes;
-  if (!opened_.note_failure("the command failed") && result != FORCEBOUND_UNPLUGGED) ++counters_.unexplained;
+  note_failure(result, "the command failed");
 }
 
 void DriverRobot::command_gripper(Nanoseconds /*now*/, double opening) noexcept {

@@ -66,6 +66,7 @@ class DriverRobot final : public Robot {
   void note_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
   [[nodiscard]] device::Reading without_reading(device::Reading::Status status) const noexcept;
   [[nodiscard]] device::Reading refused(std::string_view why) noexcept;
+  void note_failure(int result, std::string_view what) noexcept;
 
   driver::OpenedDriver opened_;
   RobotDescription about_;

@@ -91,6 +91,13 @@ TEST(FollowerOptions, BelongTogether) {
   }
 }
 
+TEST(FollowerOptions, TakeARobotBehindADriverWithoutATask) {
+  EXPECT_EQ(follower_parsed({"--follower", "driver:./arm.so:port=1"}).follower.robot, "driver:./arm.so:port=1");
+  EXPECT_EQ(follower_parsed({"--follower", "my-arm.toml"}).follower.robot, "my-arm.toml");
+  EXPECT_THAT(refusal_of({"--follower", "driver:./arm.so", "--task", "plug"}),
+              HasSubstr("--task is for simulated robots; one behind a driver has work of its own"));
+}
+
 TEST(FollowerOptions, DoNotGoWithAScene) {
   EXPECT_THAT(refusal_of({"--follower", "reach-7", "--task", "plug", "--scene", "wall"}),
               AllOf(HasSubstr("--scene"), HasSubstr("--follower")));

@@ -2,14 +2,17 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/server/robot/robot_kinds.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/driven_arm.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -36,6 +39,20 @@ TEST(ChangesOfState, AreToldInALineWithReasonAndTimes) {
   EXPECT_EQ(
       in_words({.from = following, .to = failed, .lasted = 1s, .silent = 1ms, .why_stopped = "the robot refuses"}),
       "following -> failed after 1 s: the robot refuses");
+}
+
+TEST(ChangesOfState, TellWhatTheRobotSaidWhereItEndedItsWork) {
+  StateChange change{.from = following, .to = failed, .lasted = 1s, .why_stopped = "the robot refuses"};
+  constexpr std::string_view kSaid = "joint 4 is too hot";
+  std::ranges::copy(kSaid, change.said.begin());
+  EXPECT_EQ(in_words(change), "following -> failed after 1 s: the robot refuses: joint 4 is too hot");
+  change.to = stopped;
+  change.why_stopped = "the robot stopped by itself";
+  EXPECT_EQ(in_words(change),
+            "following -> stopped after 1 s: the robot stopped by itself: joint 4 is too hot; it follows again once "
+            "its leader engages");
+  change.from = failed;
+  EXPECT_EQ(in_words(change), "failed -> stopped after 1 s; it follows again once its leader engages");
 }
 
 TEST(RobotsTotals, HaveBothTimersAndThePort) {
@@ -91,6 +108,18 @@ TEST(LedRobot, IsTheEnvironmentOfItsTask) {
                                     HasSubstr("not reached"), HasSubstr("at the end at rest")));
   std::istringstream lines(text::wrapped(robot.totals(), 4));
   for (std::string line; std::getline(lines, line);) EXPECT_LE(text::columns_of(line), text::kColumns) << line;
+}
+
+TEST(LedRobot, BehindADriverHasNoTaskButWorkOfItsOwn) {
+  const time::SteadyClock clock;
+  LedRobot robot({.robot = "driver:" + test::robot_driver()}, baselines::shipped_laws(), clock, std::nullopt);
+  EXPECT_EQ(robot.environment().name, "robot");
+  EXPECT_TRUE(robot.environment().accepts(3));
+  EXPECT_FALSE(robot.environment().accepts(1));
+  robot.stop();
+  EXPECT_FALSE(robot.is_lost());
+  EXPECT_THAT(robot.totals(), AllOf(HasSubstr("position-force"), HasSubstr("at the end at rest"),
+                                    HasSubstr("least P 0 mJ"), Not(HasSubstr("  task: "))));
 }
 
 TEST(LedRobot, SaysWhatItNeedsWithoutMuJoCo) {

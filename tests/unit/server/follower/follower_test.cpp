@@ -86,6 +86,20 @@ TEST(Follower, WithoutALawItLeaks) {
   EXPECT_LT(led.follower->totals().port.minimum_J, -1e-4);
 }
 
+TEST(Follower, AsksForNoTorqueThatGrowsFasterThanTheRobotLetsIt) {
+  const auto jump = [](double, LeaderMotion& leader) { leader.position[1] = 0.05; };
+  const auto fastest_rise_N = [&](const GantrySettings& gantry) {
+    Led led({.architecture = "position-position", .approach_m_per_s_max = 10}, gantry);
+    led.engage();
+    led.run(1s, jump);
+    EXPECT_NEAR(led.robot->place_m()[1], 0.05, 5e-3) << "it gets there all the same";
+    EXPECT_GE(led.follower->totals().port.minimum_J, -1e-12);
+    return led.robot->fastest_rise_N();
+  };
+  EXPECT_GT(fastest_rise_N({}), 5);
+  EXPECT_LE(fastest_rise_N({.force_N_per_s_max = 1000}), 1 + 1e-9);
+}
+
 TEST(Follower, ReflectsWhatItsSensorFeels) {
   Led led({.architecture = "position-force"});
   led.engage();

@@ -56,6 +56,20 @@ TEST_F(ArmChain, HasTheGeometryAndTheMassesOfMuJoCosModel) {
   }
 }
 
+TEST_F(ArmChain, HasTheTorquesOfGravityOfMuJoCosModel) {
+  // The arm compensates its weight itself, so that its model has none.
+  model_->opt.gravity[2] = -kGravity_m_per_s2;
+  const DataPointer data = make_data(*model_);
+  for (int game = 0; game < 20; ++game) {
+    const Vector q = any_posture();
+    std::copy(q.begin(), q.end(), data->qpos);
+    ASSERT_TRUE(find_dynamics(*model_, *data));
+    Eigen::VectorXd holding(model_->nv);
+    mj_rne(model_.get(), data.get(), 0, holding.data());
+    EXPECT_LT((chain_.gravity(q) - holding.head(7)).norm(), 1e-10 * holding.norm());
+  }
+}
+
 TEST_F(ArmChain, JacobianIsTheDerivativeOfThePose) {
   constexpr double kStep = 1e-6;
   for (int game = 0; game < 20; ++game) {
@@ -111,6 +125,7 @@ TEST_F(ArmChain, DoesNotAllocate) {
   (void)chain_.pose(q);
   (void)chain_.jacobian(q);
   (void)chain_.mass_matrix(q);
+  (void)chain_.gravity(q);
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
 

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "forcebound/time/steady_clock.hpp"
@@ -16,16 +18,36 @@ namespace {
 using namespace std::chrono_literals;
 using enum control::FollowerState;
 
+/// A gantry that is said to be real, and whose readings take long while they are told to.
+class SlowGantry final : public test::GantryRobot {
+ public:
+  SlowGantry(std::atomic<bool>& slow, std::atomic<int>& stops) : slow_(slow), stops_(stops) {}
+  [[nodiscard]] bool is_simulated() const noexcept override { return false; }
+  device::Reading read(Nanoseconds now) noexcept override {
+    while (slow_) std::this_thread::sleep_for(1ms);
+    return GantryRobot::read(now);
+  }
+  void stop(Nanoseconds /*now*/) noexcept override { ++stops_; }
+  void apply(Nanoseconds now, const Vector& force_N) noexcept override {
+    // As a real one: stopped from outside, whoever asked for it.
+    if (stops_ > 0 && !is_stopped()) soft_stop(now);
+    GantryRobot::apply(now, force_N);
+  }
+
+ private:
+  std::atomic<bool>& slow_;
+  std::atomic<int>& stops_;
+};
+
 /// A gantry on a thread of its own, and its leader on that of the test.
 class Led {
  public:
-  explicit Led(const EngagementTimes& times = {}) {
+  explicit Led(const EngagementTimes& times = {}) : Led(std::make_unique<test::GantryRobot>(), times) {}
+  explicit Led(std::unique_ptr<Robot> robot, const EngagementTimes& times = {}) {
     FollowerSettings settings{.architecture = "position-position", .times = times};
     settings.workspace.rotation.setIdentity();
-    thread =
-        std::make_unique<FollowerThread>(std::make_unique<Follower>(std::make_unique<test::GantryRobot>(), settings,
-                                                                    control::force_bounding_laws(), clock),
-                                         clock);
+    thread = std::make_unique<FollowerThread>(
+        std::make_unique<Follower>(std::move(robot), settings, control::force_bounding_laws(), clock), clock);
     motion.position = Vector::Zero(3);
   }
 
@@ -155,6 +177,23 @@ TEST(FollowerThread, CountsItsTimeInStatesAndItsWakeUps) {
   EXPECT_EQ(outcome.loop.wake_ups, outcome.totals.ticks - 1) << "an interval between two ticks each";
   EXPECT_GT(outcome.idle.wake_ups, 0U);
   EXPECT_EQ(outcome.allocations, 0U);
+}
+
+TEST(FollowerThread, TellsItsLeaderThatTheRobotHasFailedWhileItsDriverDoesNotReturn) {
+  std::atomic<bool> slow{false};
+  std::atomic<int> stops{0};
+  Led led(std::make_unique<SlowGantry>(slow, stops));
+  led.thread->begin_leader();
+  led.lead_until(following);
+  slow = true;
+  led.lead_until(failed);
+  EXPECT_EQ(led.thread->newest().share, 0) << "no force on the hand";
+  while (stops == 0) std::this_thread::sleep_for(1ms);
+  slow = false;
+  led.lead_until(stopped);
+  EXPECT_EQ(led.thread->trouble(), RobotGuard::Trouble::none);
+  EXPECT_FALSE(led.thread->is_lost());
+  EXPECT_TRUE(led.thread->stop().at_rest);
 }
 
 TEST(FollowerThread, EndsWithoutALeaderToo) {
