@@ -128,7 +128,7 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
                  "threads that serve at the same address, each with its own sessions; 0: one for each processor that "
                  "this process may use. A robot (--follower) and a socket from the service manager have one")
       ->type_name("N")
-      ->check(program::whole_within(0, static_cast<int>(WorkerPlace::kMost)))
+      ->check(program::whole_within(0, static_cast<int>(WorkerPlace::kWorkersMost)))
       ->capture_default_str();
   app.add_option("--sessions-max", options.server.sessions_max, "most clients at the same time")
       ->type_name("N")

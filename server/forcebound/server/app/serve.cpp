@@ -248,7 +248,7 @@ std::size_t workers_for(const ProgramOptions& options, bool socket_handed_over) 
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
-  return std::clamp<std::size_t>(static_cast<std::size_t>(CPU_COUNT(&allowed)), 1, WorkerPlace::kMost);
+  return std::clamp<std::size_t>(static_cast<std::size_t>(CPU_COUNT(&allowed)), 1, WorkerPlace::kWorkersMost);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "forcebound/security/random.hpp"
-#include "forcebound/server/runtime/steering.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -71,32 +70,35 @@ class ServerWorkers::LockedObserver final : public ServerObserver {
 ServerWorkers::ServerWorkers(net::UdpLink link, const Settings& settings, ServerOptions options,
                              const EnvironmentLibrary& environments, ServerObserver* observer,
                              std::optional<ServerKeys> keys) {
-  if (settings.workers < 1 || settings.workers > WorkerPlace::kMost) {
-    throw std::invalid_argument("workers must be 1 to " + std::to_string(WorkerPlace::kMost) + ", got " +
+  if (settings.workers < 1 || settings.workers > WorkerPlace::kWorkersMost) {
+    throw std::invalid_argument("workers must be 1 to " + std::to_string(WorkerPlace::kWorkersMost) + ", got " +
                                 std::to_string(settings.workers));
   }
-  if (settings.workers == 1) {
-    workers_.push_back(std::make_unique<Worker>(std::move(link), options, environments, observer, std::move(keys)));
-    return;
-  }
-  limits_ = std::make_unique<SharedLimits>(options.hellos_per_s_max, clock_.now(), random_hash_key());
-  if (observer != nullptr) observer_ = std::make_unique<LockedObserver>(*observer, settings.observes_motions);
-  for (std::size_t i = 0; i < settings.workers; ++i) mail_.push_back(std::make_unique<WorkerMail>());
   std::vector<net::UdpLink> links;
   links.push_back(std::move(link));
-  while (links.size() < settings.workers)
+  while (links.size() < settings.workers) {
     links.push_back(net::UdpLink::beside(links.front(), net::UdpLink::Stamps::left_out));
-  (void)steer(links.front(), settings.workers);  // else they hand over to each other
-  for (std::size_t i = 0; i < settings.workers; ++i) {
-    options.worker = {.number = i, .of = settings.workers, .limits = limits_.get()};
+  }
+  // Otherwise even wake-up calls would go to a worker that they are not for.
+  if (links.size() > 1 && !settings.steer(links.front(), links.size())) links.erase(links.begin() + 1, links.end());
+  if (links.size() == 1) {
+    workers_.push_back(
+        std::make_unique<Worker>(std::move(links.front()), options, environments, observer, std::move(keys)));
+    return;
+  }
+  moved_ = std::make_unique<MovedKeys>(SecureLimits::confirmed_most_of(options.sessions_max), links.size());
+  limits_ = std::make_unique<SharedLimits>(options.hellos_per_s_max, clock_.now(), random_hash_key());
+  if (observer != nullptr) observer_ = std::make_unique<LockedObserver>(*observer, settings.observes_motions);
+  for (std::size_t i = 0; i < links.size(); ++i) mail_.push_back(std::make_unique<WorkerMail>());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    options.worker = {.number = i, .workers = links.size(), .limits = limits_.get()};
     workers_.push_back(std::make_unique<Worker>(std::move(links[i]), options, environments.copy(), observer_.get(),
-                                                keys ? std::optional(keys->copy()) : std::nullopt, mail_));
+                                                keys ? std::optional(keys->copy()) : std::nullopt, mail_,
+                                                moved_.get()));
   }
 }
 
-ServerWorkers::~ServerWorkers() {
-  for (const auto& worker : workers_) worker->thread.request_stop();
-}
+ServerWorkers::~ServerWorkers() { end_threads(); }
 
 void ServerWorkers::start() {
   for (std::size_t i = 1; i < workers_.size(); ++i) {
@@ -117,43 +119,56 @@ void ServerWorkers::work(UdpServer& server, const std::stop_token& wanted) noexc
 
 void ServerWorkers::turn() {
   workers_.front()->server.turn();
+  throw_if_failed();
+}
+
+void ServerWorkers::throw_if_failed() {
   if (!failed_) return;
   const std::lock_guard lock(failure_guard_);
   std::rethrow_exception(failure_);
 }
 
-void ServerWorkers::ask_others(const std::function<void(UdpServer&)>& work) {
+void ServerWorkers::post_to_others(const std::function<void(UdpServer&)>& work) {
   for (std::size_t i = 1; i < workers_.size(); ++i) {
-    mail_[i]->ask(work);
+    mail_[i]->post_work(work);
     workers_.front()->server.wake(i);
   }
 }
 
 void ServerWorkers::admit_none(const std::string& why) {
+  post_to_others([why](UdpServer& server) { server.admit_none(why); });
   workers_.front()->server.admit_none(why);
-  ask_others([why](UdpServer& server) { server.admit_none(why); });
 }
 
 void ServerWorkers::replace_clients(const security::AllowedClients& clients) {
+  post_to_others([clients](UdpServer& server) { server.replace_clients(clients); });
   workers_.front()->server.replace_clients(clients);
-  ask_others([clients](UdpServer& server) { server.replace_clients(clients); });
 }
 
 bool ServerWorkers::end_session(std::uint64_t session) {
   const std::size_t owner = WorkerPlace::owner_of(session, workers_.size());
   if (owner == 0) return workers_.front()->server.end_session(session);
   if (!limits_->has(session)) return false;
-  mail_[owner]->ask([session](UdpServer& server) { (void)server.end_session(session); });
+  mail_[owner]->post_work([session](UdpServer& server) { (void)server.end_session(session); });
   workers_.front()->server.wake(owner);
   return true;
 }
 
+bool ServerWorkers::settled() const noexcept {
+  return std::ranges::all_of(mail_, [](const auto& mail) { return mail->work_done(); });
+}
+
 void ServerWorkers::stop() {
+  workers_.front()->server.stop();
+  end_threads();
+  throw_if_failed();
+}
+
+void ServerWorkers::end_threads() {
   for (std::size_t i = 1; i < workers_.size(); ++i) {
     workers_[i]->thread.request_stop();
     workers_.front()->server.wake(i);
   }
-  workers_.front()->server.stop();
   for (const auto& worker : workers_) {
     if (worker->thread.joinable()) worker->thread.join();
   }
@@ -188,9 +203,10 @@ std::optional<SecureCounters> ServerWorkers::secure_counters() const {
   return all;
 }
 
-std::uint64_t ServerWorkers::overflowed() const noexcept {
-  return std::accumulate(workers_.begin(), workers_.end(), std::uint64_t{0},
-                         [](std::uint64_t sum, const auto& worker) { return sum + worker->server.overflowed(); });
+std::uint64_t ServerWorkers::overflowed() const {
+  return std::accumulate(
+      workers_.begin() + 1, workers_.end(), workers_.front()->server.overflowed(),
+      [](std::uint64_t sum, const auto& worker) { return sum + worker->server.figures().overflowed; });
 }
 
 std::uint64_t ServerWorkers::handed_over() const {

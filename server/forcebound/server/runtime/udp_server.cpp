@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <new>
-#include <random>
 #include <utility>
 
+#include "forcebound/security/locked.hpp"
 #include "forcebound/security/random.hpp"
 #include "forcebound/server/runtime/steering.hpp"
 
@@ -23,8 +23,9 @@ constexpr Nanoseconds kAnswersTogether = std::chrono::microseconds{100};
 
 /// Random numbers from the system, so that session numbers cannot be guessed.
 std::uint64_t random_session_id() {
-  static std::random_device device;
-  return std::uint64_t{device()} << 32U | device();
+  std::uint64_t id = 0;
+  security::fill_with_random(std::as_writable_bytes(std::span(&id, 1)));
+  return id;
 }
 
 /// Does what may wait: without memory for it, at the next turn.
@@ -36,13 +37,14 @@ void unless_out_of_memory(const Work& work) {
   }
 }
 
-std::unique_ptr<SecureLink> secured(std::optional<ServerKeys> keys, const ServerOptions& options,
+std::unique_ptr<SecureLink> secured(std::optional<ServerKeys> keys, const ServerOptions& options, MovedKeys* moved,
                                     net::DatagramLink& link, const time::Clock& clock, ServerObserver* observer) {
   if (!keys) return nullptr;
   const SecureLimits limits{.sessions_max = options.sessions_max,
                             .idle_timeout = options.idle_timeout,
                             .worker = options.worker.number,
-                            .workers = options.worker.of};
+                            .workers = options.worker.workers,
+                            .moved = moved};
   return std::make_unique<SecureLink>(std::move(*keys), limits, link, clock, security::fill_with_random, observer);
 }
 
@@ -64,9 +66,9 @@ net::UdpLink listen_at(const net::Address& address) {
 
 UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
                      ServerObserver* observer, std::optional<ServerKeys> keys,
-                     std::span<const std::unique_ptr<WorkerMail>> mail)
+                     std::span<const std::unique_ptr<WorkerMail>> mail, MovedKeys* moved)
     : link_(std::move(link)),
-      secure_(secured(std::move(keys), options, batch_, clock_, observer)),
+      secure_(secured(std::move(keys), options, moved, batch_, clock_, observer)),
       compiler_(environments.scenes(),
                 [observer](std::string_view scene, std::string_view why) {
                   if (observer != nullptr) observer->on_scene_failed(scene, why);
@@ -83,11 +85,13 @@ UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const Envi
 
 void UdpServer::turn() {
   const Nanoseconds before = clock_.now();
-  const auto arrived = batch_.wait_for_some();
+  // Who puts something beside mail that waits wakes nobody.
+  const bool mail_waits = !mail_.empty() && !mail_[place_.number]->empty();
+  const auto arrived = mail_waits ? batch_.receive_all() : batch_.wait_for_some();
   note_busy(clock_.now() - before);
   unless_out_of_memory([this] { compiler_.deliver(); });
   if (!arrived.empty()) take_in(arrived);
-  if (!mail_.empty() && !mail_[place_.number]->empty()) take_in_mail();
+  if (!mail_.empty()) take_in_mail();
   answer_all();
   const Nanoseconds now = clock_.now();
   turned_.store(now.count(), std::memory_order_relaxed);
@@ -149,65 +153,111 @@ void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
 }
 
 void UdpServer::take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now) {
-  const net::Address& from = datagram.received.from;
-  if (!mail_.empty() && was_for_others(datagram, now)) return;
-  if (!secure_) {
-    server_.take_in(datagram.bytes, from, now);
-    if (const auto worker = server_.take_elsewhere()) hand_over(*worker, datagram.bytes, from);
-  } else if (const auto opened = secure_->take_in(datagram.bytes, from, now)) {
-    server_.take_in(opened->bytes, from, now, rights_of(opened->client));
-    const auto worker = server_.take_elsewhere();
-    if (!worker) return;
-    unless_out_of_memory(
-        [&] { hand_over(*worker, opened->bytes, from, secure_->move_out(opened->keys, *worker, now)); });
-  }
+  if (!mail_.empty() && was_for_others(datagram)) return;
+  take_in_own(datagram.bytes, datagram.received.from, now);
 }
 
-bool UdpServer::was_for_others(const net::UdpBatch::Arrived& datagram, Nanoseconds now) noexcept {
+/// What came to this worker's socket, or was for it and came to another's.
+void UdpServer::take_in_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+  using Stage = WorkerMail::Stage;
+  if (!secure_) {
+    server_.take_in(datagram, from, now);
+    const auto home = server_.take_elsewhere();
+    if (home) hand_over(*home, {.bytes = datagram, .from = from, .stage = Stage::hello_judged});
+    return;
+  }
+  const auto opened = secure_->take_in(datagram, from, now);
+  if (!opened) return;
+  if (const auto owner = owner_of(*opened)) {
+    hand_over_with_keys(*owner, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::opened}, now);
+    return;
+  }
+  server_.take_in(opened->bytes, from, now, rights_of(opened->client));
+  const auto home = server_.take_elsewhere();
+  if (!home) return;
+  hand_over_with_keys(*home, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::hello_judged}, now);
+}
+
+bool UdpServer::was_for_others(const net::UdpBatch::Arrived& datagram) noexcept {
   if (is_wake_up_call(datagram.bytes)) return true;
-  auto worker = worker_for(datagram.bytes, place_.of);
-  if (secure_ && (!worker || *worker == place_.number)) worker = secure_->moved_to(datagram.bytes, now);
+  auto worker = worker_for(datagram.bytes, place_.workers);
+  if (secure_ && (!worker || *worker == place_.number)) worker = secure_->moved_to(datagram.bytes);
   if (!worker || *worker == place_.number) return false;
-  hand_over(*worker, datagram.bytes, datagram.received.from);
+  hand_over(*worker, {.bytes = datagram.bytes, .from = datagram.received.from});
   return true;
 }
 
-void UdpServer::hand_over(std::size_t worker, std::span<const std::byte> datagram, const net::Address& from,
-                          std::optional<SecureLink::Moving> keys) noexcept {
-  const WorkerMail::Put put = mail_[worker]->put(datagram, from, std::move(keys));
-  ++(put == WorkerMail::Put::no_room ? not_handed_over_ : handed_over_);
-  if (put == WorkerMail::Put::taken_first) wake(worker);
+/// A client makes new keys after a silence, at the worker that its address hashes to: its session may be at another.
+std::optional<std::size_t> UdpServer::owner_of(const SecureLink::Content& content) const noexcept {
+  if (mail_.empty()) return std::nullopt;
+  const auto worker = worker_for(content.bytes, place_.workers);
+  if (!worker || *worker == place_.number) return std::nullopt;
+  const auto heading = wire::heading_of(content.bytes);
+  const auto* const sound = std::get_if<wire::Heading>(&heading);
+  const std::string_view client = content.client == nullptr ? std::string_view{} : content.client->name;
+  if (sound == nullptr || !place_.limits->has(sound->session, client)) return std::nullopt;
+  return WorkerPlace::owner_of(sound->session, place_.workers);
+}
+
+bool UdpServer::hand_over(std::size_t worker, const WorkerMail::Datagram& datagram, SecureLink::Moving* keys) noexcept {
+  WorkerMail::Datagram handed = datagram;
+  handed.worker = place_.number;
+  const WorkerMail::Put put = mail_[worker]->put(handed, keys);
+  const bool taken = put != WorkerMail::Put::no_room;
+  ++(taken ? handed_over_ : not_handed_over_);
+  if (put == WorkerMail::Put::was_empty) wake(worker);
+  return taken;
+}
+
+void UdpServer::hand_over_with_keys(std::size_t worker, const SecureLink::Content& content,
+                                    const WorkerMail::Datagram& datagram, Nanoseconds now) noexcept {
+  bool asked = false;
+  const auto give = [&](SecureLink::Moving& keys) {
+    asked = true;
+    return hand_over(worker, datagram, &keys);
+  };
+  if (!secure_->move_out(content.keys, worker, now, give) && !asked) ++not_handed_over_;
 }
 
 void UdpServer::wake(std::size_t worker) noexcept {
   net::Address to = link_.local_address();
-  // Bound to all of this machine's addresses: one of them.
-  if (to.ip == net::Address{}.ip) to.ip.back() = 1;
-  constexpr std::array<std::uint8_t, 16> kAllIpv4{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0, 0, 0, 0};
-  if (to.ip == kAllIpv4) to.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1};
   const WakeUpCall call = wake_up_call(worker);
+  constexpr net::Address kLoopback6{.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
+  constexpr net::Address kLoopback4{.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1}};
+  constexpr net::Address kAllIpv4{.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0, 0, 0, 0}};
+  // Bound to all of this machine's addresses: one of them. The machine may have no IPv6.
+  const bool of_both = to.ip == net::Address{}.ip;
+  if (of_both) to.ip = kLoopback6.ip;
+  if (to.ip == kAllIpv4.ip) to.ip = kLoopback4.ip;
+  if (link_.send(call, to) || !of_both) return;
+  to.ip = kLoopback4.ip;
   link_.send(call, to);
 }
 
 /// As many datagrams as there were when it began: those who put them down must not hold up this worker's own.
 void UdpServer::take_in_mail() {
   WorkerMail& mail = *mail_[place_.number];
-  const Nanoseconds now = clock_.now();
-  for (std::size_t i = 0; i < WorkerMail::kDatagramsMost && mail.take(handed_); ++i) take_in_handed(now);
-  handed_.keys.reset();
-  for (const auto& work : mail.take_work()) unless_out_of_memory([&] { work(*this); });
+  if (!mail.empty()) {
+    const Nanoseconds now = clock_.now();
+    for (std::size_t i = 0; i < WorkerMail::kDatagramsMost && mail.take(handed_); ++i) take_in_handed(now);
+  }
+  if (!mail.work_done()) mail.do_work(*this);
 }
 
 void UdpServer::take_in_handed(Nanoseconds now) {
-  const auto bytes = std::span<const std::byte>(handed_.bytes).first(handed_.length);
-  if (!secure_) {
-    server_.take_in_handed(bytes, handed_.from, now);
-  } else if (handed_.keys) {
-    const auto client = secure_->move_in(*std::exchange(handed_.keys, std::nullopt), handed_.from);
-    if (client) server_.take_in_handed(bytes, handed_.from, now, rights_of(*client));
-  } else if (const auto opened = secure_->take_in(bytes, handed_.from, now)) {
-    server_.take_in_handed(opened->bytes, handed_.from, now, rights_of(opened->client));
+  using Stage = WorkerMail::Stage;
+  const auto bytes = std::span(handed_.bytes).first(handed_.length);
+  if (handed_.stage == Stage::as_it_came) return take_in_own(bytes, handed_.from, now);
+  ClientRights rights;
+  if (handed_.keys) {
+    const auto client = secure_->move_in(*std::exchange(handed_.keys, std::nullopt), handed_.from, now);
+    if (client) rights = rights_of(*client);
+    if (client && handed_.stage == Stage::opened) server_.take_in(bytes, handed_.from, now, rights);
+    if (client && handed_.stage == Stage::hello_judged) server_.take_in_judged(bytes, handed_.from, now, rights);
+    security::wipe(bytes.data(), bytes.size());
+    return;
   }
+  server_.take_in_judged(bytes, handed_.from, now, rights);
 }
 
 void UdpServer::note_figures() {
@@ -215,6 +265,7 @@ void UdpServer::note_figures() {
   Figures figures{.counters = server_.counters(),
                   .secure = secure_ ? secure_->counters() : SecureCounters{},
                   .busy = server_.busy(),
+                  .overflowed = link_.counters().overflowed,
                   .handed_over = handed_over_,
                   .not_handed_over = not_handed_over_};
   const std::lock_guard lock(figures_guard_);

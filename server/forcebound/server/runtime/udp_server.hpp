@@ -44,10 +44,11 @@ class UdpServer {
   /// @param observer may be null; must outlive the server
   /// @param keys nothing: sessions in the clear, which everybody on the way can read and change
   /// @param mail of all workers, in their order; empty where there is but this one. Must outlive the server
+  /// @param moved of all workers; null where there is but this one
   /// @throws std::invalid_argument as Server's and SecureLink's
   UdpServer(net::UdpLink link, const ServerOptions& options, const EnvironmentLibrary& environments,
             ServerObserver* observer = nullptr, std::optional<ServerKeys> keys = std::nullopt,
-            std::span<const std::unique_ptr<WorkerMail>> mail = {});
+            std::span<const std::unique_ptr<WorkerMail>> mail = {}, MovedKeys* moved = nullptr);
   UdpServer(const UdpServer&) = delete;
   UdpServer& operator=(const UdpServer&) = delete;
 
@@ -81,6 +82,7 @@ class UdpServer {
     ServerCounters counters{};
     SecureCounters secure{};
     double busy = 0;
+    std::uint64_t overflowed = 0;       ///< dropped by the system because the socket's buffer was full
     std::uint64_t handed_over = 0;      ///< to other workers
     std::uint64_t not_handed_over = 0;  ///< lost: the other had no room for it
   };
@@ -97,10 +99,15 @@ class UdpServer {
  private:
   void take_in(std::span<const net::UdpBatch::Arrived> arrived);
   void take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now);
+  void take_in_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   /// True: it was another worker's, or a wake-up call.
-  [[nodiscard]] bool was_for_others(const net::UdpBatch::Arrived& datagram, Nanoseconds now) noexcept;
-  void hand_over(std::size_t worker, std::span<const std::byte> datagram, const net::Address& from,
-                 std::optional<SecureLink::Moving> keys = std::nullopt) noexcept;
+  [[nodiscard]] bool was_for_others(const net::UdpBatch::Arrived& datagram) noexcept;
+  /// The worker that has the session, of this client, to which what was opened belongs; nothing: none but this can.
+  [[nodiscard]] std::optional<std::size_t> owner_of(const SecureLink::Content& content) const noexcept;
+  /// @return whether it was taken
+  bool hand_over(std::size_t worker, const WorkerMail::Datagram& datagram, SecureLink::Moving* keys = nullptr) noexcept;
+  void hand_over_with_keys(std::size_t worker, const SecureLink::Content& content, const WorkerMail::Datagram& datagram,
+                           Nanoseconds now) noexcept;
   void take_in_mail();
   void take_in_handed(Nanoseconds now);
   void note_figures();

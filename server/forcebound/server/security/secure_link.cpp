@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "forcebound/server/session/shared_limits.hpp"
+
 namespace forcebound::server {
 namespace {
 
@@ -29,6 +31,11 @@ ServerKeys checked(ServerKeys keys) {
   return keys;
 }
 
+/// With those that move here from other workers.
+std::size_t peers_most(const SecureLimits& limits) noexcept {
+  return limits.confirmed_most() + SecureLink::kUnconfirmedMost + (limits.moved != nullptr ? limits.moved->most() : 0);
+}
+
 security::SecretKey random_key(const SecureLink::FillRandom& fill_random) {
   security::SecretKey key;
   fill_random(*key);
@@ -45,10 +52,13 @@ SecureLink::SecureLink(ServerKeys keys, const SecureLimits& limits, net::Datagra
       clock_(clock),
       fill_random_(std::move(fill_random)),
       observer_(observer == nullptr ? nobody_ : *observer),
-      owners_(limits.confirmed_most() + kUnconfirmedMost, random<std::uint64_t>()),
+      owners_(peers_most(limits), random<std::uint64_t>()),
       cookies_(random_key(fill_random_)),
-      unproven_(kUnprovenInterval, kUnprovenAtOnce, clock.now(), random<std::uint64_t>()),
-      handshakes_(kHandshakeInterval, kHandshakesAtOnce, clock.now(), random<std::uint64_t>()) {}
+      unproven_(kUnprovenInterval * limits.workers, std::max(1, kUnprovenAtOnce / static_cast<int>(limits.workers)),
+                clock.now(), random<std::uint64_t>()),
+      handshakes_(kHandshakeInterval, kHandshakesAtOnce, clock.now(), random<std::uint64_t>()) {
+  peers_.reserve(peers_most(limits));  // what moves here needs no memory
+}
 
 SecureLink::~SecureLink() { security::wipe(plain_.data(), plain_.size()); }
 
@@ -80,11 +90,7 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
   if (opened.result != security::Opening::opened) return std::nullopt;
   peer.heard = now;
   if (!peer.confirmed) confirm(found);
-  if (may_own(from, number, peer, now)) {
-    owners_.note(number, peer.places, from);
-  } else {
-    ++counters_.addresses_of_others;
-  }
+  note_address(number, peer, from, now);
   const auto content = std::span<const std::byte>(plain_).first(opened.bytes);
   if (security::is_handshake(content)) {
     on_later(peer, opened, content, from, now);
@@ -93,37 +99,65 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
   return Content{.bytes = content, .client = peer.client, .keys = number};
 }
 
-std::optional<SecureLink::Moving> SecureLink::move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now) {
-  const auto found = peers_.find(keys);
-  if (found == peers_.end()) return std::nullopt;
-  moved_[keys] = {.worker = worker, .heard = now};
-  owners_.forget(keys, found->second.places);
-  found->second.places = {};
-  confirmed_ -= found->second.confirmed ? 1 : 0;
-  return Moving(peers_.extract(found));
+void SecureLink::note_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept {
+  if (may_own(from, number, peer, now)) {
+    owners_.note(number, peer.places, from);
+  } else {
+    ++counters_.addresses_of_others;
+  }
 }
 
-std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving, const net::Address& from) {
+bool SecureLink::move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now, const Give& give) noexcept {
+  const auto found = peers_.find(keys);
+  if (limits_.moved == nullptr || found == peers_.end() || !found->second.moves.take(now)) return false;
+  // Before: the next record may follow at once. What goes home is noted there: an entry for it may be needed again.
+  const bool goes_home = WorkerPlace::owner_of(keys, limits_.workers) == worker;
+  if (!goes_home && !limits_.moved->note(keys, worker)) return false;
+  const HeardFrom places = std::exchange(found->second.places, {});
+  Moving moving(peers_.extract(found));
+  if (!give(moving)) {
+    moving.node_.mapped().places = places;
+    peers_.insert(std::move(moving.node_));
+    if (!goes_home) (void)limits_.moved->note(keys, limits_.worker);
+    return false;
+  }
+  owners_.forget(keys, places);
+  --confirmed_;  // as all are of which something was opened
+  from_elsewhere_ -= is_from_elsewhere(keys) ? 1 : 0;
+  return true;
+}
+
+std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving, const net::Address& from,
+                                                                  Nanoseconds now) noexcept {
+  const std::uint32_t number = moving.node_.key();
   Peer& peer = moving.node_.mapped();
-  peer.client = keys_.own && keys_.clients ? keys_.clients->find(peer.key) : nullptr;
-  if (keys_.own && keys_.clients && peer.client == nullptr) return std::nullopt;
-  if (confirmed_ >= limits_.confirmed_most()) {
-    ++counters_.handshakes_full;
+  const bool has_list = keys_.own && keys_.clients;
+  peer.client = has_list ? keys_.clients->find(peer.key) : nullptr;
+  if (has_list && peer.client == nullptr) {
+    limits_.moved->forget(number);
     return std::nullopt;
   }
+  (void)limits_.moved->note(number, limits_.worker);
   const auto inserted = peers_.insert(std::move(moving.node_));
-  if (!inserted.inserted) return std::nullopt;
-  owners_.note(inserted.position->first, inserted.position->second.places, from);
+  from_elsewhere_ += is_from_elsewhere(number) ? 1 : 0;
   confirm(inserted.position);
+  note_address(number, inserted.position->second, from, now);
   return inserted.position->second.client;
 }
 
-std::optional<std::size_t> SecureLink::moved_to(std::span<const std::byte> record, Nanoseconds now) noexcept {
-  if (moved_.empty() || !security::is_record(record)) return std::nullopt;
-  const auto found = moved_.find(security::session_of_record(record));
-  if (found == moved_.end()) return std::nullopt;
-  found->second.heard = now;
-  return found->second.worker;
+std::optional<std::size_t> SecureLink::moved_to(std::span<const std::byte> record) const noexcept {
+  if (limits_.moved == nullptr || !security::is_record(record)) return std::nullopt;
+  const std::uint32_t number = security::session_of_record(record);
+  return peers_.contains(number) ? std::nullopt : limits_.moved->worker_of(number);
+}
+
+bool SecureLink::is_from_elsewhere(std::uint32_t number) const noexcept {
+  return WorkerPlace::owner_of(number, limits_.workers) != limits_.worker;
+}
+
+bool SecureLink::is_full() const noexcept {
+  const std::size_t away = limits_.moved == nullptr ? 0 : limits_.moved->away_from(limits_.worker);
+  return confirmed_ - from_elsewhere_ + away >= limits_.confirmed_most();
 }
 
 void SecureLink::confirm(Peers::iterator peer) noexcept {
@@ -206,9 +240,6 @@ void SecureLink::replace_clients(security::AllowedClients clients) {
 }
 
 void SecureLink::on_timer(Nanoseconds now) noexcept {
-  // Where it went it is forgotten after as long.
-  std::erase_if(moved_,
-                [&](const auto& moved) { return now - moved.second.heard > limits_.idle_timeout + kKeptAfterIdle; });
   for (auto next = peers_.begin(); next != peers_.end();) {
     const auto peer = next++;
     const bool confirmed = peer->second.confirmed;
@@ -224,6 +255,10 @@ void SecureLink::on_timer(Nanoseconds now) noexcept {
 void SecureLink::forget(Peers::iterator peer) noexcept {
   owners_.forget(peer->first, peer->second.places);
   confirmed_ -= peer->second.confirmed ? 1 : 0;
+  if (is_from_elsewhere(peer->first)) {
+    --from_elsewhere_;
+    limits_.moved->forget(peer->first);
+  }
   peers_.erase(peer);
 }
 

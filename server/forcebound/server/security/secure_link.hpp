@@ -14,6 +14,7 @@
 #include "forcebound/security/cookies.hpp"
 #include "forcebound/security/handshake_datagram.hpp"
 #include "forcebound/server/security/address_owners.hpp"
+#include "forcebound/server/security/moved_keys.hpp"
 #include "forcebound/server/security/secure_counters.hpp"
 #include "forcebound/server/security/server_keys.hpp"
 #include "forcebound/server/session/observer.hpp"
@@ -24,13 +25,15 @@
 
 namespace forcebound::server {
 
-/// How many a SecureLink has keys for, and how long.
+/// How many a SecureLink has keys for, and how long. Each worker's link has these limits for itself, as has that for
+/// handshakes of a source.
 struct SecureLimits {
   std::size_t sessions_max = 64;                        ///< of the server behind it
   Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< of its sessions
 
   std::size_t worker = 0;  ///< of the server behind it; numbers of sessions of keys tell it
   std::size_t workers = 1;
+  MovedKeys* moved = nullptr;  ///< of all workers; null where there are no others
 
   /// Sessions of keys that can be confirmed: twice those of the server, since a client that lost its keys begins
   /// another while the one before is still there.
@@ -89,15 +92,20 @@ class SecureLink final : public net::DatagramLink {
   /// A session of keys on its way to the link of another worker.
   class Moving;
 
-  /// Takes it out: from now on `moved_to` knows of its records. Not real time.
-  [[nodiscard]] std::optional<Moving> move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now);
+  /// Whether the other worker was given it.
+  using Give = std::function<bool(Moving&)>;
 
-  /// Takes it in; what was sealed came from `from`. @return its client's entry here, as Content has it; nothing if this
-  /// link's list lacks the client, or there are as many keys as there may be. Not real time.
-  [[nodiscard]] std::optional<const security::AllowedClient*> move_in(Moving moving, const net::Address& from);
+  /// Moves it to another worker: that one has it once `give` has taken it, and this link until then; so if not, nothing
+  /// has changed. A session of keys moves 5 times at once, then once a second. False: it has not moved.
+  [[nodiscard]] bool move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now, const Give& give) noexcept;
 
-  /// The worker to which the session of keys of this record has moved.
-  [[nodiscard]] std::optional<std::size_t> moved_to(std::span<const std::byte> record, Nanoseconds now) noexcept;
+  /// Takes it in, for which there is always room; what was sealed came from `from`. @return its client's entry here, as
+  /// Content has it; nothing, and the keys are no more: this link's list lacks the client.
+  [[nodiscard]] std::optional<const security::AllowedClient*> move_in(Moving moving, const net::Address& from,
+                                                                      Nanoseconds now) noexcept;
+
+  /// The other worker that has the keys of this record.
+  [[nodiscard]] std::optional<std::size_t> moved_to(std::span<const std::byte> record) const noexcept;
 
   /// A datagram that arrived at `now`. Nothing if it has no content for the server.
   std::optional<Content> take_in(std::span<const std::byte> datagram, const net::Address& from,
@@ -141,6 +149,7 @@ class SecureLink final : public net::DatagramLink {
   struct Peer {
     security::Channel channel;
     time::TokenBucket later;  ///< handshakes
+    time::TokenBucket moves;  ///< to other workers
     const security::AllowedClient* client = nullptr;
     security::PublicKey key{};  ///< of IKpsk2
     Answered answered{};
@@ -151,10 +160,6 @@ class SecureLink final : public net::DatagramLink {
     bool confirmed = false;
   };
   using Peers = std::unordered_map<std::uint32_t, Peer>;
-  struct Moved {
-    std::size_t worker = 0;
-    Nanoseconds heard{0};
-  };
 
   /// What was decided about who asked.
   struct Decision {
@@ -165,6 +170,11 @@ class SecureLink final : public net::DatagramLink {
   std::optional<Content> take_in_record(std::span<const std::byte> record, const net::Address& from, Nanoseconds now);
   void take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   void forget(Peers::iterator peer) noexcept;
+  [[nodiscard]] bool is_from_elsewhere(std::uint32_t number) const noexcept;
+  /// Whether as many have its numbers as may be confirmed, wherever they are now.
+  [[nodiscard]] bool is_full() const noexcept;
+  /// What was opened came from there.
+  void note_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept;
   void confirm(Peers::iterator peer) noexcept;
   /// @param newest is not forgotten
   void keep_to_most_of(const security::AllowedClient& client, Peers::iterator newest) noexcept;
@@ -215,9 +225,9 @@ class SecureLink final : public net::DatagramLink {
   FillRandom fill_random_;
   ServerObserver nobody_;
   ServerObserver& observer_;
-  Peers peers_;                                     ///< by this end's number for the session of keys
-  std::unordered_map<std::uint32_t, Moved> moved_;  ///< that are other workers' now
+  Peers peers_;  ///< by this end's number for the session of keys
   std::size_t confirmed_ = 0;
+  std::size_t from_elsewhere_ = 0;  ///< of these: of another worker's numbers
   AddressOwners owners_;
   security::Cookies cookies_;
   SourceBuckets unproven_;                           ///< answers to who has not shown that it receives at its address

@@ -20,6 +20,9 @@ using security::Verdict;
 // Of a session: a client wants another key every two minutes, and repeats its request while it is not answered.
 constexpr Nanoseconds kLaterInterval = std::chrono::seconds{1};
 constexpr int kLaterAtOnce = 5;
+// Of a session of keys: to the worker of a shared scene, and to that of its session after a silence.
+constexpr Nanoseconds kMoveInterval = std::chrono::seconds{1};
+constexpr int kMovesAtOnce = 5;
 
 /// The bytes that name an address to cookies.
 std::array<std::byte, 18> named(const net::Address& address) noexcept {
@@ -96,7 +99,7 @@ SecureLink::Decision SecureLink::decide(const security::Handshake& handshake, co
       return {.verdict = Verdict::not_allowed};
     }
   }
-  if (confirmed_ < limits_.confirmed_most() || take_from_who_has_most(handshake)) return decision;
+  if (!is_full() || take_from_who_has_most(handshake)) return decision;
   ++counters_.handshakes_full;
   observer_.on_refused(from, "there are keys for as many clients as there may be");
   return {.verdict = Verdict::full};
@@ -133,6 +136,7 @@ SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, N
   try {
     Peer peer{.channel = security::Channel({.own = number, .peer = topic.client}),
               .later = time::TokenBucket(kLaterInterval, kLaterAtOnce, now),
+              .moves = time::TokenBucket(kMoveInterval, kMovesAtOnce, now),
               .heard = now};
     return &peers_.emplace(number, std::move(peer)).first->second;
   } catch (const std::bad_alloc&) {
@@ -171,7 +175,7 @@ std::uint32_t SecureLink::new_number() {
   auto number = random<std::uint32_t>();
   const auto is_free = [&] {
     return number != 0 && WorkerPlace::owner_of(number, limits_.workers) == limits_.worker &&
-           !peers_.contains(number) && !moved_.contains(number);
+           !peers_.contains(number) && (limits_.moved == nullptr || !limits_.moved->worker_of(number));
   };
   while (!is_free()) number = random<std::uint32_t>();
   return number;

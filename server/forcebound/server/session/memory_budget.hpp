@@ -33,6 +33,9 @@ class MemoryBudget {
   /// After it was made and is still there. @param before what `in_use` said before it was made
   [[nodiscard]] Refusal refusal_of_made(const std::string& scene, std::size_t before);
 
+  /// Whether there are limits, so that it has to measure.
+  [[nodiscard]] bool measures() const noexcept { return static_cast<bool>(limits_.in_use); }
+
   [[nodiscard]] std::size_t in_use() const { return limits_.in_use ? limits_.in_use() : 0; }
 
  private:

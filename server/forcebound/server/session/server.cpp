@@ -17,6 +17,9 @@ constexpr Nanoseconds kRefusalInterval = std::chrono::milliseconds{1};
 constexpr int kRefusalsAtOnce = 100;
 constexpr int kViewPiecesAtOnce = 100;
 
+/// A worker's part of what all may do together.
+int part_of(int all, const WorkerPlace& worker) noexcept { return std::max(1, all / static_cast<int>(worker.workers)); }
+
 // A motion may overtake the time since the newest by as much as the network's delay shrinks: 12 s has been observed.
 constexpr Nanoseconds kDelayShrinksMost = std::chrono::seconds{16};
 
@@ -49,9 +52,9 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
       memory_(options_.memory),
       hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
               std::max(1, options_.hellos_per_s_max), clock.now(), session_ids_()),
-      refusals_(kRefusalInterval, kRefusalsAtOnce, clock.now()),
-      views_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.view.pieces_per_s_all), kViewPiecesAtOnce,
-             clock.now()) {
+      refusals_(kRefusalInterval * options_.worker.workers, part_of(kRefusalsAtOnce, options_.worker), clock.now()),
+      views_(Nanoseconds{std::chrono::seconds{1}} / part_of(options_.view.pieces_per_s_all, options_.worker),
+             part_of(kViewPiecesAtOnce, options_.worker), clock.now()) {
   if (!environments_.find(options_.scene)) throw std::invalid_argument(environments_.unknown_text(options_.scene));
   if (options_.sessions_max == 0 || options_.idle_timeout <= Nanoseconds{0} || options_.hellos_per_s_max < 1 ||
       !(options_.motions_per_promised > 0) || !(options_.session_compute_max > 0) || !(options_.load_max > 0)) {
@@ -101,7 +104,18 @@ bool Server::answer_next() noexcept {
 
 void Server::take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
                      const ClientRights& rights) {
-  counters_.datagrams += handed_ ? 0 : 1;
+  ++counters_.datagrams;
+  take_in(datagram, Guest{.address = from, .rights = rights}, now);
+}
+
+void Server::take_in_judged(std::span<const std::byte> hello, const net::Address& from, Nanoseconds now,
+                            const ClientRights& rights) {
+  take_in(hello, Guest{.address = from, .rights = rights, .judged = true}, now);
+}
+
+void Server::take_in(std::span<const std::byte> datagram, const Guest& sender, Nanoseconds now) {
+  elsewhere_.reset();
+  const net::Address& from = sender.address;
   const auto heading = wire::heading_of(datagram);
   if (const auto* malformed = std::get_if<wire::Malformed>(&heading)) {
     ++counters_.malformed[static_cast<std::size_t>(*malformed)];
@@ -114,7 +128,7 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
     return;
   }
   const auto& message = std::get<wire::Message>(decoded);
-  if (is_of_another(message, rights)) {
+  if (is_of_another(message, sender.rights)) {
     ++counters_.datagrams_of_others;
     return;
   }
@@ -122,21 +136,13 @@ void Server::take_in(std::span<const std::byte> datagram, const net::Address& fr
     on_motion(*motion, datagram.size(), from, now);
   } else if (const auto* hello = std::get_if<wire::Hello>(&message)) {
     try {
-      on_hello(*hello, {.address = from, .rights = rights}, now);
+      on_hello(*hello, sender, now);
     } catch (const std::bad_alloc&) {
       refuse_for_lack_of_memory(*hello, from);
     }
   } else if (const auto* bye = std::get_if<wire::Bye>(&message)) {
     on_bye(*bye, datagram.size(), from);
   }
-}
-
-void Server::take_in_handed(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
-                            const ClientRights& rights) {
-  handed_ = true;
-  take_in(datagram, from, now, rights);
-  handed_ = false;
-  elsewhere_.reset();
 }
 
 bool Server::is_of_another(const wire::Message& message, const ClientRights& rights) const noexcept {
@@ -167,6 +173,10 @@ bool Server::is_dropped(const wire::Heading& heading, std::size_t bytes, const n
 void Server::on_timer(Nanoseconds now) {
   std::erase_if(sessions_, [&](const auto& entry) {
     const Session& session = entry.second;
+    if (is_wanted_elsewhere(session, now)) {
+      give_up_place(session, now);
+      return true;
+    }
     if (now - session.last_heard < options_.idle_timeout) return false;
     ++counters_.sessions_idle;
     // If only the direction to the server is dead, the client learns it. A client that never sent motion may be forged.

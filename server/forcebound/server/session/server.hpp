@@ -102,11 +102,13 @@ class Server {
   void take_in(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
                const ClientRights& rights = {});
 
-  /// `take_in` of what another worker was sent and handed over, which has counted it.
-  void take_in_handed(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now,
+  /// `take_in` of a Hello that another worker's server took in, for a shared scene that is here: it has counted it and
+  /// found it within its rate.
+  void take_in_judged(std::span<const std::byte> hello, const net::Address& from, Nanoseconds now,
                       const ClientRights& rights = {});
 
-  /// The worker to which the datagram taken in last is to be handed over: it asks for a shared scene that is there.
+  /// The worker to which the datagram taken in last is to be handed over, with `take_in_judged`: it is a Hello within
+  /// its rate for a shared scene that is there.
   [[nodiscard]] std::optional<std::size_t> take_elsewhere() noexcept { return std::exchange(elsewhere_, std::nullopt); }
 
   /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
@@ -209,7 +211,9 @@ class Server {
   struct Guest {
     const net::Address& address;
     const ClientRights& rights;
+    bool judged = false;  ///< another worker has found its Hello within its rate
   };
+  void take_in(std::span<const std::byte> datagram, const Guest& from, Nanoseconds now);
   void on_hello(const wire::Hello& hello, const Guest& guest, Nanoseconds now);
   /// @param bytes of the datagram
   void on_motion(const wire::MotionSample& motion, std::size_t bytes, const net::Address& from,
@@ -230,12 +234,13 @@ class Server {
 
   struct Refused {
     wire::RefusalReason reason;
-    std::string text;  ///< for people
+    std::string text;         ///< for people
+    bool place_soon = false;  ///< but another worker is ending a session for it: the client repeats its Hello
   };
   void refuse(const wire::Hello& hello, const net::Address& from, const Refused& refused);
 
   /// None: there is room, if need be after evicting a session that never sent motion, or one that does nothing in a
-  /// shared scene or among those that its client may have.
+  /// shared scene or among those that its client may have. Of other workers' sessions such a one is asked for.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
                                                   const Guest& guest, Nanoseconds now);
 
@@ -243,6 +248,13 @@ class Server {
   using Among = std::function<bool(const Session&)>;
   /// @param among evict one of these, also if it sent motion but does nothing now; empty: any that never did
   [[nodiscard]] bool evict_one(Nanoseconds now, const Among& among);
+  /// Among all workers' sessions. @param client places are few among its own; nothing: among all
+  [[nodiscard]] bool asks_others_for_place(std::optional<std::string_view> client) noexcept;
+  using Sessions = std::unordered_map<std::uint64_t, Session>;
+  /// Its client or another gets its place.
+  void give_up_place(const Session& session, Nanoseconds now);
+  /// Whether another worker wants its place and it is still idle.
+  [[nodiscard]] bool is_wanted_elsewhere(const Session& session, Nanoseconds now) noexcept;
   /// Since when it does nothing, where that is reason enough to give its place to another; else nothing.
   [[nodiscard]] std::optional<Nanoseconds> idle_since(const Session& session, Nanoseconds now,
                                                       bool places_are_few) const noexcept;
@@ -267,7 +279,7 @@ class Server {
   [[nodiscard]] std::uint64_t new_session_number();
   /// Among those of all workers. @throws std::runtime_error if others have taken the last one meanwhile
   [[nodiscard]] SharedLimits::Place place_for(std::uint64_t session, const Guest& guest);
-  [[nodiscard]] bool hello_is_over_rate(const net::Address& from, Nanoseconds now) noexcept;
+  [[nodiscard]] bool hello_is_over_rate(const Guest& guest, Nanoseconds now) noexcept;
   void welcome(const Session& session);
   void answer(Session& session, const Waiting& waiting) noexcept;
   void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
@@ -293,7 +305,7 @@ class Server {
   ServerObserver nobody_;
   ServerObserver& observer_;
   wire::Codec codec_;
-  std::unordered_map<std::uint64_t, Session> sessions_;
+  Sessions sessions_;
   std::vector<std::uint64_t> waiting_;  ///< session numbers in the order of their motions; some may have ended since
   std::size_t next_waiting_ = 0;        ///< index into waiting_; those before it are answered
   std::vector<Ended> ended_;            ///< ring buffer of the latest
@@ -301,7 +313,6 @@ class Server {
   MemoryBudget memory_;
   std::string admits_none_;  ///< why; empty: it does
   std::optional<std::size_t> elsewhere_{};
-  bool handed_ = false;  ///< what is taken in now
   SourceBuckets hellos_;
   time::TokenBucket refusals_;
   time::TokenBucket views_;               ///< pieces of pictures

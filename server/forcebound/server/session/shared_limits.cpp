@@ -18,7 +18,7 @@ std::optional<SharedLimits::Place> SharedLimits::take(Asking asking, const Most&
   if (places_.size() >= most.all || places_.contains(asking.session)) return std::nullopt;
   if (most.of_address > 0 && count_of(asking.address) >= most.of_address) return std::nullopt;
   if (most.of_client && count_of(std::string_view(asking.client)) >= *most.of_client) return std::nullopt;
-  places_.emplace(asking.session, Entry{asking.address, std::move(asking.client)});
+  places_.emplace(asking.session, Entry{.address = asking.address, .client = std::move(asking.client)});
   return Place(*this, asking.session);
 }
 
@@ -30,6 +30,38 @@ std::size_t SharedLimits::sessions() const noexcept {
 bool SharedLimits::has(std::uint64_t session) const noexcept {
   const std::lock_guard lock(guard_);
   return places_.contains(session);
+}
+
+bool SharedLimits::has(std::uint64_t session, std::string_view client) const noexcept {
+  const std::lock_guard lock(guard_);
+  const auto found = places_.find(session);
+  return found != places_.end() && found->second.client == client;
+}
+
+bool SharedLimits::note(std::uint64_t session, const Idle& idle) noexcept {
+  const std::lock_guard lock(guard_);
+  const auto found = places_.find(session);
+  if (found == places_.end()) return false;
+  Entry& entry = found->second;
+  entry.idle = idle;
+  const bool by_anybody = std::exchange(entry.wanted_by_anybody, false);
+  const bool by_client = std::exchange(entry.wanted_by_client, false);
+  return (by_anybody && idle.for_anybody) || (by_client && idle.for_its_client);
+}
+
+bool SharedLimits::ask_for_place(std::optional<std::string_view> client) noexcept {
+  const auto idle = client ? &Idle::for_its_client : &Idle::for_anybody;
+  const auto wanted = client ? &Entry::wanted_by_client : &Entry::wanted_by_anybody;
+  const std::lock_guard lock(guard_);
+  Entry* longest = nullptr;
+  for (auto& [session, entry] : places_) {
+    if (client && entry.client != *client) continue;
+    if (entry.*wanted) return true;
+    const auto& since = entry.idle.*idle;
+    if (since && (longest == nullptr || *since < *(longest->idle.*idle))) longest = &entry;
+  }
+  if (longest != nullptr) longest->*wanted = true;
+  return longest != nullptr;
 }
 
 std::size_t SharedLimits::sessions_of(const net::Address& address) const noexcept {
@@ -63,7 +95,7 @@ std::size_t WorkerPlace::home_of(std::string_view scene) const noexcept {
   constexpr std::uint64_t kPrime = 0x100000001b3;
   std::uint64_t hash = kBasis;
   for (const char letter : scene) hash = (hash ^ static_cast<unsigned char>(letter)) * kPrime;
-  return static_cast<std::size_t>(hash % of);
+  return static_cast<std::size_t>(hash % workers);
 }
 
 }  // namespace forcebound::server

@@ -16,7 +16,10 @@ namespace forcebound::server {
 /// What the servers of one process (its workers) let in together: each session has a place here, so that limits hold
 /// for all of them exactly, however many ask at once.
 ///
-/// Looked at for a Hello and at a session's end alone, never for a motion. Thread-safe.
+/// A worker that needs the place of another's session asks for it here, and that one ends the session.
+///
+/// Looked at for a Hello, at a session's end and a few times a second, never for a motion. Thread-safe; nobody waits
+/// for more than a look at each place.
 class SharedLimits {
  public:
   /// @param key random
@@ -66,17 +69,37 @@ class SharedLimits {
 
   [[nodiscard]] std::size_t sessions() const noexcept;
   [[nodiscard]] bool has(std::uint64_t session) const noexcept;
+  /// And whether this client opened it.
+  [[nodiscard]] bool has(std::uint64_t session, std::string_view client) const noexcept;
   /// By the address alone, whatever the port.
   [[nodiscard]] std::size_t sessions_of(const net::Address& address) const noexcept;
   [[nodiscard]] std::size_t sessions_of(std::string_view client) const noexcept;
 
-  /// Held while an environment is made, so that its memory is not taken for that of another's.
-  [[nodiscard]] std::unique_lock<std::mutex> making() { return std::unique_lock(making_); }
+  /// Since when a session does nothing, where that is reason enough to end it.
+  struct Idle {
+    std::optional<time::Nanoseconds> for_anybody{};
+    std::optional<time::Nanoseconds> for_its_client{};  ///< for another session of the same client
+  };
+
+  /// Of the worker that has the session, a few times a second. @return whether somebody has asked for its place since
+  [[nodiscard]] bool note(std::uint64_t session, const Idle& idle) noexcept;
+
+  /// Asks for the place of the session that is idle longest, unless one has been asked for and not been ended yet.
+  /// @param client of this one's sessions, for another of its own; nothing: of all
+  /// @return whether a place will be free soon
+  [[nodiscard]] bool ask_for_place(std::optional<std::string_view> client) noexcept;
+
+  /// Own it while an environment is made whose memory is measured, so that no other worker's adds to it. It may belong
+  /// to another worker.
+  [[nodiscard]] std::unique_lock<std::mutex> try_making() { return std::unique_lock(making_, std::try_to_lock); }
 
  private:
   struct Entry {
     net::Address address;
     std::string client;
+    Idle idle{};
+    bool wanted_by_anybody = false;
+    bool wanted_by_client = false;
   };
   void give_back(std::uint64_t session) noexcept;
   [[nodiscard]] std::size_t count_of(const net::Address& address) const noexcept;
@@ -91,17 +114,19 @@ class SharedLimits {
 /// Which of a process's servers this is. Sessions of a server have numbers that the system can tell its socket by.
 struct WorkerPlace {
   std::size_t number = 0;
-  std::size_t of = 1;              ///< 1: there are no others
+  std::size_t workers = 1;         ///< of the process
   SharedLimits* limits = nullptr;  ///< of all of them; null where there are no others
 
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kWorkersMost = 256;
 
   /// The one to which a session of this number belongs, as the system's filter decides by the number's lowest byte.
   [[nodiscard]] static constexpr std::size_t owner_of(std::uint64_t session, std::size_t workers) noexcept {
     constexpr std::uint64_t kByte = 0xff;
     return static_cast<std::size_t>(session & kByte) % workers;
   }
-  [[nodiscard]] constexpr bool owns(std::uint64_t session) const noexcept { return owner_of(session, of) == number; }
+  [[nodiscard]] constexpr bool owns(std::uint64_t session) const noexcept {
+    return owner_of(session, workers) == number;
+  }
 
   /// The one in which a shared scene is: all of its clients must meet there.
   [[nodiscard]] std::size_t home_of(std::string_view scene) const noexcept;

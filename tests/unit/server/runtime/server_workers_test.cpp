@@ -35,10 +35,9 @@ EnvironmentLibrary pushes() {
   return environments;
 }
 
-/// Moves to another address, and whether the session answers there: once it has been sent more than that answer.
+/// Whether the session answers at an address that is new to it: once it has been sent more than that answer.
 template <class Any>
-bool is_answered_elsewhere(Any& asker, std::uint64_t session) {
-  asker.move();
+bool is_answered_at_new_address(Any& asker, std::uint64_t session) {
   constexpr std::uint64_t kFirst = 2;
   constexpr std::uint64_t kLast = 5;
   for (std::uint64_t n = kFirst; n <= kLast; ++n) asker.send(motion_of(session, n));
@@ -49,6 +48,14 @@ bool is_answered_elsewhere(Any& asker, std::uint64_t session) {
   asker.send(proof);
   return force.session == session;
 }
+
+template <class Any>
+bool is_answered_elsewhere(Any& asker, std::uint64_t session) {
+  asker.move();
+  return is_answered_at_new_address(asker, session);
+}
+
+std::size_t home_of(std::string_view scene) { return WorkerPlace{.number = 0, .workers = 2}.home_of(scene); }
 
 //   askers ==( UDP of this machine )== two or more sockets at one address, each with a worker; the first worker's turns
 //                                      are a thread of the fixture's
@@ -148,7 +155,7 @@ TEST_F(ServerWorkersTest, BringTheClientsOfASharedSceneTogetherWhateverTheirAddr
       }
       ++let_in;
       const auto session = welcome->session;
-      EXPECT_EQ(WorkerPlace::owner_of(session, 2), (WorkerPlace{.number = 0, .of = 2}.home_of(scene)));
+      EXPECT_EQ(WorkerPlace::owner_of(session, 2), home_of(scene));
       EXPECT_EQ(askers.back()->ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
     }
     EXPECT_EQ(let_in, 2U) << scene;
@@ -164,7 +171,7 @@ TEST_F(ServerWorkersTest, HandTheKeysOverWithAHelloForASharedScene) {
     for (std::uint32_t i = 1; i <= 2; ++i) {
       SecureAsker asker(server_->address(), i);
       const auto session = asker.ask<wire::Welcome>(hello_of(i, scene)).session;
-      EXPECT_EQ(WorkerPlace::owner_of(session, 2), (WorkerPlace{.number = 0, .of = 2}.home_of(scene)));
+      EXPECT_EQ(WorkerPlace::owner_of(session, 2), home_of(scene));
       EXPECT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
       EXPECT_TRUE(is_answered_elsewhere(asker, session));
       asker.send(wire::Bye{.session = session});
@@ -174,6 +181,56 @@ TEST_F(ServerWorkersTest, HandTheKeysOverWithAHelloForASharedScene) {
   stop();
   EXPECT_EQ(server_->not_handed_over(), 0U);
   EXPECT_EQ(server_->counters().sends_failed, 0U);
+}
+
+TEST_F(ServerWorkersTest, KeepASessionWhoseClientMakesNewKeysAtAnotherWorker) {
+  serve(2, {}, keys());
+  std::uint32_t number = 0;
+  for (const std::string scene : {"push", "shared a", "shared b", "shared c"}) {
+    for (int i = 0; i < 4; ++i) {
+      SecureAsker before(server_->address(), ++number);
+      const auto session = before.ask<wire::Welcome>(hello_of(number, scene)).session;
+      ASSERT_EQ(before.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
+      SecureAsker after(server_->address(), ++number);
+      ASSERT_TRUE(is_answered_at_new_address(after, session)) << scene;
+      after.send(wire::Bye{.session = session});
+      EXPECT_EQ(after.await<wire::Bye>().motions_received, 6U);
+    }
+  }
+  stop();
+  EXPECT_GT(server_->handed_over(), 0U);
+  EXPECT_EQ(server_->counters().motions_without_session, 0U);
+}
+
+TEST_F(ServerWorkersTest, OpenEachSharedSceneAtItsHomeThoughOneClientAsksForAllUnderTheSameKeys) {
+  serve(2, {}, keys());
+  SecureAsker asker(server_->address(), 1);
+  std::uint64_t nonce = 0;
+  for (const std::string scene : {"shared a", "shared b", "shared c", "shared d"}) {
+    const auto session = asker.ask<wire::Welcome>(hello_of(++nonce, scene)).session;
+    EXPECT_EQ(WorkerPlace::owner_of(session, 2), home_of(scene)) << scene;
+    EXPECT_EQ(asker.ask<wire::EnvironmentForce>(motion_of(session, 1)).session, session);
+  }
+  stop();
+  EXPECT_EQ(server_->counters().sessions_opened, 4U);
+  EXPECT_EQ(server_->counters().datagrams, 8U) << "each counts once, however often it was handed over";
+}
+
+TEST_F(ServerWorkersTest, HoldAClientToTheRateOfHellosWhereverItsKeysAre) {
+  constexpr int kRate = 5;
+  serve(2, {.hellos_per_s_max = kRate}, keys());
+  for (const std::string scene : {"shared a", "shared b"}) {
+    SecureAsker asker(server_->address(), 1);
+    const auto session = asker.ask<wire::Welcome>(hello_of(1, scene)).session;
+    for (std::uint64_t nonce = 2; nonce < 16; ++nonce) asker.send(hello_of(nonce, scene));
+    asker.send(motion_of(session, 1));
+    (void)asker.await<wire::EnvironmentForce>();
+    asker.send(wire::Bye{.session = session});
+    (void)asker.await<wire::Bye>();
+    std::this_thread::sleep_for(std::chrono::seconds{1});  // until Hellos are taken again
+  }
+  stop();
+  EXPECT_GT(server_->counters().hellos_over_rate, 2U * kRate);
 }
 
 TEST_F(ServerWorkersTest, HaveNoMoreSessionsThanOneServerWouldHowManyEverAskAtOnce) {
@@ -244,18 +301,14 @@ TEST(ServerWorkers, EndAnyWorkersSessionAndAdmitNoneAsAsked) {
   EXPECT_FALSE(server.end_session(2));
   EXPECT_FALSE(server.end_session(3));
   server.admit_none("the end is near");
+  while (!server.settled()) server.turn();
   for (std::uint64_t i = 1; i <= 8; ++i) {
     Asker asker(server.address());
-    // A worker may not have been told yet.
-    wire::Message answer;
-    for (std::uint64_t again = 0; !std::holds_alternative<wire::Refusal>(answer); ++again) {
-      asker.send(hello_of(100 * i + again));
-      const std::uint64_t before = server.counters().datagrams;
-      server.turn();
-      if (before == server.counters().datagrams) server.turn();
-      answer = asker.hear_any();
-    }
-    EXPECT_EQ(std::get<wire::Refusal>(answer).text, "the end is near");
+    asker.send(hello_of(100 + i));
+    const std::uint64_t before = server.counters().datagrams;
+    server.turn();
+    if (before == server.counters().datagrams) server.turn();
+    EXPECT_EQ(asker.hear<wire::Refusal>().text, "the end is near");
   }
   server.stop();
 }
@@ -280,6 +333,78 @@ TEST(ServerWorkers, FailTogetherWithTheOneThatFails) {
         }
       },
       std::logic_error);
+}
+
+/// At a session's end in another thread than the test's.
+class ThrowsAtTheEnd final : public ServerObserver {
+ public:
+  void on_closed(const SessionInfo&, CloseReason, const wire::Bye&) override {
+    if (std::this_thread::get_id() != test_) throw std::logic_error("the observer is broken");
+  }
+
+ private:
+  std::thread::id test_ = std::this_thread::get_id();
+};
+
+TEST(ServerWorkers, FailAtTheEndWithTheOneThatFails) {
+  ThrowsAtTheEnd observer;
+  ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 2}, {.scene = "push"}, pushes(), &observer);
+  server.start();
+  std::vector<std::unique_ptr<Asker>> askers;
+  for (std::uint64_t i = 1; i <= 12; ++i) {
+    askers.push_back(std::make_unique<Asker>(server.address()));
+    askers.back()->send(hello_of(i));
+  }
+  while (server.sessions() < 12) server.turn();
+  EXPECT_THROW(server.stop(), std::logic_error);
+}
+
+TEST(ServerWorkers, AreOneWhereTheSystemCannotSteer) {
+  ServerWorkers server(listen({"127.0.0.1", 0}),
+                       {.workers = 4, .steer = [](const net::UdpLink&, std::size_t) { return false; }},
+                       {.scene = "push"}, pushes());
+  EXPECT_EQ(server.size(), 1U);
+  server.start();
+  for (std::uint64_t i = 1; i <= 8; ++i) {
+    Asker asker(server.address());
+    asker.send(hello_of(i));
+    server.turn();
+    EXPECT_NE(asker.hear<wire::Welcome>().session, 0U);
+  }
+}
+
+/// Puts another Hello down for each that is refused, as others do while a worker looks at its mail.
+class PutsMore final : public ServerObserver {
+ public:
+  explicit PutsMore(WorkerMail& mail) : mail_(mail) {}
+  void put() {
+    (void)mail_.put({.bytes = codec_.encode(hello_of(++nonce_, "none")), .stage = WorkerMail::Stage::hello_judged});
+  }
+  void on_refused(const net::Address&, std::string_view) override { put(); }
+
+ private:
+  WorkerMail& mail_;
+  wire::Codec codec_;
+  std::uint64_t nonce_ = 0;
+};
+
+/// In the time of a turn that sleeps until its end; the turns with mail would each be as long.
+TEST(ServerWorkers, DoNotSleepWhileTheirMailIsNotEmpty) {
+  std::vector<std::unique_ptr<WorkerMail>> mail;
+  for (int i = 0; i < 2; ++i) mail.push_back(std::make_unique<WorkerMail>());
+  const time::SteadyClock clock;
+  SharedLimits limits(1000, clock.now(), 1);
+  PutsMore observer(*mail[0]);
+  const ServerOptions options{.scene = "push", .worker = {.number = 0, .workers = 2, .limits = &limits}};
+  UdpServer server(listen({"127.0.0.1", 0}), options, pushes(), &observer, std::nullopt, mail);
+  const auto begin = clock.now();
+  server.turn();
+  const auto asleep = clock.now() - begin;
+  observer.put();
+  observer.put();
+  constexpr int kTurns = 50;
+  for (int i = 0; i < kTurns; ++i) server.turn();
+  EXPECT_LT(clock.now() - begin - asleep, kTurns / 2 * asleep);
 }
 
 TEST(ServerWorkers, AreAliveWhileAllTurn) {

@@ -86,7 +86,7 @@ TEST(SharedLimits, LetASourceSayHelloAsOftenAsOneServerWould) {
 }
 
 TEST(WorkerPlace, OwnsSessionsByTheLowestByteOfTheirNumber) {
-  const WorkerPlace second{.number = 1, .of = 3};
+  const WorkerPlace second{.number = 1, .workers = 3};
   EXPECT_TRUE(second.owns(0x0701));
   EXPECT_FALSE(second.owns(0x0702));
   EXPECT_TRUE(second.owns(0x07fd));  // 253
@@ -94,8 +94,8 @@ TEST(WorkerPlace, OwnsSessionsByTheLowestByteOfTheirNumber) {
 }
 
 TEST(WorkerPlace, FindsAScenesHomeByItsNameAlone) {
-  const WorkerPlace one{.number = 0, .of = 4};
-  const WorkerPlace other{.number = 3, .of = 4};
+  const WorkerPlace one{.number = 0, .workers = 4};
+  const WorkerPlace other{.number = 3, .workers = 4};
   std::vector<std::size_t> homes(4);
   for (int i = 0; i < 100; ++i) {
     const std::string scene = "scene " + std::to_string(i);
