@@ -50,7 +50,6 @@ struct Schema {
   std::uint16_t id = 0;
   std::string name;
   std::string encoding;
-  std::string data;
 };
 
 struct Channel {

@@ -13,6 +13,7 @@ namespace forcebound::record::mcap {
 namespace {
 
 constexpr std::string_view kZstd = "zstd";
+constexpr std::size_t kNameBytesMost = 1024;
 
 /// A chunk's content apart from its records.
 struct ChunkHead {
@@ -34,6 +35,7 @@ class Reader {
   void measure();
   bool at_its_end(Opcode opcode, std::uint64_t begin, std::uint64_t length);
   void record(Opcode opcode, std::uint64_t offset, std::string_view content);
+  std::string_view name_in(Fields& fields) const;
   void schema(Fields fields);
   void channel(Fields fields);
   void message(Fields fields, std::uint64_t offset);
@@ -141,12 +143,21 @@ void Reader::record(Opcode opcode, std::uint64_t offset, std::string_view conten
   }
 }
 
+/// Names are kept for as long as the file is read, 65,536 of them at most.
+std::string_view Reader::name_in(Fields& fields) const {
+  const std::uint64_t offset = fields.offset();
+  const std::string_view name = fields.text();
+  if (name.size() <= kNameBytesMost) return name;
+  place_.refuse(offset, "a name of " + std::to_string(name.size()) + " bytes; accepted are at most " +
+                            std::to_string(kNameBytesMost));
+}
+
 void Reader::schema(Fields fields) {
   Schema schema;
   schema.id = fields.number<std::uint16_t>();
-  schema.name = fields.text();
-  schema.encoding = fields.text();
-  schema.data = fields.text();
+  schema.name = name_in(fields);
+  schema.encoding = name_in(fields);
+  fields.text();  // how it is written: known here
   schemas_[schema.id] = std::move(schema);
 }
 
@@ -154,8 +165,8 @@ void Reader::channel(Fields fields) {
   Channel channel;
   channel.id = fields.number<std::uint16_t>();
   channel.schema_id = fields.number<std::uint16_t>();
-  channel.topic = fields.text();
-  channel.encoding = fields.text();
+  channel.topic = name_in(fields);
+  channel.encoding = name_in(fields);
   channels_[channel.id] = std::move(channel);
 }
 
@@ -249,7 +260,9 @@ void Reader::cut_chunk(std::uint64_t offset, std::string_view content) {
   Fields fields(place_, offset, content);
   const ChunkHead head = chunk_head(fields);
   if (!head.compressed) {
-    ending_.rescued = records_of(fields.rest(), fields.offset(), false, true);
+    // Zeros after a loss of power may begin within a record, which is cut off there.
+    const std::string_view rest = fields.rest();
+    ending_.rescued = records_of(rest.substr(0, rest.find_last_not_of('\0') + 1), fields.offset(), false, true);
     return;
   }
   const Decompressed decompressed = decompress(fields.rest(), head.size);

@@ -23,6 +23,8 @@ constexpr std::array<double, 3> kGrey{0.5, 0.5, 0.5};
 constexpr std::array<double, 3> kBlue{0.2, 0.45, 0.9};
 
 constexpr std::size_t kSessionsShownMost = 256;
+constexpr Nanoseconds kEndedAfter = std::chrono::seconds{10};  // without a motion or force
+constexpr Nanoseconds kLooksForEndedEach = std::chrono::seconds{1};
 
 constexpr std::string_view kTicks = "/tick";
 constexpr std::string_view kForces = "/force";
@@ -42,6 +44,7 @@ struct RecordingWriter::Storage {
   PictureRate of_ticks{};
   std::map<std::uint64_t, ShownSession> sessions{};
   std::uint64_t sessions_seen = 0;
+  Nanoseconds looked_for_ended{0};
 
   [[nodiscard]] Nanoseconds wall_clock(Nanoseconds at) const { return std::max(epoch + at, Nanoseconds{0}); }
 
@@ -61,12 +64,23 @@ struct RecordingWriter::Storage {
   }
 
   /// The pictures of a server have a device for each session, numbered in the order in which they came.
-  ShownSession& shown(std::uint64_t session) {
+  /// Null: so many others are shown that this one is not.
+  ShownSession* shown(std::uint64_t session, Nanoseconds at) {
     const auto known = sessions.find(session);
-    if (known != sessions.end()) return known->second;
-    if (sessions.size() >= kSessionsShownMost) sessions.clear();
-    return sessions.emplace(session, ShownSession{"server's device " + std::to_string(++sessions_seen), {}, {}})
-        .first->second;
+    if (known != sessions.end()) {
+      known->second.seen = at;
+      return &known->second;
+    }
+    if (sessions.size() >= kSessionsShownMost) forget_ended_sessions(at);
+    if (sessions.size() >= kSessionsShownMost) return nullptr;
+    const std::string device = "server's device " + std::to_string(++sessions_seen);
+    return &sessions.emplace(session, ShownSession{.device = device, .seen = at}).first->second;
+  }
+
+  void forget_ended_sessions(Nanoseconds at) {
+    if (at - looked_for_ended < kLooksForEndedEach) return;
+    looked_for_ended = at;
+    std::erase_if(sessions, [at](const auto& session) { return at - session.second.seen > kEndedAfter; });
   }
 };
 
@@ -106,21 +120,21 @@ void RecordingWriter::write(const ForceRecord& force) {
 
 void RecordingWriter::write(const MotionRecord& motion) {
   storage_->write(kMotions, kMotionSchema, motion.motion.sequence, motion.receive_time, encode(motion.motion));
-  ShownSession& session = storage_->shown(motion.motion.session);
-  if (!session.motions.take(motion.receive_time)) return;
+  ShownSession* const session = storage_->shown(motion.motion.session, motion.receive_time);
+  if (session == nullptr || !session->motions.take(motion.receive_time)) return;
   storage_->picture("/device", kFrameTransformSchema, motion.receive_time,
-                    encode_device(session.device, motion.motion.position, motion.motion.handle,
+                    encode_device(session->device, motion.motion.position, motion.motion.handle,
                                   storage_->wall_clock(motion.receive_time)));
 }
 
 void RecordingWriter::write(const SentForceRecord& force) {
   const Nanoseconds at = force.force.server_send_time;
   storage_->write(kForces, kForceSchema, force.force.sequence, at, encode(force));
-  ShownSession& session = storage_->shown(force.force.session);
-  if (!session.forces.take(at)) return;
+  ShownSession* const session = storage_->shown(force.force.session, at);
+  if (session == nullptr || !session->forces.take(at)) return;
   const std::array<ShownForce, 1> forces{{{"sent force", force.force.force, kBlue}}};
   storage_->picture("/arrows", kSceneUpdateSchema, at,
-                    encode_arrows(session.device, force.force.position, forces, storage_->wall_clock(at)));
+                    encode_arrows(session->device, force.force.position, forces, storage_->wall_clock(at)));
 }
 
 void RecordingWriter::write_scene(std::span<const ScenePart> parts, Nanoseconds at) {
@@ -152,7 +166,7 @@ std::string RecordingWriter::problem() const {
   const mcap::Writer& mcap = *storage_->mcap;
   if (!mcap.failed()) return {};
   return "recording '" + storage_->path.string() + "' ends after " + std::to_string(mcap.written()) +
-         " records: " + std::strerror(mcap.error());
+         " messages: " + std::strerror(mcap.error());
 }
 
 }  // namespace forcebound::record

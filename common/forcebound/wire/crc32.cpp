@@ -35,7 +35,7 @@ constexpr std::uint32_t remainder_of_power(int power) noexcept {
   return remainder;
 }
 
-/// As a factor: the product of two numbers so kept is short of one bit.
+/// As a factor: the product of two numbers whose bits are kept in reverse has them one place too low.
 constexpr std::uint64_t factor(int power) noexcept { return std::uint64_t{remainder_of_power(power)} << 1U; }
 
 /// x^64 divided by the polynomial, without its remainder.
@@ -51,8 +51,8 @@ constexpr std::uint64_t quotient() noexcept {
 
 constexpr std::size_t kBlockBytes = 16;
 
-/// Read from index n on, it moves the first n bytes of a block to its end, zeros before them; from 16 + n on, what
-/// follows them to its beginning.
+/// Read from index n on, it moves the first n bytes of a block to its end, zeros before them (n = 3: 13 zeros, then
+/// bytes 0, 1, 2); from 16 + n on, what follows them to its beginning (bytes 3 to 15, then zeros).
 constexpr std::array<std::uint8_t, 3 * kBlockBytes> make_shifts() noexcept {
   std::array<std::uint8_t, 3 * kBlockBytes> shifts{};
   constexpr std::uint8_t kZero = 0x80;

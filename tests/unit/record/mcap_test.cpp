@@ -3,6 +3,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -241,6 +242,28 @@ TEST(Mcap, ThatEndsInZerosIsReadUpToThem) {
   const Contents contents = read_all(bytes.substr(0, last.begin) + std::string(4096, '\0'));
   EXPECT_FALSE(contents.ending);
   EXPECT_EQ(contents.messages, 1500U);
+}
+
+TEST(Mcap, ThatEndsInZerosWithinAChunkIsReadUpToThem) {
+  const std::string bytes = file_of(1500, Compression::none);
+  const std::vector<Piece> pieces = pieces_of(bytes);
+  const auto chunk = std::ranges::find(pieces, Opcode::chunk, &Piece::opcode);
+  const std::uint64_t kept = (chunk->end - chunk->begin) / 2;
+  const Contents contents = read_all(bytes.substr(0, chunk->begin + kept) + std::string(kept / 2, '\0'));
+  EXPECT_FALSE(contents.ending);
+  EXPECT_GT(contents.messages, 400U);
+  EXPECT_EQ(contents.ending.rescued, contents.messages);
+}
+
+TEST(Mcap, RefusesNamesThatWouldFillTheMemory) {
+  std::string content;
+  put(content, std::uint16_t{1});
+  put(content, std::string_view(std::string(1025, 'n')));
+  put(content, std::string_view("protobuf"));
+  put(content, std::string_view());
+  std::string file(kMagic);
+  put_record(file, Opcode::schema, content);
+  EXPECT_EQ(refusal_of(file), "f.mcap: byte 19: a name of 1025 bytes; accepted are at most 1024");
 }
 
 TEST(Mcap, RefusesACompressedChunkThatSaysThatItIsHuge) {

@@ -189,6 +189,28 @@ TEST(Pictures, OfASceneReplaceTheOneBefore) {
   EXPECT_EQ(pictures.scenes[1].entities_size(), 0);
 }
 
+TEST(Pictures, OfAServerShow256SessionsAndOthersOnceSomeHaveEnded) {
+  const TemporaryFile file("sessions.mcap");
+  RecordingWriter writer(file.path(), test::sample_info());
+  const auto move = [&](std::uint64_t session, Nanoseconds at) {
+    MotionRecord motion;
+    motion.motion.session = session;
+    motion.motion.position = vector_of({0, 0, 0});
+    motion.receive_time = at;
+    writer.write(motion);
+  };
+  for (int second = 0; second < 3; ++second) {
+    for (std::uint64_t session = 1; session <= 300; ++session) move(session, std::chrono::seconds(second));
+  }
+  for (std::uint64_t session = 1001; session <= 1010; ++session) move(session, std::chrono::seconds(30));
+  writer.finish({});
+  std::set<std::string> devices;
+  const Pictures pictures = pictures_in(file.path());
+  for (const auto& [time, device] : pictures.devices) devices.insert(device.child_frame_id());
+  EXPECT_EQ(devices.size(), 256U + 10U);
+  EXPECT_EQ(pictures.devices.size(), 3U * 256U + 10U);
+}
+
 TEST(Pictures, AreNoRecordsToOurReader) {
   struct Nothing final : RecordingSink {
     void on_start(const RunInfo&) override {}

@@ -131,7 +131,7 @@ struct Client::Parts {
     recorded_scene = std::move(newest);
     const view::ShownScene shown = view::shown(*recorded_scene, view::Which::all);
     writer->write_scene(view::parts_of(shown), clock.now());
-    writer->attach({.name = "scene.json", .media_type = "application/json", .content = view::scene_message(1, shown)},
+    writer->attach({.name = "scene.json", .media_type = "application/json", .content = view::scene_message(0, shown)},
                    clock.now());
   }
 

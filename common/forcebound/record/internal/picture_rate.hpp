@@ -27,9 +27,10 @@ class PictureRate {
 
 /// What a server's recording shows of a session.
 struct ShownSession {
-  std::string device;
-  PictureRate motions;
-  PictureRate forces;
+  std::string device{};
+  Nanoseconds seen{0};  ///< when it had a motion or force last
+  PictureRate motions{};
+  PictureRate forces{};
 };
 
 }  // namespace forcebound::record

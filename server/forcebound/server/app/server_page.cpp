@@ -51,8 +51,12 @@ void ServerPage::set_robot(const view::Description& looks) {
     (void)assembly_.take({.view = looks.hash, .pieces = looks.pieces(), .number = i, .content = looks.piece(i)});
   }
   view_ = looks.hash;
+  if (!assembly_.scene()) throw std::logic_error("the page cannot read how its own robot looks");
   scene_ = view::scene_message(0, assembly_.scene()->shown);
-  moved_.resize(looks.moving.size());
+  for (auto* const groups : {&moved_, &sent_}) {
+    groups->resize(looks.moving.size());
+    for (std::vector<float>& group : *groups) group.reserve(view::kNumbersMost);
+  }
 }
 
 void ServerPage::move_robot(std::size_t group, std::span<const float> numbers) {
@@ -134,19 +138,20 @@ void ServerPage::beat(page::Viewers& viewers) {
   watched_ = viewers.count() > 0;
   std::deque<std::string> events;
   std::string sessions;
-  std::vector<std::vector<float>> moved;
+  // Swapped, so that the server's thread, which waits for the lock, never waits for memory.
+  for (std::vector<float>& group : sent_) group.clear();
   {
     const std::scoped_lock lock(lock_);
-    moved = std::exchange(moved_, std::vector<std::vector<float>>(moved_.size()));
+    moved_.swap(sent_);
     events.swap(events_);
     if (std::exchange(fresh_, false)) sessions = sessions_;
   }
   for (std::string& event : events) viewers.send_to_all(shared(std::move(event)), page::Worth::needed);
   if (!sessions.empty()) viewers.send_to_all(shared(std::move(sessions)), page::Worth::stream);
-  for (std::size_t group = 0; group < moved.size(); ++group) {
+  for (std::size_t group = 0; group < sent_.size(); ++group) {
     (void)assembly_.take({.view = view_,
                           .number = static_cast<std::uint32_t>(group),
-                          .content = std::as_bytes(std::span(moved[group]))});
+                          .content = std::as_bytes(std::span(sent_[group]))});
   }
   if (++beats_ % kBeatsPerMovement != 0) return;
   std::string message = assembly_.take_moved(0);

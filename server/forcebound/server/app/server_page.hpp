@@ -60,6 +60,7 @@ class ServerPage final : public page::Subject {
   std::string metrics_;
   std::deque<std::string> events_;         // not sent yet
   std::vector<std::vector<float>> moved_;  // of each group of the robot's looks; empty: nothing new
+  std::vector<std::vector<float>> sent_;   // the page's thread's own
   std::deque<std::uint64_t> kicks_;
   bool fresh_ = false;
   std::condition_variable shown_;

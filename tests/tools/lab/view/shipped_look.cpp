@@ -40,7 +40,9 @@ std::string scene_message_of(const Recorded& recorded, const std::string& file) 
       shown.more = "work of a robot: where arm and surroundings were is not in the recording";
       return view::scene_message(0, shown);
     }
-    shown.more = "its shapes are not in the recording, and no scene ships under that name; --scene FILE.toml shows it";
+    shown.more =
+        "no scene ships under that name, and this page does not read the shapes in recordings; --scene FILE.toml shows "
+        "it";
   } catch (const std::exception& error) {
     shown.more = error.what();
   }
