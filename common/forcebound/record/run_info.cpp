@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "forcebound/wire/messages.hpp"
+
 namespace forcebound::record {
 namespace {
 
@@ -152,6 +154,10 @@ struct InfoReader {
   static void assign(const std::string&, const std::string& text, bool& value) { value = text == "true"; }
   static void assign(const std::string& name, const std::string& text, Nanoseconds& value) {
     value = Nanoseconds{parse<Nanoseconds::rep>(name, text)};
+    // As for the records' times: differences of accepted ones fit 64 bits.
+    if (value > wire::kTimeMost || value < -wire::kTimeMost) {
+      throw std::invalid_argument("field '" + name + "' must be within 2^61, got " + text);
+    }
   }
   static void assign(const std::string& name, const std::string& text, std::optional<Nanoseconds>& value) {
     assign(name, text, value.emplace());

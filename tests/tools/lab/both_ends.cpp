@@ -104,10 +104,10 @@ nlohmann::ordered_json BothEnds::results() const {
     const auto us = [](Nanoseconds time) { return kNs_in_us * static_cast<double>(time.count()); };
     compute.push_back(us(sent.compute));
     server.push_back(us(sent.at - sent.motion_arrived));
-    down.push_back(us(received->second.at - sent.at - epochs));
+    down.push_back(us(received->second.at - sent.at) - us(epochs));
     round_trip.push_back(us(received->second.round_trip));
     if (const auto read = motions_read_.find(sent.motion); read != motions_read_.end()) {
-      up.push_back(us(sent.motion_arrived + epochs - read->second));
+      up.push_back(us(sent.motion_arrived - read->second) + us(epochs));
     }
   }
   nlohmann::ordered_json results{
