@@ -24,8 +24,17 @@ struct RobotFileText {
   double period_s = 0.001;
   double torque_N_m = 20;
   int joints = 7;
+  std::string line{};  ///< in place of the first that begins with the same key
 
   [[nodiscard]] std::string text() const {
+    std::string file = all();
+    if (line.empty()) return file;
+    const std::size_t at = file.find("\n" + line.substr(0, line.find(' ')) + " ") + 1;
+    return file.replace(at, file.find('\n', at) - at, line);
+  }
+
+ private:
+  [[nodiscard]] std::string all() const {
     std::string file = "kind = 'robot'\nperiod_s = " + std::to_string(period_s) +
                        "\nhold_s_max = 0.01\ntool_m = [0, 0, 1.2]\ntool_speed_m_per_s_max = 1\n"
                        "tool_turn_rad_per_s_max = 2\n" +

@@ -27,14 +27,17 @@ struct GantrySettings {
   double force_N_per_s_max = 0;  ///< that it says; 0: at once
   Nanoseconds latency{300'000};
   bool has_sensor = true;
+  double speed_m_per_s_max = 2;  ///< of an axis, that it says
+  double highest_m = 0.5;        ///< likewise
+  double push_N = 0;             ///< of somebody, along y
 };
 
 class GantryModel final : public server::RobotModel {
  public:
   explicit GantryModel(const GantrySettings& settings) : mass_kg_(settings.mass_kg), rest_(Vector::Zero(3)) {
     limits_ = {.lowest = Vector::Constant(3, -0.5),
-               .highest = Vector::Constant(3, 0.5),
-               .speed_max = Vector::Constant(3, 2),
+               .highest = Vector::Constant(3, settings.highest_m),
+               .speed_max = Vector::Constant(3, settings.speed_m_per_s_max),
                .torque_max = Vector::Constant(3, settings.force_N_max),
                .torque_rate_max = Vector::Constant(3, settings.force_N_per_s_max),
                .tool_speed_m_per_s_max = 1,
@@ -162,6 +165,7 @@ class GantryRobot : public server::Robot {
     const double b = settings_.damping_N_s_per_m + (stopped_ ? kBrake_N_s_per_m : 0);
     Vector force = force_;
     force[0] += wall_force_N();
+    force[1] += settings_.push_N;
     v_ = (settings_.mass_kg * v_ + h * force) / (settings_.mass_kg + h * b);
     q_ += h * v_;
     audit_.energy_J += h * (settings_.damping_N_s_per_m * v_.squaredNorm() - force_.dot(v_));

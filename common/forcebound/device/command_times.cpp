@@ -1,6 +1,7 @@
 #include "forcebound/device/command_times.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 
 #include "forcebound/control/rotation.hpp"
@@ -47,6 +48,17 @@ double CommandTimes::command_at(const Reading& reading, Nanoseconds now) noexcep
   previous_reading_ = reading.latched;
   previous_command_ = now;
   return latency_s(now - reading.latched);
+}
+
+bool CommandTimes::is_held_on(const Reading& reading, Nanoseconds now) const noexcept {
+  // What stands still for longer is felt, and the motion unknown.
+  constexpr Nanoseconds kHeldOnMost = std::chrono::milliseconds{5};
+  if (reading.status != Reading::Status::stale || !previous_command_) return false;
+  const control::DeviceFacts& facts = device_.facts();
+  // What never lets go of a force must have the next command within the time that the law has paid for.
+  const double next_s = facts.releases ? 0 : facts.period_s + facts.latency_s;
+  const Nanoseconds held = time::from_seconds(facts.hold_s_max - next_s);
+  return now - *previous_command_ < std::min(held, kHeldOnMost);
 }
 
 Reading usable_or_lost(Reading reading, const control::DeviceFacts& facts, Nanoseconds now,

@@ -29,6 +29,11 @@ class CommandTimes {
   /// A force chosen on this reading is commanded now: how long after the reading it takes effect [s], by the facts.
   double command_at(const Reading& reading, Nanoseconds now) noexcept;
 
+  /// Whether a tick with this reading commands nothing: it is stale, and the device still holds the force of the last
+  /// tick, for 5 ms at most. To a law that tick comes late: the energy of both intervals is known with the next
+  /// reading. A zero force would be felt, and the law would have to charge the force for whatever motion there was.
+  [[nodiscard]] bool is_held_on(const Reading& reading, Nanoseconds now) const noexcept;
+
   /// Of the tick before; none: there was none.
   [[nodiscard]] std::optional<Nanoseconds> previous_reading() const noexcept { return previous_reading_; }
   [[nodiscard]] std::optional<Nanoseconds> previous_command() const noexcept { return previous_command_; }

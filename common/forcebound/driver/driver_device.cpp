@@ -12,6 +12,8 @@
 namespace forcebound::driver {
 namespace {
 
+constexpr int kTranslationsMost = 3;
+
 forcebound_facts told_by(const forcebound_driver& driver, forcebound_device* device) {
   forcebound_facts told{};
   told.size = sizeof told;
@@ -67,6 +69,12 @@ DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const D
     facts_ = std::move(own->facts);
     identified_ = own->identified;
     guessed_by_ = "its file";
+  }
+  if (facts_.translations() > kTranslationsMost) {
+    throw std::runtime_error("driver '" + std::string(driver().name) + "': a device of " +
+                             std::to_string(facts_.degrees_of_freedom()) +
+                             " axes needs a file of facts, facts=FILE.toml, which is a chain: at most " +
+                             std::to_string(kTranslationsMost) + " of its axes are positions");
   }
   damping_ = control::Damping::from_matrix(facts_.damping);
 }

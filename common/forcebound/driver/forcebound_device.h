@@ -13,7 +13,7 @@
  *
  * Threads: open, describe, start and close are called on one thread, which need not be the tick's. Between start and
  * stop, read and command are called in turn on the tick's thread alone, once in each period; stop may be called on any
- * thread, also while read or command is in progress on another one, and last_error after any of them.
+ * thread, also while read, command or another stop is in progress on another one, and last_error after any of them.
  *
  * Time limits: read, command and stop must return within 0.2 ms, allocate nothing, lock nothing that another thread
  * holds for longer, and never wait for a bus or a network. A driver whose transport is slower has a thread of its own:
@@ -44,8 +44,9 @@ extern "C" {
 enum {
   FORCEBOUND_OK = 0,
   FORCEBOUND_STALE = 1,    /* of read: nothing new was latched since the last reading; only what HAS_EFFECTIVE tells is
-                              looked at. This tick commands nothing: the force of the last one stays, for 5 ms and
-                              hold_s_max at most, then it is zero. */
+                              looked at, of a robot also the sensor, the gripper and whether it stopped. This tick
+                              commands nothing: the force of the last one stays, for 5 ms and hold_s_max at most, then
+                              it is zero. */
   FORCEBOUND_FAILED = 2,   /* not done; last_error says why. The next call may succeed. */
   FORCEBOUND_UNPLUGGED = 3 /* of read and command: the device is gone. They are called on, and succeed once it is
                               back and ready. */
@@ -64,7 +65,8 @@ typedef struct forcebound_setting {
  * Forcebound sets `size` and zeros the rest before it calls describe. */
 typedef struct forcebound_facts {
   uint32_t size;
-  int32_t degrees_of_freedom; /* of position and force, 1 to 6 */
+  int32_t degrees_of_freedom; /* of position and force, 1 to 3; 6 of a device that turns its handle too: then the
+                                 user's file of facts is a chain of six axes (see forcebound_command) */
   char name[FORCEBOUND_TEXT_BYTES]; /* of the device that was opened, with its serial number if it has one */
   int32_t in_joints;  /* 0: damping, friction and steps are those of the tip's axes; 1: of the joints, and readings have
                          joints and the Jacobian */
@@ -128,7 +130,9 @@ typedef struct forcebound_command {
 
 /* What is known of a robot with a torque interface: all that its law and its controller rely on. Turning joints in a row,
  * from the base to the tool. Its world frame is that of its base: right-handed, z up, metres. Geometry and masses are
- * told with all joints at zero. A user's own file (facts=ROBOT.toml) replaces all but joints.
+ * told with all joints at zero. A user's own file (facts=ROBOT.toml) replaces all but joints; it is refused where it has
+ * a limit above, or a delay below, what is told here, or claims brakes, a sensor or a compensation of gravity that are
+ * not there.
  *
  * A torque that is commanded comes *beyond* what holds the robot, its gripper and tool against gravity, unless `gravity`
  * says that the robot does not do that itself.
@@ -141,8 +145,10 @@ typedef struct forcebound_robot {
   int32_t identified; /* as in forcebound_facts */
   int32_t brakes;     /* 1: `stop` also closes brakes, which hold it; 0: it is brought to rest by its own damping */
   int32_t gravity;    /* 0: the robot compensates its weight itself; 1: Forcebound adds the torques that hold it, found
-                         from the masses below; then it must have brakes, and `torque_max` is what the motors can give
-                         beyond that */
+                         from the masses below and the newest good reading, also while its brakes open. Then
+                         `torque_max` is what the motors can give beyond that, it must have brakes, and these must
+                         close by themselves when hold_s_max ends without a new command: a server that is killed
+                         calls no stop */
   int32_t reserved;
   double period_s;  /* as in forcebound_facts; the robot's loop has this period */
   double hold_s_max; /* as in forcebound_facts; > 0: a torque must end by itself when no new one comes */
@@ -157,16 +163,19 @@ typedef struct forcebound_robot {
   double lowest_rad[FORCEBOUND_JOINTS_MAX]; /* the robot's own limits are to be a little wider */
   double highest_rad[FORCEBOUND_JOINTS_MAX];
   double rest_rad[FORCEBOUND_JOINTS_MAX];  /* a posture far from limits and singular ones */
-  double speed_max[FORCEBOUND_JOINTS_MAX]; /* largest that it may have, > 0 [rad/s] */
+  double speed_max[FORCEBOUND_JOINTS_MAX]; /* largest that it may have, > 0 [rad/s]: half as much again stops the robot,
+                                              and no joint is ever four times as fast: such a reading is not believed */
   double torque_max[FORCEBOUND_JOINTS_MAX]; /* largest that may be commanded, and that then will be, > 0 [N m] */
   double torque_rate_max[FORCEBOUND_JOINTS_MAX]; /* fastest that a torque may be asked to change [N m/s]; 0: at once. The
                                                     law, a fault or a stop may still end one at once */
-  double damping[FORCEBOUND_JOINTS_MAX];  /* lower bound of what the joint itself dissipates, > 0 [N m s/rad] */
+  double damping[FORCEBOUND_JOINTS_MAX];  /* lower bound of what the joint itself dissipates, > 0 [N m s/rad]. Where
+                                             `gravity` is 1, less what a sampled, held and delayed weight g(q) gives back:
+                                             the sum over k of |dg_i/dq_k| (period_s / 2 + latency_s) */
   double friction[FORCEBOUND_JOINTS_MAX]; /* likewise, Coulomb friction [N m] */
   double encoder_step[FORCEBOUND_JOINTS_MAX];  /* [rad]; 0: ideal */
   double actuator_step[FORCEBOUND_JOINTS_MAX]; /* [N m]; 0: ideal */
   double tool_speed_m_per_s_max;    /* > 0: half as much again stops the robot */
-  double tool_turn_rad_per_s_max; /* > 0 */
+  double tool_turn_rad_per_s_max; /* > 0: likewise */
 
   /* Of the link behind each joint, up to the next one, with all that is fixed to it. */
   double mass_kg[FORCEBOUND_JOINTS_MAX];
@@ -197,13 +206,15 @@ typedef struct forcebound_robot_reading {
   int64_t released_ns;
   double force_N[3];    /* what the tool exerts on its surroundings, without its own weight and inertia; base frame */
   double torque_N_m[3]; /* likewise, about the tool's point */
-  int64_t sensed_ns;    /* when that was sampled */
+  int64_t sensed_ns;    /* when that was sampled; not after now_ns. A sample counts for ten periods of the sensor */
   double gripper;       /* 0: closed, 1: open */
   double energy_J;      /* what the joints dissipated less what the commanded torques gave, since the start, exactly, */
   double energy_J_least; /* and the least that it ever was */
 } forcebound_robot_reading;
 
-/* All numbers are finite, and no torque is above its largest. */
+/* All numbers are finite. No torque is above its largest, but for what holds the weight where `gravity` is 1: of a joint
+ * at most the sum, over the links behind it, of 9.81 m/s^2 * mass * distance of its centre from the joint's point.
+ * There is no command before the first good reading; after one that is not good, it is what holds the weight alone. */
 typedef struct forcebound_robot_command {
   uint32_t size;
   uint32_t has; /* HAS_GRIPPER: the gripper shall move to `gripper` */
@@ -238,12 +249,15 @@ typedef struct forcebound_driver {
                                                            next. Nothing that failed: empty, or null */
 
   /* Of robots; not there in drivers that are older. Threads and time limits as for describe, read and command. `stop`
-   * ends the torque at once and closes the brakes, if it has some. */
+   * ends the torque at once and closes the brakes, if it has some. If another call is in progress meanwhile, it is called
+   * again once that has returned, so that it has the last word. */
   int (*describe_robot)(forcebound_device* robot, forcebound_robot* facts);
   int (*read_robot)(forcebound_device* robot, int64_t now_ns, forcebound_robot_reading* reading);
-  int (*command_robot)(forcebound_device* robot, const forcebound_robot_command* command); /* never while stopped */
+  int (*command_robot)(forcebound_device* robot, const forcebound_robot_command* command); /* while stopped only after
+                                              resume, where `gravity` is 1: what holds the weight as the brakes open */
   int (*resume)(forcebound_device* robot); /* after stop, on the thread of read_robot: begins to open the brakes. Until
-                                              they are open read_robot tells IS_STOPPED, for 2 s at most */
+                                              they are open read_robot tells IS_STOPPED. If that takes more than 2 s, or
+                                              resume fails, stop is called: then they must not open any more */
 } forcebound_driver;
 
 /* The one function that a driver exports. `wanted` is the interface of the program; a driver that cannot serve it

@@ -254,6 +254,9 @@ Decoded to_value(const v1::Welcome& from, std::size_t) noexcept {
   constexpr int kSpace = 3;
   if (from.tool_m_size() == kSpace) tool_m = Eigen::Map<const Eigen::Vector3d>(from.tool_m().data());
   if (!tool_m.allFinite()) return Malformed::non_finite;
+  // As in scenes: what a hand holds is no longer.
+  constexpr double kToolLongest_m = 0.5;
+  if (tool_m.rows() > 0 && tool_m.cwiseAbs().maxCoeff() > kToolLongest_m) return Malformed::unreadable;
   std::memcpy(offer.manifest_sha256.data(), from.manifest_sha256().data(),
               std::min(offer.manifest_sha256.size(), from.manifest_sha256().size()));
   return Message{Welcome{.client_nonce = from.client_nonce(),

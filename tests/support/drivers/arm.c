@@ -1,6 +1,7 @@
 /* A driver of a robot that is simulated (arm_body.h), which is right unless it is told to be wrong:
  *
- *   fault=KIND      one of kFaults, below; those of readings and commands in the 100th reading and the 99 after it
+ *   fault=KIND      one of kFaults, below; those of readings and commands after the 100th reading, in the 100 after it
+ *   from=N          after the N-th instead
  *   control=FOLDER  they last while FOLDER has a file `fault` instead. It writes files: `stopped` when it is stopped
  *                   after a first torque, and `torques` when it is closed: how many torques there were after good
  *                   readings and after bad ones
@@ -22,14 +23,15 @@
 
 #include "arm_body.h"
 
-#define FIRST_FAULT 100
+#define GOOD_READINGS 100
 #define FAULTS 100
+#define NEVER_NS 1000000000000000
 #define FOLDER_BYTES 200
 
 struct forcebound_device {
   /* Of these `stop` knows, on whatever thread it is called. */
   arm_body body; /* its flag alone */
-  int hangs;
+  int hangs; /* of "rearms": it was stopped before */
   long torques_after_good;
   /* The rest is the loop's. */
   char fault[24];
@@ -42,6 +44,8 @@ struct forcebound_device {
   int misread; /* the last reading was a bad one */
   long torques_after_bad;
   long readings;
+  long good_readings; /* before the faults */
+  int64_t sensed_ns;
   pthread_t thread;
   char error[FORCEBOUND_TEXT_BYTES];
 };
@@ -61,8 +65,14 @@ static const char* const kFaults[] = {
     "hang-stop",    /* in a reading and in stop */
     "crash",        /* by a bad address, in a reading */
     "crash-thread", /* in a thread of the driver's own */
+    "stale",        /* each second reading */
+    "jump",         /* of a joint's encoder, by 1 rad */
+    "frozen",       /* samples of its sensor */
     "stops",        /* by itself, in a reading */
+    "rearms",       /* its first stop is undone, as by a call that was in progress */
     "never-opens",  /* its brakes stay closed */
+    "opens-late",   /* after 2.5 s */
+    "resume",       /* fails, but opens the brakes */
     "start",        /* does not start */
     "open",         /* does not open */
     "crash-open",   /* crashes there */
@@ -85,6 +95,8 @@ static int take(forcebound_device* arm, const char* key, const char* value) {
     strcpy(arm->fault, value);
   } else if (strcmp(key, "control") == 0 && strlen(value) < sizeof arm->control) {
     strcpy(arm->control, value);
+  } else if (strcmp(key, "from") == 0) {
+    arm->good_readings = atoi(value);
   } else if (strcmp(key, "joints") == 0) {
     arm->joints = atoi(value);
   } else if (strcmp(key, "gravity") == 0) {
@@ -118,6 +130,7 @@ static int arm_open(const forcebound_setting* settings, size_t count, forcebound
   arm->joints = ARM_JOINTS;
   arm->brakes = 1;
   arm->sensor = 1;
+  arm->good_readings = GOOD_READINGS;
   strcpy(arm->fault, "none");
   for (i = 0; i < count; ++i) {
     if (take(arm, settings[i].key, settings[i].value)) continue;
@@ -194,7 +207,7 @@ static void write_numbers(const forcebound_device* arm, const char* name, long f
 
 static int misbehaves_now(const forcebound_device* arm) {
   if (arm->control[0] != '\0') return has_file(arm, "fault");
-  return arm->readings > FIRST_FAULT && arm->readings <= FIRST_FAULT + FAULTS;
+  return arm->readings > arm->good_readings && arm->readings <= arm->good_readings + FAULTS;
 }
 
 static void wait_ms(long ms) {
@@ -218,7 +231,7 @@ static int arm_start(forcebound_device* arm) {
   return FORCEBOUND_OK;
 }
 
-static void tell(const forcebound_device* arm, int64_t now_ns, forcebound_robot_reading* reading) {
+static void tell(forcebound_device* arm, int64_t now_ns, forcebound_robot_reading* reading) {
   const arm_body* const body = &arm->body;
   int i;
   reading->latched_ns = now_ns;
@@ -228,7 +241,8 @@ static void tell(const forcebound_device* arm, int64_t now_ns, forcebound_robot_
   reading->released_ns = body->released_ns;
   if (arm->sensor) reading->has |= FORCEBOUND_HAS_SENSED;
   reading->force_N[2] = -body->floor_N;
-  reading->sensed_ns = now_ns;
+  if (!is(arm, "frozen") || !misbehaves_now(arm)) arm->sensed_ns = now_ns;
+  reading->sensed_ns = arm->sensed_ns;
   if (!arm->gravity) reading->has |= FORCEBOUND_HAS_ENERGY;
   reading->energy_J = body->energy_J;
   reading->energy_J_least = body->energy_J_least;
@@ -259,10 +273,12 @@ static int arm_read(forcebound_device* arm, int64_t now_ns, forcebound_robot_rea
     return FORCEBOUND_OK;
   }
   misbehave_in_read(arm);
+  if (is(arm, "stale") && arm->readings % 2 == 0) return FORCEBOUND_STALE;
   if (is(arm, "stops") && !arm_body_is_stopped(&arm->body)) arm_body_stop(&arm->body);
   tell(arm, now_ns, reading);
   arm->misread = is_bad_reading(arm);
   if (is(arm, "nan")) reading->position_rad[1] = NAN;
+  if (is(arm, "jump")) reading->position_rad[1] += 1;
   if (is(arm, "far")) reading->position_rad[1] = 4;
   if (is(arm, "backwards")) reading->latched_ns = now_ns - 5000000000;
   if (is(arm, "future")) reading->latched_ns = now_ns + 1000000000;
@@ -295,7 +311,7 @@ static int arm_command(forcebound_device* arm, const forcebound_robot_command* c
 
 static void arm_stop(forcebound_device* arm) {
   if (is(arm, "hang-stop") && __atomic_load_n(&arm->hangs, __ATOMIC_SEQ_CST)) hang();
-  arm_body_stop(&arm->body);
+  if (!is(arm, "rearms") || __atomic_exchange_n(&arm->hangs, 1, __ATOMIC_SEQ_CST)) arm_body_stop(&arm->body);
   if (__atomic_load_n(&arm->torques_after_good, __ATOMIC_SEQ_CST) > 0) write_numbers(arm, "stopped", 1, 0);
 }
 
@@ -303,8 +319,8 @@ static void arm_stop(forcebound_device* arm) {
 static int arm_resume(forcebound_device* arm) {
   const double none_N_m[ARM_JOINTS] = {0};
   arm_body_command(&arm->body, arm->body.time_ns, none_N_m);
-  if (!is(arm, "never-opens")) arm->body.opens_ns = arm->body.time_ns + ARM_OPENS_NS;
-  return FORCEBOUND_OK;
+  arm_body_open(&arm->body, is(arm, "opens-late") ? 2500000000 : is(arm, "never-opens") ? NEVER_NS : ARM_OPENS_NS);
+  return is(arm, "resume") ? FORCEBOUND_FAILED : FORCEBOUND_OK;
 }
 #endif
 

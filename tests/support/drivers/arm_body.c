@@ -131,11 +131,18 @@ void arm_body_reset(arm_body* arm) {
   memcpy(arm->position_rad, kArmRest_rad, sizeof arm->position_rad);
 }
 
+static int brakes_of(const arm_body* arm) { return __atomic_load_n(&arm->brakes, __ATOMIC_SEQ_CST); }
+
+static int is_braked(const arm_body* arm) {
+  const int brakes = brakes_of(arm);
+  return brakes == ARM_IS_STOPPED || (brakes == ARM_IS_OPENING && arm->time_ns < arm->opens_ns - ARM_OPENS_NS / 2);
+}
+
 void arm_body_pass(arm_body* arm, int64_t now_ns) {
   if (arm->time_ns == 0 || now_ns - arm->time_ns > GAP_NS) arm->time_ns = now_ns;
   while (arm->time_ns < now_ns) {
     const int64_t release_ns = arm->commanded_ns + ARM_HOLD_NS;
-    const int braked = arm_body_is_stopped(arm);
+    const int braked = is_braked(arm);
     int64_t length_ns = now_ns - arm->time_ns;
     if (arm->released_ns == 0 && (braked || arm->time_ns >= release_ns)) arm->released_ns = arm->time_ns;
     if (length_ns > STEP_NS) length_ns = STEP_NS;
@@ -143,15 +150,20 @@ void arm_body_pass(arm_body* arm, int64_t now_ns) {
     step(arm, length_ns, braked);
     arm->time_ns += length_ns;
   }
-  if (arm->opens_ns != 0 && now_ns >= arm->opens_ns) {
-    arm->opens_ns = 0;
-    __atomic_store_n(&arm->stopped, 0, __ATOMIC_SEQ_CST);
+  if (now_ns >= arm->opens_ns) {
+    int opening = ARM_IS_OPENING;
+    __atomic_compare_exchange_n(&arm->brakes, &opening, ARM_IS_OPEN, 0, __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
   }
 }
 
-void arm_body_stop(arm_body* arm) { __atomic_store_n(&arm->stopped, 1, __ATOMIC_SEQ_CST); }
+void arm_body_stop(arm_body* arm) { __atomic_store_n(&arm->brakes, ARM_IS_STOPPED, __ATOMIC_SEQ_CST); }
 
-int arm_body_is_stopped(const arm_body* arm) { return __atomic_load_n(&arm->stopped, __ATOMIC_SEQ_CST); }
+int arm_body_is_stopped(const arm_body* arm) { return brakes_of(arm) != ARM_IS_OPEN; }
+
+void arm_body_open(arm_body* arm, int64_t after_ns) {
+  arm->opens_ns = arm->time_ns + after_ns;
+  __atomic_store_n(&arm->brakes, ARM_IS_OPENING, __ATOMIC_SEQ_CST);
+}
 
 void arm_body_command(arm_body* arm, int64_t at_ns, const double* torque_N_m) {
   arm_body_pass(arm, at_ns);

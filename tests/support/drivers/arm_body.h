@@ -17,13 +17,16 @@ extern const double kArmMass_kg;              /* of each link, in the middle bet
 extern const double kArmInertia_kg_m2[ARM_JOINTS];
 extern const double kArmDamping[ARM_JOINTS]; /* [N m s/rad] */
 
+/* Of its brakes. They are said to hold until they are open, and let go halfway. */
+enum { ARM_IS_OPEN, ARM_IS_STOPPED, ARM_IS_OPENING };
+
 typedef struct arm_body {
-  int stopped;  /* set by `stop`, on whatever thread */
+  int brakes;   /* closed by `stop`, on whatever thread */
   int has_mass; /* and weighs something: the motors are to hold it */
   int64_t time_ns;
   int64_t commanded_ns;
   int64_t released_ns; /* 0: the torque is held */
-  int64_t opens_ns;    /* when the brakes open; 0: they are not opening */
+  int64_t opens_ns;    /* when the brakes are open, while they are opening */
   double position_rad[ARM_JOINTS];
   double speed_rad_per_s[ARM_JOINTS];
   double torque_N_m[ARM_JOINTS];
@@ -40,6 +43,9 @@ void arm_body_pass(arm_body* arm, int64_t now_ns);
 /* Any thread. The brakes close when the next time passes. */
 void arm_body_stop(arm_body* arm);
 int arm_body_is_stopped(const arm_body* arm);
+
+/* They are open after so long, unless they are closed meanwhile. */
+void arm_body_open(arm_body* arm, int64_t after_ns);
 
 void arm_body_command(arm_body* arm, int64_t at_ns, const double* torque_N_m);
 

@@ -258,9 +258,9 @@ TEST(Recording, ThatCannotBeCreatedIsRefusedAtOnce) {
 TEST(Recording, RefusesABeginningBeyondAllTimes) {
   KeyValues values = to_key_values(test::sample_info());
   values["epoch_ns"] = "9223372036854775807";
-  EXPECT_THAT([&] { (void)run_info_from(values); },
-              testing::ThrowsMessage<std::invalid_argument>(
-                  "field 'epoch_ns' must be within 2^61, got 9223372036854775807"));
+  EXPECT_THAT(
+      [&] { (void)run_info_from(values); },
+      testing::ThrowsMessage<std::invalid_argument>("field 'epoch_ns' must be within 2^61, got 9223372036854775807"));
 }
 
 TEST(RunInfo, ComesBackFromItsKeyValues) {

@@ -254,6 +254,8 @@ TEST(Codec, GivesATorqueAndAToolBackAndTakesThemForAbsentWhereTheyAre) {
   EXPECT_FALSE(round_trip(codec, Hello{}).shows_torque);
   EXPECT_EQ(round_trip(codec, std::get<Welcome>(one_of_each()[1])).tool_m, vector_of({0, 0.01, -0.1}));
   EXPECT_EQ(round_trip(codec, Welcome{}).tool_m.rows(), 0);
+  const auto told = codec.encode(Welcome{.tool_m = vector_of({0, 0, -0.6})});
+  EXPECT_EQ(std::get<Malformed>(codec.decode(told)), Malformed::unreadable) << "longer than any that is held";
   EXPECT_EQ(round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).torque_N_m, vector_of({0.1, -0.2, 0.3}));
   EXPECT_EQ(round_trip(codec, EnvironmentForce{}).torque_N_m.rows(), 0);
 }

@@ -20,8 +20,6 @@ constexpr int kDatagramsPerTickMax = 64;
 // Those that are dropped by their address or heading cost little. If they counted, a flood of them would make all that
 // are not dropped wait.
 constexpr int kDroppedPerTickMax = 512;
-// Without a new reading a force is held on so long: what stands still for longer is felt, and the motion unknown.
-constexpr Nanoseconds kHeldOnMost = std::chrono::milliseconds{5};
 constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
 constexpr int kAnswersWithoutNews = 5;
 
@@ -91,7 +89,7 @@ void Session::tick(Nanoseconds now) noexcept {
   const device::Reading& reading = done.reading;
   const bool readable = reading.position.allFinite();
   tell_of_device(reading.status, readable, now);
-  if (is_held_on(reading, now)) {
+  if (times_.is_held_on(reading, now)) {
     ++counts_.stale_readings;
     receive_all(now);
     keep_connected(now);
@@ -135,18 +133,6 @@ void Session::tick(Nanoseconds now) noexcept {
 device::Reading Session::read_device(Nanoseconds now) noexcept {
   const device::Reading reading = device_.read(now);
   return device::usable_or_lost(reading, device_.facts(), now, std::max(now, clock_.now()));
-}
-
-/// To the law it is a tick that comes late: the device holds the force of the last one, and the energy of both
-/// intervals is known with the next reading. A zero force would be felt, and the law would have to charge the force for
-/// whatever motion there was.
-bool Session::is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept {
-  if (reading.status != device::Reading::Status::stale || !times_.previous_command()) return false;
-  const control::DeviceFacts& facts = device_.facts();
-  // What never lets go of a force must have the next command within the time that the law has paid for.
-  const double next_s = facts.releases ? 0 : facts.period_s + facts.latency_s;
-  const Nanoseconds held = time::from_seconds(facts.hold_s_max - next_s);
-  return now - *times_.previous_command() < std::min(held, kHeldOnMost);
 }
 
 void Session::tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept {

@@ -146,8 +146,6 @@ class Session {
   void tell_of_torque(const device::Reading& reading, Nanoseconds now) noexcept;
   /// What is asked of the law: the force, and the torque where the device shows it.
   [[nodiscard]] Vector wrench_of(const Done& done) const noexcept;
-  /// Whether this tick has no new reading, and is left to the force that the device still holds.
-  [[nodiscard]] bool is_held_on(const device::Reading& reading, Nanoseconds now) const noexcept;
   [[nodiscard]] ServerNeed need_of(const RequestRendering::Request& request) const noexcept;
   void note_late_force(const RequestRendering::Request& request, Nanoseconds age, Nanoseconds now) noexcept;
   void note_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;

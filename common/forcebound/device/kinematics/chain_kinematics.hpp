@@ -24,14 +24,15 @@ struct ChainGeometry {
 /// A serial arm of revolute joints, with as many links as there are joints; more joints than axes of the tip leave the
 /// tip where it is while the arm moves. By the product of exponentials: with the unit axis w_i and the point c_i
 ///
-///     p = e^[S_1]q_1 ... e^[S_n]q_n p_0                     [K. M. Lynch, F. C. Park, "Modern Robotics", 2017,
-///     eq. 4.14] dp/dq_i = w_i(q) x (p - c_i(q))                       [5.1.1: joint i's axis where the joints before
-///     it put it]
+///     p = e^[S_1]q_1 ... e^[S_n]q_n p_0                                     [eq. 4.14]
 ///
-/// cut to the rows of the tip's translations. Where rotations count too, the handle's axes are the scene's while all
-/// angles are 0, joint i turns the handle about w_i(q), and these are the last three rows of the geometric Jacobian.
-/// The exponentials' own Jacobian, of the rotation vector from there, would be another one: torque is power over
-/// angular velocity.
+///     dp/dq_i = w_i(q) x (p - c_i(q))                                       [5.1.1]
+///
+/// [K. M. Lynch, F. C. Park, "Modern Robotics", 2017], joint i's axis where the joints before it put it, cut to the
+/// rows of the tip's translations. Where rotations count too, the handle's axes are the scene's while all angles are 0,
+/// joint i turns the handle about w_i(q), and these are the last three rows of the geometric Jacobian. The
+/// exponentials' own Jacobian, of the rotation vector from there, would be another one: torque is power over angular
+/// velocity.
 ///
 /// `joints_at` looks for the joints from the start posture by damped least squares
 /// [T. Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method", IEEE Trans. Robotics

@@ -120,8 +120,10 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
   if (is_driven(options_.robot)) {
     robot = make_driven(options_.robot);
     spdlog::info("robot: {}", robot->facts_in_words());
+    name_ = robot->facts().name;
   } else {
     task_ = load_task(options_.task);
+    name_ = options_.robot;
     robot = find_robot(options_.robot).make(*task_, kSeed);
   }
   auto follower = std::make_unique<Follower>(std::move(robot), options_.settings, laws, clock);
@@ -143,9 +145,7 @@ std::string LedRobot::summary() const {
          options_.settings.architecture + ", law " + options_.settings.law;
 }
 
-std::string LedRobot::at_work() const {
-  return task_ ? options_.robot + " at " + task_->name : text::printable(options_.robot);
-}
+std::string LedRobot::at_work() const { return task_ ? name_ + " at " + task_->name : name_; }
 
 void LedRobot::log_changes() {
   while (const auto change = thread_->take_change()) spdlog::log(level_of(change->to), "robot: {}", in_words(*change));

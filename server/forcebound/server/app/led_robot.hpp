@@ -44,11 +44,12 @@ class LedRobot {
   [[nodiscard]] std::string totals() const;
 
  private:
-  /// "robot at task", or the robot alone.
+  /// "robot at task", or the robot alone: by its own name, for the settings of its driver are nobody else's business.
   [[nodiscard]] std::string at_work() const;
 
   FollowerOptions options_;
   std::optional<Task> task_;  ///< none: the robot has work of its own
+  std::string name_{};        ///< of the robot
   bool told_lost_ = false;
   std::shared_ptr<FollowerThread> thread_;
   std::shared_ptr<const FollowerLooks> looks_;

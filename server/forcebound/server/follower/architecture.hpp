@@ -27,9 +27,9 @@ struct ReflectedPlane {
 ///     f(x_wanted) = force_N - K (x_wanted - tool_m) + K_p n max(0, n.(p - x_wanted)) + tow
 ///     torque(o_wanted) = K_r rotation vector from o_wanted to the tool's orientation
 ///
-/// Each part is cut to `force_N_max`, the torque to `torque_N_m_max`. Tow: where the robot's law is short of energy the
-/// robot lags; the hand then feels a spring to it, beyond some slack, so that the energy that the robot needs comes
-/// from the hand.
+/// Each part is cut to `force_N_max`, the torque to `torque_N_m_max`; beyond a lag of 2 rad it fades, to nothing at
+/// half a turn, where it would change its side. Tow: where the robot's law is short of energy the robot lags; the hand
+/// then feels a spring to it, beyond some slack, so that the energy that the robot needs comes from the hand.
 struct Reflection {
   Eigen::Vector3d force_N{Eigen::Vector3d::Zero()};
   double tie_N_per_m = 0;  ///< K

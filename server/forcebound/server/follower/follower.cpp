@@ -11,16 +11,16 @@
 namespace forcebound::server {
 namespace {
 
-// Readings lost in a row until the robot counts as one that refuses.
+// Readings lost in a row until the robot counts as one that refuses, or samples that its architecture needs.
 constexpr int kLostMost = 50;
-// Brakes that are not open after this were closed by the robot itself.
-constexpr Nanoseconds kOpensWithin = std::chrono::seconds{2};
 constexpr double kStill_m_per_s = 0.015;  // a tremor passes
 // No hand is farther from its device's middle.
 constexpr double kFarthest_m = 10;
 constexpr double kAtRest = 0.02;  // of a joint [rad/s], [m/s]
-// A tool this much faster than its largest speed is stopped.
+// A tool or joint this much faster than its largest speed is stopped,
 constexpr double kTooFast = 1.5;
+// and a joint so far beyond its limits, whose springs did not keep it [rad], [m].
+constexpr double kOutside = 0.1;
 // How fast a lack of energy is noticed, and what it does.
 constexpr double kShortage_s = 0.05;
 constexpr double kTow_N_per_m = 1000;
@@ -71,6 +71,7 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       robot_(std::move(robot)),
       clock_(clock),
       period_(time::from_seconds(robot_->facts().period_s)),
+      needs_sensor_(find_architecture(settings_.architecture).needs_sensor),
       impedance_(robot_->model(), find_architecture(settings.architecture).impedance),
       architecture_(find_architecture(settings.architecture).make(impedance_.settings())),
       controller_(robot_->facts(), make_law(settings, laws, robot_->facts())),
@@ -110,6 +111,7 @@ void Follower::hear(const LeaderMotion& motion) noexcept {
 void Follower::tick(Nanoseconds now) noexcept {
   ++totals_.ticks;
   const device::Reading read = robot_->read(now);
+  if (times_.is_held_on(read, now)) return;
   const device::Reading reading = device::usable_or_lost(read, robot_->facts(), now, std::max(now, clock_.now()));
   if (const auto audit = robot_->audit()) energy_.note(*audit);
   if (leader_) controller_.receive_energy(energy_.hear(leader_->energy_given_J));
@@ -131,26 +133,23 @@ void Follower::tick(Nanoseconds now) noexcept {
 /// What the robot does on this tick. @return whether the reading can be used
 bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   const bool usable = reading.position.allFinite();
-  lost_in_a_row_ = usable ? 0 : lost_in_a_row_ + 1;
   totals_.lost_readings += usable ? 0 : 1;
   const auto sensed = bias_.without(robot_->sensed_force());
   const ImpedanceController::Report& tool = impedance_.report();
-  const double fastest = robot_->model().limits().tool_speed_m_per_s_max;
   const FollowerState before = engagement_.state();
   const bool opens = brakes_open(reading, usable, now);
   const bool is_led = leader_ && !std::exchange(leader_is_new_, false);
-  const FollowerState state =
-      engagement_.update({.now = now,
-                          .silent = is_led ? std::optional(now - leader_->arrived) : std::nullopt,
-                          .has_buttons = leader_ && leader_->handle.buttons.has_value(),
-                          .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
-                          .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
-                          .robot_ready = lost_in_a_row_ < kLostMost && refused_in_a_row_ < kLostMost,
-                          .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
-                          .robot_stopped = robot_->is_stopped() && !opens,
-                          .reading_usable = usable,
-                          .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) ||
-                                            (fastest > 0 && tool.velocity.head<3>().norm() > kTooFast * fastest)});
+  const FollowerState state = engagement_.update(
+      {.now = now,
+       .silent = is_led ? std::optional(now - leader_->arrived) : std::nullopt,
+       .has_buttons = leader_ && leader_->handle.buttons.has_value(),
+       .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
+       .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
+       .robot_ready = is_ready(usable, sensed.has_value()),
+       .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
+       .robot_stopped = robot_->is_stopped() && !opens,
+       .reading_usable = usable,
+       .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) || is_beyond_limits(reading, usable)});
   if (state == before) return usable;
   if (state == FollowerState::stopping || state == FollowerState::failed) {
     ++totals_.stops;
@@ -169,6 +168,27 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   return usable;
 }
 
+/// Whether it tells where it is and what it touches, and takes commands.
+bool Follower::is_ready(bool usable, bool sensed) noexcept {
+  lost_in_a_row_ = usable ? 0 : lost_in_a_row_ + 1;
+  unsensed_in_a_row_ = sensed || !needs_sensor_ ? 0 : unsensed_in_a_row_ + 1;
+  return std::max({lost_in_a_row_, refused_in_a_row_, unsensed_in_a_row_}) < kLostMost;
+}
+
+/// Whether the tool or a joint is faster than it may be, or a joint where it may not be.
+bool Follower::is_beyond_limits(const device::Reading& reading, bool usable) const noexcept {
+  const RobotLimits& limits = robot_->model().limits();
+  const ImpedanceController::Report& seen = impedance_.report();
+  const auto too_fast = [](double speed, double largest) { return largest > 0 && speed > kTooFast * largest; };
+  if (too_fast(seen.velocity.head<3>().norm(), limits.tool_speed_m_per_s_max)) return true;
+  if (too_fast(seen.velocity.tail<3>().norm(), limits.tool_turn_rad_per_s_max)) return true;
+  for (Eigen::Index i = 0; i < seen.joint_velocity.rows(); ++i) {
+    if (too_fast(std::abs(seen.joint_velocity[i]), limits.speed_max[i])) return true;
+  }
+  return usable && (((reading.joint - limits.highest).array() > kOutside).any() ||
+                    ((limits.lowest - reading.joint).array() > kOutside).any());
+}
+
 /// From where tool and leader are now, so that nothing jumps.
 void Follower::begin_following(const device::Reading& reading) noexcept {
   const ToolPose pose = robot_->model().pose(reading.position);
@@ -182,8 +202,10 @@ void Follower::begin_following(const device::Reading& reading) noexcept {
 bool Follower::brakes_open(const device::Reading& reading, bool usable, Nanoseconds now) noexcept {
   if (!resumed_) return false;
   if (robot_->is_stopped()) {
-    if (now - *resumed_ < kOpensWithin) return true;
+    if (now - *resumed_ < kBrakesOpenWithin) return true;
     resumed_.reset();
+    // Or they would open later, with nobody to hold the robot.
+    robot_->soft_stop(now);
     return false;
   }
   if (!usable) return true;

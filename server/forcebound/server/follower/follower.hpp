@@ -60,7 +60,7 @@ struct FollowerTotals {
   std::uint64_t ticks = 0;
   std::uint64_t bounded = 0;  ///< ticks on which the law shortened the torques
   std::uint64_t stops = 0;
-  std::uint64_t lost_readings = 0;
+  std::uint64_t lost_readings = 0;    ///< those that the robot held its torques on for aside
   std::uint64_t motions_refused = 0;  ///< of the leader, farther away than any hand
   std::string_view why_stopped{};     ///< last
   double received_J = 0;              ///< energy of the leader's law, at the robot's scale
@@ -113,6 +113,8 @@ class Follower {
 
  private:
   [[nodiscard]] bool judge(const device::Reading& reading, Nanoseconds now) noexcept;
+  [[nodiscard]] bool is_beyond_limits(const device::Reading& reading, bool usable) const noexcept;
+  [[nodiscard]] bool is_ready(bool usable, bool sensed) noexcept;
   void begin_following(const device::Reading& reading) noexcept;
   [[nodiscard]] bool brakes_open(const device::Reading& reading, bool usable, Nanoseconds now) noexcept;
   [[nodiscard]] Vector torque(const device::Reading& reading, Nanoseconds now) noexcept;
@@ -125,6 +127,7 @@ class Follower {
   std::unique_ptr<Robot> robot_;
   const time::Clock& clock_;
   Nanoseconds period_;
+  bool needs_sensor_;
   ImpedanceController impedance_;
   std::unique_ptr<Architecture> architecture_;
   control::PassivityController controller_;
@@ -141,6 +144,7 @@ class Follower {
   bool placed_ = false;  // the target is where the tool was first seen
   int lost_in_a_row_ = 0;
   int refused_in_a_row_ = 0;            // commands
+  int unsensed_in_a_row_ = 0;           // ticks without a sample that the architecture needs
   std::optional<Nanoseconds> resumed_;  // its brakes begin to open
   Vector given_;                        // torques of the tick before
   double shortage_ = 0;                 // share of the torques that the law withheld, low-passed

@@ -10,32 +10,83 @@
 namespace forcebound::server {
 namespace {
 
-// Brakes that are not open by then stay closed.
-constexpr Nanoseconds kOpensWithin = std::chrono::seconds{2};
 // A joint so far beyond its limits has an encoder that is wrong.
 constexpr double kBeyond_rad = 0.5;
+constexpr int kPeriodsOfASample = 10;
 
-/// @throws std::runtime_error in one line
-void expect_to_match(const RobotDescription& file, const forcebound_robot& told, const driver::DriverRequest& request) {
-  const auto refuse = [&](const std::string& what, double got, const std::string& but, double theirs) {
-    throw std::runtime_error(request.facts_file + ": " + what + " " + text::to_text(got) +
-                             ", but the robot of driver '" + text::printable(request.name) + "' has " + but +
-                             text::to_text(theirs));
-  };
-  if (file.facts.joints() != told.joints) refuse("joints:", file.facts.joints(), "", told.joints);
-  if (file.facts.period_s < told.period_s) refuse("period_s =", file.facts.period_s, "at least ", told.period_s);
-  for (int i = 0; i < told.joints; ++i) {
+/// A user's file beside what the driver tells: it may be stricter, and claims nothing that is not there.
+class FileCheck {
+ public:
+  FileCheck(const RobotDescription& file, const forcebound_robot& told, const driver::DriverRequest& request)
+      : file_(file), told_(told), request_(request) {}
+
+  /// @throws std::runtime_error in one line
+  void expect_to_match() const {
+    if (file_.facts.joints() != told_.joints) refuse("joints:", file_.facts.joints(), "", told_.joints);
+    at_least("period_s =", file_.facts.period_s, told_.period_s);
+    at_least("hold_s_max =", file_.facts.hold_s_max, told_.hold_s_max);
+    at_least("latency_s =", file_.facts.latency_s, told_.latency_s);
+    at_least("stamp_s_most =", file_.facts.uncertainty.stamp_s.most, told_.stamp_s_most);
+    const RobotLimits& limits = file_.chain.limits;
+    at_most("tool_speed_m_per_s_max =", limits.tool_speed_m_per_s_max, told_.tool_speed_m_per_s_max);
+    at_most("tool_turn_rad_per_s_max =", limits.tool_turn_rad_per_s_max, told_.tool_turn_rad_per_s_max);
+    for (int i = 0; i < told_.joints; ++i) expect_joint_to_match(i);
+    expect_equipment();
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what, const std::string& but) const {
+    throw std::runtime_error(request_.facts_file + ": " + what + ", but the robot of driver '" +
+                             text::printable(request_.name) + "' " + but);
+  }
+  [[noreturn]] void refuse(const std::string& what, double got, const std::string& but, double theirs) const {
+    refuse(what + " " + text::to_text(got), "has " + but + text::to_text(theirs));
+  }
+  /// Of two that mean the same, one may be rounded otherwise.
+  static bool is_below(double value, double other) noexcept {
+    constexpr double kRounding = 1e-9;
+    return value < other - kRounding * std::abs(other);
+  }
+  void at_least(const std::string& what, double got, double theirs) const {
+    if (is_below(got, theirs)) refuse(what, got, "at least ", theirs);
+  }
+  /// @param theirs 0: the driver does not tell
+  void at_most(const std::string& what, double got, double theirs) const {
+    if (theirs > 0 && is_below(theirs, got)) refuse(what, got, "at most ", theirs);
+  }
+
+  void expect_joint_to_match(int i) const {
     const std::string joint = " of joint " + std::to_string(i + 1) + " =";
-    const double torque = told.torque_max[i];
-    if (torque > 0 && file.chain.limits.torque_max[i] > torque) {
-      refuse("torque_N_m_max" + joint, file.chain.limits.torque_max[i], "at most ", torque);
+    const RobotLimits& limits = file_.chain.limits;
+    at_most("torque_N_m_max" + joint, limits.torque_max[i], told_.torque_max[i]);
+    at_most("speed_rad_per_s_max" + joint, limits.speed_max[i], told_.speed_max[i]);
+    const double rate = limits.torque_rate_max[i];
+    if (told_.torque_rate_max[i] > 0 && !(rate > 0)) {
+      refuse("torque_N_m_per_s_max" + joint, rate, "at most ", told_.torque_rate_max[i]);
     }
-    const double speed = told.speed_max[i];
-    if (speed > 0 && file.chain.limits.speed_max[i] > speed) {
-      refuse("speed_rad_per_s_max" + joint, file.chain.limits.speed_max[i], "at most ", speed);
+    at_most("torque_N_m_per_s_max" + joint, rate, told_.torque_rate_max[i]);
+    if (!(told_.lowest_rad[i] < told_.highest_rad[i])) return;  // the driver does not tell
+    at_least("lowest_rad" + joint, limits.lowest[i], told_.lowest_rad[i]);
+    if (is_below(told_.highest_rad[i], limits.highest[i])) {
+      refuse("highest_rad" + joint, limits.highest[i], "at most ", told_.highest_rad[i]);
     }
   }
-}
+
+  void expect_equipment() const {
+    if (file_.compensates_gravity && told_.gravity != 0) {
+      refuse("compensates_gravity = true", "leaves its weight to the program");
+    }
+    if (!file_.compensates_gravity && told_.gravity == 0) {
+      refuse("compensates_gravity = false", "compensates its weight itself");
+    }
+    if (file_.brakes && told_.brakes == 0) refuse("brakes = true", "has none");
+    if (file_.sensor && !(told_.sensor_period_s > 0)) refuse("[sensor] is there", "has no force sensor");
+  }
+
+  const RobotDescription& file_;
+  const forcebound_robot& told_;
+  const driver::DriverRequest& request_;
+};
 
 RobotDescription described(const driver::OpenedDriver& opened, const driver::DriverRequest& request,
                            std::optional<RobotDescription> own) {
@@ -46,7 +97,7 @@ RobotDescription described(const driver::OpenedDriver& opened, const driver::Dri
     throw std::runtime_error("driver '" + name + "' does not describe its robot");
   }
   if (!own) return description_of(told, name);
-  expect_to_match(*own, told, request);
+  FileCheck(*own, told, request).expect_to_match();
   return std::move(*own);
 }
 
@@ -58,7 +109,10 @@ DriverRobot::DriverRobot(std::shared_ptr<const driver::DriverLibrary> library, c
       about_(described(opened_, request, std::move(own))),
       chain_(about_.chain),
       damping_(control::Damping::from_matrix(about_.facts.damping)),
-      place_(about_.chain.rest) {}
+      place_(about_.chain.rest) {
+  const Nanoseconds loop = time::from_seconds(about_.facts.period_s);
+  if (about_.sensor) sample_counts_ = kPeriodsOfASample * std::max(about_.sensor->period, loop);
+}
 
 std::string DriverRobot::facts_in_words() const {
   const auto range = [](const Vector& rows) {
@@ -77,6 +131,7 @@ device::Reading DriverRobot::read(Nanoseconds now) noexcept {
   told.size = sizeof told;
   const int result = opened_.call(table().read_robot, now.count(), &told);
   if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told, now);
+  forget_old_sample(now);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
   if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
   note_failure(result, "no reading");
@@ -123,24 +178,49 @@ void DriverRobot::note_reports(const forcebound_robot_reading& told, Nanoseconds
     released_at_ = told.released_ns > 0 ? std::optional(Nanoseconds{told.released_ns}) : std::nullopt;
   }
   if ((told.has & FORCEBOUND_HAS_GRIPPER) != 0 && told.gripper >= 0 && told.gripper <= 1) gripper_ = told.gripper;
-  const Eigen::Map<const Eigen::Vector3d> force(told.force_N);
-  const Eigen::Map<const Eigen::Vector3d> torque(told.torque_N_m);
-  if ((told.has & FORCEBOUND_HAS_SENSED) != 0 && about_.sensor && force.allFinite() && torque.allFinite()) {
-    sensed_ = SensedForce{.force_N = force, .torque_N_m = torque, .sampled = Nanoseconds{told.sensed_ns}};
-  }
+  if ((told.has & FORCEBOUND_HAS_SENSED) != 0 && about_.sensor) note_sensed(told, now);
   const bool energy = std::isfinite(told.energy_J) && std::isfinite(told.energy_J_least);
   if ((told.has & FORCEBOUND_HAS_ENERGY) != 0 && energy) {
     audit_ = control::PassivityAudit{.energy_J = told.energy_J, .minimum_J = told.energy_J_least};
   }
   if ((told.has & FORCEBOUND_IS_STOPPED) != 0) {
-    if (!stopped_) opened_.note_error("the robot stopped itself");
-    if (!stopped_) released_at_ = now;
-    stopped_ = true;
-    if (resumed_ && now - *resumed_ > kOpensWithin) resumed_.reset();
+    note_stopped(now);
   } else if (resumed_) {
     stopped_ = false;
     resumed_.reset();
   }
+}
+
+void DriverRobot::note_sensed(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
+  const Eigen::Map<const Eigen::Vector3d> force(told.force_N);
+  const Eigen::Map<const Eigen::Vector3d> torque(told.torque_N_m);
+  const Nanoseconds sampled{told.sensed_ns};
+  const bool possible = now - sampled <= sample_counts_ && sampled <= now + driver::ReadingTimes::kAhead;
+  if (!possible || !force.allFinite() || !torque.allFinite()) return;
+  // A sample out of turn says less than the one that is there.
+  if (sensed_ && sampled < sensed_->sampled) return;
+  sensed_ = SensedForce{.force_N = force, .torque_N_m = torque, .sampled = sampled};
+}
+
+/// A sensor that tells nothing new is as good as none.
+void DriverRobot::forget_old_sample(Nanoseconds now) noexcept {
+  if (!sensed_ || now - sensed_->sampled <= sample_counts_) return;
+  sensed_.reset();
+  opened_.note_error("its force sensor tells nothing new");
+}
+
+void DriverRobot::note_stopped(Nanoseconds now) noexcept {
+  if (!stopped_) {
+    opened_.note_error("the robot stopped itself");
+    write_failed_ = true;
+    // When it began to release the torque, as it tells; else until now at most.
+    if (!released_at_) released_at_ = now;
+  }
+  stopped_ = true;
+  if (!resumed_ || now - *resumed_ <= kBrakesOpenWithin) return;
+  resumed_.reset();
+  // Or they would open later, with nobody to hold the arm.
+  (void)opened_.stop();
 }
 
 device::Reading DriverRobot::without_reading(device::Reading::Status status) const noexcept {
@@ -162,12 +242,15 @@ void DriverRobot::apply(Nanoseconds now, const Vector& torque) noexcept {
   take_stop_from_outside();
   if (stopped_) {
     write_failed_ = true;
-    ++counters_.failed_writes;
+    const bool opens = resumed_ && times_.newest();
+    if (opens && !about_.compensates_gravity) (void)command(now, Vector::Zero(about_.facts.joints()));
     return;
   }
-  forcebound_robot_command command{};
-  command.size = sizeof command;
-  command.at_ns = now.count();
+  if (!times_.newest()) {
+    // Where it is, and so what would hold it, is not known.
+    write_failed_ = true;
+    return;
+  }
   const int joints = about_.facts.joints();
   Vector given = Vector::Zero(joints);
   if (torque.rows() == joints && torque.allFinite()) {
@@ -177,19 +260,28 @@ void DriverRobot::apply(Nanoseconds now, const Vector& torque) noexcept {
   }
   const double excess = given.cwiseQuotient(chain_.limits().torque_max).cwiseAbs().maxCoeff();
   if (excess > 1) given /= excess;
+  effective_at_.reset();
+  released_at_.reset();
+  write_failed_ = !command(now, given);
+}
+
+/// Beyond gravity. @return whether the driver took it
+bool DriverRobot::command(Nanoseconds now, const Vector& torque) noexcept {
+  forcebound_robot_command command{};
+  command.size = sizeof command;
+  command.at_ns = now.count();
+  Vector given = torque;
   if (!about_.compensates_gravity) given += chain_.gravity(place_);
-  std::copy_n(given.data(), joints, command.torque_N_m);
+  std::copy_n(given.data(), given.rows(), command.torque_N_m);
   if (opening_) {
     command.has = FORCEBOUND_HAS_GRIPPER;
     command.gripper = *opening_;
   }
-  effective_at_.reset();
-  released_at_.reset();
   const int result = opened_.call(table().command_robot, static_cast<const forcebound_robot_command*>(&command));
-  write_failed_ = result != FORCEBOUND_OK;
-  if (!write_failed_) return;
+  if (result == FORCEBOUND_OK) return true;
   ++counters_.failed_writes;
   note_failure(result, "the command failed");
+  return false;
 }
 
 void DriverRobot::command_gripper(Nanoseconds /*now*/, double opening) noexcept {
@@ -213,6 +305,8 @@ void DriverRobot::resume(Nanoseconds now) noexcept {
     resumed_ = now;
   } else {
     (void)opened_.note_failure("its brakes do not open");
+    // Or they might open later, with nobody to hold the arm.
+    (void)opened_.stop();
   }
 }
 
@@ -223,7 +317,10 @@ void DriverRobot::stop(Nanoseconds /*now*/) noexcept {
 
 void DriverRobot::take_stop_from_outside() noexcept {
   if (!stopped_from_outside_.exchange(false, std::memory_order_acq_rel)) return;
-  opened_.note_error("its driver did not return from a call for as long as the robot holds a torque");
+  opened_.note_error(
+      "its driver did not return from a call, or its loop got no time, for as long as the robot holds a torque");
+  // The call that was in progress may have ended after that stop, with a torque or open brakes.
+  (void)opened_.stop();
   stopped_ = true;
   resumed_.reset();
   write_failed_ = true;

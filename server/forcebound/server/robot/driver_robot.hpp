@@ -24,10 +24,14 @@ namespace forcebound::server {
 ///
 ///     g_i(q) = sum over links j from i on of m_j g z'(axis_i x (centre_j - point_i)),
 ///
-/// which is no part of what the law accounts for, as for any Robot.
+/// which is no part of what the law accounts for, as for any Robot. It is also held while its brakes open, and where
+/// later readings are lost: an arm that is let go falls. Before the first good reading there is no command.
+///
+/// A sample of the force sensor counts for ten of its periods, or of the loop's if these are longer.
 ///
 /// Only the thread of the robot's loop calls the driver, but for `stop`, which may come from any thread when that one
-/// does not return from a call; from then on the robot counts as stopped.
+/// does not return from a call; from then on the robot counts as stopped. The call that was in progress then may have
+/// ended after that stop, so the loop's thread stops the robot once more.
 class DriverRobot final : public Robot {
  public:
   /// Opens it. @param own facts in place of those that the driver tells
@@ -64,6 +68,10 @@ class DriverRobot final : public Robot {
   void take_stop_from_outside() noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
   void note_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
+  void note_sensed(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
+  void forget_old_sample(Nanoseconds now) noexcept;
+  void note_stopped(Nanoseconds now) noexcept;
+  [[nodiscard]] bool command(Nanoseconds now, const Vector& torque) noexcept;
   [[nodiscard]] device::Reading without_reading(device::Reading::Status status) const noexcept;
   [[nodiscard]] device::Reading refused(std::string_view why) noexcept;
   void note_failure(int result, std::string_view what) noexcept;
@@ -77,6 +85,7 @@ class DriverRobot final : public Robot {
   std::optional<Nanoseconds> effective_at_{};
   std::optional<Nanoseconds> released_at_{};
   std::optional<SensedForce> sensed_{};
+  Nanoseconds sample_counts_{0};  // for so long
   std::optional<double> gripper_{};
   std::optional<double> opening_{};  // of the gripper, as commanded
   std::optional<control::PassivityAudit> audit_{};

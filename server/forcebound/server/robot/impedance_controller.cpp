@@ -106,6 +106,7 @@ Vector ImpedanceController::torque(const device::Reading& reading, const ToolTar
   const Matrix mass = model_.mass_matrix(q);
   report_.pose = pose ? *pose : model_.pose(q);
   report_.velocity = jacobian * velocity;
+  report_.joint_velocity = velocity;
   const Matrix6 inertia = inertia_of(jacobian, mass);
   report_.wrench = wrench_of(inertia, target);
   const Vector accelerate =
@@ -195,6 +196,7 @@ Vector ImpedanceController::stopping_torque(const device::Reading& reading) noex
   const Vector velocity = velocity_.update(reading.latched, reading.joint);
   report_.pose = model_.pose(reading.joint);
   report_.velocity = model_.jacobian(reading.joint) * velocity;
+  report_.joint_velocity = velocity;
   return within_torques(-(model_.mass_matrix(reading.joint) * velocity) / kStop_s);
 }
 

@@ -57,6 +57,7 @@ class ImpedanceController {
   struct Report {
     ToolPose pose{};                    ///< of the tool, by the reading
     Vector6 velocity{Vector6::Zero()};  ///< likewise, filtered
+    Vector joint_velocity{};            ///< likewise; no rows: there was no usable reading
     Vector6 wrench{Vector6::Zero()};    ///< that the tool shall exert by spring and damper, before torques are scaled
     double smallest_singular = 0;
     bool singular = false;    ///< damped least squares was at work

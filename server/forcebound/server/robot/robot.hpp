@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <optional>
 
 #include "forcebound/device/haptic_device.hpp"
@@ -28,6 +29,9 @@ struct ForceSensorFacts {
   double bias_N_m_max = 0;  ///< likewise
 };
 
+/// Brakes that are not open so long after `resume` stay closed.
+constexpr Nanoseconds kBrakesOpenWithin = std::chrono::seconds{2};
+
 /// A robot at work, driven through the interface of devices, in its joints: `facts()` have a row for each joint and
 /// call it Cartesian, so that position and joint of a reading are both q, and a command is a torque for each joint
 /// ([rad] and [N m]; [m] and [N] for a sliding joint).
@@ -45,7 +49,8 @@ class Robot : public device::HapticDevice {
  public:
   [[nodiscard]] virtual const RobotModel& model() const noexcept = 0;
 
-  /// Newest sample until the latest reading or command; none: there is no sensor, or no sample yet.
+  /// Newest sample until the latest reading or command; none: there is no sensor, or no sample that is new enough to
+  /// tell what the tool touches now.
   [[nodiscard]] virtual std::optional<SensedForce> sensed_force() const noexcept { return std::nullopt; }
 
   /// None: it has no sensor.

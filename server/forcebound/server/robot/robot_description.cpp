@@ -162,6 +162,7 @@ RobotDescription description_of(const forcebound_robot& told, const std::string&
       .tool_speed_m_per_s_max = checks.positive("tool_speed_m_per_s_max", told.tool_speed_m_per_s_max),
       .tool_turn_rad_per_s_max = checks.positive("tool_turn_rad_per_s_max", told.tool_turn_rad_per_s_max)};
   robot.facts.force_N_max = robot.chain.limits.torque_max.norm();
+  robot.facts.speed_max = kFastestOfLargest * robot.chain.limits.speed_max;
   if (told.sensor_period_s != 0) {
     robot.sensor = {.period = time::from_seconds(checks.within("sensor_period_s", told.sensor_period_s, 1e-5, 0.1)),
                     .noise_N_sd = checks.within("sensor_N_sd", told.sensor_N_sd, 0, kMost),

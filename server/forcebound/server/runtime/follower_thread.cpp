@@ -119,9 +119,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   // Nobody leads any more: what moves is stopped by its own brakes.
   follower_->leave();
   heard_.reset();
-  if (guard_) guard_->begin(now);
   follower_->stop(now);
-  if (guard_) guard_->end();
   const Nanoseconds until = now + settings_.stop_most;
   do {
     tick(now);
@@ -130,6 +128,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   outcome_.in_state[static_cast<std::size_t>(state_)] += now - state_since_;
   outcome_.at_rest = is_at_rest(state_);
   outcome_.missed_ticks = timer.missed();
+  if (guard_) guard_->end();
   over_ = true;
 }
 
@@ -148,9 +147,8 @@ void FollowerThread::hear() noexcept {
 
 void FollowerThread::tick(Nanoseconds now) noexcept {
   wake_ups_.note(now);
-  if (guard_) guard_->begin(clock_.now());
+  if (guard_) guard_->note_tick(clock_.now());
   follower_->tick(now);
-  if (guard_) guard_->end();
   reports_.tell(follower_->report());
   note_state(now);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 
 #include "forcebound/time/real_time.hpp"
@@ -29,7 +30,8 @@ void set_handlers(void (*handler)(int)) {
 RobotGuard::RobotGuard(device::HapticDevice& robot, const time::Clock& clock, std::optional<int> priority)
     : robot_(robot),
       clock_(clock),
-      limit_(std::max(time::from_seconds(robot.facts().hold_s_max), kSlow)),
+      limit_(std::max(time::from_seconds(robot.facts().hold_s_max), kSlow) +
+             time::from_seconds(robot.facts().period_s)),
       priority_(priority),
       stack_(std::make_unique<std::array<std::byte, kStackBytes>>()) {
   guarding = this;
@@ -47,22 +49,31 @@ void RobotGuard::watch_this_thread() {
   stack.ss_sp = stack_->data();
   stack.ss_size = stack_->size();
   sigaltstack(&stack, nullptr);
-  calls_ = ::gettid();
+  loop_thread_ = ::gettid();
 }
 
 RobotGuard::Trouble RobotGuard::trouble() const noexcept {
   if (signal_ != 0) return Trouble::crashed;
-  const std::int64_t began = began_.load(std::memory_order_relaxed);
-  if (began == 0) return Trouble::none;
-  const Nanoseconds since = clock_.now() - Nanoseconds{began};
+  const Nanoseconds since = since_tick();
   if (since > kStuck) return Trouble::stuck;
   return since > limit_ ? Trouble::slow : Trouble::none;
+}
+
+bool RobotGuard::is_lost() const noexcept {
+  // What crashes does so in a tick, or a period later at most.
+  if (signal_ != 0) return stopped_after_crash_ || since_tick() > kStopMost;
+  return trouble() == Trouble::stuck;
+}
+
+Nanoseconds RobotGuard::since_tick() const noexcept {
+  const std::int64_t began = began_.load(std::memory_order_relaxed);
+  return began == 0 ? Nanoseconds{0} : clock_.now() - Nanoseconds{began};
 }
 
 /// Only what a signal handler may call.
 void RobotGuard::note_crash(int number) {
   RobotGuard* const guard = guarding;
-  if (guard != nullptr && ::gettid() == guard->calls_) {
+  if (guard != nullptr && ::gettid() == guard->loop_thread_) {
     // What it holds, such as locks, stays as it is; nobody needs this thread any more.
     guard->signal_ = number;
     for (;;) ::pause();
@@ -87,10 +98,13 @@ void RobotGuard::run(const std::stop_token& stopping) {
     const std::int64_t began = began_.load(std::memory_order_relaxed);
     const bool slow = now != Trouble::none && began != stopped_after;
     const bool crashed = (now == Trouble::crashed || dying_) && !crash_seen;
+    // Such as for a lock that the lost thread holds.
+    if (since_tick() > kStuck + kEnds) ::_exit(EXIT_FAILURE);
     if (!slow && !crashed) continue;
     stopped_after = began;
     crash_seen = crash_seen || crashed;
     stop_robot();
+    stopped_after_crash_ = crash_seen;
   }
 }
 

@@ -112,7 +112,9 @@ TEST(LedRobot, IsTheEnvironmentOfItsTask) {
 
 TEST(LedRobot, BehindADriverHasNoTaskButWorkOfItsOwn) {
   const time::SteadyClock clock;
-  LedRobot robot({.robot = "driver:" + test::robot_driver()}, baselines::shipped_laws(), clock, std::nullopt);
+  LedRobot robot({.robot = "driver:" + test::robot_driver() + ":joints=7"}, baselines::shipped_laws(), clock,
+                 std::nullopt);
+  EXPECT_EQ(robot.summary(), "robot arm 7, position-force, law fba-exact") << "without the driver's settings";
   EXPECT_EQ(robot.environment().name, "robot");
   EXPECT_TRUE(robot.environment().accepts(3));
   EXPECT_FALSE(robot.environment().accepts(1));

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "forcebound/control/rotation.hpp"
 
 namespace forcebound::server {
@@ -17,6 +21,22 @@ TEST(Reflection, TurnsTheHandTowardsTheToolUpToItsLargestTorque) {
   EXPECT_GT(tie.torque_at(wanted).dot(lag_rad), 0);
   EXPECT_TRUE(tie.torque_at(tie.tool_orientation).isZero(1e-12));
   EXPECT_TRUE(Reflection{}.torque_at(wanted).isZero(0)) << "no torque unless an architecture ties orientations";
+}
+
+TEST(Reflection, TurnsTheHandWithoutAJumpWhereTheShorterWayChangesItsSide) {
+  Reflection tie{.turn_N_m_per_rad = 10, .torque_N_m_max = 5};
+  double before_N_m = 0;
+  double greatest_change_N_m = 0;
+  for (int degrees = 0; degrees <= 360; ++degrees) {
+    tie.tool_orientation = control::turn_by({0, 0, static_cast<double>(degrees) * std::numbers::pi / 180});
+    const double now_N_m = tie.torque_at(Eigen::Quaterniond::Identity()).z();
+    greatest_change_N_m = std::max(greatest_change_N_m, std::abs(now_N_m - before_N_m));
+    before_N_m = now_N_m;
+    if (degrees > 30 && degrees < 114) {
+      EXPECT_NEAR(now_N_m, 5, 1e-12) << "until 2 rad";
+    }
+  }
+  EXPECT_LT(greatest_change_N_m, 0.2);
 }
 
 }  // namespace

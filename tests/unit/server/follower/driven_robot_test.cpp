@@ -97,6 +97,71 @@ TEST(DrivenRobot, ThatStoppedByItselfBeforeAnybodyEngagedFollowsWhoKeepsStill) {
   EXPECT_GE(arm.follower->totals().port.minimum_J, -1e-12);
 }
 
+TEST(DrivenRobot, StaysPassiveWhenItStopsByItselfWhileItMoves) {
+  for (int reading = 1200; reading <= 2400; reading += 100) {
+    DrivenFollower arm("fault=stops,from=" + std::to_string(reading));
+    arm.engage();
+    arm.run(2s, [](double time_s, LeaderMotion& leader) {
+      leader.position[2] = -0.05 * std::min(3 * time_s, 1.0) + 0.02 * std::sin(20 * time_s);
+    });
+    EXPECT_EQ(arm.follower->totals().stops, 0U) << "nobody else stopped it";
+    EXPECT_EQ(arm.follower->report().state, FollowerState::stopped) << reading;
+    EXPECT_GE(arm.follower->totals().port.minimum_J, -1e-12) << "stopped in reading " << reading;
+  }
+}
+
+TEST(DrivenRobot, OfWhichReadingsAreStaleGoesOnWithTheTorquesOfTheTickBefore) {
+  const auto lag_m = [](const std::string& settings) {
+    DrivenFollower arm(settings);
+    arm.engage();
+    arm.run(1s, [](double time_s, LeaderMotion& leader) { leader.position[2] = 0.02 * std::sin(6 * time_s); });
+    EXPECT_EQ(arm.follower->totals().lost_readings, 0U);
+    EXPECT_GE(arm.follower->totals().port.minimum_J, -1e-12);
+    return arm.follower->totals().lag_m_max;
+  };
+  EXPECT_LT(lag_m("rate=200,fault=stale,from=1300"), 1.2 * lag_m("rate=200"));
+}
+
+TEST(DrivenRobot, GetsNoEnergyFromAJumpOfAnEncoder) {
+  DrivenFollower arm("fault=jump");
+  const auto without_energy = [](double, LeaderMotion& leader) { leader.energy_given_J = -2e-3; };
+  arm.run(300ms, without_energy);
+  EXPECT_LT(arm.follower->law().energy_J(), 1e-3) << "not damping * (1 rad)^2 / 1 ms";
+}
+
+TEST(DrivenRobot, IsStoppedWhenTheSensorThatItNeedsTellsNothingNew) {
+  DrivenFollower arm("fault=frozen,from=1500");
+  arm.engage();
+  arm.run(550ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(arm.follower->report().state, FollowerState::following);
+  arm.run(20ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(arm.follower->report().state, FollowerState::failed);
+  EXPECT_TRUE(arm.robot->is_stopped());
+  EXPECT_EQ(arm.robot->last_error(), "its force sensor tells nothing new");
+
+  DrivenFollower without("fault=frozen,from=1500", "position-position");
+  without.engage();
+  without.run(570ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(without.follower->report().state, FollowerState::following);
+}
+
+TEST(DrivenRobot, ThatLeavesItsWeightToTheProgramIsHeldUntilItsBrakesDo) {
+  for (const char* const fault : {"nan", "far", "backwards", "future", "fails", "unplugged", "stops"}) {
+    DrivenFollower arm(std::string("gravity=1,from=1500,fault=") + fault);
+    arm.engage();
+    const double height_m = arm.tool_height_m();
+    arm.run(700ms, [](double, LeaderMotion&) {});
+    EXPECT_TRUE(arm.robot->is_stopped()) << fault;
+    // What is unplugged gets no command that would hold it until it is stopped.
+    if (std::string(fault) == "unplugged") continue;
+    EXPECT_NEAR(arm.tool_height_m(), height_m, 1e-3) << fault;
+    // Somebody moves the device, keeps it still, and the robot follows again.
+    arm.run(300ms, [](double time_s, LeaderMotion& leader) { leader.position[1] = 0.1 * time_s; });
+    arm.engage();
+    EXPECT_NEAR(arm.tool_height_m(), height_m, 1e-3) << fault << ", while its brakes opened";
+  }
+}
+
 TEST(DrivenRobot, FailsAfterFiftyBadReadingsAndComesBackStopped) {
   for (const char* const fault : {"nan", "far", "backwards", "future", "fails", "unplugged"}) {
     DrivenFollower arm(std::string("fault=") + fault);

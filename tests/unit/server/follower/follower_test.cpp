@@ -170,6 +170,17 @@ TEST(Follower, StopsAtItsContactLimit) {
   EXPECT_EQ(led.follower->totals().stops, 1U) << "held deep, it does not engage by itself";
 }
 
+TEST(Follower, StopsAJointThatIsTooFastOrOutsideOfItsLimits) {
+  const auto why_stopped = [](const GantrySettings& gantry) {
+    Led pushed({.architecture = "position-position"}, gantry);
+    pushed.run(200ms, {});
+    return pushed.follower->totals().why_stopped;
+  };
+  EXPECT_EQ(why_stopped({.push_N = 25}), "");
+  EXPECT_EQ(why_stopped({.speed_m_per_s_max = 0.05, .push_N = 25}), "a limit was exceeded");
+  EXPECT_EQ(why_stopped({.highest_m = -0.2}), "a limit was exceeded");
+}
+
 TEST(Follower, ARobotThatIsUnpluggedFailsAndComesBack) {
   Led led({.architecture = "position-position"});
   led.engage();

@@ -188,14 +188,82 @@ TEST(DriverRobot, IsGivenNoTorqueFromASoftStopUntilItsBrakesAreOpen) {
   EXPECT_GT(arm->read(2252ms).joint[0], held[0] + 1e-2);
 }
 
-TEST(DriverRobot, StaysStoppedIfItsBrakesDoNotOpen) {
-  const auto arm = driven_arm("fault=never-opens");
+/// How far the arm moves in 4 s after its brakes should have opened.
+double moved_rad(const std::string& settings) {
+  const auto arm = driven_arm(settings);
   arm->start();
+  (void)drive(*arm, push(0), 10, 990ms);
   arm->soft_stop(1s);
   arm->resume(1s);
-  (void)drive(*arm, push(5), 3000, 1s);
+  (void)drive(*arm, push(5), 4000, 1s);
+  EXPECT_TRUE(arm->is_stopped()) << settings;
+  return (arm->read(5s).joint - arm->model().rest()).cwiseAbs().maxCoeff();
+}
+
+TEST(DriverRobot, StaysStoppedIfItsBrakesDoNotOpen) { EXPECT_EQ(moved_rad("fault=never-opens"), 0); }
+
+TEST(DriverRobot, IsStoppedAgainIfItsBrakesOpenTooLateToBeWaitedFor) {
+  EXPECT_LT(moved_rad("fault=opens-late,gravity=1"), 1e-9);
+}
+
+TEST(DriverRobot, IsStoppedAgainIfItSaysThatItsBrakesDoNotOpen) {
+  EXPECT_LT(moved_rad("fault=resume,gravity=1"), 1e-9);
+}
+
+TEST(DriverRobot, IsHeldWhileItsBrakesOpen) {
+  const auto arm = driven_arm("gravity=1");
+  arm->start();
+  (void)drive(*arm, push(0), 10, 990ms);
+  arm->soft_stop(1s);
+  arm->resume(1s);
+  // They begin to open after the last command before the stop, let go after 25 ms and are open after 50 ms.
+  (void)drive(*arm, push(5), 48, 1s);
   EXPECT_TRUE(arm->is_stopped());
-  EXPECT_EQ(arm->read(5s).joint, arm->model().rest());
+  EXPECT_LT((arm->read(1048ms).joint - arm->model().rest()).cwiseAbs().maxCoeff(), 1e-9);
+  (void)arm->read(1049ms);
+  (void)arm->read(1050ms);
+  EXPECT_FALSE(arm->is_stopped());
+  EXPECT_EQ(arm->counters().failed_writes, 0U) << "what nobody commands does not fail";
+}
+
+TEST(DriverRobot, IsStoppedOnceMoreWhereACallOutlivedAStopFromOutside) {
+  const auto arm = driven_arm("gravity=1,fault=rearms");
+  arm->start();
+  (void)drive(*arm, push(0), 10, 990ms);
+  arm->stop(1s);
+  (void)drive(*arm, push(0), 1000, 1s);
+  EXPECT_TRUE(arm->is_stopped());
+  EXPECT_LT((arm->read(2s).joint - arm->model().rest()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(DriverRobot, IsGivenNoTorqueBeforeItsFirstGoodReading) {
+  const auto arm = driven_arm("gravity=1,fault=fails,from=0");
+  arm->start();
+  (void)drive(*arm, push(1), 50, 1s);
+  EXPECT_TRUE(arm->write_failed());
+  EXPECT_EQ(arm->counters().failed_writes, 0U) << "there was none";
+}
+
+TEST(DriverRobot, IsHeldThroughReadingsThatAreLost) {
+  const auto arm = driven_arm("gravity=1,fault=nan");
+  arm->start();
+  (void)drive(*arm, push(0), 200, 1s);
+  EXPECT_LT((arm->read(1200ms).joint - arm->model().rest()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(DriverRobot, ASampleOfItsSensorCountsForTenPeriods) {
+  const auto arm = driven_arm("fault=frozen");
+  arm->start();
+  (void)drive(*arm, push(0), 100, 1s);
+  EXPECT_TRUE(arm->sensed_force());
+  (void)drive(*arm, push(0), 10, 1100ms);
+  ASSERT_TRUE(arm->sensed_force());
+  EXPECT_EQ(arm->sensed_force()->sampled, 1099ms);
+  (void)drive(*arm, push(0), 2, 1110ms);
+  EXPECT_FALSE(arm->sensed_force());
+  EXPECT_EQ(arm->last_error(), "its force sensor tells nothing new");
+  (void)drive(*arm, push(0), 100, 1112ms);
+  EXPECT_TRUE(arm->sensed_force()) << "it tells again";
 }
 
 TEST(DriverRobot, TellsThatItStoppedByItself) {
@@ -206,6 +274,16 @@ TEST(DriverRobot, TellsThatItStoppedByItself) {
   (void)drive(*arm, push(0), 1, 2s);
   EXPECT_TRUE(arm->is_stopped());
   EXPECT_EQ(arm->last_error(), "the robot stopped itself");
+}
+
+TEST(DriverRobot, ThatStoppedByItselfTellsWhenItReleasedItsTorque) {
+  const auto arm = driven_arm("fault=stops");
+  arm->start();
+  (void)drive(*arm, push(5), 100, 1s);
+  (void)arm->read(1200ms);
+  EXPECT_TRUE(arm->is_stopped());
+  EXPECT_EQ(arm->released_at(), 1109ms) << "10 ms after the last command";
+  EXPECT_TRUE(arm->write_failed());
 }
 
 TEST(DriverRobot, CountsAsStoppedOnceAnotherThreadHasStoppedIt) {

@@ -74,6 +74,7 @@ TEST(RobotFile, TellsARobotItsDriverAndItsSettings) {
   EXPECT_EQ(robot.facts.friction[0], 0.1);
   EXPECT_EQ(robot.facts.encoder_step[0], 0);
   EXPECT_EQ(robot.facts.force_N_max, 20);
+  EXPECT_EQ(robot.facts.speed_max[0], 4 * 3) << "no joint is ever faster";
   EXPECT_EQ(robot.facts.latency_s, 0.0005);
   EXPECT_FALSE(robot.identified);
   EXPECT_TRUE(robot.brakes);
@@ -162,6 +163,29 @@ TEST_F(FileOfDrivenArm, IsRefusedWhereItDoesNotMatchTheDriver) {
   expect_refused({.joints = 2}, "joints: 2, but " + robot + "7");
   expect_refused({.period_s = 0.0005}, "period_s = 5e-04, but " + robot + "at least 0.001");
   expect_refused({.torque_N_m = 30}, "torque_N_m_max of joint 5 = 30, but " + robot + "at most 20");
+  const auto refuse = [&](const std::string& key, const std::string& why) { expect_refused({.line = key}, why); };
+  refuse("speed_rad_per_s_max = 3", "speed_rad_per_s_max of joint 1 = 3, but " + robot + "at most 2");
+  refuse("lowest_rad = -3", "lowest_rad of joint 1 = -3, but " + robot + "at least -2.9");
+  refuse("highest_rad = 3", "highest_rad of joint 1 = 3, but " + robot + "at most 2.9");
+  refuse("tool_speed_m_per_s_max = 1.1", "tool_speed_m_per_s_max = 1.1, but " + robot + "at most 1");
+  refuse("tool_turn_rad_per_s_max = 2.1", "tool_turn_rad_per_s_max = 2.1, but " + robot + "at most 2");
+  refuse("hold_s_max = 0.009", "hold_s_max = 0.009, but " + robot + "at least 0.01");
+}
+
+TEST_F(FileOfDrivenArm, IsRefusedWhereItClaimsWhatTheDriverLacks) {
+  const auto refuse = [this](const std::string& settings, const std::string& head, const std::string& why) {
+    const std::string file = written({.head = head});
+    EXPECT_THAT([&] { (void)open_robot(robot_driver() + ":" + settings + "facts=" + file); },
+                ThrowsMessage<std::runtime_error>(
+                    AllOf(StartsWith(file), HasSubstr("but the robot of driver '" + robot_driver() + "' " + why))));
+  };
+  refuse("", "brakes = true\ncompensates_gravity = false\n", "compensates its weight itself");
+  refuse("gravity=1,", "", "leaves its weight to the program");
+  refuse("brakes=0,", "brakes = true\n", "has none");
+  refuse("sensor=0,", "[sensor]\nperiod_s = 0.001\n", "has no force sensor");
+  refuse("rate=100,", "", "has at most 100");
+  EXPECT_NO_THROW((void)open_robot(
+      robot_driver() + ":gravity=1,facts=" + written({.head = "brakes = true\ncompensates_gravity = false\n"})));
 }
 
 TEST_F(FileOfDrivenArm, IsRefusedWithoutADriver) {

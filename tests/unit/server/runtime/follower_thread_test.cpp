@@ -42,6 +42,8 @@ class SlowGantry final : public test::GantryRobot {
 /// A gantry on a thread of its own, and its leader on that of the test.
 class Led {
  public:
+  static constexpr Nanoseconds kLongest = 1min;
+
   explicit Led(const EngagementTimes& times = {}) : Led(std::make_unique<test::GantryRobot>(), times) {}
   explicit Led(std::unique_ptr<Robot> robot, const EngagementTimes& times = {}) {
     FollowerSettings settings{.architecture = "position-position", .times = times};
@@ -51,16 +53,20 @@ class Led {
     motion.position = Vector::Zero(3);
   }
 
-  /// The leader is still until the robot is in this state, however long that takes.
+  /// The leader is still until the robot is in this state.
   void lead_until(FollowerState state) {
-    while (thread->newest().state != state) lead(0);
+    const Nanoseconds until = clock.now() + kLongest;
+    while (thread->newest().state != state && clock.now() < until) lead(0);
+    ASSERT_EQ(thread->newest().state, state) << "within a minute";
   }
   /// It moves, as somebody does who takes it into the hand.
   void move() {
     for (int n = 0; n < 100; ++n) lead(1e-4);
   }
   void wait_until(FollowerState state) {
-    while (thread->newest().state != state) std::this_thread::sleep_for(1ms);
+    const Nanoseconds until = clock.now() + kLongest;
+    while (thread->newest().state != state && clock.now() < until) std::this_thread::sleep_for(1ms);
+    ASSERT_EQ(thread->newest().state, state) << "within a minute";
   }
 
   void lead(double step_m) {
@@ -188,7 +194,8 @@ TEST(FollowerThread, TellsItsLeaderThatTheRobotHasFailedWhileItsDriverDoesNotRet
   slow = true;
   led.lead_until(failed);
   EXPECT_EQ(led.thread->newest().share, 0) << "no force on the hand";
-  while (stops == 0) std::this_thread::sleep_for(1ms);
+  for (int waited_ms = 0; waited_ms < 30'000 && stops == 0; ++waited_ms) std::this_thread::sleep_for(1ms);
+  EXPECT_GT(stops, 0);
   slow = false;
   led.lead_until(stopped);
   EXPECT_EQ(led.thread->trouble(), RobotGuard::Trouble::none);
@@ -198,7 +205,7 @@ TEST(FollowerThread, TellsItsLeaderThatTheRobotHasFailedWhileItsDriverDoesNotRet
 
 TEST(FollowerThread, EndsWithoutALeaderToo) {
   Led led;
-  while (led.thread->newest().state != waiting) std::this_thread::sleep_for(1ms);
+  led.wait_until(waiting);
   EXPECT_TRUE(led.thread->stop().at_rest);
   EXPECT_EQ(&led.thread->stop(), &led.thread->stop()) << "once";
   EXPECT_TRUE(led.states().empty());

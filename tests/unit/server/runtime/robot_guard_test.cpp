@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
+#include <functional>
 #include <thread>
 
 #include "forcebound/time/clock.hpp"
@@ -26,7 +28,12 @@ class SharedClock final : public time::Clock {
 /// Counts how often it is stopped.
 class CountingRobot final : public test::GantryRobot {
  public:
-  void stop(Nanoseconds /*now*/) noexcept override { ++stops; }
+  void stop(Nanoseconds /*now*/) noexcept override {
+    if (on_stop) on_stop();
+    ++stops;
+  }
+
+  std::function<void()> on_stop{};
 
   std::atomic<int> stops{0};
 };
@@ -34,8 +41,11 @@ class CountingRobot final : public test::GantryRobot {
 class GuardedRobot : public testing::Test {
  protected:
   void wait_for_stops(int stops) const {
-    while (robot_.stops < stops) std::this_thread::sleep_for(1ms);
+    for (int waited_ms = 0; waited_ms < 30'000 && robot_.stops < stops; ++waited_ms) std::this_thread::sleep_for(1ms);
+    ASSERT_GE(robot_.stops, stops) << "within 30 s";
   }
+  /// For which the next tick may be awaited.
+  [[nodiscard]] Nanoseconds limit() const { return RobotGuard::kSlow + time::from_seconds(robot_.facts().period_s); }
   /// Long enough for the guard to have looked several times.
   static void give_time() { std::this_thread::sleep_for(50ms); }
   void pass(Nanoseconds time) { clock_.ns += time.count(); }
@@ -45,43 +55,66 @@ class GuardedRobot : public testing::Test {
   RobotGuard guard_{robot_, clock_, std::nullopt};
 };
 
-TEST_F(GuardedRobot, IsLeftAloneBetweenTicksAndInThoseThatTakeLessThanTheLimit) {
+TEST_F(GuardedRobot, IsLeftAloneBeforeTheFirstTickAndAfterTheLastAndWhereTheNextIsInTime) {
   pass(1h);
   give_time();
   EXPECT_EQ(guard_.trouble(), Trouble::none);
-  guard_.begin(clock_.now());
-  pass(RobotGuard::kSlow);
+  guard_.note_tick(clock_.now());
+  pass(limit());
+  give_time();
+  EXPECT_EQ(guard_.trouble(), Trouble::none);
+  guard_.end();
+  pass(1h);
   give_time();
   EXPECT_EQ(guard_.trouble(), Trouble::none);
   EXPECT_EQ(robot_.stops, 0);
 }
 
-TEST_F(GuardedRobot, IsStoppedOnceInATickThatTakesLonger) {
-  guard_.begin(clock_.now());
-  pass(RobotGuard::kSlow + 1ns);
+TEST_F(GuardedRobot, IsStoppedOnceWhereTheNextTickIsLate) {
+  guard_.note_tick(clock_.now());
+  pass(limit() + 1ns);
   EXPECT_EQ(guard_.trouble(), Trouble::slow);
   wait_for_stops(1);
   pass(100ms);
   give_time();
   EXPECT_EQ(robot_.stops, 1);
   EXPECT_FALSE(guard_.is_lost());
-  guard_.end();
+  guard_.note_tick(clock_.now());
   EXPECT_EQ(guard_.trouble(), Trouble::none);
-
-  guard_.begin(clock_.now());
-  pass(RobotGuard::kSlow + 1ns);
+  pass(limit() + 1ns);
   wait_for_stops(2);
   guard_.end();
 }
 
-TEST_F(GuardedRobot, IsLostInATickThatDoesNotEnd) {
-  guard_.begin(clock_.now());
+TEST_F(GuardedRobot, IsLostWhereNoTickFollows) {
+  guard_.note_tick(clock_.now());
   pass(RobotGuard::kStuck + 1ns);
   EXPECT_EQ(guard_.trouble(), Trouble::stuck);
   EXPECT_TRUE(guard_.is_lost());
   wait_for_stops(1);
-  while (!guard_.stopped()) std::this_thread::sleep_for(1ms);
+  for (int waited_ms = 0; waited_ms < 30'000 && !guard_.stopped(); ++waited_ms) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(guard_.stopped());
   EXPECT_EQ(guard_.signal(), 0);
+}
+
+TEST_F(GuardedRobot, WhoseLoopHasCrashedIsLostOnceItWasStopped) {
+  std::atomic<bool> lost_before_the_stop{false};
+  robot_.on_stop = [&] {
+    std::this_thread::sleep_for(20ms);
+    lost_before_the_stop = guard_.is_lost();
+  };
+  guard_.note_tick(clock_.now());
+  // It never ends: the guard parks the thread that crashed.
+  std::thread([this] {
+    guard_.watch_this_thread();
+    std::raise(SIGSEGV);
+  }).detach();
+  for (int waited_ms = 0; waited_ms < 30'000 && !guard_.is_lost(); ++waited_ms) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(guard_.is_lost());
+  EXPECT_EQ(robot_.stops, 1);
+  EXPECT_FALSE(lost_before_the_stop);
+  EXPECT_EQ(guard_.signal(), SIGSEGV);
+  EXPECT_EQ(guard_.trouble(), Trouble::crashed);
 }
 
 }  // namespace
