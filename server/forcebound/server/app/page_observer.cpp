@@ -37,32 +37,65 @@ double PageObserver::Figures::lost_up_percent() const noexcept {
   return std::max(0.0, kPercent * (1 - received / numbered));
 }
 
-std::string PageObserver::sessions_message(const Load& load) const {
-  Json sessions = Json::array();
+PageObserver::Row PageObserver::row_of(const Figures& figures) const {
   const time::Nanoseconds now = clock_.now();
-  for (const auto& [number, session] : shown_) {
-    const Figures& figures = sessions_.at(session);
+  return {.number = figures.shown,
+          .info = figures.info,
+          .silent = now - figures.answered > kSilent,
+          .since_s = time::to_seconds(now - figures.opened),
+          .lost_up_percent = figures.lost_up_percent(),
+          .motions_received = figures.motions_received,
+          .forces_sent = figures.forces_sent,
+          .unsound = figures.unsound,
+          .quarantined = figures.quarantined,
+          .compute_median_ns = figures.compute.percentile(kMedian),
+          .compute_rare_ns = figures.compute.percentile(kRare)};
+}
+
+PageObserver::Seen PageObserver::seen(const Lock& lock) const {
+  const auto locked = [&lock] { return lock ? lock() : std::unique_lock<std::mutex>(); };
+  Seen all;
+  std::uint64_t before = 0;
+  {
+    const auto held = locked();
+    all.scenes = scenes_;
+    all.opened = opened_;
+    all.refused = refused_;
+    all.sessions.reserve(shown_.size());
+  }
+  // One at a time, by number: some may end and others begin between two.
+  while (true) {
+    const auto held = locked();
+    const auto next = shown_.upper_bound(before);
+    if (next == shown_.end() || next->first > all.opened) return all;
+    before = next->first;
+    all.sessions.push_back(row_of(sessions_.at(next->second)));
+  }
+}
+
+std::string PageObserver::Seen::sessions_message(const Load& load) const {
+  Json rows = Json::array();
+  for (const Row& row : sessions) {
     Json faults = Json::array();
-    if (figures.unsound > 0) faults.push_back({{"name", "unsound response"}, {"count", figures.unsound}});
-    if (figures.quarantined > 0) faults.push_back({{"name", "part left out"}, {"count", figures.quarantined}});
-    sessions.push_back({{"id", number},
-                        {"client", figures.info.client},
-                        {"address", net::to_string(figures.info.address)},
-                        {"scene", figures.info.scene},
-                        {"device", figures.info.device},
-                        {"state", now - figures.answered > kSilent ? "silent" : "active"},
-                        // Its client alone knows them.
-                        {"round_trip_ms", nullptr},
-                        {"lost_down_percent", nullptr},
-                        {"lost_up_percent", figures.lost_up_percent()},
-                        {"compute_us",
-                         {{"median", microseconds(figures.compute.percentile(kMedian))},
-                          {"p99", microseconds(figures.compute.percentile(kRare))}}},
-                        {"faults", faults},
-                        {"since_s", time::to_seconds(now - figures.opened)}});
+    if (row.unsound > 0) faults.push_back({{"name", "unsound response"}, {"count", row.unsound}});
+    if (row.quarantined > 0) faults.push_back({{"name", "part left out"}, {"count", row.quarantined}});
+    rows.push_back(
+        {{"id", row.number},
+         {"client", row.info.client},
+         {"address", net::to_string(row.info.address)},
+         {"scene", row.info.scene},
+         {"device", row.info.device},
+         {"state", row.silent ? "silent" : "active"},
+         // Its client alone knows them.
+         {"round_trip_ms", nullptr},
+         {"lost_down_percent", nullptr},
+         {"lost_up_percent", row.lost_up_percent},
+         {"compute_us", {{"median", microseconds(row.compute_median_ns)}, {"p99", microseconds(row.compute_rare_ns)}}},
+         {"faults", faults},
+         {"since_s", row.since_s}});
   }
   const Json message{{"kind", "sessions"},
-                     {"sessions", sessions},
+                     {"sessions", rows},
                      {"load",
                       {{"processor_percent", kPercent * load.busy},
                        {"motions_per_s", load.motions_per_s},
@@ -71,26 +104,25 @@ std::string PageObserver::sessions_message(const Load& load) const {
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string PageObserver::metrics(const Load& load) const {
+std::string PageObserver::Seen::metrics(const Load& load) const {
   std::string text;
   add_metric(text, "sessions", static_cast<double>(load.places_used));
   add_metric(text, "sessions_most", static_cast<double>(load.places));
-  add_metric(text, "sessions_opened_total", static_cast<double>(opened_));
-  add_metric(text, "refused_total", static_cast<double>(refused_));
+  add_metric(text, "sessions_opened_total", static_cast<double>(opened));
+  add_metric(text, "refused_total", static_cast<double>(refused));
   add_metric(text, "busy_ratio", load.busy);
-  for (const auto& [number, session] : shown_) {
-    const Figures& figures = sessions_.at(session);
-    const std::string label = "{session=\"" + std::to_string(number) + "\"";
+  for (const Row& row : sessions) {
+    const std::string label = "{session=\"" + std::to_string(row.number) + "\"";
     constexpr double kNano = 1e-9;
-    add_metric(text, "motions_received" + label + "}", static_cast<double>(figures.motions_received));
-    add_metric(text, "forces_sent" + label + "}", static_cast<double>(figures.forces_sent));
-    add_metric(text, "lost_up_ratio" + label + "}", figures.lost_up_percent() / kPercent);
-    add_metric(text, "compute_seconds" + label + ",quantile=\"0.5\"}", kNano * figures.compute.percentile(kMedian));
-    add_metric(text, "compute_seconds" + label + ",quantile=\"0.99\"}", kNano * figures.compute.percentile(kRare));
+    add_metric(text, "motions_received" + label + "}", static_cast<double>(row.motions_received));
+    add_metric(text, "forces_sent" + label + "}", static_cast<double>(row.forces_sent));
+    add_metric(text, "lost_up_ratio" + label + "}", row.lost_up_percent / kPercent);
+    add_metric(text, "compute_seconds" + label + ",quantile=\"0.5\"}", kNano * row.compute_median_ns);
+    add_metric(text, "compute_seconds" + label + ",quantile=\"0.99\"}", kNano * row.compute_rare_ns);
   }
   const std::string name = "forcebound_server_scene_compute_seconds";
-  if (!scenes_.empty()) text += "# TYPE " + name + " histogram\n";
-  for (const auto& [scene, histogram] : scenes_) histogram.write(text, name, "scene=" + page::label_value(scene));
+  if (!scenes.empty()) text += "# TYPE " + name + " histogram\n";
+  for (const auto& [scene, histogram] : scenes) histogram.write(text, name, "scene=" + page::label_value(scene));
   return text;
 }
 

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "forcebound/page/duration_histogram.hpp"
 #include "forcebound/record/histogram.hpp"
@@ -13,8 +16,8 @@
 
 namespace forcebound::server {
 
-/// Figures of each session for a page, beside another observer, which is told of everything too. Owned by the server's
-/// thread.
+/// Figures of each session for a page, beside another observer, which is told of everything too. For one thread at a
+/// time: where a server has several workers, of whoever has ServerWorkers::observer_lock.
 class PageObserver final : public ServerObserver {
  public:
   /// Both must outlive it.
@@ -28,12 +31,38 @@ class PageObserver final : public ServerObserver {
     std::size_t places = 0;
   };
 
-  /// The message `sessions`. Numbers of sessions in it are the page's own, 1, 2, 3, ...: the session's number is its
-  /// key.
-  [[nodiscard]] std::string sessions_message(const Load& load) const;
+  /// A session as a page shows it.
+  struct Row {
+    std::uint64_t number = 0;  ///< the page's own, 1, 2, 3, ...: the session's number is its key
+    SessionInfo info{};
+    bool silent = false;
+    double since_s = 0;
+    double lost_up_percent = 0;  ///< of the motions between the first and the newest answered
+    std::uint64_t motions_received = 0;
+    std::uint64_t forces_sent = 0;
+    std::uint64_t unsound = 0;
+    std::uint64_t quarantined = 0;
+    double compute_median_ns = 0;
+    double compute_rare_ns = 0;  ///< 99 % take less
+  };
 
-  /// In the text format of Prometheus.
-  [[nodiscard]] std::string metrics(const Load& load) const;
+  /// What is shown, copied; to be written out where no worker waits for it.
+  struct Seen {
+    std::vector<Row> sessions{};
+    std::map<std::string, page::DurationHistogram> scenes{};
+    std::uint64_t opened = 0;
+    std::uint64_t refused = 0;
+
+    /// The message `sessions`.
+    [[nodiscard]] std::string sessions_message(const Load& load) const;
+    /// In the text format of Prometheus.
+    [[nodiscard]] std::string metrics(const Load& load) const;
+  };
+
+  /// Owned while one session is looked at, so that a motion waits for no more than that; empty: there is no other
+  /// thread.
+  using Lock = std::function<std::unique_lock<std::mutex>()>;
+  [[nodiscard]] Seen seen(const Lock& lock = {}) const;
 
   /// The session that a page calls so; nothing: it has ended.
   [[nodiscard]] std::optional<std::uint64_t> session_of(std::uint64_t shown) const;
@@ -66,6 +95,8 @@ class PageObserver final : public ServerObserver {
     /// Of the motions between the first and the newest answered, in percent.
     [[nodiscard]] double lost_up_percent() const noexcept;
   };
+
+  [[nodiscard]] Row row_of(const Figures& figures) const;
 
   ServerObserver& next_;
   const time::Clock& clock_;

@@ -78,8 +78,8 @@ void PageTurn::turn(ServerWorkers& server) {
   motions_ = motions;
   shown_ = now;
   try {
-    const auto lock = server.observer_lock();
-    page_.show(observer_.sessions_message(load), observer_.metrics(load));
+    const PageObserver::Seen seen = observer_.seen([&server] { return server.observer_lock(); });
+    page_.show(seen.sessions_message(load), seen.metrics(load));
   } catch (const std::bad_alloc&) {  // the page shows what it had; serving goes on
   }
 }

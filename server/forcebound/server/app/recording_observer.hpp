@@ -53,7 +53,7 @@ class RecordingObserver final : public LogObserver {
   const time::Clock& clock_;
   Scenes scenes_;
   std::string first_scene_;
-  std::set<std::string> told_;  // of the server's thread
+  std::set<std::string> told_;  // of who calls on_opened, one thread at a time
   std::mutex waiting_mutex_;
   std::vector<ToldScene> waiting_{};  // for the thread that writes
   std::string file_;

@@ -44,7 +44,7 @@ volatile std::sig_atomic_t interrupts = 0;
 volatile std::sig_atomic_t terminations = 0;
 volatile std::sig_atomic_t reloads = 0;
 
-void take_signals(bool reloadable) {
+void take_signals(bool reloadable, bool drives_robot) {
   const auto take = [](int signal, void (*handler)(int)) {
     struct sigaction action {};
     action.sa_handler = handler;
@@ -52,7 +52,13 @@ void take_signals(bool reloadable) {
   };
   take(SIGINT, [](int) { interrupts = 1; });
   // A second one ends at once.
-  take(SIGTERM, [](int) { terminations = terminations == 0 ? 1 : 2; });
+  constexpr auto kTerminate = [](int) { terminations = terminations == 0 ? 1 : 2; };
+  take(SIGTERM, kTerminate);
+  // Whatever ends the process, the robot is to be stopped before.
+  if (drives_robot) {
+    take(SIGHUP, kTerminate);
+    take(SIGQUIT, kTerminate);
+  }
   // Otherwise it means that the terminal is gone.
   if (reloadable) take(SIGHUP, [](int) { reloads = 1; });
   // A full disk or a closed pipe gives a write error, not a signal that ends the process.
@@ -87,12 +93,18 @@ void reload(ServerWorkers& server, const ProgramOptions& options) {
     spdlog::warn("nothing to read again: there is no --clients");
     return;
   }
+  std::optional<security::AllowedClients> clients;
   try {
-    auto clients = security::AllowedClients::from_file(options.keys.clients);
-    spdlog::info("{} read again: {}", options.keys.clients, text::counted(clients.all().size(), "client"));
-    server.replace_clients(clients);
+    clients = security::AllowedClients::from_file(options.keys.clients);
   } catch (const std::exception& error) {
     spdlog::error("{}; the clients are those of before", error.what());
+    return;
+  }
+  try {
+    server.replace_clients(*clients);
+    spdlog::info("{} read again: {}", options.keys.clients, text::counted(clients->all().size(), "client"));
+  } catch (const std::exception& error) {
+    spdlog::error("{}; clients of before may still be let in: have {} read again", error.what(), options.keys.clients);
   }
 }
 
@@ -123,6 +135,7 @@ class Service {
       if (beside_.robot != nullptr) beside_.robot->log_changes();
       if (server_.alive(clock_.now())) manager_.tell_alive(clock_.now());
       if (reloads != 0) reload_now();
+      if (reloading_ && server_.settled()) tell_reloaded();
       if (options_.verbose && clock_.now() >= next_report_) {
         report(server_);
         next_report_ = clock_.now() + kReportPeriod;
@@ -154,6 +167,12 @@ class Service {
     reloads = 0;
     ServiceManager::tell_reloading();
     reload(server_, options_);
+    reloading_ = true;
+  }
+
+  /// All workers have the new list.
+  void tell_reloaded() {
+    reloading_ = false;
     if (!drained_by_) ServiceManager::tell_ready("serving");
   }
 
@@ -164,6 +183,7 @@ class Service {
   ServiceManager& manager_;
   Nanoseconds next_report_;
   std::optional<Nanoseconds> drained_by_{};
+  bool reloading_ = false;
 };
 
 /// What clients can request, and what those get that request nothing.
@@ -228,7 +248,19 @@ std::string totals(const ServerWorkers& server, const std::string& encryption) {
   if (const std::uint64_t lost = server.not_handed_over(); lost > 0) {
     text += text::counted(lost, "datagram") + " lost since a worker had no room for more from others\n";
   }
+  if (const std::uint64_t lost = server.keys_not_moved(); lost > 0) {
+    text += text::counted(lost, "datagram") + " lost since the keys of their clients moved between workers too often\n";
+  }
   return text;
+}
+
+void log_workers(std::size_t wanted, std::size_t has) {
+  if (has > 1) spdlog::info("{} workers", has);
+  if (has >= wanted) return;
+  spdlog::warn(
+      "{} instead of {}: the system lets no filter choose among sockets at one address (SO_REUSEPORT with "
+      "SO_ATTACH_REUSEPORT_CBPF)",
+      text::counted(has, "worker"), wanted);
 }
 
 /// How many threads serve.
@@ -267,7 +299,7 @@ int serve(ProgramOptions options) {
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
 
-  take_signals(!options.keys.clients.empty() || ServiceManager::started_this());
+  take_signals(!options.keys.clients.empty() || ServiceManager::started_this(), options.follower.any());
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
   const auto observer = make_observer(options, offer, encryption, clock);
   PageObserver page_observer(*observer, clock);
@@ -286,7 +318,7 @@ int serve(ProgramOptions options) {
   }
   if (options.realtime) ask_for_real_time();
   server.start();
-  if (workers > 1) spdlog::info("{} workers", workers);
+  log_workers(workers, server.size());
   spdlog::info("listening on {}, {} '{}': {}", net::to_string(server.address()), offer.robot ? "task" : "scene",
                offer.name, offer.simulated);
 

@@ -25,19 +25,30 @@ std::string file_of(const std::string& shipped) { return "scenes/" + shipped + "
 
 }  // namespace
 
-/// What copies of a library have compiled.
+/// What copies of a library have compiled. One is compiled at a time; who wants one that is there waits for none.
 class SceneLibrary::Compiled {
  public:
   std::shared_ptr<const scene::Scene> get_or(const std::string& name,
                                              const std::function<std::shared_ptr<const scene::Scene>()>& compile) {
+    if (auto scene = find(name)) return scene;
+    const std::lock_guard compiling(compiling_);
+    // Another may have compiled it meanwhile.
+    if (auto scene = find(name)) return scene;
+    auto scene = compile();
     const std::lock_guard lock(guard_);
-    auto& scene = scenes_[name];
-    if (!scene) scene = compile();
+    scenes_[name] = scene;
     return scene;
   }
 
  private:
-  std::mutex guard_;
+  [[nodiscard]] std::shared_ptr<const scene::Scene> find(const std::string& name) const {
+    const std::lock_guard lock(guard_);
+    const auto found = scenes_.find(name);
+    return found == scenes_.end() ? nullptr : found->second;
+  }
+
+  std::mutex compiling_;
+  mutable std::mutex guard_;
   std::map<std::string, std::shared_ptr<const scene::Scene>> scenes_;
 };
 

@@ -26,7 +26,7 @@ class SceneLibrary {
   static SceneLibrary shipped(scene::Registry registry = scene::Registry::standard(), scene::MeasureCost measure = {});
 
   /// Another library of the same scenes, for another thread. Each scene that ships is still compiled once, for all
-  /// copies: who requests it elsewhere meanwhile waits.
+  /// copies, and one at a time: who wants one that is not compiled waits; one that is, is found at once.
   [[nodiscard]] SceneLibrary copy() const;
 
   /// Replaces a scene of the same name, also a shipped one.

@@ -141,8 +141,8 @@ void ServerWorkers::admit_none(const std::string& why) {
 }
 
 void ServerWorkers::replace_clients(const security::AllowedClients& clients) {
-  post_to_others([clients](UdpServer& server) { server.replace_clients(clients); });
   workers_.front()->server.replace_clients(clients);
+  post_to_others([clients](UdpServer& server) { server.replace_clients(clients); });
 }
 
 bool ServerWorkers::end_session(std::uint64_t session) {
@@ -209,17 +209,17 @@ std::uint64_t ServerWorkers::overflowed() const {
       [](std::uint64_t sum, const auto& worker) { return sum + worker->server.figures().overflowed; });
 }
 
-std::uint64_t ServerWorkers::handed_over() const {
-  return std::accumulate(workers_.begin(), workers_.end(), std::uint64_t{0}, [](std::uint64_t sum, const auto& worker) {
-    return sum + worker->server.figures().handed_over;
-  });
+std::uint64_t ServerWorkers::sum_of(std::uint64_t UdpServer::Figures::*figure) const {
+  return std::accumulate(
+      workers_.begin(), workers_.end(), std::uint64_t{0},
+      [figure](std::uint64_t sum, const auto& worker) { return sum + worker->server.figures().*figure; });
 }
 
-std::uint64_t ServerWorkers::not_handed_over() const {
-  return std::accumulate(workers_.begin(), workers_.end(), std::uint64_t{0}, [](std::uint64_t sum, const auto& worker) {
-    return sum + worker->server.figures().not_handed_over;
-  });
-}
+std::uint64_t ServerWorkers::handed_over() const { return sum_of(&UdpServer::Figures::handed_over); }
+
+std::uint64_t ServerWorkers::not_handed_over() const { return sum_of(&UdpServer::Figures::not_handed_over); }
+
+std::uint64_t ServerWorkers::keys_not_moved() const { return sum_of(&UdpServer::Figures::keys_not_moved); }
 
 std::unique_lock<std::mutex> ServerWorkers::observer_lock() {
   return observer_ ? std::unique_lock(observer_->guard) : std::unique_lock<std::mutex>();

@@ -56,6 +56,7 @@ class ServerWorkers {
   void turn();
 
   void admit_none(const std::string& why);
+  /// @throws std::bad_alloc some workers may still let in those of before
   void replace_clients(const security::AllowedClients& clients);
 
   /// Of another worker's, it ends after this call. False: there is no session of that number, as far as is known now.
@@ -84,6 +85,8 @@ class ServerWorkers {
   /// Datagrams that came to a worker that they were not for, and those of them that the other had no room for.
   [[nodiscard]] std::uint64_t handed_over() const;
   [[nodiscard]] std::uint64_t not_handed_over() const;
+  /// Those that were lost since the keys they were sealed with had moved too often, or too many had.
+  [[nodiscard]] std::uint64_t keys_not_moved() const;
 
   /// Hold it while reading what the observer has noted; briefly, as workers wait for it.
   [[nodiscard]] std::unique_lock<std::mutex> observer_lock();
@@ -101,6 +104,7 @@ class ServerWorkers {
   void post_to_others(const std::function<void(UdpServer&)>& work);
   void end_threads();
   void throw_if_failed();
+  [[nodiscard]] std::uint64_t sum_of(std::uint64_t UdpServer::Figures::*figure) const;
 
   time::SteadyClock clock_;
   std::unique_ptr<SharedLimits> limits_;  ///< null: one worker

@@ -22,7 +22,7 @@ namespace forcebound::server {
 [[nodiscard]] std::optional<std::size_t> worker_for(std::span<const std::byte> datagram, std::size_t workers) noexcept;
 
 /// Has the system choose so among all sockets of the group: those bound `beside` one another, in the order of that.
-/// False if the system cannot do so: the hash decides then, and workers hand over to each other.
+/// False if the system cannot do so.
 [[nodiscard]] bool steer(const net::UdpLink& one_of_group, std::size_t workers) noexcept;
 
 /// A datagram of the server to itself, which ends a worker's wait. Anybody can send one, and nothing else happens.

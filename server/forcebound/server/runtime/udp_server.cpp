@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include "forcebound/security/locked.hpp"
@@ -20,6 +22,9 @@ constexpr Nanoseconds kBusyMean = std::chrono::seconds{1};
 constexpr int kBatchesPerTurn = 64;
 // Longest time that answers wait to be sent together.
 constexpr Nanoseconds kAnswersTogether = std::chrono::microseconds{100};
+
+constexpr std::string_view kTooManyMoved =
+    "too many clients are in shared scenes of other threads of this server: end a session in one, or try again later";
 
 /// Random numbers from the system, so that session numbers cannot be guessed.
 std::uint64_t random_session_id() {
@@ -169,20 +174,26 @@ void UdpServer::take_in_own(std::span<const std::byte> datagram, const net::Addr
   const auto opened = secure_->take_in(datagram, from, now);
   if (!opened) return;
   if (const auto owner = owner_of(*opened)) {
-    hand_over_with_keys(*owner, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::opened}, now);
+    (void)hand_over_with_keys(*owner, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::opened}, now);
     return;
   }
   server_.take_in(opened->bytes, from, now, rights_of(opened->client));
   const auto home = server_.take_elsewhere();
   if (!home) return;
-  hand_over_with_keys(*home, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::hello_judged}, now);
+  const auto moved =
+      hand_over_with_keys(*home, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::hello_judged}, now);
+  if (moved == SecureLink::MovedOut::too_many) server_.refuse_hello(opened->bytes, from, kTooManyMoved);
 }
 
 bool UdpServer::was_for_others(const net::UdpBatch::Arrived& datagram) noexcept {
-  if (is_wake_up_call(datagram.bytes)) return true;
+  if (is_wake_up_call(datagram.bytes)) {
+    --arrived_;  // of no client
+    return true;
+  }
   auto worker = worker_for(datagram.bytes, place_.workers);
   if (secure_ && (!worker || *worker == place_.number)) worker = secure_->moved_to(datagram.bytes);
   if (!worker || *worker == place_.number) return false;
+  --arrived_;  // of the other's clients, and counted there
   hand_over(*worker, {.bytes = datagram.bytes, .from = datagram.received.from});
   return true;
 }
@@ -209,14 +220,14 @@ bool UdpServer::hand_over(std::size_t worker, const WorkerMail::Datagram& datagr
   return taken;
 }
 
-void UdpServer::hand_over_with_keys(std::size_t worker, const SecureLink::Content& content,
-                                    const WorkerMail::Datagram& datagram, Nanoseconds now) noexcept {
-  bool asked = false;
-  const auto give = [&](SecureLink::Moving& keys) {
-    asked = true;
-    return hand_over(worker, datagram, &keys);
-  };
-  if (!secure_->move_out(content.keys, worker, now, give) && !asked) ++not_handed_over_;
+SecureLink::MovedOut UdpServer::hand_over_with_keys(std::size_t worker, const SecureLink::Content& content,
+                                                    const WorkerMail::Datagram& datagram, Nanoseconds now) noexcept {
+  using MovedOut = SecureLink::MovedOut;
+  const auto give = [&](SecureLink::Moving& keys) { return hand_over(worker, datagram, &keys); };
+  // By reference: a copy of it would need memory, which there may be none of.
+  const MovedOut moved = secure_->move_out(content.keys, worker, now, std::ref(give));
+  if (moved == MovedOut::too_often || moved == MovedOut::too_many) ++keys_not_moved_;
+  return moved;
 }
 
 void UdpServer::wake(std::size_t worker) noexcept {
@@ -234,12 +245,16 @@ void UdpServer::wake(std::size_t worker) noexcept {
   link_.send(call, to);
 }
 
-/// As many datagrams as there were when it began: those who put them down must not hold up this worker's own.
+/// As many datagrams as there is room for at most: those who put down more meanwhile must not hold up this worker's
+/// own.
 void UdpServer::take_in_mail() {
   WorkerMail& mail = *mail_[place_.number];
   if (!mail.empty()) {
     const Nanoseconds now = clock_.now();
-    for (std::size_t i = 0; i < WorkerMail::kDatagramsMost && mail.take(handed_); ++i) take_in_handed(now);
+    for (std::size_t i = 0; i < WorkerMail::kDatagramsMost && mail.take(handed_); ++i) {
+      ++arrived_;
+      take_in_handed(now);
+    }
   }
   if (!mail.work_done()) mail.do_work(*this);
 }
@@ -267,7 +282,8 @@ void UdpServer::note_figures() {
                   .busy = server_.busy(),
                   .overflowed = link_.counters().overflowed,
                   .handed_over = handed_over_,
-                  .not_handed_over = not_handed_over_};
+                  .not_handed_over = not_handed_over_,
+                  .keys_not_moved = keys_not_moved_};
   const std::lock_guard lock(figures_guard_);
   figures_ = figures;
 }

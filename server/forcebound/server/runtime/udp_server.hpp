@@ -85,6 +85,7 @@ class UdpServer {
     std::uint64_t overflowed = 0;       ///< dropped by the system because the socket's buffer was full
     std::uint64_t handed_over = 0;      ///< to other workers
     std::uint64_t not_handed_over = 0;  ///< lost: the other had no room for it
+    std::uint64_t keys_not_moved = 0;   ///< lost: the keys of its client had moved too often, or too many had
   };
   [[nodiscard]] Figures figures() const;
 
@@ -106,8 +107,8 @@ class UdpServer {
   [[nodiscard]] std::optional<std::size_t> owner_of(const SecureLink::Content& content) const noexcept;
   /// @return whether it was taken
   bool hand_over(std::size_t worker, const WorkerMail::Datagram& datagram, SecureLink::Moving* keys = nullptr) noexcept;
-  void hand_over_with_keys(std::size_t worker, const SecureLink::Content& content, const WorkerMail::Datagram& datagram,
-                           Nanoseconds now) noexcept;
+  SecureLink::MovedOut hand_over_with_keys(std::size_t worker, const SecureLink::Content& content,
+                                           const WorkerMail::Datagram& datagram, Nanoseconds now) noexcept;
   void take_in_mail();
   void take_in_handed(Nanoseconds now);
   void note_figures();
@@ -130,6 +131,7 @@ class UdpServer {
   WorkerMail::Handed handed_;
   std::uint64_t handed_over_ = 0;
   std::uint64_t not_handed_over_ = 0;
+  std::uint64_t keys_not_moved_ = 0;
   std::atomic<std::int64_t> turned_;
   mutable std::mutex figures_guard_;
   Figures figures_;

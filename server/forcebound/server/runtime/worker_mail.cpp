@@ -50,7 +50,6 @@ void WorkerMail::post_work(std::function<void(UdpServer&)> work) {
   const std::lock_guard lock(guard_);
   posted_.push_back(std::move(work));
   undone_.fetch_add(1, std::memory_order_release);
-  waiting_.fetch_add(1, std::memory_order_release);
 }
 
 bool WorkerMail::take(Handed& to) noexcept {
@@ -75,7 +74,6 @@ void WorkerMail::do_work(UdpServer& server) {
     {
       const std::lock_guard lock(guard_);
       doing_.reserve(doing_.size() + posted_.size());
-      waiting_.fetch_sub(posted_.size(), std::memory_order_release);
       std::ranges::move(posted_, std::back_inserter(doing_));
       posted_.clear();
     }

@@ -21,7 +21,8 @@ class UdpServer;
 
 /// What other threads put down for a worker: datagrams that are for it, and work that must be done on its thread.
 /// Bounded: what finds no room is lost, as a datagram may be. Of datagrams as they came, which anybody can send, there
-/// is room for some of each sender and for few of each session of keys, so that Hellos and keys find room beside them.
+/// is room for some of each sender and for 48 of each session of keys, so that Hellos and keys find room beside them:
+/// while a worker makes a scene for longer than those take to come, a session's newest are lost.
 ///
 /// Thread-safe. For the worker itself a look at an empty one costs a read of an atomic.
 class WorkerMail {
@@ -29,7 +30,7 @@ class WorkerMail {
   static constexpr std::size_t kDatagramsMost = 256;
   static constexpr std::size_t kAsTheyCameMost = 192;
   static constexpr std::size_t kOfWorkerMost = 128;  ///< as they came to one worker
-  static constexpr std::size_t kOfKeysMost = 16;     ///< as they came, under one session of keys
+  static constexpr std::size_t kOfKeysMost = 48;     ///< as they came, under one session of keys
 
   /// What its worker has to do with a datagram.
   enum class Stage : std::uint8_t {
@@ -72,7 +73,8 @@ class WorkerMail {
   /// Of the worker's thread: does the work that was posted, in order. What finds no memory is kept for the next call.
   void do_work(UdpServer& server);
 
-  /// Whether nothing waits that was not there for the last `do_work`.
+  /// Whether no datagram waits. Work may: its worker is woken up for it, and what found no memory then is tried again
+  /// at the next turn, which may sleep first.
   [[nodiscard]] bool empty() const noexcept { return waiting_.load(std::memory_order_acquire) == 0; }
 
  private:
@@ -91,7 +93,7 @@ class WorkerMail {
   std::size_t count_ = 0;
   std::vector<std::function<void(UdpServer&)>> posted_;
   std::vector<std::function<void(UdpServer&)>> doing_;  ///< the worker's own
-  std::atomic<std::size_t> waiting_{0};                 ///< datagrams and posted work
+  std::atomic<std::size_t> waiting_{0};                 ///< datagrams
   std::atomic<std::size_t> undone_{0};
 };
 

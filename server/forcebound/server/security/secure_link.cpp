@@ -31,9 +31,10 @@ ServerKeys checked(ServerKeys keys) {
   return keys;
 }
 
-/// With those that move here from other workers.
+/// With those that move here from other workers, and its own that come back: others have taken their places meanwhile.
 std::size_t peers_most(const SecureLimits& limits) noexcept {
-  return limits.confirmed_most() + SecureLink::kUnconfirmedMost + (limits.moved != nullptr ? limits.moved->most() : 0);
+  const std::size_t moved_most = limits.moved == nullptr ? 0 : limits.moved->most();
+  return limits.confirmed_most() + SecureLink::kUnconfirmedMost + 2 * moved_most;
 }
 
 security::SecretKey random_key(const SecureLink::FillRandom& fill_random) {
@@ -107,24 +108,27 @@ void SecureLink::note_address(std::uint32_t number, Peer& peer, const net::Addre
   }
 }
 
-bool SecureLink::move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now, const Give& give) noexcept {
+SecureLink::MovedOut SecureLink::move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now,
+                                          const Give& give) noexcept {
   const auto found = peers_.find(keys);
-  if (limits_.moved == nullptr || found == peers_.end() || !found->second.moves.take(now)) return false;
+  if (limits_.moved == nullptr || found == peers_.end()) return MovedOut::not_taken;
+  if (!found->second.moves.take(now)) return MovedOut::too_often;
   // Before: the next record may follow at once. What goes home is noted there: an entry for it may be needed again.
   const bool goes_home = WorkerPlace::owner_of(keys, limits_.workers) == worker;
-  if (!goes_home && !limits_.moved->note(keys, worker)) return false;
+  const security::PublicKey* const client = keys_.own ? &found->second.key : nullptr;
+  if (!goes_home && !limits_.moved->note(keys, worker, client)) return MovedOut::too_many;
   const HeardFrom places = std::exchange(found->second.places, {});
   Moving moving(peers_.extract(found));
   if (!give(moving)) {
     moving.node_.mapped().places = places;
     peers_.insert(std::move(moving.node_));
     if (!goes_home) (void)limits_.moved->note(keys, limits_.worker);
-    return false;
+    return MovedOut::not_taken;
   }
   owners_.forget(keys, places);
   --confirmed_;  // as all are of which something was opened
   from_elsewhere_ -= is_from_elsewhere(keys) ? 1 : 0;
-  return true;
+  return MovedOut::moved;
 }
 
 std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving, const net::Address& from,
@@ -155,10 +159,7 @@ bool SecureLink::is_from_elsewhere(std::uint32_t number) const noexcept {
   return WorkerPlace::owner_of(number, limits_.workers) != limits_.worker;
 }
 
-bool SecureLink::is_full() const noexcept {
-  const std::size_t away = limits_.moved == nullptr ? 0 : limits_.moved->away_from(limits_.worker);
-  return confirmed_ - from_elsewhere_ + away >= limits_.confirmed_most();
-}
+bool SecureLink::is_full() const noexcept { return confirmed_ - from_elsewhere_ >= limits_.confirmed_most(); }
 
 void SecureLink::confirm(Peers::iterator peer) noexcept {
   peer->second.confirmed = true;

@@ -54,6 +54,9 @@ struct SecureLimits {
 ///   was silent longest.
 /// - **A copy of a request** gets the same answer again, and no keys of its own.
 /// - **A session of keys ends** when nothing was opened for 20 s longer than `idle_timeout`, or its key has expired.
+/// - **Keys move** to the worker that has the session or the shared scene of what was sealed with them, and stay there:
+/// all
+///   sessions under the same keys should be of one worker, or most of their motions are lost.
 /// - **No answer is longer than its question**, and there are limits to answers by source: cookies and refusals, which
 ///   forged addresses can use up, apart from handshakes, which they cannot.
 /// - **A Hello in the clear** is refused with the reason; all else in the clear is dropped.
@@ -95,9 +98,16 @@ class SecureLink final : public net::DatagramLink {
   /// Whether the other worker was given it.
   using Give = std::function<bool(Moving&)>;
 
+  enum class MovedOut : std::uint8_t {
+    moved,
+    not_taken,  ///< by the other
+    too_often,  ///< a session of keys moves 5 times at once, then once a second
+    too_many,   ///< have moved, of all or of its client
+  };
+
   /// Moves it to another worker: that one has it once `give` has taken it, and this link until then; so if not, nothing
-  /// has changed. A session of keys moves 5 times at once, then once a second. False: it has not moved.
-  [[nodiscard]] bool move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now, const Give& give) noexcept;
+  /// has changed. Allocates nothing.
+  [[nodiscard]] MovedOut move_out(std::uint32_t keys, std::size_t worker, Nanoseconds now, const Give& give) noexcept;
 
   /// Takes it in, for which there is always room; what was sealed came from `from`. @return its client's entry here, as
   /// Content has it; nothing, and the keys are no more: this link's list lacks the client.
@@ -171,7 +181,7 @@ class SecureLink final : public net::DatagramLink {
   void take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   void forget(Peers::iterator peer) noexcept;
   [[nodiscard]] bool is_from_elsewhere(std::uint32_t number) const noexcept;
-  /// Whether as many have its numbers as may be confirmed, wherever they are now.
+  /// Whether as many of its own numbers are here as may be confirmed. Of those that moved there are few anyway.
   [[nodiscard]] bool is_full() const noexcept;
   /// What was opened came from there.
   void note_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept;
@@ -204,8 +214,8 @@ class SecureLink final : public net::DatagramLink {
   /// Null if there is no memory for it.
   [[nodiscard]] Peer* make_peer(const security::HandshakeTopic& topic, Nanoseconds now);
   void make_room() noexcept;
-  /// Forgets the session of keys that was silent longest of whoever has most; false: nobody has more than one more than
-  /// who asks.
+  /// Of its own numbers: forgets the session of keys that was silent longest of whoever has most; false: nobody has
+  /// more than one more than who asks.
   [[nodiscard]] bool take_from_who_has_most(const security::Handshake& asking);
   /// False, and counted, if who asked has a key that nobody can have.
   [[nodiscard]] bool write_answer(security::Handshake& handshake, const security::HandshakeRequest& request,

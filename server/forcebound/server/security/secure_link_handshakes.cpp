@@ -147,12 +147,16 @@ SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, N
 bool SecureLink::take_from_who_has_most(const security::Handshake& asking) {
   if (!keys_.own) return false;  // nobody is known from another
   std::map<security::KeyBytes, std::size_t> held;
-  for (const auto& [number, peer] : peers_) held[peer.key.bytes] += peer.confirmed ? 1 : 0;
+  // One from elsewhere has no place among these that could become free.
+  const auto has_place = [this](const auto& entry) {
+    return entry.second.confirmed && !is_from_elsewhere(entry.first);
+  };
+  for (const auto& entry : peers_) held[entry.second.key.bytes] += has_place(entry) ? 1 : 0;
   const auto most = std::ranges::max_element(held, {}, [](const auto& key_and_count) { return key_and_count.second; });
   if (most == held.end() || most->second <= held[asking.peer().bytes] + 1) return false;
   auto oldest = peers_.end();
   for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
-    if (!peer->second.confirmed || peer->second.key.bytes != most->first) continue;
+    if (!has_place(*peer) || peer->second.key.bytes != most->first) continue;
     if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
   }
   ++counters_.sessions_idle;

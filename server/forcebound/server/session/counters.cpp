@@ -66,7 +66,7 @@ std::string ServerCounters::text() const {
                      {"ended by whoever runs the server", sessions_removed},
                      {"hellos refused", hellos_refused},
                      {"of them of another protocol version", hellos_of_other_versions},
-                     {"hellos before their scene was compiled", hellos_too_early},
+                     {"hellos before their scene or place was ready", hellos_too_early},
                      {"hellos without a round trip", hellos_to_measure},
                      {"hellos repeated", hellos_repeated},
                      {"hellos after bye", hellos_after_bye},

@@ -16,13 +16,14 @@ struct ServerCounters {
   std::uint64_t unexpected = 0;  ///< of a kind that only a server sends; their content is not read
 
   std::uint64_t sessions_opened = 0;
-  std::uint64_t sessions_ended = 0;     ///< by the client's Bye
-  std::uint64_t sessions_idle = 0;      ///< closed after the idle timeout
-  std::uint64_t sessions_still = 0;     ///< closed since another wanted the place of a device that did not move
-  std::uint64_t sessions_removed = 0;   ///< ended on the page, or as their client was dropped from the list
-  std::uint64_t hellos_repeated = 0;    ///< answered with the session that the client already has
-  std::uint64_t hellos_after_bye = 0;   ///< copies that arrived after their session's end
-  std::uint64_t hellos_too_early = 0;   ///< for a scene still being compiled: the client repeats it
+  std::uint64_t sessions_ended = 0;    ///< by the client's Bye
+  std::uint64_t sessions_idle = 0;     ///< closed after the idle timeout
+  std::uint64_t sessions_still = 0;    ///< closed since another wanted the place of a device that did not move
+  std::uint64_t sessions_removed = 0;  ///< ended on the page, or as their client was dropped from the list
+  std::uint64_t hellos_repeated = 0;   ///< answered with the session that the client already has
+  std::uint64_t hellos_after_bye = 0;  ///< copies that arrived after their session's end
+  std::uint64_t hellos_too_early =
+      0;  ///< its scene is still being compiled, its place freed, or another worker makes a scene
   std::uint64_t hellos_to_measure = 0;  ///< without the round trip that the scene needs: the client repeats it
   std::uint64_t hellos_refused = 0;
   std::uint64_t hellos_of_other_versions = 0;  ///< of the refused: by clients that speak another protocol version

@@ -111,6 +111,9 @@ class Server {
   /// its rate for a shared scene that is there.
   [[nodiscard]] std::optional<std::size_t> take_elsewhere() noexcept { return std::exchange(elsewhere_, std::nullopt); }
 
+  /// Refuses a Hello that was to be handed over and could not be. @param why for people
+  void refuse_hello(std::span<const std::byte> hello, const net::Address& from, std::string_view why);
+
   /// Answers the newest motion of each session. If all datagrams have been taken in before, a scene that takes longer
   /// than a tick is answered less often, but its delay does not grow. Real time: no allocation, O(objects of the
   /// scenes).

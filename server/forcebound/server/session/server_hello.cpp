@@ -8,6 +8,7 @@
 #include <new>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 #include "forcebound/server/session/server.hpp"
 #include "forcebound/text/printable.hpp"
@@ -78,6 +79,17 @@ double answered_every_s(double period_s, double motions_per_promised, const Clie
   const double interval_s = period_s / motions_per_promised;
   if (!rights.motions_per_s_max) return interval_s;
   return std::max(interval_s, std::min(1 / *rights.motions_per_s_max, kMost_s));
+}
+
+/// A server-side law accounts for the tip's motion. At the client the force acts at the grip, and its torque about that
+/// takes up the difference only where there are motors for it.
+bool is_law_of_wrong_point(const wire::Hello& hello, const MadeEnvironment& made) noexcept {
+  return !hello.server_law.empty() && made.tool_m.rows() > 0 && !hello.shows_torque;
+}
+
+std::string refusal_of_law(const wire::Hello& hello, const std::string& scene) {
+  return "scene '" + scene + "' has a tool in the hand (tool_m), for which the law '" + printable(hello.server_law) +
+         "' needs a device that shows torque: use a law without a server-side law, or a scene without a tool";
 }
 
 std::string refusal_for_now(const std::string& scene, std::string_view why) {
@@ -188,6 +200,8 @@ void Server::let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentK
     if (const auto too_much = memory_.refusal_of(name); !too_much.text.empty()) return refuse_for_memory(too_much);
     const std::size_t before = memory_.in_use();
     MadeEnvironment made = make_for(hello, *kind);
+    if (is_law_of_wrong_point(hello, made))
+      return refuse(hello, from, {RefusalReason::unknown_server_law, refusal_of_law(hello, name)});
     expect_spare_memory();
     if (const auto too_much = memory_.refusal_of_made(name, before); !too_much.text.empty())
       return refuse_for_memory(too_much);
@@ -220,6 +234,18 @@ void Server::refuse(const wire::Hello& hello, const net::Address& from, const Re
   if (refused.reason == RefusalReason::version_mismatch) refusal.protocol_version = wire::kProtocolVersion;
   send(refusal, from);
   observer_.on_refused(from, refused.text);
+}
+
+void Server::refuse_hello(std::span<const std::byte> datagram, const net::Address& from, std::string_view why) {
+  const auto decoded = codec_.decode(datagram);
+  const auto* const message = std::get_if<wire::Message>(&decoded);
+  const auto* const hello = message == nullptr ? nullptr : std::get_if<wire::Hello>(message);
+  if (hello == nullptr) return;
+  try {
+    refuse(*hello, from, {RefusalReason::server_full, std::string(why)});
+  } catch (const std::bad_alloc&) {
+    refuse_for_lack_of_memory(*hello, from);
+  }
 }
 
 bool Server::is_allowed(std::string_view scene) const {

@@ -14,12 +14,12 @@
 namespace forcebound::server {
 
 /// What the servers of one process (its workers) let in together: each session has a place here, so that limits hold
-/// for all of them exactly, however many ask at once.
+/// for all of them, of sessions exactly, however many ask at once.
 ///
 /// A worker that needs the place of another's session asks for it here, and that one ends the session.
 ///
-/// Looked at for a Hello, at a session's end and a few times a second, never for a motion. Thread-safe; nobody waits
-/// for more than a look at each place.
+/// Looked at for a Hello, at a session's end, a few times a second, and for a motion that came to a worker which has
+/// its keys but not its session. Thread-safe; nobody waits for more than a look at each place.
 class SharedLimits {
  public:
   /// @param key random

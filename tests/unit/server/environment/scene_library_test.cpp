@@ -115,6 +115,21 @@ TEST(SceneLibrary, AFailedCompilationIsReportedOnceAndThenRetried) {
   EXPECT_EQ(asked, 2);
 }
 
+/// It would never return if the one scene waited for the other's compilation.
+TEST(SceneLibrary, FindsWhatACopyHasCompiledWhileAnotherIsBeingCompiled) {
+  SceneLibrary library;
+  std::shared_ptr<const scene::Scene> found;
+  const auto measure = [&](const std::shared_ptr<const scene::Scene>&) {
+    if (!found) found = library.find("sphere");
+    return 1e-6;
+  };
+  library = SceneLibrary::shipped(scene::Registry::standard(), measure);
+  const SceneLibrary copy = library.copy();
+  const auto sphere = copy.find("sphere");
+  ASSERT_NE(copy.find("soft_pad"), nullptr) << "each of whose levels is measured";
+  EXPECT_EQ(found, sphere);
+}
+
 TEST(SceneLibrary, DoesNotLookAtFilesForAClient) { EXPECT_EQ(SceneLibrary::shipped().find("/etc/passwd"), nullptr); }
 
 TEST(LoadScene, UnknownNameListsTheKnownOnes) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "forcebound/server/runtime/steering.hpp"
+#include "tests/support/allocation_guard.hpp"
 #include "tests/unit/server/runtime/askers.hpp"
 
 namespace forcebound::server {
@@ -57,6 +58,13 @@ bool is_answered_elsewhere(Any& asker, std::uint64_t session) {
 
 std::size_t home_of(std::string_view scene) { return WorkerPlace{.number = 0, .workers = 2}.home_of(scene); }
 
+ServerKeys keys_for_anna() {
+  ServerKeys keys{.own = security::key_pair_from(security::key_bytes(2))};
+  keys.clients = security::AllowedClients::parse(
+      "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(1) + "\"\n", "clients.toml");
+  return keys;
+}
+
 //   askers ==( UDP of this machine )== two or more sockets at one address, each with a worker; the first worker's turns
 //                                      are a thread of the fixture's
 class ServerWorkersTest : public testing::Test {
@@ -76,13 +84,6 @@ class ServerWorkersTest : public testing::Test {
   void stop() {
     turning_.request_stop();
     turning_.join();
-  }
-
-  static ServerKeys keys() {
-    ServerKeys keys{.own = security::key_pair_from(security::key_bytes(2))};
-    keys.clients = security::AllowedClients::parse(
-        "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(1) + "\"\n", "clients.toml");
-    return keys;
   }
 
   std::optional<ServerWorkers> server_;
@@ -126,7 +127,7 @@ TEST_F(ServerWorkersTest, KeepASessionWhoseAddressChanges) {
 }
 
 TEST_F(ServerWorkersTest, KeepAnEncryptedSessionWhoseAddressChanges) {
-  serve(2, {}, keys());
+  serve(2, {}, keys_for_anna());
   for (std::uint32_t i = 1; i <= 8; ++i) {
     SecureAsker asker(server_->address(), i);
     const auto session = asker.ask<wire::Welcome>(hello_of(i)).session;
@@ -166,7 +167,7 @@ TEST_F(ServerWorkersTest, BringTheClientsOfASharedSceneTogetherWhateverTheirAddr
 }
 
 TEST_F(ServerWorkersTest, HandTheKeysOverWithAHelloForASharedScene) {
-  serve(2, {}, keys());
+  serve(2, {}, keys_for_anna());
   for (const std::string scene : {"shared a", "shared b", "shared c", "shared d"}) {
     for (std::uint32_t i = 1; i <= 2; ++i) {
       SecureAsker asker(server_->address(), i);
@@ -184,7 +185,7 @@ TEST_F(ServerWorkersTest, HandTheKeysOverWithAHelloForASharedScene) {
 }
 
 TEST_F(ServerWorkersTest, KeepASessionWhoseClientMakesNewKeysAtAnotherWorker) {
-  serve(2, {}, keys());
+  serve(2, {}, keys_for_anna());
   std::uint32_t number = 0;
   for (const std::string scene : {"push", "shared a", "shared b", "shared c"}) {
     for (int i = 0; i < 4; ++i) {
@@ -203,7 +204,7 @@ TEST_F(ServerWorkersTest, KeepASessionWhoseClientMakesNewKeysAtAnotherWorker) {
 }
 
 TEST_F(ServerWorkersTest, OpenEachSharedSceneAtItsHomeThoughOneClientAsksForAllUnderTheSameKeys) {
-  serve(2, {}, keys());
+  serve(2, {}, keys_for_anna());
   SecureAsker asker(server_->address(), 1);
   std::uint64_t nonce = 0;
   for (const std::string scene : {"shared a", "shared b", "shared c", "shared d"}) {
@@ -218,7 +219,7 @@ TEST_F(ServerWorkersTest, OpenEachSharedSceneAtItsHomeThoughOneClientAsksForAllU
 
 TEST_F(ServerWorkersTest, HoldAClientToTheRateOfHellosWhereverItsKeysAre) {
   constexpr int kRate = 5;
-  serve(2, {.hellos_per_s_max = kRate}, keys());
+  serve(2, {.hellos_per_s_max = kRate}, keys_for_anna());
   for (const std::string scene : {"shared a", "shared b"}) {
     SecureAsker asker(server_->address(), 1);
     const auto session = asker.ask<wire::Welcome>(hello_of(1, scene)).session;
@@ -269,7 +270,7 @@ TEST_F(ServerWorkersTest, CountAnAddressesSessionsTogether) {
   EXPECT_EQ(let_in, 3U);
 }
 
-TEST_F(ServerWorkersTest, AllAdmitNoneAndAllEndTheirSessions) {
+TEST_F(ServerWorkersTest, AllEndTheirSessionsAtTheEnd) {
   serve(2);
   std::vector<std::unique_ptr<Asker>> askers;
   std::vector<std::uint64_t> sessions;
@@ -371,6 +372,57 @@ TEST(ServerWorkers, AreOneWhereTheSystemCannotSteer) {
     server.turn();
     EXPECT_NE(asker.hear<wire::Welcome>().session, 0U);
   }
+}
+
+/// The first of two workers, turned by the test; the other's mail is not looked at.
+class OneOfTwoWorkers : public testing::Test {
+ protected:
+  void start(std::size_t moved_most) {
+    for (int i = 0; i < 2; ++i) mail_.push_back(std::make_unique<WorkerMail>());
+    moved_.emplace(moved_most, 2);
+    const ServerOptions options{.scene = "push", .worker = {.number = 0, .workers = 2, .limits = &limits_}};
+    server_.emplace(listen({"127.0.0.1", 0}), options, pushes(), nullptr, keys_for_anna(), mail_, &*moved_);
+  }
+
+  /// With keys.
+  std::unique_ptr<SecureAsker> asker(std::uint32_t number) {
+    const std::jthread turning([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) server_->turn();
+    });
+    return std::make_unique<SecureAsker>(server_->address(), number);
+  }
+
+  SharedLimits limits_{1000, time::SteadyClock().now(), 1};
+  std::vector<std::unique_ptr<WorkerMail>> mail_;
+  std::optional<MovedKeys> moved_;
+  std::optional<UdpServer> server_;
+};
+
+TEST_F(OneOfTwoWorkers, HandsKeysOverWithAMotionAndDoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  start(20);
+  constexpr std::uint64_t kOfTheOther = 1;
+  const auto place = limits_.take({.session = kOfTheOther, .address = {}, .client = "anna"}, {.all = 1});
+  ASSERT_TRUE(place.has_value());
+  for (std::uint32_t i = 1; i <= 3; ++i) {
+    const auto client = asker(i);
+    client->send(motion_of(kOfTheOther, i));
+    const test::AllocationGuard guard;
+    server_->turn();
+    EXPECT_EQ(guard.heap_operations(), 0U);
+    EXPECT_EQ(moved_->count(), i);
+  }
+}
+
+TEST_F(OneOfTwoWorkers, RefusesAHelloForAnothersSceneWhereTooManyHaveMoved) {
+  start(0);
+  std::string scene = "shared a";
+  while (home_of(scene) != 1) ++scene.back();
+  const auto client = asker(1);
+  client->send(hello_of(1, scene));
+  server_->turn();
+  EXPECT_THAT(std::string(client->hear<wire::Refusal>().text), HasSubstr("too many clients are in shared scenes"));
+  EXPECT_EQ(server_->encryption()->confirmed(), 1U) << "its keys have stayed";
 }
 
 /// Puts another Hello down for each that is refused, as others do while a worker looks at its mail.

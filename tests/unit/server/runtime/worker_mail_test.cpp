@@ -72,6 +72,7 @@ TEST(WorkerMail, KeepsWorkThatFoundNoMemoryAndDoesItAgain) {
   });
   mail.post_work([&](UdpServer&) { second = true; });
   EXPECT_FALSE(mail.work_done());
+  EXPECT_TRUE(mail.empty()) << "a worker without memory for its work sleeps between its tries";
   mail.do_work(server);
   EXPECT_FALSE(mail.work_done());
   EXPECT_FALSE(second) << "in order";

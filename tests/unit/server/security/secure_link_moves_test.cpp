@@ -8,7 +8,10 @@ namespace {
 ///     ClientEnd --arrive--> link (worker 0) --move--> other (worker 1)
 class SecureLinkMoves : public SecureLinkFixture {
  protected:
-  void start_both(std::size_t most = 20) {
+  using MovedOut = SecureLink::MovedOut;
+
+  void start_both(std::size_t most = 20, std::size_t sessions_max = 64) {
+    sessions_max_ = sessions_max;
     moved.emplace(most, 2);
     start_with_two(limits_of(0));
     ServerKeys keys{.own = security::key_pair_from(security::key_bytes(2))};
@@ -27,21 +30,50 @@ class SecureLinkMoves : public SecureLinkFixture {
   }
 
   [[nodiscard]] SecureLimits limits_of(std::size_t worker) {
-    return {.idle_timeout = 60s, .worker = worker, .workers = 2, .moved = &*moved};
+    return {.sessions_max = sessions_max_, .idle_timeout = 60s, .worker = worker, .workers = 2, .moved = &*moved};
   }
 
   static std::uint32_t keys_of(const Bytes& record) { return security::session_of_record(record); }
 
-  /// Whether it moved; what it says last comes from there.
-  bool move(ClientEnd& client, const net::Address& from = at_port(1)) {
+  /// What it says last comes from there.
+  SecureLink::MovedOut try_to_move(ClientEnd& client, const net::Address& from = at_port(1)) {
     const auto content = link->take_in(client.seal("hello", clock.time), from, clock.time);
     std::optional<SecureLink::Moving> moving;
-    const bool given = link->move_out(content->keys, 1, clock.time, [&](SecureLink::Moving& keys) {
+    const auto moved_out = link->move_out(content->keys, 1, clock.time, [&](SecureLink::Moving& keys) {
       moving.emplace(std::move(keys));
       return true;
     });
-    return given && other->move_in(std::move(*moving), from, clock.time).has_value();
+    there_ = moved_out == MovedOut::moved && other->move_in(std::move(*moving), from, clock.time).has_value();
+    return moved_out;
   }
+
+  /// Whether it moved and is there.
+  bool move(ClientEnd& client, const net::Address& from = at_port(1)) {
+    return try_to_move(client, from) == MovedOut::moved && there_;
+  }
+
+  /// Lets the clock go on, as no source may make so many at once.
+  ClientEnd made_at_link(const security::KeyPair& own) {
+    clock.time += 200ms;
+    ClientEnd client({.own = &own, .server = &server}, ++number_);
+    join(client, place());
+    return client;
+  }
+
+  /// Whether the other gave it keys.
+  bool made_at_other(const security::KeyPair& own) {
+    clock.time += 200ms;
+    ClientEnd client({.own = &own, .server = &server}, ++number_);
+    (void)other->take_in(client.request(), place(), clock.time);
+    if (!client.take_offer(other_inner.sent.back().bytes)) return false;
+    (void)other->take_in(client.request(), place(), clock.time);
+    const auto admission = client.take_answer(other_inner.sent.back().bytes, clock.time);
+    return admission && admission->verdict == security::Verdict::let_in &&
+           other->take_in(client.seal("hello", clock.time), place(), clock.time).has_value();
+  }
+
+  /// Of the client made last.
+  [[nodiscard]] net::Address place() const { return at_port(static_cast<std::uint16_t>(number_)); }
 
   std::string heard_from_other(ClientEnd& client, const net::Address& to) {
     other_inner.sent.clear();
@@ -56,6 +88,9 @@ class SecureLinkMoves : public SecureLinkFixture {
 
  private:
   std::mt19937_64 random_{7};
+  std::size_t sessions_max_ = 64;
+  std::uint32_t number_ = 0;
+  bool there_ = false;
 };
 
 TEST_F(SecureLinkMoves, MoveToAWorkerThatThenOpensAndSealsForThem) {
@@ -77,9 +112,10 @@ TEST_F(SecureLinkMoves, StayAsTheyAreWhereTheOtherDoesNotTakeThem) {
   ClientEnd client = anna_end();
   join(client);
   const Bytes record = client.seal("more", clock.time);
-  EXPECT_FALSE(link->move_out(keys_of(record), 1, clock.time, [](SecureLink::Moving&) { return false; }));
+  EXPECT_EQ(link->move_out(keys_of(record), 1, clock.time, [](SecureLink::Moving&) { return false; }),
+            MovedOut::not_taken);
   EXPECT_EQ(link->moved_to(record), std::nullopt);
-  EXPECT_EQ(moved->away_from(0), 0U);
+  EXPECT_EQ(moved->count(), 0U);
   EXPECT_EQ(link->confirmed(), 1U);
   EXPECT_EQ(heard_by(client, "force", at_port(1)), "force");
   EXPECT_TRUE(arrive(record).has_value());
@@ -92,7 +128,7 @@ TEST_F(SecureLinkMoves, StayWhereAsManyHaveMovedAsMay) {
   join(first, at_port(1));
   join(second, at_port(2));
   EXPECT_TRUE(move(first, at_port(1)));
-  EXPECT_FALSE(move(second, at_port(2)));
+  EXPECT_EQ(try_to_move(second, at_port(2)), MovedOut::too_many);
   EXPECT_TRUE(arrive(second.seal("still here", clock.time), at_port(2)).has_value());
 }
 
@@ -125,7 +161,7 @@ TEST_F(SecureLinkMoves, AreForgottenEverywhereAtOnceWhateverIsSentUnderTheirNumb
   }
   EXPECT_EQ(other->confirmed(), 0U);
   EXPECT_EQ(link->moved_to(forged), std::nullopt);
-  EXPECT_EQ(moved->away_from(0), 0U);
+  EXPECT_EQ(moved->count(), 0U);
 }
 
 TEST_F(SecureLinkMoves, AreNoMoreWhereTheOtherHasDroppedTheClient) {
@@ -145,13 +181,14 @@ TEST_F(SecureLinkMoves, MoveBackAndAreNoLongerMoved) {
   ASSERT_TRUE(move(client));
   std::optional<SecureLink::Moving> moving;
   const Bytes record = client.seal("more", clock.time);
-  ASSERT_TRUE(other->move_out(keys_of(record), 0, clock.time, [&](SecureLink::Moving& keys) {
+  const auto give = [&](SecureLink::Moving& keys) {
     moving.emplace(std::move(keys));
     return true;
-  }));
-  EXPECT_EQ(moved->away_from(0), 1U) << "on the way its place is kept";
+  };
+  ASSERT_EQ(other->move_out(keys_of(record), 0, clock.time, give), MovedOut::moved);
+  EXPECT_EQ(moved->count(), 1U) << "on the way its place is kept";
   ASSERT_TRUE(link->move_in(std::move(*moving), at_port(1), clock.time));
-  EXPECT_EQ(moved->away_from(0), 0U);
+  EXPECT_EQ(moved->count(), 0U);
   EXPECT_EQ(other->confirmed(), 0U);
   EXPECT_EQ(link->confirmed(), 1U);
   EXPECT_TRUE(arrive(record).has_value());
@@ -163,10 +200,61 @@ TEST_F(SecureLinkMoves, MoveFewTimesASecond) {
   join(client);
   const auto keys = keys_of(client.seal("more", clock.time));
   int asked = 0;
-  for (int i = 0; i < 100; ++i) {
-    EXPECT_FALSE(link->move_out(keys, 1, clock.time, [&](SecureLink::Moving&) { return ++asked == 0; }));
-  }
+  const auto refuse = [&](SecureLink::Moving&) { return ++asked == 0; };
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(link->move_out(keys, 1, clock.time, refuse), MovedOut::not_taken);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(link->move_out(keys, 1, clock.time, refuse), MovedOut::too_often);
   EXPECT_EQ(asked, 5);
+}
+
+TEST_F(SecureLinkMoves, GiveAWorkerNoMoreKeysOfItsOwnThanItHasRoomForWhoeverIsSilent) {
+  start_both(20, 1);
+  const std::size_t most = limits_of(1).confirmed_most();
+  for (int i = 0; i < 10; ++i) {
+    ClientEnd client = made_at_link(anna);
+    ASSERT_TRUE(move(client, place()));
+  }
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(made_at_other(anna));
+  for (std::size_t i = 2; i < most; ++i) EXPECT_TRUE(made_at_other(bert));
+  ASSERT_EQ(other->confirmed(), most + 10);
+  for (int i = 0; i < 10; ++i) {
+    (void)made_at_other(bert);
+    EXPECT_LE(other->confirmed() - moved->count(), most) << "anna's that are from elsewhere have no place among these";
+  }
+  EXPECT_EQ(moved->count(), 10U);
+}
+
+TEST_F(SecureLinkMoves, LeaveRoomForOthersHowManyEverOneClientMoves) {
+  start_both(10, 1);
+  std::size_t moves = 0;
+  for (int i = 0; i < 15; ++i) {
+    ClientEnd client = made_at_link(anna);
+    moves += move(client, place()) ? 1 : 0;
+  }
+  EXPECT_EQ(moves, 5U) << "as many as it left free";
+  EXPECT_EQ(link->confirmed(), limits_of(0).confirmed_most());
+  ClientEnd newcomer = made_at_link(bert);
+  EXPECT_TRUE(move(newcomer, place()));
+}
+
+TEST_F(SecureLinkMoves, ComeBackThoughOthersHaveTakenTheirPlaces) {
+  start_both(20, 1);
+  const std::size_t most = limits_of(0).confirmed_most();
+  std::vector<std::uint32_t> away;
+  for (int i = 0; i < 10; ++i) {
+    ClientEnd client = made_at_link(anna);
+    away.push_back(keys_of(client.seal("more", clock.time)));
+    ASSERT_TRUE(move(client, place()));
+  }
+  for (std::size_t i = 0; i < most; ++i) (void)made_at_link(bert);
+  ASSERT_EQ(link->confirmed(), most);
+  for (const std::uint32_t keys : away) {
+    const auto take_back = [&](SecureLink::Moving& moving) {
+      return link->move_in(std::move(moving), at_port(static_cast<std::uint16_t>(keys)), clock.time).has_value();
+    };
+    EXPECT_EQ(other->move_out(keys, 0, clock.time, take_back), MovedOut::moved);
+  }
+  EXPECT_EQ(link->confirmed(), most + 10);
+  EXPECT_EQ(moved->count(), 0U);
 }
 
 TEST(MovedKeys, KnowThemUntilTheyAreBackOrForgotten) {
@@ -177,12 +265,24 @@ TEST(MovedKeys, KnowThemUntilTheyAreBackOrForgotten) {
   EXPECT_FALSE(moved.note(0x103, 0)) << "two are as many as may be";
   EXPECT_TRUE(moved.note(0x101, 2)) << "but those that moved may move on";
   EXPECT_EQ(moved.worker_of(0x101), 2U);
-  EXPECT_EQ(moved.away_from(1), 1U);
+  EXPECT_EQ(moved.count(), 2U);
   EXPECT_TRUE(moved.note(0x101, 1));
   EXPECT_EQ(moved.worker_of(0x101), std::nullopt);
   moved.forget(0x102);
   EXPECT_EQ(moved.worker_of(0x102), std::nullopt);
   EXPECT_TRUE(moved.note(0x103, 0));
+}
+
+TEST(MovedKeys, AreOfAClientNoMoreThanItLeavesFree) {
+  const security::PublicKey one = security::public_key(1);
+  const security::PublicKey two = security::public_key(2);
+  MovedKeys moved(4, 2);
+  EXPECT_TRUE(moved.note(2, 1, &one));
+  EXPECT_TRUE(moved.note(4, 1, &one));
+  EXPECT_FALSE(moved.note(6, 1, &one));
+  EXPECT_TRUE(moved.note(8, 1, &two));
+  EXPECT_FALSE(moved.note(10, 1, &two)) << "one is left, for a third";
+  EXPECT_TRUE(moved.note(10, 1)) << "whose client is not known";
 }
 
 }  // namespace

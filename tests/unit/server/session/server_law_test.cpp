@@ -1,3 +1,4 @@
+#include <memory>
 #include <vector>
 
 #include "tests/support/allocation_guard.hpp"
@@ -103,6 +104,36 @@ TEST_F(ServerWithServerLaws, RefusesAServerSideLawThatItDoesNotHaveAndListsThose
   start(options);
   arrive(hello_with("fba-less"));
   EXPECT_EQ(only_answer<wire::Refusal>().text, "this server has no server-side law 'fba-less' (known: none)");
+}
+
+class TouchesNothing final : public Environment {
+ public:
+  Response respond(const Motion&) noexcept override { return {.force = vector_of({0, 0, 0})}; }
+};
+
+TEST_F(ServerWithServerLaws, RefusesOneForAToolInTheHandUnlessTheDeviceShowsTorque) {
+  EnvironmentLibrary environments;
+  environments.add(
+      {.name = "pen", .make = [](const ClientFacts&) {
+         return MadeEnvironment{.environment = std::make_unique<TouchesNothing>(), .tool_m = vector_of({0, 0, -0.1})};
+       }});
+  ServerOptions options{.scene = "pen"};
+  options.laws = test::laws_with_counting(log);
+  start(options, environments);
+  wire::Hello question = hello_with("counting");
+  question.degrees_of_freedom = 3;
+  arrive(question);
+  const auto refusal = only_answer<wire::Refusal>();
+  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_server_law);
+  EXPECT_THAT(std::string(refusal.text), testing::HasSubstr("scene 'pen' has a tool in the hand (tool_m)"));
+  EXPECT_EQ(server->sessions(), 0U);
+  question.shows_torque = true;
+  arrive(question);
+  EXPECT_NE(only_answer<wire::Welcome>().session, 0U);
+  question = hello(2);
+  question.degrees_of_freedom = 3;
+  arrive(question);
+  EXPECT_NE(only_answer<wire::Welcome>().session, 0U) << "without a server-side law";
 }
 
 TEST_F(ServerWithServerLaws, DoesNotAllocate) {
