@@ -23,7 +23,8 @@ class RecordedHand {
     for (int i = 1; i <= kRows; ++i) {
       csv += std::to_string(2 + 0.1 * i) + ",0,0," + std::to_string(-0.044 * i / kRows) + "\n";
     }
-    write_file(folder_.file("hand.csv"), csv + "600,0,0,-0.044\n");
+    // Two rows, since between rows the hand moves smoothly: with one it would drift for a minute.
+    write_file(folder_.file("hand.csv"), csv + "4.1,0,0,-0.044\n600,0,0,-0.044\n");
   }
 
   [[nodiscard]] Words options() const {

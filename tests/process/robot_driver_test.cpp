@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -31,6 +33,12 @@ class FaultyRobot : public testing::Test {
     server.emplace(Words{"--follower", driven("fault=" + fault + ",control=" + folder.path().string())});
     leader.emplace(server->address(), hand.options());
     ASSERT_TRUE(leader->wait_for("the robot follows", kLong)) << server->err();
+    // Until the hand moves there is no torque.
+    const auto until = std::chrono::steady_clock::now() + kLong;
+    while (!std::filesystem::exists(folder.file("pushed"))) {
+      ASSERT_LT(std::chrono::steady_clock::now(), until) << server->err();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
   }
   void go_wrong() { write_file(folder.file("fault"), ""); }
 
@@ -217,7 +225,7 @@ TEST(ARobotBehindADriver, IsRefusedInALineWhereItCannotBe) {
   EXPECT_THAT(refused({"--follower", driven("fault=open")}, 1), HasSubstr("no arm at 192.0.2.1: is its power on?"));
   EXPECT_THAT(refused({"--follower", driven("fault=start")}, 1), HasSubstr("its emergency stop is pressed"));
   EXPECT_THAT(refused({"--follower", driven("fault=crash-open")}, 1), HasSubstr("Segmentation fault"));
-  EXPECT_THAT(refused({"--follower", driven("sensor=0")}, 1),
+  EXPECT_THAT(refused({"--follower", driven("sensor=0")}, 2),
               HasSubstr("needs a force sensor, and robot 'arm 7' has none: position-position needs none"));
   EXPECT_THAT(refused({"--follower", "nowhere.toml"}, 1), HasSubstr("nowhere.toml"));
 }

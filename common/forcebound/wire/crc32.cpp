@@ -104,8 +104,8 @@ FORCEBOUND_CARRY_LESS std::uint32_t folded(std::uint32_t crc, std::span<const st
 }
 
 bool multiplies_without_carries() noexcept {
-  static const bool can = __builtin_cpu_supports("pclmul") && __builtin_cpu_supports("sse4.1");
-  return can;
+  static const bool kCan = __builtin_cpu_supports("pclmul") && __builtin_cpu_supports("sse4.1");
+  return kCan;
 }
 
 #endif

@@ -2,9 +2,9 @@
  *
  *   fault=KIND      one of kFaults, below; those of readings and commands after the 100th reading, in the 100 after it
  *   from=N          after the N-th instead
- *   control=FOLDER  they last while FOLDER has a file `fault` instead. It writes files: `stopped` when it is stopped
- *                   after a first torque, and `torques` when it is closed: how many torques there were after good
- *                   readings and after bad ones
+ *   control=FOLDER  they last while FOLDER has a file `fault` instead. It writes files: `pushed` at the first torque
+ *                   that is not zero, `stopped` when it is stopped after that, and `torques` when it is closed: how
+ *                   many torques there were after good readings and after bad ones
  *   joints=N        that it says to have
  *   gravity=1       its weight is left to the program
  *   brakes=0        it says to have none
@@ -13,6 +13,7 @@
  */
 #include <forcebound/driver/forcebound_device.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -194,15 +195,17 @@ static int has_file(const forcebound_device* arm, const char* name) {
   return access(path, F_OK) == 0;
 }
 
+/* Allocates nothing, as it is called in a tick. */
 static void write_numbers(const forcebound_device* arm, const char* name, long first, long second) {
   char path[FOLDER_BYTES + 16];
-  FILE* file = NULL;
+  char text[48];
+  int file = -1;
   if (arm->control[0] == '\0') return;
   snprintf(path, sizeof path, "%s/%s", arm->control, name);
-  file = fopen(path, "w");
-  if (file == NULL) return;
-  fprintf(file, "%ld %ld\n", first, second);
-  fclose(file);
+  file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (file < 0) return;
+  if (write(file, text, (size_t)snprintf(text, sizeof text, "%ld %ld\n", first, second)) < 0) perror(path);
+  close(file);
 }
 
 static int misbehaves_now(const forcebound_device* arm) {
@@ -294,7 +297,9 @@ static void note_torque(forcebound_device* arm, const forcebound_robot_command* 
   for (i = 0; i < ARM_JOINTS; ++i) pushes = pushes || command->torque_N_m[i] != 0;
   if (!pushes) return;
   if (arm->misread) ++arm->torques_after_bad;
-  if (!arm->misread) __atomic_add_fetch(&arm->torques_after_good, 1, __ATOMIC_SEQ_CST);
+  if (!arm->misread && __atomic_add_fetch(&arm->torques_after_good, 1, __ATOMIC_SEQ_CST) == 1) {
+    write_numbers(arm, "pushed", 1, 0);
+  }
 }
 
 static int arm_command(forcebound_device* arm, const forcebound_robot_command* command) {

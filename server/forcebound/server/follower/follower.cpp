@@ -151,11 +151,14 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
        .reading_usable = usable,
        .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) || is_beyond_limits(reading, usable)});
   if (state == before) return usable;
-  if (state == FollowerState::stopping || state == FollowerState::failed) {
+  const bool is_to_stop = state == FollowerState::stopping || state == FollowerState::failed;
+  const bool by_itself =
+      state == FollowerState::stopped && before != FollowerState::stopping && before != FollowerState::failed;
+  if (is_to_stop || by_itself) {
     ++totals_.stops;
     totals_.why_stopped = engagement_.why_stopped();
-    robot_->soft_stop(now);
   }
+  if (is_to_stop) robot_->soft_stop(now);
   if (engagement_.begins()) {
     if (robot_->is_stopped()) robot_->resume(now);
     if (robot_->is_stopped()) resumed_ = now;

@@ -149,6 +149,7 @@ RobotDescription description_of(const forcebound_robot& told, const std::string&
   robot.compensates_gravity = told.gravity == 0;
   robot.chain.name = robot.facts.name;
   std::vector<ToldJoint> joints;
+  joints.reserve(static_cast<std::size_t>(told.joints));
   for (int i = 0; i < told.joints; ++i) joints.push_back(checks.joint(i));
   robot.chain.links = links_of(joints);
   robot.chain.tool = tool_of(joints, checks.vector("tool_m", told.tool_m), checks.vector("tool_rad", told.tool_rad));

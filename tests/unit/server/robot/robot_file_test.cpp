@@ -127,7 +127,7 @@ TEST(RobotFile, IsRefusedWithItsLine) {
 class FileOfDrivenArm : public testing::Test {
  protected:
   /// The file of the arm, written.
-  std::string written(RobotFileText text) const {
+  std::string written(const RobotFileText& text) const {
     const std::string file = folder_.file("my-arm.toml");
     text::write_file(file, text.text());
     return file;

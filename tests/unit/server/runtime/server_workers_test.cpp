@@ -443,7 +443,8 @@ class PutsMore final : public ServerObserver {
 /// In the time of a turn that sleeps until its end; the turns with mail would each be as long.
 TEST(ServerWorkers, DoNotSleepWhileTheirMailIsNotEmpty) {
   std::vector<std::unique_ptr<WorkerMail>> mail;
-  for (int i = 0; i < 2; ++i) mail.push_back(std::make_unique<WorkerMail>());
+  mail.push_back(std::make_unique<WorkerMail>());
+  mail.push_back(std::make_unique<WorkerMail>());
   const time::SteadyClock clock;
   SharedLimits limits(1000, clock.now(), 1);
   PutsMore observer(*mail[0]);
