@@ -48,8 +48,13 @@ void RobotGuard::watch_this_thread() {
   stack_t stack{};
   stack.ss_sp = stack_->data();
   stack.ss_size = stack_->size();
-  sigaltstack(&stack, nullptr);
+  sigaltstack(&stack, &stack_before_);
   loop_thread_ = ::gettid();
+}
+
+void RobotGuard::end() noexcept {
+  began_.store(0, std::memory_order_relaxed);
+  if (::gettid() == loop_thread_) sigaltstack(&stack_before_, nullptr);
 }
 
 RobotGuard::Trouble RobotGuard::trouble() const noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <array>
@@ -55,8 +56,8 @@ class RobotGuard {
 
   /// A tick begins on that thread; the first one begins the watch. Real time.
   void note_tick(Nanoseconds now) noexcept { began_.store(now.count(), std::memory_order_relaxed); }
-  /// There is no further tick, nor anything to watch.
-  void end() noexcept { began_.store(0, std::memory_order_relaxed); }
+  /// There is no further tick, nor anything to watch. On the watched thread, before it ends.
+  void end() noexcept;
 
   // Any thread.
   [[nodiscard]] Trouble trouble() const noexcept;
@@ -87,6 +88,7 @@ class RobotGuard {
   std::atomic<bool> stopped_{false};
   std::atomic<bool> stopped_after_crash_{false};
   std::unique_ptr<std::array<std::byte, kStackBytes>> stack_;  ///< for a crash by too deep a recursion
+  stack_t stack_before_{};                                     ///< of the loop's thread, which may end with it
   std::jthread thread_;                                        // last, so that it ends before the members that it reads
 };
 

@@ -425,41 +425,6 @@ TEST_F(OneOfTwoWorkers, RefusesAHelloForAnothersSceneWhereTooManyHaveMoved) {
   EXPECT_EQ(server_->encryption()->confirmed(), 1U) << "its keys have stayed";
 }
 
-/// Puts another Hello down for each that is refused, as others do while a worker looks at its mail.
-class PutsMore final : public ServerObserver {
- public:
-  explicit PutsMore(WorkerMail& mail) : mail_(mail) {}
-  void put() {
-    (void)mail_.put({.bytes = codec_.encode(hello_of(++nonce_, "none")), .stage = WorkerMail::Stage::hello_judged});
-  }
-  void on_refused(const net::Address&, std::string_view) override { put(); }
-
- private:
-  WorkerMail& mail_;
-  wire::Codec codec_;
-  std::uint64_t nonce_ = 0;
-};
-
-/// In the time of a turn that sleeps until its end; the turns with mail would each be as long.
-TEST(ServerWorkers, DoNotSleepWhileTheirMailIsNotEmpty) {
-  std::vector<std::unique_ptr<WorkerMail>> mail;
-  mail.push_back(std::make_unique<WorkerMail>());
-  mail.push_back(std::make_unique<WorkerMail>());
-  const time::SteadyClock clock;
-  SharedLimits limits(1000, clock.now(), 1);
-  PutsMore observer(*mail[0]);
-  const ServerOptions options{.scene = "push", .worker = {.number = 0, .workers = 2, .limits = &limits}};
-  UdpServer server(listen({"127.0.0.1", 0}), options, pushes(), &observer, std::nullopt, mail);
-  const auto begin = clock.now();
-  server.turn();
-  const auto asleep = clock.now() - begin;
-  observer.put();
-  observer.put();
-  constexpr int kTurns = 50;
-  for (int i = 0; i < kTurns; ++i) server.turn();
-  EXPECT_LT(clock.now() - begin - asleep, kTurns / 2 * asleep);
-}
-
 TEST(ServerWorkers, AreAliveWhileAllTurn) {
   ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 2}, {.scene = "push"}, pushes());
   const time::SteadyClock clock;
