@@ -138,6 +138,12 @@ std::string refusal_of(const RobotDescription& robot) {
   return mass.info() == Eigen::Success ? "" : "its masses must make moving each joint cost energy";
 }
 
+void take_facts_from_limits(RobotDescription& robot) {
+  constexpr double kFastestOfLargest = 4;
+  robot.facts.force_N_max = robot.chain.limits.torque_max.norm();
+  robot.facts.speed_max = kFastestOfLargest * robot.chain.limits.speed_max;
+}
+
 RobotDescription description_of(const forcebound_robot& told, const std::string& driver) {
   const ToldRobot checks(told, driver);
   if (told.joints < 1 || told.joints > control::kJointsMax) {
@@ -162,8 +168,7 @@ RobotDescription description_of(const forcebound_robot& told, const std::string&
       .torque_rate_max = checks.not_negative_rows("torque_rate_max", told.torque_rate_max),
       .tool_speed_m_per_s_max = checks.positive("tool_speed_m_per_s_max", told.tool_speed_m_per_s_max),
       .tool_turn_rad_per_s_max = checks.positive("tool_turn_rad_per_s_max", told.tool_turn_rad_per_s_max)};
-  robot.facts.force_N_max = robot.chain.limits.torque_max.norm();
-  robot.facts.speed_max = kFastestOfLargest * robot.chain.limits.speed_max;
+  take_facts_from_limits(robot);
   if (told.sensor_period_s != 0) {
     robot.sensor = {.period = time::from_seconds(checks.within("sensor_period_s", told.sensor_period_s, 1e-5, 0.1)),
                     .noise_N_sd = checks.within("sensor_N_sd", told.sensor_N_sd, 0, kMost),

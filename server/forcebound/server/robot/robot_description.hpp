@@ -40,8 +40,9 @@ struct ToldJoint {
 [[nodiscard]] Eigen::Isometry3d tool_of(const std::vector<ToldJoint>& joints, const Eigen::Vector3d& tool_m,
                                         const Eigen::Vector3d& tool_rad);
 
-/// No joint is ever so many times as fast as its largest speed: a reading that says so is not believed.
-constexpr double kFastestOfLargest = 4;
+/// The facts that follow from the joints' limits: the largest torque, and the speed beyond which a reading is not
+/// believed, four times the largest of a joint.
+void take_facts_from_limits(RobotDescription& robot);
 
 /// What holds beyond the ranges of single numbers. @return why it is refused; empty: it is not
 [[nodiscard]] std::string refusal_of(const RobotDescription& robot);

@@ -116,8 +116,7 @@ void read_facts(CheckedTable& file, RobotDescription& robot) {
   robot.compensates_gravity = file.flag("compensates_gravity", true);
   robot.chain.limits.tool_speed_m_per_s_max = file.number(positive("tool_speed_m_per_s_max"));
   robot.chain.limits.tool_turn_rad_per_s_max = file.number(positive("tool_turn_rad_per_s_max"));
-  facts.force_N_max = robot.chain.limits.torque_max.norm();
-  facts.speed_max = kFastestOfLargest * robot.chain.limits.speed_max;
+  take_facts_from_limits(robot);
 }
 
 }  // namespace
