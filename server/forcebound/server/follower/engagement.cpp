@@ -23,8 +23,8 @@ FollowerState Engagement::next(const Seen& seen) noexcept {
     return failed;
   }
   if (state_ == failed) return stopped;
-  if (seen.limit_exceeded && (at_work || state_ == waiting)) {
-    why_ = "a limit was exceeded";
+  if (!seen.exceeded.empty() && (at_work || state_ == waiting)) {
+    why_ = seen.exceeded;
     return stopping;
   }
   if (at_work && (!seen.silent || *seen.silent > times_.stop)) {
@@ -54,7 +54,7 @@ FollowerState Engagement::next(const Seen& seen) noexcept {
 
 /// Only with a leader that is heard.
 bool Engagement::operator_engages(const Seen& seen) noexcept {
-  if (!seen.silent || *seen.silent > times_.hold || seen.limit_exceeded) {
+  if (!seen.silent || *seen.silent > times_.hold || !seen.exceeded.empty()) {
     still_since_.reset();
     return false;
   }

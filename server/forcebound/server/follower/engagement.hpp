@@ -49,7 +49,7 @@ class Engagement {
     bool robot_at_rest = false;
     bool robot_stopped = false;   ///< its brakes hold, whoever asked for it
     bool reading_usable = true;   ///< where it is, is known: else it cannot begin to follow
-    bool limit_exceeded = false;  ///< force or speed beyond what the robot may do
+    std::string_view exceeded{};  ///< limit of force, speed or place, in a few words; empty: none. Static text
   };
 
   FollowerState update(const Seen& seen) noexcept;

@@ -149,7 +149,8 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
        .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
        .robot_stopped = robot_->is_stopped() && !opens,
        .reading_usable = usable,
-       .limit_exceeded = (sensed && sensed->norm() > settings_.contact_N_max) || is_beyond_limits(reading, usable)});
+       .exceeded = sensed && sensed->norm() > settings_.contact_N_max ? "the contact force is beyond its limit"
+                                                                      : exceeded_limit(reading, usable)});
   if (state == before) return usable;
   const bool is_to_stop = state == FollowerState::stopping || state == FollowerState::failed;
   const bool by_itself =
@@ -178,18 +179,19 @@ bool Follower::is_ready(bool usable, bool sensed) noexcept {
   return std::max({lost_in_a_row_, refused_in_a_row_, unsensed_in_a_row_}) < kLostMost;
 }
 
-/// Whether the tool or a joint is faster than it may be, or a joint where it may not be.
-bool Follower::is_beyond_limits(const device::Reading& reading, bool usable) const noexcept {
+/// Which limit the tool or a joint is beyond; empty: none.
+std::string_view Follower::exceeded_limit(const device::Reading& reading, bool usable) const noexcept {
   const RobotLimits& limits = robot_->model().limits();
   const ImpedanceController::Report& seen = impedance_.report();
   const auto too_fast = [](double speed, double largest) { return largest > 0 && speed > kTooFast * largest; };
-  if (too_fast(seen.velocity.head<3>().norm(), limits.tool_speed_m_per_s_max)) return true;
-  if (too_fast(seen.velocity.tail<3>().norm(), limits.tool_turn_rad_per_s_max)) return true;
+  if (too_fast(seen.velocity.head<3>().norm(), limits.tool_speed_m_per_s_max)) return "the tool is too fast";
+  if (too_fast(seen.velocity.tail<3>().norm(), limits.tool_turn_rad_per_s_max)) return "the tool turns too fast";
   for (Eigen::Index i = 0; i < seen.joint_velocity.rows(); ++i) {
-    if (too_fast(std::abs(seen.joint_velocity[i]), limits.speed_max[i])) return true;
+    if (too_fast(std::abs(seen.joint_velocity[i]), limits.speed_max[i])) return "a joint is too fast";
   }
-  return usable && (((reading.joint - limits.highest).array() > kOutside).any() ||
-                    ((limits.lowest - reading.joint).array() > kOutside).any());
+  const bool is_outside = usable && (((reading.joint - limits.highest).array() > kOutside).any() ||
+                                     ((limits.lowest - reading.joint).array() > kOutside).any());
+  return is_outside ? "a joint is beyond its limits" : "";
 }
 
 /// From where tool and leader are now, so that nothing jumps.

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
@@ -113,7 +114,7 @@ class Follower {
 
  private:
   [[nodiscard]] bool judge(const device::Reading& reading, Nanoseconds now) noexcept;
-  [[nodiscard]] bool is_beyond_limits(const device::Reading& reading, bool usable) const noexcept;
+  [[nodiscard]] std::string_view exceeded_limit(const device::Reading& reading, bool usable) const noexcept;
   [[nodiscard]] bool is_ready(bool usable, bool sensed) noexcept;
   void begin_following(const device::Reading& reading) noexcept;
   [[nodiscard]] bool brakes_open(const device::Reading& reading, bool usable, Nanoseconds now) noexcept;

@@ -104,7 +104,8 @@ TEST(DrivenRobot, StaysPassiveWhenItStopsByItselfWhileItMoves) {
     arm.run(2s, [](double time_s, LeaderMotion& leader) {
       leader.position[2] = -0.05 * std::min(3 * time_s, 1.0) + 0.02 * std::sin(20 * time_s);
     });
-    EXPECT_EQ(arm.follower->totals().stops, 0U) << "nobody else stopped it";
+    EXPECT_EQ(arm.follower->totals().stops, 1U);
+    EXPECT_EQ(arm.follower->totals().why_stopped, "the robot stopped by itself") << reading;
     EXPECT_EQ(arm.follower->report().state, FollowerState::stopped) << reading;
     EXPECT_GE(arm.follower->totals().port.minimum_J, -1e-12) << "stopped in reading " << reading;
   }

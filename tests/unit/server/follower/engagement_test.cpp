@@ -96,17 +96,17 @@ TEST(Engagement, HoldsThenStopsThenFollowsOnlyWhenBothAgree) {
 TEST(Engagement, ADeviceThatNobodyMovesEngagesNothingAfterAStop) {
   Scene scene;
   scene.follow();
-  scene.seen.limit_exceeded = true;
+  scene.seen.exceeded = "the tool is too fast";
   scene.seen.robot_at_rest = true;
   scene.pass(2ms);
-  scene.seen.limit_exceeded = false;
+  scene.seen.exceeded = {};
   EXPECT_EQ(scene.pass(5s), stopped);
   scene.seen.leader_still = false;
   scene.pass(1ms);
   scene.seen.leader_still = true;
-  scene.seen.limit_exceeded = true;
+  scene.seen.exceeded = "the tool is too fast";
   EXPECT_EQ(scene.pass(1s), stopped) << "it still presses against what stopped it";
-  scene.seen.limit_exceeded = false;
+  scene.seen.exceeded = {};
   EXPECT_EQ(scene.pass(400ms), following);
 }
 
@@ -137,12 +137,12 @@ TEST(Engagement, ARobotThatStopsByItselfIsNotFollowing) {
 TEST(Engagement, StopsAtALimitAndFailsWithTheRobot) {
   Scene scene;
   scene.follow();
-  scene.seen.limit_exceeded = true;
+  scene.seen.exceeded = "the tool is too fast";
   EXPECT_EQ(scene.pass(1ms), stopping);
-  EXPECT_EQ(scene.engagement.why_stopped(), "a limit was exceeded");
+  EXPECT_EQ(scene.engagement.why_stopped(), "the tool is too fast");
   scene.seen.robot_ready = false;
   EXPECT_EQ(scene.pass(1ms), failed);
-  scene.seen.limit_exceeded = false;
+  scene.seen.exceeded = {};
   scene.seen.robot_ready = true;
   EXPECT_EQ(scene.pass(1ms), stopped) << "it answers again, and waits for the operator";
 }

@@ -166,7 +166,7 @@ TEST(Follower, StopsAtItsContactLimit) {
   Led led({.architecture = "position-position", .contact_N_max = 5});
   led.engage();
   led.run(2s, [](double t, LeaderMotion& leader) { leader.position[0] = 0.05 * std::min(t, 1.0); });
-  EXPECT_EQ(led.follower->totals().why_stopped, "a limit was exceeded");
+  EXPECT_EQ(led.follower->totals().why_stopped, "the contact force is beyond its limit");
   EXPECT_EQ(led.follower->totals().stops, 1U) << "held deep, it does not engage by itself";
 }
 
@@ -177,8 +177,8 @@ TEST(Follower, StopsAJointThatIsTooFastOrOutsideOfItsLimits) {
     return pushed.follower->totals().why_stopped;
   };
   EXPECT_EQ(why_stopped({.push_N = 25}), "");
-  EXPECT_EQ(why_stopped({.speed_m_per_s_max = 0.05, .push_N = 25}), "a limit was exceeded");
-  EXPECT_EQ(why_stopped({.highest_m = -0.2}), "a limit was exceeded");
+  EXPECT_EQ(why_stopped({.speed_m_per_s_max = 0.05, .push_N = 25}), "a joint is too fast");
+  EXPECT_EQ(why_stopped({.highest_m = -0.2}), "a joint is beyond its limits");
 }
 
 TEST(Follower, ARobotThatIsUnpluggedFailsAndComesBack) {
