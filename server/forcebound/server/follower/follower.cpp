@@ -185,7 +185,8 @@ std::string_view Follower::exceeded_limit(const device::Reading& reading, bool u
   const ImpedanceController::Report& seen = impedance_.report();
   const auto too_fast = [](double speed, double largest) { return largest > 0 && speed > kTooFast * largest; };
   if (too_fast(seen.velocity.head<3>().norm(), limits.tool_speed_m_per_s_max)) return "the tool is too fast";
-  if (too_fast(seen.velocity.tail<3>().norm(), limits.tool_turn_rad_per_s_max)) return "the tool turns too fast";
+  if (impedance_.turns() && too_fast(seen.velocity.tail<3>().norm(), limits.tool_turn_rad_per_s_max))
+    return "the tool turns too fast";
   for (Eigen::Index i = 0; i < seen.joint_velocity.rows(); ++i) {
     if (too_fast(std::abs(seen.joint_velocity[i]), limits.speed_max[i])) return "a joint is too fast";
   }

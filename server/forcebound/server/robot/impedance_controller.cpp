@@ -48,12 +48,23 @@ void check(const ImpedanceSettings& settings) {
   if (settings.limit_torque_share > 1) refuse({"limit_torque_share", settings.limit_torque_share}, "0 to 1");
 }
 
-double smallest_singular_of(const ToolJacobian& jacobian) noexcept {
+constexpr Eigen::Index kFullTask = 6;  // joints that it takes to place and turn a tool
+
+/// As a robot of so many joints can have them.
+ImpedanceSettings checked(const ImpedanceSettings& settings, Eigen::Index joints) {
+  check(settings);
+  ImpedanceSettings possible = settings;
+  if (joints < kFullTask) possible.stiffness_N_m_per_rad = 0;
+  return possible;
+}
+
+/// Of the rows that are not zero as a whole.
+double smallest_singular_of(const ToolJacobian& jacobian, bool turns) noexcept {
   ToolJacobian scaled = jacobian;
   scaled.topRows<3>() /= kScale_m;
   const Matrix6 square = scaled * scaled.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(square, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[turns ? 0 : 3]));
 }
 
 /// 2 ratio A U sqrt(s) U' A', which damps every direction of K with the inertia A A' by the ratio.
@@ -80,14 +91,14 @@ bool slow_down(Eigen::Ref<Eigen::Vector3d> force, const Eigen::Vector3d& velocit
 }  // namespace
 
 ImpedanceController::ImpedanceController(const RobotModel& model, const ImpedanceSettings& settings)
-    : model_(model), settings_((check(settings), settings)), velocity_(settings.velocity_cutoff_rad_per_s) {}
+    : model_(model), settings_(checked(settings, model.joints())), velocity_(settings.velocity_cutoff_rad_per_s) {}
 
 void ImpedanceController::set(const ImpedanceSettings& settings) {
-  check(settings);
-  if (settings.velocity_cutoff_rad_per_s != settings_.velocity_cutoff_rad_per_s) {
-    velocity_ = VelocityFilter(settings.velocity_cutoff_rad_per_s);
+  const ImpedanceSettings possible = checked(settings, model_.joints());
+  if (possible.velocity_cutoff_rad_per_s != settings_.velocity_cutoff_rad_per_s) {
+    velocity_ = VelocityFilter(possible.velocity_cutoff_rad_per_s);
   }
-  settings_ = settings;
+  settings_ = possible;
 }
 
 void ImpedanceController::restart() noexcept { velocity_.restart(); }
@@ -102,10 +113,11 @@ Vector ImpedanceController::torque(const device::Reading& reading, const ToolTar
   }
   const Vector& q = reading.joint;
   const Vector velocity = velocity_.update(reading.latched, q);
-  const ToolJacobian jacobian = model_.jacobian(q);
+  ToolJacobian jacobian = model_.jacobian(q);
   const Matrix mass = model_.mass_matrix(q);
   report_.pose = pose ? *pose : model_.pose(q);
   report_.velocity = jacobian * velocity;
+  if (!turns()) jacobian.bottomRows<3>().setZero();
   report_.joint_velocity = velocity;
   const Matrix6 inertia = inertia_of(jacobian, mass);
   report_.wrench = wrench_of(inertia, target);
@@ -131,7 +143,7 @@ Eigen::Matrix<double, 6, 6> ImpedanceController::inertia_of(const ToolJacobian& 
   const ToolJacobian::PlainObject& j = jacobian;
   Matrix6 mobility = j * Eigen::LLT<Matrix>(mass).solve(
                              Eigen::Matrix<double, Eigen::Dynamic, 6, 0, control::kJointsMax, 6>(j.transpose()));
-  report_.smallest_singular = smallest_singular_of(jacobian);
+  report_.smallest_singular = smallest_singular_of(jacobian, turns());
   report_.singular = report_.smallest_singular < settings_.singular_from;
   if (report_.singular) {
     const double share = report_.smallest_singular / settings_.singular_from;
@@ -139,6 +151,7 @@ Eigen::Matrix<double, 6, 6> ImpedanceController::inertia_of(const ToolJacobian& 
     least << Eigen::Vector3d::Constant(1 / kHeaviest_kg), Eigen::Vector3d::Constant(1 / kHeaviest_kg_m2);
     mobility.diagonal() += (1 - share * share) * least;
   }
+  if (!turns()) mobility.bottomRightCorner<3, 3>().diagonal().setConstant(1 / kHeaviest_kg_m2);
   return mobility.llt().solve(Matrix6::Identity());
 }
 
@@ -158,9 +171,10 @@ Vector6 ImpedanceController::wrench_of(const Eigen::Matrix<double, 6, 6>& inerti
   wrench += damping_of(inertia, stiffness, settings_.damping_ratio) * faster;
   wrench.head<3>() += target.push_N;
   const RobotLimits& limits = model_.limits();
-  const bool moves = slow_down(wrench.head<3>(), report_.velocity.head<3>(), limits.tool_speed_m_per_s_max);
-  const bool turns = slow_down(wrench.tail<3>(), report_.velocity.tail<3>(), limits.tool_turn_rad_per_s_max);
-  report_.too_fast = moves || turns;
+  report_.too_fast = slow_down(wrench.head<3>(), report_.velocity.head<3>(), limits.tool_speed_m_per_s_max);
+  if (turns()) {
+    report_.too_fast |= slow_down(wrench.tail<3>(), report_.velocity.tail<3>(), limits.tool_turn_rad_per_s_max);
+  }
   return wrench;
 }
 

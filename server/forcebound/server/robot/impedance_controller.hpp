@@ -20,7 +20,7 @@ struct ToolTarget {
 /// How an ImpedanceController is tuned.
 struct ImpedanceSettings {
   double stiffness_N_per_m = 2000;       ///< > 0
-  double stiffness_N_m_per_rad = 100;    ///< > 0
+  double stiffness_N_m_per_rad = 100;    ///< > 0; not for robots of fewer than six joints
   double damping_ratio = 1;              ///< of the tool in free space, > 0; 1: critical
   double force_N_max = 60;               ///< of the spring's part, > 0: what a target far away can ask for
   double torque_N_m_max = 15;            ///< likewise
@@ -37,6 +37,10 @@ struct ImpedanceSettings {
 ///
 ///     e = [x_target - x; rotation vector from the tool's orientation to the target's]       world frame
 ///     tau = J'(K e + D (v_target - J q') + push) + N' M (k_p (q_rest - q) - d_p q') + limits
+///
+/// A robot of fewer than six joints cannot do both: its tool goes where it shall, and stands as that leaves it. Then e
+/// and J have the three rows of the place, there is no spring or damper about the tool's point, and its joints' speeds
+/// bound how fast it turns.
 ///
 /// D is found from the inertia at the tool L = (J M^-1 J')^-1 so that K and L are damped by the given ratio in every
 /// direction: with L = A A' and A^-1 K A^-T = U s U', D = 2 ratio A U sqrt(s) U' A' (double diagonalisation). N' = 1 -
@@ -86,6 +90,9 @@ class ImpedanceController {
 
   [[nodiscard]] const Report& report() const noexcept { return report_; }
   [[nodiscard]] const ImpedanceSettings& settings() const noexcept { return settings_; }
+
+  /// Whether it turns the tool as well as moving it.
+  [[nodiscard]] bool turns() const noexcept { return settings_.stiffness_N_m_per_rad > 0; }
 
  private:
   [[nodiscard]] Eigen::Matrix<double, 6, 6> inertia_of(const ToolJacobian& jacobian, const Matrix& mass) noexcept;

@@ -6,8 +6,12 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "forcebound/server/robot/inverse_kinematics.hpp"
+#include "forcebound/server/robot/robot_description.hpp"
+#include "forcebound/server/robot/serial_chain.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/unit/server/robot/scripted_run.hpp"
 
@@ -203,6 +207,64 @@ TEST_F(ImpedanceControl, DoesNotAllocate) {
   for (int i = 0; i < 20; ++i) tick(target);
   (void)controller_.stopping_torque(arm_.read(now_));
   EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+/// A column that turns about z, and joints above it about y and x, bent at rest.
+SerialChain arm_of(int joints) {
+  std::vector<ToldJoint> told;
+  for (int i = 0; i < joints; ++i) {
+    const double height_m = 0.3 * i;
+    told.push_back({.axis = i == 0   ? Eigen::Vector3d::UnitZ()
+                            : i == 3 ? Eigen::Vector3d::UnitX()
+                                     : Eigen::Vector3d::UnitY(),
+                    .point_m = {0, 0, height_m},
+                    .centre_m = {0, 0, height_m + 0.15},
+                    .mass_kg = 2,
+                    .inertia_kg_m2 = 0.02 * Eigen::Matrix3d::Identity()});
+  }
+  SerialChain::Description chain;
+  chain.name = "few joints";
+  chain.links = links_of(told);
+  chain.tool = tool_of(told, {0, 0, 0.3 * joints}, Eigen::Vector3d::Zero());
+  chain.limits = {.lowest = Vector::Constant(joints, -2.5),
+                  .highest = Vector::Constant(joints, 2.5),
+                  .speed_max = Vector::Constant(joints, 3),
+                  .torque_max = Vector::Constant(joints, 80),
+                  .tool_speed_m_per_s_max = 1,
+                  .tool_turn_rad_per_s_max = 3};
+  chain.rest = Vector::Zero(joints);
+  chain.rest.segment<2>(1) = Eigen::Vector2d(0.6, 0.9);
+  return SerialChain(std::move(chain));
+}
+
+TEST(ImpedanceOfFewJoints, PlacesTheToolAndLeavesItsOrientationFree) {
+  for (const int joints : {3, 4, 5}) {
+    const SerialChain arm = arm_of(joints);
+    const control::Damping damping = control::Damping::from_matrix(Matrix::Identity(joints, joints));
+    ImpedanceController controller(arm);
+    EXPECT_EQ(controller.settings().stiffness_N_m_per_rad, 0) << "so that nobody is shown a torque of it";
+    Vector q = arm.rest();
+    Vector speed = Vector::Zero(joints);
+    ToolTarget target = held(arm.pose(q));
+    target.pose.position += Eigen::Vector3d(-0.02, 0.03, 0.04);
+    double beyond_m = 0;
+    for (int i = 0; i < 3000; ++i) {
+      device::Reading reading;
+      reading.joint = reading.position = q;
+      reading.jacobian = Matrix::Identity(joints, joints);
+      reading.damping = &damping;
+      reading.latched = milliseconds(i);
+      const Vector torque = controller.torque(reading, target);
+      speed += 1e-3 * arm.mass_matrix(q).llt().solve(torque);
+      q += 1e-3 * speed;
+      beyond_m = std::max(beyond_m, arm.pose(q).position.z() - target.pose.position.z());
+    }
+    EXPECT_FALSE(controller.report().singular);
+    EXPECT_LT((arm.pose(q).position - target.pose.position).norm(), 1e-3) << joints << " joints";
+    EXPECT_LT(beyond_m, 2e-3) << joints << " joints";
+    EXPECT_LT(speed.norm(), 0.01) << joints << " joints: those that are free come to rest too";
+    EXPECT_GT(turn_between(arm.pose(q).orientation, target.pose.orientation).norm(), 0.01) << joints << " joints";
+  }
 }
 
 TEST(ImpedanceSettings, RefusesWhatMakesNoSense) {
