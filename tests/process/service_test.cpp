@@ -57,15 +57,16 @@ class ServiceManager {
 
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
 
-  /// Whether the service says a text with `words` in it, before it is silent for 20 s.
+  /// Whether one of the next 200 texts of the service has `words` in it, with at most 20 s of silence between them.
   bool hears(std::string_view words) const {
     std::array<char, 4096> text{};
-    for (;;) {
+    for (int texts = 0; texts < 200; ++texts) {
       const auto bytes = ::recv(notify_, text.data(), text.size(), 0);
       if (bytes <= 0) return false;
       if (std::string_view(text.data(), static_cast<std::size_t>(bytes)).find(words) != std::string_view::npos)
         return true;
     }
+    return false;
   }
 
  private:
@@ -163,6 +164,28 @@ TEST(AService, ThatReadsItsClientsAgainLetsThoseGoWhoAreNoMoreListed) {
   EXPECT_EQ(stays.stop(), stays.expected_end());
   goes.stop();
   EXPECT_EQ(server.stop(), 0);
+}
+
+TEST(AService, SaysThatItReadsItsClientsAgainAndThenThatItIsReady) {
+  const ServiceManager manager;
+  const TemporaryFolder folder;
+  const std::string key = folder.file("server.key");
+  const std::string clients = folder.file("clients.toml");
+  ASSERT_EQ(run(kLab, {"keygen", key}).exit_code, 0);
+  write_file(clients, "");
+  Process server("/bin/bash", manager.started({"--key", key, "--clients", clients}));
+  ASSERT_TRUE(manager.hears("READY=1"));
+  server.signal(SIGHUP);
+  EXPECT_TRUE(manager.hears("RELOADING=1\nMONOTONIC_USEC="));
+  EXPECT_TRUE(manager.hears("READY=1"));
+  write_file(clients, "[[client]]\nname = 1\n");
+  server.signal(SIGHUP);
+  EXPECT_TRUE(manager.hears("RELOADING=1\nMONOTONIC_USEC="));
+  EXPECT_TRUE(manager.hears("READY=1"));
+  EXPECT_TRUE(server.wait_for("the clients are those of before"));
+  server.signal(SIGTERM);
+  EXPECT_TRUE(manager.hears("STOPPING=1"));
+  EXPECT_EQ(server.wait(20s), 0);
 }
 
 }  // namespace

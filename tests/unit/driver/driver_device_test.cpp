@@ -68,7 +68,7 @@ TEST(DriverFolders, TheFirstThatHasADriverCounts) {
   EXPECT_EQ(find_driver("../slider", {kDrivers}), std::nullopt);
   EXPECT_EQ(find_driver("", {kDrivers}), std::nullopt);
   EXPECT_THAT(drivers_in({kDrivers, kDrivers, "/nonexistent"}),
-              ElementsAre("crashing", "empty", "faulty", "mute", "nameless", "newer", "slider"));
+              ElementsAre("crashing", "empty", "faulty", "mute", "nameless", "newer", "slider", "wrist"));
 }
 
 TEST(DriverLibrary, SaysWhatIsWrongWithAFile) {
@@ -340,6 +340,83 @@ TEST(DriverFamily, TellsThatTheBoundsOfAFileAreGuesses) {
                    "identified = false\n");
   const auto device = registry().make({.device = "slider:facts=" + folder.file("mine.toml")});
   EXPECT_THAT(device->facts_in_words(), HasSubstr("bounds not identified: guesses of its file"));
+}
+
+/// A device of six axes, which turns its handle by motors.
+class SixAxes : public testing::Test {
+ protected:
+  std::unique_ptr<device::HapticDevice> wrist(const std::string& settings = {}) {
+    std::string facts =
+        "kind = 'chain'\ndegrees_of_freedom = 6\njoint_inertia_kg_m2 = 1e-4\njoint_damping_N_m_s_per_rad = 0.002\n"
+        "force_N_max = 4\ntorque_N_m_max = 0.3\n[chain]\ntip_m = [0, 0, 0]\n";
+    // Any arm that is not singular: what it is read from is the driver's own.
+    for (const auto& [name, axis, point_m] :
+         {std::array{"a", "[0, 0, 1]", "[0, 0.25, -0.06]"}, std::array{"b", "[1, 0, 0]", "[0, 0.25, -0.06]"},
+          std::array{"c", "[1, 0, 0]", "[0, 0.12, 0.07]"}, std::array{"d", "[0, 0, 1]", "[0, 0, 0]"},
+          std::array{"e", "[1, 0, 0]", "[0, 0, 0]"}, std::array{"f", "[0, 1, 0]", "[0, 0, 0]"}}) {
+      facts += std::string("[[chain.joint]]\nname = '") + name + "'\naxis = " + axis + "\npoint_m = " + point_m + "\n";
+    }
+    text::write_file(folder_.file("wrist.toml"), facts);
+    return registry().make({.device = "wrist:" + settings + "facts=" + folder_.file("wrist.toml")});
+  }
+
+  /// Held for so long; the last reading.
+  device::Reading held(device::HapticDevice& device, const std::array<double, 6>& wrench, int ticks) {
+    Vector all = Eigen::Map<const Vector6>(wrench.data());
+    for (int tick = 0; tick < ticks; ++tick) {
+      (void)device.read(now_ += 1ms);
+      device.apply(now_, all);
+    }
+    return device.read(now_ += 1ms);
+  }
+
+  static double turned_rad(const device::Reading& reading, int axis) {
+    return 2 * std::asin(reading.handle.orientation->at(static_cast<std::size_t>(axis) + 1));
+  }
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  test::TemporaryFolder folder_;
+  Nanoseconds now_{1s};
+};
+
+TEST_F(SixAxes, AreReadWithOrientationAndTheAngularVelocityBelowTheTips) {
+  const auto device = wrist();
+  EXPECT_EQ(device->facts().translations(), 3);
+  EXPECT_EQ(device->facts().rotations, 3);
+  device->start();
+  const device::Reading reading = held(*device, {}, 3);
+  ASSERT_EQ(reading.status, Status::ok);
+  EXPECT_EQ(reading.position.rows(), 3);
+  EXPECT_TRUE(reading.jacobian.isApprox(Matrix::Identity(6, 6)));
+  ASSERT_TRUE(reading.handle.orientation);
+  EXPECT_THAT(*reading.handle.orientation, ElementsAre(1, 0, 0, 0));
+}
+
+TEST_F(SixAxes, AreCommandedAForceAndATorqueApart) {
+  const auto device = wrist();
+  device->start();
+  const device::Reading turned = held(*device, {0, 0, 0, 0, 0.01, 0}, 200);
+  EXPECT_GT(turned_rad(turned, 1), 0.1) << "about y";
+  EXPECT_NEAR(turned_rad(turned, 0), 0, 1e-6);
+  EXPECT_TRUE(turned.position.isZero(0)) << "its place stays";
+  const device::Reading moved = held(*device, {1, 0, 0, 0, 0, 0}, 200);
+  EXPECT_GT(moved.position.x(), 0.01);
+  EXPECT_NEAR(moved.position.y(), 0, 1e-12);
+}
+
+TEST_F(SixAxes, WithoutAnOrientationHaveNoReading) {
+  const auto device = wrist("fault=orientation,");
+  device->start();
+  EXPECT_EQ(held(*device, {}, 3).status, Status::failed);
+  EXPECT_THAT(device->last_error(),
+              HasSubstr("its reading has no orientation, which a device that shows torques must tell"));
+}
+
+TEST_F(SixAxes, NeedAFileOfFacts) {
+  EXPECT_THAT(
+      [] { (void)registry().make({.device = "wrist"}); },
+      ThrowsMessage<std::runtime_error>(HasSubstr("a device of 6 axes needs a file of facts, facts=FILE.toml")));
 }
 
 TEST(DriverFamily, ADriverThatCrashesEndsAChildAlone) {
