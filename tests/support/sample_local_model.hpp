@@ -20,6 +20,7 @@ inline local_model::Surface pad() {
           .relaxing_N_per_m = 200,
           .relaxation_s = 0.125,
           .relaxed_N = 0.25,
+          .friction = 0.375,
           .radius_m = 0.015625,
           .others_move_it = true};
 }

@@ -3,7 +3,8 @@ import { byId, make, setText } from "./dom.js";
 import { digits } from "./text.js";
 
 /** Of control/follower_state.hpp, by their numbers. */
-export const kStates = ["none", "waiting", "following", "clutched", "holding", "stopping", "stopped", "failed"];
+export const kStates = ["none", "waiting", "following", "clutched", "holding", "stopping", "stopped", "failed",
+  "taken"];
 
 const kHints = {
   waiting: "keep the hand still for a moment, or press and release the device's button, and it follows",
@@ -13,6 +14,7 @@ const kHints = {
   stopping: "it is brought to rest",
   stopped: "it is at rest: move the hand and keep it still, or press and release the button",
   failed: "it refuses: the server's log says why",
+  taken: "another device leads it, which took it while this one was silent",
 };
 
 const times = (value) => (value === undefined || value === null ? "–" : `× ${digits(value)}`);

@@ -15,8 +15,9 @@ enum class FollowerState : std::uint8_t {
   stopping,   ///< is brought to rest, as the leader was silent for too long or a limit was exceeded
   stopped,    ///< at rest; follows again once the operator has engaged anew
   failed,     ///< refuses: see the reason at the server
+  taken,      ///< led by another device, which took it while this one was silent
 };
-inline constexpr std::uint8_t kFollowerStates = 8;
+inline constexpr std::uint8_t kFollowerStates = 9;
 
 [[nodiscard]] constexpr std::string_view name_of(FollowerState state) noexcept {
   switch (state) {
@@ -36,6 +37,8 @@ inline constexpr std::uint8_t kFollowerStates = 8;
       return "stopped";
     case FollowerState::failed:
       return "failed";
+    case FollowerState::taken:
+      return "taken";
   }
   return "none";
 }

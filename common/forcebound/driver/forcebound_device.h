@@ -205,7 +205,7 @@ typedef struct forcebound_robot_reading {
   int64_t effective_ns;
   int64_t released_ns;
   double force_N[3];    /* what the tool exerts on its surroundings, without its own weight and inertia; base frame */
-  double torque_N_m[3]; /* likewise, about the tool's point */
+  double torque_N_m[3]; /* likewise, about the tool's point; zeros of a sensor that has none */
   int64_t sensed_ns;    /* when that was sampled; not after now_ns. A sample counts for ten periods of the sensor */
   double gripper;       /* 0: closed, 1: open */
   double energy_J;      /* what the joints dissipated less what the commanded torques gave, since the start, exactly, */

@@ -17,6 +17,7 @@ constexpr double kLightest_kg = 1e-4;
 constexpr double kShortest_s = 1e-4;
 constexpr double kLongest_s = 1e4;
 constexpr double kStep_s = 1e-3;
+constexpr double kRough = 100;
 
 // Numbers travel with 24 bits, and a normal may have been rounded before.
 constexpr double kRounding = 1e-4;
@@ -59,7 +60,8 @@ bool is_right(const Surface& surface) noexcept {
          is_from_zero_to(surface.damping_N_s_per_m, kDamped_N_s_per_m) &&
          is_within(surface.velocity_m_per_s, kFast_m_per_s) &&
          is_within(surface.acceleration_m_per_s2, kHard_m_per_s2) &&
-         (relaxes ? relaxes_soundly : surface.relaxed_N == 0) && surface.radius_m > 0 && surface.radius_m <= kFar_m;
+         (relaxes ? relaxes_soundly : surface.relaxed_N == 0) && is_from_zero_to(surface.friction, kRough) &&
+         surface.radius_m > 0 && surface.radius_m <= kFar_m;
 }
 
 bool is_right(const Mass& mass) noexcept {

@@ -18,14 +18,16 @@ using Point = Eigen::Vector3d;
 ///     p(t) = p + v t + a t^2 / 2,    r = x - p(t),    d = -n . r
 ///     f = -K r - B (n . (x' - p')) n + g n    while d > 0 and f . n > 0,    else zero
 ///     g' = K_1 d' - g / T                     a spring K_1 in series with a damper K_1 T, along the normal
+///     |f_t| <= mu (f . n)                     along the surface, besides f: dry friction, sticking by a spring n.Kn
 ///
 /// with p where a device at rest would begin to feel it. A contact of tissue without friction has K = k n n'. The
 /// tissue of scenes is quasi-static, and tells of no damping, motion or relaxation; an environment of one's own may.
+/// The friction is the elastoplastic bristle of scene/effects/bristle.hpp (Kikuuwe and others 2005).
 struct Surface {
-  std::uint32_t id = 0;           ///< the same in answers about the same contact, whose g the client keeps
-  Point force_N = Point::Zero();  ///< of it in the answer, at the answer's position
-  Point place_m = Point::Zero();  ///< p
-  Point normal = Point::UnitX();  ///< n, unit, out of it
+  std::uint32_t id = 0;  ///< the same in answers about the same contact: the client keeps its g, and where it sticks
+  Point force_N = Point::Zero();                                ///< of it in the answer, at the answer's position
+  Point place_m = Point::Zero();                                ///< p
+  Point normal = Point::UnitX();                                ///< n, unit, out of it
   Eigen::Matrix3d stiffness_N_per_m = Eigen::Matrix3d::Zero();  ///< K, symmetric, no eigenvalue below zero
   double damping_N_s_per_m = 0;                                 ///< B
   Point velocity_m_per_s = Point::Zero();                       ///< v
@@ -33,7 +35,8 @@ struct Surface {
   double relaxing_N_per_m = 0;                                  ///< K_1; 0, as g is then: it does not relax
   double relaxation_s = 0;                                      ///< T
   double relaxed_N = 0;                                         ///< g when it was told
-  double radius_m = 0;                                          ///< it holds this far from p, with no claim beyond
+  double friction = 0;  ///< mu; where the contact sticks is the client's, as g is, and no part of `force_N`
+  double radius_m = 0;  ///< it holds this far from p, with no claim beyond
   /// Someone else may move or press it as well: at rest now, it may be elsewhere when the server is silent.
   bool others_move_it = false;
 };

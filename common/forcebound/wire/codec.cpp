@@ -79,7 +79,7 @@ struct Codec::Storage {
   void fill(const Welcome& from) noexcept;
   void fill(const Refusal& from) noexcept;
   void fill(const MotionSample& from) noexcept { wire::fill(from, motion); }
-  void fill(const EnvironmentForce& from) noexcept { wire::fill(from, force); }
+  void fill(const EnvironmentForce& from) noexcept;
   void fill(const Bye& from) noexcept;
   void fill(const ScenePiece& from) noexcept;
   void fill(const ViewPiece& from) noexcept;
@@ -144,6 +144,15 @@ void Codec::Storage::reserve_models() {
     reserve({field.mutable_force_n(), field.mutable_place_m(), field.mutable_jacobian_n_per_m()});
   }
   force.Clear();
+}
+
+/// Models that do not fit beside all else are left out, and their forces held: the answer has no lack of anything else.
+void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
+  wire::fill(from, force);
+  if (from.model.surface_count == 0 || kHeaderBytes + force.ByteSizeLong() <= kFrameBytesMax) return;
+  force.clear_model_surface();
+  force.clear_model_mass();
+  force.clear_model_field();
 }
 
 void Codec::Storage::fill(const Hello& from) noexcept {

@@ -110,6 +110,7 @@ void fill(const local_model::Surface& from, v1::ModelSurface& to) noexcept {
   to.set_relaxing_n_per_m(static_cast<float>(from.relaxing_N_per_m));
   to.set_relaxation_s(static_cast<float>(from.relaxation_s));
   to.set_relaxed_n(static_cast<float>(from.relaxed_N));
+  to.set_friction(static_cast<float>(from.friction));
   to.set_radius_m(static_cast<float>(from.radius_m));
 }
 
@@ -125,6 +126,7 @@ local_model::Surface to_model(const v1::ModelSurface& from) noexcept {
           .relaxing_N_per_m = static_cast<double>(from.relaxing_n_per_m()),
           .relaxation_s = static_cast<double>(from.relaxation_s()),
           .relaxed_N = static_cast<double>(from.relaxed_n()),
+          .friction = static_cast<double>(from.friction()),
           .radius_m = static_cast<double>(from.radius_m())};
 }
 

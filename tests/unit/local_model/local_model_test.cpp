@@ -51,6 +51,7 @@ std::vector<std::function<double&(LocalModel&)>> all_numbers() {
   numbers.emplace_back([](LocalModel& m) -> double& { return m.surfaces[0].relaxing_N_per_m; });
   numbers.emplace_back([](LocalModel& m) -> double& { return m.surfaces[0].relaxation_s; });
   numbers.emplace_back([](LocalModel& m) -> double& { return m.surfaces[0].relaxed_N; });
+  numbers.emplace_back([](LocalModel& m) -> double& { return m.surfaces[0].friction; });
   numbers.emplace_back([](LocalModel& m) -> double& { return m.surfaces[0].radius_m; });
   numbers.emplace_back([](LocalModel& m) -> double& { return m.mass.stiffness_N_per_m; });
   numbers.emplace_back([](LocalModel& m) -> double& { return m.mass.damping_N_s_per_m; });

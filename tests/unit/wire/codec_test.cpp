@@ -280,6 +280,7 @@ TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
   EXPECT_EQ(surface.relaxing_N_per_m, sent.surfaces[0].relaxing_N_per_m);
   EXPECT_EQ(surface.relaxation_s, sent.surfaces[0].relaxation_s);
   EXPECT_EQ(surface.relaxed_N, sent.surfaces[0].relaxed_N);
+  EXPECT_EQ(surface.friction, sent.surfaces[0].friction);
   EXPECT_EQ(surface.radius_m, sent.surfaces[0].radius_m);
   EXPECT_TRUE(surface.others_move_it);
   ASSERT_TRUE(back.has_mass);
@@ -366,7 +367,7 @@ TEST(Codec, AnUnknownStateOfARobotIsFailed) {
   Bytes body{std::byte{0xf0}, std::byte{1}};  // follower_state
   for (const auto& [number, state] :
        {std::pair{0U, control::FollowerState::none}, std::pair{2U, control::FollowerState::following},
-        std::pair{7U, control::FollowerState::failed}, std::pair{8U, control::FollowerState::failed},
+        std::pair{8U, control::FollowerState::taken}, std::pair{9U, control::FollowerState::failed},
         std::pair{100U, control::FollowerState::failed}}) {
     Bytes with = body;
     with.push_back(std::byte(number));
@@ -377,29 +378,30 @@ TEST(Codec, AnUnknownStateOfARobotIsFailed) {
 TEST(Codec, GivesAnyForceBackBitForBit) {
   Codec codec;
   ASSERT_TRUE(rc::check([&codec] {
-    const EnvironmentForce sent{.session = any_count(),
-                                .sequence = any_count(),
-                                .motion_sequence = any_count(),
-                                .motion_device_time = any_time(),
-                                .force = any_vector(0),
-                                .torque_N_m = any_vector(0),
-                                .position = any_vector(0),
-                                .contact_normal = any_vector(0),
-                                .penetration_m = *finite_number(),
-                                .server_receive_time = any_time(),
-                                .server_send_time = any_time(),
-                                .compute_time = any_time(),
-                                .motions_received = any_count(),
-                                .motions_duplicated = any_count(),
-                                .motions_reordered = any_count(),
-                                .texture_N = *finite_number(),
-                                .texture_wave = any_vector(0),
-                                .texture_across = any_vector(0),
-                                .server_law_numbers = any_server_law_numbers(),
-                                .server_parts_N = any_vector(0),
-                                .texture_in_server_parts = *rc::gen::arbitrary<bool>(),
-                                .model = {},
-                                .follower = control::follower_state_of(*rc::gen::inRange(0U, 8U))};
+    const EnvironmentForce sent{
+        .session = any_count(),
+        .sequence = any_count(),
+        .motion_sequence = any_count(),
+        .motion_device_time = any_time(),
+        .force = any_vector(0),
+        .torque_N_m = any_vector(0),
+        .position = any_vector(0),
+        .contact_normal = any_vector(0),
+        .penetration_m = *finite_number(),
+        .server_receive_time = any_time(),
+        .server_send_time = any_time(),
+        .compute_time = any_time(),
+        .motions_received = any_count(),
+        .motions_duplicated = any_count(),
+        .motions_reordered = any_count(),
+        .texture_N = *finite_number(),
+        .texture_wave = any_vector(0),
+        .texture_across = any_vector(0),
+        .server_law_numbers = any_server_law_numbers(),
+        .server_parts_N = any_vector(0),
+        .texture_in_server_parts = *rc::gen::arbitrary<bool>(),
+        .model = {},
+        .follower = control::follower_state_of(*rc::gen::inRange(0U, unsigned{control::kFollowerStates}))};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
@@ -502,33 +504,50 @@ local_model::LocalModel most_models() {
   return most;
 }
 
+/// With vectors of so many rows, every number set.
+EnvironmentForce longest_answer(const control::Vector& six) {
+  return {.session = ~0ull,
+          .sequence = ~0ull,
+          .motion_sequence = ~0ull,
+          .motion_device_time = -kTimeMost,
+          .force = six,
+          .torque_N_m = vector_of({1, 2, 3}),
+          .position = six,
+          .contact_normal = six,
+          .penetration_m = 1,
+          .server_receive_time = -kTimeMost,
+          .server_send_time = -kTimeMost,
+          .compute_time = -kTimeMost,
+          .motions_received = ~0ull,
+          .motions_duplicated = ~0ull,
+          .motions_reordered = ~0ull,
+          .texture_N = 1,
+          .texture_wave = six,
+          .texture_across = six,
+          .server_law_numbers = server_law_numbers(16),
+          .server_parts_N = six,
+          .texture_in_server_parts = true,
+          .model = most_models(),
+          .follower = control::FollowerState::taken};
+}
+
 TEST(Codec, SaysTheMostThatAnyHalvesOfALawAndModelsCanSayInOneFrame) {
   Codec codec;
-  const control::Vector six = vector_of({1, 2, 3, 4, 5, 6});
-  const EnvironmentForce most{.session = ~0ull,
-                              .sequence = ~0ull,
-                              .motion_sequence = ~0ull,
-                              .motion_device_time = -kTimeMost,
-                              .force = six,
-                              .position = six,
-                              .contact_normal = six,
-                              .penetration_m = 1,
-                              .server_receive_time = -kTimeMost,
-                              .server_send_time = -kTimeMost,
-                              .compute_time = -kTimeMost,
-                              .motions_received = ~0ull,
-                              .motions_duplicated = ~0ull,
-                              .motions_reordered = ~0ull,
-                              .texture_N = 1,
-                              .texture_wave = six,
-                              .texture_across = six,
-                              .server_law_numbers = server_law_numbers(16),
-                              .server_parts_N = six,
-                              .texture_in_server_parts = true,
-                              .model = most_models(),
-                              .follower = control::FollowerState::failed};
+  const EnvironmentForce most = longest_answer(vector_of({1, 2, 3}));
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   EXPECT_EQ(round_trip(codec, most).server_law_numbers, most.server_law_numbers);
+  EXPECT_EQ(round_trip(codec, most).model.surface_count, local_model::LocalModel::kSurfacesMax);
+  EXPECT_TRUE(round_trip(codec, most).model.has_field);
+}
+
+TEST(Codec, LeavesOutModelsThatDoNotFitBesideSixAxes) {
+  Codec codec;
+  const EnvironmentForce most = longest_answer(vector_of({1, 2, 3, 4, 5, 6}));
+  EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
+  const EnvironmentForce back = round_trip(codec, most);
+  EXPECT_TRUE(back.model.empty());
+  EXPECT_EQ(back.force, most.force);
+  EXPECT_EQ(back.torque_N_m, most.torque_N_m);
 }
 
 TEST(Codec, CutsTextBetweenCharacters) {

@@ -33,7 +33,11 @@ EventWords words_of_follower(const Event& event) {
     case stopped:
       return {warn, fmt::format("the robot has stopped: {}, and it follows again", engage)};
     case failed:
-      return {spdlog::level::err, "the robot refuses, or another device leads it: the server's log has the reason"};
+      return {spdlog::level::err, "the robot refuses: the server's log has the reason"};
+    case taken:
+      return {warn,
+              "another device leads the robot: it took it while this one was silent; once it leaves, the robot "
+              "waits for this one again"};
   }
   return {};
 }

@@ -10,19 +10,44 @@ void SurfaceContact::take(const local_model::Surface& told, const DevicePoint& d
   const bool same = there_ && told.id == told_.id;
   told_ = told;
   there_ = true;
-  if (!same) relaxed_N_ = told.relaxed_N;
+  if (!same) {
+    relaxed_N_ = told.relaxed_N;
+    let_go();
+  }
   // Another answer may have the surface elsewhere: that is no motion to relax from.
   depth_m_ = std::max(0.0, depth_m(device, age));
+  // Within the friction of now at once, so that what changes is known to whoever fades it.
+  if (same) drag(device, age, 0);
 }
 
 void SurfaceContact::advance(const DevicePoint& device, const ModelAge& age, double elapsed_s) noexcept {
   const double before_m = std::exchange(depth_m_, std::max(0.0, depth_m(device, age)));
   if (!(depth_m_ > 0) || !(told_.relaxing_N_per_m > 0)) {
     relaxed_N_ = 0;
+  } else {
+    relaxed_N_ += told_.relaxing_N_per_m * (depth_m_ - before_m);
+    relaxed_N_ *= std::exp(-elapsed_s / told_.relaxation_s);
+  }
+  drag(device, age, elapsed_s);
+}
+
+void SurfaceContact::drag(const DevicePoint& device, const ModelAge& age, double elapsed_s) noexcept {
+  const double most_N = told_.friction * pushed_N(device, age).dot(told_.normal);
+  const double stiffness_N_per_m = told_.normal.dot(told_.stiffness_N_per_m * told_.normal);
+  if (!(most_N > 0) || !(stiffness_N_per_m > 0)) {
+    let_go();
     return;
   }
-  relaxed_N_ += told_.relaxing_N_per_m * (depth_m_ - before_m);
-  relaxed_N_ *= std::exp(-elapsed_s / told_.relaxation_s);
+  // By velocities: another answer may have the surface's place elsewhere, which is no slip.
+  slid_m_ += elapsed_s * (device.velocity_m_per_s - surface_m_per_s(age));
+  friction_N_ = -bristle_.move({.stiffness_N_per_m = stiffness_N_per_m}, {.sticking_N = most_N, .slipping_N = most_N},
+                               {.position_m = slid_m_, .normal = told_.normal, .interval_s = elapsed_s});
+}
+
+void SurfaceContact::let_go() noexcept {
+  bristle_ = {};
+  slid_m_.setZero();
+  friction_N_.setZero();
 }
 
 Point SurfaceContact::away_m(const DevicePoint& device, const ModelAge& age) const noexcept {
@@ -34,14 +59,22 @@ double SurfaceContact::depth_m(const DevicePoint& device, const ModelAge& age) c
   return -told_.normal.dot(away_m(device, age));
 }
 
+Point SurfaceContact::surface_m_per_s(const ModelAge& age) const noexcept {
+  return told_.velocity_m_per_s + age.s * age.certainty() * told_.acceleration_m_per_s2;
+}
+
 Point SurfaceContact::force_N(const DevicePoint& device, const ModelAge& age) const noexcept {
+  const Point pushed = pushed_N(device, age);
+  return pushed.isZero(0) ? pushed : Point(pushed + friction_N_);
+}
+
+Point SurfaceContact::pushed_N(const DevicePoint& device, const ModelAge& age) const noexcept {
   const Point apart_m = away_m(device, age);
   if (!(told_.normal.dot(apart_m) < 0)) return Point::Zero();
-  const Point surface_m_per_s = told_.velocity_m_per_s + age.s * age.certainty() * told_.acceleration_m_per_s2;
-  const double nearing_m_per_s = -told_.normal.dot(device.velocity_m_per_s - surface_m_per_s);
+  const double nearing_m_per_s = -told_.normal.dot(device.velocity_m_per_s - surface_m_per_s(age));
   const Point elastic_N = -(told_.stiffness_N_per_m * apart_m);
-  const Point pushed_N = elastic_N + (told_.damping_N_s_per_m * nearing_m_per_s + relaxed_N_) * told_.normal;
-  return pushed_N.dot(told_.normal) > 0 ? pushed_N : Point(Point::Zero());
+  const Point pushed = elastic_N + (told_.damping_N_s_per_m * nearing_m_per_s + relaxed_N_) * told_.normal;
+  return pushed.dot(told_.normal) > 0 ? pushed : Point(Point::Zero());
 }
 
 double SurfaceContact::weight(const DevicePoint& device, const ModelAge& age) const noexcept {

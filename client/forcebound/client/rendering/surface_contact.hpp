@@ -1,14 +1,15 @@
 #pragma once
 
 #include "forcebound/client/rendering/device_point.hpp"
+#include "forcebound/scene/effects/bristle.hpp"
 
 namespace forcebound::client {
 
 /// Renders a local_model::Surface at the device's own place and rate.
 ///
 /// The surface goes on by the velocity and acceleration told, the acceleration by the share of the age that is certain:
-/// where the age is a guess, its square is twice as wrong. What relaxes belongs to the client, and goes on when another
-/// answer tells of the same surface.
+/// where the age is a guess, its square is twice as wrong. What relaxes and where it sticks belong to the client, and
+/// go on when another answer tells of the same surface.
 ///
 /// Real time: noexcept, no allocation.
 class SurfaceContact {
@@ -21,7 +22,7 @@ class SurfaceContact {
   /// There is none in the newest answer.
   void forget() noexcept { *this = {}; }
 
-  /// The relaxation goes on for the time since the last tick.
+  /// Relaxation and friction go on for the time since the last tick.
   void advance(const DevicePoint& device, const ModelAge& age, double elapsed_s) noexcept;
 
   /// Force on the device, without regard to the radius.
@@ -39,6 +40,11 @@ class SurfaceContact {
   [[nodiscard]] const Point& held_N() const noexcept { return told_.force_N; }
 
  private:
+  void let_go() noexcept;
+  void drag(const DevicePoint& device, const ModelAge& age, double elapsed_s) noexcept;
+  [[nodiscard]] Point surface_m_per_s(const ModelAge& age) const noexcept;
+  /// Without friction; zero, or it pushes out of the surface.
+  [[nodiscard]] Point pushed_N(const DevicePoint& device, const ModelAge& age) const noexcept;
   [[nodiscard]] Point away_m(const DevicePoint& device, const ModelAge& age) const noexcept;
   [[nodiscard]] double depth_m(const DevicePoint& device, const ModelAge& age) const noexcept;
 
@@ -46,6 +52,9 @@ class SurfaceContact {
   bool there_ = false;
   double relaxed_N_ = 0;  // g
   double depth_m_ = 0;    // on the last tick, >= 0
+  scene::Bristle bristle_{};
+  Point slid_m_ = Point::Zero();      // of the device along the surface, since it touched
+  Point friction_N_ = Point::Zero();  // as of the last tick
 };
 
 }  // namespace forcebound::client

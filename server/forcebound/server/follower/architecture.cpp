@@ -26,9 +26,9 @@ Eigen::Vector3d Reflection::at(const Eigen::Vector3d& wanted_m) const noexcept {
 Eigen::Vector3d Reflection::torque_at(const Eigen::Quaterniond& wanted) const noexcept {
   const Eigen::Vector3d lag_rad = control::rotation_vector(wanted, tool_orientation);
   constexpr double kFades_rad = 2;
+  const auto cut = [this](const Eigen::Vector3d& part) { return local_model::no_longer_than(part, torque_N_m_max); };
   const double left = (std::numbers::pi - lag_rad.norm()) / (std::numbers::pi - kFades_rad);
-  return std::clamp(left, 0.0, 1.0) *
-         local_model::no_longer_than<Eigen::Vector3d>(turn_N_m_per_rad * lag_rad, torque_N_m_max);
+  return cut(torque_N_m) + std::clamp(left, 0.0, 1.0) * cut(turn_N_m_per_rad * lag_rad);
 }
 
 const std::vector<ArchitectureKind>& architectures() {

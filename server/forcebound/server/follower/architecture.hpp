@@ -20,14 +20,17 @@ struct ReflectedPlane {
   Eigen::Vector3d place_m{Eigen::Vector3d::Zero()};
   Eigen::Vector3d normal{Eigen::Vector3d::UnitZ()};  ///< unit, out of it
   double stiffness_N_per_m = 0;
+  double friction = 0;  ///< coefficient, >= 0
 };
 
 /// What the device shall show, as the robot knows it on a tick; world frame, forces on the hand.
 ///
 ///     f(x_wanted) = force_N - K (x_wanted - tool_m) + K_p n max(0, n.(p - x_wanted)) + tow
-///     torque(o_wanted) = K_r rotation vector from o_wanted to the tool's orientation
+///     torque(o_wanted) = torque_N_m + K_r rotation vector from o_wanted to the tool's orientation
 ///
-/// Each part is cut to `force_N_max`, the torque to `torque_N_m_max`; beyond a lag of 2 rad it fades, to nothing at
+/// Of the plane's friction nothing is in it: the device's end renders that, at its own rate.
+///
+/// Each part is cut to `force_N_max` or `torque_N_m_max`; beyond a lag of 2 rad the torque of K_r fades, to nothing at
 /// half a turn, where it would change its side. Tow: where the robot's law is short of energy the robot lags; the hand
 /// then feels a spring to it, beyond some slack, so that the energy that the robot needs comes from the hand.
 struct Reflection {
@@ -38,9 +41,10 @@ struct Reflection {
   double tow_N_per_m = 0;  ///< to the same place
   double tow_slack_m = 0;
   double force_N_max = 0;
-  double turn_N_m_per_rad = 0;  ///< K_r; 0: no torque
+  Eigen::Vector3d torque_N_m{Eigen::Vector3d::Zero()};
+  double turn_N_m_per_rad = 0;  ///< K_r
   Eigen::Quaterniond tool_orientation{Eigen::Quaterniond::Identity()};
-  double torque_N_m_max = 0;
+  double torque_N_m_max = 0;  ///< 0: no torque is shown
 
   /// On a hand that wants the tool's orientation so [N m].
   [[nodiscard]] Eigen::Vector3d torque_at(const Eigen::Quaterniond& wanted) const noexcept;
@@ -67,8 +71,9 @@ class Architecture {
     const ToolTarget& target;  ///< where the leader wants the tool, already limited in speed
     const ToolPose& tool;      ///< where it is
     const Vector6& velocity;
-    /// Of the tool on its surroundings, less the bias; none: there is no sensor.
-    std::optional<Eigen::Vector3d> sensed_N;
+    /// Of the tool on its surroundings, less the bias: force [N] above torque about the tool's point [N m]; none: there
+    /// is no sensor.
+    std::optional<Vector6> sensed;
   };
 
   /// What the robot's impedance controller shall do. Once a tick while the robot follows.
@@ -89,6 +94,11 @@ struct ArchitectureKind {
   ImpedanceSettings impedance{};
   std::function<std::unique_ptr<Architecture>(const ImpedanceSettings&)> make{};
 };
+
+/// Of a reflection: none of a robot that cannot turn its tool as the hand wants it.
+[[nodiscard]] inline double largest_torque_N_m(const ImpedanceSettings& impedance) noexcept {
+  return impedance.stiffness_N_m_per_rad > 0 ? impedance.torque_N_m_max : 0;
+}
 
 /// All of them.
 [[nodiscard]] const std::vector<ArchitectureKind>& architectures();

@@ -8,23 +8,25 @@ namespace {
 
 constexpr double kSliding_m_per_s = 3e-3;
 constexpr double kFrictionMost = 1;
+constexpr double kNoiseMost = 4;  // of its standard deviation
 // A fresh estimate: how far the first stiffness and the offset may be off.
 constexpr double kStiffnessShare = 3;
 constexpr double kOffset_N = 3;
 // Forgetting without news must not let the covariance grow for ever.
 constexpr double kCovarianceMost = 1e12;
 
-/// What is left of the force on the surroundings without friction along the tool's way; all of it where that would be
-/// more than friction can be: it is another surface then.
+/// What is left of the force on the surroundings without friction along the tool's way, and without noise there, which
+/// would tilt the normal if it counted on one side alone. All of it where that would be more than friction can be, or
+/// push the tool on: it is another surface then, or a bent one.
 Eigen::Vector3d without_friction(const Eigen::Vector3d& force_N, const Eigen::Vector3d& velocity,
-                                 const Eigen::Vector3d& normal) noexcept {
+                                 const Eigen::Vector3d& normal, double noise_N) noexcept {
   const Eigen::Vector3d along = velocity - velocity.dot(normal) * normal;
   const double speed = along.norm();
   if (speed < kSliding_m_per_s) return force_N;
   const Eigen::Vector3d way = along / speed;
   const double along_N = force_N.dot(way);
-  return along_N > 0 && along_N < -kFrictionMost * force_N.dot(normal) ? Eigen::Vector3d(force_N - along_N * way)
-                                                                       : force_N;
+  const bool is_friction = along_N > -kNoiseMost * noise_N && along_N < -kFrictionMost * force_N.dot(normal);
+  return is_friction ? Eigen::Vector3d(force_N - along_N * way) : force_N;
 }
 
 }  // namespace
@@ -43,7 +45,8 @@ const FeltSurface& ContactEstimator::update(Nanoseconds now, const Eigen::Vector
     if (surface_.known) place_plane(tool_m);
     return surface_;
   }
-  const Eigen::Vector3d pressed = was_touched ? without_friction(force_N, velocity_m_per_s, surface_.normal) : force_N;
+  const Eigen::Vector3d pressed =
+      was_touched ? without_friction(force_N, velocity_m_per_s, surface_.normal, settings_.noise_N) : force_N;
   const double size = pressed.norm();
   if (!(size > 0)) return surface_;
   const Eigen::Vector3d seen = -pressed / size;
@@ -63,8 +66,10 @@ const FeltSurface& ContactEstimator::update(Nanoseconds now, const Eigen::Vector
   place_plane(tool_m);
   const Eigen::Vector3d along = velocity_m_per_s - velocity_m_per_s.dot(surface_.normal) * surface_.normal;
   if (along.norm() > kSliding_m_per_s && normal_N > settings_.touch_N) {
-    const double seen_friction = std::max(0.0, force_N.dot(along.normalized())) / normal_N;
-    surface_.friction += (1 - std::exp(-elapsed_s / settings_.normal_s)) * (seen_friction - surface_.friction);
+    // With its sign: of a smooth surface noise alone has none on the average.
+    const double seen_friction = std::clamp(force_N.dot(along.normalized()) / normal_N, -kFrictionMost, kFrictionMost);
+    friction_ += (1 - std::exp(-elapsed_s / settings_.friction_s)) * (seen_friction - friction_);
+    surface_.friction = std::max(0.0, friction_);
   }
   return surface_;
 }
@@ -73,6 +78,7 @@ void ContactEstimator::begin_contact(const Eigen::Vector3d& tool_m, const Eigen:
   surface_ = {.known = true, .touched = true, .id = surface_.id + 1, .normal = normal};
   begin_m_ = tool_m;
   aside_ = 0;
+  friction_ = 0;
   line_ = {settings_.stiffness_N_per_m_first, settings_.touch_N};
   const double stiffness = kStiffnessShare * settings_.stiffness_N_per_m_first;
   covariance_ = Eigen::Vector2d(stiffness * stiffness, kOffset_N * kOffset_N).asDiagonal();

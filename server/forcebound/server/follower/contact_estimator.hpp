@@ -17,7 +17,7 @@ struct FeltSurface {
   Eigen::Vector3d place_m{Eigen::Vector3d::Zero()};  ///< on it, below the tool
   Eigen::Vector3d normal{Eigen::Vector3d::UnitZ()};  ///< unit, out of it
   double stiffness_N_per_m = 0;
-  double friction = 0;   ///< coefficient, once the tool has slid there
+  double friction = 0;   ///< coefficient, 0 to 1, once the tool has slid there
   double certainty = 0;  ///< of the stiffness, 0 to 1: one less its standard deviation over itself
 };
 
@@ -31,6 +31,7 @@ struct ContactSettings {
   double forgetting = 0.998;              ///< per sample, above 0 to 1
   double noise_N = 0.2;                   ///< standard deviation of the sensor
   double normal_s = 0.02;                 ///< time constant of the normal's low-pass
+  double friction_s = 0.1;                ///< likewise of the friction's
   double another_angle_rad = 0.5;         ///< a normal further off, for so many samples, is that of another surface,
   int another_samples = 20;
   double another_m = 5e-3;  ///< and so is a touch further from the plane
@@ -38,7 +39,8 @@ struct ContactSettings {
 
 /// Finds plane, stiffness and friction of what a tool touches, from its place and the force that it exerts.
 ///
-/// Normal: the direction of the contact force, less its part along the tool's sliding, which is friction; low-passed.
+/// Normal: the direction of the contact force, less its part along the tool's sliding, which is friction and noise;
+/// low-passed.
 /// Stiffness: recursive least squares with forgetting [Ljung 1999, ch. 11] for f_n = K z + a, z the depth along the
 /// normal from where the contact began. The plane is where that line says that the force ends. Friction: |f_t|/f_n
 /// while the tool slides, low-passed.
@@ -68,7 +70,8 @@ class ContactEstimator {
   Eigen::Vector3d begin_m_{Eigen::Vector3d::Zero()};  // where the contact began
   Eigen::Vector2d line_{Eigen::Vector2d::Zero()};     // K and a
   Eigen::Matrix2d covariance_{Eigen::Matrix2d::Identity()};
-  int aside_ = 0;  // samples in a row whose force points elsewhere
+  double friction_ = 0;  // low-passed, as it was seen; below zero by noise alone
+  int aside_ = 0;        // samples in a row whose force points elsewhere
   Nanoseconds last_{0};
 };
 

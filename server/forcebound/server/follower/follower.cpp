@@ -139,18 +139,19 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   const FollowerState before = engagement_.state();
   const bool opens = brakes_open(reading, usable, now);
   const bool is_led = leader_ && !std::exchange(leader_is_new_, false);
-  const FollowerState state = engagement_.update(
-      {.now = now,
-       .silent = is_led ? std::optional(now - leader_->arrived) : std::nullopt,
-       .has_buttons = leader_ && leader_->handle.buttons.has_value(),
-       .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
-       .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
-       .robot_ready = is_ready(usable, sensed.has_value()),
-       .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
-       .robot_stopped = robot_->is_stopped() && !opens,
-       .reading_usable = usable,
-       .exceeded = sensed && sensed->norm() > settings_.contact_N_max ? "the contact force is beyond its limit"
-                                                                      : exceeded_limit(reading, usable)});
+  const FollowerState state =
+      engagement_.update({.now = now,
+                          .silent = is_led ? std::optional(now - leader_->arrived) : std::nullopt,
+                          .has_buttons = leader_ && leader_->handle.buttons.has_value(),
+                          .clutch_pressed = leader_ && leader_->handle.pressed(settings_.clutch_button),
+                          .leader_still = leader_speed_m_per_s_ < kStill_m_per_s,
+                          .robot_ready = is_ready(usable, sensed.has_value()),
+                          .robot_at_rest = tool.velocity.cwiseAbs().maxCoeff() < kAtRest,
+                          .robot_stopped = robot_->is_stopped() && !opens,
+                          .reading_usable = usable,
+                          .exceeded = sensed && sensed->head<3>().norm() > settings_.contact_N_max
+                                          ? "the contact force is beyond its limit"
+                                          : exceeded_limit(reading, usable)});
   if (state == before) return usable;
   const bool is_to_stop = state == FollowerState::stopping || state == FollowerState::failed;
   const bool by_itself =
@@ -255,7 +256,7 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
                                                .target = target,
                                                .tool = tool,
                                                .velocity = impedance_.report().velocity,
-                                               .sensed_N = bias_.without(robot_->sensed_force())});
+                                               .sensed = bias_.without(robot_->sensed_force())});
   return impedance_.torque(reading, asked, tool);
 }
 
@@ -298,7 +299,7 @@ void Follower::picture(const device::Reading& reading) noexcept {
                      .opening = robot_->gripper().value_or(0),
                      .tool = impedance_.report().pose,
                      .block = robot_->block(),
-                     .sensed_N = bias_.without(robot_->sensed_force()).value_or(Eigen::Vector3d::Zero()),
+                     .sensed_N = bias_.without(robot_->sensed_force()).value_or(Vector6::Zero()).head<3>(),
                      .lag_m = state == FollowerState::following ? totals_.lag_m : 0,
                      .drift_m = totals_.offset_drift_m,
                      .store_J = controller_.law().energy_J(),

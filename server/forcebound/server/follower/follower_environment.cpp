@@ -37,7 +37,7 @@ class FollowerEnvironment final : public Environment {
     const Eigen::Index rows = motion.position.rows();
     if (seat_->holder == nullptr) take_seat();
     // Another leader took the robot while this one was silent.
-    if (seat_->holder != this) return {.force = Vector::Zero(rows), .follower = control::FollowerState::failed};
+    if (seat_->holder != this) return {.force = Vector::Zero(rows), .follower = control::FollowerState::taken};
     const LeaderMotion leader{.position = motion.position,
                               .handle = motion.handle,
                               .energy_given_J = motion.energy_given_J,
@@ -47,7 +47,7 @@ class FollowerEnvironment final : public Environment {
     const Eigen::Vector3d& wanted_m = wanted.position;
     const Eigen::Vector3d force_N = report.share * report.map.to_leader_N(report.reflection.at(wanted_m));
     Response response{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
-    if (shows_torque_ && motion.handle.orientation && report.reflection.turn_N_m_per_rad > 0) {
+    if (shows_torque_ && motion.handle.orientation && report.reflection.torque_N_m_max > 0) {
       response.torque_N_m = report.share * report.map.to_leader_N_m(report.reflection.torque_at(wanted.orientation));
     }
     if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, response);
@@ -85,6 +85,7 @@ class FollowerEnvironment final : public Environment {
     surface.normal = normal;
     surface.place_m = report.map.leader_place_m(plane.place_m);
     surface.stiffness_N_per_m = stiffness * normal * normal.transpose();
+    surface.friction = plane.friction;
     surface.force_N = Eigen::Vector3d::Zero();
     surface.force_N.head(rows) = response.force;
     constexpr double kReach_m = 1;  // a plane, as far as a hand's workspace goes

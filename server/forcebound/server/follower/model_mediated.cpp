@@ -32,12 +32,12 @@ class ModelMediated final : public Architecture {
 
   [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
     const std::uint32_t before = told_id();
-    const FeltSurface& felt = estimator_.update(seen.now, seen.tool.position, seen.velocity.head<3>(),
-                                                seen.sensed_N.value_or(Eigen::Vector3d::Zero()));
+    const Eigen::Vector3d sensed_N = seen.sensed.value_or(Vector6::Zero()).head<3>();
+    const FeltSurface& felt = estimator_.update(seen.now, seen.tool.position, seen.velocity.head<3>(), sensed_N);
     if (!is_told()) return seen.target;
     const double depth_m = (felt.place_m - seen.target.pose.position).dot(felt.normal);
-    if (told_id() != before && seen.sensed_N) {
-      ease_m_ = std::max(0.0, depth_m - seen.sensed_N->norm() / felt.stiffness_N_per_m);
+    if (told_id() != before && seen.sensed) {
+      ease_m_ = std::max(0.0, depth_m - sensed_N.norm() / felt.stiffness_N_per_m);
     }
     ease_m_ = std::clamp(ease_m_ - kEase_m_per_s * seen.elapsed_s, 0.0, std::max(0.0, depth_m));
     ToolTarget asked = seen.target;
@@ -63,7 +63,8 @@ class ModelMediated final : public Architecture {
     told.plane = ReflectedPlane{.id = felt.id,
                                 .place_m = felt.place_m - ease_m_ * felt.normal,
                                 .normal = felt.normal,
-                                .stiffness_N_per_m = felt.stiffness_N_per_m};
+                                .stiffness_N_per_m = felt.stiffness_N_per_m,
+                                .friction = felt.friction};
     return told;
   }
 
@@ -79,11 +80,11 @@ class ModelMediated final : public Architecture {
 
   /// The force to ask for so that the sensor feels the one wanted: the robot's own friction holds some of it back.
   [[nodiscard]] double held_N(double wanted_N, const Seen& seen) noexcept {
-    if (!seen.sensed_N || !estimator_.surface().touched) {
+    if (!seen.sensed || !estimator_.surface().touched) {
       held_back_N_ = 0;
       return wanted_N;
     }
-    const double missing_N = wanted_N + seen.sensed_N->dot(estimator_.surface().normal);
+    const double missing_N = wanted_N + seen.sensed->head<3>().dot(estimator_.surface().normal);
     held_back_N_ =
         std::clamp(held_back_N_ + kForceLoop_per_s * seen.elapsed_s * missing_N, -kHeldBackMost_N, kHeldBackMost_N);
     return std::max(0.0, wanted_N + held_back_N_);

@@ -6,24 +6,29 @@ namespace {
 /// The robot follows the place, the hand feels what the sensor at the wrist measures [Lawrence 1993: two of the four
 /// channels].
 ///
-///     f = -f_sensed
+///     f = -f_sensed,   torque = -torque sensed about the tool's point
 ///
 /// In free space the hand feels nothing of the robot.
 class PositionForce final : public Architecture {
  public:
-  explicit PositionForce(const ImpedanceSettings& impedance) noexcept : force_N_max_(impedance.force_N_max) {}
+  explicit PositionForce(const ImpedanceSettings& impedance) noexcept
+      : force_N_max_(impedance.force_N_max), torque_N_m_max_(largest_torque_N_m(impedance)) {}
 
   [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
-    sensed_N_ = seen.sensed_N.value_or(Eigen::Vector3d::Zero());
+    sensed_ = seen.sensed.value_or(Vector6::Zero());
     return seen.target;
   }
   [[nodiscard]] Reflection reflection() const noexcept override {
-    return {.force_N = -sensed_N_, .force_N_max = force_N_max_};
+    return {.force_N = -sensed_.head<3>(),
+            .force_N_max = force_N_max_,
+            .torque_N_m = -sensed_.tail<3>(),
+            .torque_N_m_max = torque_N_m_max_};
   }
 
  private:
   double force_N_max_;
-  Eigen::Vector3d sensed_N_{Eigen::Vector3d::Zero()};
+  double torque_N_m_max_;
+  Vector6 sensed_{Vector6::Zero()};
 };
 
 ArchitectureKind kind(std::string_view name, std::string_view summary, const ImpedanceSettings& impedance) {

@@ -24,7 +24,7 @@ class PositionPosition final : public Architecture {
             .force_N_max = impedance_.force_N_max,
             .turn_N_m_per_rad = impedance_.stiffness_N_m_per_rad,
             .tool_orientation = tool_.orientation,
-            .torque_N_m_max = impedance_.torque_N_m_max};
+            .torque_N_m_max = largest_torque_N_m(impedance_)};
   }
 
  private:

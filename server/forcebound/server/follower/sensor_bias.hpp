@@ -18,16 +18,23 @@ class SensorBias {
     last_ = sensed->sampled;
     constexpr double kSamplesMost = 2000;
     count_ = count_ < kSamplesMost ? count_ + 1 : count_;
-    bias_N_ += (sensed->force_N - bias_N_) / count_;
+    bias_ += (wrench_of(*sensed) - bias_) / count_;
   }
 
-  [[nodiscard]] std::optional<Eigen::Vector3d> without(const std::optional<SensedForce>& sensed) const noexcept {
+  /// Force [N] above torque about the tool's point [N m].
+  [[nodiscard]] std::optional<Vector6> without(const std::optional<SensedForce>& sensed) const noexcept {
     if (!sensed) return std::nullopt;
-    return Eigen::Vector3d(sensed->force_N - bias_N_);
+    return Vector6(wrench_of(*sensed) - bias_);
   }
 
  private:
-  Eigen::Vector3d bias_N_{Eigen::Vector3d::Zero()};
+  [[nodiscard]] static Vector6 wrench_of(const SensedForce& sensed) noexcept {
+    Vector6 wrench;
+    wrench << sensed.force_N, sensed.torque_N_m;
+    return wrench;
+  }
+
+  Vector6 bias_{Vector6::Zero()};
   double count_ = 0;
   Nanoseconds last_{-1};
 };

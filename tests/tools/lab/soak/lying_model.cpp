@@ -43,6 +43,7 @@ local_model::Surface lying_surface(Draw& draw, const wire::EnvironmentForce& ans
   // Without a spring that relaxes it is unsound, and all of the model with it.
   if (surface.relaxing_N_per_m > 0 || draw.chance(0.02))
     surface.relaxed_N = draw.number(-1, 1) * draw.one_of({1.0, 1e3, 9e5});
+  surface.friction = draw.one_of({0.0, 0.5, 90.0});
   surface.radius_m = draw.one_of({1e-3, 0.05, 100.0});
   surface.others_move_it = draw.chance(0.5);
   return surface;
@@ -82,7 +83,7 @@ local_model::Field lying_field(Draw& draw, const wire::EnvironmentForce& answer)
 void spoil_model(Draw& draw, LocalModel& model) {
   const double bad =
       draw.one_of({std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e12, 1e12});
-  switch (draw.index(4)) {
+  switch (draw.index(5)) {
     case 0:
       model.surfaces[0].stiffness_N_per_m(1, 1) = bad;
       break;
@@ -91,6 +92,9 @@ void spoil_model(Draw& draw, LocalModel& model) {
       break;
     case 2:
       model.mass.free_per_kg(1, 1) = bad;
+      break;
+    case 3:
+      model.surfaces[0].friction = bad;
       break;
     default:
       model.field.jacobian_N_per_m(2, 0) = bad;

@@ -25,6 +25,7 @@ TEST(EventsOfARobot, SayWhatItDoesAndHowToEngage) {
             "the robot has stopped: press and release the clutch, and it follows again");
   EXPECT_THAT(told(holding), HasSubstr("holds"));
   EXPECT_THAT(told(failed), HasSubstr("server's log"));
+  EXPECT_THAT(told(taken), HasSubstr("another device leads the robot"));
 }
 
 TEST(EventsOfARobot, HaveWordsForEachState) {

@@ -313,6 +313,21 @@ TEST_F(RenderedAnswer, TakesTheRestAloneWhereTheSceneRunsAtTheClient) {
 }
 
 // A pad that goes up and down by 5 mm once a second. Its velocity alone would leave a third of the held force's error.
+TEST_F(RenderedAnswer, FadesFromTheFrictionOfTheAnswerBefore) {
+  double x_m = 0;
+  const auto slide = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) (void)at(-0.002, x_m += 5e-5);
+    return rendered.correction_N[0];
+  };
+  hear_of_pad(0.002);
+  answer.model.surfaces[0].friction = 0.5;
+  EXPECT_NEAR(slide(40), -1, 1e-6);
+  hear_of_pad(0.002);
+  answer.model.surfaces[0].friction = 0.1;
+  EXPECT_NEAR(slide(1), -1, 0.2) << "no step";
+  EXPECT_NEAR(slide(60), -0.2, 1e-3);
+}
+
 TEST_F(RenderedAnswer, OfACarriedPadIsThatOfWhereItIsNowButForItsJerk) {
   constexpr double kRate_per_s = 2 * std::numbers::pi;
   constexpr double kUp_m = 0.005;

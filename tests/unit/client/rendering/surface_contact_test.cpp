@@ -20,6 +20,7 @@ local_model::Surface still() {
   surface.acceleration_m_per_s2.setZero();
   surface.relaxing_N_per_m = 0;
   surface.relaxed_N = 0;
+  surface.friction = 0;
   return surface;
 }
 
@@ -66,6 +67,71 @@ TEST(SurfaceContact, GoesOnLessByAnAccelerationTheLessCertainTheAgeIs) {
   EXPECT_NEAR(contact.force_N(at(0), {.s = 0.04, .uncertain_s = 0.01}).z(), 0.75 * certain_N, 1e-9);
   EXPECT_EQ(contact.force_N(at(0), {.s = 0.04, .uncertain_s = 0.04}).z(), 0);
   EXPECT_EQ(contact.force_N(at(0), {.s = 0, .uncertain_s = 0.04}).z(), 0);
+}
+
+/// A device that slides 2 mm deep in a surface with friction of 1 N.
+class Sliding {
+ public:
+  void to(double x_m, const ModelAge& age = {}) {
+    constexpr double kTick_s = 1e-3;
+    device.velocity_m_per_s = Point(x_m - device.place_m.x(), 0, 0) / kTick_s;
+    device.place_m.x() = x_m;
+    contact.advance(device, age, kTick_s);
+  }
+  [[nodiscard]] double dragged_N() const { return contact.force_N(device, {}).x(); }
+
+  local_model::Surface surface = [] {
+    local_model::Surface rough = still();
+    rough.friction = 0.5;
+    return rough;
+  }();
+  DevicePoint device = at(-0.002);
+  SurfaceContact contact = contact_of(surface, device);
+};
+
+TEST(SurfaceContact, SticksBySpringAndSlipsAboveItsFriction) {
+  Sliding hand;
+  hand.to(0);
+  EXPECT_EQ(hand.dragged_N(), 0);
+  hand.to(0.0004);
+  EXPECT_NEAR(hand.dragged_N(), -0.4, 1e-9);
+  hand.to(0.010);
+  EXPECT_NEAR(hand.dragged_N(), -1, 1e-9) << "mu times 2 N";
+  EXPECT_NEAR(hand.contact.force_N(hand.device, {}).z(), 2, 1e-9);
+  hand.to(0.0095);
+  EXPECT_NEAR(hand.dragged_N(), -0.5, 1e-9) << "it sticks where it stopped";
+  hand.to(0.004);
+  EXPECT_NEAR(hand.dragged_N(), 1, 1e-9);
+  hand.device.place_m.z() = 0.001;
+  hand.to(0.003);
+  EXPECT_EQ(hand.contact.force_N(hand.device, {}), Point::Zero());
+  hand.device.place_m.z() = -0.002;
+  hand.to(0.003);
+  EXPECT_EQ(hand.dragged_N(), 0) << "touched anew";
+}
+
+TEST(SurfaceContact, GoesOnStickingWhenAnotherAnswerTellsOfTheSameSurface) {
+  Sliding hand;
+  hand.to(0);
+  hand.to(0.0004);
+  hand.surface.place_m.x() += 0.03;  // below the tool, which moved
+  hand.contact.take(hand.surface, hand.device, {});
+  EXPECT_NEAR(hand.dragged_N(), -0.4, 1e-9);
+  hand.to(0.0006);
+  EXPECT_NEAR(hand.dragged_N(), -0.6, 1e-9);
+  hand.surface.id += 1;
+  hand.contact.take(hand.surface, hand.device, {});
+  EXPECT_EQ(hand.dragged_N(), 0) << "another surface";
+}
+
+TEST(SurfaceContact, ASurfaceThatMovesTakesTheDeviceAlong) {
+  Sliding hand;
+  hand.surface.velocity_m_per_s = {0.1, 0, 0};
+  hand.contact.take(hand.surface, hand.device, {});
+  for (int i = 0; i < 5; ++i) hand.to(0);
+  EXPECT_NEAR(hand.dragged_N(), 0.5, 1e-9) << "five of its steps";
+  for (int i = 0; i < 50; ++i) hand.to(0);
+  EXPECT_NEAR(hand.dragged_N(), 1, 1e-9);
 }
 
 TEST(SurfaceContact, RelaxesAsASpringInSeriesWithADamper) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "forcebound/control/rotation.hpp"
 
@@ -37,6 +38,33 @@ TEST(Reflection, TurnsTheHandWithoutAJumpWhereTheShorterWayChangesItsSide) {
     }
   }
   EXPECT_LT(greatest_change_N_m, 0.2);
+}
+
+Reflection reflected(std::string_view name, const ImpedanceSettings& impedance, const Vector6& sensed) {
+  const auto architecture = find_architecture(name).make(impedance);
+  const ToolTarget target;
+  const ToolPose tool;
+  const Vector6 velocity = Vector6::Zero();
+  (void)architecture->ask({.target = target, .tool = tool, .velocity = velocity, .sensed = sensed});
+  return architecture->reflection();
+}
+
+TEST(PositionForce, ReflectsForceAndTorqueOfTheWristsSensor) {
+  Vector6 sensed;
+  sensed << 1, 2, -3, 0.1, -0.2, 0.3;
+  const Reflection shown = reflected("position-force", {}, sensed);
+  const Eigen::Quaterniond wanted = control::turn_by({0.2, -0.3, 0.1});
+  EXPECT_TRUE(shown.at(Eigen::Vector3d::Zero()).isApprox(-sensed.head<3>()));
+  EXPECT_TRUE(shown.torque_at(wanted).isApprox(-sensed.tail<3>()));
+  sensed.tail<3>() *= 1000;
+  EXPECT_NEAR(reflected("position-force", {}, sensed).torque_at(wanted).norm(), ImpedanceSettings{}.torque_N_m_max,
+              1e-9);
+}
+
+TEST(Architectures, ShowNoTorqueOfARobotThatCannotTurnItsTool) {
+  for (const ArchitectureKind& kind : architectures()) {
+    EXPECT_EQ(reflected(kind.name, {.stiffness_N_m_per_rad = 0}, Vector6::Ones()).torque_N_m_max, 0) << kind.name;
+  }
 }
 
 }  // namespace

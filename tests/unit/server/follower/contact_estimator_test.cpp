@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
 
 namespace forcebound::server {
@@ -59,6 +61,16 @@ TEST(ContactEstimator, TellsFrictionFromTheNormalWhileItSlides) {
   const FeltSurface& surface = felt.estimator.surface();
   EXPECT_NEAR(surface.friction, 0.3, 0.05);
   EXPECT_NEAR(surface.normal.z(), 1, 5e-3) << "friction does not tilt it";
+}
+
+TEST(ContactEstimator, FindsNoFrictionInNoiseNorMoreThanThereCanBe) {
+  for (const auto& [friction, least, most] :
+       {std::array{0.0, 0.0, 0.05}, std::array{0.8, 0.75, 0.85}, std::array{3.0, 0.0, 1.0}}) {
+    Felt felt{.normal = Point::UnitZ(), .stiffness = 2000, .friction = friction, .noise_N = 0.2};
+    for (int n = 0; n < 3000; ++n) felt.touch({n < 300 ? 0 : 2e-5 * (n - 300), 0, -1e-3 * std::min(1.0, n / 300.0)});
+    EXPECT_GE(felt.estimator.surface().friction, least) << friction;
+    EXPECT_LE(felt.estimator.surface().friction, most) << friction;
+  }
 }
 
 TEST(ContactEstimator, StaysKnownInTheAirUntilTheToolGoesThrough) {
