@@ -160,7 +160,8 @@ void add_teleoperate(CLI::App& app) {
       ->capture_default_str();
   CLI::Option* const touches = command->add_flag(
       "--touches", options->touches,
-      "how the stiff wall feels on a first and a second touch, beside the same device without robot and network");
+      "how the stiff wall feels on a first and a second touch and as the hand slides along it, beside the same device "
+      "without robot and network");
   CLI::Option* const faults =
       command
           ->add_flag("--faults", options->faults,

@@ -59,6 +59,7 @@ struct Task {
   int degrees_of_freedom = 3;       ///< that a leader needs at least
   double time_s = 8;                ///< the script's length
   double stiffness_N_per_m = 0;     ///< of a point that touches the first object, along the normal: the truth
+  double friction = 0;              ///< likewise, its coefficient
   Eigen::Vector3d normal{0, 0, 1};  ///< of the surface that is worked on, out of it, world frame
   std::vector<ToolWaypoint> script;
   ToolSpiral spiral;

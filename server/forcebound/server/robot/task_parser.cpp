@@ -242,6 +242,7 @@ Task parse_task(std::string_view text, const std::string& file_name) {
   task.measure = measure_of(world->goal);
   // The first object is what the task is about.
   task.stiffness_N_per_m = world->objects.front().material.stiffness_N_per_m;
+  task.friction = world->objects.front().material.friction;
   task.normal = world->objects.front().normal;
   task.world = std::move(world);
   return task;

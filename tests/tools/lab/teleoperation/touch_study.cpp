@@ -21,23 +21,29 @@ using namespace std::chrono_literals;
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFelt_N = 0.5;
 constexpr double kClear_m = 5e-4;  // so far from the wall no model of it is felt
-// The script: two presses, 6 mm beyond where the tool touches.
+// The script: two presses, 6 mm beyond where the tool touches; during the second the hand slides 45 mm along.
 constexpr double kPress_m = 6e-3;
 constexpr double kDown_s = 1;
 constexpr double kHold_s = 2;
 constexpr double kUp_s = 1;
 constexpr double kPause_s = 1;
 constexpr double kSecondDown_s = 1 + kDown_s + kHold_s + kUp_s + kPause_s;
-constexpr double kEnd_s = kSecondDown_s + kDown_s + kHold_s;
+constexpr double kSlide_s = 3;
+constexpr double kSlide_m = 0.045;
+constexpr double kPressed_s = kSecondDown_s + kDown_s + kHold_s;
+constexpr double kEnd_s = kPressed_s + kSlide_s;
 
 /// What a hand met on a millisecond.
 struct Felt {
-  double time_s = 0;   ///< since the work began
-  double depth_m = 0;  ///< of the hand's place below the true wall, in the robot's world
-  double force_N = 0;  ///< on the hand, out of the wall
+  double time_s = 0;     ///< since the work began
+  double depth_m = 0;    ///< of the hand's place below the true wall, in the robot's world
+  double force_N = 0;    ///< on the hand, out of the wall
+  double against_N = 0;  ///< likewise, along the wall, against the hand's way
 };
 
-/// Straight down, twice, from where the tool of the task starts.
+Eigen::Vector3d way_of(const server::Task& task) { return task.normal.unitOrthogonal(); }
+
+/// Straight down, twice, from where the tool of the task starts; then along the wall.
 server::Task pressing(server::Task task, double touch_height_m) {
   const Eigen::Vector3d start = task.target(0).position;
   const Eigen::Vector3d deep = start - (start.dot(task.normal) - touch_height_m + kPress_m) * task.normal;
@@ -47,7 +53,8 @@ server::Task pressing(server::Task task, double touch_height_m) {
                  {.time_s = 1 + kDown_s + kHold_s + kUp_s, .position = start},
                  {.time_s = kSecondDown_s, .position = start},
                  {.time_s = kSecondDown_s + kDown_s, .position = deep},
-                 {.time_s = kEnd_s, .position = deep}};
+                 {.time_s = kPressed_s, .position = deep},
+                 {.time_s = kEnd_s, .position = deep + kSlide_m * way_of(task)}};
   task.time_s = kEnd_s;
   return task;
 }
@@ -85,9 +92,22 @@ Touch touch_of(const std::vector<Felt>& all, double begin_s, double end_s) {
   return touch;
 }
 
+/// From when it slides for sure until it slows down.
+double friction_of(const std::vector<Felt>& all) {
+  double against_N = 0;
+  double normal_N = 0;
+  for (const Felt& now : all) {
+    if (now.time_s < kPressed_s + kSlide_s / 3 || now.time_s > kPressed_s + 2 * kSlide_s / 3) continue;
+    against_N += now.against_N;
+    normal_N += now.force_N;
+  }
+  return normal_N > 0 ? against_N / normal_N : kNotKnown;
+}
+
 void fill(const std::vector<Felt>& felt, TouchRow& row) {
   row.first = touch_of(felt, 1, 1 + kDown_s + kHold_s);
-  row.second = touch_of(felt, kSecondDown_s, kEnd_s);
+  row.second = touch_of(felt, kSecondDown_s, kPressed_s);
+  row.displayed_friction = friction_of(felt);
 }
 
 /// Where the tool's point is as it touches, along the normal: found by letting the robot do it, without a network.
@@ -113,7 +133,8 @@ TouchRow by_robot(const TeleoperationStudy& study, const std::string& architectu
   for (const TeleoperationMoment& now : moments) {
     felt.push_back({.time_s = pace * (now.time_s - ScriptOperator::kRest_s),
                     .depth_m = height_m - now.leader_m.dot(setup.task.normal),
-                    .force_N = now.shown_along_N});
+                    .force_N = now.shown_along_N,
+                    .against_N = -now.shown_in_world_N.dot(way_of(setup.task))});
   }
   TouchRow row{.architecture = architecture,
                .network = network.name,
@@ -146,8 +167,9 @@ TouchRow without_robot(const TeleoperationStudy& study, double height_m) {
           "'wall'\nshape = { kind = 'half_space', "
           "through_m = " +
               list(through) + ", normal = " + list(normal) +
-              " }\neffects = ['surface']\n[object.surface]\nstiffness_N_per_m = " +
-              text::to_text(workspace.force_scale * workspace.motion_scale * task.stiffness_N_per_m) + "\n",
+              " }\neffects = ['surface', 'friction']\n[object.surface]\nstiffness_N_per_m = " +
+              text::to_text(workspace.force_scale * workspace.motion_scale * task.stiffness_N_per_m) +
+              "\n[object.friction]\nstatic_coefficient = " + text::to_text(task.friction) + "\n",
           "wall"),
       .seed = setup.seed};
   LastTick last;
@@ -157,9 +179,11 @@ TouchRow without_robot(const TeleoperationStudy& study, double height_m) {
   for (const double end_s = ScriptOperator(task, hand).duration_s(); time::to_seconds(loop.time()) < end_s;) {
     loop.run(1ms);
     const Eigen::Vector3d place = loop.device().truth().position;
+    const Eigen::Vector3d shown_N = Eigen::Vector3d(last.tick().applied) / workspace.force_scale;
     felt.push_back({.time_s = pace * (time::to_seconds(loop.time()) - ScriptOperator::kRest_s),
                     .depth_m = workspace.motion_scale * (through - place).dot(normal),
-                    .force_N = Eigen::Vector3d(last.tick().applied).dot(normal) / workspace.force_scale});
+                    .force_N = shown_N.dot(normal),
+                    .against_N = -shown_N.dot(workspace.rotation.transpose() * way_of(task))});
   }
   TouchRow row{
       .architecture = "no robot, no network", .network = "-", .leader_minimum_J = loop.device().audit()->minimum_J};
@@ -188,6 +212,7 @@ std::string touch_text(const std::vector<TouchRow>& rows) {
                      {"2nd", "ms"},
                      {"depth", "mm"},
                      {"N/mm"},
+                     {"slid"},
                      {"N/ms"},
                      {"P", "mJ"}});
   const double alone_N_per_m = rows.front().second.displayed_N_per_m;
@@ -200,6 +225,7 @@ std::string touch_text(const std::vector<TouchRow>& rows) {
     table.add({row.architecture, after(row.first), text::fixed(1e3 * row.first.depth_when_felt_m, 2),
                text::fixed(1e-3 * row.first.displayed_N_per_m, 2), after(row.second),
                text::fixed(1e3 * row.second.depth_when_felt_m, 2), text::fixed(1e-3 * row.second.displayed_N_per_m, 2),
+               text::fixed(row.displayed_friction, 2),
                text::fixed(std::max(row.first.most_N_per_ms, row.second.most_N_per_ms), 2),
                millijoules(std::min(row.leader_minimum_J, row.follower_minimum_J))});
   }
@@ -210,6 +236,7 @@ std::string touch_text(const std::vector<TouchRow>& rows) {
          "         device shows " +
          text::fixed(1e-3 * alone_N_per_m, 2) +
          " N/mm of it without robot and network\n"
+         "  slid   force along the wall over that out of it, while the hand slides\n"
          "  N/ms   largest change of the force on the hand within a millisecond\n"
          "  P      least of both sides\n";
 }

@@ -16,18 +16,19 @@ struct Touch {
   double displayed_N_per_m = 0;  ///< force over depth below the true wall, at rest; not a number: not at rest there
 };
 
-/// Two touches of the same wall: unknown, then known.
+/// Two touches of the same wall: unknown, then known. Then the hand slides along it.
 struct TouchRow {
   std::string architecture;  ///< "no network, no robot": the same device at a virtual wall
   std::string network;
   Touch first{};
   Touch second{};
+  double displayed_friction = 0;  ///< force along the wall over that out of it, as the hand slides; or not a number
   double leader_minimum_J = 0;
   double follower_minimum_J = 0;
 };
 
-/// The task's wall, pressed twice with 40 mm/s, by each architecture through each network; and first the same hand and
-/// device at a virtual wall of that stiffness, without any network.
+/// The task's wall, pressed twice with 40 mm/s and rubbed with 15 mm/s, by each architecture through each network; and
+/// first the same hand and device at a virtual wall of that stiffness and friction, without any network.
 /// @throws as study_teleoperation
 [[nodiscard]] std::vector<TouchRow> study_touches(const TeleoperationStudy& study);
 

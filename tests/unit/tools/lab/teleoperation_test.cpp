@@ -87,7 +87,7 @@ TEST(Teleoperation, WithoutALawTheRobotLeaks) {
   EXPECT_LT(m.follower_minimum_J, -0.1);
 }
 
-TEST(Teleoperation, AKnownWallIsFeltAtOnceAndAsStiffAsWithoutANetwork) {
+TEST(Teleoperation, AKnownWallIsFeltAtOnceAsStiffAndAsRoughAsWithoutANetwork) {
   if (!server::has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
   const auto rows = study_touches(study_of("stiff-wall", "model-mediated", "delay 50ms"));
   ASSERT_EQ(rows.size(), 2U);
@@ -98,6 +98,8 @@ TEST(Teleoperation, AKnownWallIsFeltAtOnceAndAsStiffAsWithoutANetwork) {
   EXPECT_GT(afar.first.felt_after_s, 0.1) << "an unknown wall takes the way there and back";
   EXPECT_LT(afar.second.felt_after_s, 0.005) << "in virtual time";
   EXPECT_NEAR(afar.second.displayed_N_per_m / alone.second.displayed_N_per_m, 1, 0.2);
+  EXPECT_NEAR(alone.displayed_friction, 0.3, 0.01) << "the task's";
+  EXPECT_NEAR(afar.displayed_friction, alone.displayed_friction, 0.04);
   EXPECT_GE(afar.leader_minimum_J, -1e-9);
   EXPECT_GE(afar.follower_minimum_J, -1e-9);
 }
