@@ -113,6 +113,15 @@ listening() {
   fail "the $name did not start"
 }
 
+# until_true TEXT COMMAND...: waits up to 60 s.
+until_true() {
+  local text=$1 end=$((SECONDS + 60)); shift
+  until "$@"; do
+    ((SECONDS < end)) || fail "$text did not happen within 60 s; logs in ${out#"$root"/}"
+    sleep 0.02
+  done
+}
+
 # live_run NAME NETEM OPTION...: a client, which ends, of the server on port $server_port: through a relay of its own,
 # with the same seed, so that each meets the same network; without one where NETEM is empty. Leaves NAME.mcap, NAME.json
 # and client-NAME.log in $out.

@@ -79,13 +79,13 @@ struct Codec::Storage {
   void fill(const Welcome& from) noexcept;
   void fill(const Refusal& from) noexcept;
   void fill(const MotionSample& from) noexcept { wire::fill(from, motion); }
-  void fill(const EnvironmentForce& from) noexcept;
+  void fill(const EnvironmentForce& from) noexcept { wire::fill(from, force); }
   void fill(const Bye& from) noexcept;
   void fill(const ScenePiece& from) noexcept;
   void fill(const ViewPiece& from) noexcept;
 
   template <class Proto>
-  std::span<const std::byte> frame(std::size_t kind, const Proto& body) noexcept;
+  std::span<const std::byte> frame(std::size_t kind, Proto& body) noexcept;
 
   template <class Proto>
   std::variant<Message, Malformed> read(Proto& proto, std::span<const std::byte> datagram) noexcept;
@@ -144,15 +144,6 @@ void Codec::Storage::reserve_models() {
     reserve({field.mutable_force_n(), field.mutable_place_m(), field.mutable_jacobian_n_per_m()});
   }
   force.Clear();
-}
-
-/// Models that do not fit beside all else are left out, and their forces held: the answer has no lack of anything else.
-void Codec::Storage::fill(const EnvironmentForce& from) noexcept {
-  wire::fill(from, force);
-  if (from.model.surface_count == 0 || kHeaderBytes + force.ByteSizeLong() <= kFrameBytesMax) return;
-  force.clear_model_surface();
-  force.clear_model_mass();
-  force.clear_model_field();
 }
 
 void Codec::Storage::fill(const Hello& from) noexcept {
@@ -337,8 +328,17 @@ Decoded to_value(const v1::ViewPiece& from, std::size_t) noexcept {
 }  // namespace
 
 template <class Proto>
-std::span<const std::byte> Codec::Storage::frame(std::size_t kind, const Proto& body) noexcept {
-  const std::size_t bytes = kHeaderBytes + body.ByteSizeLong();
+std::span<const std::byte> Codec::Storage::frame(std::size_t kind, Proto& body) noexcept {
+  std::size_t bytes = kHeaderBytes + body.ByteSizeLong();
+  if constexpr (std::is_same_v<Proto, v1::EnvironmentForce>) {
+    // Models that do not fit beside all else are left out, and their forces held. Nothing else is ever too long.
+    if (bytes > kFrameBytesMax) {
+      body.clear_model_surface();
+      body.clear_model_mass();
+      body.clear_model_field();
+      bytes = kHeaderBytes + body.ByteSizeLong();
+    }
+  }
   body.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data() + kHeaderBytes));
   const std::span<std::byte> framed{datagram.data(), bytes};
   framed[kKindAt] = static_cast<std::byte>(kind);
