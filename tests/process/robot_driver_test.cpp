@@ -21,6 +21,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+/// A machine that gives the loop no time meanwhile does not stop the robot.
+constexpr const char* kPatient = ",hold=0.4";
+
 /// What `--follower` takes for the arm of the tests.
 std::string driven(const std::string& settings, const std::string& driver = "arm") {
   return std::string("driver:") + FORCEBOUND_TEST_DRIVERS + "/robots/forcebound-device-" + driver + ".so:" + settings;
@@ -30,7 +33,7 @@ std::string driven(const std::string& settings, const std::string& driver = "arm
 class FaultyRobot : public testing::Test {
  protected:
   void begin(const std::string& fault) {
-    server.emplace(Words{"--follower", driven("fault=" + fault + ",control=" + folder.path().string())});
+    server.emplace(Words{"--follower", driven("fault=" + fault + ",control=" + folder.path().string() + kPatient)});
     leader.emplace(server->address(), hand.options());
     ASSERT_TRUE(leader->wait_for("the robot follows", kLong)) << server->err();
     // Until the hand moves there is no torque.

@@ -9,6 +9,7 @@
  *   gravity=1       its weight is left to the program
  *   brakes=0        it says to have none
  *   sensor=0        likewise
+ *   hold=H          how long it holds a torque [s]
  *   rate=R          that it says its torques may change by at most [N m/s]
  */
 #include <forcebound/driver/forcebound_device.h>
@@ -41,6 +42,7 @@ struct forcebound_device {
   int gravity;
   int brakes;
   int sensor;
+  double hold_s;
   double rate_N_m_per_s;
   int misread; /* the last reading was a bad one */
   long torques_after_bad;
@@ -106,6 +108,8 @@ static int take(forcebound_device* arm, const char* key, const char* value) {
     arm->brakes = atoi(value);
   } else if (strcmp(key, "sensor") == 0) {
     arm->sensor = atoi(value);
+  } else if (strcmp(key, "hold") == 0) {
+    arm->hold_s = atof(value);
   } else if (strcmp(key, "rate") == 0) {
     arm->rate_N_m_per_s = atof(value);
   } else {
@@ -131,6 +135,7 @@ static int arm_open(const forcebound_setting* settings, size_t count, forcebound
   arm->joints = ARM_JOINTS;
   arm->brakes = 1;
   arm->sensor = 1;
+  arm->hold_s = 1e-9 * ARM_HOLD_NS;
   arm->good_readings = GOOD_READINGS;
   strcpy(arm->fault, "none");
   for (i = 0; i < count; ++i) {
@@ -147,6 +152,7 @@ static int arm_open(const forcebound_setting* settings, size_t count, forcebound
   }
   arm->body.has_mass = arm->gravity;
   arm_body_reset(&arm->body);
+  arm->body.hold_ns = (int64_t)(1e9 * arm->hold_s);
   *device = arm;
   return FORCEBOUND_OK;
 }
@@ -180,7 +186,7 @@ static int arm_describe(forcebound_device* arm, forcebound_robot* facts) {
   facts->brakes = arm->brakes;
   facts->gravity = arm->gravity;
   facts->period_s = 1e-3;
-  facts->hold_s_max = 1e-9 * ARM_HOLD_NS;
+  facts->hold_s_max = arm->hold_s;
   for (i = 0; i < ARM_JOINTS; ++i) describe_joint(arm, facts, i);
   for (i = 0; i < 3; ++i) facts->tool_m[i] = kArmTool_m[i];
   facts->tool_speed_m_per_s_max = 1;

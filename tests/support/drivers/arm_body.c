@@ -128,6 +128,7 @@ void arm_body_reset(arm_body* arm) {
   const int has_mass = arm->has_mass;
   memset(arm, 0, sizeof *arm);
   arm->has_mass = has_mass;
+  arm->hold_ns = ARM_HOLD_NS;
   memcpy(arm->position_rad, kArmRest_rad, sizeof arm->position_rad);
 }
 
@@ -141,7 +142,7 @@ static int is_braked(const arm_body* arm) {
 void arm_body_pass(arm_body* arm, int64_t now_ns) {
   if (arm->time_ns == 0 || now_ns - arm->time_ns > GAP_NS) arm->time_ns = now_ns;
   while (arm->time_ns < now_ns) {
-    const int64_t release_ns = arm->commanded_ns + ARM_HOLD_NS;
+    const int64_t release_ns = arm->commanded_ns + arm->hold_ns;
     const int braked = is_braked(arm);
     int64_t length_ns = now_ns - arm->time_ns;
     if (arm->released_ns == 0 && (braked || arm->time_ns >= release_ns)) arm->released_ns = arm->time_ns;

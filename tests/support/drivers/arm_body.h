@@ -23,6 +23,7 @@ enum { ARM_IS_OPEN, ARM_IS_STOPPED, ARM_IS_OPENING };
 typedef struct arm_body {
   int brakes;   /* closed by `stop`, on whatever thread */
   int has_mass; /* and weighs something: the motors are to hold it */
+  int64_t hold_ns; /* ARM_HOLD_NS after a reset */
   int64_t time_ns;
   int64_t commanded_ns;
   int64_t released_ns; /* 0: the torque is held */
