@@ -261,7 +261,9 @@ TEST(AServerWithoutMemory, RefusesSessionsAndGoesOn) {
                  {"-c", limited, kServer, "--listen", address, "--scene", "soft_pad", "--sessions-max", "500"});
   ASSERT_TRUE(server.wait_for("listening on "));
   const Ran many = run(kLab, {"load", "--server", address, "--clients", "150", "--seconds", "0.2"});
-  EXPECT_THAT(many.err, testing::AnyOf("", testing::HasSubstr("not enough memory")));
+  // On a slow machine one of them may also have no answer in time.
+  EXPECT_THAT(many.err,
+              testing::AnyOf("", testing::HasSubstr("not enough memory"), testing::HasSubstr("no answer from")));
   EXPECT_EQ(server.stop(), 0);
   EXPECT_THAT(server.out(), testing::HasSubstr("sessions"));
 }

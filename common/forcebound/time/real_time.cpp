@@ -1,7 +1,6 @@
 #include "forcebound/time/real_time.hpp"
 
 #include <fcntl.h>
-#include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -16,7 +15,9 @@ namespace forcebound::time {
 int ask_for_first_in_first_out(int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  // systemd may have set this flag (CPUSchedulingResetOnFork): without a capability a request that drops it is refused.
+  const int kept = sched_getscheduler(0) & SCHED_RESET_ON_FORK;
+  return sched_setscheduler(0, SCHED_FIFO | kept, &parameters) == 0 ? 0 : errno;
 }
 
 namespace {
