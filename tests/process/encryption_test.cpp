@@ -210,6 +210,7 @@ TEST_F(Encryption, SurvivesAServerThatIsRestartedWithTheSameKey) {
   server.reset();
   server.emplace(keys, address);
   ASSERT_TRUE(client.wait_for("the server does not know this session", 15s)) << client.err();
+  ASSERT_TRUE(server->wait_for("connected to scene", 15s)) << server->err();
   EXPECT_EQ(client.wait(30s), client.expected_end()) << client.err();
   EXPECT_GE(client.summary()["passivity"]["minimum_J"].get<double>(), kPassive_J);
 }

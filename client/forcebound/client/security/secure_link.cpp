@@ -55,6 +55,7 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
   ++counted(opened.result);
   if (opened.result != security::Opening::opened) return std::nullopt;
   heard_ = now;
+  silence_ = kSilence;
   const auto content = buffer.first(opened.bytes);
   if (!security::is_handshake(content)) return opened.bytes;
   if (is_newest) (void)handshaker_.hear(content);
@@ -79,6 +80,7 @@ void SecureLink::take_keys(const Handshaker::Made& made, Nanoseconds now) noexce
     newest().end_by(now + security::kOldKeyKept);
     newest_ = 1 - newest_;
     newest().begin(made.numbers);
+    silence_ = kFirstSilence;
     ++counters_.sessions;
   } else {
     ++counters_.rekeys;
@@ -89,7 +91,7 @@ void SecureLink::take_keys(const Handshaker::Made& made, Nanoseconds now) noexce
 }
 
 Handshaker::Wanted SecureLink::wanted(Nanoseconds now) const noexcept {
-  if (!newest().can_seal(now) || now - heard_ >= kSilence) return Handshaker::Wanted::session;
+  if (!newest().can_seal(now) || now - heard_ >= silence_) return Handshaker::Wanted::session;
   return newest().wants_rekey(now) ? Handshaker::Wanted::next_key : Handshaker::Wanted::nothing;
 }
 

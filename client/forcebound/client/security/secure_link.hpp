@@ -17,15 +17,17 @@ namespace forcebound::client {
 /// another, of which the session above knows nothing.
 ///
 /// Until a handshake has given keys, nothing is sent (`ready`). A new session of keys begins when there is none, when
-/// its keys have expired, or when nothing from the server could be opened for kSilence: it may have been restarted, and
-/// then knows the old ones no more. Meanwhile the old keys are used as before, since it may just as well be the network
-/// that is silent.
+/// its keys have expired, or when nothing from the server could be opened for kSilence, or for kFirstSilence under keys
+/// under which nothing was yet: it may have been restarted, and then knows the old ones no more. Meanwhile the old keys
+/// are used as before, since it may just as well be the network that is silent.
 ///
 /// Real time: noexcept, no allocation; handshakes are the handshaker's, on another thread. A datagram costs about 1 us.
 /// Owned by the tick's thread.
 class SecureLink final : public net::DatagramLink {
  public:
-  static constexpr Nanoseconds kSilence = std::chrono::seconds{5};
+  // A client is to be back within a second of a server's restart. An answer from afar takes longer than that to begin.
+  static constexpr Nanoseconds kSilence = std::chrono::milliseconds{500};
+  static constexpr Nanoseconds kFirstSilence = std::chrono::seconds{5};
 
   /// All must outlive it. @throws std::bad_alloc if there is no memory for keys
   SecureLink(net::DatagramLink& link, const net::Address& server, Handshaker& handshaker, const time::Clock& clock);
@@ -79,7 +81,8 @@ class SecureLink final : public net::DatagramLink {
   // The session of keys that is used, and the one before, of which datagrams may be on their way.
   std::array<security::Channel, 2> channels_{security::Channel({}), security::Channel({})};
   std::size_t newest_ = 0;
-  Nanoseconds heard_{0};  ///< when something was opened, or keys came
+  Nanoseconds heard_{0};                ///< when something was opened, or keys came
+  Nanoseconds silence_{kFirstSilence};  ///< after that, another session of keys is wanted
   Handshaker::Said said_{};
   std::array<std::byte, net::kDatagramBytesMax> sealed_{};
   std::array<std::byte, net::kDatagramBytesMax + 1> received_{};  // one more, so that an oversize datagram shows

@@ -98,9 +98,14 @@ class SecureLinkTest : public testing::Test {
     EXPECT_EQ(server_.opened(sent().back(), clock_.time), content(1));
   }
 
-  /// Lets the server speak once a second meanwhile.
+  void hear() {
+    from_server(server_.sealed(content(9), clock_.time));
+    EXPECT_EQ(tick(), std::vector<Bytes>{content(9)});
+  }
+
+  /// Lets the server speak often enough meanwhile.
   void pass(time::Nanoseconds duration) {
-    for (const auto until = clock_.time + duration; clock_.time < until; clock_.time += 1s) {
+    for (const auto until = clock_.time + duration; clock_.time < until; clock_.time += SecureLink::kSilence / 2) {
       from_server(server_.sealed(content(9), clock_.time));
       tick();
     }
@@ -381,7 +386,7 @@ TEST_F(SecureLinkTest, ChangesItsKeyAfterTwoMinutesWithoutAGap) {
 TEST_F(SecureLinkTest, AsksAgainForAKeyWhoseHandshakeWasLost) {
   begin();
   shake_hands();
-  pass(121s);
+  pass(120s);
   tick();
   const Bytes first = server_.opened(next_sent(), clock_.time);
   const Bytes again = server_.opened(next_sent(), clock_.time);
@@ -391,6 +396,7 @@ TEST_F(SecureLinkTest, AsksAgainForAKeyWhoseHandshakeWasLost) {
 TEST_F(SecureLinkTest, BeginsAnotherSessionWhenTheServerIsSilentAndUsesTheOldOneMeanwhile) {
   begin();
   shake_hands();
+  hear();
   clock_.time += SecureLink::kSilence;
   const auto asked = request();
   EXPECT_TRUE(secure_->ready());
@@ -411,16 +417,26 @@ TEST_F(SecureLinkTest, BeginsAnotherSessionWhenTheServerIsSilentAndUsesTheOldOne
   EXPECT_EQ(tick(), (std::vector<Bytes>{content(7), content(8)}));
 }
 
+TEST_F(SecureLinkTest, WaitsLongerForTheFirstThatAServerSaysFromAfar) {
+  begin();
+  shake_hands();
+  clock_.time += SecureLink::kFirstSilence - 10ms;
+  for (int ms = 0; ms < 9; ++ms) tick();
+  EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_EQ(request().topic.handshake, 1);
+}
+
 TEST_F(SecureLinkTest, StopsAskingWhenTheServerSpeaksAgain) {
   begin();
   shake_hands();
+  hear();
   clock_.time += SecureLink::kSilence;
   (void)next_sent();
   from_server(server_.sealed(content(7), clock_.time));
   EXPECT_EQ(tick(), std::vector<Bytes>{content(7)});
   tick();
   (void)sent();
-  for (int ms = 0; ms < 4000; ++ms) tick();
+  for (int ms = 0; ms < 400; ++ms) tick();
   EXPECT_THAT(sent(), IsEmpty());
   EXPECT_EQ(secure_->counters().sessions, 1U);
 }
