@@ -80,10 +80,10 @@ void ask_for_real_time() {
     spdlog::info("{}", grant.text);
   } else {
     spdlog::warn(
-        "--realtime is not granted: {}; serving without, answers are late whenever the machine is busy. A service "
-        "needs "
-        "LimitRTPRIO={} and LimitMEMLOCK=infinity, a container the capabilities SYS_NICE and IPC_LOCK",
-        grant.text, kPriority);
+        "--realtime is {}: {}; answers are late whenever {}. A service needs LimitRTPRIO={} and LimitMEMLOCK=infinity, "
+        "a container the capabilities SYS_NICE and IPC_LOCK",
+        grant.first_in_first_out ? "granted in part" : "not granted", grant.text,
+        grant.first_in_first_out ? "memory is read again from a disk" : "the machine is busy", kPriority);
   }
 }
 
