@@ -126,8 +126,8 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->type_name("FILE.mcap");
   app.add_option("--workers", options.workers,
                  "threads that serve at the same address, each with its own sessions; 0: one for each processor that "
-                 "this process may use, whatever a container's quota is. A robot (--follower) and a socket from the "
-                 "service manager have one")
+                 "this process may use, by its affinity and by its control group's quota. A robot (--follower) and a "
+                 "socket from the service manager have one")
       ->type_name("N")
       ->check(program::whole_within(0, static_cast<int>(WorkerPlace::kWorkersMost)))
       ->capture_default_str();

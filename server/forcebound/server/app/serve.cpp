@@ -21,6 +21,7 @@
 #include "forcebound/server/app/log_observer.hpp"
 #include "forcebound/server/app/page_observer.hpp"
 #include "forcebound/server/app/page_turn.hpp"
+#include "forcebound/server/app/processor_quota.hpp"
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/app/service_manager.hpp"
 #include "forcebound/server/environment/explain.hpp"
@@ -280,7 +281,9 @@ std::size_t workers_for(const ProgramOptions& options, bool socket_handed_over) 
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
-  return std::clamp<std::size_t>(static_cast<std::size_t>(CPU_COUNT(&allowed)), 1, WorkerPlace::kWorkersMost);
+  const double processors = std::min<double>(CPU_COUNT(&allowed), processor_quota().value_or(CPU_SETSIZE));
+  // With a quota of 1.5 a second worker would be kept waiting for a quarter of each period.
+  return std::clamp<std::size_t>(static_cast<std::size_t>(processors), 1, WorkerPlace::kWorkersMost);
 }
 
 }  // namespace

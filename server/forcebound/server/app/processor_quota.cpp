@@ -1,0 +1,59 @@
+#include "forcebound/server/app/processor_quota.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <ranges>
+#include <string>
+#include <string_view>
+
+namespace forcebound::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "QUOTA PERIOD", in microseconds; a quota that is "max", or negative, is none.
+std::optional<double> share(std::istream& quota, std::istream& period) {
+  double quota_us = 0;
+  double period_us = 0;
+  if (!(quota >> quota_us) || !(period >> period_us) || quota_us <= 0 || period_us <= 0) return std::nullopt;
+  return quota_us / period_us;
+}
+
+std::optional<double> share_of(const fs::path& group) {
+  if (std::ifstream both(group / "cpu.max"); both) return share(both, both);
+  std::ifstream quota(group / "cpu.cfs_quota_us");
+  std::ifstream period(group / "cpu.cfs_period_us");
+  return share(quota, period);
+}
+
+bool names_cpu(std::string_view controllers) {
+  return std::ranges::any_of(controllers | std::views::split(','), [](const auto& controller) {
+    return std::string_view(controller.begin(), controller.end()) == "cpu";
+  });
+}
+
+}  // namespace
+
+std::optional<double> processor_quota(const fs::path& own, const fs::path& groups) {
+  std::optional<double> least;
+  std::ifstream lines(own);
+  // NUMBER:CONTROLLERS:PATH; without controllers it is the newer hierarchy, which may be mounted beside older ones.
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = first == std::string::npos ? first : line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    if (!controllers.empty() && !names_cpu(controllers)) continue;
+    fs::path hierarchy = groups / (controllers.empty() ? "unified" : controllers);
+    if (!fs::is_directory(hierarchy)) hierarchy = controllers.empty() ? groups : groups / "cpu";
+    // What is mounted may begin at the process's own group, whose path then does not exist in it.
+    fs::path group = fs::path(line.substr(second + 1)).relative_path();
+    for (bool more = true; more; group = group.parent_path()) {
+      more = !group.empty();
+      if (const auto here = share_of(hierarchy / group)) least = std::min(least.value_or(*here), *here);
+    }
+  }
+  return least;
+}
+
+}  // namespace forcebound::server
