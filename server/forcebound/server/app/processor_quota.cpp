@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
-#include <ranges>
 #include <string>
-#include <string_view>
 
 namespace forcebound::server {
 namespace {
@@ -26,11 +24,7 @@ std::optional<double> share_of(const fs::path& group) {
   return share(quota, period);
 }
 
-bool names_cpu(std::string_view controllers) {
-  return std::ranges::any_of(controllers | std::views::split(','), [](const auto& controller) {
-    return std::string_view(controller.begin(), controller.end()) == "cpu";
-  });
-}
+bool names_cpu(const std::string& controllers) { return ("," + controllers + ",").find(",cpu,") != std::string::npos; }
 
 }  // namespace
 
