@@ -255,8 +255,11 @@ TEST(APage, PlaysARecordingAndSeeksInIt) {
   viewer.say({{"kind", "play"}, {"on", false}});
   viewer.wait_for("hello", [](const json& now) { return now.value("playing", true) == false; });
   viewer.say({{"kind", "seek"}, {"time_s", 0.2}});
-  const json ticks = viewer.wait_for("ticks", [](const json& some) { return some["time_s"].back() < 0.21; });
-  EXPECT_GT(ticks["time_s"].back(), 0.19);
+  // On a slow machine what leads there comes in several pieces.
+  viewer.wait_for("ticks", [](const json& ticks) {
+    const double last_s = ticks["time_s"].back();
+    return last_s > 0.19 && last_s < 0.21;
+  });
   EXPECT_EQ(view.stop(SIGINT), 0);
 }
 

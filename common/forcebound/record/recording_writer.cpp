@@ -95,6 +95,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RunInf
   }
   storage_->mcap.emplace(storage_->file, info.program, compression);
   storage_->mcap->add_metadata(kInfoMetadata, to_key_values(info));
+  // Protocol Buffers makes what it knows of messages at their first use: here, not on the thread that will write.
+  (void)schema_of(kTickSchema);
 }
 
 RecordingWriter::~RecordingWriter() = default;
