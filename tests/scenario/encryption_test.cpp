@@ -56,14 +56,18 @@ class SealedConversation {
                                                    clock_, fill());
   }
 
-  /// A number from the client each 10 ms.
-  void run(Nanoseconds duration) {
+  /// A number from the client each `pause`.
+  void run(Nanoseconds duration, Nanoseconds pause = 10ms) {
+    next_ = clock_.now();
     for (const Nanoseconds end = clock_.now() + duration; clock_.now() < end; clock_.advance(10ms)) {
       while (const auto received = client_.receive(buffer_)) {
         from_server.insert(number_in(std::span(buffer_).first(received->bytes)));
         ++received_;
       }
-      if (client_.ready() && client_.send(bytes_of(client_number_ + 1), {})) ++client_number_;
+      if (clock_.now() >= next_ && client_.ready() && client_.send(bytes_of(client_number_ + 1), {})) {
+        ++client_number_;
+        next_ = clock_.now() + pause;
+      }
       handshaker_.work(clock_.now());
       if (clock_.now() >= timer_) {
         server_->on_timer(clock_.now());
@@ -120,6 +124,7 @@ class SealedConversation {
   std::uint64_t client_number_ = 0;
   std::uint64_t server_number_ = 0;
   std::uint64_t received_ = 0;
+  Nanoseconds next_{0};
   Nanoseconds timer_{0};
 };
 
@@ -154,11 +159,36 @@ TEST(EncryptionOnANetwork, FindsAServerAgainThatWasRestarted) {
   conversation.run(10s);
   conversation.start_server();
   const std::size_t before = conversation.from_server.size();
-  conversation.run(client::SecureLink::kSilence + 1s);
+  conversation.run(1s);
   EXPECT_EQ(conversation.client().counters().sessions, 2U);
-  EXPECT_GT(conversation.from_server.size(), before + 50);
+  EXPECT_GT(conversation.from_server.size(), before) << "within a second";
+  conversation.run(10s);
+  EXPECT_EQ(conversation.client().counters().sessions, 2U);
   EXPECT_EQ(conversation.server().confirmed(), 1U);
   EXPECT_EQ(conversation.problem(), "");
+}
+
+// As a client does that the server has no room for: it asks every 2 s. Each session of keys is kept for 80 s, of which
+// a server has few.
+TEST(EncryptionOnANetwork, KeepsOneSessionOfKeysForAClientThatSendsRarely) {
+  for (const char* const network : {"delay 50ms", "delay 150ms 50ms loss 5%", "delay 350ms"}) {
+    SealedConversation conversation(network, 4);
+    conversation.run(1s);
+    conversation.run(80s, 2s);
+    EXPECT_EQ(conversation.client().counters().sessions, 1U) << network;
+    EXPECT_EQ(conversation.server().confirmed(), 1U) << network;
+  }
+}
+
+// As a client does whose device was unplugged.
+TEST(EncryptionOnANetwork, KeepsOneSessionOfKeysThroughPauses) {
+  SealedConversation conversation("delay 100ms loss 2%", 5);
+  for (int i = 0; i < 20; ++i) {
+    conversation.run(2s);
+    conversation.run(5s, 1h);
+  }
+  EXPECT_EQ(conversation.client().counters().sessions, 1U);
+  EXPECT_EQ(conversation.server().confirmed(), 1U);
 }
 
 }  // namespace

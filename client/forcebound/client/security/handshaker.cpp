@@ -267,9 +267,11 @@ void Handshaker::note_silence(Nanoseconds now) {
   if (task_ != Wanted::session || message_bytes_ == 0 || now - begun_ < kAnswerExpected) return;
   const std::scoped_lock lock(texts_);
   if (!problem_.empty()) return;
-  problem_ = identity_.server + " does not answer the handshake: it has " +
-             (identity_.pattern == security::Pattern::nn_psk0 ? "another --psk" : "another key") +
-             ", or datagrams are lost";
+  const std::string key = identity_.pattern == security::Pattern::nn_psk0 ? "another --psk" : "another key";
+  const bool knew_keys = session_server_ != 0;
+  problem_ = identity_.server + " does not answer the handshake: " +
+             (knew_keys ? "datagrams are lost, it does not run, or it has " + key + " now"
+                        : "it has " + key + ", or datagrams are lost");
 }
 
 void Handshaker::set_problem(std::string text) {

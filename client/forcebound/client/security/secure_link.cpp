@@ -18,8 +18,12 @@ bool SecureLink::send(std::span<const std::byte> datagram, const net::Address& /
 }
 
 std::span<const std::byte> SecureLink::seal(std::span<const std::byte> content) noexcept {
-  const auto bytes = newest().seal(content, sealed_, clock_.now());
-  return std::span(sealed_).first(bytes.value_or(0));
+  const Nanoseconds now = clock_.now();
+  const auto bytes = newest().seal(content, sealed_, now);
+  if (!bytes) return {};
+  if (unanswered_ == 0) unanswered_since_ = now;
+  unanswered_ = std::min(unanswered_ + 1, kUnansweredLeast);
+  return std::span(sealed_).first(*bytes);
 }
 
 std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) noexcept {
@@ -54,8 +58,10 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
   const security::Opened opened = channel.open(datagram, buffer, now);
   ++counted(opened.result);
   if (opened.result != security::Opening::opened) return std::nullopt;
-  heard_ = now;
-  silence_ = kSilence;
+  if (is_newest) {
+    any_opened_ = true;
+    unanswered_ = 0;
+  }
   const auto content = buffer.first(opened.bytes);
   if (!security::is_handshake(content)) return opened.bytes;
   if (is_newest) (void)handshaker_.hear(content);
@@ -80,19 +86,23 @@ void SecureLink::take_keys(const Handshaker::Made& made, Nanoseconds now) noexce
     newest().end_by(now + security::kOldKeyKept);
     newest_ = 1 - newest_;
     newest().begin(made.numbers);
-    silence_ = kFirstSilence;
+    any_opened_ = false;
     ++counters_.sessions;
   } else {
     ++counters_.rekeys;
   }
   // False only for a number that is in use, which the handshaker does not ask for.
   (void)newest().install(made.handshake, *made.keys, security::Role::initiator, now);
-  heard_ = now;
+  unanswered_ = 0;
 }
 
 Handshaker::Wanted SecureLink::wanted(Nanoseconds now) const noexcept {
-  if (!newest().can_seal(now) || now - heard_ >= silence_) return Handshaker::Wanted::session;
+  if (!newest().can_seal(now) || is_unanswered(now)) return Handshaker::Wanted::session;
   return newest().wants_rekey(now) ? Handshaker::Wanted::next_key : Handshaker::Wanted::nothing;
+}
+
+bool SecureLink::is_unanswered(Nanoseconds now) const noexcept {
+  return unanswered_ >= kUnansweredLeast && now - unanswered_since_ >= (any_opened_ ? kSilence : kFirstSilence);
 }
 
 }  // namespace forcebound::client

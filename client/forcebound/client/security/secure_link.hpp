@@ -17,17 +17,21 @@ namespace forcebound::client {
 /// another, of which the session above knows nothing.
 ///
 /// Until a handshake has given keys, nothing is sent (`ready`). A new session of keys begins when there is none, when
-/// its keys have expired, or when nothing from the server could be opened for kSilence, or for kFirstSilence under keys
-/// under which nothing was yet: it may have been restarted, and then knows the old ones no more. Meanwhile the old keys
-/// are used as before, since it may just as well be the network that is silent.
+/// its keys have expired, or when kUnansweredLeast datagrams or more were sent under them without one that could be
+/// opened since, the first of them kSilence ago (kFirstSilence, if none has ever been opened): the server may have been
+/// restarted, and then knows these keys no more. Meanwhile they are used as before, since it may just as well be the
+/// network that is silent.
 ///
 /// Real time: noexcept, no allocation; handshakes are the handshaker's, on another thread. A datagram costs about 1 us.
 /// Owned by the tick's thread.
 class SecureLink final : public net::DatagramLink {
  public:
-  // A client is to be back within a second of a server's restart. An answer from afar takes longer than that to begin.
+  /// A client is to be back within a second of a server's restart.
   static constexpr Nanoseconds kSilence = std::chrono::milliseconds{500};
+  /// Under new keys the first answer takes a whole round trip, which may exceed kSilence.
   static constexpr Nanoseconds kFirstSilence = std::chrono::seconds{5};
+  /// One datagram of a client that sends rarely may be lost.
+  static constexpr int kUnansweredLeast = 3;
 
   /// All must outlive it. @throws std::bad_alloc if there is no memory for keys
   SecureLink(net::DatagramLink& link, const net::Address& server, Handshaker& handshaker, const time::Clock& clock);
@@ -68,6 +72,7 @@ class SecureLink final : public net::DatagramLink {
 
   void take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
   [[nodiscard]] Handshaker::Wanted wanted(Nanoseconds now) const noexcept;
+  [[nodiscard]] bool is_unanswered(Nanoseconds now) const noexcept;
   [[nodiscard]] std::uint64_t& counted(security::Opening result) noexcept {
     return counters_.by_opening[static_cast<std::size_t>(result)];
   }
@@ -81,8 +86,10 @@ class SecureLink final : public net::DatagramLink {
   // The session of keys that is used, and the one before, of which datagrams may be on their way.
   std::array<security::Channel, 2> channels_{security::Channel({}), security::Channel({})};
   std::size_t newest_ = 0;
-  Nanoseconds heard_{0};                ///< when something was opened, or keys came
-  Nanoseconds silence_{kFirstSilence};  ///< after that, another session of keys is wanted
+  // Under the newest session of keys:
+  bool any_opened_ = false;
+  int unanswered_ = 0;               ///< datagrams sent since one was opened, up to kUnansweredLeast
+  Nanoseconds unanswered_since_{0};  ///< when the first of them was sent
   Handshaker::Said said_{};
   std::array<std::byte, net::kDatagramBytesMax> sealed_{};
   std::array<std::byte, net::kDatagramBytesMax + 1> received_{};  // one more, so that an oversize datagram shows

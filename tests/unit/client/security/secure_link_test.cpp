@@ -98,6 +98,12 @@ class SecureLinkTest : public testing::Test {
     EXPECT_EQ(server_.opened(sent().back(), clock_.time), content(1));
   }
 
+  /// As many as have to be unanswered.
+  void send_unanswered() {
+    for (int i = 0; i < SecureLink::kUnansweredLeast; ++i) EXPECT_TRUE(secure_->send(content(2), kServer));
+    (void)sent();
+  }
+
   void hear() {
     from_server(server_.sealed(content(9), clock_.time));
     EXPECT_EQ(tick(), std::vector<Bytes>{content(9)});
@@ -295,7 +301,20 @@ TEST_F(SecureLinkTest, SaysThatNobodyAnswersTheHandshake) {
   begin();
   (void)request();
   for (int ms = 0; ms < 8000; ++ms) tick();
-  EXPECT_THAT(handshaker_->problem(), HasSubstr("haptics:47800 does not answer the handshake"));
+  EXPECT_THAT(handshaker_->problem(), HasSubstr("haptics:47800 does not answer the handshake: it has another key, or"));
+}
+
+TEST_F(SecureLinkTest, NamesTheNetworkFirstWhereTheServerKnewTheKeysBefore) {
+  begin();
+  shake_hands();
+  hear();
+  send_unanswered();
+  clock_.time += SecureLink::kSilence;
+  (void)request();
+  for (int ms = 0; ms < 8000; ++ms) tick();
+  EXPECT_THAT(
+      handshaker_->problem(),
+      HasSubstr("does not answer the handshake: datagrams are lost, it does not run, or it has another key now"));
 }
 
 TEST_F(SecureLinkTest, DropsAndCountsWhatTheServerDidNotSeal) {
@@ -397,6 +416,7 @@ TEST_F(SecureLinkTest, BeginsAnotherSessionWhenTheServerIsSilentAndUsesTheOldOne
   begin();
   shake_hands();
   hear();
+  send_unanswered();
   clock_.time += SecureLink::kSilence;
   const auto asked = request();
   EXPECT_TRUE(secure_->ready());
@@ -420,9 +440,47 @@ TEST_F(SecureLinkTest, BeginsAnotherSessionWhenTheServerIsSilentAndUsesTheOldOne
 TEST_F(SecureLinkTest, WaitsLongerForTheFirstThatAServerSaysFromAfar) {
   begin();
   shake_hands();
+  send_unanswered();
   clock_.time += SecureLink::kFirstSilence - 10ms;
   for (int ms = 0; ms < 9; ++ms) tick();
   EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_EQ(request().topic.handshake, 1);
+}
+
+TEST_F(SecureLinkTest, KeepsItsKeysWhileNothingOrLittleWasSent) {
+  begin();
+  shake_hands();
+  hear();
+  for (int ms = 0; ms < 10'000; ++ms) tick();
+  for (int i = 1; i < SecureLink::kUnansweredLeast; ++i) EXPECT_TRUE(secure_->send(content(2), kServer));
+  (void)sent();
+  for (int ms = 0; ms < 10'000; ++ms) tick();
+  EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_TRUE(secure_->send(content(2), kServer));
+  (void)sent();
+  EXPECT_EQ(request().topic.handshake, 1) << "the first of them was sent long ago";
+}
+
+TEST_F(SecureLinkTest, TakesNothingUnderOldKeysForAnAnswerUnderNewOnes) {
+  begin();
+  shake_hands();
+  hear();
+  send_unanswered();
+  clock_.time += SecureLink::kSilence;
+  const auto asked = request();
+  ServerEnd restarted;
+  restarted.number = 33;
+  from_server(restarted.answer_to(asked, clock_.time));
+  const Bytes on_its_way = server_.sealed(content(7), clock_.time);
+  tick();
+  tick();
+  send_unanswered();
+  from_server(on_its_way);
+  EXPECT_EQ(tick(), std::vector<Bytes>{content(7)});
+  clock_.time += 2 * SecureLink::kSilence;
+  for (int ms = 0; ms < 10; ++ms) tick();
+  EXPECT_THAT(sent(), IsEmpty()) << "a first answer may come from afar";
+  clock_.time += SecureLink::kFirstSilence;
   EXPECT_EQ(request().topic.handshake, 1);
 }
 
@@ -430,6 +488,7 @@ TEST_F(SecureLinkTest, StopsAskingWhenTheServerSpeaksAgain) {
   begin();
   shake_hands();
   hear();
+  send_unanswered();
   clock_.time += SecureLink::kSilence;
   (void)next_sent();
   from_server(server_.sealed(content(7), clock_.time));
