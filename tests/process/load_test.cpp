@@ -1,8 +1,13 @@
 #include <gmock/gmock.h>
+#include <sched.h>
 
 #include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <string>
 #include <thread>
 
+#include "forcebound/time/real_time.hpp"
 #include "tests/process/programs.hpp"
 #include "tests/support/auto_wall.hpp"
 
@@ -45,6 +50,27 @@ TEST(LabLoad, IsAnsweredByTwoWorkersAtOneAddress) {
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 16U);
   EXPECT_GT(counted(server.out(), "forces", "sent"), 0U);
   EXPECT_THAT(server.out(), Not(HasSubstr("handed over"))) << "the system steers";
+}
+
+// As systemd starts a service with CPUSchedulingResetOnFork: no thread inherits the first one's scheduling.
+TEST(LabLoad, IsAnsweredByWorkersThatEachHaveSchedFifo) {
+  int refused = 0;
+  std::thread([&] { refused = time::ask_for_first_in_first_out(1); }).join();
+  if (refused != 0) GTEST_SKIP() << "SCHED_FIFO is not granted here: " << std::strerror(refused);
+  Process server("/usr/bin/chrt", {"--reset-on-fork", "--fifo", "1", kServer, "--listen", "127.0.0.1:0", "--scene",
+                                   "sphere", "--workers", "3", "--realtime"});
+  ASSERT_TRUE(server.wait_for("listening on "));
+  const auto threads_in_real_time = [&] {
+    int all = 0;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(server.pid()) + "/task")) {
+      all += (sched_getscheduler(std::stoi(task.path().filename())) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO ? 1 : 0;
+    }
+    return all;
+  };
+  // Each asks for itself once it runs.
+  for (int i = 0; i < 2000 && threads_in_real_time() < 3; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(threads_in_real_time(), 3);
+  EXPECT_EQ(server.stop(), 0);
 }
 
 TEST(LabLoad, ServesARobotByOneWorkerAlone) {

@@ -12,7 +12,9 @@ struct RealTimeGrant {
   std::string text;               ///< what was granted, and why the rest was not
 };
 
-/// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread.
+/// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread. Threads that it starts later inherit that unless
+/// systemd has started the process (CPUSchedulingResetOnFork, a flag that stays set): each that needs it asks for
+/// itself.
 /// @returns 0, or the error number of the refusal.
 [[nodiscard]] int ask_for_first_in_first_out(int priority) noexcept;
 

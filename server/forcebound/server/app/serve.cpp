@@ -88,6 +88,10 @@ void ask_for_real_time() {
   }
 }
 
+/// For a further worker's thread: it need not inherit the first one's scheduling. If refused, that one's is too, and
+/// says so.
+void ask_for_scheduling() { (void)time::ask_for_first_in_first_out(kPriority); }
+
 /// The file of clients again; the one before stays where it cannot be read.
 void reload(ServerWorkers& server, const ProgramOptions& options) {
   if (options.keys.clients.empty()) {
@@ -308,7 +312,9 @@ int serve(ProgramOptions options) {
   PageObserver page_observer(*observer, clock);
   ServerObserver& told = options.page ? static_cast<ServerObserver&>(page_observer) : *observer;
   ServerWorkers server(std::move(link),
-                       {.workers = workers, .observes_motions = options.page.has_value() || !options.record.empty()},
+                       {.workers = workers,
+                        .observes_motions = options.page.has_value() || !options.record.empty(),
+                        .begin_thread = options.realtime ? ask_for_scheduling : nullptr},
                        options.server, offer.environments, &told, std::move(keys));
   spdlog::info("{}", encryption_words);
   // Before: its thread is to have no real-time priority.

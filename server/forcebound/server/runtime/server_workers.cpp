@@ -69,7 +69,8 @@ class ServerWorkers::LockedObserver final : public ServerObserver {
 
 ServerWorkers::ServerWorkers(net::UdpLink link, const Settings& settings, ServerOptions options,
                              const EnvironmentLibrary& environments, ServerObserver* observer,
-                             std::optional<ServerKeys> keys) {
+                             std::optional<ServerKeys> keys)
+    : begin_thread_(settings.begin_thread) {
   if (settings.workers < 1 || settings.workers > WorkerPlace::kWorkersMost) {
     throw std::invalid_argument("workers must be 1 to " + std::to_string(WorkerPlace::kWorkersMost) + ", got " +
                                 std::to_string(settings.workers));
@@ -109,6 +110,7 @@ void ServerWorkers::start() {
 
 void ServerWorkers::work(UdpServer& server, const std::stop_token& wanted) noexcept {
   try {
+    if (begin_thread_) begin_thread_();
     server.run(wanted);
   } catch (...) {
     const std::lock_guard lock(failure_guard_);

@@ -37,6 +37,8 @@ class ServerWorkers {
     bool observes_motions = false;  ///< the observer wants motions and forces
     /// Has the system choose the sockets.
     std::function<bool(const net::UdpLink&, std::size_t)> steer = server::steer;
+    /// Called first in each of the other workers' threads, as for their scheduling. May be empty; must not throw.
+    std::function<void()> begin_thread = {};
   };
 
   /// @param link of the first worker; the others' are bound beside it
@@ -49,7 +51,7 @@ class ServerWorkers {
   ServerWorkers(const ServerWorkers&) = delete;
   ServerWorkers& operator=(const ServerWorkers&) = delete;
 
-  /// Starts the other workers' threads, which inherit this one's scheduling.
+  /// Starts the other workers' threads.
   void start();
 
   /// UdpServer's of the first worker. @throws what another worker threw
@@ -107,6 +109,7 @@ class ServerWorkers {
   [[nodiscard]] std::uint64_t sum_of(std::uint64_t UdpServer::Figures::*figure) const;
 
   time::SteadyClock clock_;
+  std::function<void()> begin_thread_;
   std::unique_ptr<SharedLimits> limits_;  ///< null: one worker
   std::unique_ptr<MovedKeys> moved_;
   std::unique_ptr<LockedObserver> observer_;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
@@ -312,6 +313,20 @@ TEST(ServerWorkers, EndAnyWorkersSessionAndAdmitNoneAsAsked) {
     EXPECT_EQ(asker.hear<wire::Refusal>().text, "the end is near");
   }
   server.stop();
+}
+
+TEST(ServerWorkers, BeginEachOtherThreadAsToldTo) {
+  std::mutex guard;
+  std::set<std::thread::id> begun;
+  const auto note = [&] {
+    const std::lock_guard lock(guard);
+    begun.insert(std::this_thread::get_id());
+  };
+  ServerWorkers server(listen({"127.0.0.1", 0}), {.workers = 3, .begin_thread = note}, {.scene = "push"}, pushes());
+  server.start();
+  server.stop();
+  EXPECT_EQ(begun.size(), 2U);
+  EXPECT_FALSE(begun.contains(std::this_thread::get_id()));
 }
 
 class Throws final : public ServerObserver {
