@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "forcebound/control/assertion.hpp"
 #include "forcebound/v1/session.pb.h"
 #include "forcebound/wire/internal/crc32.hpp"
 #include "forcebound/wire/internal/known_fields.hpp"
@@ -331,7 +332,7 @@ template <class Proto>
 std::span<const std::byte> Codec::Storage::frame(std::size_t kind, Proto& body) noexcept {
   std::size_t bytes = kHeaderBytes + body.ByteSizeLong();
   if constexpr (std::is_same_v<Proto, v1::EnvironmentForce>) {
-    // Models that do not fit beside all else are left out, and their forces held. Nothing else is ever too long.
+    // Models that do not fit beside all else are left out, and their forces held.
     if (bytes > kFrameBytesMax) {
       body.clear_model_surface();
       body.clear_model_mass();
@@ -339,6 +340,7 @@ std::span<const std::byte> Codec::Storage::frame(std::size_t kind, Proto& body) 
       bytes = kHeaderBytes + body.ByteSizeLong();
     }
   }
+  FORCEBOUND_ASSERT(bytes <= kFrameBytesMax, "names, texts and pieces are cut so that their message fits a datagram");
   body.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data() + kHeaderBytes));
   const std::span<std::byte> framed{datagram.data(), bytes};
   framed[kKindAt] = static_cast<std::byte>(kind);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <string>
+#include <system_error>
 
 namespace forcebound::server {
 namespace {
@@ -39,7 +40,8 @@ std::optional<double> processor_quota(const fs::path& own, const fs::path& group
     const std::string controllers = line.substr(first + 1, second - first - 1);
     if (!controllers.empty() && !names_cpu(controllers)) continue;
     fs::path hierarchy = groups / (controllers.empty() ? "unified" : controllers);
-    if (!fs::is_directory(hierarchy)) hierarchy = controllers.empty() ? groups : groups / "cpu";
+    std::error_code unreadable;
+    if (!fs::is_directory(hierarchy, unreadable)) hierarchy = controllers.empty() ? groups : groups / "cpu";
     // What is mounted may begin at the process's own group, whose path then does not exist in it.
     fs::path group = fs::path(line.substr(second + 1)).relative_path();
     for (bool more = true; more; group = group.parent_path()) {

@@ -65,6 +65,13 @@ TEST_F(ProcessorQuota, IsReadFromTheOlderHierarchy) {
   EXPECT_EQ(quota("4:memory:/pod\n3:cpuset:/pod\n2:cpu,cpuacct:/pod\n0::/"), 2.5);
 }
 
+TEST_F(ProcessorQuota, IsLookedForElsewhereWhereAHierarchyCannotBeRead) {
+  write("groups/cpu/cpu.cfs_quota_us", "300000");
+  write("groups/cpu/cpu.cfs_period_us", "100000");
+  const std::string too_long_for_a_file(300, 'x');
+  EXPECT_EQ(quota("1:cpu," + too_long_for_a_file + ":/pod"), 3);
+}
+
 TEST_F(ProcessorQuota, IsFoundWhereBothHierarchiesAreMounted) {
   write("groups/cpu/pod/cpu.cfs_quota_us", "400000");
   write("groups/cpu/pod/cpu.cfs_period_us", "100000");
