@@ -1,11 +1,15 @@
 #include "tests/process/programs.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/ip/udp.hpp>
+#include <cstdint>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
-
-#include "forcebound/net/udp_link.hpp"
 
 namespace forcebound::test {
 
@@ -63,8 +67,25 @@ Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds li
 }
 
 std::string free_address() {
-  const net::Address any{.ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1}, .port = 0};
-  return net::to_string(net::UdpLink::listen(any).local_address());
+  // Below those that the system gives to connections, which would otherwise take it meanwhile; each process begins
+  // elsewhere.
+  constexpr int kFirst = 20'000;
+  constexpr int kPorts = 12'000;
+  constexpr int kOfAProcess = 50;
+  static int next = getpid() * kOfAProcess;
+  asio::io_context context;
+  for (int i = 0; i < kPorts; ++i) {
+    const auto port = static_cast<std::uint16_t>(kFirst + next++ % kPorts);
+    const asio::ip::address host = asio::ip::address_v4::loopback();
+    asio::error_code in_use;
+    asio::ip::udp::socket datagrams(context, asio::ip::udp::v4());
+    (void)datagrams.bind({host, port}, in_use);
+    if (in_use) continue;
+    asio::ip::tcp::acceptor connections(context, asio::ip::tcp::v4());
+    (void)connections.bind({host, port}, in_use);
+    if (!in_use) return "127.0.0.1:" + std::to_string(port);
+  }
+  throw std::runtime_error("no port is free");
 }
 
 std::uint64_t counted(const std::string& text, std::string_view subject, std::string_view what) {
