@@ -107,13 +107,13 @@ listening() {
       pids+=("$pid")
       return
     fi
-    grep -qi 'in use' "$log" || break
+    grep -qsi 'in use' "$log" || break
   done
   cat "$log" >&2
   fail "the $name did not start"
 }
 
-# until_true TEXT COMMAND...: waits up to 60 s.
+# until_true TEXT COMMAND...: waits up to 60 s; $out is where the logs are.
 until_true() {
   local text=$1 end=$((SECONDS + 60)); shift
   until "$@"; do
