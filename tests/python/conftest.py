@@ -5,10 +5,10 @@ skipped without it. FORCEBOUND_EXAMPLES is the folder of the examples.
 """
 
 import os
+import re
 import shutil
-import socket
 import subprocess
-from pathlib import Path
+import time
 
 import matplotlib
 import numpy as np
@@ -34,15 +34,16 @@ def lab() -> str:
 @pytest.fixture
 def server(tmp_path):
     """A server of the scene sphere on a free port of the loopback; its address."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
-        taken.bind(("127.0.0.1", 0))
-        address = f"127.0.0.1:{taken.getsockname()[1]}"
-    log = (tmp_path / "server.log").open("w")
-    serving = subprocess.Popen([program("forcebound-server"), "--scene", "sphere", "--listen", address],
-                               stdout=log, stderr=subprocess.STDOUT)
-    yield address
+    log = tmp_path / "server.log"
+    with log.open("w") as output:
+        serving = subprocess.Popen([program("forcebound-server"), "--scene", "sphere", "--listen", "127.0.0.1:0"],
+                                   stdout=output, stderr=subprocess.STDOUT)
+    while not (listening := re.search(r"listening on (\S+:\d+),", log.read_text())):
+        assert serving.poll() is None, log.read_text()
+        time.sleep(0.02)
+    yield listening[1]
     serving.terminate()
-    assert serving.wait(60) == 0, Path(log.name).read_text()
+    assert serving.wait(60) == 0, log.read_text()
 
 
 @pytest.fixture
