@@ -269,9 +269,9 @@ void Handshaker::note_silence(Nanoseconds now) {
   if (!problem_.empty()) return;
   const std::string key = identity_.pattern == security::Pattern::nn_psk0 ? "another --psk" : "another key";
   const bool knew_keys = session_server_ != 0;
-  problem_ = identity_.server + " does not answer the handshake: " +
-             (knew_keys ? "datagrams are lost, it does not run, or it has " + key + " now"
-                        : "it has " + key + ", or datagrams are lost");
+  problem_ =
+      identity_.server + " does not answer the handshake: " +
+      (knew_keys ? "datagrams are lost, or it has " + key + " now" : "it has " + key + ", or datagrams are lost");
 }
 
 void Handshaker::set_problem(std::string text) {

@@ -19,11 +19,15 @@ bool SecureLink::send(std::span<const std::byte> datagram, const net::Address& /
 
 std::span<const std::byte> SecureLink::seal(std::span<const std::byte> content) noexcept {
   const Nanoseconds now = clock_.now();
-  const auto bytes = newest().seal(content, sealed_, now);
-  if (!bytes) return {};
+  const auto sealed = seal_unnoted(content, now);
+  if (sealed.empty()) return sealed;
   if (unanswered_ == 0) unanswered_since_ = now;
   unanswered_ = std::min(unanswered_ + 1, kUnansweredLeast);
-  return std::span(sealed_).first(*bytes);
+  return sealed;
+}
+
+std::span<const std::byte> SecureLink::seal_unnoted(std::span<const std::byte> content, Nanoseconds now) noexcept {
+  return std::span(sealed_).first(newest().seal(content, sealed_, now).value_or(0));
 }
 
 std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) noexcept {
@@ -77,7 +81,8 @@ void SecureLink::exchange() noexcept {
   if (made) handshaker_.keys_taken();
   while (handshaker_.take(said_)) {
     const auto bytes = std::span<const std::byte>(said_.bytes).first(said_.length);
-    (void)(said_.sealed ? send(bytes, server_) : link_.send(bytes, server_));
+    const auto datagram = said_.sealed ? seal_unnoted(bytes, now) : bytes;
+    if (!datagram.empty()) (void)link_.send(datagram, server_);
   }
 }
 

@@ -17,10 +17,10 @@ namespace forcebound::client {
 /// another, of which the session above knows nothing.
 ///
 /// Until a handshake has given keys, nothing is sent (`ready`). A new session of keys begins when there is none, when
-/// its keys have expired, or when kUnansweredLeast datagrams or more were sent under them without one that could be
-/// opened since, the first of them kSilence ago (kFirstSilence, if none has ever been opened): the server may have been
-/// restarted, and then knows these keys no more. Meanwhile they are used as before, since it may just as well be the
-/// network that is silent.
+/// its keys have expired, or when kUnansweredLeast datagrams or more, but for handshakes, were sent under them without
+/// one that could be opened since, the first of them kSilence ago (kFirstSilence, if none has ever been opened): the
+/// server may have been restarted, and then knows these keys no more. Meanwhile they are used as before, since it may
+/// just as well be the network that is silent.
 ///
 /// Real time: noexcept, no allocation; handshakes are the handshaker's, on another thread. A datagram costs about 1 us.
 /// Owned by the tick's thread.
@@ -70,6 +70,8 @@ class SecureLink final : public net::DatagramLink {
   static constexpr int kCostMost = 512;
   static constexpr int kForgedCost = 7;
 
+  /// `seal` of what need not be answered.
+  [[nodiscard]] std::span<const std::byte> seal_unnoted(std::span<const std::byte> content, Nanoseconds now) noexcept;
   void take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
   [[nodiscard]] Handshaker::Wanted wanted(Nanoseconds now) const noexcept;
   [[nodiscard]] bool is_unanswered(Nanoseconds now) const noexcept;
