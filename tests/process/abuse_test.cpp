@@ -265,10 +265,15 @@ TEST(AServerWithoutMemory, RefusesSessionsAndGoesOn) {
   EXPECT_THAT(many.err,
               testing::AnyOf("", testing::HasSubstr("not enough memory"), testing::HasSubstr("no answer from")));
   // Whether there is memory for one more depends on how many of them are gone; it is answered in any case.
-  Client one_more(address, {"--device", "omni", "--duration", "0.2", "--once"});
-  EXPECT_TRUE(one_more.wait(60s)) << "it was let in, or refused for good";
-  EXPECT_THAT(one_more.err(),
-              testing::AnyOf(testing::HasSubstr(" connected; "), testing::HasSubstr("not enough memory")));
+  Client one_more(address, {"--device", "omni"});
+  const auto contains = [&](const char* text) { return one_more.err().find(text) != std::string::npos; };
+  bool answered = false;
+  for (int i = 0; i < 1000 && !answered; ++i) {
+    std::this_thread::sleep_for(100ms);
+    answered = contains(" connected; ") || contains("not enough memory");
+  }
+  EXPECT_TRUE(answered);
+  one_more.stop();
   EXPECT_EQ(server.stop(), 0);
   EXPECT_GT(counted(server.out(), "sessions", "opened"), 0U);
 }

@@ -1,12 +1,11 @@
 #include "tests/process/programs.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/ip/udp.hpp>
 #include <cstdint>
+#include <random>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
@@ -67,14 +66,13 @@ Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds li
 }
 
 std::string free_address() {
-  // Below those that the system gives to connections, which would otherwise take it meanwhile; each process begins
-  // elsewhere.
-  constexpr int kFirst = 20'000;
-  constexpr int kPorts = 12'000;
-  constexpr int kOfAProcess = 50;
-  static int next = getpid() * kOfAProcess;
+  // Below those that the system gives to connections, which would otherwise take it meanwhile (net.ipv4.
+  // ip_local_port_range begins at 32768). Each process begins elsewhere.
+  constexpr unsigned kFirst = 20'000;
+  constexpr unsigned kPorts = 12'000;
+  static unsigned next = std::random_device()() % kPorts;
   asio::io_context context;
-  for (int i = 0; i < kPorts; ++i) {
+  for (unsigned i = 0; i < kPorts; ++i) {
     const auto port = static_cast<std::uint16_t>(kFirst + next++ % kPorts);
     const asio::ip::address host = asio::ip::address_v4::loopback();
     asio::error_code in_use;

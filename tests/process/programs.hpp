@@ -71,7 +71,8 @@ struct Ran {
 };
 Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds limit = std::chrono::seconds{60});
 
-/// HOST:PORT of a port that is closed, for UDP and TCP, and that the system gives to nobody who does not ask for it.
+/// HOST:PORT of a port that is closed, for UDP and TCP, and that Linux by default gives to nobody who does not ask for
+/// it.
 std::string free_address();
 
 /// The number in front of `what` in the counts that a program prints at its end ("12 reordered"); 0 where it is not

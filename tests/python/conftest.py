@@ -38,12 +38,16 @@ def server(tmp_path):
     with log.open("w") as output:
         serving = subprocess.Popen([program("forcebound-server"), "--scene", "sphere", "--listen", "127.0.0.1:0"],
                                    stdout=output, stderr=subprocess.STDOUT)
-    while not (listening := re.search(r"listening on (\S+:\d+),", log.read_text())):
-        assert serving.poll() is None, log.read_text()
-        time.sleep(0.02)
-    yield listening[1]
-    serving.terminate()
-    assert serving.wait(60) == 0, log.read_text()
+    try:
+        limit = time.monotonic() + 60
+        while not (listening := re.search(r"listening on (\S+:\d+),", log.read_text())):
+            assert serving.poll() is None and time.monotonic() < limit, log.read_text()
+            time.sleep(0.02)
+        yield listening[1]
+    finally:
+        serving.terminate()
+        status = serving.wait(60)
+    assert status == 0, log.read_text()
 
 
 @pytest.fixture

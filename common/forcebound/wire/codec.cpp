@@ -340,7 +340,7 @@ std::span<const std::byte> Codec::Storage::frame(std::size_t kind, Proto& body) 
       bytes = kHeaderBytes + body.ByteSizeLong();
     }
   }
-  FORCEBOUND_ASSERT(bytes <= kFrameBytesMax, "names, texts and pieces are cut so that their message fits a datagram");
+  FORCEBOUND_ASSERT(bytes <= kFrameBytesMax, "texts are cut, and pieces made, so that their message fits a datagram");
   body.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data() + kHeaderBytes));
   const std::span<std::byte> framed{datagram.data(), bytes};
   framed[kKindAt] = static_cast<std::byte>(kind);
