@@ -4,8 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -88,9 +90,17 @@ void ask_for_real_time() {
   }
 }
 
-/// For a further worker's thread: it need not inherit the first one's scheduling. If refused, that one's is too, and
-/// says so.
-void ask_for_scheduling() { (void)time::ask_for_first_in_first_out(kPriority); }
+/// For a further worker's thread, which need not inherit the first one's scheduling. What systemd has given to that one
+/// may be refused to others, where its limit is lower.
+void ask_for_scheduling() {
+  const int refused = time::ask_for_first_in_first_out(kPriority);
+  static std::atomic_flag said;
+  if (refused == 0 || said.test_and_set()) return;
+  spdlog::warn(
+      "further workers have no SCHED_FIFO ({}): their answers are late whenever the machine is busy. A service needs "
+      "LimitRTPRIO={}",
+      std::strerror(refused), kPriority);
+}
 
 /// The file of clients again; the one before stays where it cannot be read.
 void reload(ServerWorkers& server, const ProgramOptions& options) {
