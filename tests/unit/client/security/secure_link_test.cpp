@@ -109,6 +109,21 @@ class SecureLinkTest : public testing::Test {
     EXPECT_EQ(tick(), std::vector<Bytes>{content(9)});
   }
 
+  /// A session that the server has spoken in, and in which it has been silent until another is wanted.
+  void begin_and_lose_the_server() {
+    begin();
+    shake_hands();
+    hear();
+    send_unanswered();
+    clock_.time += SecureLink::kSilence;
+  }
+
+  /// Has another server answer the request, which knows nothing of the session before.
+  void answer_as_restarted(const security::HandshakeRequest& asked) {
+    restarted_.number = 33;
+    from_server(restarted_.answer_to(asked, clock_.time));
+  }
+
   /// Lets the server speak often enough meanwhile.
   void pass(time::Nanoseconds duration) {
     for (const auto until = clock_.time + duration; clock_.time < until; clock_.time += SecureLink::kSilence / 2) {
@@ -124,6 +139,7 @@ class SecureLinkTest : public testing::Test {
   test::FakeClock clock_;
   test::FakeLink link_;
   ServerEnd server_;
+  ServerEnd restarted_;
   std::unique_ptr<Handshaker> handshaker_;
   std::unique_ptr<SecureLink> secure_;
   std::array<std::byte, net::kDatagramBytesMax> buffer_{};
@@ -305,11 +321,7 @@ TEST_F(SecureLinkTest, SaysThatNobodyAnswersTheHandshake) {
 }
 
 TEST_F(SecureLinkTest, NamesTheNetworkFirstWhereTheServerKnewTheKeysBefore) {
-  begin();
-  shake_hands();
-  hear();
-  send_unanswered();
-  clock_.time += SecureLink::kSilence;
+  begin_and_lose_the_server();
   (void)request();
   for (int ms = 0; ms < 8000; ++ms) tick();
   EXPECT_THAT(handshaker_->problem(),
@@ -412,27 +424,21 @@ TEST_F(SecureLinkTest, AsksAgainForAKeyWhoseHandshakeWasLost) {
 }
 
 TEST_F(SecureLinkTest, BeginsAnotherSessionWhenTheServerIsSilentAndUsesTheOldOneMeanwhile) {
-  begin();
-  shake_hands();
-  hear();
-  send_unanswered();
-  clock_.time += SecureLink::kSilence;
+  begin_and_lose_the_server();
   const auto asked = request();
   EXPECT_TRUE(secure_->ready());
   EXPECT_TRUE(secure_->send(content(2), kServer));
   EXPECT_EQ(server_.opened(sent().back(), clock_.time), content(2));
-  ServerEnd restarted;
-  restarted.number = 33;
-  from_server(restarted.answer_to(asked, clock_.time));
+  answer_as_restarted(asked);
   const Bytes on_its_way = server_.sealed(content(7), clock_.time);
   tick();
   tick();
   EXPECT_EQ(secure_->counters().sessions, 2U);
   (void)sent();
   EXPECT_TRUE(secure_->send(content(3), kServer));
-  EXPECT_EQ(restarted.opened(sent().back(), clock_.time), content(3));
+  EXPECT_EQ(restarted_.opened(sent().back(), clock_.time), content(3));
   from_server(on_its_way);
-  from_server(restarted.sealed(content(8), clock_.time));
+  from_server(restarted_.sealed(content(8), clock_.time));
   EXPECT_EQ(tick(), (std::vector<Bytes>{content(7), content(8)}));
 }
 
@@ -461,15 +467,9 @@ TEST_F(SecureLinkTest, KeepsItsKeysWhileNothingOrLittleWasSent) {
 }
 
 TEST_F(SecureLinkTest, TakesNothingUnderOldKeysForAnAnswerUnderNewOnes) {
-  begin();
-  shake_hands();
-  hear();
-  send_unanswered();
-  clock_.time += SecureLink::kSilence;
+  begin_and_lose_the_server();
   const auto asked = request();
-  ServerEnd restarted;
-  restarted.number = 33;
-  from_server(restarted.answer_to(asked, clock_.time));
+  answer_as_restarted(asked);
   const Bytes on_its_way = server_.sealed(content(7), clock_.time);
   tick();
   tick();
@@ -484,11 +484,7 @@ TEST_F(SecureLinkTest, TakesNothingUnderOldKeysForAnAnswerUnderNewOnes) {
 }
 
 TEST_F(SecureLinkTest, StopsAskingWhenTheServerSpeaksAgain) {
-  begin();
-  shake_hands();
-  hear();
-  send_unanswered();
-  clock_.time += SecureLink::kSilence;
+  begin_and_lose_the_server();
   (void)next_sent();
   from_server(server_.sealed(content(7), clock_.time));
   EXPECT_EQ(tick(), std::vector<Bytes>{content(7)});
