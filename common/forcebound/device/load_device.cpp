@@ -112,6 +112,7 @@ Safety read_safety(config::CheckedTable section, Safety safety, bool turns) {
   constexpr double kMost = 1e3;
   safety.ramp_s = limit("ramp_s", safety.ramp_s, kLongest_s);
   safety.speed_m_per_s_max = limit("speed_m_per_s_max", safety.speed_m_per_s_max, kMost);
+  if (turns) safety.turn_rad_per_s_max = limit("turn_rad_per_s_max", safety.turn_rad_per_s_max, kMost);
   safety.workspace_radius_m = limit("workspace_radius_m", safety.workspace_radius_m, kMost);
   safety.workspace_fade_m = section.number({.key = "workspace_fade_m",
                                             .preset = safety.workspace_fade_m,

@@ -39,8 +39,9 @@ namespace forcebound::device {
 ///                                     torque_share; encoder_steps beyond half a step; actuator_lag_s
 ///
 ///     [safety]                        limits for the hand (Safety): ramp_s, speed_m_per_s_max, workspace_radius_m,
-///                                     workspace_fade_m, rms_force_N_max, rms_torque_N_m_max, rms_s; those of a
-///                                     simulated device are 0 unless said
+///                                     workspace_fade_m, rms_force_N_max, rms_s, and with torque_N_m_max
+///                                     turn_rad_per_s_max and rms_torque_N_m_max; those of a simulated device are 0
+///                                     unless said; dead_man_button, which no device has unless said
 ///
 /// A number holds for all axes; a list has one for each; inertia and damping may also be full matrices (lists of rows).
 ///

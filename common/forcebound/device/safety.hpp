@@ -11,6 +11,7 @@ namespace forcebound::device {
 struct Safety {
   double ramp_s = 0;               ///< the force grows in so long: after start, 20 ms without readings, a trip
   double speed_m_per_s_max = 0;    ///< a tip that is faster feels nothing until it is half as fast
+  double turn_rad_per_s_max = 0;   ///< likewise a handle that turns faster, where the device shows a torque
   double workspace_radius_m = 0;   ///< beyond this distance from the origin the force fades to zero
   double workspace_fade_m = 0.01;  ///< over this one
   double rms_force_N_max = 0;      ///< root mean square of the force over about `rms_s`: more heats the motors
@@ -22,6 +23,7 @@ struct Safety {
   [[nodiscard]] static Safety of_a_person(const control::DeviceFacts& facts) noexcept {
     return {.ramp_s = 0.5,
             .speed_m_per_s_max = 2,
+            .turn_rad_per_s_max = facts.torque_N_m_max > 0 ? 20.0 : 0.0,
             .rms_force_N_max = 0.6 * facts.force_N_max,
             .rms_torque_N_m_max = 0.6 * facts.torque_N_m_max};
   }

@@ -90,7 +90,9 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("server_ahead_ns", totals.server_ahead);
   visit("server_ahead_off_ns", totals.server_ahead_off);
   visit("slew_bounded", totals.slew_bounded);
+  visit("torque_slew_bounded", totals.torque_slew_bounded);
   visit("trips_of_speed", totals.trips_of_speed);
+  visit("trips_of_turn", totals.trips_of_turn);
   visit("trips_of_workspace", totals.trips_of_workspace);
   visit("trips_of_heat", totals.trips_of_heat);
   visit("trips_of_dead_man", totals.trips_of_dead_man);
@@ -304,8 +306,13 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "local models of the server refused: their forces were held instead"},
       {"slew_bounded", t.slew_bounded, "tick on which --force-slew limited the change of the requested force",
        "ticks on which --force-slew limited the change of the requested force"},
+      {"torque_slew_bounded", t.torque_slew_bounded,
+       "tick on which --torque-slew limited the change of the requested torque",
+       "ticks on which --torque-slew limited the change of the requested torque"},
       {"trips_of_speed", t.trips_of_speed, "time the hand was faster than the device's limit: no force meanwhile",
        "times the hand was faster than the device's limit: no force meanwhile"},
+      {"trips_of_turn", t.trips_of_turn, "time the hand turned faster than the device's limit: no force meanwhile",
+       "times the hand turned faster than the device's limit: no force meanwhile"},
       {"trips_of_workspace", t.trips_of_workspace, "time the hand left the device's workspace: the force faded",
        "times the hand left the device's workspace: the force faded"},
       {"trips_of_heat", t.trips_of_heat, "time the motors' load was above the device's limit: the force was bounded",

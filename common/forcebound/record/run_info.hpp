@@ -98,7 +98,9 @@ struct RunTotals {
   std::optional<Nanoseconds> server_ahead{};      ///< the server's clock less the client's, if that is known
   std::optional<Nanoseconds> server_ahead_off{};  ///< and by how much it may be off
   std::uint64_t slew_bounded = 0;                 ///< ticks on which the slew bound limited the requested force
+  std::uint64_t torque_slew_bounded = 0;          ///< likewise of the torque
   std::uint64_t trips_of_speed = 0;               ///< times the hand was too fast for a force
+  std::uint64_t trips_of_turn = 0;                ///< times it turned too fast for one
   std::uint64_t trips_of_workspace = 0;           ///< times it left the workspace that the device's safety limits name
   std::uint64_t trips_of_heat = 0;                ///< times the mean square of the force was too large for the motors
   std::uint64_t trips_of_dead_man = 0;            ///< times the dead-man button was let go, or not pressed at the start

@@ -384,6 +384,17 @@ TEST(ParseFacts, HaveLimitsForTheHand) {
               HasSubstr("dead_man_button must be a whole number from 0 to 31, got 32"));
   EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nworkspace_fade_m = 0\n"), HasSubstr("workspace_fade_m"));
   EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nramp = 1\n"), HasSubstr("did you mean 'ramp_s'"));
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "[safety]\nturn_rad_per_s_max = 1\n"),
+              HasSubstr("turn_rad_per_s_max"))
+      << "it shows no torque";
+}
+
+TEST(ParseFacts, LimitHowFastTheHandTurnsWhereATorqueIsShown) {
+  const auto shipped = std::ranges::find(shipped_devices(), "arm-6dof", &text::EmbeddedText::name);
+  const std::string text(shipped->text);
+  EXPECT_EQ(parse_facts(text, "mine.toml").safety.turn_rad_per_s_max, 20);
+  EXPECT_EQ(parse_facts(text + "[safety]\nturn_rad_per_s_max = 8\n", "mine.toml").safety.turn_rad_per_s_max, 8);
+  EXPECT_EQ(parse_facts(kPoint, "mine.toml").safety.turn_rad_per_s_max, 0);
 }
 
 TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {

@@ -131,6 +131,11 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->check(program::number_within(0))
       ->type_name("N/s")
       ->capture_default_str();
+  app.add_option("--torque-slew", options.torque_slew_N_m_per_s,
+                 "likewise of the requested torque, which a device of six axes shows; 0: no limit")
+      ->check(program::number_within(0))
+      ->type_name("N_m/s")
+      ->capture_default_str();
   app.add_option("--send-rate", typed.send_rate,
                  "motions per second, 10 at least; a tick sends one at most. auto: as few as what runs at the client "
                  "allows")

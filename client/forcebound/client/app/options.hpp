@@ -33,6 +33,7 @@ struct Options {
   std::string rendering = "local";
   std::string scene_cache;  ///< folder, or "none"
   double force_slew_N_per_s = 0;
+  double torque_slew_N_m_per_s = 0;
   SendRate send_rate;
   std::optional<page::ListenAddress> page;  ///< where the live page is served; none: nowhere
   std::string relay_control;                ///< whom the page tells what network to emulate; empty: nobody

@@ -42,6 +42,7 @@ Client::Settings settings_of(const Options& options) {
           .renders_locally = options.rendering == "local",
           .scene_cache = options.scene_cache == "none" ? "" : options.scene_cache,
           .force_slew_N_per_s = options.force_slew_N_per_s,
+          .torque_slew_N_m_per_s = options.torque_slew_N_m_per_s,
           .send_rate = options.send_rate,
           .seed = options.seed,
           .duration_s = options.duration_s,

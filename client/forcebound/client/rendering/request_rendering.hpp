@@ -19,13 +19,19 @@ namespace forcebound::client {
 ///     remote  share of the answer's force, with the ripples of its texture
 ///     local   the scene here, in place of that, + share of the rest + what local models change of it
 ///             -> goes on where the one before ended (SwapOffset) -> slew bound
+///     torque  share of the answer's -> slew bound
 ///
 /// Real time: noexcept, no allocation. Owned by the tick.
 class RequestRendering {
  public:
   /// @param local null: all forces are the server's
-  RequestRendering(LocalRendering* local, const SlewBound::Limits& limits) noexcept
-      : local_(local), force_N_max_(limits.force_N_max), swap_(limits.force_N_max), slew_(limits) {}
+  RequestRendering(LocalRendering* local, const SlewBound::Limits& force_N,
+                   const SlewBound::Limits& torque_N_m) noexcept
+      : local_(local),
+        force_N_max_(force_N.most),
+        swap_(force_N.most),
+        force_slew_(force_N),
+        torque_slew_(torque_N_m) {}
 
   struct Tick {
     Nanoseconds now{0};
@@ -58,8 +64,9 @@ class RequestRendering {
 
   [[nodiscard]] const AnswerRendering& answers() const noexcept { return answers_; }
 
-  /// Ticks on which the slew bound limited the request.
-  [[nodiscard]] std::uint64_t slew_bounded() const noexcept { return slew_.bounded(); }
+  /// Ticks on which the slew bound limited the request, of its force and of its torque.
+  [[nodiscard]] std::uint64_t force_slew_bounded() const noexcept { return force_slew_.bounded(); }
+  [[nodiscard]] std::uint64_t torque_slew_bounded() const noexcept { return torque_slew_.bounded(); }
 
  private:
   void render_locally(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick, Request& request) noexcept;
@@ -69,7 +76,8 @@ class RequestRendering {
   double force_N_max_;
   AnswerRendering answers_;
   SwapOffset swap_;
-  SlewBound slew_;
+  SlewBound force_slew_;
+  SlewBound torque_slew_;
   Vector last_request_N_{};
   bool local_before_ = false;  // whether the last force was of the scene at the client
 };

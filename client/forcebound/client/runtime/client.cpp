@@ -118,6 +118,7 @@ struct Client::Parts {
                                      .seed = settings.seed,
                                      .local = local ? &*local : nullptr,
                                      .force_slew_N_per_s = settings.force_slew_N_per_s,
+                                     .torque_slew_N_m_per_s = settings.torque_slew_N_m_per_s,
                                      .send_rate = settings.send_rate},
                     device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link,
                     clock, Session::Sinks{.ticks = sinks, .events = &events, .view = settings.view});

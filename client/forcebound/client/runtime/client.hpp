@@ -40,14 +40,15 @@ class Client {
     bool insecure = false;     ///< not encrypted is accepted to any server
     std::string scene{};       ///< requested; empty: the server's default
     LateForcePolicy policy{};
-    bool renders_locally = true;    ///< the static parts of the scene are handed over and run here
-    std::string scene_cache{};      ///< folder of scenes that were handed over; empty: none are kept
-    double force_slew_N_per_s = 0;  ///< largest change of the requested force; 0: no limit
-    SendRate send_rate{};           ///< of motions; on each tick unless said
-    std::uint64_t seed = 1;         ///< of the handshake's nonces: must differ between runs
-    double duration_s = 0;          ///< 0: until stopped
-    bool once = false;              ///< give up if the server refuses, or does not answer for 5 s
-    std::string recording{};        ///< MCAP file for every tick and force; empty: none
+    bool renders_locally = true;       ///< the static parts of the scene are handed over and run here
+    std::string scene_cache{};         ///< folder of scenes that were handed over; empty: none are kept
+    double force_slew_N_per_s = 0;     ///< largest change of the requested force; 0: no limit
+    double torque_slew_N_m_per_s = 0;  ///< likewise of the torque
+    SendRate send_rate{};              ///< of motions; on each tick unless said
+    std::uint64_t seed = 1;            ///< of the handshake's nonces: must differ between runs
+    double duration_s = 0;             ///< 0: until stopped
+    bool once = false;                 ///< give up if the server refuses, or does not answer for 5 s
+    std::string recording{};           ///< MCAP file for every tick and force; empty: none
     /// Runs beside another client of this process: it is that one's device that a failed assertion stops. For simulated
     /// devices alone.
     bool beside = false;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
 
 namespace forcebound::client {
@@ -33,17 +34,18 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   // As long without a tick as without a reading: the device has let go of the force meanwhile.
   if (since_reading_s > kGone_s) {
     ramp_ = 0;
-    last_.reset();
-    speed_m_per_s_ = 0;
+    last_position_.reset();
+    last_orientation_.reset();
+    speed_.mean_per_s = turn_.mean_per_s = 0;
   }
   if (!tick.position.allFinite()) {
     missing_s_ = since_reading_s;
     return Vector::Zero(wanted_N.rows());
   }
   missing_s_ = 0;
-  note_speed(tick.position, since_reading_s);
+  note_speeds(tick, since_reading_s);
   note_button(tick);
-  if (too_fast_ || let_go_) {
+  if (speed_.too_fast || turn_.too_fast || let_go_) {
     ramp_ = 0;
     return Vector::Zero(wanted_N.rows());
   }
@@ -63,19 +65,29 @@ Eigen::Vector3d HandSafety::limited_torque(const Eigen::Vector3d& wanted_N_m) co
   return local_model::no_longer_than<Eigen::Vector3d>(share_ * wanted_N_m, most_N_m);
 }
 
-void HandSafety::note_speed(const Vector& position, double elapsed_s) noexcept {
-  if (!(limits_.speed_m_per_s_max > 0)) return;
-  const bool measured = last_ && elapsed_s > 0;
-  if (measured) {
-    const double now_m_per_s = (position - *last_).norm() / elapsed_s;
-    speed_m_per_s_ += share_of_newest(elapsed_s, kSpeedMean_s) * (now_m_per_s - speed_m_per_s_);
+void HandSafety::note_speeds(const Tick& tick, double elapsed_s) noexcept {
+  if (last_position_) {
+    const double way_m = (tick.position - *last_position_).norm();
+    if (note_speed(speed_, way_m, elapsed_s, limits_.speed_m_per_s_max)) begin(Trip::speed);
   }
-  last_ = position;
-  if (speed_m_per_s_ > limits_.speed_m_per_s_max) {
-    if (!std::exchange(too_fast_, true)) begin(Trip::speed);
-  } else if (measured && speed_m_per_s_ < kSlowAgain * limits_.speed_m_per_s_max) {
-    too_fast_ = false;
+  last_position_ = tick.position;
+  orientation_missing_s_ += elapsed_s;
+  if (!tick.handle.orientation) return;
+  const double turned_in_s = std::exchange(orientation_missing_s_, 0.0);
+  const Eigen::Quaterniond orientation = control::quaternion_of(*tick.handle.orientation);
+  if (last_orientation_) {
+    const double turn_rad = orientation.angularDistance(*last_orientation_);
+    if (note_speed(turn_, turn_rad, turned_in_s, limits_.turn_rad_per_s_max)) begin(Trip::turn);
   }
+  last_orientation_ = orientation;
+}
+
+bool HandSafety::note_speed(Speed& speed, double way, double in_s, double most_per_s) noexcept {
+  if (!(most_per_s > 0) || !(in_s > 0)) return false;
+  speed.mean_per_s += share_of_newest(in_s, kSpeedMean_s) * (way / in_s - speed.mean_per_s);
+  if (speed.mean_per_s > most_per_s) return !std::exchange(speed.too_fast, true);
+  if (speed.mean_per_s < kSlowAgain * most_per_s) speed.too_fast = false;
+  return false;
 }
 
 void HandSafety::note_button(const Tick& tick) noexcept {

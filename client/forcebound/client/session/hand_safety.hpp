@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,10 +17,10 @@ using control::Vector;
 
 /// Bounds the force that is asked of the law by a device's Safety:
 ///
-///     asked = ramp(t) fade(x) F, its length at most cap,    zero while the tip is too fast or the dead-man button is
-///     up
+///     asked = ramp(t) fade(x) F, its length at most cap,    zero while the tip is too fast, the handle turns too fast
+///     or the dead-man button is up
 ///
-/// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, after the tip
+/// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, after the hand
 /// was too fast, or from when the dead-man button was pressed. A device without that button has it up. fade goes from 1
 /// at workspace_radius_m to 0 at workspace_fade_m beyond. cap is no limit while the mean square of the force that was
 /// applied, over rms_s, is below rms_force_N_max^2; above, it falls to rms_force_N_max by as much in each second, and
@@ -29,13 +30,14 @@ using control::Vector;
 ///
 /// A torque has a share of its own: the same ramp and fade, and a cap by its own mean square and rms_torque_N_m_max.
 ///
-/// The speed is that between readings, smoothed over 5 ms, so that one jump of an encoder trips nothing.
+/// A speed is that between readings, smoothed over 5 ms, so that one jump of an encoder trips nothing. Too fast, the
+/// hand must become half as fast.
 ///
 /// Real time: noexcept, no allocation, O(dof). Deterministic.
 class HandSafety {
  public:
-  enum class Trip : std::uint8_t { speed, workspace, heat, dead_man };
-  static constexpr std::size_t kTrips = 4;
+  enum class Trip : std::uint8_t { speed, turn, workspace, heat, dead_man };
+  static constexpr std::size_t kTrips = 5;
 
   /// @param force_N_max the device's largest, as the torque
   explicit HandSafety(const device::Safety& limits, double force_N_max = std::numeric_limits<double>::infinity(),
@@ -64,7 +66,14 @@ class HandSafety {
   [[nodiscard]] const device::Safety& limits() const noexcept { return limits_; }
 
  private:
-  void note_speed(const Vector& position, double elapsed_s) noexcept;
+  /// How fast the hand is on its way [m] or in its turn [rad].
+  struct Speed {
+    double mean_per_s = 0;
+    bool too_fast = false;
+  };
+  void note_speeds(const Tick& tick, double elapsed_s) noexcept;
+  /// @returns whether it has become too fast just now
+  [[nodiscard]] static bool note_speed(Speed& speed, double way, double in_s, double most_per_s) noexcept;
   /// The load of motors, by their force or torque, and the cap that it makes.
   struct Load {
     double mean_square = 0;
@@ -78,9 +87,10 @@ class HandSafety {
   void begin(Trip which) noexcept;
 
   device::Safety limits_;
-  std::optional<Vector> last_{};
-  double speed_m_per_s_ = 0;
-  bool too_fast_ = false;
+  std::optional<Vector> last_position_{};
+  std::optional<Eigen::Quaterniond> last_orientation_{};
+  Speed speed_{};
+  Speed turn_{};
   bool let_go_ = false;  ///< of the dead-man button
   double ramp_ = 0;
   bool outside_ = false;
@@ -91,7 +101,8 @@ class HandSafety {
   std::array<std::uint64_t, kTrips> trips_{};
   double force_N_max_;
   double torque_N_m_max_;
-  double missing_s_ = 0;  ///< without a usable reading
+  double missing_s_ = 0;              ///< without a usable reading
+  double orientation_missing_s_ = 0;  ///< likewise of the orientation
 };
 
 }  // namespace forcebound::client

@@ -40,6 +40,8 @@ std::string_view words_of(HandSafety::Trip trip) noexcept {
   switch (trip) {
     case HandSafety::Trip::speed:
       return "the hand is faster than the device's limit: no force until it is half as fast, then a ramp";
+    case HandSafety::Trip::turn:
+      return "the hand turns faster than the device's limit: no force until it turns half as fast, then a ramp";
     case HandSafety::Trip::workspace:
       return "the hand has left the device's workspace: the force fades there";
     case HandSafety::Trip::heat:
@@ -67,8 +69,8 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().translations()),
       blackouts_(options_.policy.hold),
-      rendering_(options_.local,
-                 {.slew_N_per_s = options_.force_slew_N_per_s, .force_N_max = device.facts().force_N_max}),
+      rendering_(options_.local, {.slew_per_s = options_.force_slew_N_per_s, .most = device.facts().force_N_max},
+                 {.slew_per_s = options_.torque_slew_N_m_per_s, .most = device.facts().torque_N_m_max}),
       safety_(device.safety(), device.facts().force_N_max, device.facts().torque_N_m_max),
       last_applied_(Vector::Zero(device.facts().degrees_of_freedom())) {
   options_.policy.validate();

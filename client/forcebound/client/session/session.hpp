@@ -63,7 +63,8 @@ class Session {
     std::uint64_t seed = 1;  ///< for the nonces of the handshake
     /// Runs the static parts of the scene, and lets local models go on; null: all forces are the server's.
     LocalRendering* local = nullptr;
-    double force_slew_N_per_s = 0;  ///< largest change of the requested force; 0: no limit
+    double force_slew_N_per_s = 0;     ///< largest change of the requested force; 0: no limit
+    double torque_slew_N_m_per_s = 0;  ///< likewise of the torque
     SendRate send_rate{};
   };
 

@@ -165,8 +165,10 @@ record::RunTotals Session::totals() const {
   if (totals.longest_blackout.duration > Nanoseconds::zero()) {
     totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));
   }
-  totals.slew_bounded = rendering_.slew_bounded();
+  totals.slew_bounded = rendering_.force_slew_bounded();
+  totals.torque_slew_bounded = rendering_.torque_slew_bounded();
   totals.trips_of_speed = safety_.trips(HandSafety::Trip::speed);
+  totals.trips_of_turn = safety_.trips(HandSafety::Trip::turn);
   totals.trips_of_workspace = safety_.trips(HandSafety::Trip::workspace);
   totals.trips_of_heat = safety_.trips(HandSafety::Trip::heat);
   totals.trips_of_dead_man = safety_.trips(HandSafety::Trip::dead_man);

@@ -19,7 +19,7 @@ TEST(SlewBound, LetsEverythingThroughUnlessAskedFor) {
 }
 
 TEST(SlewBound, GoesTheWholeWayInStepsOfItsRateAndCountsThem) {
-  SlewBound bound({.slew_N_per_s = 1000});
+  SlewBound bound({.slew_per_s = 1000});
   (void)bound.bound(vector_of({0, 0}), 1e-3);
   EXPECT_TRUE(bound.bound(vector_of({3, 4}), 1e-3).isApprox(vector_of({0.6, 0.8})));
   for (int i = 0; i < 3; ++i) (void)bound.bound(vector_of({3, 4}), 1e-3);
@@ -30,14 +30,14 @@ TEST(SlewBound, GoesTheWholeWayInStepsOfItsRateAndCountsThem) {
 }
 
 TEST(SlewBound, StaysWhereItIsWhileTimeGoesBack) {
-  SlewBound bound({.slew_N_per_s = 1000});
+  SlewBound bound({.slew_per_s = 1000});
   (void)bound.bound(vector_of({2, 0}), 1e-3);
   EXPECT_EQ(bound.bound(vector_of({2, 0}), -1e-3), vector_of({2, 0}));
   EXPECT_EQ(bound.bound(vector_of({9, 0}), -1e-3), vector_of({2, 0}));
 }
 
 TEST(SlewBound, LosesNoTimeBeyondWhatTheDeviceShows) {
-  SlewBound bound({.slew_N_per_s = 1000, .force_N_max = 5});
+  SlewBound bound({.slew_per_s = 1000, .most = 5});
   (void)bound.bound(vector_of({1000, 0}), 1e-3);
   for (int i = 0; i < 1000; ++i) (void)bound.bound(vector_of({0, 1e6}), 1e-3);
   EXPECT_TRUE(bound.bound(vector_of({0, 0}), 1e-3).isApprox(vector_of({0, 4})));

@@ -105,6 +105,63 @@ TEST(HandSafety, GivesNoForceWhileTheHandIsTooFastAndThenARamp) {
   EXPECT_EQ(hand.safety.trips(Trip::speed), 1U);
 }
 
+TEST(HandSafety, GivesNeitherForceNorTorqueWhileTheHandTurnsTooFastAndThenARamp) {
+  const Eigen::Vector3d wanted_N_m(0, 0, 0.2);
+  Hand hand{HandSafety({.ramp_s = 0.1, .turn_rad_per_s_max = 20}, 10, 0.2)};
+  double angle_rad = 0;
+  const auto turn = [&](int count, double rad_per_s) {
+    double asked_N = 0;
+    for (int i = 0; i < count; ++i) {
+      angle_rad += rad_per_s * 1e-3;
+      hand.handle.orientation = {std::cos(angle_rad / 2), 0, std::sin(angle_rad / 2), 0};
+      asked_N = hand.tick(0, 4);
+    }
+    return asked_N;
+  };
+  EXPECT_EQ(turn(200, 15), 4);
+  EXPECT_EQ(turn(50, 30), 0);
+  EXPECT_TRUE(hand.safety.limited_torque(wanted_N_m).isZero(0));
+  EXPECT_EQ(hand.safety.take_trip(), Trip::turn);
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt) << "told once";
+  EXPECT_EQ(turn(50, 15), 0) << "not yet half as fast";
+  EXPECT_NEAR(turn(50, 0), 2, 0.3);
+  EXPECT_NEAR(hand.safety.limited_torque(wanted_N_m).z(), 0.1, 0.015);
+  EXPECT_EQ(turn(100, 0), 4);
+  EXPECT_EQ(hand.safety.trips(Trip::turn), 1U);
+  EXPECT_EQ(hand.safety.trips(Trip::speed), 0U);
+}
+
+TEST(HandSafety, SeesATurnThoughEachSecondOrientationIsMissing) {
+  Hand hand{HandSafety({.turn_rad_per_s_max = 20})};
+  for (int i = 0; i < 100; ++i) {
+    const double angle_rad = 25e-3 * i;
+    hand.handle.orientation.reset();
+    if (i % 2 == 0) hand.handle.orientation = {std::cos(angle_rad / 2), std::sin(angle_rad / 2), 0, 0};
+    (void)hand.tick(0, 4);
+  }
+  EXPECT_EQ(hand.safety.trips(Trip::turn), 1U);
+}
+
+TEST(HandSafety, AnOrientationAndItsNegativeAreTheSame) {
+  Hand hand{HandSafety({.turn_rad_per_s_max = 1})};
+  for (int i = 0; i < 20; ++i) {
+    const double sign = i % 2 == 0 ? 1 : -1;
+    hand.handle.orientation = {sign, 0, 0, 0};
+    EXPECT_EQ(hand.tick(0, 4), 4);
+  }
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt);
+}
+
+TEST(HandSafety, ATurnBeforeAPauseIsNoSpeedAfterIt) {
+  Hand hand{HandSafety({.turn_rad_per_s_max = 20})};
+  hand.handle.orientation = {1, 0, 0, 0};
+  EXPECT_EQ(hand.ticks(10, 0, 4), 4);
+  hand.handle.orientation = {0, 1, 0, 0};
+  EXPECT_EQ(hand.ticks(30, std::numeric_limits<double>::quiet_NaN(), 4), 0);
+  EXPECT_EQ(hand.ticks(10, 0, 4), 4);
+  EXPECT_EQ(hand.safety.take_trip(), std::nullopt);
+}
+
 TEST(HandSafety, OneJumpOfAnEncoderTripsNothing) {
   Hand hand{HandSafety({.speed_m_per_s_max = 2})};
   EXPECT_EQ(hand.ticks(10, 0, 4), 4);

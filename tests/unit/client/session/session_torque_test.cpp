@@ -10,9 +10,10 @@ namespace {
 /// A session of a device that shows torques; the test plays the server.
 class SessionOfSixAxes : public ::testing::Test {
  protected:
-  explicit SessionOfSixAxes(std::string_view law = "none")
-      : session({.server = kServer}, device, baselines::shipped_laws().make(law, device.facts()), link, clock,
-                {.ticks = sinks, .events = &events}) {}
+  explicit SessionOfSixAxes(std::string_view law = "none", double torque_slew_N_m_per_s = 0)
+      : session({.server = kServer, .torque_slew_N_m_per_s = torque_slew_N_m_per_s}, device,
+                baselines::shipped_laws().make(law, device.facts()), link, clock, {.ticks = sinks, .events = &events}) {
+  }
 
   void tick() {
     clock.time += 1ms;
@@ -114,6 +115,30 @@ TEST_F(SessionOfSixAxes, AToolTouchesWithItsTipAndTurnsTheHandle) {
   const Eigen::Vector3d now_m = control::quaternion_of(*records.last.handle.orientation) * lever_m;
   EXPECT_LT((records.last.request_torque_N_m - now_m.cross(force_N)).norm(), 1e-12);
   EXPECT_LT((records.last.applied_torque_N_m - now_m.cross(force_N)).norm(), 1e-12);
+}
+
+class SessionOfSixAxesWithASlewBound : public SessionOfSixAxes {
+ protected:
+  SessionOfSixAxesWithASlewBound() : SessionOfSixAxes("none", 20) {}
+};
+
+TEST_F(SessionOfSixAxesWithASlewBound, ATorqueThatJumpsIsFollowedAtTheBound) {
+  connect();
+  tick();
+  link.arrive(codec.encode(answer({0.5, 0, -1}, Eigen::Vector3d(0.09, 0, 0))), kServer);
+  tick();
+  double before_N_m = records.last.applied_torque_N_m.x();
+  EXPECT_LE(before_N_m, 0.0201);
+  for (int i = 0; i < 10; ++i) {
+    tick();
+    const double now_N_m = records.last.applied_torque_N_m.x();
+    EXPECT_LE(now_N_m - before_N_m, 0.0201);
+    before_N_m = now_N_m;
+  }
+  EXPECT_NEAR(before_N_m, 0.09, 1e-12);
+  EXPECT_LT((records.last.applied - Eigen::Vector3d(0.5, 0, -1)).norm(), 1e-12) << "the force has a bound of its own";
+  EXPECT_EQ(session.totals().torque_slew_bounded, 4U);
+  EXPECT_EQ(session.totals().slew_bounded, 0U);
 }
 
 class SessionOfSixAxesWithTheExactLaw : public SessionOfSixAxes {
