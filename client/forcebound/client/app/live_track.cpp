@@ -219,7 +219,8 @@ std::string words_of_change(const PageChoice& before, const PageChoice& after) {
   const auto number = [](const std::optional<double>& value) { return value ? text::to_text(*value) : std::string(); };
   add("law", before.law, after.law);
   add("law beside", before.law_beside.value_or(""), after.law_beside.value_or(""));
-  add("scene", before.scene, after.scene);
+  const auto scene = [](const std::string& name) { return name.empty() ? std::string("the server's own") : name; };
+  add("scene", scene(before.scene), scene(after.scene));
   add("device", before.device, after.device);
   add("the hand's stiffness in N/m", number(before.stiffness_N_per_m), number(after.stiffness_N_per_m));
   add("recording", before.recording ? "on" : "off", after.recording ? "on" : "off");

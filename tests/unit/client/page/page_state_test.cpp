@@ -39,6 +39,7 @@ TEST(PageChoice, ChangesOneSetting) {
   };
   EXPECT_EQ(with("law", std::string("none")).law, "none");
   EXPECT_EQ(with("scene", std::string("sphere")).scene, "sphere");
+  EXPECT_EQ(changed(now.choice, {.setting = "scene"}, now.choices).scene, "") << "the server's own";
   EXPECT_EQ(with("device", std::string("wall-1dof")).device, "wall-1dof");
   EXPECT_EQ(with("stiffness_N_per_m", 200.0).stiffness_N_per_m, 200.0);
   const PageChoice beside = with("law_beside", std::string("none"));
@@ -55,6 +56,7 @@ TEST(PageChoice, IsRefusedWithWhatWouldBeAccepted) {
   EXPECT_THAT(refusal({"stiffness_N_per_m", std::string("soft")}, choices), HasSubstr("10 to 5000"));
   EXPECT_THAT(refusal({"colour", std::string("red")}, choices), HasSubstr("accepted are law"));
   EXPECT_THAT(refusal({"scene", std::string("wall")}, {}), HasSubstr("cannot be chosen"));
+  EXPECT_THAT(refusal({.setting = "scene"}, {}), HasSubstr("cannot be chosen"));
   EXPECT_THAT(refusal({"law_beside", std::string("none")}, {}), HasSubstr("simulated device"));
   EXPECT_THAT(refusal({"stiffness_N_per_m", 100.0}, {}), HasSubstr("simulated hand"));
 }
