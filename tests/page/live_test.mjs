@@ -129,7 +129,7 @@ const cases = {
       await tab.until("the scene is another", () => document.getElementById("scene-title").textContent.startsWith("scene: box"));
       await drawn(1);
       await tab.untilChartsMove();
-      await tab.page.locator("#scene-name").selectOption({ label: "the server's own" });
+      await tab.page.locator("#scene-name").selectOption({ label: "the server's default" });
       await tab.until("the scene is the server's", () => document.getElementById("scene-title").textContent.startsWith("scene: cylinder"));
       await tab.untilChartsMove();
     }, kFar, ["--scene", "cylinder"]);
@@ -201,7 +201,7 @@ const cases = {
       await tab.until("both forces have their newtons", () => ["applied", "exerted"].every((name) =>
         / N$/.test(document.querySelector(`.force-label.colour-${name}:not([hidden])`)?.textContent ?? "")));
       assert.match(await tab.text("robot-numbers"), /position-force.*× 1/s);
-      assert.equal(await tab.page.locator("#scene-name option:checked").textContent(), "the server's own");
+      assert.equal(await tab.page.locator("#scene-name option:checked").textContent(), "the server's default");
       assert.ok(await tab.page.locator("#legend-exerted").isVisible());
       await tab.light(0, true);
       await tab.page.mouse.up();

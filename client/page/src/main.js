@@ -127,6 +127,7 @@ function showHello(message) {
     if (other) {
       charts.clear();
       robot.clear();
+      scenes.length = 0; // until it is told
     }
     charts.setUp({ period_s: hello.period_s || 0.001, dof: hello.dof || 3, tracks: hello.tracks.length });
     stage.setTracks(hello.tracks.length, hello.dof || 3);
@@ -168,7 +169,7 @@ function expectScene() {
   window.clearTimeout(expectScene.waiting);
   expectScene.waiting = window.setTimeout(() => {
     const name = hello.settings.scene;
-    if (!name || hello.tracks.length === 0 || scenes[0]?.name === name) return;
+    if (hello.tracks.length === 0 || (scenes[0] && (!name || scenes[0].name === name))) return;
     const shipped = shippedScenes[name];
     const note = shipped ? "drawn as it ships" : "its shapes are not known here";
     const more = [note, shipped?.more].filter(Boolean).join("; ");

@@ -102,6 +102,12 @@ control::DeviceFacts TrackMaker::facts_of(const std::string& device) const {
 }
 
 PageChoice TrackMaker::suited(PageChoice next, const PageChoice& now) const {
+  if (next.scene.empty() && !now.scene.empty() && next.device == now.device && has_pointer()) {
+    // What the server's default needs is not known here; the client was started with a device for it.
+    const std::string& started_with = options_.device.device;
+    if (facts_of(started_with).translations() != facts_of(next.device).translations()) next.device = started_with;
+    return next;
+  }
   const KnownScene* const scene = find_known_scene(next.scene);
   if (scene == nullptr || scene->accepts(facts_of(next.device).translations())) return next;
   const std::string other = device_for(*scene);
@@ -219,7 +225,7 @@ std::string words_of_change(const PageChoice& before, const PageChoice& after) {
   const auto number = [](const std::optional<double>& value) { return value ? text::to_text(*value) : std::string(); };
   add("law", before.law, after.law);
   add("law beside", before.law_beside.value_or(""), after.law_beside.value_or(""));
-  const auto scene = [](const std::string& name) { return name.empty() ? std::string("the server's own") : name; };
+  const auto scene = [](const std::string& name) { return name.empty() ? std::string("the server's default") : name; };
   add("scene", scene(before.scene), scene(after.scene));
   add("device", before.device, after.device);
   add("the hand's stiffness in N/m", number(before.stiffness_N_per_m), number(after.stiffness_N_per_m));

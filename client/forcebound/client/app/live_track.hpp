@@ -40,7 +40,8 @@ class TrackMaker {
   /// What the command line says.
   [[nodiscard]] PageChoice first_choice() const;
 
-  /// A choice whose device suits its scene: the scene's own, if the device is for others; and nothing else is changed.
+  /// A choice whose device suits its scene: the scene's own, if the device is for others, for the server's default
+  /// scene that of the command line; and nothing else is changed.
   /// @throws std::invalid_argument if the device was chosen, and does not suit
   [[nodiscard]] PageChoice suited(PageChoice next, const PageChoice& now) const;
 

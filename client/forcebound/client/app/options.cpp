@@ -126,8 +126,10 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
                  "folder for scenes that were handed over, or none; default: forcebound in the user's cache folder")
       ->check(program::not_empty())
       ->type_name("FOLDER|none");
-  app.add_option("--force-slew", options.force_slew_N_per_s,
-                 "largest change of the requested force per second, against servers that jerk; 0: no limit")
+  app.add_option(
+         "--force-slew", options.force_slew_N_per_s,
+         "largest change of the requested force per second, against servers that jerk; a slow one also prolongs "
+         "how a force fades; 0: no limit")
       ->check(program::number_within(0))
       ->type_name("N/s")
       ->capture_default_str();

@@ -27,7 +27,7 @@ struct PageChoices {
 struct PageChoice {
   std::string law;
   std::optional<std::string> law_beside{};  ///< none: there is no second client
-  std::string scene{};                      ///< empty: the server's own
+  std::string scene{};                      ///< empty: the server's default
   std::string device{};
   std::optional<double> stiffness_N_per_m{};  ///< of the simulated hand
   bool recording = false;

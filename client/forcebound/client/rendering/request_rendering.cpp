@@ -15,6 +15,7 @@ RequestRendering::Request RequestRendering::render(const std::optional<wire::Env
   if (newest) request.torque_N_m = tick.share * control::translation_of(newest->torque_N_m);
   if (local_ != nullptr && tick.place.allFinite()) render_locally(newest, tick, request);
   request.force_N = force_slew_.bound(request.force_N, tick.elapsed_s);
+  request.torque_N_m += tick.arm_m.cross(control::translation_of(request.force_N));
   request.torque_N_m = control::translation_of(torque_slew_.bound(request.torque_N_m, tick.elapsed_s));
   last_request_N_ = request.force_N;
   return request;

@@ -19,19 +19,14 @@ namespace forcebound::client {
 ///     remote  share of the answer's force, with the ripples of its texture
 ///     local   the scene here, in place of that, + share of the rest + what local models change of it
 ///             -> goes on where the one before ended (SwapOffset) -> slew bound
-///     torque  share of the answer's -> slew bound
+///     torque  share of the answer's, + that of this force about the grip -> slew bound
 ///
 /// Real time: noexcept, no allocation. Owned by the tick.
 class RequestRendering {
  public:
   /// @param local null: all forces are the server's
-  RequestRendering(LocalRendering* local, const SlewBound::Limits& force_N,
-                   const SlewBound::Limits& torque_N_m) noexcept
-      : local_(local),
-        force_N_max_(force_N.most),
-        swap_(force_N.most),
-        force_slew_(force_N),
-        torque_slew_(torque_N_m) {}
+  RequestRendering(LocalRendering* local, const SlewBound::Limits& force, const SlewBound::Limits& torque) noexcept
+      : local_(local), force_N_max_(force.most), swap_(force.most), force_slew_(force), torque_slew_(torque) {}
 
   struct Tick {
     Nanoseconds now{0};
@@ -42,11 +37,12 @@ class RequestRendering {
     double share = 0;          ///< what the late-force policy leaves of the newest answer; zero: there is none
     ModelAge age{};            ///< of the state that it tells of
     control::Handle handle{};  ///< of the device at `read_at`
+    Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  ///< from the grip to the tip of the tool, in the scene's frame
   };
 
   struct Request {
     Vector force_N{};
-    Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< of the answer, beside what the force's lever makes
+    Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< about the grip
     Vector remote_N{};                                     ///< what the server's answers alone would ask for
     std::optional<LocalAnswer> local{};
     bool with_server_parts = false;      ///< of the server's answer there is a part in it, beside the scene here
@@ -55,6 +51,12 @@ class RequestRendering {
 
   /// @param newest of the server's answers; its vectors have the device's rows or none
   [[nodiscard]] Request render(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick) noexcept;
+
+  /// The request was not asked for: the device has no force, from which the next request goes on.
+  void rest() noexcept {
+    force_slew_.rest();
+    torque_slew_.rest();
+  }
 
   /// The server ended that session.
   void end(std::uint64_t session) noexcept {

@@ -35,6 +35,9 @@ class SlewBound {
     return last_ += step * (step_most / length);
   }
 
+  /// Nothing is shown any more.
+  void rest() noexcept { last_.setZero(); }
+
   /// How often it did.
   [[nodiscard]] std::uint64_t bounded() const noexcept { return bounded_; }
 

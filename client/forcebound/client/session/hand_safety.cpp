@@ -34,9 +34,7 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   // As long without a tick as without a reading: the device has let go of the force meanwhile.
   if (since_reading_s > kGone_s) {
     ramp_ = 0;
-    last_position_.reset();
-    last_orientation_.reset();
-    speed_.mean_per_s = turn_.mean_per_s = 0;
+    forget_speeds();
   }
   if (!tick.position.allFinite()) {
     missing_s_ = since_reading_s;
@@ -66,28 +64,28 @@ Eigen::Vector3d HandSafety::limited_torque(const Eigen::Vector3d& wanted_N_m) co
 }
 
 void HandSafety::note_speeds(const Tick& tick, double elapsed_s) noexcept {
-  if (last_position_) {
-    const double way_m = (tick.position - *last_position_).norm();
-    if (note_speed(speed_, way_m, elapsed_s, limits_.speed_m_per_s_max)) begin(Trip::speed);
-  }
+  if (last_position_ && note_speed(speed_, (tick.position - *last_position_).norm(), elapsed_s)) begin(Trip::speed);
   last_position_ = tick.position;
-  orientation_missing_s_ += elapsed_s;
-  if (!tick.handle.orientation) return;
-  const double turned_in_s = std::exchange(orientation_missing_s_, 0.0);
-  const Eigen::Quaterniond orientation = control::quaternion_of(*tick.handle.orientation);
-  if (last_orientation_) {
-    const double turn_rad = orientation.angularDistance(*last_orientation_);
-    if (note_speed(turn_, turn_rad, turned_in_s, limits_.turn_rad_per_s_max)) begin(Trip::turn);
-  }
+  std::optional<Eigen::Quaterniond> orientation;
+  if (tick.handle.orientation) orientation = control::quaternion_of(*tick.handle.orientation);
+  const bool turns = last_orientation_ && orientation;
+  if (turns && note_speed(turn_, last_orientation_->angularDistance(*orientation), elapsed_s)) begin(Trip::turn);
   last_orientation_ = orientation;
 }
 
-bool HandSafety::note_speed(Speed& speed, double way, double in_s, double most_per_s) noexcept {
-  if (!(most_per_s > 0) || !(in_s > 0)) return false;
-  speed.mean_per_s += share_of_newest(in_s, kSpeedMean_s) * (way / in_s - speed.mean_per_s);
-  if (speed.mean_per_s > most_per_s) return !std::exchange(speed.too_fast, true);
-  if (speed.mean_per_s < kSlowAgain * most_per_s) speed.too_fast = false;
+bool HandSafety::note_speed(Speed& speed, double way, double elapsed_s) noexcept {
+  if (!(speed.most_per_s > 0) || !(elapsed_s > 0)) return false;
+  speed.mean_per_s += share_of_newest(elapsed_s, kSpeedMean_s) * (way / elapsed_s - speed.mean_per_s);
+  if (speed.mean_per_s > speed.most_per_s) return !std::exchange(speed.too_fast, true);
+  if (speed.mean_per_s < kSlowAgain * speed.most_per_s) speed.too_fast = false;
   return false;
+}
+
+/// A hand that was too fast must show that it is slow, from its limit down.
+void HandSafety::forget_speeds() noexcept {
+  last_position_.reset();
+  last_orientation_.reset();
+  for (Speed* const speed : {&speed_, &turn_}) speed->mean_per_s = speed->too_fast ? speed->most_per_s : 0;
 }
 
 void HandSafety::note_button(const Tick& tick) noexcept {

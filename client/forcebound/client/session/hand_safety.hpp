@@ -17,8 +17,8 @@ using control::Vector;
 
 /// Bounds the force that is asked of the law by a device's Safety:
 ///
-///     asked = ramp(t) fade(x) F, its length at most cap,    zero while the tip is too fast, the handle turns too fast
-///     or the dead-man button is up
+///     asked = ramp(t) fade(x) F, its length at most cap
+///     asked = 0    while the tip is too fast, the handle turns too fast or the dead-man button is up
 ///
 /// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, after the hand
 /// was too fast, or from when the dead-man button was pressed. A device without that button has it up. fade goes from 1
@@ -42,7 +42,11 @@ class HandSafety {
   /// @param force_N_max the device's largest, as the torque
   explicit HandSafety(const device::Safety& limits, double force_N_max = std::numeric_limits<double>::infinity(),
                       double torque_N_m_max = std::numeric_limits<double>::infinity()) noexcept
-      : limits_(limits), force_N_max_(force_N_max), torque_N_m_max_(torque_N_m_max) {}
+      : limits_(limits),
+        speed_{.most_per_s = limits.speed_m_per_s_max},
+        turn_{.most_per_s = limits.turn_rad_per_s_max},
+        force_N_max_(force_N_max),
+        torque_N_m_max_(torque_N_m_max) {}
 
   struct Tick {
     const Vector& position;   ///< [m]; not finite: there is no usable reading
@@ -68,12 +72,14 @@ class HandSafety {
  private:
   /// How fast the hand is on its way [m] or in its turn [rad].
   struct Speed {
+    double most_per_s = 0;  ///< 0: no limit
     double mean_per_s = 0;
     bool too_fast = false;
   };
   void note_speeds(const Tick& tick, double elapsed_s) noexcept;
   /// @returns whether it has become too fast just now
-  [[nodiscard]] static bool note_speed(Speed& speed, double way, double in_s, double most_per_s) noexcept;
+  [[nodiscard]] static bool note_speed(Speed& speed, double way, double elapsed_s) noexcept;
+  void forget_speeds() noexcept;
   /// The load of motors, by their force or torque, and the cap that it makes.
   struct Load {
     double mean_square = 0;
@@ -89,8 +95,8 @@ class HandSafety {
   device::Safety limits_;
   std::optional<Vector> last_position_{};
   std::optional<Eigen::Quaterniond> last_orientation_{};
-  Speed speed_{};
-  Speed turn_{};
+  Speed speed_;
+  Speed turn_;
   bool let_go_ = false;  ///< of the dead-man button
   double ramp_ = 0;
   bool outside_ = false;
@@ -101,8 +107,7 @@ class HandSafety {
   std::array<std::uint64_t, kTrips> trips_{};
   double force_N_max_;
   double torque_N_m_max_;
-  double missing_s_ = 0;              ///< without a usable reading
-  double orientation_missing_s_ = 0;  ///< likewise of the orientation
+  double missing_s_ = 0;  ///< without a usable reading
 };
 
 }  // namespace forcebound::client

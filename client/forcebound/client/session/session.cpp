@@ -107,6 +107,7 @@ void Session::tick(Nanoseconds now) noexcept {
   done.request = request_at(done, now);
   const bool no_answer = policy_ == ForcePolicy::none || policy_ == ForcePolicy::dropped;
   const bool silent = no_answer && !done.request.local && done.request.models.model_N.rows() == 0;
+  if (silent) rendering_.rest();
   const Vector chosen = silent ? controller_.release(motion) : controller_.tick(motion, wrench_of(done));
   const Nanoseconds commanded = clock_.now();
   done.latency = commanded - reading.latched;
@@ -157,7 +158,8 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
       .elapsed_s = times_.previous_reading() ? time::to_seconds(reading.latched - *times_.previous_reading()) : 0,
       .position = done.tip,
       .place = done.place,
-      .handle = reading.handle};
+      .handle = reading.handle,
+      .arm_m = done.arm_m};
   if (newest) {
     FORCEBOUND_ASSERT(newest->force.rows() == device_.facts().translations() && newest->force.allFinite(),
                       "a force that was accepted is finite, with a row for each degree of freedom");
@@ -173,12 +175,11 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
   schedule_.note(need_of(request));
   const int rotations = device_.facts().rotations;
   const Vector applied_N = last_applied_.head(device_.facts().translations());
-  const Eigen::Vector3d lever_N_m = done.arm_m.cross(control::translation_of(request.force_N));
   HandSafety::Tick safety{
       .position = reading.position, .applied_N = applied_N, .elapsed_s = tick.elapsed_s, .handle = reading.handle};
   if (rotations > 0) safety.applied_N_m = last_applied_.tail<3>();
   request.force_N = safety_.limited(request.force_N, safety);
-  request.torque_N_m = rotations > 0 ? safety_.limited_torque(request.torque_N_m + lever_N_m) : Eigen::Vector3d::Zero();
+  request.torque_N_m = rotations > 0 ? safety_.limited_torque(request.torque_N_m) : Eigen::Vector3d::Zero();
   if (const auto trip = safety_.take_trip()) tell(Event::Kind::limited_for_safety, now, words_of(*trip));
   return request;
 }

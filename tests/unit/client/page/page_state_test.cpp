@@ -39,7 +39,7 @@ TEST(PageChoice, ChangesOneSetting) {
   };
   EXPECT_EQ(with("law", std::string("none")).law, "none");
   EXPECT_EQ(with("scene", std::string("sphere")).scene, "sphere");
-  EXPECT_EQ(changed(now.choice, {.setting = "scene"}, now.choices).scene, "") << "the server's own";
+  EXPECT_EQ(changed(now.choice, {.setting = "scene"}, now.choices).scene, "") << "the server's default";
   EXPECT_EQ(with("device", std::string("wall-1dof")).device, "wall-1dof");
   EXPECT_EQ(with("stiffness_N_per_m", 200.0).stiffness_N_per_m, 200.0);
   const PageChoice beside = with("law_beside", std::string("none"));

@@ -131,15 +131,30 @@ TEST(HandSafety, GivesNeitherForceNorTorqueWhileTheHandTurnsTooFastAndThenARamp)
   EXPECT_EQ(hand.safety.trips(Trip::speed), 0U);
 }
 
-TEST(HandSafety, SeesATurnThoughEachSecondOrientationIsMissing) {
-  Hand hand{HandSafety({.turn_rad_per_s_max = 20})};
-  for (int i = 0; i < 100; ++i) {
-    const double angle_rad = 25e-3 * i;
-    hand.handle.orientation.reset();
-    if (i % 2 == 0) hand.handle.orientation = {std::cos(angle_rad / 2), std::sin(angle_rad / 2), 0, 0};
-    (void)hand.tick(0, 4);
-  }
-  EXPECT_EQ(hand.safety.trips(Trip::turn), 1U);
+TEST(HandSafety, MeasuresATurnBetweenReadingsOfWhichEachSecondIsLate) {
+  const auto trips_at = [](double rad_per_s) {
+    Hand hand{HandSafety({.turn_rad_per_s_max = 20})};
+    for (int i = 0; i < 100; ++i) {
+      const double angle_rad = rad_per_s * 1e-3 * i;
+      const bool late = i % 2 == 1;
+      hand.handle.orientation = {std::cos(angle_rad / 2), std::sin(angle_rad / 2), 0, 0};
+      (void)hand.tick(late ? std::numeric_limits<double>::quiet_NaN() : 0, 4);
+    }
+    return hand.safety.trips(Trip::turn);
+  };
+  EXPECT_EQ(trips_at(25), 1U);
+  EXPECT_EQ(trips_at(15), 0U);
+}
+
+TEST(HandSafety, APauseLetsNoHandOffThatIsStillTooFast) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  Hand hand{HandSafety({.speed_m_per_s_max = 2})};
+  double at_m = 0;
+  for (int i = 0; i < 50; ++i) (void)hand.tick(at_m += 3e-3, 4);
+  (void)hand.ticks(30, none, 4);
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(hand.tick(at_m += 3e-3, 4), 0);
+  EXPECT_EQ(hand.safety.trips(Trip::speed), 1U) << "it never was slow";
+  EXPECT_EQ(hand.ticks(50, at_m, 4), 4);
 }
 
 TEST(HandSafety, AnOrientationAndItsNegativeAreTheSame) {

@@ -7,11 +7,19 @@
 namespace forcebound::client {
 namespace {
 
+device::DeviceDescription arm_with(const device::Safety& safety) {
+  device::DeviceDescription arm = device::load_device("arm-6dof");
+  arm.safety = safety;
+  return arm;
+}
+
 /// A session of a device that shows torques; the test plays the server.
 class SessionOfSixAxes : public ::testing::Test {
  protected:
-  explicit SessionOfSixAxes(std::string_view law = "none", double torque_slew_N_m_per_s = 0)
-      : session({.server = kServer, .torque_slew_N_m_per_s = torque_slew_N_m_per_s}, device,
+  explicit SessionOfSixAxes(std::string_view law = "none", double torque_slew_N_m_per_s = 0,
+                            const device::Safety& safety = {})
+      : device(arm_with(safety), device::make_operator("press:from_m=0,to_m=0,turn_y_rad=0.4,turn_Hz=2", 3, true)),
+        session({.server = kServer, .torque_slew_N_m_per_s = torque_slew_N_m_per_s}, device,
                 baselines::shipped_laws().make(law, device.facts()), link, clock, {.ticks = sinks, .events = &events}) {
   }
 
@@ -58,8 +66,7 @@ class SessionOfSixAxes : public ::testing::Test {
     return force;
   }
 
-  device::SimulatedDevice device{device::load_device("arm-6dof"),
-                                 device::make_operator("press:from_m=0,to_m=0,turn_y_rad=0.4,turn_Hz=2", 3, true)};
+  device::SimulatedDevice device;
   test::FakeLink link;
   test::FakeClock clock;
   LastRecord records;
@@ -139,6 +146,80 @@ TEST_F(SessionOfSixAxesWithASlewBound, ATorqueThatJumpsIsFollowedAtTheBound) {
   EXPECT_LT((records.last.applied - Eigen::Vector3d(0.5, 0, -1)).norm(), 1e-12) << "the force has a bound of its own";
   EXPECT_EQ(session.totals().torque_slew_bounded, 4U);
   EXPECT_EQ(session.totals().slew_bounded, 0U);
+}
+
+TEST_F(SessionOfSixAxesWithASlewBound, TheTorqueOfAForceAtTheToolIsBoundedAsWell) {
+  connect(Eigen::Vector3d(0, 0, -0.1));
+  tick();
+  link.arrive(codec.encode(answer({2, 0, 0}, {})), kServer);
+  tick();
+  EXPECT_LE(records.last.request_torque_N_m.norm(), 0.0201) << "0.2 N m are asked for";
+  for (int i = 0; i < 12; ++i) tick();
+  EXPECT_GT(records.last.request_torque_N_m.norm(), 0.15);
+  EXPECT_GT(session.totals().torque_slew_bounded, 5U);
+}
+
+class SessionOfSixAxesWithASlowSlewBound : public SessionOfSixAxes {
+ protected:
+  SessionOfSixAxesWithASlowSlewBound() : SessionOfSixAxes("none", 0.1) {}
+};
+
+TEST_F(SessionOfSixAxesWithASlowSlewBound, ATorqueBeginsAtZeroAfterTheServerWasSilent) {
+  connect();
+  for (int i = 0; i < 2100; ++i) {
+    tick();
+    link.arrive(codec.encode(answer({0, 0, 0}, Eigen::Vector3d(0.2, 0, 0))), kServer);
+  }
+  tick();
+  EXPECT_NEAR(records.last.applied_torque_N_m.x(), 0.2, 1e-9);
+  for (int i = 0; i < 1100; ++i) tick();
+  EXPECT_TRUE(records.last.applied_torque_N_m.isZero(0))
+      << "dropped, though the bound would take 2 s from there to zero";
+  link.arrive(codec.encode(answer({0, 0, 0}, Eigen::Vector3d(0.2, 0, 0))), kServer);
+  tick();
+  EXPECT_LE(records.last.applied_torque_N_m.x(), 0.00011);
+  EXPECT_GT(records.last.applied_torque_N_m.x(), 0);
+}
+
+class SessionOfSixAxesThatTurnTooFast : public SessionOfSixAxes {
+ protected:
+  // The hand turns by up to 0.4 rad at 2 Hz, gently at first.
+  SessionOfSixAxesThatTurnTooFast() : SessionOfSixAxes("fba-exact", 20, {.ramp_s = 0.01, .turn_rad_per_s_max = 1.5}) {}
+};
+
+TEST_F(SessionOfSixAxesThatTurnTooFast, HasNoTorqueThenAndSaysWhy) {
+  connect();
+  std::uint64_t without = 0;
+  for (int i = 0; i < 1000; ++i) {
+    tick();
+    link.arrive(codec.encode(answer({1, 0, -1}, Eigen::Vector3d(0.1, 0, 0.1))), kServer);
+    without += records.last.request_torque_N_m.isZero(0);
+  }
+  const record::RunTotals totals = session.totals();
+  EXPECT_GE(totals.trips_of_turn, 1U);
+  EXPECT_EQ(totals.trips_of_speed, 0U);
+  EXPECT_GT(without, 50U);
+  EXPECT_LT(without, 900U) << "it turns slowly at the ends of its way";
+  EXPECT_EQ(std::ranges::count(events.kinds, Event::Kind::limited_for_safety),
+            static_cast<std::ptrdiff_t>(totals.trips_of_turn));
+}
+
+TEST_F(SessionOfSixAxesThatTurnTooFast, TicksWithoutAllocating) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  connect(Eigen::Vector3d(0, 0.02, -0.1));
+  tick();
+  const auto bytes = codec.encode(answer({1, 0, -1}, Eigen::Vector3d(0.1, 0, 0.1)));
+  const std::vector<std::byte> force(bytes.begin(), bytes.end());
+  link.reserve(100);
+  events.kinds.reserve(100);
+  events.words.reserve(1000);
+  link.keep = false;
+  const test::AllocationGuard guard;
+  link.arrive_again(force, kServer);
+  for (int i = 0; i < 1000; ++i) tick();
+  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_GE(session.totals().torque_slew_bounded, 1U);
+  EXPECT_GE(session.totals().trips_of_turn, 1U);
 }
 
 class SessionOfSixAxesWithTheExactLaw : public SessionOfSixAxes {
