@@ -26,12 +26,13 @@ target_precompile_headers(forcebound_test_headers PRIVATE
 
 # forcebound_test(NAME [FOLDER folder | SOURCES ...] LINK ... [LABELS label] [TIMEOUT S] [SHARDS N] [SERIAL]
 #                 [SLOW_CASES ...] [PROPERTIES ...]): the GoogleTest executable NAME, of the named sources or every
-# source of a folder. It is one CTest, or N that share its tests and run side by side. Tests see the source root, for
-# "tests/support/...". With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name
-# for something else. SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of
-# deploy/test unless --long is given; `threads` and `process` run it under ThreadSanitizer as well, `studies` under no
-# sanitizer. SLOW_CASES are patterns of GoogleTest's names: without FORCEBOUND_SLOW_CASES these are left out. They take
-# minutes under sanitizers, and repeat for many ticks what other cases run there too.
+# source of a folder. It is one CTest, or N that share its tests. Tests see the source root, for "tests/support/...".
+# With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name for something else.
+# SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
+# --long is given; `threads` and `process` run it under ThreadSanitizer as well, `studies` under no sanitizer. Of those
+# with the label `process` one runs at a time: the clients of two would fill all processors with threads of real time,
+# and leave none for their servers. SLOW_CASES are patterns of GoogleTest's names: without FORCEBOUND_SLOW_CASES these
+# are left out. They take minutes under sanitizers, and repeat for many ticks what other cases run there too.
 function(forcebound_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES;SLOW_CASES")
   if(NOT arg_TIMEOUT)
@@ -65,6 +66,9 @@ function(forcebound_test name)
     add_test(NAME ${test} COMMAND ${name})
     set_tests_properties(${test} PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} LABELS "${arg_LABELS}"
                          ${arg_PROPERTIES})
+    if(arg_LABELS STREQUAL process)
+      set_property(TEST ${test} PROPERTY RESOURCE_LOCK real_time)
+    endif()
     set_property(TEST ${test} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${arg_SHARDS} GTEST_SHARD_INDEX=${shard})
     if(slow_cases AND NOT FORCEBOUND_SLOW_CASES)
       # Appended: deploy/test --only sets the variable too.

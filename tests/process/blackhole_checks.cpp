@@ -37,7 +37,7 @@ void expect_told(const Way& way, std::chrono::seconds duration) {
   ASSERT_TRUE(summary.is_object());
   EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
   EXPECT_GT(summary["contact_ticks"], 0);
-  EXPECT_EQ(summary["blackouts"]["count"], 1);
+  EXPECT_GE(summary["blackouts"]["count"], 1) << "a machine that gives a program no time makes further ones";
   EXPECT_GE(summary["blackouts"]["longest_s"].get<double>(), static_cast<double>(duration.count()) - 0.1);
   EXPECT_GT(summary["late_force"]["dropped_ticks"], 0);
   EXPECT_THAT(unwrapped(way.client->err()), HasSubstr("forces are fresh again"));

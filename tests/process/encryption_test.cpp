@@ -119,7 +119,7 @@ TEST_F(Encryption, OfKeyPairsLetsInWhoIsListedAndHidesEverythingFromWhoRecords) 
   EXPECT_THAT(client.err(), HasSubstr("encrypted (IKpsk2), server's key " + server_key));
   EXPECT_EQ(client.summary()["encryption"], "IKpsk2");
   const std::vector<std::string> recorded = recorder.end();
-  EXPECT_GT(recorded.size(), 1'000U);
+  EXPECT_GT(recorded.size(), 100U);
   // No short words: what is encrypted is as good as random, and has any three letters once in 60 runs.
   for (const std::string_view word : {"sphere", "fba-exact", "ball (", "stiffness"}) {
     EXPECT_THAT(recorded, Not(Contains(HasSubstr(word))));

@@ -18,6 +18,17 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
+/// The load does not wait for the answers to its Byes.
+void await_closings(const Server& server, int sessions) {
+  for (int waited_ms = 0; waited_ms < 20'000; waited_ms += 10) {
+    const std::string said = server.err();
+    int ended = 0;
+    for (std::size_t at = 0; (at = said.find(" ended its session", at)) != std::string::npos; ++at) ++ended;
+    if (ended >= sessions) return;
+    std::this_thread::sleep_for(10ms);
+  }
+}
+
 TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
   Server server({"--scene", "sphere"});
   const TemporaryFolder folder;
@@ -32,7 +43,7 @@ TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
   EXPECT_GT(result["service_us"]["p50"].get<double>(), 0);
   EXPECT_LE(result["service_us"]["p50"].get<double>(), result["service_us"]["max"].get<double>());
   EXPECT_LE(result["service_us"]["p50"].get<double>(), result["read_us"]["p50"].get<double>());
-  std::this_thread::sleep_for(200ms);  // it does not wait for the answers to its Byes
+  await_closings(server, 5);
   EXPECT_EQ(server.stop(), 0);
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 5U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 5U);
@@ -44,7 +55,7 @@ TEST(LabLoad, IsAnsweredByTwoWorkersAtOneAddress) {
       run(kLab, {"load", "--server", server.address(), "--clients", "16", "--sockets", "16", "--seconds", "0.3"});
   ASSERT_EQ(lab.exit_code, 0) << lab.err;
   EXPECT_THAT(lab.out, HasSubstr("16 clients: "));
-  std::this_thread::sleep_for(200ms);
+  await_closings(server, 16);
   EXPECT_EQ(server.stop(), 0);
   EXPECT_EQ(counted(server.out(), "sessions", "opened"), 16U);
   EXPECT_EQ(counted(server.out(), "sessions", "ended by the client"), 16U);

@@ -41,17 +41,19 @@ TEST(LocalRendering, GoesOnWhileTheServerIsDeadAndWithTheNextOne) {
   std::optional<Server> server;
   server.emplace(Words{"--scene", "sphere"});
   const std::string address = server->address();
-  Client client(address, {"--device", "omni", "--operator", "trace-sphere", "--duration", "7", "--rendering", "local"});
+  Client client(address, {"--device", "omni", "--operator", "trace-sphere", "--rendering", "local"});
   ASSERT_TRUE(client.wait_for("connected"));
   std::this_thread::sleep_for(1500ms);
   server->stop(SIGKILL);
   std::this_thread::sleep_for(4s);
   server.emplace(Words{"--scene", "sphere"}, address);
-  EXPECT_EQ(client.wait(30s), 0) << client.err();
+  EXPECT_TRUE(server->wait_for("connected to scene")) << client.err();
+  std::this_thread::sleep_for(500ms);
+  EXPECT_EQ(client.stop(), client.expected_end()) << client.err();
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());
   EXPECT_EQ(summary["faults"]["reconnects"], 1);
-  EXPECT_GT(summary["rendering"]["at_client"].get<double>(), 0) << "of 7 s the server was there for 3 s";
+  EXPECT_GT(summary["rendering"]["at_client"].get<double>(), 0);
   EXPECT_EQ(summary["faults"]["tick_allocations"], 0);
   EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
 }

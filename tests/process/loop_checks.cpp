@@ -57,7 +57,7 @@ LoopOutcome run_loop(const LoopSettings& settings) {
   Client client(relay.address(), client_words);
   EXPECT_EQ(client.wait(settings.duration + 20s), 0);
   // Wait for datagrams in flight, so that they are in the log.
-  std::this_thread::sleep_for(300ms);
+  std::this_thread::sleep_for(1500ms);
   EXPECT_EQ(relay.stop(), 0);
   EXPECT_EQ(server.stop(), 0);
   return {client.summary(), server.out(), content(folder.file("log.csv"))};

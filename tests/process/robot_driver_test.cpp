@@ -22,7 +22,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// A machine that gives the loop no time meanwhile does not stop the robot.
-constexpr const char* kPatient = ",hold=0.4";
+constexpr const char* kPatient = "hold=0.4";
 
 /// What `--follower` takes for the arm of the tests.
 std::string driven(const std::string& settings, const std::string& driver = "arm") {
@@ -33,7 +33,8 @@ std::string driven(const std::string& settings, const std::string& driver = "arm
 class FaultyRobot : public testing::Test {
  protected:
   void begin(const std::string& fault) {
-    server.emplace(Words{"--follower", driven("fault=" + fault + ",control=" + folder.path().string() + kPatient)});
+    server.emplace(
+        Words{"--follower", driven("fault=" + fault + ",control=" + folder.path().string() + "," + kPatient)});
     leader.emplace(server->address(), hand.options());
     ASSERT_TRUE(leader->wait_for("the robot follows", kLong)) << server->err();
     // Until the hand moves there is no torque.
@@ -97,13 +98,15 @@ class FaultyRobot : public testing::Test {
 
 TEST(ARobotBehindADriver, FollowsItsLeaderAndBothSidesArePassive) {
   const RecordedHand hand;
-  Server server({"--follower", driven("")});
+  Server server({"--follower", driven(kPatient)});
   Client client(server.address(), and_also(hand.options(), {"--duration", "7", "--once"}));
   EXPECT_EQ(client.wait(kLong), 0);
   EXPECT_TRUE(has_in_order(client.err(), {"the robot waits: keep the device still", "the robot follows"}));
   const nlohmann::json summary = client.summary();
   EXPECT_GT(summary["follower"]["seconds"]["following"], 0);
-  EXPECT_GT(summary["force_N"]["max"], 1) << "the floor is felt";
+  if (was_led_all_the_time(server)) {
+    EXPECT_GT(summary["force_N"]["max"], 1) << "the floor is felt";
+  }
   EXPECT_GE(summary["passivity"]["minimum_J"], kPassiveLeast_J);
 
   EXPECT_EQ(server.stop(), 0);
@@ -210,8 +213,11 @@ TEST_F(FaultyRobot, WhoseServerIsKilledLeavesItsLeaderWithoutAForce) {
 
 TEST_F(FaultyRobot, RefusesASecondLeaderNamingTheFirst) {
   begin("none");
-  Client second(server->address(), {"--device", "omni", "--operator", "wave", "--once"});
-  EXPECT_EQ(second.wait(kLong), 1);
+  Client second(server->address(), {"--device", "omni", "--operator", "wave", "--once", "--duration", "10"});
+  const std::optional<int> ended = second.wait(kLong);
+  if (ended != 1 && !was_led_all_the_time(*server))
+    GTEST_SKIP() << "the machine is too slow: the first leader was silent";
+  EXPECT_EQ(ended, 1);
   EXPECT_THAT(second.err(), HasSubstr("the robot is led by 'firm-3dof': it follows one leader at a time"));
   expect_both_end_well();
 }

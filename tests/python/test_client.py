@@ -49,7 +49,7 @@ def test_a_client_records_and_ends_by_itself(server, tmp_path):
 
 
 def test_ticks_without_room_are_counted(server):
-    client = Client(server, **SPHERE, duration_s=0.5, ticks_kept=100)
+    client = Client(server, **SPHERE, duration_s=3, ticks_kept=100)
     summary = client.run()
     assert len(client.ticks()) == 100
     assert client.ticks_not_kept == summary["ticks"] - 100 > 0

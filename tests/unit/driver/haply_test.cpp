@@ -99,7 +99,7 @@ class Haply : public testing::Test {
     Vector before = Vector::Ones(3);
     int ticks = 0;
     tick_until(Vector::Zero(3), [&] {
-      if (++ticks % 20 != 0) return false;
+      if (reading.status != Status::ok || ++ticks % 20 != 0) return false;
       return (std::exchange(before, last.position) - last.position).norm() < 1e-6;
     });
   }

@@ -101,7 +101,7 @@ TEST_F(OpenHaptics, BeginsAnewWhenTheSchedulerHasEndedWithoutAWord) {
   int silent = 0;
   tick_until(Vector::Ones(3), [&] {
     silent = reading.status == Status::ok ? 0 : silent + 1;
-    return silent == 50;
+    return silent == 5;
   });
   tick_until(Vector::Ones(3), [&] { return reading.status == Status::ok; });
   expect_force();
