@@ -37,8 +37,8 @@ PageChoice changed(const PageChoice& now, const page::Choose& choice, const Page
     next.law_beside.reset();
     if (!std::holds_alternative<std::monostate>(choice.value)) next.law_beside = chosen_name(choice, laws);
   } else if (choice.setting == "scene") {
-    const bool own = std::holds_alternative<std::monostate>(choice.value) && !choices.scenes.empty();
-    next.scene = own ? std::string() : chosen_name(choice, choices.scenes);
+    const bool servers_default = std::holds_alternative<std::monostate>(choice.value) && !choices.scenes.empty();
+    next.scene = servers_default ? std::string() : chosen_name(choice, choices.scenes);
   } else if (choice.setting == "device") {
     next.device = chosen_name(choice, choices.devices);
   } else if (choice.setting == "stiffness_N_per_m") {

@@ -64,17 +64,18 @@ Eigen::Vector3d HandSafety::limited_torque(const Eigen::Vector3d& wanted_N_m) co
 }
 
 void HandSafety::note_speeds(const Tick& tick, double elapsed_s) noexcept {
-  if (last_position_ && note_speed(speed_, (tick.position - *last_position_).norm(), elapsed_s)) begin(Trip::speed);
+  const bool moves = speed_.most_per_s > 0 && last_position_;
+  if (moves && note_speed(speed_, (tick.position - *last_position_).norm(), elapsed_s)) begin(Trip::speed);
   last_position_ = tick.position;
   std::optional<Eigen::Quaterniond> orientation;
   if (tick.handle.orientation) orientation = control::quaternion_of(*tick.handle.orientation);
-  const bool turns = last_orientation_ && orientation;
+  const bool turns = turn_.most_per_s > 0 && last_orientation_ && orientation;
   if (turns && note_speed(turn_, last_orientation_->angularDistance(*orientation), elapsed_s)) begin(Trip::turn);
   last_orientation_ = orientation;
 }
 
 bool HandSafety::note_speed(Speed& speed, double way, double elapsed_s) noexcept {
-  if (!(speed.most_per_s > 0) || !(elapsed_s > 0)) return false;
+  if (!(elapsed_s > 0)) return false;
   speed.mean_per_s += share_of_newest(elapsed_s, kSpeedMean_s) * (way / elapsed_s - speed.mean_per_s);
   if (speed.mean_per_s > speed.most_per_s) return !std::exchange(speed.too_fast, true);
   if (speed.mean_per_s < kSlowAgain * speed.most_per_s) speed.too_fast = false;

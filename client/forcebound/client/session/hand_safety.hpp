@@ -77,7 +77,7 @@ class HandSafety {
     bool too_fast = false;
   };
   void note_speeds(const Tick& tick, double elapsed_s) noexcept;
-  /// @returns whether it has become too fast just now
+  /// @param speed that has a limit @returns whether it has become too fast just now
   [[nodiscard]] static bool note_speed(Speed& speed, double way, double elapsed_s) noexcept;
   void forget_speeds() noexcept;
   /// The load of motors, by their force or torque, and the cap that it makes.
