@@ -50,10 +50,8 @@ void expect_told(const Way& way, std::chrono::seconds duration) {
 
   // The datagrams missing are those that the relay dropped, except for handshakes meanwhile, and for motions after the
   // server closed the session, which no server counts.
-  std::size_t swallowed = 0;
   const std::string log = content(way.folder.file("log.csv"));
-  for (std::size_t at = log.find(",blackout,"); at != std::string::npos; at = log.find(",blackout,", at + 1))
-    ++swallowed;
+  const std::size_t swallowed = occurrences(log, ",blackout,");
   const double handshakes = 20 + 2.0 * static_cast<double>(duration.count());
   EXPECT_NEAR(longest[up ? "lost_up" : "lost_down"].get<double>(), static_cast<double>(swallowed), handshakes);
   EXPECT_EQ(longest[up ? "lost_down" : "lost_up"], 0);

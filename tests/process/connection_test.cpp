@@ -28,12 +28,6 @@ Words and_also(Words words, const Words& more) {
   return words;
 }
 
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
-
 TEST(AClientWithoutAServer, GivesUpAndSaysWhyIfToldOnce) {
   const std::string closed_port = free_address();
   Client client(closed_port, {"--once"});

@@ -19,14 +19,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// The load does not wait for the answers to its Byes.
-void await_closings(const Server& server, int sessions) {
-  for (int waited_ms = 0; waited_ms < 20'000; waited_ms += 10) {
-    const std::string said = server.err();
-    int ended = 0;
-    for (std::size_t at = 0; (at = said.find(" ended its session", at)) != std::string::npos; ++at) ++ended;
-    if (ended >= sessions) return;
+void await_closings(const Server& server, std::size_t sessions) {
+  for (int waits = 0; waits < 2000 && occurrences(server.err(), " ended its session") < sessions; ++waits)
     std::this_thread::sleep_for(10ms);
-  }
 }
 
 TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {

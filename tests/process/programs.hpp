@@ -82,6 +82,9 @@ std::uint64_t counted(const std::string& text, std::string_view subject, std::st
 /// `text` with single spaces for all space: programs break their lines where the column ends.
 std::string unwrapped(std::string_view text);
 
+/// How often `text` has `part`.
+std::size_t occurrences(std::string_view text, std::string_view part);
+
 /// How many lines.
 std::size_t lines(std::string_view text);
 

@@ -66,6 +66,22 @@ class SessionOfSixAxes : public ::testing::Test {
     return force;
   }
 
+  /// With a tool in the hand, and an answer with force and torque before so many ticks.
+  std::uint64_t heap_operations_of(int ticks) {
+    connect(Eigen::Vector3d(0, 0.02, -0.1));
+    tick();
+    const auto bytes = codec.encode(answer({1, 0, -1}, Eigen::Vector3d(0.1, 0, 0.1)));
+    const std::vector<std::byte> force(bytes.begin(), bytes.end());
+    link.reserve(100);
+    events.kinds.reserve(100);
+    events.words.reserve(1000);
+    link.keep = false;
+    const test::AllocationGuard guard;
+    link.arrive_again(force, kServer);
+    for (int i = 0; i < ticks; ++i) tick();
+    return guard.heap_operations();
+  }
+
   device::SimulatedDevice device;
   test::FakeLink link;
   test::FakeClock clock;
@@ -206,18 +222,7 @@ TEST_F(SessionOfSixAxesThatTurnTooFast, HasNoTorqueThenAndSaysWhy) {
 
 TEST_F(SessionOfSixAxesThatTurnTooFast, TicksWithoutAllocating) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  connect(Eigen::Vector3d(0, 0.02, -0.1));
-  tick();
-  const auto bytes = codec.encode(answer({1, 0, -1}, Eigen::Vector3d(0.1, 0, 0.1)));
-  const std::vector<std::byte> force(bytes.begin(), bytes.end());
-  link.reserve(100);
-  events.kinds.reserve(100);
-  events.words.reserve(1000);
-  link.keep = false;
-  const test::AllocationGuard guard;
-  link.arrive_again(force, kServer);
-  for (int i = 0; i < 1000; ++i) tick();
-  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_EQ(heap_operations_of(1000), 0U);
   EXPECT_GE(session.totals().torque_slew_bounded, 1U);
   EXPECT_GE(session.totals().trips_of_turn, 1U);
 }
@@ -229,17 +234,7 @@ class SessionOfSixAxesWithTheExactLaw : public SessionOfSixAxes {
 
 TEST_F(SessionOfSixAxesWithTheExactLaw, TicksWithoutAllocating) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  connect(Eigen::Vector3d(0, 0.02, -0.1));
-  tick();
-  const auto bytes = codec.encode(answer({1, 0, -1}, Eigen::Vector3d(0.1, 0, 0.1)));
-  const std::vector<std::byte> force(bytes.begin(), bytes.end());
-  link.reserve(100);
-  events.kinds.reserve(100);
-  link.keep = false;
-  const test::AllocationGuard guard;
-  link.arrive_again(force, kServer);
-  for (int i = 0; i < 300; ++i) tick();
-  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_EQ(heap_operations_of(300), 0U);
 }
 
 TEST_F(SessionOfSixAxesWithTheExactLaw, IsPassiveWhateverTorqueIsAskedFor) {
