@@ -23,7 +23,8 @@ using test::kPeriod_s;
 using test::LawLoop;
 
 // What no clock can have measured.
-constexpr std::array kImpossible{0.0, -0.0, -1e-300, -1e-3, -3600.0, 1e7, 1e300, kInfinity, -kInfinity, kNaN};
+constexpr std::array kImpossible{0.0,   -0.0,    -1e-300, 5e-324, 1e-320,    1e-300,     9e-10,
+                                 -1e-3, -3600.0, 1e7,     1e300,  kInfinity, -kInfinity, kNaN};
 
 class HardCase04 : public testing::TestWithParam<std::string> {};
 
@@ -49,7 +50,7 @@ TEST_P(HardCase04, AnIntervalThatNoClockMeasuredEarnsNothing) {
 }
 
 TEST_P(HardCase04, AShortOrLongIntervalEarnsAtMostWhatAMotionInATenthOfAPeriodDissipates) {
-  for (const double interval_s : {1e-300, 1e-9, 1e-4, 0.1, 10.0, 3600.0, 1e6}) {
+  for (const double interval_s : {1e-9, 1e-4, 0.1, 10.0, 3600.0, 1e6}) {
     SCOPED_TRACE(interval_s);
     LawLoop loop(GetParam(), Matrix::Constant(1, 1, 30));
     for (int i = 0; i < 10; ++i) loop.tick(1e-4 * (i % 2), 0.1);
@@ -63,7 +64,7 @@ TEST_P(HardCase04, AShortOrLongIntervalEarnsAtMostWhatAMotionInATenthOfAPeriodDi
 }
 
 TEST_P(HardCase04, ALostReadingAfterAnyIntervalLeavesTheLedgerANumber) {
-  for (const double lost_s : {0.0, -1.0, 1e-300, 10.0, 1e6, 1e300, 1e308, kInfinity, kNaN}) {
+  for (const double lost_s : {0.0, -1.0, 1e-320, 1e-300, 1e-9, 10.0, 1e6, 1e300, 1e308, kInfinity, kNaN}) {
     SCOPED_TRACE(lost_s);
     LawLoop loop(GetParam(), Matrix::Constant(1, 1, 30));
     for (int i = 0; i < 10; ++i) loop.tick(1e-3 * (i % 2), 1);

@@ -122,7 +122,7 @@ void ExactLaw::credit(const Motion& motion) noexcept {
   FORCEBOUND_ASSERT(motion.joint.rows() == joint_count_, "a reading has a row for each joint");
   note_times(motion);
   jacobian_ = motion.jacobian;
-  if (blind_s_ > 0) return;
+  if (!located_ && (blind_s_ > 0 || !stamps_.interval_believed())) return;
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
     LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const LeastEnergy::Tube read = tube(i, motion.joint[i]);
@@ -142,6 +142,7 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
   latency_s_max_ = std::max(0.0, motion.latency_s_max);
   note_command(motion);
   interval_s_ = motion.interval_s;
+  stamps_.pass(motion.interval_s);
   if (!is_measurable(motion.interval_s)) {
     charge_all();
     return;
@@ -149,10 +150,9 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
   const Bracket passed_s = times_.true_time(motion.interval_s);
   if (located_) {
     let_act(passed_s.most, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
-  } else if (stamp_trusted_) {
+  } else if (stamps_.interval_believed()) {
     blind_s_ -= passed_s.least;
   }
-  stamp_trusted_ = true;
   held_.pass(passed_s, stamp_s_.least);
 }
 
@@ -184,7 +184,6 @@ void ExactLaw::charge_all() noexcept {
     blind_s_ = std::max(blind_s_, over_s - std::min(0.0, stamp_s_.least));
   }
   located_ = false;
-  stamp_trusted_ = false;
   held_ = HeldTorques(joint_count_, lag_s_);
 }
 

@@ -53,11 +53,12 @@ struct Spending {
 /// the force is the longest that is allowed, at each tick. Then, without encoder step, friction, latency and
 /// uncertainty, and with every interval equal to period and hold time, this is LessConservativeLaw for a diagonal b.
 ///
-/// An interval that is not measurable (`is_measurable`) charges every force in effect and on its way a full hold time;
-/// until the last of them is over, nothing is credited and no force given. The interval after it begins at a stamp that
-/// nobody can trust, and does not count towards that. An interval shorter than a tenth of the period is credited as
-/// that. A device that cannot let go of a force (DeviceFacts::releases) is credited as measured; a tick later than the
-/// hold time is without the guarantee too, and the deficit is repaid first.
+/// An interval that is not measurable (`is_measurable`) charges every force in effect and on its way a full hold time.
+/// Then no force is given and nothing credited until intervals whose stamps are both believed (StampCheck) have lasted
+/// as long as the last of these forces could, and one such interval, at least one, has ended with a reading: there V
+/// starts again. An interval shorter than a tenth of the period is credited as that. A device that cannot let go of a
+/// force (DeviceFacts::releases) is credited as measured; a tick later than the hold time is without the guarantee too,
+/// and the deficit is repaid first.
 ///
 /// Real time: noexcept, no allocation; dof times the cost of LeastEnergy for each torque in effect in an interval. A
 /// copy is a saved state.
@@ -137,7 +138,7 @@ class ExactLaw final : public PassivityLaw {
   EnergySum given_;
   bool located_ = false;  // V is known
   double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
-  bool stamp_trusted_ = true;
+  StampCheck stamps_;
   Matrix jacobian_;
   HeldTorques held_;
   Vector committed_;  // when it takes effect, the next motion tells

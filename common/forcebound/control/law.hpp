@@ -8,8 +8,36 @@
 
 namespace forcebound::control {
 
-/// Whether a clock can have measured this time between two readings: above zero, and at most eleven days.
-[[nodiscard]] constexpr bool is_measurable(double interval_s) noexcept { return interval_s > 0 && interval_s <= 1e6; }
+/// Whether a clock can have measured this time between two readings: a nanosecond, which is what clocks count, to
+/// eleven days.
+[[nodiscard]] constexpr bool is_measurable(double interval_s) noexcept {
+  return interval_s >= 1e-9 && interval_s <= 1e6;
+}
+
+/// Which stamps of readings can be believed. One that ends an interval that is not measurable cannot, and so neither
+/// can the interval from it to the next one, whatever the clock says (A10 of the proof). No interval ends at the first
+/// stamp.
+class StampCheck {
+ public:
+  /// With each reading, lost ones too.
+  void pass(double interval_s) noexcept {
+    const bool possible = !begun_ || is_measurable(interval_s);
+    interval_believed_ = possible && stamp_believed_;
+    stamp_believed_ = possible;
+    begun_ = true;
+  }
+
+  /// The newest stamp.
+  [[nodiscard]] bool stamp_believed() const noexcept { return stamp_believed_; }
+
+  /// Both stamps of the interval that ended last.
+  [[nodiscard]] bool interval_believed() const noexcept { return interval_believed_; }
+
+ private:
+  bool begun_ = false;
+  bool stamp_believed_ = true;
+  bool interval_believed_ = true;
+};
 
 /// What a tick measured before it chooses a force. All vectors finite, `dof` rows.
 struct Motion {

@@ -69,7 +69,7 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
 }
 
 void PassivityController::count(const Motion& motion) noexcept {
-  counts_.intervals_impossible += begun_ && !is_measurable(motion.interval_s);
+  counts_.intervals_impossible += !stamps_.stamp_believed();
   counts_.writes_failed += motion.write_failed;
   counts_.effects_outside_facts += times_.effect_is_outside_facts(motion);
   counts_.releases_outside_facts += times_.release_is_outside_facts(motion);
@@ -77,10 +77,8 @@ void PassivityController::count(const Motion& motion) noexcept {
 
 /// Of the two intervals at a wrong stamp, neither says how long the device moved.
 void PassivityController::pass(double interval_s) noexcept {
-  const bool measurable = is_measurable(interval_s);
-  since_reached_s_ += measurable && stamp_trusted_ ? interval_s : std::numeric_limits<double>::infinity();
-  stamp_trusted_ = measurable || !begun_;
-  begun_ = true;
+  stamps_.pass(interval_s);
+  since_reached_s_ += stamps_.interval_believed() ? interval_s : std::numeric_limits<double>::infinity();
 }
 
 /// Whether the joints can have come there since the last reading that was used.
@@ -104,8 +102,8 @@ void PassivityController::lose(const Motion& motion) noexcept {
 
 /// False for a reading that is not finite or out of reach.
 bool PassivityController::note(const Motion& motion) noexcept {
-  count(motion);
   pass(motion.interval_s);
+  count(motion);
   if (!motion.position.allFinite() || !motion.joint.allFinite() || !motion.jacobian.allFinite()) {
     ++counts_.readings_not_finite;
     law_->lose(motion);

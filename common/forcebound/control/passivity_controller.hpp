@@ -100,8 +100,7 @@ class PassivityController {
   Vector reached_;               ///< the last reading that was used; no rows: there was none
   double since_reached_s_ = 0;   ///< infinite where the clock failed since
   bool reached_surely_ = false;  ///< the one before it was within reach
-  bool stamp_trusted_ = true;    ///< of the reading before
-  bool begun_ = false;
+  StampCheck stamps_;
   Counts counts_;
 };
 

@@ -40,6 +40,11 @@ struct Violation {
   double friction_N = 0;
 };
 
+void lose_track(DeviceTruth& truth) {
+  truth.impossible_intervals = 0.25;
+  truth.lost_readings = 0.1;
+}
+
 std::vector<Violation> violations() {
   return {{"none", [](DeviceTruth&) {}},
           {"stamps off by 5 us",
@@ -76,9 +81,9 @@ std::vector<Violation> violations() {
           {"1 % of writes fail, reported", [](DeviceTruth& t) { t.failed_writes = 0.01, t.failures_reported = true; }},
           {"1 % of writes fail, not reported", [](DeviceTruth& t) { t.failed_writes = 0.01; }},
           {"1 % of readings lose a count", [](DeviceTruth& t) { t.lost_counts = 0.01; }},
-          {"impossible intervals, latency 0", [](DeviceTruth& t) { t.impossible_intervals = 0.25; }, 0},
-          {"impossible intervals, latency 300 us", [](DeviceTruth& t) { t.impossible_intervals = 0.25; }, 300e-6},
-          {"impossible intervals, latency 1 ms", [](DeviceTruth& t) { t.impossible_intervals = 0.25; }, 1e-3},
+          {"impossible intervals, lost readings, latency 0", lose_track, 0},
+          {"impossible intervals, lost readings, latency 300 us", lose_track, 300e-6},
+          {"impossible intervals, lost readings, latency 1 ms", lose_track, 1e-3},
           {"5 us, 20 us, 2 %, 500 ppm, 0.1 step", [](DeviceTruth& t) {
              t.stamp_s = {-5e-6, 5e-6};
              t.latency_s = {0, 20e-6};

@@ -38,9 +38,8 @@ class Opponent {
         command_(Vector::Zero(dof_)),
         torque_(Vector::Zero(dof_)) {}
 
-  Real play(control::PassivityLaw& law) {
-    law.credit(read(0));
-    choose(law);
+  KinematicOutcome play(control::PassivityLaw& law) {
+    tick(law, 0);
     for (int n = 1; n < game_.ticks; ++n) {
       plan(law);
       const double stamp_off_s = within(game_.truth.stamp_s);
@@ -48,11 +47,9 @@ class Opponent {
       const double due_s = std::max(latched_s_, stamped_s_) + next_interval_s();
       const double latched_s = std::max({due_s, commanded_s_, stamped_s_ + stamp_off_s + 1e-9});
       live_until(latched_s);
-      law.credit(read(latched_s - stamp_off_s));
-      exchange_energy(law);
-      choose(law);
+      tick(law, latched_s - stamp_off_s);
     }
-    return least_J_;
+    return {least_J_, least_surplus_J_};
   }
 
  private:
@@ -70,6 +67,15 @@ class Opponent {
   }
   Vector any(double size) {
     return Vector::NullaryExpr(dof_, [&](Eigen::Index) { return number(-size, size); });
+  }
+
+  void tick(control::PassivityLaw& law, double stamped_s) {
+    const bool lost = game_.truth.lost_readings > 0 && sometimes(game_.truth.lost_readings);
+    const Motion motion = read(stamped_s);
+    lost ? law.lose(motion) : law.credit(motion);
+    if (stamped_s > 0) exchange_energy(law);
+    least_surplus_J_ = std::min(least_surplus_J_, energy_J_ - law.energy_J());
+    write(law, lost ? Vector::Zero(dof_) : chosen(law));
   }
 
   /// Fills the ledger for a while, then spends it, or does whatever comes. In half of the games it fills only what the
@@ -146,14 +152,17 @@ class Opponent {
     if (game_.truth.releases_reported && release_s_) motion.held_s = shown_s(*release_s_) - motion.latency_s;
   }
 
-  /// A stamp that is wrong spoils the interval before it and the one after it.
+  /// A stamp that is wrong spoils the interval before it and the one after it, which may be any.
   void tell_the_impossible(Motion& motion) {
-    if (spoilt_) motion.interval_s += 2e-3 * number(0, 1);
+    if (spoilt_) {
+      motion.interval_s =
+          sometimes(0.5) ? motion.interval_s + 2e-3 * number(0, 1) : motion.interval_s * std::pow(10, number(-3, 0));
+    }
     spoilt_ = begun_ && sometimes(game_.truth.impossible_intervals);
     if (spoilt_) motion.interval_s = sometimes(0.5) ? -1e-3 : (sometimes(0.5) ? 0 : std::nan(""));
   }
 
-  void choose(control::PassivityLaw& law) {
+  Vector chosen(control::PassivityLaw& law) {
     if (phase_ == Phase::mixed) {
       if (sometimes(0.2)) request_ = any(1) * std::pow(10, number(-2, 3));
       if (sometimes(0.3)) request_ = -request_;
@@ -162,7 +171,10 @@ class Opponent {
     if (phase_ == Phase::pump) request.setZero();
     if (phase_ == Phase::spend) request *= facts_.force_N_max / std::max(request.norm(), 1e-12);
     const double size = request.norm();
-    Vector force = law.bound(size > facts_.force_N_max ? request * (facts_.force_N_max / size) : request);
+    return law.bound(size > facts_.force_N_max ? Vector(request * (facts_.force_N_max / size)) : request);
+  }
+
+  void write(control::PassivityLaw& law, Vector force) {
     // Chosen, it takes a while until it is written; the law is asked again, as PassivityController does.
     const double took_s = game_.late_ticks && sometimes(0.5) ? number(0, 1.2) * kChoosing_s : 0;
     const double written_s = std::max(stamped_s_ + took_s / clock_rate_, latched_s_);
@@ -339,11 +351,12 @@ class Opponent {
   Real energy_J_ = 0;
   double given_J_ = 0;
   Real least_J_ = 0;
+  Real least_surplus_J_ = 0;
 };
 
 }  // namespace
 
-long double least_P_J(control::PassivityLaw& law, const KinematicGame& game) { return Opponent(game).play(law); }
+KinematicOutcome play(control::PassivityLaw& law, const KinematicGame& game) { return Opponent(game).play(law); }
 
 control::Uncertainty uncertainty_of(const DeviceTruth& truth, const control::DeviceFacts& facts) {
   return {.stamp_s = truth.stamp_s,

@@ -299,7 +299,7 @@ TEST(ExactLaw, ReservesForTheForceInEffectUntilTheNextOneIs) {
 }
 
 TEST(ExactLaw, StartsAgainWhereNoClockCanHaveMeasuredTheInterval) {
-  for (const double interval_s : {0.0, -1e-3, -3600.0, 1e7, kInfinity, std::nan("")}) {
+  for (const double interval_s : {0.0, -1e-3, -3600.0, 1e-320, 1e7, kInfinity, std::nan("")}) {
     SCOPED_TRACE(interval_s);
     ExactLaw law(ideal(vector({30})), EnergyMemory::full);
     law.credit(motion_to(vector({0})));
@@ -311,10 +311,42 @@ TEST(ExactLaw, StartsAgainWhereNoClockCanHaveMeasuredTheInterval) {
   }
 }
 
+struct Told {
+  double interval_s = kPeriod_s;
+  bool lost = false;
+};
+
+/// Of a law that was told of places 1 mm apart.
+double energy_after_J(std::initializer_list<Told> readings) {
+  ExactLaw law(ideal(vector({30})), EnergyMemory::full);
+  double place_m = 0;
+  for (const Told& reading : readings) {
+    const Motion motion = motion_to(vector({place_m += 1e-3}), nullptr, reading.interval_s);
+    reading.lost ? law.lose(motion) : law.credit(motion);
+    law.commit(law.bound(vector({0})));
+  }
+  return law.energy_J();
+}
+
+TEST(ExactLaw, CreditsNothingUntilAnIntervalWhoseStampsAreBelievedHasPassed) {
+  constexpr double kOneInterval_J = 30 * 1e-6 / kPeriod_s;
+  constexpr double kTooShort_s = 0.1 * kPeriod_s;  // would be credited ten times that
+  constexpr bool kLost = true;
+  EXPECT_EQ(energy_after_J({{0, kLost}, {-kTooShort_s}, {kTooShort_s}}), 0);
+  EXPECT_EQ(energy_after_J({{0, kLost}, {-kTooShort_s}, {kTooShort_s}, {}}), 0);
+  EXPECT_DOUBLE_EQ(energy_after_J({{0, kLost}, {-kTooShort_s}, {kTooShort_s}, {}, {}}), kOneInterval_J);
+
+  // The reading at which the time without credit would end is lost, and the next stamp is wrong.
+  EXPECT_DOUBLE_EQ(energy_after_J({{0}, {}, {0}, {}, {kPeriod_s, kLost}, {-kTooShort_s}, {kTooShort_s}}),
+                   kOneInterval_J);
+  EXPECT_NEAR(energy_after_J({{0}, {}, {0}, {}, {kPeriod_s, kLost}, {-kTooShort_s}, {kTooShort_s}, {}, {}}),
+              2 * kOneInterval_J, 1e-15);
+}
+
 TEST(ExactLaw, CreditsAVeryShortIntervalAsATenthOfThePeriod) {
   ExactLaw law(ideal(vector({30})), EnergyMemory::full);
   law.credit(motion_to(vector({0})));
-  law.credit(motion_to(vector({1e-6}), nullptr, 1e-300));
+  law.credit(motion_to(vector({1e-6}), nullptr, 1e-9));
   EXPECT_DOUBLE_EQ(law.energy_J(), 30 / (0.1 * kPeriod_s) * 1e-12);
 }
 
