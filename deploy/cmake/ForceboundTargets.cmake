@@ -30,6 +30,9 @@ target_compile_features(forcebound_options INTERFACE cxx_std_20)
 # Eigen counts in signed numbers and the standard library in unsigned ones. g++ does not warn; clang-tidy would.
 target_compile_options(forcebound_options INTERFACE
                        -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion -Wshadow -ffp-contract=off)
+# An assertion names its source from the repository's root, wherever that is: what one clone has compiled, ccache finds for
+# another, and no program has the path of the machine that built it.
+target_compile_options(forcebound_options INTERFACE -ffile-prefix-map=${PROJECT_SOURCE_DIR}/=)
 target_compile_definitions(forcebound_options INTERFACE FORCEBOUND_VERSION="${PROJECT_VERSION}")
 if(FORCEBOUND_WARNINGS_ARE_ERRORS)
   target_compile_options(forcebound_options INTERFACE -Werror)
