@@ -192,7 +192,10 @@ void ExactLaw::forget_excess() noexcept {
   Vector largest = force_N_max_ * jacobian_.topRows(dof_ - rotations_).colwise().norm().transpose();
   if (rotations_ > 0) largest += torque_N_m_max_ * jacobian_.bottomRows(rotations_).colwise().norm().transpose();
   const double kept_J = std::min(kRoom * spending_.memory_reserves * needed_J(largest), spending_.memory_J_max);
-  const double excess_J = energy_J() - kept_J;
+  // If the write of the next force fails, those told so far go on until their release.
+  Vector held = Vector::Zero(joint_count_);
+  held_.each([&](const Vector& mid, const Vector& spread) { held = held.cwiseMax(mid.cwiseAbs() + spread); });
+  const double excess_J = energy_J() - std::max(kept_J, needed_J(held));
   if (!(excess_J > 0)) return;
   energy_.add(-excess_J);
   given_.add(excess_J);

@@ -152,6 +152,21 @@ TEST(ExactLaw, ReservesForEachStageOfTheRelease) {
   EXPECT_GE(law.energy_J(), 0);
 }
 
+// In a singular configuration no force needs energy, but if the next write fails the last one goes on.
+TEST(ExactLaw, GivesUpNothingThatTheForceInEffectCanStillTake) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.force_N_max = 3;
+  facts.hold_s_max = 2 * kPeriod_s;
+  ExactLaw law(facts);
+  for (int n = 0; n < 100; ++n) law.credit(motion_to(vector({1e-3 * n})));
+  ASSERT_EQ(law.bound(vector({-3}))[0], -3);
+  law.commit(vector({-3}));
+  Motion singular = motion_to(vector({0.1}));
+  singular.jacobian.setZero();
+  law.credit(singular);
+  EXPECT_NEAR(law.energy_J(), 9 * facts.hold_s_max / 120, 1e-15);
+}
+
 /// The energy after a force of 1 N was held for 5 ms against a motion, with what the device reports of its release.
 double energy_after_release_J(double held_s, double latency_s = 0, double latency_unknown_s = 0) {
   DeviceFacts facts = ideal(vector({30}));
