@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::string_view kSecret = "forcebound-secret-key";
 constexpr std::string_view kShared = "forcebound-shared-key";
-constexpr std::string_view kPublic = "forcebound-public-key";
+constexpr std::string_view kPublic = kPublicKeyWord;
 constexpr std::size_t kKeyFileBytesMost = 4096;
 constexpr ::mode_t kOwnerAlone = 0600;
 constexpr ::mode_t kAllMayRead = 0644;
@@ -182,10 +182,10 @@ SecretKey read_shared_key(const std::string& path) {
 }
 
 PublicKey read_public_key(const std::string& key_or_path) {
-  if (const std::optional<PublicKey> key = public_key_from_base64(key_or_path)) return *key;
+  if (const std::optional<PublicKey> key = public_key_from(key_or_path)) return *key;
   Locked<KeyFileText> text;
   read_key_file(key_or_path, false, *text);
-  const std::optional<PublicKey> key = public_key_from_base64(key_in(*text, kPublic, key_or_path));
+  const std::optional<PublicKey> key = public_key_from(key_in(*text, kPublic, key_or_path));
   if (!key) refuse_key_text(key_or_path, kPublic);
   return *key;
 }

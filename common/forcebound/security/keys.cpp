@@ -43,7 +43,10 @@ bool from_base64(std::string_view text, KeyBytes& key) noexcept {
   return false;
 }
 
-std::optional<PublicKey> public_key_from_base64(std::string_view text) {
+std::optional<PublicKey> public_key_from(std::string_view text) {
+  if (text.starts_with(kPublicKeyWord) && text.substr(kPublicKeyWord.size()).starts_with(' ')) {
+    text.remove_prefix(kPublicKeyWord.size() + 1);
+  }
   PublicKey key;
   if (!from_base64(text, key.bytes)) return std::nullopt;
   // Any scalar shows whether the point is of low order, since all are multiples of eight.

@@ -37,8 +37,12 @@ struct KeyPair {
 /// @return whether `key` was set; if not, it is zero
 [[nodiscard]] bool from_base64(std::string_view text, KeyBytes& key) noexcept;
 
-/// As above, and only what can be the public key of anybody: low-order points give a secret that all know
+/// The first word of a line or file that has a public key.
+inline constexpr std::string_view kPublicKeyWord = "forcebound-public-key";
+
+/// A public key as people hand it over: what `to_base64` writes, alone or after `kPublicKeyWord` and a blank, as
+/// `keygen --public` prints it. Only what can be the key of anybody: low-order points give a secret that all know
 /// (RFC 7748, section 6.1).
-[[nodiscard]] std::optional<PublicKey> public_key_from_base64(std::string_view text);
+[[nodiscard]] std::optional<PublicKey> public_key_from(std::string_view text);
 
 }  // namespace forcebound::security

@@ -37,9 +37,10 @@ KnownServers KnownServers::from_file(const std::string& path) {
   try {
     while (lines.next()) {
       if (lines.line().empty() || lines.line().starts_with('#')) continue;
-      const std::vector<std::string_view> words = text::split_at_blanks(lines.line());
+      std::vector<std::string_view> words = text::split_at_blanks(lines.line());
+      if (words.size() == 3 && words[1] == kPublicKeyWord) words.erase(words.begin() + 1);
       if (words.size() != 2) lines.refuse("no server with its key; " + std::string(kServerLine));
-      const std::optional<PublicKey> key = public_key_from_base64(words[1]);
+      const std::optional<PublicKey> key = public_key_from(words[1]);
       if (!key) lines.refuse("this is no public key; " + std::string(kServerLine));
       if (servers.find(words[0])) lines.refuse("the server is named above already; accepted is one key for each");
       servers.servers_.push_back({std::string(words[0]), *key});

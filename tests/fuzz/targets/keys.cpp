@@ -48,8 +48,8 @@ void fuzz_keys(Bytes bytes) {
       file.replace(rest);
       return may_refuse([&] { (void)security::read_shared_key(file.path()); });
     case 4: {
-      const auto key = security::public_key_from_base64(text_of(rest));
-      must(!key || security::to_base64(key->bytes) == text_of(rest),
+      const auto key = security::public_key_from(text_of(rest));
+      must(!key || text_of(rest).ends_with(security::to_base64(key->bytes)),
            "a key is written as something else than was read");
       return;
     }

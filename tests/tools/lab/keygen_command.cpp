@@ -19,7 +19,7 @@ struct KeygenOptions {
 
 /// As files of public keys have it.
 void print_public(const security::KeyPair& pair) {
-  std::printf("forcebound-public-key %s\n", security::to_base64(pair.public_key.bytes).c_str());
+  std::printf("%s %s\n", security::kPublicKeyWord.data(), security::to_base64(pair.public_key.bytes).c_str());
 }
 
 void run_keygen(const KeygenOptions& options) {

@@ -121,10 +121,19 @@ TEST_F(KeyFile, IsARegularFile) {
 }
 
 TEST(PublicKeyText, IsRefusedForAPointOfLowOrder) {
-  EXPECT_FALSE(public_key_from_base64(to_base64(KeyBytes{})));
-  EXPECT_FALSE(public_key_from_base64(to_base64(KeyBytes{std::byte{1}})));
-  EXPECT_FALSE(public_key_from_base64(""));
-  EXPECT_TRUE(public_key_from_base64(to_base64(key_pair_from(key_bytes(1)).public_key.bytes)));
+  EXPECT_FALSE(public_key_from(to_base64(KeyBytes{})));
+  EXPECT_FALSE(public_key_from(to_base64(KeyBytes{std::byte{1}})));
+  EXPECT_FALSE(public_key_from(""));
+  EXPECT_TRUE(public_key_from(to_base64(key_pair_from(key_bytes(1)).public_key.bytes)));
+}
+
+TEST(PublicKeyText, IsReadAsKeygenPrintsIt) {
+  const PublicKey key = key_pair_from(key_bytes(1)).public_key;
+  const std::string printed = std::string(kPublicKeyWord) + " " + to_base64(key.bytes);
+  EXPECT_EQ(public_key_from(printed), key);
+  EXPECT_EQ(read_public_key(printed), key);
+  EXPECT_FALSE(public_key_from(std::string(kPublicKeyWord) + to_base64(key.bytes)));
+  EXPECT_FALSE(public_key_from(std::string(kPublicKeyWord) + " " + printed));
 }
 
 // Found by fuzzing: libsodium read the byte 0x82 as 'M', so that one key could be written in several ways.
@@ -134,7 +143,7 @@ TEST(PublicKeyText, IsRefusedWithAByteBeyondAscii) {
     for (std::size_t place = 0; place < text.size(); ++place) {
       std::string other = text;
       other[place] = static_cast<char>(byte);
-      EXPECT_FALSE(public_key_from_base64(other)) << "byte " << byte << " at " << place;
+      EXPECT_FALSE(public_key_from(other)) << "byte " << byte << " at " << place;
     }
   }
 }

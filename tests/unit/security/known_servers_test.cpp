@@ -21,11 +21,13 @@ using testing::ThrowsMessage;
 TEST(KnownServers, AreThoseOfTheFile) {
   const test::TemporaryFolder folder;
   const std::string file = folder.file("servers");
-  text::write_file(file, "# mine\n\na:1 " + public_text(1) + "\r\n  b:2   " + public_text(2));
+  text::write_file(file, "# mine\n\na:1 " + public_text(1) + "\r\n  b:2   " + public_text(2) + "\nd:4 " +
+                             std::string(kPublicKeyWord) + " " + public_text(4));
   KnownServers servers = KnownServers::from_file(file);
   EXPECT_EQ(servers.find("a:1"), public_key(1));
   EXPECT_EQ(servers.find("b:2"), public_key(2));
   EXPECT_EQ(servers.find("c:3"), std::nullopt);
+  EXPECT_EQ(servers.find("d:4"), public_key(4)) << "as keygen --public prints it";
   EXPECT_NO_THROW(servers.expect("a:1", public_key(1), NewServers::refused));
 }
 
