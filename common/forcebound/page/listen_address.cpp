@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -32,6 +33,7 @@ ListenAddress parse_listen_address(std::string_view text) {
 namespace {
 
 constexpr const char* kVariable = "FORCEBOUND_PAGE_TOKEN";
+constexpr const char* kIndex = "index.html";
 
 /// The token in the environment, which other users do not see, unlike command lines; empty: there is none.
 std::string token_given(std::size_t digits) {
@@ -53,15 +55,27 @@ std::string printed_address(const std::string& address) {
   return address.substr(0, address.find('?')) + " with the token of " + kVariable;
 }
 
+std::string missing_page(const std::string& program_path) {
+  const std::filesystem::path folder = page_folder(program_path);
+  if (std::filesystem::exists(folder / kIndex)) return {};
+  return "the live page is not in " + folder.string() +
+         ": bundling it takes node, npm and npm's registry; run deploy/setup, then configure and build again";
+}
+
 PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path) {
   constexpr std::size_t kTokenBytes = 16;
-  if (const std::string given = token_given(2 * kTokenBytes); !given.empty()) {
-    return {.host = at.host, .port = at.port, .token = given, .assets = read_assets(page_folder(program_path))};
+  PageServer::Settings settings{.host = at.host,
+                                .port = at.port,
+                                .token = token_given(2 * kTokenBytes),
+                                .assets = read_assets(page_folder(program_path))};
+  if (const std::string why = missing_page(program_path); !why.empty()) {
+    settings.assets.insert_or_assign(kIndex, Asset{std::string(content_type(".txt")), why + '\n'});
   }
+  if (!settings.token.empty()) return settings;
   std::array<std::byte, kTokenBytes> random{};
   security::fill_with_random(random);
-  return {
-      .host = at.host, .port = at.port, .token = token_of(random), .assets = read_assets(page_folder(program_path))};
+  settings.token = token_of(random);
+  return settings;
 }
 
 }  // namespace forcebound::page

@@ -21,7 +21,11 @@ struct ListenAddress {
 /// @throws std::invalid_argument naming the text and what would be accepted
 [[nodiscard]] ListenAddress parse_listen_address(std::string_view text);
 
-/// A page at this address with the token of FORCEBOUND_PAGE_TOKEN in the environment, else a new random one.
+/// Why there is no page beside this program, and how to get it, in one line; empty: its files are there.
+[[nodiscard]] std::string missing_page(const std::string& program_path);
+
+/// A page at this address with the token of FORCEBOUND_PAGE_TOKEN in the environment, else a new random one. Where its
+/// files are missing the page is what `missing_page` says.
 /// @throws std::runtime_error if its files cannot be read, that token is none, or the system gives no random bytes
 [[nodiscard]] PageServer::Settings page_settings(const ListenAddress& at, const std::string& program_path);
 

@@ -46,10 +46,7 @@ void run(const ViewOptions& options) {
   std::error_code ignored;
   const std::string program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
   const page::PageServer::Settings settings = page::page_settings(at, program);
-  if (!settings.assets.contains("index.html")) {
-    std::cerr << "the page's files are missing in " << page::page_folder(program).string()
-              << ": it answers programs alone\n";
-  }
+  if (const std::string why = page::missing_page(program); !why.empty()) std::cerr << text::printable(why) << '\n';
   const std::string words = text::counted(recorded.ticks.size(), "tick") + ", " + text::rounded(recorded.duration_s()) +
                             " s, law " + recorded.info.law + ", scene " +
                             (recorded.scene().empty() ? "not known" : recorded.scene());

@@ -46,6 +46,18 @@ TEST_F(AssetsTest, AreRefusedIfTooMany) {
   EXPECT_THROW((void)read_assets(folder), std::runtime_error);
 }
 
+TEST_F(AssetsTest, OfAMissingPageAreOneLineThatSaysHowToGetIt) {
+  const std::string program = (folder / "bin" / "forcebound-client").string();
+  const std::string why = missing_page(program);
+  EXPECT_THAT(why, HasSubstr("run deploy/setup, then configure and build again"));
+  EXPECT_EQ(page_settings({}, program).assets.at("index.html").content, why + "\n");
+  const fs::path page = page_folder(program);
+  fs::create_directories(page);
+  text::write_file((page / "index.html").string(), "<p>");
+  EXPECT_EQ(missing_page(program), "");
+  EXPECT_EQ(page_settings({}, program).assets.at("index.html").content, "<p>");
+}
+
 TEST(PageFolder, IsBesideTheProgramsFolder) {
   EXPECT_EQ(page_folder("/usr/bin/forcebound-client"), "/usr/share/forcebound/page");
 }

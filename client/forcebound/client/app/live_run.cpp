@@ -55,10 +55,7 @@ class LiveRun {
       network_ = relay_->network();
     }
     const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
-    if (!settings.assets.contains("index.html")) {
-      spdlog::warn("the page's files are missing in {}: it answers programs alone",
-                   page::page_folder(program_path()).string());
-    }
+    if (const std::string why = page::missing_page(program_path()); !why.empty()) spdlog::warn("{}", why);
     server_.emplace(settings, page_);
     std::fputs(("page: " + page::printed_address(server_->address()) + "\n").c_str(), stdout);
     std::fflush(stdout);

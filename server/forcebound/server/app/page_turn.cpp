@@ -31,10 +31,7 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
       page_(clock, options.record),
       shown_(clock.now()) {
   const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
-  if (!settings.assets.contains("index.html")) {
-    spdlog::warn("the page's files are missing in {}: it answers programs alone",
-                 page::page_folder(program_path()).string());
-  }
+  if (const std::string why = page::missing_page(program_path()); !why.empty()) spdlog::warn("{}", why);
   if (robot_ != nullptr) page_.set_robot(*robot_->looks().description());
   served_.emplace(settings, page_);
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
