@@ -73,7 +73,10 @@ function(forcebound_install_package)
                                 ${PROJECT_BINARY_DIR}/ForceboundConfig.cmake INSTALL_DESTINATION ${FORCEBOUND_CMAKE_DIR}
                                 NO_SET_AND_CHECK_MACRO)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/ForceboundConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-  install(FILES ${PROJECT_BINARY_DIR}/ForceboundConfig.cmake ${PROJECT_BINARY_DIR}/ForceboundConfigVersion.cmake
-                ${PROJECT_SOURCE_DIR}/deploy/cmake/FindSodium.cmake
-          DESTINATION ${FORCEBOUND_CMAKE_DIR} COMPONENT package)
+  # With each, so that one that is installed alone is found.
+  foreach(name IN LISTS components)
+    install(FILES ${PROJECT_BINARY_DIR}/ForceboundConfig.cmake ${PROJECT_BINARY_DIR}/ForceboundConfigVersion.cmake
+                  ${PROJECT_SOURCE_DIR}/deploy/cmake/FindSodium.cmake
+            DESTINATION ${FORCEBOUND_CMAKE_DIR} COMPONENT ${name})
+  endforeach()
 endfunction()
