@@ -41,12 +41,19 @@ jobs_that_fit() {
   printf '%s' "$jobs"
 }
 
-# build_programs TARGET...: the release build of programs, without what only tests need. Where the tests have been built
-# they stay.
+# build_programs TARGET...: installs what is missing, then the release build of programs, without what only tests need.
+# Where the tests have been built they stay.
 build_programs() {
   local without_tests=()
+  "$root/deploy/setup"
   [[ -f $root/build/release/CMakeCache.txt ]] || without_tests=(-DBUILD_TESTING=OFF)
   build release "${without_tests[@]}" "$@"
+}
+
+# build_with_tests TARGET...: the same of what lies among the tests, benchmarks and stand-ins too, with what these need.
+build_with_tests() {
+  "$root/deploy/setup" --tests
+  build release -DBUILD_TESTING=ON "$@"
 }
 
 # On a terminal ninja's own line shows how far it is; a log gets a line for every tenth part.
@@ -80,6 +87,23 @@ build() {
     fi
   fi
   say "Built $preset in $((SECONDS - start)) s"
+}
+
+# Of this Debian, such as bookworm.
+debian_suite() { sed -n 's/^VERSION_CODENAME=//p' /etc/os-release; }
+
+# bare_debian SUITE FOLDER: a Debian of debootstrap, with nothing but what every one has. Packages come from where this
+# machine's come from, if it is of that suite.
+bare_debian() {
+  local suite=$1 folder=$2 start=$SECONDS
+  mkdir -p "$folder"
+  # Its services have users of their own, who are to see what is in it.
+  chmod 755 "$folder"
+  logged debootstrap debootstrap --variant=minbase "$suite" "$folder"
+  cp -r /etc/apt/apt.conf.d "$folder/etc/apt/"
+  if [[ $suite == "$(debian_suite)" ]]; then cp -r /etc/apt/sources.list* "$folder/etc/apt/" 2>/dev/null || true; fi
+  cp /etc/resolv.conf "$folder/etc/resolv.conf"
+  say "A bare Debian ($suite) in $((SECONDS - start)) s"
 }
 
 # What a command has started in the background; all of it ends with the command.
