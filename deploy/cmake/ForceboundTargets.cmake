@@ -22,7 +22,11 @@ function(forcebound_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${FORCEBOUND_UNITY} UNITY_BUILD_BATCH_SIZE 20)
 endfunction()
 
-option(FORCEBOUND_WARNINGS_ARE_ERRORS "Stop at a warning in Forcebound's own code" OFF)
+option(FORCEBOUND_WARNINGS_ARE_ERRORS "Stop at a warning in Forcebound's own code, with the compiler it is developed with"
+       OFF)
+# Another one, or another version, warns of other things: these are shown, and stop nobody's build.
+set(developed_with GNU-12)
+string(REGEX MATCH "^[0-9]+" major "${CMAKE_CXX_COMPILER_VERSION}")
 
 # Settings of our own build; never passed on to a consumer.
 add_library(forcebound_options INTERFACE)
@@ -34,7 +38,7 @@ target_compile_options(forcebound_options INTERFACE
 # another, and no program has the path of the machine that built it.
 target_compile_options(forcebound_options INTERFACE -ffile-prefix-map=${PROJECT_SOURCE_DIR}/=)
 target_compile_definitions(forcebound_options INTERFACE FORCEBOUND_VERSION="${PROJECT_VERSION}")
-if(FORCEBOUND_WARNINGS_ARE_ERRORS)
+if(FORCEBOUND_WARNINGS_ARE_ERRORS AND "${CMAKE_CXX_COMPILER_ID}-${major}" STREQUAL developed_with)
   target_compile_options(forcebound_options INTERFACE -Werror)
 endif()
 
@@ -52,7 +56,8 @@ macro(forcebound_find_mujoco)
     endif()
   endif()
   if(NOT FORCEBOUND_MUJOCO)
-    message(STATUS "Without MuJoCo: no rigid bodies in scenes, and none of their tests (Debian: libmujoco-dev libqhull-dev libtinyxml2-dev)")
+    set(FORCEBOUND_WITHOUT_MUJOCO "MuJoCo is not installed (Debian: libmujoco-dev libqhull-dev libtinyxml2-dev)")
+    message(STATUS "Without rigid bodies in scenes, robots and their tests: ${FORCEBOUND_WITHOUT_MUJOCO}")
   endif()
 endmacro()
 

@@ -70,7 +70,7 @@ void exact_step_with_full_knots(benchmark::State& state) {
   for (auto _ : state) {
     if (next % 30 == 0) motion.joint.array() += random() % 2 == 0 ? 55e-6 : -55e-6;
     law.credit(motion);
-    const Vector force = law.bound(requests[next]);
+    Vector force = law.bound(requests[next]);
     law.commit(force);
     benchmark::DoNotOptimize(force);
     knots += law.knots();

@@ -34,7 +34,7 @@ void pumped_tick(benchmark::State& state, const char* name) {
   device::SimulatedDevice device(description, device::make_operator("wave", dof));
   time::Nanoseconds now{0};
   for (auto _ : state) {
-    const device::Reading reading = device.read(now);
+    device::Reading reading = device.read(now);
     device.apply(now, 3 * device.truth().joint_velocity);
     benchmark::DoNotOptimize(reading);
     now += std::chrono::milliseconds(1);

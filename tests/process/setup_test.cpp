@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
+#include <chrono>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -39,10 +40,38 @@ Listed listed_on(const std::string& os_release) {
 }
 
 TEST(Setup, NamesDebiansPackagesAndIsSilentThere) {
-  const Listed listed = listed_on("ID=debian\nVERSION_ID=\"12\"\nPRETTY_NAME=\"Debian GNU/Linux 12\"\n");
-  EXPECT_THAT(listed.packages, Contains("libeigen3-dev"));
-  EXPECT_THAT(listed.packages, Contains("ninja-build"));
-  EXPECT_THAT(listed.warning, IsEmpty());
+  for (const std::string version : {"12", "13"}) {
+    const Listed listed = listed_on("ID=debian\nVERSION_ID=\"" + version + "\"\nPRETTY_NAME=\"Debian\"\n");
+    EXPECT_THAT(listed.packages, Contains("libeigen3-dev"));
+    EXPECT_THAT(listed.packages, Contains("ninja-build"));
+    EXPECT_THAT(listed.packages, Contains("npm")) << "or the live page that the README shows is not there";
+    EXPECT_THAT(listed.warning, IsEmpty()) << version;
+  }
+}
+
+TEST(Setup, SaysThatNobodyTriedTheNextDebian) {
+  const Listed listed = listed_on("ID=debian\nVERSION_ID=\"14\"\nPRETTY_NAME=\"Debian GNU/Linux 14\"\n");
+  EXPECT_THAT(listed.warning, HasSubstr("on Debian GNU/Linux 14 nobody has tried it"));
+}
+
+TEST(Setup, ALibraryThatTestsUseAndThatIsMissingLeavesOutTheirSourcesAlone) {
+  const TemporaryFolder folder;
+  const std::string build = folder.file("build");
+  const Ran configured =
+      run("/usr/bin/env",
+          {"cmake", "-G", "Ninja", "-S", source_folder().string(), "-B", build, "-DFORCEBOUND_PAGE=OFF",
+           "-DCMAKE_DISABLE_FIND_PACKAGE_rapidcheck=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_embree=ON"},
+          std::chrono::minutes{5});
+  ASSERT_EQ(configured.exit_code, 0) << configured.err;
+  const Ran left_out = run("/usr/bin/env", {"ctest", "--test-dir", build, "-V", "-R", "[.]without_"});
+  EXPECT_THAT(left_out.out,
+              HasSubstr("SKIPPED: embree is not installed (Debian: libembree-dev): without bvh_test.cpp\n"));
+  EXPECT_THAT(left_out.out, HasSubstr("SKIPPED: rapidcheck is not installed (Debian: librapidcheck-dev): without "
+                                      "codec_abuse_test.cpp codec_test.cpp sequence_window_test.cpp\n"));
+  const Ran listed = run("/usr/bin/env", {"ctest", "--test-dir", build, "-N"});
+  for (const char* const there : {": wire_test\n", ": scene_test.1\n", ": control_test.1\n", ": http_test\n"}) {
+    EXPECT_THAT(listed.out, HasSubstr(there));
+  }
 }
 
 TEST(Setup, SaysThatNobodyTriedUbuntu) {

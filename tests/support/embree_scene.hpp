@@ -1,6 +1,10 @@
 #pragma once
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <array>
 #include <cmath>
@@ -40,8 +44,6 @@ class EmbreeScene {
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
   [[nodiscard]] std::optional<scene::SegmentHit> first_hit(const scene::Segment& segment) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     RTCRayHit ray{};
     std::array<float, 3> from = single(segment.from_m);
     std::array<float, 3> way = single(segment.way_m);
@@ -50,12 +52,18 @@ class EmbreeScene {
     ray.ray.tfar = 1;
     ray.ray.mask = ~0U;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(scene_, &ray);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &ray);
+#endif
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     return scene::SegmentHit{ray.hit.primID, ray.ray.tfar};
   }
 
-  /// Embree finds the boxes; the nearest point of a triangle is computed by our function, since Embree 3 has none.
+  /// Embree finds the boxes; the nearest point of a triangle is computed by our function, since Embree has none.
   [[nodiscard]] double nearest_distance_m(const scene::Point& point_m) const {
     Query query{mesh_, point_m, std::numeric_limits<double>::infinity()};
     RTCPointQueryContext context;
