@@ -25,7 +25,9 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 using namespace std::chrono_literals;
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A browser that looks at a program's page.
 class Viewer {
@@ -45,12 +47,16 @@ class Viewer {
 
   void say(const json& message) { stream_.write(asio::buffer(message.dump())); }
 
+  json next() {
+    beast::flat_buffer buffer;
+    stream_.read(buffer);
+    return json::parse(beast::buffers_to_string(buffer.data()));
+  }
+
   /// The first message of the kind for which the condition holds; waits for it. Others are passed over.
   json wait_for(const std::string& kind, const std::function<bool(const json&)>& condition = {}) {
     for (;;) {
-      beast::flat_buffer buffer;
-      stream_.read(buffer);
-      json message = json::parse(beast::buffers_to_string(buffer.data()));
+      json message = next();
       if (message["kind"] == kind && (!condition || condition(message))) return message;
     }
   }
@@ -131,6 +137,42 @@ TEST(APage, ChangesLawSceneAndDeviceAndRunsASecondLawBeside) {
   viewer.say(choose("network", {{"delay_ms", 1}, {"jitter_ms", 0}, {"loss_percent", 0}}));
   EXPECT_THAT(viewer.wait_for("refused")["text"].get<std::string>(), HasSubstr("--relay-control"));
   // Late ticks can cost fba-more its passivity.
+  EXPECT_THAT(client.stop(SIGINT), testing::AnyOf(testing::Optional(0), testing::Optional(3)));
+}
+
+/// What the page shows next of a choice: a run of it, whose ticks come, or why there is none, in one line.
+bool runs_or_is_refused(Viewer& viewer, const std::string& setting, const std::string& value) {
+  viewer.say(choose(setting, value));
+  for (;;) {
+    const json message = viewer.next();
+    if (message["kind"] == "refused") {
+      EXPECT_THAT(message["text"].get<std::string>(), AllOf(HasSubstr(value), Not(HasSubstr("\n"))));
+      return false;
+    }
+    if (message["kind"] == "hello" && message["settings"][setting] == value) break;
+  }
+  viewer.wait_for("ticks");
+  return true;
+}
+
+TEST(APage, RunsEverySceneThatShipsOnEveryDeviceThatItAccepts) {
+  Server server;
+  Client client(server.address(), kBall);
+  Viewer viewer(client);
+  const json choices = viewer.wait_for("hello")["choices"];
+  int runs = 0;
+  for (const std::string scene : choices["scenes"]) {
+    SCOPED_TRACE("scene " + scene);
+    ASSERT_TRUE(runs_or_is_refused(viewer, "scene", scene)) << "with a device that suits it";
+    int devices = 0;
+    for (const std::string device : choices["devices"]) {
+      SCOPED_TRACE("device " + device);
+      devices += runs_or_is_refused(viewer, "device", device) ? 1 : 0;
+    }
+    EXPECT_GT(devices, 0);
+    runs += devices;
+  }
+  EXPECT_GT(runs, 100);
   EXPECT_THAT(client.stop(SIGINT), testing::AnyOf(testing::Optional(0), testing::Optional(3)));
 }
 

@@ -303,3 +303,41 @@ def test_settings_that_cannot_be_are_refused_with_what_would_be_accepted():
 def test_a_recording_that_cannot_be_written_is_refused_before_the_run(tmp_path):
     with pytest.raises((OSError, RuntimeError), match="absent"):
         ClosedLoop(recording=tmp_path / "absent" / "run.mcap", **PRESS)
+
+
+@pytest.mark.parametrize("scene", scenes.names())
+def test_every_scene_that_ships_runs_on_every_device_that_it_accepts(scene):
+    try:
+        accepted = scenes.load(scene).degrees_of_freedom
+    except ValueError as error:
+        assert "MuJoCo" in str(error)
+        pytest.skip(str(error))
+    ran = 0
+    for device in devices.names():
+        facts = devices.load(device).facts
+        axes = devices.load(device).tip_of([np.zeros(facts.joints)])[0].shape[1]
+        hand = "wave:amplitude_m=0.2,frequency_Hz=5" + (",turn_x_rad=0.5,turn_Hz=2" if facts.degrees_of_freedom == 6 else "")
+        settings = dict(scene=scene, device=device, hand=hand, network="delay 5ms", rendering="local")
+        if accepted in (0, axes):
+            run = simulate(0.1, **settings)
+            assert run.ticks["position"].shape == (100, axes), device
+            assert run.summary["ticks"] == 100, device
+            ran += 1
+        else:
+            with pytest.raises(ValueError, match=f"device '{device}' has {axes}") as refused:
+                simulate(0.1, **settings)
+            assert "\n" not in str(refused.value)
+    assert ran > 0
+
+
+def test_a_device_of_six_axes_takes_a_hand_of_one_s_own_and_tells_how_its_tip_moves():
+    arm = devices.load("arm-6dof")
+    loop = ClosedLoop(scene="plane", device=arm, hand=lambda time_s: np.array([0, 0, 0.02 * math.cos(20 * time_s)]))
+    ticks, _ = loop.run(0.1)
+    assert ticks["position"].shape == (100, 3)
+    assert loop.truth["velocity"].shape == (3,)
+    assert loop.truth["turning"].shape == (3,)
+    positions, jacobians = arm.tip_of([loop.truth["joint"]])
+    np.testing.assert_allclose(positions[0], loop.truth["position"], atol=1e-12)
+    assert jacobians.shape == (1, 6, 6)
+    np.testing.assert_allclose(arm.tip_of([arm.joints_at(positions[0])])[0][0], positions[0], atol=1e-6)

@@ -127,7 +127,7 @@ void reproduce(const ReproduceOptions& options) {
   Progress progress;
   for (const Experiment& experiment : all) {
     const auto settings = experiment.settings("none");
-    const auto hand = device::make_operator(experiment.hand, settings.device.facts.degrees_of_freedom());
+    const auto hand = device::make_operator(experiment.hand, settings.device.facts);
     print_heading(experiment, settings.device, *hand);
     text::Table table = empty_table();
     LawsFigure figure(experiment.title(), "each law on the same device, with the same hand");

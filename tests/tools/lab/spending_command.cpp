@@ -102,8 +102,8 @@ Shown run_case(const Case& drawn, const Variant& variant) {
   settings.device.facts.damping *= drawn.damping;
   settings.device.facts.release_share = variant.release_share;
   settings.device.facts.release_s = variant.release_share > 0 ? settings.device.facts.hold_s_max : 0;
-  const int dof = settings.device.facts.degrees_of_freedom();
-  const double hand_N_per_m = device::make_operator(settings.hand, dof)->hand().stiffness_N_per_m * drawn.hand;
+  const auto hand = device::make_operator(settings.hand, settings.device.facts);
+  const double hand_N_per_m = hand->hand().stiffness_N_per_m * drawn.hand;
   settings.hand += ":stiffness_N_per_m=" + text::rounded(hand_N_per_m);
   if (drawn.late > 0ns) settings.faults.push_back({.at = 2500ms, .length = drawn.late});
   RingingMeter ringing;

@@ -56,8 +56,7 @@ void run(Options options) {
   prepare({.inputs = inputs_of(options), .files = {options.json}, .figures = {options.figure}});
   expect_accepted(*server::load_scene(options.settings.scene), options.settings.device);
   program::value_of("--operator", [&] {
-    const auto device = device::load_device(options.settings.device);
-    (void)device::make_operator(options.settings.hand, device.facts.translations(), device.facts.rotations > 0);
+    (void)device::make_operator(options.settings.hand, device::load_device(options.settings.device).facts);
   });
   std::vector<Json> live;
   for (const std::string& file : options.live) live.push_back(read_summary(file));

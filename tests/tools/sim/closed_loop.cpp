@@ -34,11 +34,10 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
       schedule_(settings_.timing, time::from_seconds(settings_.device.facts.period_s), settings_.seed),
       network_(clock_, settings_.network),
       busy_(settings_.server_turn),
-      device_(settings_.device,
-              settings_.make_hand ? settings_.make_hand()
-                                  : device::make_operator(settings_.hand, settings_.device.facts.translations(),
-                                                          settings_.device.facts.rotations > 0),
-              settings_.flaws),
+      device_(
+          settings_.device,
+          settings_.make_hand ? settings_.make_hand() : device::make_operator(settings_.hand, settings_.device.facts),
+          settings_.flaws),
       surface_(settings_.own_environment ? nullptr : settings_.scene, device_),
       summary_(info()) {
   if (settings_.told) told_.emplace(device_, *settings_.told);

@@ -29,7 +29,7 @@ class SharedLoop::Place {
     address = network.client_address(number);
     if (person.renders_locally) {
       local.emplace(client::SceneBuilder::Options{
-          .degrees_of_freedom = static_cast<std::uint32_t>(person.device.facts.degrees_of_freedom()),
+          .degrees_of_freedom = static_cast<std::uint32_t>(person.device.facts.translations()),
           .limits = handover::Limits::of_period(person.device.facts.period_s)});
     }
   }

@@ -66,6 +66,10 @@ Made make_operator(const std::string& specification, int dof, bool tip_turns) {
   throw std::invalid_argument("unknown operator '" + name + "'" + text::suggestion(name, known));
 }
 
+Made make_operator(const std::string& specification, const control::DeviceFacts& facts) {
+  return make_operator(specification, facts.translations(), facts.rotations > 0);
+}
+
 std::string recorded_hand(std::string_view specification) {
   constexpr std::string_view kReplay = "replay:";
   if (!specification.starts_with(kReplay)) return {};

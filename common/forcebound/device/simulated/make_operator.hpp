@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "forcebound/control/device_facts.hpp"
 #include "forcebound/device/simulated/operator.hpp"
 
 namespace forcebound::device {
@@ -20,6 +21,10 @@ namespace forcebound::device {
 /// ...`.
 [[nodiscard]] std::unique_ptr<const Operator> make_operator(const std::string& specification, int dof,
                                                             bool tip_turns = false);
+
+/// For a device with these facts: of as many translations, and turning its tip where that turns.
+[[nodiscard]] std::unique_ptr<const Operator> make_operator(const std::string& specification,
+                                                            const control::DeviceFacts& facts);
 
 /// The file of a recorded hand, `replay:FILE.csv[,KEY=VALUE...]`; empty for any other.
 [[nodiscard]] std::string recorded_hand(std::string_view specification);

@@ -22,6 +22,10 @@ struct Hand {
   double rotation_damping_N_m_s_per_rad = 0;
 };
 
+/// How a hand holds a tip that turns where nothing else is said: guesses, of the size of a relaxed wrist's.
+inline constexpr Hand kRelaxedWrist{
+    .inertia_kg_m2 = 5e-4, .rotation_stiffness_N_m_per_rad = 1, .rotation_damping_N_m_s_per_rad = 0.01};
+
 /// A simulated person: the hand's target for the tip, as a function of time.
 ///
 /// Real time: `target` and `handle` are noexcept and allocate nothing. Owned by the device that it moves.

@@ -69,15 +69,12 @@ Hand OperatorSettings::hand(const Hand& otherwise) {
             .stiffness_N_per_m = number("stiffness_N_per_m", Allowed::not_negative, otherwise.stiffness_N_per_m),
             .damping_N_s_per_m = number("damping_N_s_per_m", Allowed::not_negative, otherwise.damping_N_s_per_m)};
   if (!tip_turns_) return hand;
-  // Guesses, of the size of a relaxed wrist's.
-  constexpr double kInertia_kg_m2 = 5e-4;
-  constexpr double kStiffness_N_m_per_rad = 1;
-  constexpr double kDamping_N_m_s_per_rad = 0.01;
-  hand.inertia_kg_m2 = number("inertia_kg_m2", Allowed::not_negative, kInertia_kg_m2);
+  const Hand& wrist = kRelaxedWrist;
+  hand.inertia_kg_m2 = number("inertia_kg_m2", Allowed::not_negative, wrist.inertia_kg_m2);
   hand.rotation_stiffness_N_m_per_rad =
-      number("rotation_stiffness_N_m_per_rad", Allowed::not_negative, kStiffness_N_m_per_rad);
+      number("rotation_stiffness_N_m_per_rad", Allowed::not_negative, wrist.rotation_stiffness_N_m_per_rad);
   hand.rotation_damping_N_m_s_per_rad =
-      number("rotation_damping_N_m_s_per_rad", Allowed::not_negative, kDamping_N_m_s_per_rad);
+      number("rotation_damping_N_m_s_per_rad", Allowed::not_negative, wrist.rotation_damping_N_m_s_per_rad);
   return hand;
 }
 

@@ -121,7 +121,10 @@ void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
 
 SimulatedDevice::Truth SimulatedDevice::truth() const noexcept {
   const Vector& joint = motion_.position();
-  return {joint, motion_.velocity(), kinematics_->position(joint), kinematics_->jacobian(joint) * motion_.velocity()};
+  const Vector tip = kinematics_->jacobian(joint) * motion_.velocity();
+  const Eigen::Index translations = facts().translations();
+  return {joint, motion_.velocity(), kinematics_->position(joint), tip.head(translations),
+          tip.tail(tip.rows() - translations)};
 }
 
 DeviceCounters SimulatedDevice::counters() const noexcept {

@@ -46,7 +46,8 @@ class SimulatedDevice final : public HapticDevice {
     Vector joint;
     Vector joint_velocity;
     Vector position;  ///< of the tip, scene frame [m]
-    Vector velocity;  ///< likewise [m/s]
+    Vector velocity;  ///< likewise, as many rows [m/s]
+    Vector turning;   ///< of a tip that turns, its rotation likewise [rad/s]; else no rows
   };
 
   /// @throws std::invalid_argument if the hand's degrees of freedom are not the device's, or if the device with this

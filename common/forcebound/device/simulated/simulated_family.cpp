@@ -59,7 +59,7 @@ void complete_simulated(DeviceRequest& request) {
 std::unique_ptr<HapticDevice> make_simulated(const DeviceRequest& request) {
   DeviceDescription description = load_device(request.device);
   description.facts = at_tick_rate(std::move(description.facts), request.rate_Hz);
-  auto hand = make_operator(request.hand, description.facts.translations(), description.facts.rotations > 0);
+  auto hand = make_operator(request.hand, description.facts);
   return std::make_unique<SimulatedDevice>(std::move(description), std::move(hand));
 }
 

@@ -32,7 +32,7 @@ std::string device_for(const scene::SceneFacts& facts) {
 
 device::SimulatedDevice make_device(const SuggestedHand& suggested) {
   device::DeviceDescription description = device::load_device(suggested.device);
-  auto hand = device::make_operator(suggested.hand, description.facts.translations());
+  auto hand = device::make_operator(suggested.hand, description.facts);
   return {std::move(description), std::move(hand)};
 }
 

@@ -11,7 +11,13 @@
 namespace forcebound::lab {
 namespace {
 
-constexpr device::Hand kFirm{.mass_kg = 0.1, .stiffness_N_per_m = 1000, .damping_N_s_per_m = 5};
+constexpr device::Hand kFirm = [] {
+  device::Hand hand = device::kRelaxedWrist;
+  hand.mass_kg = 0.1;
+  hand.stiffness_N_per_m = 1000;
+  hand.damping_N_s_per_m = 5;
+  return hand;
+}();
 constexpr double kApproach_s = 0.5;
 
 class HarmonicHand final : public device::Operator {

@@ -32,9 +32,9 @@ std::vector<ScenePointer> variants_of(const Study& study) {
   return scenes;
 }
 
-std::unique_ptr<const device::Operator> make_hand(const Study& study, int degrees_of_freedom) {
-  if (!study.hand.empty()) return device::make_operator(study.hand, degrees_of_freedom);
-  return make_harmonic_hand(study.motion, degrees_of_freedom);
+std::unique_ptr<const device::Operator> make_hand(const Study& study, const control::DeviceFacts& facts) {
+  if (!study.hand.empty()) return device::make_operator(study.hand, facts);
+  return make_harmonic_hand(study.motion, facts.translations());
 }
 
 std::string point_text(const Eigen::Vector3d& point_m) {
@@ -73,8 +73,7 @@ sim::ClosedLoop::Settings settings_of(const Study& study, const SessionSettings&
       .device = device::load_device(study.device), .hand = {}, .law = session.law, .scene = scene};
   // The study is about the server's model and the network, not about encoders.
   settings.device.facts.encoder_step.setZero();
-  const int dof = settings.device.facts.degrees_of_freedom();
-  settings.make_hand = [&study, dof] { return make_hand(study, dof); };
+  settings.make_hand = [&study, facts = settings.device.facts] { return make_hand(study, facts); };
   settings.network.up.delay.mean = time::from_seconds(0.5 * network.round_trip_s);
   settings.network.down.delay.mean = time::from_seconds(0.5 * network.round_trip_s);
   settings.server_turn = time::from_seconds(network.server_turn_s);
@@ -184,7 +183,7 @@ void add_synchronised(StudyResult& result, const Cast& cast, const Runs& runs, c
 }
 
 StudyResult begin_result(const Study& study, const Cast& cast, const Runs& runs, const ReferenceModel& reference) {
-  const auto hand = make_hand(study, device::load_device(study.device).facts.degrees_of_freedom());
+  const auto hand = make_hand(study, device::load_device(study.device).facts);
   StudyResult result{.key = study.sweep.key,
                      .hand = hand->description(),
                      .assumptions = assumptions_of(study, *hand),

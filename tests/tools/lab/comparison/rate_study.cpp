@@ -23,7 +23,7 @@ constexpr std::array<double, 8> kMultiples{0.5, 0.9, 1.4, 2, 3, 4, 8, 16};
 std::string hand_of(const std::string& device) {
   constexpr double kForce_N = 30;
   const control::DeviceFacts facts = device::load_device(device).facts;
-  const device::Hand usual = device::make_operator("press", facts.degrees_of_freedom())->hand();
+  const device::Hand usual = device::make_operator("press", facts)->hand();
   const double share = facts.force_N_max / kForce_N;
   return "press:stiffness_N_per_m=" + text::rounded(share * usual.stiffness_N_per_m) +
          ",damping_N_s_per_m=" + text::rounded(share * usual.damping_N_s_per_m);

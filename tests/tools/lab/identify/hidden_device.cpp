@@ -98,8 +98,8 @@ control::DeviceFacts declared_facts(const HiddenDevice& hidden) {
 std::unique_ptr<device::SimulatedDevice> without_hand(const device::DeviceDescription& description,
                                                       const device::DeviceFlaws& flaws) {
   const std::string nobody = "wave:mass_kg=0,stiffness_N_per_m=0,damping_N_s_per_m=0";
-  return std::make_unique<device::SimulatedDevice>(
-      description, device::make_operator(nobody, description.facts.degrees_of_freedom()), flaws);
+  return std::make_unique<device::SimulatedDevice>(description, device::make_operator(nobody, description.facts),
+                                                   flaws);
 }
 
 }  // namespace forcebound::lab::identify

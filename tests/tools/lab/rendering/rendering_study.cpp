@@ -15,9 +15,9 @@ namespace {
 using namespace std::chrono_literals;
 using time::Nanoseconds;
 
-constexpr Nanoseconds kRun = 6s;
-constexpr Nanoseconds kStarting = 1s;
-constexpr Nanoseconds kSteady = 300ms;  // after the longest blackout
+// Of a run: the start, and the end after the longest blackout.
+constexpr std::int64_t kStartingPart = 6;
+constexpr std::int64_t kSteadyPart = 20;
 
 RenderingCondition delayed(double round_trip_ms) {
   char words[64];
@@ -53,7 +53,7 @@ std::vector<RenderingCondition> rendering_conditions() {
 
 RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondition& condition,
                                 const RenderingStudySettings& study, bool local, std::uint64_t seed) {
-  TrueForceMeter meter(task.scene, 3);
+  TrueForceMeter meter(task.scene, static_cast<std::uint32_t>(task.device.facts.translations()));
   sim::ClosedLoop::Settings settings{.device = task.device,
                                      .hand = {},
                                      .make_hand = task.make_hand,
@@ -67,17 +67,19 @@ RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondit
   settings.network.seed = seed;
   sim::ClosedLoop loop(std::move(settings), {&meter});
   meter.place_of = [&loop] { return loop.device().truth().position; };
-  loop.run(kStarting);
+  const Nanoseconds starting = study.run / kStartingPart;
+  const Nanoseconds steady = study.run / kSteadyPart;
+  loop.run(starting);
   const double at_start = bytes_sent(loop);
-  loop.run(kRun - kStarting - kSteady);
+  loop.run(study.run - starting - steady);
   const double before_the_end = bytes_sent(loop);
-  loop.run(kSteady);
+  loop.run(steady);
   RenderingFigures figures = meter.figures();
   figures.minimum_J = loop.device().audit().value().minimum_J;
   figures.scene_bytes = static_cast<double>(loop.totals().scene_piece_bytes);
-  figures.start_B_per_s = at_start / time::to_seconds(kStarting);
-  figures.steady_B_per_s = (bytes_sent(loop) - before_the_end) / time::to_seconds(kSteady);
-  figures.motions_per_s = static_cast<double>(loop.totals().sent) / time::to_seconds(kRun);
+  figures.start_B_per_s = at_start / time::to_seconds(starting);
+  figures.steady_B_per_s = (bytes_sent(loop) - before_the_end) / time::to_seconds(steady);
+  figures.motions_per_s = static_cast<double>(loop.totals().sent) / time::to_seconds(study.run);
   return figures;
 }
 

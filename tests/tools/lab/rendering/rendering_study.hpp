@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -41,6 +42,7 @@ struct RenderingStudySettings {
   std::uint64_t seeds = 3;
   std::string only{};            ///< tasks whose name has it; empty: all
   client::SendRate send_rate{};  ///< of motions, where rendering is local
+  time::Nanoseconds run = std::chrono::seconds{6};
 };
 
 [[nodiscard]] RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondition& condition,

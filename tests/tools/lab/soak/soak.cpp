@@ -133,8 +133,9 @@ std::string law_of(std::uint64_t seed) {
   return laws[sim::Draw(~seed).index(laws.size())];
 }
 
-SoakResult soak(std::uint64_t seed, const std::string& law) {
-  const SoakCase drawn = draw_soak_case(seed, law);
+SoakResult soak(std::uint64_t seed, const std::string& law) { return soak(draw_soak_case(seed, law)); }
+
+SoakResult soak(const SoakCase& drawn) {
   Invariants invariants(drawn);
   Witness witness(time::from_seconds(drawn.settings.device.facts.period_s));
   sim::ClosedLoop loop(drawn.settings, {&invariants, &witness});

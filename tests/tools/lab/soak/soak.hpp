@@ -23,11 +23,16 @@ struct SoakResult {
   std::uint64_t lost = 0;  ///< datagrams, either way
 };
 
+struct SoakCase;
+
 /// A law drawn from all.
 [[nodiscard]] std::string law_of(std::uint64_t seed);
 
 /// Draws a run from the seed, runs it with this law, and checks on every tick what must hold for all laws and what this
 /// law guarantees.
 [[nodiscard]] SoakResult soak(std::uint64_t seed, const std::string& law);
+
+/// The same of a case that is drawn already.
+[[nodiscard]] SoakResult soak(const SoakCase& drawn);
 
 }  // namespace forcebound::lab

@@ -279,7 +279,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   if (!laws.refusal(law, settings.device.facts).empty()) settings.device = device::load_device("cartesian-3dof");
   settings.timing = draw_timing(draw);
   settings.law_options.memory = draw.chance(0.3) ? control::EnergyMemory::full : control::EnergyMemory::capped;
-  settings.make_hand = [hand = draw_hand(draw, settings.device.facts.degrees_of_freedom())] {
+  settings.make_hand = [hand = draw_hand(draw, settings.device.facts.translations())] {
     return std::make_unique<sim::RestlessHand>(hand);
   };
   settings.scene = draw_scene(draw);

@@ -164,7 +164,8 @@ class ClosedLoop:
 
     @property
     def truth(self) -> dict[str, np.ndarray]:
-        """The device's exact state now: joint, joint_velocity (joints,); position, velocity (dof,) of the tip."""
+        """The device's exact state now: joint, joint_velocity (joints,); position, velocity (dof,) of the tip,
+        and where that turns its turning (3,) [rad/s], else (0,)."""
         return self._loop.truth
 
 

@@ -92,6 +92,7 @@ py::dict PythonLoop::truth() {
   all["joint_velocity"] = array_of(truth.joint_velocity);
   all["position"] = array_of(truth.position);
   all["velocity"] = array_of(truth.velocity);
+  all["turning"] = array_of(truth.turning);
   return all;
 }
 

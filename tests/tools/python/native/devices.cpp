@@ -19,10 +19,11 @@ using device::DeviceDescription;
 py::tuple tip_of(const DeviceDescription& device, py::handle joints) {
   const auto kinematics = device::make_kinematics(device.geometry);
   const py::ssize_t joint_count = device.facts.joints();
-  const py::ssize_t dof = device.facts.degrees_of_freedom();
+  const py::ssize_t translations = device.facts.translations();
+  const py::ssize_t axes = device.facts.degrees_of_freedom();
   const Rows rows(joints, {joint_count}, "joints");
-  py::array_t<double> positions({rows.size(), dof});
-  py::array_t<double> jacobians({rows.size(), dof, joint_count});
+  py::array_t<double> positions({rows.size(), translations});
+  py::array_t<double> jacobians({rows.size(), axes, joint_count});
   auto position_at = positions.mutable_unchecked<2>();
   auto jacobian_at = jacobians.mutable_unchecked<3>();
   Vector joint(joint_count);
@@ -30,8 +31,8 @@ py::tuple tip_of(const DeviceDescription& device, py::handle joints) {
     rows.read(row, joint);
     const Vector position = kinematics->position(joint);
     const Matrix jacobian = kinematics->jacobian(joint);
-    for (py::ssize_t i = 0; i < dof; ++i) {
-      position_at(row, i) = position[i];
+    for (py::ssize_t i = 0; i < translations; ++i) position_at(row, i) = position[i];
+    for (py::ssize_t i = 0; i < axes; ++i) {
       for (py::ssize_t j = 0; j < joint_count; ++j) jacobian_at(row, i, j) = jacobian(i, j);
     }
   }
@@ -39,7 +40,7 @@ py::tuple tip_of(const DeviceDescription& device, py::handle joints) {
 }
 
 py::array_t<double> joints_at(const DeviceDescription& device, py::handle position) {
-  const Vector place = vector_from(position, device.facts.degrees_of_freedom(), "position");
+  const Vector place = vector_from(position, device.facts.translations(), "position");
   return array_of(device::make_kinematics(device.geometry)->joints_at(place));
 }
 
@@ -68,7 +69,9 @@ void bind_devices(py::module_& module) {
       .def("with_facts", &with_facts, py::arg("facts"),
            "The same device with other facts, of the same joints and axes.")
       .def("tip_of", &tip_of, py::arg("joints"),
-           "joints (n, joints) -> positions (n, dof) [m], Jacobians (n, dof, joints) of the tip.")
+           "joints (n, joints) -> positions (n, dof) [m], Jacobians (n, dof, joints) of the tip; where it turns, with "
+           "three "
+           "rows more for that.")
       .def("joints_at", &joints_at, py::arg("position"), "position (dof,) [m] -> joints (joints,) that bring it there.")
       .def("__repr__", [](const DeviceDescription& d) { return "Device(" + device::describe(d) + ")"; });
   module.def("load_device", &device::load_device, py::arg("name_or_file"));

@@ -13,7 +13,7 @@ namespace forcebound::python {
 namespace {
 
 RowShape shape_of_device(const control::DeviceFacts& facts) {
-  return {.dof = facts.degrees_of_freedom(), .joints = facts.joints()};
+  return {.dof = facts.translations(), .joints = facts.joints()};
 }
 
 }  // namespace
@@ -44,8 +44,7 @@ py::array KeptTicks::since(std::size_t first) const {
 }
 
 LiveClient::LiveClient(const Settings& settings)
-    : device_(settings.device, device::make_operator(settings.hand, settings.device.facts.translations(),
-                                                     settings.device.facts.rotations > 0)),
+    : device_(settings.device, device::make_operator(settings.hand, settings.device.facts)),
       ticks_(shape_of_device(device_.facts()), settings.ticks_kept),
       client_(settings.client, device_,
               baselines::shipped_laws().make(settings.law, device_.facts(), settings.law_options), {&ticks_}) {}

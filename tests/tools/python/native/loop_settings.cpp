@@ -103,10 +103,10 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
   const control::DeviceFacts& facts = settings.device.facts;
   if (!settings.scene || facts.joints() == 0) throw py::type_error("ClosedLoop: expected a scene and a device");
   if (settings.told) expect_same_mechanism(*settings.told, facts);
-  if (!settings.scene->accepts(static_cast<std::uint32_t>(facts.degrees_of_freedom()))) {
+  if (!settings.scene->accepts(static_cast<std::uint32_t>(facts.translations()))) {
     throw py::value_error("scene '" + settings.scene->facts().name + "' is for devices of " +
                           settings.scene->accepted_degrees_of_freedom() + " degrees of freedom, device '" + facts.name +
-                          "' has " + std::to_string(facts.degrees_of_freedom()));
+                          "' has " + std::to_string(facts.translations()));
   }
   if (asked.parts.own_law) {
     asked.parts.own_law->name = settings.law;
@@ -120,7 +120,7 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
     settings.own_environment = own_environment("a function in Python", asked.parts.own_environment);
   }
   if (asked.parts.own_hand) {
-    settings.make_hand = [hand = asked.parts.own_hand, dof = facts.degrees_of_freedom()] {
+    settings.make_hand = [hand = asked.parts.own_hand, dof = facts.translations()] {
       return std::make_unique<OwnHand>(hand, dof);
     };
   }

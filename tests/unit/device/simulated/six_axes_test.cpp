@@ -153,8 +153,9 @@ TEST(SixAxesDevice, AuditCountsTheTorqueTimesTheAngularVelocity) {
     }
     const SimulatedDevice::Truth truth = device.truth();
     const Vector& speed = truth.joint_velocity;
-    balance_J += kDifference_s * (speed.dot(description.facts.damping * speed) +
-                                  description.facts.friction.dot(speed.cwiseAbs()) - wrench.dot(truth.velocity));
+    balance_J += kDifference_s *
+                 (speed.dot(description.facts.damping * speed) + description.facts.friction.dot(speed.cwiseAbs()) -
+                  wrench.head<3>().dot(truth.velocity) - wrench.tail<3>().dot(truth.turning));
   }
   EXPECT_GT(std::abs(balance_J), 1e-3);
   EXPECT_NEAR(device.audit()->energy_J, balance_J, 0.02 * std::abs(balance_J));
