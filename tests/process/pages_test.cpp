@@ -41,6 +41,17 @@ TEST(Pages, ShowTheTrialsThatTheDemoEndsWith) {
   expect_on_page("README.md", "trials", as_code(ran.out));
 }
 
+TEST(Pages, SayOfHowManyFunctionsADriverIs) {
+  const std::string header = content(source_folder() / "common/forcebound/driver/forcebound_device.h");
+  const std::string table = part_of(header, "typedef struct forcebound_driver {", "/* Of robots; not there");
+  ASSERT_FALSE(table.empty());
+  ASSERT_EQ(occurrences(table, "(*"), 8U) << "say on both pages how many there are";
+  EXPECT_THAT(unwrapped(content(source_folder() / "README.md")),
+              testing::HasSubstr("a driver is eight functions in C"));
+  EXPECT_THAT(unwrapped(content(source_folder() / "common/forcebound/driver/README.md")),
+              testing::HasSubstr("what its eight functions do"));
+}
+
 TEST(Pages, ExplainTheBallOfTheFirstPage) {
   const TemporaryFolder folder;
   const std::string readme = content(source_folder() / "README.md");
