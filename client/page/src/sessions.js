@@ -4,14 +4,12 @@ import { digits, duration, whole } from "./text.js";
 
 /** Heading and content of each column. */
 const kColumns = [
-  ["Client", (s) => s.client || "–"],
+  ["Client", (s) => s.client || ""],
   ["Address", (s) => s.address ?? "–"],
   ["Scene", (s) => s.scene ?? "–"],
   ["Device", (s) => s.device ?? "–"],
   ["State", (s) => s.state ?? "–"],
-  ["Round trip [ms]", (s) => digits(s.round_trip_ms), true],
-  ["Lost up [%]", (s) => digits(s.lost_up_percent, 2), true],
-  ["Lost down [%]", (s) => digits(s.lost_down_percent, 2), true],
+  ["Motions lost [%]", (s) => digits(s.lost_up_percent, 2), true],
   ["Computing [µs]", (s) => (s.compute_us ? `${digits(s.compute_us.median)}, 1 % above ${digits(s.compute_us.p99)}` : "–"), true],
   ["Faults", (s) => (s.faults ?? []).filter(({ count }) => count > 0).map(({ name, count }) => `${whole(count)} × ${name}`).join(", ") || "none"],
   ["Since", (s) => (Number.isFinite(s.since_s) ? duration(s.since_s) : "–"), true],
@@ -22,9 +20,18 @@ export class Sessions {
   constructor(send) {
     this.send = send;
     this.rows = new Map(); // id -> {row, cells, kick}
-    byId("session-head").append(...kColumns.map(([name, , number]) =>
-      make("th", { scope: "col", className: number ? "number" : "" }, name)), make("th", { scope: "col" }, "End it"));
+    this.heads = kColumns.map(([name, , number]) => make("th", { scope: "col", className: number ? "number" : "" }, name));
+    byId("session-head").append(...this.heads, make("th", { scope: "col" }, "End it"));
     this.body = byId("session-rows");
+  }
+
+  /** A column of which nobody has anything, such as names where there are no keys, is not shown. */
+  #hideEmpty() {
+    kColumns.forEach((_, i) => {
+      const cells = [...this.rows.values()].map((row) => row.cells[i]);
+      const empty = cells.every((cell) => cell.textContent === "");
+      for (const cell of [this.heads[i], ...cells]) cell.hidden = empty;
+    });
   }
 
   show({ sessions, load }, readOnly) {
@@ -39,6 +46,7 @@ export class Sessions {
       kColumns.forEach(([, text], i) => setText(cells[i], text(session)));
       kick.disabled = readOnly;
     }
+    this.#hideEmpty();
     byId("no-sessions").hidden = sessions.length > 0;
     byId("session-table").hidden = sessions.length === 0;
     this.#showLoad(load);

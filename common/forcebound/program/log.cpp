@@ -1,6 +1,7 @@
 #include "forcebound/program/log.hpp"
 
 #include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <ctime>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -71,6 +73,27 @@ class JsonFormatter final : public spdlog::formatter {
 };
 
 }  // namespace
+
+class LogListener::Sink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  using Told = std::function<void(const std::string&, const std::string&)>;
+  explicit Sink(Told told) : told_(std::move(told)) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& line) override {
+    told_(std::string(name_of(line.level)), text::printable({line.payload.data(), line.payload.size()}));
+  }
+  void flush_() override {}
+
+  Told told_;
+};
+
+LogListener::LogListener(std::function<void(const std::string& level, const std::string& text)> told)
+    : sink_(std::make_shared<Sink>(std::move(told))) {
+  spdlog::default_logger()->sinks().push_back(sink_);
+}
+
+LogListener::~LogListener() { std::erase(spdlog::default_logger()->sinks(), sink_); }
 
 void add_log_option(CLI::App& app) {
   app.add_flag_function(

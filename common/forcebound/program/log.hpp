@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -21,6 +23,21 @@ namespace forcebound::program {
 ///
 /// `level` is one of info, warning and error; `time` is UTC. What ends a program is such a line too.
 void log_to_stderr(const std::string& program);
+
+/// Is told each line of the log too, printable, on the thread that logs it, until it is destroyed. It must begin and
+/// end while no other thread logs.
+class LogListener {
+ public:
+  /// @param told level is info, warning or error
+  explicit LogListener(std::function<void(const std::string& level, const std::string& text)> told);
+  ~LogListener();
+  LogListener(const LogListener&) = delete;
+  LogListener& operator=(const LogListener&) = delete;
+
+ private:
+  class Sink;
+  std::shared_ptr<Sink> sink_;
+};
 
 /// Gives a program --log-json.
 void add_log_option(CLI::App& app);

@@ -46,6 +46,23 @@ TEST(Log, IsALineOfJsonForEachEventIfAskedFor) {
   EXPECT_EQ(line.size(), 6U);
 }
 
+TEST(Log, TellsAListenerEachLineWhileItIsThere) {
+  using Line = std::pair<std::string, std::string>;
+  std::vector<Line> heard;
+  testing::internal::CaptureStderr();
+  log_to_stderr("listened");
+  {
+    const LogListener listener(
+        [&heard](const std::string& level, const std::string& text) { heard.emplace_back(level, text); });
+    spdlog::info("one\ntwo");
+    spdlog::error("three");
+  }
+  spdlog::warn("nobody listens");
+  spdlog::default_logger()->flush();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("nobody listens"));
+  EXPECT_THAT(heard, testing::ElementsAre(Line("info", "one?two"), Line("error", "three")));
+}
+
 TEST(Log, WritesItsTimeInUtc) {
   const auto line = nlohmann::json::parse(json_line("example", "info", "text", 1'795'514'052'000'007));
   EXPECT_EQ(line["time"], "2026-11-24T09:54:12.000007Z");

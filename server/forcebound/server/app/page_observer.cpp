@@ -86,9 +86,6 @@ std::string PageObserver::Seen::sessions_message(const Load& load) const {
          {"scene", row.info.scene},
          {"device", row.info.device},
          {"state", row.silent ? "silent" : "active"},
-         // Its client alone knows them.
-         {"round_trip_ms", nullptr},
-         {"lost_down_percent", nullptr},
          {"lost_up_percent", row.lost_up_percent},
          {"compute_us", {{"median", microseconds(row.compute_median_ns)}, {"p99", microseconds(row.compute_rare_ns)}}},
          {"faults", faults},

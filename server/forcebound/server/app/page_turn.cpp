@@ -29,6 +29,7 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
       robot_(robot),
       places_(options.server.sessions_max),
       page_(clock, options.record),
+      log_([this](const std::string& level, const std::string& text) { page_.tell(level, text); }),
       shown_(clock.now()) {
   const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
   if (const std::string why = page::missing_page(program_path()); !why.empty()) spdlog::warn("{}", why);
@@ -60,9 +61,8 @@ void PageTurn::turn(ServerWorkers& server) {
   next_ = now + kPeriod;
   while (const auto kick = page_.take_kick()) {
     const auto session = session_of(*kick, server);
-    const bool ended = session && server.end_session(*session);
-    page_.tell(ended ? "info" : "warning",
-               "session " + std::to_string(*kick) + (ended ? " is ended" : " has ended already"));
+    const bool ended = session && server.end_session(*session);  // which the log tells
+    if (!ended) page_.tell("warning", "session " + std::to_string(*kick) + " has ended already");
   }
   if (!page_.watched() && !page_.awaited()) return;
   const std::uint64_t motions = server.counters().motions_received;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "forcebound/page/page_server.hpp"
+#include "forcebound/program/log.hpp"
 #include "forcebound/server/app/led_robot.hpp"
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/page_observer.hpp"
@@ -13,7 +14,7 @@
 
 namespace forcebound::server {
 
-/// The live page of a running server: a turn beside the server's own, on its thread.
+/// The live page of a running server: a turn beside the server's own, on its thread. The log's lines are its events.
 class PageTurn {
  public:
   /// Serves the page and prints its address. All must outlive it.
@@ -34,6 +35,7 @@ class PageTurn {
   LedRobot* robot_;
   std::size_t places_;
   ServerPage page_;
+  program::LogListener log_;
   std::optional<page::PageServer> served_;
   time::Nanoseconds next_{0};
   time::Nanoseconds next_movement_{0};

@@ -1,5 +1,6 @@
 #include "forcebound/server/app/server_page.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -42,8 +43,11 @@ void ServerPage::show(std::string sessions, std::string metrics) {
 
 void ServerPage::tell(const std::string& level, const std::string& text) {
   const Json message{{"kind", "event"}, {"track", 0}, {"time_s", now_s()}, {"level", level}, {"text", text}};
+  page::Text event = shared(message.dump(-1, ' ', false, Json::error_handler_t::replace));
   const std::scoped_lock lock(lock_);
-  events_.push_back(message.dump(-1, ' ', false, Json::error_handler_t::replace));
+  events_.push_back(std::move(event));
+  if (events_.size() > kEventsKept) events_.pop_front();
+  events_waiting_ = std::min(events_waiting_ + 1, events_.size());
 }
 
 void ServerPage::set_robot(const view::Description& looks) {
@@ -102,10 +106,13 @@ std::string ServerPage::hello() const {
 void ServerPage::greet(page::ViewerId viewer, page::Viewers& viewers) {
   viewers.send(viewer, shared(hello()), page::Worth::needed);
   std::string sessions;
+  std::vector<page::Text> told;  // to the others; what waits goes to this one too
   {
     const std::scoped_lock lock(lock_);
     sessions = sessions_;
+    told.assign(events_.begin(), events_.end() - static_cast<std::ptrdiff_t>(events_waiting_));
   }
+  for (page::Text& event : told) viewers.send(viewer, std::move(event), page::Worth::needed);
   if (!sessions.empty()) viewers.send(viewer, shared(std::move(sessions)), page::Worth::needed);
   if (scene_.empty()) return;
   viewers.send(viewer, shared(scene_), page::Worth::needed);
@@ -136,17 +143,18 @@ bool ServerPage::take(std::uint64_t kick) {
 
 void ServerPage::beat(page::Viewers& viewers) {
   watched_ = viewers.count() > 0;
-  std::deque<std::string> events;
+  std::vector<page::Text> events;
   std::string sessions;
   // Swapped, so that the server's thread, which waits for the lock, never waits for memory.
   for (std::vector<float>& group : sent_) group.clear();
   {
     const std::scoped_lock lock(lock_);
     moved_.swap(sent_);
-    events.swap(events_);
+    events.assign(events_.end() - static_cast<std::ptrdiff_t>(events_waiting_), events_.end());
+    events_waiting_ = 0;
     if (std::exchange(fresh_, false)) sessions = sessions_;
   }
-  for (std::string& event : events) viewers.send_to_all(shared(std::move(event)), page::Worth::needed);
+  for (page::Text& event : events) viewers.send_to_all(std::move(event), page::Worth::needed);
   if (!sessions.empty()) viewers.send_to_all(shared(std::move(sessions)), page::Worth::stream);
   for (std::size_t group = 0; group < sent_.size(); ++group) {
     (void)assembly_.take({.view = view_,

@@ -21,6 +21,8 @@ namespace forcebound::server {
 class ServerPage final : public page::Subject {
  public:
   static constexpr std::size_t kKicksMost = 64;
+  /// Events that a viewer who comes later is told of.
+  static constexpr std::size_t kEventsKept = 50;
 
   /// @param clock must outlive it. @param recording file; empty: none
   ServerPage(const time::Clock& clock, std::string recording);
@@ -31,6 +33,7 @@ class ServerPage final : public page::Subject {
 
   /// What is shown from now on.
   void show(std::string sessions, std::string metrics);
+  /// An event. Any thread.
   void tell(const std::string& level, const std::string& text);
 
   /// How the robot that is served looks. Before the page is served.
@@ -58,7 +61,8 @@ class ServerPage final : public page::Subject {
   std::mutex lock_;
   std::string sessions_;
   std::string metrics_;
-  std::deque<std::string> events_;         // not sent yet
+  std::deque<page::Text> events_;          // the newest
+  std::size_t events_waiting_ = 0;         // of the newest of them, not sent yet
   std::vector<std::vector<float>> moved_;  // of each group of the robot's looks; empty: nothing new
   std::vector<std::vector<float>> sent_;   // the page's thread's own
   std::deque<std::uint64_t> kicks_;

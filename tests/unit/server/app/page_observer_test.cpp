@@ -73,6 +73,11 @@ TEST_F(PageObserverTest, ShowsSessionsWithoutTheirKey) {
   EXPECT_TRUE(session()["compute_us"]["median"].is_null());
 }
 
+TEST_F(PageObserverTest, ShowsNothingOfASessionThatItNeverKnows) {
+  observer.on_force(force(1, 1));
+  for (const auto& [key, value] : session().items()) EXPECT_FALSE(value.is_null()) << key;
+}
+
 TEST_F(PageObserverTest, CountsWhatIsLostOnTheWayUpAndHowLongAnswersTake) {
   observer.on_force(force(101, 1));
   observer.on_force(force(110, 8));  // two of ten are missing

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
@@ -38,8 +39,28 @@ TEST(ServerPage, ShowsTheSessionsOncePerChange) {
   page.beat(viewers);
   page.beat(viewers);
   page.greet(2, viewers);
-  EXPECT_EQ(viewers.kinds, (Kinds{"hello", "event", "sessions", "hello", "sessions"}));
+  EXPECT_EQ(viewers.kinds, (Kinds{"hello", "event", "sessions", "hello", "event", "sessions"}));
   EXPECT_EQ(page.metrics(), "metric 1\n");
+}
+
+TEST(ServerPage, TellsWhoeverComesLaterOfTheNewestEventsAndNobodyTwice) {
+  const StillClock clock;
+  ServerPage page(clock, "");
+  for (std::size_t i = 0; i < ServerPage::kEventsKept + 7; ++i) page.tell("info", "before");
+  Sent viewers;
+  page.greet(1, viewers);
+  EXPECT_EQ(viewers.kinds, Kinds{"hello"}) << "what waits is sent to all";
+  const auto events = [&viewers] { return std::ranges::count(viewers.kinds, "event"); };
+  page.beat(viewers);
+  EXPECT_EQ(events(), ServerPage::kEventsKept);
+  page.beat(viewers);
+  EXPECT_EQ(events(), ServerPage::kEventsKept);
+  page.tell("warning", "now");
+  viewers.kinds.clear();
+  page.greet(2, viewers);
+  EXPECT_EQ(events(), ServerPage::kEventsKept - 1);
+  page.beat(viewers);
+  EXPECT_EQ(events(), ServerPage::kEventsKept);
 }
 
 TEST(ServerPage, ShowsItsRobotToWhoeverComesAndAsItMoves) {
