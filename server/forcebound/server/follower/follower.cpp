@@ -295,11 +295,14 @@ void Follower::note(const Vector& request, const Vector& given, Nanoseconds now)
 
 void Follower::picture(const device::Reading& reading) noexcept {
   const FollowerState state = engagement_.state();
+  const Vector6 sensed = bias_.without(robot_->sensed_force()).value_or(Vector6::Zero());
   report_.picture = {.joint = reading.joint,
                      .opening = robot_->gripper().value_or(0),
                      .tool = impedance_.report().pose,
                      .block = robot_->block(),
-                     .sensed_N = bias_.without(robot_->sensed_force()).value_or(Vector6::Zero()).head<3>(),
+                     .sensed_N = sensed.head<3>(),
+                     .sensed_N_m = sensed.tail<3>(),
+                     .leader_has_clutch = leader_ ? std::optional(leader_->handle.buttons.has_value()) : std::nullopt,
                      .lag_m = state == FollowerState::following ? totals_.lag_m : 0,
                      .drift_m = totals_.offset_drift_m,
                      .store_J = controller_.law().energy_J(),

@@ -38,10 +38,12 @@ struct FollowerPicture {
   double opening = 0;  ///< of the gripper, 0 to 1
   ToolPose tool{};     ///< by that reading
   std::optional<ToolPose> block{};
-  Eigen::Vector3d sensed_N{Eigen::Vector3d::Zero()};  ///< of the tool on its surroundings, less the bias; world frame
-  double lag_m = 0;                                   ///< from the tool to its target
-  double drift_m = 0;                                 ///< FollowerTotals::offset_drift_m
-  double store_J = 0;                                 ///< energy that the robot's law may spend
+  Eigen::Vector3d sensed_N{Eigen::Vector3d::Zero()};    ///< of the tool on its surroundings, less the bias; world frame
+  Eigen::Vector3d sensed_N_m{Eigen::Vector3d::Zero()};  ///< likewise, about the tool's point
+  std::optional<bool> leader_has_clutch{};              ///< its handle has buttons; none: nobody leads
+  double lag_m = 0;                                     ///< from the tool to its target
+  double drift_m = 0;                                   ///< FollowerTotals::offset_drift_m
+  double store_J = 0;                                   ///< energy that the robot's law may spend
   double received_J = 0;
   control::PassivityAudit port{};  ///< P_F and its least; only of robots that are audited
 };

@@ -17,7 +17,7 @@ namespace {
 using Kind = scene::VisiblePart::Kind;
 
 constexpr const char* kLeader = "leader";
-constexpr std::size_t kValuesMost = 13;
+constexpr std::size_t kValuesMost = 17;
 
 Kind kind_of(LinkShape::Kind kind) noexcept {
   switch (kind) {
@@ -159,8 +159,10 @@ FollowerLooks::FollowerLooks(const RobotModel& model, const Task* task, const Fo
 }
 
 std::vector<std::string> FollowerLooks::value_names(bool is_audited) {
-  std::vector<std::string> names{"state",     "tool_x_m", "tool_y_m", "tool_z_m", "force_x_N", "force_y_N",
-                                 "force_z_N", "lag_m",    "drift_m",  "store_J",  "received_J"};
+  std::vector<std::string> names{"state",        "tool_x_m",     "tool_y_m",          "tool_z_m",
+                                 "force_x_N",    "force_y_N",    "force_z_N",         "torque_x_N_m",
+                                 "torque_y_N_m", "torque_z_N_m", "leader_has_clutch", "lag_m",
+                                 "drift_m",      "store_J",      "received_J"};
   if (is_audited) names.insert(names.end(), {"passivity_J", "least_passivity_J"});
   return names;
 }
@@ -208,6 +210,8 @@ std::size_t FollowerLooks::see_solids(const FollowerReport& report, std::size_t 
 std::size_t FollowerLooks::see_values(const FollowerReport& report, std::size_t first,
                                       std::span<float> to) const noexcept {
   const FollowerPicture& now = report.picture;
+  constexpr double kNobody = -1;
+  const double leader_has_clutch = !now.leader_has_clutch ? kNobody : *now.leader_has_clutch ? 1 : 0;
   const std::array<double, kValuesMost> values{static_cast<double>(report.state),
                                                now.tool.position.x(),
                                                now.tool.position.y(),
@@ -215,6 +219,10 @@ std::size_t FollowerLooks::see_values(const FollowerReport& report, std::size_t 
                                                now.sensed_N.x(),
                                                now.sensed_N.y(),
                                                now.sensed_N.z(),
+                                               now.sensed_N_m.x(),
+                                               now.sensed_N_m.y(),
+                                               now.sensed_N_m.z(),
+                                               leader_has_clutch,
                                                now.lag_m,
                                                now.drift_m,
                                                now.store_J,

@@ -109,6 +109,7 @@ TEST_F(ArmLooks, TellValuesByTheirNames) {
   EXPECT_EQ(value("state"), static_cast<float>(FollowerState::waiting));
   EXPECT_NEAR(value("tool_x_m"), 0.502, 1e-3);
   EXPECT_EQ(value("least_passivity_J"), 0);
+  EXPECT_EQ(value("leader_has_clutch"), -1) << "nobody leads";
 }
 
 TEST_F(ArmLooks, DoNotAllocateWhereTheyAreSeen) {
