@@ -108,6 +108,64 @@ TEST(APage, ShowsTheRunAndItsPointerMovesTheHandUntilTheBallAnswers) {
   EXPECT_EQ(client.stop(SIGINT), client.expected_end());
 }
 
+TEST(APage, BeginsWithALawBesideToCompareWith) {
+  Server server;
+  Client client(server.address(), kBall);
+  Viewer viewer(client);
+  const json hello = viewer.wait_for("hello");
+  EXPECT_EQ(hello["settings"]["law_beside"], "none");
+  EXPECT_EQ(hello["tracks"].size(), 2);
+  viewer.wait_for("ticks", [](const json& ticks) { return ticks["track"] == 1; });
+  Client scripted(server.address(), and_also(kBall, {"--operator", "trace-sphere"}));
+  Viewer other(scripted);
+  EXPECT_EQ(other.wait_for("hello")["tracks"].size(), 1) << "whose hand is not the page's";
+}
+
+TEST(APage, OfARobotHasOneLawBecauseOneHandLeadsIt) {
+  Server server({"--follower", "reach-7", "--task", "stiff-wall"});
+  Client client(server.address(), {"--device", "firm-3dof", "--page", "0"});
+  Viewer viewer(client);
+  viewer.wait_for("event", [](const json& event) {
+    return event["text"].get<std::string>().starts_with("no second law runs beside: the robot is led by 'firm-3dof'");
+  });
+  EXPECT_EQ(
+      viewer.wait_for("hello", [](const json& hello) { return hello["tracks"].size() == 1; })["settings"]["law_beside"],
+      nullptr);
+  const json moved = viewer.wait_for("moved", [](const json& message) { return message.contains("values"); });
+  EXPECT_TRUE(moved["values"].contains("torque_z_N_m"));
+  viewer.wait_for("moved", [](const json& message) {
+    return message.contains("values") && message["values"]["leader_has_clutch"] == 1;  // a pointer has buttons
+  });
+}
+
+// A client that names no scene does not know where its hand begins until the server has told.
+TEST(APage, BeginsWhereTheServersOwnSceneSuggests) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("far.toml");
+  write_file(file, R"([scene]
+name = "far"
+description = "A ball about the place where hands begin elsewhere."
+degrees_of_freedom = 3
+suggested_hand = "press:axis=2,from_m=0.09,to_m=0.06"
+
+[[object]]
+name = "ball"
+shape = { kind = "sphere", center_m = [0, 0, 0], radius_m = 0.07 }
+effects = ["surface"]
+
+[object.surface]
+stiffness_N_per_m = 500
+)");
+  for (const char* const rendering : {"local", "remote"}) {
+    Server server({"--scene", file});
+    Client client(server.address(), {"--page", "0", "--rendering", rendering});
+    Viewer viewer(client);
+    const json ticks = viewer.wait_for(
+        "ticks", [](const json& each) { return each["contact"].back() == 0 && distance_m(each) > 0.07; });
+    EXPECT_NEAR(distance_m(ticks), 0.09, 2e-3) << rendering;
+  }
+}
+
 TEST(APage, ChangesLawSceneAndDeviceAndRunsASecondLawBeside) {
   Server server;
   Client client(server.address(), kBall);
@@ -241,7 +299,13 @@ TEST(APage, OfAServerShowsSessionsAndEndsThem) {
   EXPECT_EQ(seen["sessions"][0]["device"], "wall-1dof");
   EXPECT_EQ(seen["sessions"][0]["scene"], "wall");
   viewer.say({{"kind", "kick"}, {"session", seen["sessions"][0]["id"]}});
-  EXPECT_THAT(viewer.wait_for("event")["text"].get<std::string>(), HasSubstr("is ended"));
+  const auto tells = [&viewer](const std::string& part) {
+    viewer.wait_for("event", [&part](const json& event) {
+      return event["text"].get<std::string>().find(part) != std::string::npos;
+    });
+  };
+  tells("connected to scene 'wall' with device 'wall-1dof'");
+  tells("is disconnected, as asked for on the page");
   EXPECT_TRUE(client.wait_for("the server ended the session"));
 }
 

@@ -3,7 +3,7 @@ import { byId, make, setText } from "./dom.js";
 
 const kSelects = [
   { id: "law", setting: "law", names: (hello) => hello.choices.laws },
-  { id: "law-beside", setting: "law_beside", names: (hello) => hello.choices.laws, none: "nothing" },
+  { id: "law-beside", setting: "law_beside", names: (hello) => hello.choices.laws, none: "no second law" },
   { id: "scene-name", setting: "scene", names: (hello) => hello.choices.scenes.map((name) => ({ name })), none: "the server's default" },
   { id: "device", setting: "device", names: (hello) => hello.choices.devices.map((name) => ({ name })) },
 ];

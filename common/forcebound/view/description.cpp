@@ -37,6 +37,7 @@ std::string text_of(const ShownScene& shown, const std::vector<MovingGroup>& mov
   }
   return "{\"name\":" + dumped(shown.name) + ",\"shapes\":[" + shown.shapes + "],\"meshes\":[" + shown.meshes +
          "],\"more\":" + dumped(shown.more) + (shown.robot.empty() ? "" : ",\"robot\":" + shown.robot) +
+         place_member("tool_m", shown.tool_m) + place_member("begin_m", shown.begin_m) +
          ",\"moving\":" + dumped(groups) + "}";
 }
 
@@ -80,6 +81,21 @@ bool is_mesh(const Json& mesh) {
          std::ranges::all_of(triangles, [count](const Json& corner) {
            return corner.is_number_unsigned() && corner.get<std::uint64_t>() < count;
          });
+}
+
+/// A place on one to three axes [m], absent or not. Nothing: it is none.
+std::optional<control::Vector> read_place(const Json& place) {
+  constexpr std::size_t kAxes = 3;
+  constexpr double kFarthest_m = 10;
+  if (place.is_null()) return control::Vector();
+  if (!is_list(place, kAxes) || place.empty()) return std::nullopt;
+  control::Vector read = control::Vector::Zero(static_cast<Eigen::Index>(place.size()));
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (!place[i].is_number()) return std::nullopt;
+    read[static_cast<Eigen::Index>(i)] = place[i].get<double>();
+  }
+  if (!(read.cwiseAbs().maxCoeff() <= kFarthest_m)) return std::nullopt;
+  return read;
 }
 
 template <class Condition>
@@ -167,11 +183,16 @@ std::optional<Received> read_description(std::string_view text) {
   }
   const Json& robot = at("robot");
   if (!robot.is_null() && !is_robot(robot)) return std::nullopt;
+  const auto tool_m = read_place(at("tool_m"));
+  const auto begin_m = read_place(at("begin_m"));
+  if (!tool_m || !begin_m) return std::nullopt;
   Received received{.shown = {.name = text::printable(at("name").get<std::string>()),
                               .shapes = *shapes,
                               .meshes = *meshes,
                               .more = text::printable(at("more").get<std::string>()),
-                              .robot = robot.is_null() ? "" : dumped(robot)}};
+                              .robot = robot.is_null() ? "" : dumped(robot),
+                              .tool_m = *tool_m,
+                              .begin_m = *begin_m}};
   std::size_t items = 0;
   for (const Json& group : at("moving")) {
     const auto read = read_group(group);

@@ -165,7 +165,7 @@ void add_words(std::string& to, const std::string& words) {
 
 ShownScene shown(const scene::Scene& scene, Which which) {
   static const scene::Registry kRegistry = scene::Registry::standard();
-  ShownScene shown{.name = scene.facts().name};
+  ShownScene shown{.name = scene.facts().name, .tool_m = scene.facts().tool_m};
   const auto is_wanted = [which](const scene::SceneObject& part) {
     return which == Which::all || scene::rendering_of(part, kRegistry).how != scene::Rendering::at_client;
   };
@@ -227,13 +227,22 @@ ShownScene joined(ShownScene first, const ShownScene& second) {
   add(first.meshes, second.meshes);
   add_words(first.more, second.more);
   if (first.robot.empty()) first.robot = second.robot;
+  if (first.tool_m.rows() == 0) first.tool_m = second.tool_m;
+  if (first.begin_m.rows() == 0) first.begin_m = second.begin_m;
   return first;
+}
+
+std::string place_member(const std::string& key, const control::Vector& place_m) {
+  if (place_m.rows() == 0) return {};
+  std::string text = ",\"" + key + "\":";
+  page::add_numbers(text, std::span<const double>(place_m.data(), static_cast<std::size_t>(place_m.rows())));
+  return text;
 }
 
 std::string scene_message(int track, const ShownScene& shown) {
   return "{\"kind\":\"scene\",\"track\":" + std::to_string(track) + ",\"name\":" + shown_json(shown.name) +
          ",\"shapes\":[" + shown.shapes + "],\"meshes\":[" + shown.meshes + "],\"more\":" + shown_json(shown.more) +
-         (shown.robot.empty() ? "" : ",\"robot\":" + shown.robot) + "}";
+         (shown.robot.empty() ? "" : ",\"robot\":" + shown.robot) + place_member("tool_m", shown.tool_m) + "}";
 }
 
 }  // namespace forcebound::view

@@ -17,8 +17,10 @@ struct ShownScene {
   std::string name;
   std::string shapes{};
   std::string meshes{};
-  std::string more{};   ///< what is not drawn, in words, not JSON
-  std::string robot{};  ///< of a robot at work: an object of texts, numbers and flags; empty: there is none
+  std::string more{};         ///< what is not drawn, in words, not JSON
+  std::string robot{};        ///< of a robot at work: an object of texts, numbers and flags; empty: there is none
+  control::Vector tool_m{};   ///< in the hand, from the grip to its tip in the handle's axes; no rows: none
+  control::Vector begin_m{};  ///< where a hand begins, outside of everything; no rows: nobody says
 
   [[nodiscard]] bool empty() const noexcept { return shapes.empty() && meshes.empty(); }
 };
@@ -28,8 +30,8 @@ enum class Which : std::uint8_t {
   not_handed_over,  ///< what a client that renders locally is not handed over
 };
 
-/// The objects of a scene: shapes with all their values, presets included; reliefs and other shapes of triangles as
-/// meshes. Fields, which have no shape, are named in `more`.
+/// The objects of a scene and the tool in the hand: shapes with all their values, presets included; reliefs and other
+/// shapes of triangles as meshes. Fields, which have no shape, are named in `more`.
 [[nodiscard]] ShownScene shown(const scene::Scene& scene, Which which);
 
 /// What moves or deforms, as it begins, with `"moves":true`.
@@ -44,6 +46,9 @@ void add_words(std::string& to, const std::string& words);
 
 /// What both show; the name is the first one's.
 [[nodiscard]] ShownScene joined(ShownScene first, const ShownScene& second);
+
+/// `,"key":[...]`; empty for no rows.
+[[nodiscard]] std::string place_member(const std::string& key, const control::Vector& place_m);
 
 /// The message `scene` of a page.
 [[nodiscard]] std::string scene_message(int track, const ShownScene& shown);

@@ -129,6 +129,17 @@ TEST(Assembly, TellsValuesByTheirNamesAndFactsOfARobot) {
   EXPECT_TRUE(assembly.take_moved(0).empty()) << "once";
 }
 
+TEST(Assembly, TellsOfTheToolInTheHandAndWhereTheHandBegins) {
+  ShownScene needle{.name = "needle"};
+  needle.tool_m = (control::Vector(3) << 0, 0, -0.125).finished();
+  needle.begin_m = (control::Vector(2) << 0.25, 0.5).finished();
+  const auto received = read_description(describe(needle, {}).text);
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->shown.tool_m, needle.tool_m);
+  EXPECT_EQ(received->shown.begin_m, needle.begin_m);
+  EXPECT_EQ(Json::parse(scene_message(0, received->shown))["tool_m"], Json({0, 0, -0.125}));
+}
+
 TEST(Assembly, ForgetsTheSceneOfAnotherSession) {
   const Description description = sample();
   Assembly assembly;
@@ -198,6 +209,10 @@ TEST(Assembly, RefusesDescriptionsThatAreNotSound) {
   EXPECT_TRUE(robot(R"({"name":"arm","motion_scale":2,"audited":true})"));
   EXPECT_FALSE(robot(R"(["arm"])"));
   EXPECT_FALSE(robot(R"({"name":["arm"]})"));
+  for (const char* const place : {"[]", "[0,0,0,0]", "[null]", "[1e3]", "7", "[[0]]"}) {
+    EXPECT_FALSE(is_taken(begin + R"(],"meshes":[],"moving":[],"begin_m":)" + place + "}")) << place;
+    EXPECT_FALSE(is_taken(begin + R"(],"meshes":[],"moving":[],"tool_m":)" + place + "}")) << place;
+  }
   std::string many = R"({"names":["a"],"vertices":170000})";
   EXPECT_TRUE(moving(many));
   EXPECT_FALSE(moving(many + "," + many)) << "too much memory in all";

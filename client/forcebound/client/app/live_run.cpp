@@ -80,6 +80,15 @@ class LiveRun {
   }
 
  private:
+  /// The second client, on a thread of its own. It begins once the server has welcomed the first: a robot is led by
+  /// one.
+  struct Beside {
+    ~Beside() { ended = true; }  // before the thread is joined
+    std::atomic<bool> ended{false};
+    std::atomic<bool> refused{false};
+    std::jthread thread{};
+  };
+
   /// What the page has been told of a track's scene.
   struct ShownScene {
     std::shared_ptr<const scene::Scene> scene{};
@@ -94,9 +103,11 @@ class LiveRun {
   }
 
   int run_once() {
-    ++run_;
+    if (!std::exchange(again_, false)) {
+      ++run_;
+      maker_.set_start(choice_, tip_);
+    }
     ended_ = false;
-    maker_.set_start(choice_, tip_);
     std::vector<std::unique_ptr<LiveTrack>> tracks;
     tracks.push_back(maker_.make(choice_, false, run_));
     if (choice_.law_beside) tracks.push_back(maker_.make(choice_, true, run_));
@@ -112,32 +123,41 @@ class LiveRun {
     spdlog::info("{}; law {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
                  options_.server, encryption_in_words(options_));
     Screen screen(of_run, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
-    std::jthread beside;
-    if (tracks.size() > 1) beside = std::jthread([this, &track = *tracks[1]] { run_beside(track); });
+    Beside beside;
     time::Nanoseconds last{0};
-    try {
-      const auto housekeeping = [&](time::Nanoseconds now, time::Nanoseconds elapsed) {
-        last = now;
-        attend(client, screen, now, elapsed);
-      };
-      client.run(ended_, housekeeping, [&](bool device_stopped) {
-        screen.end(last);
-        spdlog::error("{}", stuck_words(*main.device, device_stopped, !main.settings.recording.empty()));
-        spdlog::shutdown();
-      });
-    } catch (...) {
-      ended_ = true;
-      throw;
-    }
-    ended_ = true;
-    if (beside.joinable()) beside.join();
+    const auto housekeeping = [&](time::Nanoseconds now, time::Nanoseconds elapsed) {
+      last = now;
+      if (tracks.size() > 1) attend_beside(tracks, beside, line.state() == record::SessionState::active);
+      attend(client, main, screen, now, elapsed);
+    };
+    client.run(ended_, housekeeping, [&](bool device_stopped) {
+      screen.end(last);
+      spdlog::error("{}", stuck_words(*main.device, device_stopped, !main.settings.recording.empty()));
+      spdlog::shutdown();
+    });
+    beside.ended = true;
+    if (beside.thread.joinable()) beside.thread.join();
     screen.end(last);
+    if (again_) return program::kDone;  // the run proper follows
     tip_ = main.tip();
     return conclude(client);
   }
 
+  void attend_beside(std::vector<std::unique_ptr<LiveTrack>>& tracks, Beside& beside, bool welcomed) {
+    if (welcomed && !beside.thread.joinable()) {
+      beside.thread = std::jthread([this, &track = *tracks[1], &beside] { run_beside(track, beside); });
+    }
+    if (!beside.refused) return;
+    beside.thread.join();
+    tracks.pop_back();
+    choice_.law_beside.reset();
+    shown_.resize(1);
+    state_.choice.law_beside.reset();
+    begin_on_page();
+  }
+
   /// What is to be done several times a second.
-  void attend(Client& client, Screen& screen, time::Nanoseconds now, time::Nanoseconds elapsed) {
+  void attend(Client& client, const LiveTrack& main, Screen& screen, time::Nanoseconds now, time::Nanoseconds elapsed) {
     if (const std::string news = client.take_security_news(); !news.empty()) screen.tell_security(news);
     if (const std::string why = client.take_security_problem(); !why.empty()) screen.tell_security_problem(why);
     screen.refresh(now, elapsed);
@@ -148,21 +168,38 @@ class LiveRun {
       if (!request) break;
       consider(*request, client);
     }
+    if (const auto begin_m = page_.take_begin(); begin_m && !next_) begin_again_at(*begin_m, main);
     const bool over = options_.duration_s > 0 && time::to_seconds(clock_.now() - begun_) >= options_.duration_s;
-    if (stop_ || over) next_.reset();
+    if (stop_ || over) {
+      next_.reset();
+      again_ = false;
+    }
     if (!ended_ && (stop_ || over || next_)) {
       page_.note_closing();
       ended_ = true;
     }
   }
 
-  void run_beside(LiveTrack& track) noexcept {
+  /// A scene that is not known here: nothing was felt yet but where its hand does not begin.
+  void begin_again_at(const control::Vector& place_m, const LiveTrack& main) {
+    const bool held = main.pointer != nullptr && main.pointer->held();
+    if (held || !maker_.set_told_start(place_m)) return;
+    again_ = true;
+    next_ = choice_;
+  }
+
+  void run_beside(LiveTrack& track, Beside& beside) noexcept {
     try {
       Client client(track.settings, *track.device, std::move(track.law), {track.tap.get()});
       Event event;
-      client.run(ended_, [&](time::Nanoseconds, time::Nanoseconds) {
+      client.run(beside.ended, [&](time::Nanoseconds, time::Nanoseconds) {
         while (client.events().take(event)) {
-          show_event(1, words_of(event));
+          if (event.kind != Event::Kind::refused) {
+            show_event(1, words_of(event));
+          } else if (!beside.ended.exchange(true)) {
+            page_.tell(0, "info", "no second law runs beside: " + std::string(event.words()));
+            beside.refused = true;
+          }
         }
         show_scene(1, client);
       });
@@ -189,13 +226,16 @@ class LiveRun {
   }
 
   void show(const std::vector<std::unique_ptr<LiveTrack>>& tracks) {
-    scenes_.fill({});
-    std::vector<ShownTrack> shown;
-    shown.reserve(tracks.size());
-    for (const auto& track : tracks) shown.push_back(track->shown(page_.epoch()));
+    shown_.clear();
+    for (const auto& track : tracks) shown_.push_back(track->shown(page_.epoch()));
     state_ = maker_.state(choice_, *tracks.front());
     state_.network = network_;
-    page_.begin_run(state_, std::move(shown));
+    begin_on_page();
+  }
+
+  void begin_on_page() {
+    scenes_.fill({});
+    page_.begin_run(state_, shown_);
   }
 
   void consider(const page::Request& request, Client& client) {
@@ -256,6 +296,8 @@ class LiveRun {
   std::optional<PageChoice> next_;
   std::optional<PageChoice> worked_;  ///< of the last run that came to its end
   int exit_code_ = program::kDone;
+  std::vector<ShownTrack> shown_;       // of this run
+  bool again_ = false;                  // this run, from where its hand is to begin
   std::optional<control::Vector> tip_;  // where the last run left it
   std::array<ShownScene, 2> scenes_{};  // each of its track's thread
   std::atomic<bool> ended_{false};      // this run

@@ -65,7 +65,7 @@ std::string with_key(const std::string& specification, const std::string& key, d
 
 std::optional<control::Vector> LiveTrack::tip() const {
   const device::SimulatedDevice* const its_device = simulated(*device);
-  if (its_device == nullptr) return std::nullopt;
+  if (its_device == nullptr || tap->touches()) return std::nullopt;
   return its_device->truth().position;
 }
 
@@ -87,10 +87,21 @@ ShownTrack LiveTrack::shown(time::Nanoseconds epoch) const {
 
 PageChoice TrackMaker::first_choice() const {
   return {.law = options_.law,
+          .law_beside = law_to_compare_with(),
           .scene = options_.scene,
           .device = options_.device.device,
           .recording = !options_.record.empty()};
 }
+
+std::optional<std::string> TrackMaker::law_to_compare_with() const {
+  const std::string law = options_.law == "none" ? "fba-exact" : "none";
+  const KnownScene* const scene = find_known_scene(options_.scene);
+  const bool shared = scene != nullptr && scene->shared;  // the same hand would be in it twice
+  if (!has_pointer() || shared || !laws_.refusal(law, facts_of(options_.device.device)).empty()) return std::nullopt;
+  return law;
+}
+
+bool TrackMaker::has_place() const { return first_ && options_.device.hand.find("offset_") != std::string::npos; }
 
 bool TrackMaker::has_pointer() const {
   const std::string& hand = options_.device.hand;
@@ -109,6 +120,7 @@ PageChoice TrackMaker::suited(PageChoice next, const PageChoice& now) const {
     return next;
   }
   const KnownScene* const scene = find_known_scene(next.scene);
+  if (scene != nullptr && scene->shared && next.scene != now.scene) next.law_beside.reset();
   if (scene == nullptr || scene->accepts(facts_of(next.device).translations())) return next;
   const std::string other = device_for(*scene);
   if (next.device != now.device || !has_pointer()) {
@@ -130,11 +142,25 @@ void TrackMaker::check(const PageChoice& choice) const {
 
 void TrackMaker::set_start(const PageChoice& choice, const std::optional<control::Vector>& tip) {
   const int rows = facts_of(choice.device).translations();
-  const bool goes_on = tip && tip->rows() == rows && tip->allFinite() && choice.scene == last_scene_;
-  start_m_ = goes_on ? *tip : start_in(find_known_scene(choice.scene), rows);
+  if (choice.scene != last_scene_) told_m_.reset();
+  begins_ = !tip || tip->rows() != rows || !tip->allFinite() || choice.scene != last_scene_;
+  start_m_ = begins_ ? start_in(find_known_scene(choice.scene), rows) : *tip;
+  if (begins_ && told_m_) (void)set_told_start(*told_m_);
   // A pointer that the command line places begins there.
   first_ = last_scene_.empty() && !tip;
   last_scene_ = choice.scene;
+}
+
+bool TrackMaker::set_told_start(const control::Vector& place_m) {
+  constexpr double kSame_m = 1e-3;
+  told_m_ = place_m;
+  if (!begins_ || !has_pointer() || has_place()) return false;
+  control::Vector start_m = control::Vector::Zero(start_m_.rows());
+  const Eigen::Index axes = std::min(start_m.rows(), place_m.rows());
+  start_m.head(axes) = place_m.head(axes);
+  if ((start_m - start_m_).norm() < kSame_m) return false;
+  start_m_ = start_m;
+  return true;
 }
 
 std::string TrackMaker::hand_of(const PageChoice& choice) const {
@@ -144,7 +170,7 @@ std::string TrackMaker::hand_of(const PageChoice& choice) const {
   } else if (has_pointer() && hand.find("stiffness_N_per_m=") == std::string::npos) {
     hand = with_key(hand, "stiffness_N_per_m", stiffness_for(facts_of(choice.device)));
   }
-  if (!has_pointer() || (first_ && hand.find("offset_") != std::string::npos)) return hand;
+  if (!has_pointer() || has_place()) return hand;
   constexpr std::string_view kAxes = "xyzuvw";
   for (Eigen::Index i = 0; i < start_m_.rows(); ++i) {
     hand = with_key(hand, std::string("offset_") + kAxes[static_cast<std::size_t>(i)] + "_m", start_m_[i]);

@@ -29,6 +29,10 @@ std::vector<KnownScene> read_scenes() {
       const auto* const number = rows->as<std::int64_t>();
       scene.degrees_of_freedom = number == nullptr ? 0 : static_cast<int>(*number);
     }
+    if (const config::Node* const shared = facts->find("shared")) {
+      const bool* const flag = shared->as<bool>();
+      scene.shared = flag != nullptr && *flag;
+    }
     scenes.push_back(std::move(scene));
   }
   std::ranges::sort(scenes, {}, &KnownScene::name);

@@ -13,6 +13,7 @@ struct KnownScene {
   int degrees_of_freedom = 0;  ///< 0: any
   std::string device{};        ///< that its author suggests; empty: none
   std::string hand{};          ///< likewise
+  bool shared = false;         ///< all clients are in the same one
 
   /// Whether a device with so many may be in it.
   [[nodiscard]] bool accepts(int device_degrees_of_freedom) const noexcept;

@@ -40,6 +40,7 @@ void LivePage::begin_run(PageState state, std::vector<ShownTrack> tracks) {
   state_ = std::move(state);
   scenes_.assign(tracks.size(), Scene());
   next_tracks_ = std::move(tracks);
+  begin_m_.reset();
   closing_ = false;
   queue_hello();
 }
@@ -76,6 +77,11 @@ void LivePage::tell(int track, const std::string& level, const std::string& text
 void LivePage::refuse(const std::string& about, const std::string& text) {
   const std::scoped_lock lock(lock_);
   queue(refused_message(about, text::printable(text)));
+}
+
+std::optional<control::Vector> LivePage::take_begin() {
+  const std::scoped_lock lock(lock_);
+  return std::exchange(begin_m_, std::nullopt);
 }
 
 std::optional<page::Request> LivePage::take_request() {
@@ -211,6 +217,7 @@ void LivePage::take_view(std::size_t number) {
     auto server = std::make_shared<const view::ShownScene>(track.assembly.scene()->shown);
     const std::scoped_lock lock(lock_);
     if (next_tracks_ || number >= scenes_.size()) return;  // of a run that is over
+    if (number == 0 && server->begin_m.rows() > 0) begin_m_ = server->begin_m;
     scenes_[number].server = std::move(server);
     scenes_[number].changed = true;
   });

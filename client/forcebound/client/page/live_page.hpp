@@ -58,6 +58,9 @@ class LivePage final : public page::Subject {
   void tell(int track, const std::string& level, const std::string& text);
   void refuse(const std::string& about, const std::string& text);
 
+  /// Where the server says that a hand begins in the scene of the run that is shown, once; nothing: it has not said.
+  [[nodiscard]] std::optional<control::Vector> take_begin();
+
   /// The oldest choice or wish for a recording that waits.
   [[nodiscard]] std::optional<page::Request> take_request();
 
@@ -109,6 +112,7 @@ class LivePage final : public page::Subject {
   bool hello_waits_ = false;        // likewise
   std::deque<std::string> events_;
   std::deque<page::Request> requests_;
+  std::optional<control::Vector> begin_m_;
   bool closing_ = false;
 
   // Of the page's thread.

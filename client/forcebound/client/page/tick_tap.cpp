@@ -36,6 +36,7 @@ TickTap::TickTap(std::size_t capacity) : queues_(std::make_unique<Queues>(capaci
 TickTap::~TickTap() = default;
 
 void TickTap::on_tick(const record::TickRecord& tick) noexcept {
+  touches_.store(tick.contact, std::memory_order_relaxed);
   if (!queues_->ticks.push(sampler_.sample(tick))) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 
@@ -55,12 +56,15 @@ TickSample Sampler::sample(const record::TickRecord& tick) const noexcept {
           .place_m = own_place ? axes_of(tick.position) : place_m_,
           .asked_N = axes_of(tick.request),
           .applied_N = axes_of(tick.applied),
+          .applied_torque_N_m = axes_of(tick.applied_torque_N_m),
+          .orientation = tick.handle.orientation.value_or(TickSample{}.orientation),
           .ledger_J = tick.energy_J,
           .audit_J = tick.audit_J,
           .audit_minimum_J = tick.audit_minimum_J,
           .state = tick.state,
           .contact = tick.contact,
           .has_place = own_place || has_place_,
+          .has_orientation = tick.handle.orientation.has_value(),
           .usable = tick.position.allFinite()};
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "forcebound/control/follower_state.hpp"
+#include "forcebound/control/handle.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -27,12 +28,15 @@ struct TickSample {
   Axes place_m{};  ///< where the force asked for was computed for
   Axes asked_N{};
   Axes applied_N{};
+  Axes applied_torque_N_m{};  ///< on the handle
+  control::Handle::Orientation orientation{1, 0, 0, 0};
   double ledger_J = 0;
   double audit_J = 0;
   double audit_minimum_J = 0;
   record::SessionState state = record::SessionState::connecting;
   bool contact = false;
   bool has_place = false;
+  bool has_orientation = false;
   bool usable = false;  ///< the device gave a reading
 };
 
@@ -79,6 +83,9 @@ class TickTap final : public record::TickSink {
   /// Calls `forces` for the answers that wait, then `ticks` for the ticks, each in their order.
   void take(const std::function<void(const ForceSample&)>& forces, const std::function<void(const TickSample&)>& ticks);
 
+  /// Whether the tip touched something at the newest tick. Any thread.
+  [[nodiscard]] bool touches() const noexcept { return touches_.load(std::memory_order_relaxed); }
+
   /// Any thread.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
@@ -87,6 +94,7 @@ class TickTap final : public record::TickSink {
 
   std::unique_ptr<Queues> queues_;
   Sampler sampler_;  // of the tick's thread
+  std::atomic<bool> touches_{false};
   std::atomic<std::uint64_t> dropped_{0};
 };
 

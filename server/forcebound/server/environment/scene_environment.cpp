@@ -9,6 +9,7 @@
 
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/explain.hpp"
+#include "forcebound/server/environment/suggested_hand.hpp"
 #include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::server {
@@ -30,7 +31,9 @@ view::Description describe(const scene::SceneState& state, view::Which which) {
       if (part.kind == scene::VisiblePart::Kind::surface) part.name = name;
     }
   }
-  return view::describe(view::shown(scene, which), models);
+  view::ShownScene shown = view::shown(scene, which);
+  shown.begin_m = place_to_begin(scene);
+  return view::describe(std::move(shown), models);
 }
 
 class SceneEnvironment final : public Environment {

@@ -92,6 +92,19 @@ Eigen::AlignedBox3d search_box_m(const scene::ShapeFacts& facts) {
           scene::Point(facts.bounds_m.max().array() + kBeside_m)};
 }
 
+/// Of a shape, or within the bounds of a dynamic model.
+bool is_inside(const scene::Scene& scene, const scene::Point& place_m) {
+  const auto in_object = [&](const scene::SceneObject& object) {
+    std::vector<double> state(object.shape->facts().state_bytes / sizeof(double) + 1, 0.0);
+    // NOLINTNEXTLINE: bytes of its own
+    return object.shape->nearest(place_m, reinterpret_cast<std::byte*>(state.data())).penetration_m > 0;
+  };
+  const auto in_model = [&](const scene::SceneDynamicModel& model) {
+    return model.dynamic_model->facts().bounds_m.contains(place_m);
+  };
+  return std::ranges::any_of(scene.objects(), in_object) || std::ranges::any_of(scene.dynamic_models(), in_model);
+}
+
 std::string stroke_at(const scene::Point& top_m, const Eigen::AlignedBox3d& bounds_m) {
   constexpr double kDepth_m = 0.008;
   constexpr double kLength_m = 0.03;
@@ -227,6 +240,24 @@ SuggestedHand suggested_hand(const std::shared_ptr<const scene::Scene>& scene) {
     if (!first) first = std::move(candidate);
   }
   return first.value_or(suggested);
+}
+
+control::Vector place_to_begin(const scene::Scene& scene) {
+  constexpr Eigen::Index kSpace = 3;
+  const scene::SceneFacts& facts = scene.facts();
+  const int axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? kSpace : facts.degrees_of_freedom;
+  if (!facts.suggested_hand.empty()) {
+    const int rows =
+        facts.suggested_device.empty() ? axes : device::load_device(facts.suggested_device).facts.translations();
+    return device::make_operator(facts.suggested_hand, rows)->target(0).position;
+  }
+  constexpr double kStep_m = 0.005;
+  constexpr double kFarthest_m = 0.25;  // of what a hand reaches
+  const scene::Point first_m(-0.02, 0, axes == kSpace ? 0.03 : 0.0);
+  const scene::Point way = axes == kSpace ? scene::Point::UnitZ() : scene::Point(-scene::Point::UnitX());
+  scene::Point place_m = first_m;
+  while (is_inside(scene, place_m) && (place_m - first_m).norm() < kFarthest_m) place_m += kStep_m * way;
+  return control::Vector(place_m.head(axes));
 }
 
 std::string to_options(const SuggestedHand& suggested) {

@@ -30,6 +30,10 @@ void parse_suggestion(config::CheckedTable& scene, scene::SceneFacts& facts);
 /// or none of these can be simulated, a wave about the origin; where no hand touches, the first of these.
 [[nodiscard]] SuggestedHand suggested_hand(const std::shared_ptr<const scene::Scene>& scene);
 
+/// Where a hand begins [m]: where the author's does; else left of x = 0, and in space above z = 0, moved on to the
+/// left, in space upwards, until it is outside of every shape and model.
+[[nodiscard]] control::Vector place_to_begin(const scene::Scene& scene);
+
 /// "--device omni --operator stroke:offset_z_m=0.015".
 [[nodiscard]] std::string to_options(const SuggestedHand& suggested);
 

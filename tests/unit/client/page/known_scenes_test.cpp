@@ -28,6 +28,8 @@ TEST(KnownScenes, SayWhichDevicesTheyAreFor) {
   const KnownScene* const sphere = find_known_scene("sphere");
   ASSERT_NE(sphere, nullptr);
   EXPECT_EQ(device_for(*sphere), "omni");
+  EXPECT_FALSE(sphere->shared);
+  EXPECT_TRUE(find_known_scene("two_on_a_block")->shared);
   EXPECT_TRUE(sphere->accepts(3));
   EXPECT_TRUE(sphere->accepts(6));
   EXPECT_FALSE(sphere->accepts(1));

@@ -37,6 +37,26 @@ record::ForceRecord force_record(std::uint64_t motion) {
   return record;
 }
 
+TEST(TickTap, CarriesHowAHandleIsTurnedItsTorqueAndWhetherItTouches) {
+  TickTap tap;
+  EXPECT_FALSE(tap.touches());
+  record::TickRecord turned = tick_record(1);
+  turned.handle.orientation = {0, 1, 0, 0};
+  turned.applied_torque_N_m = vector({0, 0, 0.125});
+  turned.contact = true;
+  tap.on_tick(turned);
+  EXPECT_TRUE(tap.touches());
+  tap.on_tick(tick_record(2));
+  EXPECT_FALSE(tap.touches());
+  std::vector<TickSample> ticks;
+  tap.take([](const ForceSample&) {}, [&](const TickSample& sample) { ticks.push_back(sample); });
+  ASSERT_EQ(ticks.size(), 2);
+  EXPECT_TRUE(ticks[0].has_orientation);
+  EXPECT_EQ(ticks[0].orientation, (control::Handle::Orientation{0, 1, 0, 0}));
+  EXPECT_EQ(ticks[0].applied_torque_N_m, (Axes{0, 0, 0.125F}));
+  EXPECT_FALSE(ticks[1].has_orientation);
+}
+
 TEST(TickTap, CarriesWhatAPageShows) {
   TickTap tap;
   tap.on_tick(tick_record(1));

@@ -7,6 +7,7 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/support/meshes.hpp"
@@ -59,6 +60,30 @@ TEST(SuggestedHand, OfEverySceneThatShipsStartsOutsideAndFeelsSomething) {
     if (name != "free") expect_touches(load_scene(name));
   }
   EXPECT_GT(scenes, 30);
+}
+
+TEST(PlaceToBegin, IsOutsideInEverySceneThatShips) {
+  std::istringstream names(SceneLibrary::shipped().names());
+  for (std::string name; names >> name;) {
+    if (name.ends_with(',')) name.pop_back();
+    SCOPED_TRACE(name);
+    const auto scene = load_scene(name);
+    const control::Vector place_m = place_to_begin(*scene);
+    ASSERT_GT(place_m.rows(), 0);
+    scene::SceneState state(scene, static_cast<std::uint32_t>(place_m.rows()));
+    EXPECT_LE(state.answer(place_m, {}, {}, nullptr, {}).penetration_m, 0);
+  }
+}
+
+TEST(PlaceToBegin, IsTheAuthorsOrOutsideOfWhatIsAboutTheUsualPlace) {
+  const std::string ball = "kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.08";
+  const control::Vector above_m = place_to_begin(*scene_with_object(ball));
+  EXPECT_GT(above_m.norm(), 0.08);
+  EXPECT_EQ(above_m.head(2), (control::Vector(2) << -0.02, 0).finished()) << "straight up";
+  const control::Vector beside_m =
+      place_to_begin(*scene_with_object("kind = 'sphere', center_m = [0], radius_m = 0.05", "1"));
+  EXPECT_LT(beside_m[0], -0.05);
+  EXPECT_EQ(place_to_begin(*scene_of("suggested_hand = 'press:from_m=-0.11'\n"))[0], -0.11);
 }
 
 TEST(SuggestedHand, FollowsWhereTheSurfaceIs) {
