@@ -100,14 +100,13 @@ const cases = {
   /** Two laws side by side, with one hand. */
   async beside(browser) {
     await withClient(browser, [...kWall, "--law", "fba-exact"], async (tab) => {
-      await tab.page.locator("#law-beside").selectOption("none");
-      await untilLaw(tab, 1, "none");
+      await untilLaw(tab, 1, "none"); // from the start
       await tab.untilValue("1.x", "above", 0);
       await pull(tab, 150);
       await tab.light(1, false);
       await tab.light(0, true);
       await tab.page.mouse.up();
-      await tab.page.locator("#law-beside").selectOption("nothing");
+      await tab.page.locator("#law-beside").selectOption("no second law");
       await tab.until("one track is left", () => document.querySelectorAll(".light").length === 1);
     });
   },
@@ -146,6 +145,18 @@ const cases = {
       await tab.until("the scene is drawn", () => window.forcebound.stage.views[0].parts.children.length === 1);
       assert.match(await tab.text("scene-title"), /^scene: dome/);
     });
+  },
+
+  /** The tip begins outside of a scene that the client is not told the name of; its handle is drawn where it turns. */
+  async begin(browser) {
+    await withClient(browser, ["--device", "arm-6dof"], async (tab) => {
+      await tab.until("the tip is where the scene's hand begins", () => {
+        const { tip, turn } = window.forcebound.stage.views[0].state;
+        return turn !== null && Math.abs(tip.length() - 0.04) < 2e-3;
+      });
+      await tab.until("nothing was touched", () => document.querySelector(".verdict").textContent === "Not touched yet");
+      assert.ok(await tab.page.evaluate(() => window.forcebound.stage.views[0].marks.handle.visible));
+    }, kFar, ["--scene", "sphere"]);
   },
 
   /** Tissue is drawn as the server tells, and gives way under the hand. */
@@ -190,6 +201,9 @@ const cases = {
         window.forcebound.stage.views[0].parts.children.some((part) => part.name.startsWith("forearm")) &&
         window.forcebound.stage.views[0].parts.children.some((part) => part.name === "wall"));
       await tab.until("it is told where the tool is", () => window.forcebound.stage.views[0].state.tool !== null);
+      assert.match(await tab.text("robot-hint"), /^press and release the clutch, and it follows$/);
+      assert.equal(await tab.text("hold-button"), "Clutch");
+      assert.equal(await tab.page.locator(".light").count(), 1, "one hand leads it");
       await engage(tab);
       const { x, y } = await tab.tip();
       await tab.page.mouse.move(x, y);
@@ -207,7 +221,7 @@ const cases = {
       assert.ok(await height() < before - 0.02, "the arm went down with the hand");
       await tab.until("both forces have their newtons", () => ["applied", "exerted"].every((name) =>
         / N$/.test(document.querySelector(`.force-label.colour-${name}:not([hidden])`)?.textContent ?? "")));
-      assert.match(await tab.text("robot-numbers"), /position-force.*× 1/s);
+      assert.match(await tab.text("robot-numbers"), /position-force.*×\s1/s);
       assert.equal(await tab.page.locator("#scene-name option:checked").textContent(), "the server's default");
       assert.ok(await tab.page.locator("#legend-exerted").isVisible());
       await tab.light(0, true);
@@ -274,6 +288,7 @@ const cases = {
       const tab = await Tab.open(browser, server.url);
       await tab.page.locator("#session-rows tr").waitFor();
       assert.match(await tab.text("session-rows"), /wall/);
+      await tab.page.locator(".event", { hasText: "connected to scene 'wall' with device 'wall-1dof'" }).waitFor();
       const first = await tab.page.locator("#session-rows tr").getAttribute("data-session");
       const kick = tab.page.locator(`#session-rows tr[data-session="${first}"] .kick`);
       // The first click only asks, and what it asked lapses after 3 s.
@@ -282,6 +297,7 @@ const cases = {
         await tab.page.waitForTimeout(300);
       }
       await tab.until("that session has ended", (id) => !document.querySelector(`#session-rows tr[data-session="${id}"]`), first);
+      await tab.page.locator(".event", { hasText: "is disconnected, as asked for on the page" }).waitFor();
       await tab.close();
     } catch (error) {
       console.error(programs.said());

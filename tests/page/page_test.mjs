@@ -41,6 +41,119 @@ const cases = {
     });
   },
 
+  /** On a sharp screen the numbers along an axis are as large as on another: uPlot takes whole pixels alone. */
+  async sharp(browser) {
+    await withStandIn({}, async (stand, url) => {
+      for (const deviceScaleFactor of [1, 2]) {
+        for (const size of Object.values(kSizes)) {
+          const tab = await Tab.open(browser, url, { size, deviceScaleFactor });
+          await tab.untilChartsMove();
+          const [wanted, sizes] = await tab.page.evaluate(() => {
+            const text = parseFloat(getComputedStyle(document.documentElement).fontSize);
+            const drawn = window.forcebound.charts.charts.flatMap(({ plot }) => plot.axes.map(({ font }) => parseFloat(font[0])));
+            return [Math.round(0.72 * text), drawn.map((pixels) => pixels / window.devicePixelRatio)];
+          });
+          assert.equal(sizes.length, 10);
+          for (const pixels of sizes) assert.equal(pixels, wanted, `${deviceScaleFactor} pixels of the screen for one of the page`);
+          await tab.close();
+        }
+      }
+    });
+  },
+
+  /** What was not touched is not judged; once it is, a sentence says what the verdict means. */
+  async untouched(browser) {
+    await withStandIn({ still: true }, async (stand, url) => {
+      const tab = await Tab.open(browser, url);
+      const says = (verdict, meaning) => tab.until(`the light says ${verdict}`, ([wanted, sentence]) =>
+        document.querySelector(".verdict")?.textContent === wanted && document.querySelector(".means").textContent.includes(sentence),
+      [verdict, meaning]);
+      await says("Not touched yet", "No force was asked for");
+      stand.still = false;
+      await says("Passive", "The device has given your hand no energy.");
+      stand.tracks[0].least = -0.0123;
+      await says("Not passive", "up to 12.3 mJ more than its damping took");
+      await tab.close();
+    });
+  },
+
+  /** "?" explains a term beside it, and goes away with Esc; what it covers stays within the window. */
+  async help(browser) {
+    await withStandIn({}, async (stand, url) => {
+      for (const size of Object.values(kSizes)) {
+        const tab = await Tab.open(browser, url, { size });
+        await tab.untilChartsMove();
+        for (const [term, answer] of [["P, the true energy balance", /0 or above/], ["The ledger", /may spend now/],
+          ["The place the force is for", /where the tip was/], ["Where the time goes", /medians, each off by less than 0\.05 %/]]) {
+          await tab.page.getByRole("button", { name: `What is this: ${term}?` }).first().click();
+          await tab.page.locator("#help").waitFor({ state: "visible" });
+          assert.equal(await tab.text("help-title"), term);
+          assert.match(await tab.text("help-text"), answer);
+          const box = await tab.page.locator("#help").boundingBox();
+          assert.ok(box.x >= 0 && box.y >= 0 && box.x + box.width <= size[0] && box.y + box.height <= size[1], JSON.stringify(box));
+          await tab.page.keyboard.press("Escape");
+          await tab.page.locator("#help").waitFor({ state: "hidden" });
+        }
+        await tab.close();
+      }
+    });
+  },
+
+  /** Where the time goes are the program's medians, not read from bins. */
+  async medians(browser) {
+    await withStandIn({}, async (stand, url) => {
+      const tab = await Tab.open(browser, url);
+      await tab.until("the medians are told", () => document.getElementById("histogram-text").textContent ===
+        "Network: median 40.2 ms, 99 % below 80.4 ms. Server: median 0.0300 ms, 99 % below 0.0600 ms. " +
+        "Waiting: median 0.600 ms, 99 % below 1.20 ms. Total: median 40.9 ms, 99 % below 81.8 ms.");
+      await tab.close();
+    });
+  },
+
+  /** A handle that turns is drawn with its tool and its torque; the tip is the tool's. */
+  async turned(browser) {
+    const half = Math.SQRT1_2;
+    await withStandIn({ still: true, tool_m: [0, 0, -0.02], turned: { orientation: [half, half, 0, 0], torque_N_m: [0, 0, 0.03] } },
+      async (stand, url) => {
+        const tab = await Tab.open(browser, url);
+        await tab.untilChartsMove();
+        await tab.until("the handle is drawn", () => window.forcebound.stage.views[0].marks.handle.visible);
+        const seen = await tab.page.evaluate(() => {
+          const { marks, state } = window.forcebound.stage.views[0];
+          return { tip: marks.tip.position.clone().sub(state.tip).toArray(), rod: marks.rod.visible, torque: marks.torque.visible };
+        });
+        // A quarter turn about x takes -z to y.
+        for (const [i, wanted] of [0, 0.02, 0].entries()) assert.ok(Math.abs(seen.tip[i] - wanted) < 1e-6, JSON.stringify(seen));
+        assert.ok(seen.rod && seen.torque, JSON.stringify(seen));
+        await tab.until("the torque has its number", () => /0\.0300 N m; full circle: 0\.05 N m/.test(document.getElementById("legend-torque").textContent));
+        stand.turned = null;
+        await tab.until("another device has neither", () => !window.forcebound.stage.views[0].marks.handle.visible &&
+          !window.forcebound.stage.views[0].marks.torque.visible && document.getElementById("legend-torque").hidden);
+        await tab.close();
+      });
+  },
+
+  /** A robot's panel tells how to engage with the device that leads it, and of what nobody knows it has no row. */
+  async engage(browser) {
+    const values = (state, clutch) => ({ values: { state, leader_has_clutch: clutch, tool_x_m: 0.5, tool_y_m: 0, tool_z_m: 0.1,
+      force_x_N: 0, force_y_N: 0, force_z_N: -3, lag_m: 0.001, drift_m: 0, store_J: 0.1, received_J: 0 } });
+    for (const program of ["client", "server"]) {
+      await withStandIn({ program, robot: { name: "reach-7", solids: 0 }, moved: values(1, 1) }, async (stand, url) => {
+        const tab = await Tab.open(browser, url);
+        for (const [state, clutch, hint] of [[1, 1, "press and release the clutch, and it follows"],
+          [1, 0, "keep the device still for a moment, and it follows"], [1, -1, "nobody leads it"],
+          [6, 0, "it is at rest: move the device, and keep it still for a moment, and it follows again"]]) {
+          stand.moved = values(state, clutch);
+          await tab.until(`the hint is '${hint}'`, (wanted) => document.getElementById("robot-hint").textContent === wanted, hint);
+        }
+        const rows = await tab.page.locator("#robot-numbers div:visible dd").allInnerTexts();
+        assert.ok(rows.length >= 4 && !rows.includes("–"), rows.join("; "));
+        if (program === "client") assert.equal(await tab.text("hold-button"), "Clutch");
+        await tab.close();
+      });
+    }
+  },
+
   /** Where there is no WebGL the page says so, and all but the 3D view works. */
   async no_webgl() {
     const browser = await openBrowser(given.chromium, ["--disable-3d-apis"]);
@@ -157,6 +270,8 @@ const cases = {
         await tab.page.getByText("anna").waitFor();
         assert.ok(await tab.page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), "too wide");
         assert.ok(await tab.page.locator("#settings").isHidden(), "a server has no law to choose");
+        const cells = await tab.page.locator("#session-rows tr:first-child td:visible").allInnerTexts();
+        assert.ok(cells.length > 5 && !cells.some((text) => ["", "–"].includes(text.trim())), `an empty column: ${cells.join("|")}`);
         await tab.close();
       }
       const tab = await Tab.open(browser, url);
@@ -172,9 +287,11 @@ const cases = {
 
   /** A recording's time is moved by its slider, by keyboard too. */
   async recording(browser) {
-    await withStandIn({ program: "view" }, async (stand, url) => {
+    await withStandIn({ program: "view", recording: "/a/folder/run.mcap" }, async (stand, url) => {
       const tab = await Tab.open(browser, url);
       await tab.untilChartsMove();
+      assert.equal(await tab.text("record-file"), "run.mcap");
+      assert.equal(await tab.page.locator("#record-file").getAttribute("title"), "/a/folder/run.mcap");
       await tab.page.locator("#time").focus();
       await tab.page.keyboard.press("End");
       await tab.page.locator("#speed").selectOption("0.1");
@@ -192,7 +309,7 @@ const cases = {
       const tab = await Tab.open(browser, url);
       await tab.light(0, null);
       await tab.until("the light says why", () => /Not audited/.test(document.querySelector(".light").textContent) &&
-        /nobody audits/.test(document.querySelector(".light").textContent));
+        /Nobody audits/.test(document.querySelector(".light").textContent));
       const device = tab.page.locator("#device");
       const before = await device.inputValue();
       await device.selectOption("omni");

@@ -63,9 +63,12 @@ try {
     size, colorScheme: given.dark ? "dark" : "light", deviceScaleFactor: Number(given.sharpness) });
   await tab.untilTicks();
   if (!given.alone && !given.task) {
-    await tab.page.locator("#law-beside").selectOption("none");
     await tab.until("two laws run", () => document.querySelectorAll(".light").length === 2);
     await tab.untilValue("1.asked", "below", 1000);
+  }
+  if (given.alone) {
+    await tab.page.locator("#law-beside").selectOption("no second law");
+    await tab.until("one law runs", () => document.querySelectorAll(".light").length === 1);
   }
   await tab.page.waitForTimeout(2000);
   const frames = () => tab.page.evaluate(() => [window.forcebound.frames.count, performance.now()]);

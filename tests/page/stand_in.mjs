@@ -45,6 +45,7 @@ class Track {
     Object.assign(this, { law, dof, position: [...start], velocity: start.map(() => 0), ledger: 0, passivity: 0, least: 0 });
     this.way = []; // {arrives, force, place}
     this.newest = { force: start.map(() => 0), place: null, sent: 0, normal: null, contact: false };
+    this.touched = false;
     this.lost = 0;
     this.sent = 0;
     this.ticks = [];
@@ -77,6 +78,7 @@ class Track {
     this.velocity = add(this.velocity, force, kPeriod_s / kMass_kg);
     this.position = add(this.position, this.velocity, kPeriod_s);
     this.applied = applied;
+    this.touched ||= this.newest.contact;
     this.ticks.push({ time_s, position_m: this.position, place_m: this.newest.place, asked_N: asked, applied_N: applied,
       age_ms: this.newest.sent ? 1000 * (time_s - this.newest.sent) : null, ledger_mJ: this.law === "none" ? null : 1000 * this.ledger,
       passivity_mJ: 1000 * this.passivity, contact: this.newest.contact ? 1 : 0 });
@@ -86,13 +88,14 @@ class Track {
 const kKeys = ["time_s", "position_m", "place_m", "asked_N", "applied_N", "age_ms", "ledger_mJ", "passivity_mJ", "contact"];
 
 export class StandIn {
-  constructor({ packages, program = "client", axes = 3, audited = true }) {
+  /** @param {object} more of a robot or a handle that turns: what each `moved` and `ticks` message also has */
+  constructor({ packages, program = "client", axes = 3, audited = true, still = false, recording = null, robot = null, moved = null, turned = null, tool_m = null }) {
     const scene = axes === 1 ? "wall" : "dome";
-    Object.assign(this, { program, axes, audited, time_s: 0, hand: null, heard: [], clients: new Set(), kicked: new Set() });
+    Object.assign(this, { program, axes, audited, still, robot, moved, turned, tool_m, time_s: 0, hand: null, heard: [], clients: new Set(), kicked: new Set() });
     this.Sockets = packages("ws").WebSocketServer;
     this.settings = { law: "fba-exact", law_beside: null, scene, device: "cartesian-3dof", stiffness_N_per_m: 3000,
       network: { delay_ms: 20, jitter_ms: 2, loss_percent: 1 } };
-    this.recording = null;
+    this.recording = recording;
     this.begin();
   }
 
@@ -112,7 +115,8 @@ export class StandIn {
   }
 
   scene(track) {
-    return { kind: "scene", track, name: this.settings.scene, meshes: [], more: "", ...kScenes[this.settings.scene] };
+    return { kind: "scene", track, name: this.settings.scene, meshes: [], more: "", ...kScenes[this.settings.scene],
+      ...(this.robot ? { robot: this.robot } : {}), ...(this.tool_m ? { tool_m: this.tool_m } : {}) };
   }
 
   async listen(folder, port = 0) {
@@ -148,6 +152,7 @@ export class StandIn {
 
   #greet() {
     this.send(this.hello());
+    if (this.program === "server" && this.robot) this.send(this.scene(0));
     if (this.program !== "server") this.tracks.forEach((_, track) => this.send(this.scene(track)));
   }
 
@@ -179,15 +184,16 @@ export class StandIn {
     while (this.time_s < until) {
       this.time_s += kPeriod_s;
       const wave = this.axes === 1 ? [0.01 * Math.sin(2 * this.time_s)] : [0.012 + 0.02 * Math.sin(this.time_s), 0.01 * Math.cos(this.time_s), 0.034];
-      for (const track of this.tracks) track.tick(this.time_s, this.hand ?? wave.slice(0, this.axes), this.settings.network, this.settings.stiffness_N_per_m);
+      for (const track of this.tracks) track.tick(this.time_s, this.hand ?? (this.still ? this.rest : wave.slice(0, this.axes)), this.settings.network, this.settings.stiffness_N_per_m);
     }
+    if (this.moved) this.send({ kind: "moved", track: 0, meshes: [], bodies: [], ...this.moved });
     this.tracks.forEach((track, index) => {
       if (this.program === "server" || track.ticks.length === 0) return;
       const ticks = Object.fromEntries(kKeys.map((key) => [key, track.ticks.map((tick) => tick[key])]));
       if (!this.audited) ticks.passivity_mJ = ticks.passivity_mJ.map(() => null);
       const { normal, place, contact } = track.newest;
       const surface = normal && this.axes === 3 ? normal.map((value) => 0.04 * value) : place;
-      this.send({ kind: "ticks", track: index, ...ticks, plane: contact ? { point_m: surface, normal } : null, hand_m: this.hand });
+      this.send({ kind: "ticks", track: index, ...ticks, plane: contact ? { point_m: surface, normal } : null, hand_m: this.hand, ...this.turned });
       track.ticks = [];
     });
   }
@@ -196,9 +202,9 @@ export class StandIn {
     if (this.program === "server") return this.#tellSessions();
     const { delay_ms, jitter_ms, loss_percent } = this.settings.network;
     const edges = Array.from({ length: 41 }, (_, i) => 0.01 * 10 ** (i / 8));
-    const spread = (middle, width) => ({ edges, counts: edges.slice(1).map((edge) => Math.round(4000 * Math.exp(-((Math.log(edge / middle) / width) ** 2)))) });
+    const spread = (middle, width) => ({ median: middle, p99: 2 * middle, edges, counts: edges.slice(1).map((edge) => Math.round(4000 * Math.exp(-((Math.log(edge / middle) / width) ** 2)))) });
     this.tracks.forEach((track, index) => this.send({ kind: "status", track: index, state: "connected",
-      passive: this.audited ? track.least > -0.01 : null, least_passivity_mJ: this.audited ? 1000 * track.least : null,
+      touched: track.touched, passive: this.audited ? track.least > -0.01 : null, least_passivity_mJ: this.audited ? 1000 * track.least : null,
       network: { sent: track.sent, received: track.sent - track.lost, lost_up: Math.round(track.lost / 2), lost_down: Math.round(track.lost / 2),
         in_flight_up: Math.round(delay_ms), in_flight_down: Math.round(delay_ms * (1 - loss_percent / 100)), round_trip_ms: { median: 2 * delay_ms + 0.3, p99: 2 * (delay_ms + jitter_ms) } },
       stages_ms: { network: spread(2 * delay_ms + 0.2, 0.2 + jitter_ms / 50), server: spread(0.03, 0.5), waiting: spread(0.6, 0.7), total: spread(2 * delay_ms + 0.9, 0.25 + jitter_ms / 50) },
@@ -207,7 +213,7 @@ export class StandIn {
 
   #tellSessions() {
     const sessions = ["anna", "bert", "carla"].map((client, i) => ({ id: i + 1, client, address: `127.0.0.1:5${i}012`, scene: "dome", device: "omni", state: "connected",
-      round_trip_ms: 20.3 + 30 * i, lost_up_percent: 0.5 * i, lost_down_percent: 0.2, compute_us: { median: 12.3, p99: 40 },
+      lost_up_percent: 0.5 * i, compute_us: { median: 12.3, p99: 40 },
       faults: i === 1 ? [{ name: "malformed", count: 3 }] : [], since_s: this.time_s })).filter(({ id }) => !this.kicked.has(id));
     this.send({ kind: "sessions", sessions, load: { processor_percent: 12.5, motions_per_s: 1000 * sessions.length, places_used: sessions.length, places: 16 } });
   }

@@ -1,6 +1,7 @@
 // One strip chart: its heading with the values under the cursor, and the drawing.
 import uPlot from "uplot";
-import { make, onResize, setText } from "./dom.js";
+import { canvasFont, make, onResize, setText } from "./dom.js";
+import { helpButton } from "./help.js";
 import { digits } from "./text.js";
 import { colours } from "./theme.js";
 
@@ -94,8 +95,9 @@ export class Chart {
     this.owner = owner;
     this.legend = make("ul", { className: "lines" });
     this.drawing = make("div", { className: "drawing" });
-    this.root = make("section", { className: "chart", "aria-label": `${facts.title} in ${facts.unit}` },
-      make("h3", {}, `${facts.title} `, make("span", { className: "unit" }, `[${facts.unit}]`)), this.legend, this.drawing);
+    const title = make("h3", {}, `${facts.title} `, make("span", { className: "unit" }, `[${facts.unit}]`));
+    if (facts.help) title.append(" ", helpButton(facts.help));
+    this.root = make("section", { className: "chart", "aria-label": `${facts.title} in ${facts.unit}` }, title, this.legend, this.drawing);
     this.hidden = new Set();
     this.range = new RestingRange(facts.least, facts.zero);
     this.plot = null;
@@ -123,8 +125,7 @@ export class Chart {
     this.columns = this.lines.map((line) => line.column);
     this.data = [[], ...this.lines.map(() => [])];
     const last = this.facts.last ?? false;
-    const small = `${0.72 * parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, sans-serif`;
-    const axis = { stroke: () => colours.faint, font: small, grid: { stroke: () => colours.line, width: 1 }, ticks: { show: false } };
+    const axis = { stroke: () => colours.faint, font: canvasFont(0.72).font, grid: { stroke: () => colours.line, width: 1 }, ticks: { show: false } };
     this.plot = new uPlot({
       ...this.#size(),
       legend: { show: false },
@@ -134,7 +135,7 @@ export class Chart {
       },
       select: { show: true },
       scales: { x: { time: false }, y: { auto: false, range: () => [this.range.low, this.range.high] } },
-      padding: [7, 8, last ? 0 : 6, 0],
+      padding: [7, 14, last ? 0 : 6, 0],
       axes: [
         { ...axis, size: last ? 18 : 0, gap: 2, values: (u, ticks) => ticks.map((tick) => (last ? `${+tick.toFixed(3)} s` : null)) },
         { ...axis, size: 42, gap: 3, space: 18, values: (u, ticks) => ticks.map(short) },

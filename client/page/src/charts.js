@@ -19,9 +19,9 @@ const kCharts = [
     { value: "asked", label: "asked", colour: "asked" }, { value: "applied", label: "applied", colour: "applied" }] },
   { id: "age", title: "Age of the force", unit: "ms", least: 2, zero: true, lines: [
     { value: "age", label: "age", colour: "own" }] },
-  { id: "ledger", title: "Energy in the ledger", unit: "mJ", least: 1, zero: true, lines: [
+  { id: "ledger", title: "Energy in the ledger", help: "ledger", unit: "mJ", least: 1, zero: true, lines: [
     { value: "ledger", label: "energy", colour: "own" }] },
-  { id: "passivity", title: "P, true energy balance", unit: "mJ", least: 1, zero: true, forbidden: true, last: true, lines: [
+  { id: "passivity", title: "P, true energy balance", help: "passivity", unit: "mJ", least: 1, zero: true, forbidden: true, last: true, lines: [
     { value: "passivity", label: "P", colour: "own" }] },
 ];
 

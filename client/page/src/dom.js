@@ -41,6 +41,15 @@ export function fitCanvas(canvas) {
   return ratio;
 }
 
+/**
+ * A font for a canvas, in whole pixels: uPlot reads no others, and draws what follows the point.
+ * @param {number} ofText share of the document's size of text @param {number} ratio pixels of the canvas for one of CSS
+ */
+export function canvasFont(ofText, ratio = 1) {
+  const size_px = Math.round(ofText * parseFloat(getComputedStyle(document.documentElement).fontSize) * ratio);
+  return { size_px, font: `${size_px}px system-ui, "DejaVu Sans", sans-serif` };
+}
+
 /** Calls `then` when the element's size on the screen changes. */
 export function onResize(element, then) {
   new ResizeObserver(() => then()).observe(element);

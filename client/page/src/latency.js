@@ -1,5 +1,6 @@
-// Where the time goes: one row for each stage of a round trip, a histogram over a common logarithmic axis.
-import { byId, fitCanvas, onResize } from "./dom.js";
+// Where the time goes: one row for each stage of the forces that reached the device, a histogram over a common
+// logarithmic axis and the median. The program tells medians; nothing is read from the bins.
+import { byId, canvasFont, fitCanvas, onResize } from "./dom.js";
 import { digits } from "./text.js";
 import { colours } from "./theme.js";
 
@@ -10,24 +11,11 @@ const kStages = [
   { key: "total", label: "Total", colour: "good" },
 ];
 
-/** @returns {number|null} the value below which a share of what was counted lies */
-export function quantile({ edges, counts }, share) {
-  const total = counts.reduce((sum, count) => sum + count, 0);
-  if (total === 0) return null;
-  let left = share * total;
-  for (let i = 0; i < counts.length; ++i) {
-    if (left <= counts[i] && counts[i] > 0) return edges[i] + (edges[i + 1] - edges[i]) * (left / counts[i]);
-    left -= counts[i];
-  }
-  return edges.at(-1);
-}
-
 export class Latency {
   constructor() {
     this.canvas = byId("histogram");
     this.text = byId("histogram-text");
     this.stages = null;
-    this.dirty = true;
     onResize(this.canvas, () => this.draw());
   }
 
@@ -39,7 +27,7 @@ export class Latency {
     this.known = known;
     // For those who cannot see the drawing.
     this.text.textContent = known.map(({ key, label }) =>
-      `${label}: median ${digits(quantile(this.stages[key], 0.5))} ms, 99 % below ${digits(quantile(this.stages[key], 0.99))} ms.`).join(" ");
+      `${label}: median ${digits(this.stages[key].median)} ms, 99 % below ${digits(this.stages[key].p99)} ms.`).join(" ");
     this.draw();
   }
 
@@ -62,16 +50,18 @@ export class Latency {
     const ratio = fitCanvas(this.canvas);
     const context = this.canvas.getContext("2d");
     const { width, height } = this.canvas;
-    const font = 0.74 * parseFloat(getComputedStyle(document.documentElement).fontSize) * ratio;
-    context.font = `${font}px system-ui, sans-serif`;
+    const { font, size_px: size } = canvasFont(0.74, ratio);
+    context.font = font;
     context.textBaseline = "middle";
     context.clearRect(0, 0, width, height);
-    const left = 4.6 * font;
-    const right = width - 5.2 * font;
-    const bottom = height - 1.5 * font;
+    const medians = this.known.map(({ key }) => `${digits(this.stages[key].median)} ms`);
+    const widest = (texts) => Math.max(...texts.map((text) => context.measureText(text).width));
+    const left = widest(this.known.map(({ label }) => label)) + size;
+    const right = width - widest(medians) - size;
+    const bottom = height - 1.5 * size;
     const { low, high } = this.#range();
     const x = (value) => left + ((Math.log10(Math.max(value, low)) - Math.log10(low)) / Math.log10(high / low)) * (right - left);
-    this.#axis(context, { low, high, x, bottom, font, height });
+    this.#axis(context, { low, high, x, bottom, size, height });
     const row = bottom / this.known.length;
     this.known.forEach(({ key, label, colour }, index) => {
       const { edges, counts } = this.stages[key];
@@ -81,9 +71,9 @@ export class Latency {
       context.fillStyle = colours[colour];
       counts.forEach((count, i) => {
         if (count === 0) return;
-        const size = Math.max((count / most) * tall, ratio);
+        const bar = Math.max((count / most) * tall, ratio);
         const from = x(edges[i]);
-        context.fillRect(from, base - size, Math.max(x(edges[i + 1]) - from - 0.5 * ratio, ratio), size);
+        context.fillRect(from, base - bar, Math.max(x(edges[i + 1]) - from - 0.5 * ratio, ratio), bar);
       });
       context.fillStyle = colours.line;
       context.fillRect(left, base, right - left, ratio);
@@ -91,17 +81,23 @@ export class Latency {
       context.textAlign = "left";
       context.fillText(label, 0, base - tall / 2);
       context.textAlign = "right";
-      context.fillText(`${digits(quantile(this.stages[key], 0.5))} ms`, width, base - tall / 2);
+      context.fillText(medians[index], width, base - tall / 2);
     });
   }
 
-  #axis(context, { low, high, x, bottom, font, height }) {
+  /** Decades, each with its number where that has room. */
+  #axis(context, { low, high, x, bottom, size, height }) {
     context.textAlign = "center";
+    let free = -Infinity; // right of the last number
     for (let decade = low; decade <= high * 1.001; decade *= 10) {
       context.fillStyle = colours.line;
       context.fillRect(x(decade), 0, 1, bottom);
+      const text = `${+decade.toPrecision(1)}`;
+      const half = context.measureText(text).width / 2;
+      if (x(decade) - half < free) continue;
+      free = x(decade) + half + size / 2;
       context.fillStyle = colours.faint;
-      context.fillText(`${+decade.toPrecision(1)}`, x(decade), height - 0.6 * font);
+      context.fillText(text, x(decade), height - 0.6 * size);
     }
   }
 }

@@ -4,6 +4,7 @@ import { Charts } from "./charts.js";
 import { byId, onResize, setText } from "./dom.js";
 import { Events, say } from "./events.js";
 import { attachHand } from "./hand.js";
+import { placeHelp } from "./help.js";
 import { Latency } from "./latency.js";
 import { Lights } from "./lights.js";
 import { openLink } from "./link.js";
@@ -17,6 +18,7 @@ import { digits, duration } from "./text.js";
 import { onTheme, watchTheme } from "./theme.js";
 
 watchTheme();
+placeHelp();
 
 /** Parts that wait to be drawn in the next frame. */
 const waiting = new Set();
@@ -120,7 +122,9 @@ function showHello(message) {
   byId("record").hidden = program !== "client" || hello.read_only;
   byId("record").setAttribute("aria-pressed", String(Boolean(hello.recording)));
   setText(byId("record-text"), hello.recording ? "Stop recording" : "Record");
-  setText(byId("record-file"), hello.recording ?? "");
+  // The end of a path is what tells recordings apart.
+  setText(byId("record-file"), (hello.recording ?? "").split("/").at(-1));
+  byId("record-file").title = hello.recording ?? "";
   byId("hints").hidden = !live || !handIsOurs();
   holdButton.hidden = !handIsOurs();
   if (live) {
@@ -131,7 +135,7 @@ function showHello(message) {
     }
     charts.setUp({ period_s: hello.period_s || 0.001, dof: hello.dof || 3, tracks: hello.tracks.length });
     stage.setTracks(hello.tracks.length, hello.dof || 3);
-    lights.setTracks(hello.tracks);
+    lights.setTracks(hello.tracks, handIsOurs() ? "your" : "the");
   }
   settings.show(hello);
   expectScene();
@@ -155,10 +159,14 @@ function showRobot(message) {
     robot.clear();
   }
   byId("legend-exerted").hidden = !message.robot;
+  setText(holdButton, message.robot ? "Clutch" : "Device button");
+  holdButton.title = `the device's button, ${message.robot ? "pressed: the robot stays where it is" : "to grasp"}; also the space bar in the scene`;
   setText(byId("legend-applied"), message.robot ? "force on the hand" : "force applied");
   setText(byId("legend-tip"), message.robot ? "where the hand wants the tool" : "tip");
   // A server's own page has no track but shows its robot.
-  if (message.robot && hello?.tracks.length === 0) {
+  const ofHand = hello?.tracks.length > 0;
+  for (const part of document.querySelectorAll("#legend .of-hand")) part.hidden = !ofHand;
+  if (message.robot && !ofHand) {
     byId("scene").hidden = false;
     stage.setTracks(1, 3);
   }
@@ -188,7 +196,8 @@ const kinds = {
     if (!hello || !message.time_s?.length) return;
     charts.add(message.track ?? 0, message);
     stage.show(message.track ?? 0, message);
-    setText(byId("arrow-scale"), `longest: ${stage.full_N} N`);
+    setText(byId("arrow-scale"), `longest: ${stage.forces.full} N`);
+    showTorque(message);
     if (hello.program === "view") player.at(message.time_s.at(-1));
   },
   status: (message) => {
@@ -208,6 +217,12 @@ const kinds = {
   },
   sessions: (message) => sessions.show(message, hello?.read_only ?? false),
 };
+
+/** Of a handle that tells its orientation: what the round arrow stands for. */
+function showTorque({ orientation, torque_N_m: torque }) {
+  byId("legend-torque").hidden = !orientation;
+  if (torque) setText(byId("torque-scale"), `${digits(Math.hypot(...torque))} N m; full circle: ${stage.torques.full} N m`);
+}
 
 function showTick(tick) {
   byId("tick").hidden = !tick?.period_us;

@@ -2,7 +2,7 @@
 import {
   BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, DoubleSide, GreaterDepth, Group, Line, LineBasicMaterial,
   LineDashedMaterial, LineLoop, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, RingGeometry, SphereGeometry,
-  TorusGeometry, Vector3,
+  BoxGeometry, TorusGeometry, Vector3,
 } from "three";
 import { colours } from "./theme.js";
 
@@ -48,6 +48,47 @@ class Arrow extends Group {
   }
 }
 
+const kArcs = 12;
+const kArcRadius = 3.6;
+
+/** A torque as a round arrow about its axis, z before it is turned: the longer, the larger. Right-handed. */
+class TorqueArc extends Group {
+  constructor(order) {
+    super();
+    this.material = above(new MeshBasicMaterial(), order);
+    const parts = Array.from({ length: kArcs }, (_, i) => ((i + 1) * 1.8 * Math.PI) / kArcs);
+    this.arcs = parts.map((angle) => {
+      const arc = new Group();
+      const head = new Mesh(new ConeGeometry(0.75, 1.7, 16).translate(0, 0.4, 0), this.material);
+      head.position.set(kArcRadius * Math.cos(angle), kArcRadius * Math.sin(angle), 0);
+      head.rotation.z = angle;
+      arc.add(new Mesh(new TorusGeometry(kArcRadius, 0.24, 8, 48, angle), this.material), head);
+      for (const part of arc.children) part.renderOrder = order;
+      return arc;
+    });
+    this.add(...this.arcs);
+  }
+
+  /** @param {number} full torque of the longest arc */
+  show(torque, full) {
+    const size = torque.length();
+    this.visible = size > full / (2 * kArcs);
+    if (!this.visible) return;
+    const shown = Math.min(Math.round((size / full) * kArcs), kArcs) - 1;
+    this.arcs.forEach((arc, i) => (arc.visible = i === Math.max(shown, 0)));
+    this.quaternion.setFromUnitVectors(kForward, direction.copy(torque).divideScalar(size));
+  }
+}
+
+/** What the hand holds of a device that turns: a pen along z of the handle, with a fin along x that shows its roll. */
+function makeHandle(material) {
+  const handle = new Group();
+  const pen = new Mesh(new CylinderGeometry(0.55, 0.32, 7, 20).translate(0, 3.5, 0).rotateX(Math.PI / 2), material);
+  const fin = new Mesh(new BoxGeometry(1.6, 0.3, 2).translate(1, 0, 5.5), material);
+  handle.add(pen, fin);
+  return handle;
+}
+
 function lineOfTwo(material, order) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(6), 3));
@@ -81,6 +122,11 @@ export class Marks extends Group {
     this.asked = new Arrow(0.5, 0.75, 8);
     this.applied = new Arrow(0.26, 1, 9);
     this.exerted = new Arrow(0.4, 0.9, 8); // by a robot, at its tool
+    this.solid = new MeshLambertMaterial();
+    this.handle = makeHandle(this.solid);
+    this.rod = new Mesh(new CylinderGeometry(0.3, 0.3, 1, 16).translate(0, 0.5, 0), this.solid); // from grip to tip, along y
+    this.torque = new TorqueArc(9);
+    this.exertedTorque = new TorqueArc(8);
     this.spring = lineOfTwo(new LineDashedMaterial(), 6);
     this.hand = new Mesh(new RingGeometry(0.75, 1.1, 4), above(new MeshBasicMaterial({ side: DoubleSide }), 7));
     this.hand.renderOrder = 7;
@@ -91,7 +137,8 @@ export class Marks extends Group {
     const circle = Array.from({ length: 48 }, (_, i) => new Vector3(Math.cos((i * Math.PI) / 24), Math.sin((i * Math.PI) / 24), 0));
     this.circle = new LineLoop(new BufferGeometry().setFromPoints(circle), above(new LineBasicMaterial(), 4));
     this.plane.add(this.disc, this.circle);
-    this.add(this.tip, this.tipBehind, this.place, this.behind, this.asked, this.applied, this.exerted, this.spring, this.hand, this.plane);
+    this.add(this.tip, this.tipBehind, this.place, this.behind, this.asked, this.applied, this.exerted, this.spring, this.hand, this.plane,
+      this.handle, this.rod, this.torque, this.exertedTorque);
     this.unit_m = 0.002;
     this.vector = new Vector3();
     this.visible = false;
@@ -102,8 +149,9 @@ export class Marks extends Group {
     for (const mark of [this.tip, this.tipBehind]) mark.material.color.set(own);
     for (const mark of [this.place, this.behind]) mark.material.color.set(colours.text);
     this.asked.material.color.set(colours.asked);
-    this.applied.material.color.set(colours.applied);
-    this.exerted.material.color.set(colours.exerted);
+    for (const mark of [this.applied, this.torque]) mark.material.color.set(colours.applied);
+    for (const mark of [this.exerted, this.exertedTorque]) mark.material.color.set(colours.exerted);
+    this.solid.color.set(own);
     for (const mark of [this.spring, this.hand]) mark.material.color.set(colours.hand);
     for (const mark of [this.disc, this.circle]) mark.material.color.set(colours.plane);
   }
@@ -111,7 +159,8 @@ export class Marks extends Group {
   /** @param {number} radius_m of the scene, of what the device reaches where that is less */
   resize(radius_m) {
     this.unit_m = radius_m / kUnitsInRadius;
-    for (const mark of [this.tip, this.tipBehind, this.place, this.hand, this.asked, this.applied, this.exerted]) {
+    for (const mark of [this.tip, this.tipBehind, this.place, this.hand, this.asked, this.applied, this.exerted, this.handle,
+      this.rod, this.torque, this.exertedTorque]) {
       mark.scale.setScalar(this.unit_m);
     }
     this.plane.scale.setScalar(0.3 * radius_m);
@@ -122,16 +171,16 @@ export class Marks extends Group {
   /**
    * @param {object} state newest of the track, as vectors
    * @param {Quaternion} facing turns what faces the camera
-   * @param {number} unitsPerN of the arrows
-   * @param {number} longest arrow, in units
+   * @param {{unitsPerN: number, longest: number, fullTorque_N_m: number}} scales of the arrows, the longest in units
    */
-  show(state, facing, unitsPerN, longest) {
+  show(state, facing, { unitsPerN, longest, fullTorque_N_m }) {
     this.visible = state.tip !== null || state.tool !== null;
     this.exerted.visible = state.tool !== null;
     if (state.tool) {
       this.exerted.position.copy(state.tool);
       this.exerted.show(this.vector.copy(state.exerted).multiplyScalar(unitsPerN).clampLength(0, longest));
     }
+    this.#showTurn(state, fullTorque_N_m);
     const ofDevice = [this.tip, this.tipBehind, this.place, this.behind, this.asked, this.applied, this.spring, this.hand, this.plane];
     for (const mark of ofDevice) mark.visible = state.tip !== null;
     if (state.tip === null) return;
@@ -150,7 +199,7 @@ export class Marks extends Group {
     if (state.hand) {
       this.hand.position.copy(state.hand);
       this.hand.quaternion.copy(facing);
-      setEnds(this.spring, state.tip, state.hand);
+      setEnds(this.spring, state.grip, state.hand);
     }
     this.plane.visible = state.plane !== null;
     if (state.plane) {
@@ -160,5 +209,27 @@ export class Marks extends Group {
       this.plane.position.copy(state.tip).addScaledVector(normal, -away);
       this.plane.quaternion.setFromUnitVectors(kForward, normal);
     }
+  }
+
+  /** Of a handle that tells its orientation: itself, the tool, and torques, of which no other device knows. */
+  #showTurn({ grip, tip, turn, torque, tool, exertedTorque }, full_N_m) {
+    const turned = grip !== null && turn !== null;
+    for (const mark of [this.handle, this.rod, this.torque, this.exertedTorque]) mark.visible = turned;
+    if (!turned) return;
+    this.handle.position.copy(grip);
+    this.handle.quaternion.copy(turn);
+    this.torque.position.copy(grip);
+    this.torque.show(torque, full_N_m);
+    const length_m = tip.distanceTo(grip);
+    this.rod.visible = length_m > 0;
+    if (this.rod.visible) {
+      this.rod.position.copy(grip);
+      this.rod.quaternion.setFromUnitVectors(kUp, direction.copy(tip).sub(grip).divideScalar(length_m));
+      this.rod.scale.y = length_m;
+    }
+    this.exertedTorque.visible = tool !== null;
+    if (tool === null) return;
+    this.exertedTorque.position.copy(tool);
+    this.exertedTorque.show(exertedTorque, full_N_m);
   }
 }

@@ -17,7 +17,27 @@ const kAskedMost_N = 50; // what a bound forbids may be a thousand times what is
 const kRobotRadius_m = 0.27;
 const kRobotMiddle_m = [-0.07, 0, 0.13];
 const kMarksOfRobot = 0.55;
-const kSteps_N = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+const kForces_N = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+const kTorques_N_m = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
+
+/** What the longest mark stands for: a round number, which fits the largest value of the last seconds. */
+class RoundScale {
+  constructor(steps) {
+    this.steps = steps;
+    this.reset();
+  }
+
+  reset() {
+    this.full = this.steps[0];
+    this.peak = 0;
+  }
+
+  take(value) {
+    this.peak = Math.max(value, 0.993 * this.peak);
+    const fits = this.steps.find((step) => step >= this.peak) ?? this.steps.at(-1);
+    if (fits > this.full || this.peak < 0.4 * this.full) this.full = fits;
+  }
+}
 
 /** Whether a processor draws in place of a graphics card. Asked on a canvas of its own: a canvas keeps its first answer. */
 function drawsInSoftware() {
@@ -49,7 +69,17 @@ class TrackState {
     this.applied = new Vector3();
     this.tool = null; // of a robot that follows, in the picture as are the two below
     this.exerted = new Vector3();
+    this.exertedTorque = new Vector3();
+    this.turn = null; // Quaternion of a handle that tells its orientation
+    this.torque = new Vector3(); // on that handle
+    this.lever = null; // from the grip to the tip of a tool, in the handle's axes
     this.frame = new DeviceFrame();
+  }
+
+  /** Of the device, where it touches: the tip of the tool that the scene puts into the hand, else the grip. */
+  get touching() {
+    if (!this.tip || !this.turn || !this.lever) return this.tip;
+    return this.lever.clone().applyQuaternion(this.turn).add(this.tip);
   }
 
   /** The same, in the picture. */
@@ -57,7 +87,9 @@ class TrackState {
     const { frame } = this;
     const place = (at) => (at ? frame.place(at) : null);
     return {
-      tip: place(this.tip), place: place(this.place), hand: place(this.hand), tool: this.tool, exerted: this.exerted,
+      tip: place(this.touching), grip: place(this.tip), place: place(this.place), hand: place(this.hand),
+      turn: this.turn ? frame.turn.clone().multiply(this.turn) : null, torque: frame.direction(this.torque),
+      tool: this.tool, exerted: this.exerted, exertedTorque: this.exertedTorque,
       plane: this.plane ? { middle: frame.place(this.plane.middle), normal: frame.direction(this.plane.normal) } : null,
       asked: frame.direction(this.asked), applied: frame.direction(this.applied),
     };
@@ -91,8 +123,8 @@ export class Stage {
     this.radius_m = 0.08;
     this.angles = { azimuth: 0, elevation: 0 };
     this.zoom = 1;
-    this.full_N = kSteps_N[0];
-    this.peak_N = 0;
+    this.forces = new RoundScale(kForces_N);
+    this.torques = new RoundScale(kTorques_N_m);
     this.labels = new ForceLabels(canvas.parentElement);
     if (this.renderer) {
       this.renderer.setScissorTest(true);
@@ -146,6 +178,7 @@ export class Stage {
     const other = view.message?.name !== message.name;
     view.message = message;
     view.state.frame = new DeviceFrame();
+    view.state.lever = message.tool_m ? point(message.tool_m) : null;
     if (!message.robot) view.state.tool = null;
     if (other) view.bodies.clear();
     this.#placeFrame(view);
@@ -154,7 +187,8 @@ export class Stage {
     } else {
       this.#look(message);
       if (other) {
-        this.full_N = kSteps_N[0];
+        this.forces.reset();
+        this.torques.reset();
         this.labels.hide();
         this.resetCamera();
       }
@@ -265,12 +299,14 @@ export class Stage {
     const first = state.tool === null;
     state.tool = new Vector3(values.tool_x_m, values.tool_y_m, values.tool_z_m);
     state.exerted.set(values.force_x_N, values.force_y_N, values.force_z_N);
+    state.exertedTorque.set(values.torque_x_N_m ?? 0, values.torque_y_N_m ?? 0, values.torque_z_N_m ?? 0);
     if (first && view === this.views[0] && view.message?.robot) {
       this.#look(view.message);
       this.resetCamera();
       for (const each of this.views) this.#build(each);
     }
-    this.#scaleArrows(state.exerted.length());
+    this.forces.take(state.exerted.length());
+    if (state.turn) this.torques.take(state.exertedTorque.length());
   }
 
   /** The newest tick of a `ticks` message. */
@@ -284,19 +320,16 @@ export class Stage {
     state.place = newest(message.place_m);
     state.asked = newest(message.asked_N) ?? new Vector3();
     state.applied = newest(message.applied_N) ?? new Vector3();
+    const [w, x, y, z] = message.orientation ?? [];
+    state.turn = message.orientation ? new Quaternion(x, y, z, w) : null;
+    state.torque.copy(point(message.torque_N_m));
     state.hand = message.hand_m ? point(message.hand_m) : null;
     state.plane = message.plane && message.contact?.[last]
       ? { middle: point(message.plane.point_m), normal: point(message.plane.normal).normalize() } : null;
-    this.#scaleArrows(Math.max(Math.min(state.asked.length(), kAskedMost_N), state.applied.length()));
+    this.forces.take(Math.max(Math.min(state.asked.length(), kAskedMost_N), state.applied.length()));
+    this.torques.take(state.torque.length());
     this.#keepInSight(this.tip(track));
     this.changed();
-  }
-
-  /** The longest arrow is for a round number, which fits the largest force of the last seconds. */
-  #scaleArrows(force_N) {
-    this.peak_N = Math.max(force_N, 0.993 * this.peak_N);
-    const fits = kSteps_N.find((step) => step >= this.peak_N) ?? kSteps_N.at(-1);
-    if (fits > this.full_N || this.peak_N < 0.4 * this.full_N) this.full_N = fits;
   }
 
   /** What is thrown about stays in the picture: the camera goes back, up to a limit. */
@@ -432,7 +465,8 @@ export class Stage {
       const frame = this.#frame(index);
       this.#aim(frame.width / frame.height);
       const placed = view.state.placed();
-      view.marks.show(placed, this.camera.getWorldQuaternion(new Quaternion()), kArrowUnits / this.full_N, kArrowUnits);
+      const scales = { unitsPerN: kArrowUnits / this.forces.full, longest: kArrowUnits, fullTorque_N_m: this.torques.full };
+      view.marks.show(placed, this.camera.getWorldQuaternion(new Quaternion()), scales);
       this.renderer.setViewport(frame.x, frame.y, frame.width, frame.height);
       this.renderer.setScissor(frame.x, frame.y, frame.width, frame.height);
       this.renderer.setClearColor(this.back);
@@ -451,7 +485,7 @@ export class Stage {
     const unit_m = this.views[0].marks.unit_m;
     const label = (name, at, force) => {
       if (!at) return;
-      const arrow = force.clone().multiplyScalar((unit_m * kArrowUnits) / this.full_N).clampLength(0, unit_m * kArrowUnits);
+      const arrow = force.clone().multiplyScalar((unit_m * kArrowUnits) / this.forces.full).clampLength(0, unit_m * kArrowUnits);
       this.labels.show(name, force.length(), onArea(at), onArea(arrow.add(at)));
     };
     label("applied", placed.tip, placed.applied);

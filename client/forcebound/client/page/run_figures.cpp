@@ -62,7 +62,7 @@ void StageHistogram::add(time::Nanoseconds duration) noexcept {
   const auto above = std::ranges::upper_bound(kEdges_ms, ms);
   const std::ptrdiff_t bin = std::distance(kEdges_ms.begin(), above) - 1;
   ++counts_[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(bin, 0, std::ssize(counts_) - 1))];
-  ++count_;
+  durations_.add(duration.count());
 }
 
 std::string StageHistogram::to_json() const {
@@ -70,7 +70,11 @@ std::string StageHistogram::to_json() const {
   page::add_numbers(text, std::span<const double>(kEdges_ms));
   text += ",\"counts\":[";
   for (std::size_t i = 0; i < counts_.size(); ++i) text += (i > 0 ? "," : "") + std::to_string(counts_[i]);
-  return text + "]}";
+  text += "],\"median\":";
+  page::add_number(text, durations_.percentile(kMedian) / kMicro);
+  text += ",\"p99\":";
+  page::add_number(text, durations_.percentile(kRare) / kMicro);
+  return text + "}";
 }
 
 void RunFigures::add(const ForceSample& force) {
@@ -87,8 +91,6 @@ void RunFigures::add(const ForceSample& force) {
   round_trips_.add(force.round_trip.count());
   round_trip_s_.add(time::to_seconds(force.round_trip));
   at_server_s_.add(time::to_seconds(force.at_server));
-  server_stage_.add(force.at_server);
-  network_stage_.add(force.round_trip - force.at_server);
   plane_ = force;
   if (unused_.size() < kUnusedMost) unused_.push_back(force);
 }
@@ -102,6 +104,7 @@ void RunFigures::add(const TickSample& tick) {
   }
   if (tick.force_sequence != 0) age_s_.add(time::to_seconds(tick.age));
   note_use(tick);
+  touched_ = touched_ || tick.contact || tick.asked_N != Axes{} || tick.applied_torque_N_m != Axes{};
   newest_ = tick;
   if (waiting_.size() < kWaitingMost) waiting_.push_back(tick);
 }
@@ -113,6 +116,8 @@ void RunFigures::note_use(const TickSample& tick) {
   const auto used = std::ranges::find(unused_, tick.force_sequence, &ForceSample::motion_sequence);
   if (used == unused_.end()) return;
   const time::Nanoseconds waited = std::max(time::Nanoseconds{0}, tick.time + tick.latency - used->received);
+  network_stage_.add(used->round_trip - used->at_server);
+  server_stage_.add(used->at_server);
   waiting_stage_.add(waited);
   total_stage_.add(used->round_trip + waited);
   unused_.erase(unused_.begin(), used + 1);
@@ -154,6 +159,7 @@ std::string RunFigures::take_ticks(int track, const std::optional<std::array<dou
     }
   });
   add_column(text, "contact", waiting_, [&](const TickSample& tick) { text += tick.contact ? '1' : '0'; });
+  add_handle(text);
   text += ",\"plane\":";
   if (plane_ && plane_->contact) {
     text += "{\"point_m\":";
@@ -172,6 +178,15 @@ std::string RunFigures::take_ticks(int track, const std::optional<std::array<dou
   }
   waiting_.clear();
   return text + "}";
+}
+
+/// Of a handle that tells its orientation. Once for all ticks of the message: a picture has no use for more.
+void RunFigures::add_handle(std::string& to) const {
+  if (!newest_ || !newest_->has_orientation) return;
+  to += ",\"orientation\":";
+  page::add_numbers(to, std::span<const double>(newest_->orientation));
+  to += ",\"torque_N_m\":";
+  page::add_numbers(to, std::span<const float>(newest_->applied_torque_N_m));
 }
 
 /// What is still on its way cannot be told from what is lost: motions after the newest that the server has answered
@@ -198,6 +213,7 @@ std::string RunFigures::status(int track, std::uint64_t dropped, bool closing) c
                {"state", closing   ? "closing"
                          : newest_ ? words_of(newest_->state)
                                    : "connecting"},
+               {"touched", touched_},
                {"passive", passive ? Json(*passive) : Json(nullptr)},
                {"least_passivity_mJ", passive ? Json(newest_->audit_minimum_J * kMilli) : Json(nullptr)}};
   // What the robot at the far end does, where there is one.

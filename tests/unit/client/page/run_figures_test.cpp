@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <vector>
 
 namespace forcebound::client {
 namespace {
@@ -122,6 +126,84 @@ TEST(RunFigures, SplitTheLatencyByStage) {
     EXPECT_EQ(stages[name]["edges"].size(), stages[name]["counts"].size() + 1) << name;
     EXPECT_EQ(bin_of(stages[name], ms), 1) << name;
   }
+}
+
+/// The milliseconds of what happened at random, of which the newest forces overtake older ones.
+struct Drawn {
+  std::vector<double> network_ms;
+  std::vector<double> total_ms;
+};
+
+Drawn draw_overtaking(RunFigures& figures) {
+  std::mt19937_64 random(7);
+  const auto microseconds_up_to = [&random](int most) {
+    return microseconds(std::uniform_int_distribution<int>(0, most)(random));
+  };
+  Drawn drawn;
+  for (std::uint64_t motion = 1; motion <= 4000; ++motion) {
+    ForceSample answer = force(motion, motion, motion);
+    answer.at_server = microseconds_up_to(40);
+    answer.round_trip = milliseconds(80) + microseconds_up_to(60'000) + answer.at_server;
+    figures.add(answer);
+    if (answer.round_trip > milliseconds(100)) continue;  // overtaken
+    TickSample use = tick(static_cast<int>(motion));
+    use.time = answer.received + microseconds_up_to(1000);
+    use.force_sequence = motion;
+    figures.add(use);
+    drawn.network_ms.push_back(time::to_seconds(answer.round_trip - answer.at_server) * 1e3);
+    drawn.total_ms.push_back(time::to_seconds(answer.round_trip + use.time - answer.received) * 1e3);
+  }
+  return drawn;
+}
+
+double nearest_rank(std::vector<double> values, double fraction) {
+  std::ranges::sort(values);
+  return values.at(static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(values.size()))) - 1);
+}
+
+TEST(RunFigures, HaveNoPercentileOfTheTotalBelowOneOfItsPartsAndEachWithinTheErrorThatIsStated) {
+  RunFigures figures(options());
+  const Drawn drawn = draw_overtaking(figures);
+  const Json stages = Json::parse(figures.status(0, 0, false))["stages_ms"];
+  for (const char* const percentile : {"median", "p99"}) {
+    for (const char* const part : {"network", "server", "waiting"}) {
+      EXPECT_LE(stages[part][percentile].get<double>(), stages["total"][percentile].get<double>()) << part;
+    }
+  }
+  const auto expect_near = [&](const char* stage, const char* percentile, double exact_ms) {
+    // And the six digits of a number on a page.
+    EXPECT_NEAR(stages[stage][percentile].get<double>(), exact_ms, 5.1e-4 * exact_ms) << stage << ' ' << percentile;
+  };
+  expect_near("network", "p99", nearest_rank(drawn.network_ms, 0.99));
+  expect_near("total", "p99", nearest_rank(drawn.total_ms, 0.99));
+  expect_near("total", "median", nearest_rank(drawn.total_ms, 0.5));
+}
+
+TEST(RunFigures, SayWhetherAForceWasAskedForSoFar) {
+  RunFigures figures(options());
+  const auto touched = [&figures] { return Json::parse(figures.status(0, 0, false))["touched"].get<bool>(); };
+  EXPECT_FALSE(touched());
+  figures.add(tick(1));
+  EXPECT_FALSE(touched());
+  TickSample asked = tick(2);
+  asked.asked_N = {0, 0.1F, 0};
+  figures.add(asked);
+  figures.add(tick(3));
+  EXPECT_TRUE(touched()) << "it stays so";
+}
+
+TEST(RunFigures, TellHowAHandleIsTurnedAndItsTorqueWhereItTellsThat) {
+  RunFigures figures(options(3));
+  figures.add(tick(1));
+  EXPECT_FALSE(Json::parse(figures.take_ticks(0, {})).contains("orientation"));
+  TickSample turned = tick(2);
+  turned.has_orientation = true;
+  turned.orientation = {0.5, 0.5, -0.5, 0.5};
+  turned.applied_torque_N_m = {0, 0.25F, 0};
+  figures.add(turned);
+  const Json message = Json::parse(figures.take_ticks(0, {}));
+  EXPECT_EQ(message["orientation"], Json({0.5, 0.5, -0.5, 0.5}));
+  EXPECT_EQ(message["torque_N_m"], Json({0, 0.25, 0}));
 }
 
 TEST(RunFigures, TellWhetherTheDeviceWasPassiveSinceTheStart) {
