@@ -66,7 +66,7 @@ test("time that goes back, or far ahead, begins the store anew", () => {
 
 test("numbers have three digits, thousands apart, and a sign that is a minus", () => {
   const texts = [[0, "0"], [1.23456, "1.23"], [-12.345, "−12.3"], [123.4, "123"], [-16633, "−16,630"], [0.0123456, "0.0123"], [0.00012345, "0.0001"],
-    [1e-9, "0"], [null, "–"], [NaN, "–"]];
+    [1e-9, "0"], [-1e-9, "0"], [null, "–"], [NaN, "–"]];
   for (const [value, text] of texts) assert.equal(digits(value), text);
   assert.equal(whole(1234567), "1,234,567");
   assert.deepEqual([0, 59.94, 59.96, 185.2].map(runTime), ["0.0 s", "59.9 s", "1:00.0", "3:05.2"]);

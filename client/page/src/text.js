@@ -6,7 +6,7 @@ export function digits(value, count = 3) {
   if (value === 0) return "0";
   if (Math.abs(value) >= 1000) return Number(value.toPrecision(count + 1)).toLocaleString("en").replace(/^-/, "−");
   const before = Math.floor(Math.log10(Math.abs(value))) + 1;
-  if (before < -4) return value < 0 ? "-0" : "0";
+  if (before < -4) return "0";
   const text = value.toFixed(Math.min(Math.max(count - before, 0), 4));
   return Number(text) === 0 ? "0" : text.replace(/^-/, "−");
 }
