@@ -204,7 +204,7 @@ LawRegistry published_laws() {
             .shortens = true,
             .make = make_published<LessConservativeLaw>});
   laws.add({.name = "fba-more",
-            .summary = "more conservative force bounding: forgets free space, does not ring",
+            .summary = "more conservative force bounding: forgets free space, rests where readings are exact",
             .reference = "Kim 2015, Prop. 3",
             .claim = LawClaim::passive_if_ideal,
             .shortens = true,

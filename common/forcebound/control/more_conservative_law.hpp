@@ -5,7 +5,8 @@
 
 namespace forcebound::control {
 
-/// The more conservative force bounding law: what free space saved is forgotten, so that contact does not ring.
+/// The more conservative force bounding law: what free space saved is forgotten, so that contact rests where
+/// readings are exact.
 ///
 /// Vectors have `dof` rows in the device frame: position [m], force on the device [N]; B = b/T = C C'.
 /// Kim 2015, Prop. 3, eq. 24-34, written in energies so that nothing is divided by xi, which may underflow:
