@@ -54,8 +54,34 @@ void expect_to_be_broken_once(const std::string& help) {
   }
 }
 
+/// Below "Options:" and "Arguments:" names are indented by two, with what they mean two blanks or more behind them or
+/// on the next line, all in one column: by that help2man tells one option from the next.
+void expect_each_option_to_stand_alone(const std::string& help) {
+  constexpr std::size_t kName = 2;
+  constexpr std::size_t kWords = 32;
+  std::istringstream lines(help);
+  bool listed = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line == "Options:" || line == "Arguments:") {
+      listed = true;
+      continue;
+    }
+    if (line.empty()) listed = false;
+    if (!listed) continue;
+    const std::size_t indent = line.find_first_not_of(' ');
+    if (indent == kWords) continue;
+    EXPECT_EQ(indent, kName) << line;
+    // The name alone, or the words in their column.
+    const bool alone = line.find("  ", kName) == std::string::npos;
+    EXPECT_TRUE(alone ? line.size() != kWords - 1 && (line[kName] != '-' || line.find(" with ") == std::string::npos)
+                      : line.compare(kWords - 2, 2, "  ") == 0 && line[kWords] != ' ')
+        << line;
+  }
+}
+
 void expect_common_style(const std::string& help) {
   expect_to_fit(help);
+  expect_each_option_to_stand_alone(help);
   expect_to_be_broken_once(help);
   EXPECT_THAT(help, testing::HasSubstr("print this help and end"));
   for (const char* const foreign : {"TEXT", "FLOAT", "UINT", "INT:", "ENUM", "Needs:", "REQUIRED", "Print this help"}) {

@@ -32,6 +32,16 @@ class HelpFormatter final : public CLI::Formatter {
     return text;
   }
 
+  /// With two blanks at least between name and words, or the words on the next line: the text is broken by that, and
+  /// help2man takes a line with one blank for words alone.
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    const std::string name = "  " + make_option_name(option, is_positional) + make_option_opts(option);
+    std::string text = CLI::Formatter::make_option(option, is_positional);
+    const bool one_blank = text.size() > name.size() + 1 && text[name.size()] == ' ' && text[name.size() + 1] != ' ';
+    if (one_blank) text.replace(name.size(), 1, "\n" + std::string(get_column_width(), ' '));
+    return text;
+  }
+
   std::string make_option_desc(const CLI::Option* option) const override {
     return option->get_description() + (option->get_required() ? " (required)" : "");
   }
