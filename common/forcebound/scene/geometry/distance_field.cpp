@@ -53,7 +53,7 @@ class DistanceField final : public Shape {
     const Point nodes = steps.array().ceil() + 1;
     if (!(nodes.prod() <= kNodesMost)) {
       throw GeometryError(mesh->name() + ": spacing_m " + text::to_text(spacing_m_) + " would need " +
-                          text::to_text(nodes.prod()) + " grid nodes, more than " + text::to_text(kNodesMost));
+                          text::rounded(nodes.prod()) + " grid nodes, more than " + text::to_text(kNodesMost));
     }
     nodes_ = nodes.cast<Eigen::Index>();
     fill(*tree_of(mesh, options.tree), Pseudonormals(*mesh));

@@ -163,7 +163,7 @@ void TriangleMesh::check_corners(const std::vector<Point>& vertices) const {
 void TriangleMesh::check_size() const {
   // Areas are squares and distances between planes fourth powers of lengths.
   if (!(size_m_ > 1e-60 && size_m_ < 1e60 && origin_m_.allFinite())) {
-    throw GeometryError(name_ + ": a size of " + text::to_text(size_m_) + " m cannot be computed with");
+    throw GeometryError(name_ + ": a size of " + text::rounded(size_m_) + " m cannot be computed with");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "forcebound/config/parameter.hpp"
 #include "forcebound/handover/scene_assembly.hpp"
 #include "forcebound/scene/cost.hpp"
 #include "forcebound/text/names.hpp"
@@ -151,8 +152,16 @@ std::string sharing_text(const scene::Scene& scene) {
   return "shared: up to " + std::to_string(scene.facts().clients_max) + " clients feel the same dynamic models\n";
 }
 
+std::string tool_text(const scene::Scene& scene) {
+  const control::Vector& tool_m = scene.facts().tool_m;
+  if (tool_m.rows() == 0) return {};
+  return "tool: " + config::to_text(Eigen::Vector3d(tool_m), tool_m.rows()) +
+         " m from the grip to its tip, which touches, and turns a handle that shows torque\n";
+}
+
 std::string not_simulated_text(const scene::Scene& scene) {
-  std::string text = "not simulated: torques";
+  const bool has_tool = scene.facts().tool_m.rows() > 0;
+  std::string text = "not simulated: " + std::string(has_tool ? "torques but those of the tool" : "torques");
   if (!scene.inputs().velocity) text += "; velocity (nothing needs it)";
   if (scene.dynamic_models().empty()) text += "; bodies and tissue (there are none)";
   if (!scene.facts().effects_not_requested.empty())
@@ -243,7 +252,7 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
   std::string text =
       "scene '" + scene.facts().name + "' (hash " + hash + "): " + text::printable(scene.facts().description) + "\n";
   text += "devices: " + scene.accepted_degrees_of_freedom() + " degree" +
-          (scene.facts().degrees_of_freedom == 1 ? "" : "s") + " of freedom\n";
+          (scene.facts().degrees_of_freedom == 1 ? "" : "s") + " of freedom\n" + tool_text(scene);
   text += "motion:       " +
           cost_text(scene::kMotion_ns, facts.calibration ? std::optional(facts.calibration->motion) : std::nullopt) +
           ", besides the parts below\n";
@@ -283,7 +292,7 @@ std::string summary(const scene::Scene& scene) {
   for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models()) {
     text += (text.empty() ? "" : "; ") + dynamic_model.name + " (" + dynamic_model.text + ")";
   }
-  return text.empty() ? "nothing: every force is zero" : text;
+  return text.empty() ? "no objects: every force is zero" : text;
 }
 
 }  // namespace forcebound::server

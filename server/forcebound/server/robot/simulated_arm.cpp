@@ -29,7 +29,7 @@ constexpr ForceSensorFacts kSensor{.period = std::chrono::milliseconds(2),
 
 std::string in_words(const ToolPose& pose) {
   const auto row = [](const Eigen::Vector3d& v) {
-    return "[" + text::to_text(v.x()) + ", " + text::to_text(v.y()) + ", " + text::to_text(v.z()) + "]";
+    return "[" + text::rounded(v.x()) + ", " + text::rounded(v.y()) + ", " + text::rounded(v.z()) + "]";
   };
   const Eigen::AngleAxisd turn(pose.orientation);
   return row(pose.position) + " m, turned by " + row(turn.angle() * turn.axis()) + " rad";

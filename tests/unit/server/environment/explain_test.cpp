@@ -29,6 +29,14 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
                     Not(HasSubstr("velocity (nothing needs it)"))));
 }
 
+TEST(Explain, NamesTheToolInTheHandAndTheTorquesThatItMakes) {
+  const std::string text = explain(*parse_scene(
+      "scene = { name = 'probe', description = '', degrees_of_freedom = 3, tool_m = [0, 0, -0.1] }\n", "probe.toml"));
+  EXPECT_THAT(text, HasSubstr("\ntool: [0, 0, -0.1] m from the grip to its tip"));
+  EXPECT_THAT(text, HasSubstr("\nnot simulated: torques but those of the tool; "));
+  EXPECT_THAT(explain(*load_scene("plane")), Not(HasSubstr("tool")));
+}
+
 TEST(Explain, SaysWhatClientsRefuseToRun) {
   std::ostringstream toml;
   toml << "scene = { name = 'crowd', description = '', degrees_of_freedom = 3 }\n";
@@ -169,7 +177,7 @@ TEST(Explain, DistinguishesFieldsFromObjects) {
 
 TEST(Summary, IsOneLine) {
   EXPECT_EQ(summary(*load_scene("sphere")), "ball (sphere): surface stiffness_N_per_m 10000, damping_N_s_per_m 0");
-  EXPECT_EQ(summary(*load_scene("free")), "nothing: every force is zero");
+  EXPECT_EQ(summary(*load_scene("free")), "no objects: every force is zero");
 }
 
 }  // namespace

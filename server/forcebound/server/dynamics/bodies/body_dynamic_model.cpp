@@ -115,7 +115,7 @@ void BodyDynamicModel::check_overlap(const mjData_& data, int ball) const {
     if (contact.dist > -kAllowed_m || first == ball || second == ball) continue;
     // Body 0 is the world.
     const auto name = [&](int body) { return description_.bodies[static_cast<std::size_t>(body - 1)].name; };
-    throw BodiesError(name_ + ": '" + name(first) + "' and '" + name(second) + "' begin " + to_text(-contact.dist) +
+    throw BodiesError(name_ + ": '" + name(first) + "' and '" + name(second) + "' begin " + rounded(-contact.dist) +
                       " m within each other: expected at most " + to_text(kAllowed_m));
   }
 }

@@ -95,7 +95,7 @@ void LinearTissue::find_locking(const FreeCoordinates& free) {
 std::string LinearTissue::warning() const {
   if (locking_ < kLocked) return "";
   return mesh_.name() + ": with poisson " + text::to_text(material_.poisson) +
-         " the tetrahedra lock: displacements are about " + text::to_text(locking_) +
+         " the tetrahedra lock: displacements are about " + text::rounded(locking_) +
          " times too small; a smaller ratio or a finer mesh locks less";
 }
 

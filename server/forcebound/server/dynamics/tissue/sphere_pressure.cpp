@@ -72,14 +72,15 @@ double places_for(const std::vector<Size>& sizes, double radius_m) {
 }
 
 [[noreturn]] void refuse(const std::vector<Size>& sizes, double radius_m, const std::string& name) {
-  constexpr double kWider = 1.02;  // at each try
+  constexpr double kWider = 1.02;       // at each try
+  constexpr double kRoundedUp = 1.005;  // three digits are off by half a percent at most
   const double longest_m = std::ranges::max(sizes, {}, &Size::across_m).across_m;
   double enough_m = std::max(radius_m, longest_m / (kAcross * SpherePressure::kDivisionsMax));
   while (places_for(sizes, enough_m) > SpherePressure::kPlacesMax) enough_m *= kWider;
   throw std::runtime_error(name + ": a sphere of radius " + text::to_text(radius_m) +
-                           " m is too small beside edges of " + text::to_text(longest_m) + " m on a surface of " +
+                           " m is too small beside edges of " + text::rounded(longest_m) + " m on a surface of " +
                            std::to_string(sizes.size()) + " triangles: expected 0 (a point), or at least " +
-                           text::to_text(enough_m) + " m");
+                           text::rounded(kRoundedUp * enough_m) + " m");
 }
 
 // The corners' weights at the centroids of n^2 equal parts of a triangle, those that point as it does and the others.

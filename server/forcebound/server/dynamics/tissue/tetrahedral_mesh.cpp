@@ -99,7 +99,7 @@ void TetrahedralMesh::take_tetrahedra(const TetrahedralSoup& soup, const std::ve
     if (!(std::abs(thickness) > kFlat)) {
       throw std::runtime_error(place(soup, t) +
                                " is flat: six times its volume over its longest edge's cube must be > " +
-                               text::to_text(kFlat) + ", got " + text::to_text(longest_m > 0 ? thickness : 0));
+                               text::to_text(kFlat) + ", got " + text::rounded(longest_m > 0 ? thickness : 0));
     }
     if (volumes < 0) {
       std::swap(tetrahedron[2], tetrahedron[3]);

@@ -17,15 +17,18 @@ constexpr double kApart = 0.5;
 // Iterations of shift_near on a probe's first step.
 constexpr int kTimesAtFirst = 4;
 
+// Three digits are off by half a percent at most.
+constexpr double kRoundedUp = 1.005;
+
 int divisions_for(const LinearTissue& tissue, double radius_m) {
   if (!(radius_m > 0)) return 1;
   const double longest_m = tissue.surface().longest_edge_m();
   const double divisions = std::ceil(longest_m / (kApart * radius_m));
   if (divisions <= SphereContact::kDivisionsMax) return static_cast<int>(divisions);
-  throw std::runtime_error(tissue.mesh().name() + ": a sphere of radius " + text::to_text(radius_m) +
-                           " m is too small beside edges of " + text::to_text(longest_m) +
-                           " m: expected 0 (a point), or at least " +
-                           text::to_text(longest_m / (kApart * SphereContact::kDivisionsMax)) + " m, or a finer mesh");
+  throw std::runtime_error(
+      tissue.mesh().name() + ": a sphere of radius " + text::to_text(radius_m) + " m is too small beside edges of " +
+      text::rounded(longest_m) + " m: expected 0 (a point), or at least " +
+      text::rounded(kRoundedUp * longest_m / (kApart * SphereContact::kDivisionsMax)) + " m, or a finer mesh");
 }
 
 }  // namespace
