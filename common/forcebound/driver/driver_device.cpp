@@ -66,6 +66,7 @@ DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const D
   if (own) {
     expect_same_axes(own->facts, facts_, request);
     safety_ = own_safety(*own, told);
+    own->facts.name = std::move(facts_.name);  // the file's own name says nothing
     facts_ = std::move(own->facts);
     identified_ = own->identified;
     guessed_by_ = "its file";

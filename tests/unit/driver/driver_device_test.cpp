@@ -311,6 +311,7 @@ TEST(DriverFamily, TakesAFileOfFactsInPlaceOfTheDrivers) {
   const device::DeviceRegistry devices = registry();
   const auto device = devices.make({.device = "slider:fault=guessed,facts=" + folder.file("mine.toml")});
   EXPECT_EQ(device->facts().damping(0, 0), 3);
+  EXPECT_EQ(device->facts().name, devices.make({.device = "slider"})->facts().name) << "not that of the file";
   EXPECT_THAT(device->facts_in_words(), Not(HasSubstr("not identified")));
   EXPECT_THAT([&] { (void)devices.make({.device = "slider:axes=2,facts=" + folder.file("mine.toml")}); },
               ThrowsMessage<std::runtime_error>(
