@@ -63,6 +63,17 @@ def test_the_same_settings_give_the_same_run_and_another_seed_another():
     assert one.ticks.tobytes() != simulate(1, seed=8, **settings).ticks.tobytes()
 
 
+def test_a_network_is_named_as_the_lab_names_it(tmp_path):
+    trace = tmp_path / "recorded.csv"
+    trace.write_text("send_time_ms,rtt_ms\n" + "".join(f"{t},40\n" for t in range(0, 2000, 20)))
+    recorded = simulate(0.5, network=f"trace:{trace}", **PRESS)
+    assert recorded.summary["rtt_us"]["p50"] == pytest.approx(40e3, rel=0.05)
+    none, perfect = simulate(0.5, network="none", **PRESS), simulate(0.5, **PRESS)
+    np.testing.assert_array_equal(none.ticks["applied_N"], perfect.ticks["applied_N"])
+    with pytest.raises(Exception, match="nowhere.csv"):
+        simulate(0.1, network="trace:/nowhere.csv", **PRESS)
+
+
 def test_a_run_in_parts_is_the_same_run():
     late = dict(late_share=0.3, late_s_max=1e-3, seed=3)
     whole = simulate(1, **PRESS, **late).ticks

@@ -71,8 +71,8 @@ class ClosedLoop:
     hand         the simulated hand, as `devices.hands()` explains: "press:to_m=0.01"; an OwnHand, or the target of one
     law          name, class of `laws`, or an OwnLaw
     memory, law_parameters    of a law that is not an OwnLaw: "capped" or "full"; numbers by name
-    network      both ways, in netem's words; `up` and `down` say it for one way
-    trace        CSV file of recorded round trips, for both ways
+    network      both ways, as forcebound-lab has it: netem's words, "none", or "trace:FILE" for recorded round trips;
+                 `up` and `down` are netem's words for one way
     rendering    "remote": forces are computed at the server; "local": what can be, at the client
     seed         of everything that is drawn
     settle_s     the summary's contact statistics begin so long after the first contact
@@ -97,7 +97,6 @@ class ClosedLoop:
         network: str = "",
         up: str | None = None,
         down: str | None = None,
-        trace: str | os.PathLike | None = None,
         rendering: str = "remote",
         seed: int = 1,
         settle_s: float = 0,
@@ -112,11 +111,12 @@ class ClosedLoop:
     ) -> None:
         if rendering not in ("remote", "local"):
             raise ValueError(f"rendering must be 'remote' or 'local', got {rendering!r}")
+        words, trace = _network_words(network)
         settings: dict[str, Any] = {
             "scene": _scene_of(scene, environment),
             "device": device_from(device),
-            "up": network if up is None else up,
-            "down": network if down is None else down,
+            "up": words if up is None else up,
+            "down": words if down is None else down,
             "renders_locally": rendering == "local",
             "seed": seed,
             "settle_s": settle_s,
@@ -135,8 +135,8 @@ class ClosedLoop:
             settings["hostile_environment"] = environment
         if told is not None:
             settings["told"] = told
-        if trace is not None:
-            settings["trace"] = os.fspath(trace)
+        if trace:
+            settings["trace"] = trace
         if recording is not None:
             settings["recording"] = os.fspath(recording)
         self._loop = _native.ClosedLoop(**settings)
@@ -183,6 +183,13 @@ def _scene_of(scene: str | os.PathLike | Scene | None, environment: Environment 
     if not callable(environment):
         raise TypeError("scene: a loop needs a scene, or an environment that is a function")
     return parse("scene = { name = 'python', description = 'nothing', degrees_of_freedom = 'any' }", "python")
+
+
+def _network_words(network: str) -> tuple[str, str]:
+    """Netem's words of a network, and the file of a recorded one."""
+    if network.startswith("trace:"):
+        return "", network.removeprefix("trace:")
+    return ("" if network == "none" else network), ""
 
 
 def _hand_settings(hand: Any) -> dict[str, Any]:
