@@ -24,10 +24,12 @@ def run(example, *arguments, cwd):
 
 
 def is_a_figure(file: Path) -> bool:
-    """A PNG with more than one colour."""
+    """A PNG with more than one colour, none of it beyond the canvas: its edges are white."""
     from matplotlib import pyplot
 
     pixels = pyplot.imread(file)
+    for edge in (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]):
+        assert np.all(edge[..., :3] == 1)
     return len(np.unique(pixels.reshape(-1, pixels.shape[-1]), axis=0)) > 10
 
 

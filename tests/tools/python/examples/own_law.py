@@ -44,20 +44,24 @@ def wall(position, time_s):
 
 
 def main(figure: str) -> dict:
-    _, (force_axes, energy_axes) = plt.subplots(2, sharex=True, figsize=(8, 6), layout="constrained")
+    # A column for each law, below each other force and energy.
+    figure_, axes = plt.subplots(2, 3, sharex=True, sharey="row", figsize=(10, 5.5), layout="constrained")
     least_J = {}
-    for law in (laws.NoLaw, Hesitant(), laws.FbaExact):
+    for law, colour, (force_axes, energy_axes) in zip((laws.NoLaw, Hesitant(), laws.FbaExact),
+                                                      ("#c1272d", "#d9730d", "#1a8754"), axes.T):
         run = simulation.simulate(3, environment=wall, device="wall-1dof", hand="press:to_m=0.005", law=law,
                                   network="delay 10ms")
         name = law.name if isinstance(law, laws.OwnLaw) else law.info.name
         least_J[name] = run.ticks["audit_minimum_J"][-1]
-        force_axes.plot(run.ticks["time_s"], run.ticks["applied_N"][:, 0], label=name)
-        energy_axes.plot(run.ticks["time_s"], 1e3 * run.ticks["audit_J"])
+        force_axes.plot(run.ticks["time_s"], np.abs(run.ticks["applied_N"][:, 0]), color=colour, linewidth=1)
+        force_axes.set_title(name, color=colour)
+        energy_axes.plot(run.ticks["time_s"], 1e3 * run.ticks["audit_J"], color=colour, linewidth=1)
+        energy_axes.axhline(0, color="#b0b0b0", linewidth=1)
+        energy_axes.set(xlabel="time [s]", title=f"least P {1e3 * least_J[name]:.3g} mJ")
         print(f"{name:<10} least P {1e3 * least_J[name]:8.3g} mJ, worst force {np.abs(run.ticks['applied_N']).max():.3g} N")
-    force_axes.set_ylabel("applied force [N]")
-    force_axes.legend()
-    energy_axes.set(xlabel="time [s]", ylabel="P [mJ]; below 0: not passive")
-    plt.savefig(figure)
+    axes[0, 0].set_ylabel("force on the device [N]")
+    axes[1, 0].set_ylabel("P [mJ]; below 0: not passive")
+    figure_.savefig(figure)
     return least_J
 
 

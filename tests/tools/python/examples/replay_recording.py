@@ -31,18 +31,22 @@ def main(file: Path, figure: str) -> dict:
     facts = devices.load(recording.info["device"]).facts
     if not facts.cartesian:
         raise SystemExit(f"replay_recording: device '{facts.name}' is not Cartesian: its laws need Jacobians too")
-    figure_, (asked, ledger) = plt.subplots(2, sharex=True, figsize=(8, 6), layout="constrained")
-    asked.plot(ticks["time_s"], np.linalg.norm(ticks["request_N"], axis=1), "k:", label="asked for")
+    # A column for each law, below each other force, with the request in grey, and energy.
+    figure_, axes = plt.subplots(2, 3, sharex=True, sharey="row", figsize=(10, 5.5), layout="constrained")
     means = {}
-    for law in (laws.FbaLess, laws.FbaMore, laws.FbaExact):
+    for law, colour, (allowed, ledger) in zip((laws.FbaLess, laws.FbaMore, laws.FbaExact),
+                                              ("#d9730d", "#0b5fa5", "#1a8754"), axes.T):
         steps = law(facts).run(ticks["position"], ticks["request_N"], ticks["interval_s"])
         means[law.info.name] = np.linalg.norm(steps.force_N, axis=1).mean()
-        asked.plot(ticks["time_s"], np.linalg.norm(steps.force_N, axis=1), label=law.info.name)
-        ledger.semilogy(ticks["time_s"], np.maximum(1e3 * steps.energy_J, 1e-6))
+        allowed.plot(ticks["time_s"], np.linalg.norm(ticks["request_N"], axis=1), color="#b0b0b0", linewidth=2)
+        allowed.plot(ticks["time_s"], np.linalg.norm(steps.force_N, axis=1), color=colour, linewidth=1)
+        allowed.set_title(f"{law.info.name}: {means[law.info.name]:.3g} N in the mean", color=colour)
+        ledger.semilogy(ticks["time_s"], np.maximum(1e3 * steps.energy_J, 1e-6), color=colour, linewidth=1)
+        ledger.set_xlabel("time [s]")
         print(f"{law.info.name:<10} allows {means[law.info.name]:.3g} N in the mean")
-    asked.set_ylabel("force [N]")
-    asked.legend()
-    ledger.set(xlabel="time [s]", ylabel="energy that may be spent [mJ]")
+    axes[0, 0].set_ylim(0, 2 * max(axis.lines[1].get_ydata().max() for axis in axes[0]))
+    axes[0, 0].set_ylabel(f"force [N]; grey: asked for,\nup to {np.linalg.norm(ticks['request_N'], axis=1).max():.0f} N")
+    axes[1, 0].set_ylabel("energy that may be spent [mJ]")
     figure_.savefig(figure)
     return means
 
