@@ -28,24 +28,24 @@ struct Beside {
 };
 
 constexpr Beside kBeside[]{
-    {"law fba-exact: a step with 3 degrees of freedom", "law_step/fba_exact/3", "no law", "law_step/none/3"},
-    {"god object on 70224 triangles", "god_object_slides/depth_um:1000", "Embree: one nearest point",
+    {"law fba-exact: a step of 3 axes", "law_step/fba_exact/3", "no law", "law_step/none/3"},
+    {"god object on 70224 triangles", "god_object_slides/depth_um:1000", "Embree: one query",
      "embree_nearest_point/triangles:70224"},
     {"nearest point of 70224 triangles", "our_nearest_point/triangles:70224", "Embree",
      "embree_nearest_point/triangles:70224"},
     {"nearest point of 70224 triangles", "our_nearest_point/triangles:70224", "FCL",
      "fcl_nearest_point/triangles:70224"},
-    {"three fields", "three_fields", "the same by hand in Eigen", "three_fields_in_eigen"},
+    {"three fields", "three_fields", "by hand in Eigen", "three_fields_in_eigen"},
     {"stack of 20 boxes", "our_step/boxes:20", "mj_step", "mujocos_step/boxes:20"},
-    {"tissue of 600 tetrahedra: a sphere with 8 contacts", "sphere_step/radius_mm:20/depth_mm:10",
-     "eight sparse solves", "eight_sparse_solves/tetrahedra:600"},
-    {"the same bent far and sliding", "corotational_step/tetrahedra:600", "eight sparse solves",
+    {"600 tetrahedra: a sphere pressed in", "sphere_step/radius_mm:20/depth_mm:10", "eight sparse solves",
+     "eight_sparse_solves/tetrahedra:600"},
+    {"600 tetrahedra: bent far and sliding", "corotational_step/tetrahedra:600", "eight sparse solves",
      "eight_sparse_solves/tetrahedra:600"},
     {"a client's tick with --record", "tick/recorded", "without", "tick/plain"},
-    {"a client's tick with local rendering of a plane", "plane/local", "remote rendering", "plane/remote"},
-    {"the same encrypted", "plane/local/encrypted", "not encrypted", "plane/local"},
-    {"a motion's 64 bytes sealed", "seal/64", "copied with a checksum", "copy_and_checksum/64"},
-    {"a motion's 64 bytes sealed and opened", "seal_and_open/64", "copied with a checksum", "copy_and_checksum/64"},
+    {"a client's tick: a plane locally", "plane/local", "remote rendering", "plane/remote"},
+    {"a client's tick: the same encrypted", "plane/local/encrypted", "not encrypted", "plane/local"},
+    {"a motion's 64 bytes sealed", "seal/64", "copy and checksum", "copy_and_checksum/64"},
+    {"a motion's 64 bytes sealed and opened", "seal_and_open/64", "copy and checksum", "copy_and_checksum/64"},
 };
 
 struct Growing {
@@ -116,23 +116,23 @@ void add_round_trips(const fs::path& folder, const std::string& state, const cha
   const auto p50_us = sockperfs(&Sockperf::p50_us);
   const auto p99_us = sockperfs(&Sockperf::p99_us);
   const auto ours = [&](const char* path) { return of_runs(folder, state + "-ours.json", path); };
-  rows.push_back(turns_row("round trip of motion and force: median", "us", conditions, ours("/read_us/p50"),
-                           "sockperf ping-pong", p50_us, wanted[0]));
-  rows.push_back(turns_row("round trip of motion and force: p99", "us", conditions, ours("/read_us/p99"),
-                           "sockperf ping-pong", p99_us, wanted[1]));
+  rows.push_back(
+      turns_row("round trip: median", "us", conditions, ours("/read_us/p50"), "sockperf ping-pong", p50_us, wanted[0]));
+  rows.push_back(
+      turns_row("round trip: p99", "us", conditions, ours("/read_us/p99"), "sockperf ping-pong", p99_us, wanted[1]));
   for (const auto& [what, path] : {std::pair{"median", "/read_us/p50"}, {"p99", "/read_us/p99"}}) {
-    rows.push_back(turns_row(std::string("encrypted round trip of motion and force: ") + what, "us", conditions,
+    rows.push_back(turns_row(std::string("encrypted round trip: ") + what, "us", conditions,
                              of_runs(folder, state + "-encrypted.json", path), "not encrypted", ours(path)));
   }
   if (state != "awake") return;
   // The client keeps the processors awake by itself.
-  rows.push_back(turns_row("client's round trip from reading to arrival: median", "us", conditions,
+  rows.push_back(turns_row("client's round trip: median", "us", conditions,
                            of_runs(folder, "client.json", "/rtt_us/p50"), "sockperf ping-pong", p50_us));
-  rows.push_back(turns_row("client's round trip from reading to arrival: p99", "us", conditions,
-                           of_runs(folder, "client.json", "/rtt_us/p99"), "sockperf ping-pong", p99_us));
+  rows.push_back(turns_row("client's round trip: p99", "us", conditions, of_runs(folder, "client.json", "/rtt_us/p99"),
+                           "sockperf ping-pong", p99_us));
   for (const auto& [what, path] : {std::pair{"median", "/rtt_us/p50"}, {"p99", "/rtt_us/p99"}}) {
-    rows.push_back(turns_row(std::string("client's encrypted round trip from reading to arrival: ") + what, "us",
-                             conditions, of_runs(folder, "client-encrypted.json", path), "not encrypted",
+    rows.push_back(turns_row(std::string("client's encrypted round trip: ") + what, "us", conditions,
+                             of_runs(folder, "client-encrypted.json", path), "not encrypted",
                              of_runs(folder, "client.json", path)));
   }
 }
@@ -141,11 +141,11 @@ void add_periods(const fs::path& folder, std::vector<BenchRow>& rows) {
   const auto cyclictest_us = of_runs(folder, "cyclictest.txt", [](const std::string& text) {
     return percentile(periods_us(kPeriod_us, read_cyclictest_us(text)), 0.999) - kPeriod_us;
   });
-  rows.push_back(turns_row("tick's period: p99.9 beyond 1 ms", "us", kAwake,
+  rows.push_back(turns_row("tick's period beyond 1 ms: p99.9", "us", kAwake,
                            beyond_period(of_runs(folder, "client.json", "/period_us/p999")), "cyclictest",
                            cyclictest_us, "<= 1.2"));
   // A thread beside the tick that only sleeps: where it is late too, the machine is.
-  rows.push_back(turns_row("idle timer beside the tick: p99.9 beyond 1 ms", "us", kAwake,
+  rows.push_back(turns_row("idle timer beyond 1 ms: p99.9", "us", kAwake,
                            beyond_period(of_runs(folder, "client.json", "/idle_timer/period_us/p999")), "cyclictest",
                            cyclictest_us));
 }
@@ -157,9 +157,9 @@ struct CapacityOf {
 };
 
 constexpr CapacityOf kCapacities[]{
-    {"most clients at 1 kHz on one core: local rendering of a ball", "sphere"},
-    {"most clients at 1 kHz on one core: local rendering of tissue", "pad"},
-    {"most clients at 1 kHz on one core: local rendering of a dragged body", "block_and_stop"},
+    {"most clients: a ball locally", "sphere"},
+    {"most clients: tissue locally", "pad"},
+    {"most clients: a dragged body locally", "block_and_stop"},
 };
 
 void add_capacity(const fs::path& folder, std::vector<BenchRow>& rows) {
@@ -168,8 +168,8 @@ void add_capacity(const fs::path& folder, std::vector<BenchRow>& rows) {
   };
   rows.push_back(turns_row("most clients at 1 kHz on one core", "clients", kAwake, clients("sphere-remote"),
                            "plain echo server", clients("echo"), ">= 0.7"));
-  rows.push_back(turns_row("most encrypted clients at 1 kHz on one core", "clients", kAwake,
-                           clients("sphere-encrypted"), "not encrypted", clients("sphere-remote")));
+  rows.push_back(turns_row("most encrypted clients on one core", "clients", kAwake, clients("sphere-encrypted"),
+                           "not encrypted", clients("sphere-remote")));
   for (const CapacityOf& capacity : kCapacities) {
     const std::string scene = capacity.scene;
     rows.push_back(turns_row(capacity.what, "clients", kAwake, clients(scene + "-local"), "remote rendering",

@@ -19,6 +19,8 @@ namespace {
 
 constexpr const char* kHeader = "kind,what,unit,conditions,ours,yardstick,theirs,ratio,spread,wanted";
 constexpr std::size_t kColumns = 10;
+/// A row of the table for a terminal takes more than the usual 80.
+constexpr std::size_t kTableColumns = 100;
 
 std::string number(double value) {
   if (!std::isfinite(value)) throw std::runtime_error("a result is not finite");
@@ -178,18 +180,25 @@ std::string ratios_csv(const BenchResults& results) {
 }
 
 std::string to_table(const BenchResults& results, text::Colour colour) {
-  // What a row is about stands in a line of its own: beside its numbers it would not fit.
-  text::Table ratios({{"beside"}, {"ours"}, {"theirs"}, {"ratio"}, {"in single runs"}, {"wanted"}});
+  using Align = text::Table::Align;
+  text::Table ratios(
+      {{"median"}, {"ours"}, {"beside", "", Align::left}, {"theirs"}, {"ratio"}, {"wanted", "", Align::left}});
+  std::string conditions;
   for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
-    ratios.add_heading(subject(row));
-    ratios.add({or_dash(row.yardstick), row.ours, or_dash(row.theirs), ratio_cell(row), row.spread,
+    if (row.conditions != conditions) {
+      conditions = row.conditions;
+      ratios.add_heading(conditions.empty() ? "single functions" : conditions);
+    }
+    ratios.add({row.what, row.ours, or_dash(row.yardstick), or_dash(row.theirs), ratio_cell(row),
                 row.wanted + (row.fine() ? "" : " MISSED")});
   });
   text::Table growths({{"cost grows with"}, {"as its power"}, {"beside"}, {"theirs"}});
   for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
     growths.add({row.what + ", " + row.unit, row.ours, or_dash(row.yardstick), or_dash(row.theirs)});
   });
-  return text::wrapped(joined(results.machine), 2) + "\n\n" + ratios.to_text(colour) + "\n" + growths.to_text();
+  return text::wrapped(joined(results.machine), 2, kTableColumns) + "\n\n" + ratios.to_text(colour, kTableColumns) +
+         "\n  Times in us. The CSV file also has the ratios of single runs.\n\n" +
+         growths.to_text(text::Colour::none, kTableColumns);
 }
 
 std::string to_markdown(const BenchResults& results) {
