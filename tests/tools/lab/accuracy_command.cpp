@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
@@ -52,6 +53,7 @@ struct AccuracyOptions {
   std::string levels;
   std::string readme;
   std::string figures;
+  std::vector<std::string> formats;
 };
 
 std::vector<server::SceneChange> changes_of(const std::vector<std::string>& fixed) {
@@ -157,14 +159,15 @@ void accuracy(const AccuracyOptions& options) {
            .page = options.readme,
            .marks = kAccuracyMarks,
            .folder = options.figures,
-           .figures = pictures_in(options.figures, {kPicture})});
+           .figures = pictures_in(options.figures, {kPicture}),
+           .formats = options.formats});
   const auto study = is_written(options.scene) ? read_study(options.scene) : carried_out(options);
   if (!options.json.empty()) text::write_file(options.json, study.dump(2) + '\n');
   if (!options.readme.empty()) {
     text::write_file(options.readme, page_with(options.readme, kAccuracyMarks, to_markdown(study)));
   }
   if (options.figures.empty()) return;
-  const auto drawn = draw(study_figure(study), std::filesystem::path(options.figures) / kPicture);
+  const auto drawn = draw(study_figure(study), std::filesystem::path(options.figures) / kPicture, options.formats);
   std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
@@ -280,7 +283,7 @@ void add_accuracy(CLI::App& app) {
              "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
       ->type_name("FILE.toml");
   add_output(*command, "--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
-  add_figures(*command, options->figures, "draw the errors");
+  add_figures(*command, options->figures, options->formats, "draw the errors");
   command->callback([options, frequency, depth] {
     options->has_harmonic = frequency->count() + depth->count() > 0;
     accuracy(*options);

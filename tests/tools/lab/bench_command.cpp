@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/bench/collect.hpp"
@@ -20,6 +21,7 @@ struct BenchOptions {
   std::string from;
   std::string csv;
   std::string figure;
+  std::vector<std::string> formats;
   std::string readme;
 };
 
@@ -28,13 +30,14 @@ void run(const BenchOptions& options) {
            .files = {options.csv},
            .page = options.readme,
            .marks = kBenchMarks,
-           .figures = {options.figure}});
+           .figures = {options.figure},
+           .formats = options.formats});
   const BenchResults results = options.from.ends_with(".csv")
                                    ? parse_bench_csv(text::read_file(options.from), options.from)
                                    : collect(options.from);
   std::cout << to_table(results) << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(results));
-  if (!options.figure.empty()) draw({.script = "ratios", .csv = ratios_csv(results)}, options.figure);
+  if (!options.figure.empty()) draw({.script = "ratios", .csv = ratios_csv(results)}, options.figure, options.formats);
   if (!options.readme.empty()) {
     text::write_file(options.readme, page_with(options.readme, kBenchMarks, to_markdown(results)));
   }
@@ -47,7 +50,7 @@ void add_bench(CLI::App& app) {
   CLI::App* command = app.add_subcommand("bench", "Print the table of ratios from deploy/bench's measurements");
   command->add_option("RESULTS", options->from, "the folder that its tools wrote to, or FILE.csv")->required();
   add_output(*command, "--csv", options->csv, "write the results to this file")->type_name("FILE.csv");
-  add_figure(*command, options->figure, "draw the ratios");
+  add_figure(*command, options->figure, options->formats, "draw the ratios");
   add_output(*command, "--readme", options->readme, "put the results between the marks of this file")
       ->type_name("PAGE.md");
   command->footer("Example:\n  forcebound-lab bench deploy/bench-results.csv");

@@ -46,6 +46,7 @@ struct CompareOptions {
   std::string json;
   std::string readme;
   std::string figures;
+  std::vector<std::string> formats;
 };
 
 ComparisonSettings settings_of(const CompareOptions& options) {
@@ -105,7 +106,8 @@ void compare(const CompareOptions& options) {
            .page = options.readme,
            .marks = kComparisonMarks,
            .folder = options.figures,
-           .figures = pictures_in(options.figures, {kComparisonPicture, kLimitsPicture})});
+           .figures = pictures_in(options.figures, {kComparisonPicture, kLimitsPicture}),
+           .formats = options.formats});
   const auto told = options.from.empty() ? run_standings(options) : read_standings(options.from);
   std::fputs(text::printable_lines(to_text(told)).c_str(), stdout);
   if (!options.json.empty()) text::write_file(options.json, told.dump(2) + '\n');
@@ -114,10 +116,12 @@ void compare(const CompareOptions& options) {
   }
   if (options.figures.empty()) return;
   const std::filesystem::path directory(options.figures);
-  const auto comparison = draw({.script = "comparison", .csv = comparison_csv(told)}, directory / kComparisonPicture);
+  const auto comparison =
+      draw({.script = "comparison", .csv = comparison_csv(told)}, directory / kComparisonPicture, options.formats);
   std::printf("\nFigures:\n  %s\n", comparison.c_str());
   if (told.at("limits").empty()) return;
-  std::printf("  %s\n", draw({.script = "limits", .csv = limits_csv(told)}, directory / kLimitsPicture).c_str());
+  std::printf("  %s\n",
+              draw({.script = "limits", .csv = limits_csv(told)}, directory / kLimitsPicture, options.formats).c_str());
 }
 
 }  // namespace
@@ -185,7 +189,7 @@ void add_compare(CLI::App& app) {
       ->excludes(from)
       ->type_name("FILE.json");
   add_output(*command, "--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
-  add_figures(*command, options->figures, "draw stability, transparency and the stiffest walls");
+  add_figures(*command, options->figures, options->formats, "draw stability, transparency and the stiffest walls");
   command->callback([options] { compare(*options); });
 }
 

@@ -15,7 +15,7 @@ ExperimentRun run_experiment(const Experiment& experiment, const std::string& la
   RingingMeter ringing;
   DirectionMeter direction;
   std::vector<record::TickSink*> sinks{&ringing, &direction};
-  if (figure != nullptr) sinks.push_back(&figure->add_run(law));
+  if (figure != nullptr) sinks.push_back(&figure->add_run(law, law));
   sim::ClosedLoop loop(experiment.settings(law), sinks);
   loop.run(time::from_seconds(experiment.duration_s));
   return {law, nlohmann::json::parse(loop.close().to_json()), ringing.ringing_s(), direction.error_rad_max()};

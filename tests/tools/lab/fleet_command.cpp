@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
@@ -31,6 +32,7 @@ struct FleetOptions {
   double allocate_ms = 2;
   std::string csv;
   std::string figure;
+  std::vector<std::string> formats;
 };
 
 std::string assumptions(const FleetSettings& settings, double clients_of_core) {
@@ -84,13 +86,13 @@ void run(FleetOptions options) {
   settings.motion_s = 1 / (kHertz * options.clients_of_core);
   settings.handshake_s = options.handshake_ms / kMilli;
   settings.allocate_s = options.allocate_ms / kMilli;
-  prepare({.files = {options.csv}, .figures = {options.figure}});
+  prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
   const FleetResult result = simulate_fleet(settings);
   std::cout << text::wrapped(assumptions(settings, options.clients_of_core), 0) << "\n"
             << table_of(result).to_text(text::colour_for(STDOUT_FILENO)) << "\n"
             << text::wrapped(words_of(result, settings), 0) << "\n";
   if (!options.csv.empty()) text::write_file(options.csv, fleet_csv(result));
-  if (!options.figure.empty()) draw({.script = "fleet", .csv = fleet_csv(result)}, options.figure);
+  if (!options.figure.empty()) draw({.script = "fleet", .csv = fleet_csv(result)}, options.figure, options.formats);
 }
 
 void add_demand(CLI::App& command, FleetOptions& options) {
@@ -167,7 +169,7 @@ void add_fleet(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str();
   add_output(*command, "--csv", options->csv, "write each second to this file")->type_name("FILE.csv");
-  add_figure(*command, options->figure, "draw sessions, servers and waiting clients over time");
+  add_figure(*command, options->figure, options->formats, "draw sessions, servers and waiting clients over time");
   command->footer(
       "What a motion and a handshake cost was measured by deploy/bench and security_benchmark; see "
       "deploy/CAPACITY.md.\n"

@@ -7,6 +7,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/program/command_line.hpp"
@@ -35,6 +36,7 @@ struct IdentifyOptions {
   std::string device;
   std::string out;
   std::string figure;
+  std::vector<std::string> formats;
   std::string csv;
   std::uint64_t hidden = 0;
   std::uint64_t seed = 1;
@@ -112,7 +114,8 @@ void identify_device(const IdentifyOptions& options) {
     std::cout << "written to " << options.out << '\n';
   }
   if (!options.figure.empty()) {
-    draw({.script = "slides", .csv = identify::slides_csv(findings, declared.cartesian)}, options.figure);
+    draw({.script = "slides", .csv = identify::slides_csv(findings, declared.cartesian)}, options.figure,
+         options.formats);
   }
   if (!findings.complete()) throw std::runtime_error("not every fact that a law needs has a bound, see above");
 }
@@ -121,7 +124,7 @@ void run(const IdentifyOptions& options) {
   if (options.device.empty() == (options.hidden == 0)) {
     throw std::invalid_argument("either --device or --hidden is required");
   }
-  prepare({.files = {options.out, options.csv}, .figures = {options.figure}});
+  prepare({.files = {options.out, options.csv}, .figures = {options.figure}, .formats = options.formats});
   if (options.hidden > 0) {
     identify_hidden(options);
   } else {
@@ -140,7 +143,7 @@ void add_identify(CLI::App& app) {
       ->type_name("NAME");
   add_output(*command, "--out", options->out, "write the facts to this file, for --device NAME:facts=FILE")
       ->type_name("FILE.toml");
-  add_figure(*command, options->figure, "draw the slides' force over their speed, with the bounds");
+  add_figure(*command, options->figure, options->formats, "draw the slides' force over their speed, with the bounds");
   command->add_option("--force-share", options->guide.force_share, "of the device's largest force")
       ->check(program::number_within(0.01, 1))
       ->type_name("SHARE")

@@ -35,10 +35,12 @@ void note_left_out(const std::vector<std::string>& recordings);
 /// --rendering remote|local, remote unless given. @param locally whether it is local
 CLI::Option* add_rendering_option(CLI::App& command, bool& locally);
 
-/// --figure FILE.png. @param what "draw the ratios"
-CLI::Option* add_figure(CLI::App& command, std::string& file, const std::string& what);
-/// --figures FOLDER.
-CLI::Option* add_figures(CLI::App& command, std::string& folder, const std::string& what);
+/// --figure FILE.png, and --format of it. @param what "draw the ratios"
+CLI::Option* add_figure(CLI::App& command, std::string& file, std::vector<std::string>& formats,
+                        const std::string& what);
+/// --figures FOLDER, and --format of them.
+CLI::Option* add_figures(CLI::App& command, std::string& folder, std::vector<std::string>& formats,
+                         const std::string& what);
 /// An option of a file that is written, such as --json.
 CLI::Option* add_output(CLI::App& command, const std::string& name, std::string& file, const std::string& what);
 

@@ -54,7 +54,7 @@ void expect_all_writable(const Outputs& outputs, const std::vector<std::string>&
   std::vector<std::string> kept = written;
   kept.insert(kept.end(), outputs.inputs.begin(), outputs.inputs.end());
   for (const fs::path& figure : outputs.figures) {
-    if (!figure.empty()) expect_drawable(figure, kept);
+    if (!figure.empty()) expect_drawable(figure, kept, outputs.formats);
   }
 }
 

@@ -17,6 +17,7 @@ struct Outputs {
   Marks marks{};                                 ///< of the page
   std::string folder{};                          ///< of its figures
   std::vector<std::filesystem::path> figures{};  ///< FILE.png, each with data and script beside it
+  std::vector<std::string> formats{};            ///< of further pictures of each figure
 };
 
 /// The pictures of such names in a folder; none if the folder has no name.

@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <memory>
+#include <vector>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/program/command_line.hpp"
@@ -24,6 +25,7 @@ struct PassivityOptions {
   PassivitySettings settings;
   std::string csv;
   std::string figure;
+  std::vector<std::string> formats;
 };
 
 /// The cost of the guarantee: the paper's walls with each law.
@@ -62,11 +64,12 @@ std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
 }
 
 void run(const PassivityOptions& options) {
-  prepare({.files = {options.csv}, .figures = {options.figure}});
+  prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
   const auto results = run_all(options.settings);
   std::cout << passivity_table(results, text::colour_for(STDOUT_FILENO)) << std::flush << costs() << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, passivity_csv(results));
-  if (!options.figure.empty()) draw({.script = "leaks", .csv = passivity_csv(results)}, options.figure);
+  if (!options.figure.empty())
+    draw({.script = "leaks", .csv = passivity_csv(results)}, options.figure, options.formats);
 }
 
 }  // namespace
@@ -90,7 +93,7 @@ void add_passivity(CLI::App& app) {
       ->capture_default_str();
   add_output(*command, "--csv", options->csv, "write every condition to this file, adversary by adversary")
       ->type_name("FILE.csv");
-  add_figure(*command, options->figure, "draw the leaks over the latency");
+  add_figure(*command, options->figure, options->formats, "draw the leaks over the latency");
   command->footer("Example:\n  forcebound-lab passivity --seeds 1 --seconds 2 --figure leaks.png");
   command->callback([options] { run(*options); });
 }

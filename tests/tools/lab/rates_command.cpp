@@ -30,6 +30,7 @@ struct RatesOptions {
   bool markdown = false;
   std::string csv;
   std::string figure;
+  std::vector<std::string> formats;
 };
 
 std::string shown(const ShownWall& wall) { return wall.shown_N_per_m > 0 ? newtons_per_mm(wall.shown_N_per_m) : "-"; }
@@ -66,7 +67,7 @@ constexpr const char* kWords =
     "  least P    least of dissipated less returned energy over all walls tried\n";
 
 void run(const RatesOptions& options) {
-  prepare({.files = {options.csv}, .figures = {options.figure}});
+  prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
   Progress progress;
   const auto results = run_rate_study(options.settings, [&](std::size_t done, std::size_t all) {
     progress.tell(static_cast<double>(done) / static_cast<double>(all),
@@ -80,7 +81,7 @@ void run(const RatesOptions& options) {
     std::cout << table.to_text(text::colour_for(STDOUT_FILENO)) << kWords;
   }
   if (!options.csv.empty()) text::write_file(options.csv, rate_csv(results));
-  if (!options.figure.empty()) draw({.script = "rates", .csv = rate_csv(results)}, options.figure);
+  if (!options.figure.empty()) draw({.script = "rates", .csv = rate_csv(results)}, options.figure, options.formats);
 }
 
 }  // namespace
@@ -107,7 +108,7 @@ void add_rates(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--markdown", options->markdown, "as a Markdown table");
   add_output(*command, "--csv", options->csv, "write the table to this file")->type_name("FILE.csv");
-  add_figure(*command, options->figure, "draw stiffness over rate");
+  add_figure(*command, options->figure, options->formats, "draw stiffness over rate");
   command->footer("Example:\n  forcebound-lab rates --devices wall-1dof --laws none,fba-exact --figure rates.png");
   command->callback([options] { run(*options); });
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/program/command_line.hpp"
@@ -38,6 +39,7 @@ struct RenderingOptions {
   std::string json;
   std::string readme;
   std::string figures;
+  std::vector<std::string> formats;
 };
 
 Json figures_json(const HandleFigures& figures) {
@@ -99,7 +101,8 @@ void run_rendering(const RenderingOptions& options) {
            .page = options.readme,
            .marks = kRenderingMarks,
            .folder = options.figures,
-           .figures = pictures_in(options.figures, {kRenderingPicture})});
+           .figures = pictures_in(options.figures, {kRenderingPicture}),
+           .formats = options.formats});
   if (options.two_people) {
     run_two_people(options);
     return;
@@ -112,7 +115,8 @@ void run_rendering(const RenderingOptions& options) {
     text::write_file(options.readme, page_with(options.readme, kRenderingMarks, rendering_markdown(study)));
   }
   if (options.figures.empty()) return;
-  const auto drawn = draw(rendering_figure(study), std::filesystem::path(options.figures) / kRenderingPicture);
+  const auto drawn =
+      draw(rendering_figure(study), std::filesystem::path(options.figures) / kRenderingPicture, options.formats);
   std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
@@ -170,7 +174,7 @@ void add_rendering(CLI::App& app) {
       ->excludes(two_people)
       ->excludes(live)
       ->type_name("PAGE.md");
-  add_figures(*command, options->figures, "draw stiffness and error of each class")
+  add_figures(*command, options->figures, options->formats, "draw stiffness and error of each class")
       ->excludes(two_people)
       ->excludes(live);
   command->footer(

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/summary.hpp"
@@ -27,6 +28,7 @@ constexpr const char* kRunPicture = "run.png";
 struct ReportOptions {
   std::vector<std::string> recordings;
   std::string figures;
+  std::vector<std::string> formats;
   std::string json;
 };
 
@@ -39,7 +41,7 @@ class Report final : public record::RecordingSink {
   void on_start(const record::RunInfo& info) override {
     info_ = info;
     summary_.emplace(info);
-    figure_.emplace(info);
+    figure_.emplace(info, file_);
   }
   void on_end(const record::RunTotals& totals) override {
     summary_->finish(totals);
@@ -70,6 +72,7 @@ class Report final : public record::RecordingSink {
 
   /// Tells about its size and files on one line, and what is missing.
   void read(const std::string& file) {
+    file_ = std::filesystem::path(file).filename().string();
     const record::mcap::Ending ending = record::read_recording(file, *this);
     if (!ending) std::cerr << record::incomplete_in_words(file, ending) << '\n';
     recording_ = bytes_in_words(ending.size);
@@ -99,7 +102,8 @@ class Report final : public record::RecordingSink {
   record::RunInfo info_;
   std::optional<record::Summary> summary_;
   std::optional<RunFigure> figure_;
-  std::string files_;
+  std::string file_;   ///< its name
+  std::string files_;  ///< within it
   std::string recording_;
   bool any_tick_ = false;
   bool any_motion_ = false;
@@ -115,7 +119,7 @@ void print(const ReportOptions& options, const Report& report, const std::string
     text::write_file(options.json, json);
   }
   if (options.figures.empty()) return;
-  const auto drawn = report.figure().draw_to(std::filesystem::path(options.figures) / kRunPicture);
+  const auto drawn = report.figure().draw_to(std::filesystem::path(options.figures) / kRunPicture, options.formats);
   (to_stdout ? std::cerr : std::cout) << "figure " << drawn.string() << '\n';
 }
 
@@ -158,7 +162,8 @@ void run(const ReportOptions& options) {
   prepare({.inputs = options.recordings,
            .files = {to_stdout ? std::string() : options.json},
            .folder = options.figures,
-           .figures = pictures_in(options.figures, {kRunPicture})});
+           .figures = pictures_in(options.figures, {kRunPicture}),
+           .formats = options.formats});
   if (options.recordings.size() == 1) {
     report_one(options);
   } else {
@@ -178,7 +183,7 @@ void add_report(CLI::App& app) {
           "only together: times up and down, and what was lost on which way")
       ->required()
       ->expected(1, 2);
-  add_figures(*report, options->figures, "draw motion, force, energy and timing, as run.png,");
+  add_figures(*report, options->figures, options->formats, "draw motion, force, energy and timing, as run.png,");
   add_output(*report, "--json", options->json, "write the summary to this file; -: to stdout, instead of the text")
       ->type_name("FILE.json");
   report->footer(

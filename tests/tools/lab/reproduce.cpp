@@ -36,6 +36,7 @@ struct ReproduceOptions {
   bool renders_locally = false;
   std::string json;
   std::string figures;
+  std::vector<std::string> formats;
 };
 
 json to_json(const Experiment& experiment, const ExperimentRun& run, const device::Hand& hand) {
@@ -112,7 +113,10 @@ std::vector<std::filesystem::path> pictures_of(const std::vector<Experiment>& al
 void reproduce(const ReproduceOptions& options) {
   std::vector<Experiment> all = experiments(options.experiment);
   for (Experiment& experiment : all) experiment.renders_locally = options.renders_locally;
-  prepare({.files = {options.json}, .folder = options.figures, .figures = pictures_of(all, options.figures)});
+  prepare({.files = {options.json},
+           .folder = options.figures,
+           .figures = pictures_of(all, options.figures),
+           .formats = options.formats});
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
   std::printf(
@@ -141,7 +145,8 @@ void reproduce(const ReproduceOptions& options) {
     }
     std::fputs(table.to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
     std::fflush(stdout);
-    if (!options.figures.empty()) drawn.push_back(figure.draw_to(picture_of(experiment, options.figures)));
+    if (!options.figures.empty())
+      drawn.push_back(figure.draw_to(picture_of(experiment, options.figures), options.formats));
   }
   if (!options.json.empty()) text::write_file(options.json, runs.dump(2) + '\n');
   for (const auto& png : drawn) std::printf("%s%s\n", &png == &drawn.front() ? "\nFigures:\n  " : "  ", png.c_str());
@@ -161,7 +166,7 @@ void add_reproduce(CLI::App& app) {
   add_rendering_option(*command, options->renders_locally);
   add_output(*command, "--json", options->json, "write the runs to this file, an array with one object for each")
       ->type_name("FILE.json");
-  add_figures(*command, options->figures, "draw penetration, force, energy and displayed stiffness");
+  add_figures(*command, options->figures, options->formats, "draw force, depth and passivity with each law");
   command->footer("Example:\n  forcebound-lab reproduce sphere --figures out");
   command->callback([options] { reproduce(*options); });
 }

@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/summary.hpp"
@@ -22,6 +22,7 @@ using Json = nlohmann::ordered_json;
 struct TableOptions {
   std::vector<std::string> runs;
   std::string figure;
+  std::vector<std::string> formats;
 };
 
 /// Passes a recording to its summary and to the figure.
@@ -36,7 +37,7 @@ class RunReader final : public record::RecordingSink {
     const bool first = figure_.title().empty();
     figure_.set_title(first || figure_.title() == title ? title : "The laws compared",
                       first || figure_.subtitle() == subtitle ? subtitle : "several devices or hands");
-    curves_ = &figure_.add_run(info.law, file_);
+    curves_ = &figure_.add_run(info.law, info.law + ": " + file_);
   }
   void on_end(const record::RunTotals& totals) override { summary_->finish(totals); }
   void on_tick(const record::TickRecord& tick) noexcept override {
@@ -58,7 +59,7 @@ class RunReader final : public record::RecordingSink {
 };
 
 Json read_run(const std::string& file, LawsFigure& figure) {
-  RunReader run(figure, std::filesystem::path(file).filename().string());
+  RunReader run(figure, file);
   const record::mcap::Ending ending = record::read_recording(file, run);
   if (!run.any_tick()) {
     throw std::runtime_error(file + ": no message on topic /tick; a client's recording is needed");
@@ -68,7 +69,7 @@ Json read_run(const std::string& file, LawsFigure& figure) {
 }
 
 void print_table(const TableOptions& options) {
-  prepare({.inputs = options.runs, .figures = {options.figure}});
+  prepare({.inputs = options.runs, .figures = {options.figure}, .formats = options.formats});
   std::vector<NamedSummary> runs;
   LawsFigure figure;
   for (const std::string& file : options.runs) {
@@ -79,17 +80,17 @@ void print_table(const TableOptions& options) {
   if (figure.title().empty()) {
     throw std::invalid_argument("--figure needs recordings (FILE.mcap): summaries have no curves");
   }
-  figure.draw_to(options.figure);
+  figure.draw_to(options.figure, options.formats);
 }
 
 }  // namespace
 
 void add_table(CLI::App& app) {
   auto options = std::make_shared<TableOptions>();
-  CLI::App* command = app.add_subcommand("table", "Print runs side by side, and draw them over each other");
+  CLI::App* command = app.add_subcommand("table", "Print runs side by side, and draw them so");
   command->add_option("RUN", options->runs, "FILE.mcap that --record wrote, or FILE.json that --summary wrote")
       ->required();
-  add_figure(*command, options->figure, "draw depth, force, passivity and stiffness of the recordings");
+  add_figure(*command, options->figure, options->formats, "draw force, depth and passivity of the recordings");
   command->footer("Example:\n  forcebound-lab table less.mcap more.mcap --figure both.png");
   command->callback([options] { print_table(*options); });
 }

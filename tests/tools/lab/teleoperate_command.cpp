@@ -33,6 +33,7 @@ struct TeleoperateOptions {
   std::string json;
   std::string csv;
   std::string figure;
+  std::vector<std::string> formats;
   bool touches = false;
   bool faults = false;
   bool impedance = false;
@@ -66,7 +67,7 @@ std::string tasks_help() {
 }
 
 void run(TeleoperateOptions& options) {
-  prepare({.files = {options.json, options.csv}, .figures = {options.figure}});
+  prepare({.files = {options.json, options.csv}, .figures = {options.figure}, .formats = options.formats});
   TeleoperationStudy& study = options.study;
   study.tasks = options.tasks == std::vector<std::string>{kAll} ? server::task_names() : options.tasks;
   if (options.networks.empty()) {
@@ -106,7 +107,7 @@ void run(TeleoperateOptions& options) {
     text::write_file(options.json, lines + "]\n");
   }
   if (!options.csv.empty()) text::write_file(options.csv, table.to_csv());
-  if (!options.figure.empty()) draw(teleoperation_figure(groups), options.figure);
+  if (!options.figure.empty()) draw(teleoperation_figure(groups), options.figure, options.formats);
 }
 
 }  // namespace
@@ -124,11 +125,10 @@ void add_teleoperate(CLI::App& app) {
       ->type_name("TASK")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--architectures", study.architectures, "which signals go which way")
+  command->add_option("--architectures", study.architectures, "which signals go which way; default: all, see below")
       ->check(program::accepted_by([](const std::string& typed) { (void)server::find_architecture(typed); }))
       ->type_name("NAMES")
-      ->delimiter(',')
-      ->capture_default_str();
+      ->delimiter(',');
   command->add_option("--laws", study.laws, "laws, each at both ends")
       ->check(known_law())
       ->type_name("LAWS")
@@ -184,7 +184,7 @@ void add_teleoperate(CLI::App& app) {
       ->excludes(faults)
       ->excludes(impedance)
       ->type_name("FILE.csv");
-  add_figure(*command, options->figure, "draw force error over tracking error")
+  add_figure(*command, options->figure, options->formats, "draw force error and tracking error")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance);

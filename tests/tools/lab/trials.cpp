@@ -77,6 +77,23 @@ std::vector<PlayedCase> cases_of(const TrialsSettings& trials) {
   return cases;
 }
 
+/// The curves of each case, side by side by rendering, so that the laws of one are beside each other.
+std::vector<record::TickSink*> curves_of(const TrialsSettings& trials, const std::vector<PlayedCase>& cases,
+                                         LawsFigure* figure) {
+  std::vector<record::TickSink*> curves(cases.size());
+  if (figure == nullptr) return curves;
+  std::vector<std::string> renderings{kNoNetwork};
+  renderings.insert(renderings.end(), trials.renderings.begin(), trials.renderings.end());
+  for (const std::string& rendering : renderings) {
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      if (cases[i].rendering != rendering) continue;
+      curves[i] = rendering == kNoNetwork ? &figure->add_reference(cases[i].law)
+                                          : &figure->add_run(cases[i].law, rendering + " rendering: " + cases[i].law);
+    }
+  }
+  return curves;
+}
+
 sim::ClosedLoop::Settings settings_of(const TrialsSettings& trials, const PlayedCase& played,
                                       const std::shared_ptr<const scene::Scene>& scene, const NamedNetwork& network) {
   sim::ClosedLoop::Settings settings{.device = device::load_device(trials.device),
@@ -99,6 +116,7 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, LawsFigure*
   const NamedNetwork network = network_of(settings.network);
   const auto laws = baselines::shipped_laws();
   const std::vector<PlayedCase> cases = cases_of(settings);
+  const std::vector<record::TickSink*> curves = curves_of(settings, cases, figure);
   std::vector<PlayedTrial> trials;
   std::map<std::string, std::vector<control::Vector>> without_network;
   for (const PlayedCase& played : cases) {
@@ -113,7 +131,7 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, LawsFigure*
     PushMeter push;
     ForceTrace trace;
     std::vector<record::TickSink*> sinks{&ringing, &push, &trace};
-    if (figure != nullptr) sinks.push_back(&figure->add_run(played.law, played.rendering));
+    if (figure != nullptr) sinks.push_back(curves.at(trials.size()));
     sim::ClosedLoop loop(std::move(run), sinks);
     push.velocity_of = [&loop] { return loop.device().truth().velocity; };
     const time::Nanoseconds end = time::from_seconds(settings.duration_s);

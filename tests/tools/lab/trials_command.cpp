@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
@@ -32,6 +33,7 @@ struct Options {
   std::vector<std::string> live;
   std::string json;
   std::string figure;
+  std::vector<std::string> formats;
 };
 
 /// Device and hand that were not given are those that the scene suggests.
@@ -53,16 +55,17 @@ std::vector<std::string> inputs_of(const Options& options) {
 
 void run(Options options) {
   complete(options.settings);
-  prepare({.inputs = inputs_of(options), .files = {options.json}, .figures = {options.figure}});
+  prepare(
+      {.inputs = inputs_of(options), .files = {options.json}, .figures = {options.figure}, .formats = options.formats});
   expect_accepted(*server::load_scene(options.settings.scene), options.settings.device);
   program::value_of("--operator", [&] {
     (void)device::make_operator(options.settings.hand, device::load_device(options.settings.device).facts);
   });
   std::vector<Json> live;
   for (const std::string& file : options.live) live.push_back(read_summary(file));
-  LawsFigure figure("Laws and renderings compared on " + options.settings.scene,
-                    options.settings.device + ", " + options.settings.hand + ", virtual time, network \"" +
-                        options.settings.network + "\"");
+  LawsFigure figure("What is felt on " + options.settings.scene + " with each law and rendering",
+                    "through \"" + options.settings.network + "\" each way, virtual time; " + options.settings.device +
+                        ", " + options.settings.hand);
   std::vector<PlayedTrial> trials;
   {
     Progress progress;
@@ -71,7 +74,7 @@ void run(Options options) {
   }
   std::fputs(trials_table(options.settings, trials, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
   if (!live.empty()) std::printf("\n%s", timing_table(live).c_str());
-  if (!options.figure.empty()) figure.draw_to(options.figure);
+  if (!options.figure.empty()) figure.draw_to(options.figure, options.formats);
   if (options.json.empty()) return;
   Json all = Json::array();
   for (const PlayedTrial& trial : trials) {
@@ -131,7 +134,7 @@ void add_trials(CLI::App& app) {
   command->add_option("--live", options->live, "summaries of live runs, whose timing is printed too")
       ->type_name("FILE.json");
   add_output(*command, "--json", options->json, "write all figures to this file")->type_name("FILE.json");
-  add_figure(*command, options->figure, "draw the runs over each other");
+  add_figure(*command, options->figure, options->formats, "draw the runs side by side");
   command->footer(
       "Server, client, device and hand are those of the programs; the clock and the network are simulated, and ticks "
       "are as late as measured on a shared machine. The same options give the same figures on every machine.\n"

@@ -31,6 +31,13 @@ constexpr std::string_view kFirstLine = "# Draws a figure of forcebound-lab from
 std::filesystem::path data_of(std::filesystem::path png) { return png.replace_extension(".csv"); }
 std::filesystem::path script_of(std::filesystem::path png) { return png.replace_extension(".gnuplot"); }
 
+/// The picture in every format, PNG first.
+std::vector<std::filesystem::path> pictures_of(const std::filesystem::path& png, const Formats& formats) {
+  std::vector<std::filesystem::path> pictures{png};
+  for (const std::string& format : formats) pictures.push_back(std::filesystem::path(png).replace_extension(format));
+  return pictures;
+}
+
 /// Puts a file aside as long as another may take its place.
 class SetAside {
  public:
@@ -90,11 +97,12 @@ struct GnuplotResult {
   std::string said;
 };
 
-GnuplotResult run_gnuplot(const std::filesystem::path& script) {
+/// @param format "png", "pdf" or "svg"
+GnuplotResult run_gnuplot(const std::filesystem::path& script, const std::string& format) {
   const std::filesystem::path folder = script.has_parent_path() ? script.parent_path() : ".";
   const auto shell_word = [](const std::filesystem::path& path) { return quoted(path.string(), "'\\''"); };
-  const std::string command =
-      "cd -- " + shell_word(folder) + " && gnuplot -d " + shell_word("./" + script.filename().string()) + " 2>&1";
+  const std::string command = "cd -- " + shell_word(folder) + " && gnuplot -d -e \"format = '" + format + "'\" " +
+                              shell_word("./" + script.filename().string()) + " 2>&1";
   FILE* const pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("cannot start a shell for gnuplot");
   GnuplotResult result{};
@@ -104,32 +112,40 @@ GnuplotResult run_gnuplot(const std::filesystem::path& script) {
   return result;
 }
 
-}  // namespace
-
-std::filesystem::path draw(const Figure& figure, const std::filesystem::path& png) {
+/// @returns false without gnuplot
+bool draw_picture(const std::filesystem::path& picture) {
   constexpr int kCommandNotFound = 127;
-  const auto script = script_of(png);
-  text::write_file(script.string(), script_text(figure, png.stem().string()));
-  text::write_file(data_of(png).string(), readable_by_gnuplot(figure.csv));
-  SetAside before(png);
-  GnuplotResult result = run_gnuplot(script);
-  if (WIFEXITED(result.status) && WEXITSTATUS(result.status) == kCommandNotFound) {
-    std::cerr << "note: " << png.string() << " is not drawn, since gnuplot is not installed (Debian: apt-get install "
-              << "gnuplot-nox); its data and script are there: gnuplot " << script.string() << '\n';
-    return script;
-  }
+  SetAside before(picture);
+  GnuplotResult result = run_gnuplot(script_of(picture), picture.extension().string().substr(1));
+  if (WIFEXITED(result.status) && WEXITSTATUS(result.status) == kCommandNotFound) return false;
   std::error_code ignored;
-  if (result.status != 0 || !std::filesystem::exists(png, ignored) || std::filesystem::file_size(png, ignored) == 0) {
+  const bool drawn = std::filesystem::exists(picture, ignored) && std::filesystem::file_size(picture, ignored) > 0;
+  if (result.status != 0 || !drawn) {
     std::ranges::replace(result.said, '\n', ' ');
-    throw std::runtime_error("gnuplot could not draw '" + png.string() + "': " + result.said);
+    throw std::runtime_error("gnuplot could not draw '" + picture.string() + "': " + result.said);
   }
   before.keep_the_new();
   std::cerr << text::printable_lines(result.said);  // its warnings
-  return png;
+  return true;
 }
 
-void expect_drawable(const std::filesystem::path& png, const std::vector<std::string>& files) {
-  for (const auto& written : {png, data_of(png), script_of(png)}) {
+}  // namespace
+
+std::filesystem::path draw(const Figure& figure, const std::filesystem::path& png, const Formats& formats) {
+  const auto script = script_of(png);
+  text::write_file(script.string(), script_text(figure, png.stem().string()));
+  text::write_file(data_of(png).string(), readable_by_gnuplot(figure.csv));
+  if (std::ranges::all_of(pictures_of(png, formats), draw_picture)) return png;
+  std::cerr << "note: " << png.string() << " is not drawn, since gnuplot is not installed (Debian: apt-get install "
+            << "gnuplot-nox); its data and script are there: gnuplot " << script.string() << '\n';
+  return script;
+}
+
+void expect_drawable(const std::filesystem::path& png, const std::vector<std::string>& files, const Formats& formats) {
+  auto all_written = pictures_of(png, formats);
+  all_written.push_back(data_of(png));
+  all_written.push_back(script_of(png));
+  for (const auto& written : all_written) {
     for (const std::string& file : files) {
       if (file.empty() || !text::is_same_path(file, written)) continue;
       throw std::invalid_argument("the figure " + png.string() + " would replace " + file +

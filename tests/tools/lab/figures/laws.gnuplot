@@ -1,73 +1,85 @@
-# Several runs over each other. A run's name begins with its law. The program sets title and subtitle.
-quantities = 'penetration_mm force_N P_mJ stiffness_N_per_mm'
-# The runs that have values of each.
-array shown[4] = ['', '', '', '']
-with_run(list, quantity) = strcol(quantity) eq 'nan' ? list : with_item(list, strcol('run'))
-law_of(run) = word(run, 1)
-# Which run of its law it is: 1 for the first.
-turn_of(list, run) = sum [i = 1:place_of(list, run)] (law_of(word(list, i)) eq law_of(run))
+# Runs side by side: a column for each, below each other force, depth and passivity. The program sets title and subtitle.
+# A run without a name is the reference of its law, drawn grey in the columns of that law.
+runs = references = ''
 span_s = 0
-stats data using (span_s = column('time_s') > span_s ? column('time_s') : span_s, 0) nooutput
-do for [p = 1:4] {
-  runs = ''
-  stats data using (runs = with_run(runs, word(quantities, p)), 0) nooutput
-  shown[p] = runs
-}
-# Force at hardly any depth is a spike of stiffness: what is higher than this is cut off.
-stiff_most = stiff_highest = 0
-do for [run in shown[4]] {
-  stats data using (strcol('run') eq run ? column('stiffness_N_per_mm') : NaN) nooutput
-  stiff_most = 3 * STATS_up_quartile > stiff_most ? 3 * STATS_up_quartile : stiff_most
-  stiff_highest = STATS_max > stiff_highest ? STATS_max : stiff_highest
-}
-is_cut = stiff_most > 0 && stiff_highest > stiff_most
-P_most = 0
-if (words(shown[3])) {
-  stats data using (P_most = abs(column('P_mJ')) > P_most ? abs(column('P_mJ')) : P_most, 0) nooutput
-}
-panel_px = 220
-height = head_px + 4 * panel_px + 50
-eval(begin(1000, height))
-set output name.'.png'
+stats data using (runs = strcol('run') eq '' ? runs : with_item(runs, strcol('run')), \
+    references = strcol('run') eq '' ? with_item(references, strcol('law')) : references, \
+    span_s = column('time_s') > span_s ? column('time_s') : span_s, 0) nooutput
+array law_of[words(runs) + 1]
+stats data using (i = place_of(runs, strcol('run')), i ? (law_of[i] = strcol('law'), 0) : 0) nooutput
 
-curve(run, quantity) = strcol('run') eq run ? column(quantity) : NaN
-array titles[4] = ['Penetration', 'Force on the device', \
-    'Passivity: energy taken less energy returned, logarithmic beyond 1 mJ', \
-    'Displayed stiffness at rest: depth changes by less than 5 mm/s'.(is_cut ? sprintf('; cut off above %.2g N/mm', stiff_most) : '')]
-array labels[4] = ['penetration [mm]', 'magnitude [N]', 'P [mJ]', 'K [N/mm]']
+quantities = 'force_N penetration_mm P_mJ'
+units = '"force on the device [N]" "depth [mm]" "P [mJ]"'
+array least[3]
+array most[3]
+do for [q = 1:3] {
+  least[q] = most[q] = 0
+  stats data using (value = column(word(quantities, q)), least[q] = value < least[q] ? value : least[q], \
+      most[q] = value > most[q] ? value : most[q], 0) nooutput
+  if (most[q] == least[q]) { most[q] = 1 }
+}
+
+left_px = 86
+gap_px = 20
+fits_px = (width - left_px - edge_px) / words(runs) - gap_px
+panel_px = fits_px > 200 ? fits_px : 200
+width = left_px + words(runs) * (panel_px + gap_px) + edge_px
+subtitle = subtitle.'. P: energy that the device took less what it gave; below 0 it gave the hand energy'
+eval(begin_head)
+if (words(references)) { eval(add_key('felt without a network', reference, 0)) }
+heading(run) = wrapped(run, int(panel_px / 9))
+heading_lines = 0
+do for [run in runs] {
+  heading_lines = lines_of(heading(run)) > heading_lines ? lines_of(heading(run)) : heading_lines
+}
+row_px = 200
+top = head_px + 18 * heading_lines + 22
+height = top + 3 * row_px - 30 + axis_px
+eval(begin(width, height))
 
 set multiplot
-eval(show_title)
-set lmargin at screen 0.085
-set rmargin at screen 0.98
+eval(show_head)
 set xrange [0:span_s > 0 ? span_s : 1]
-do for [p = 1:4] {
-  set tmargin at screen from_top(head_px + (p - 1) * panel_px + 34)
-  set bmargin at screen from_top(head_px + p * panel_px - 20)
-  set label 10 titles[p] at graph 0, graph 1 left offset 0, 0.8 font 'DejaVu Sans Bold,11' textcolor rgb ink
-  set ylabel labels[p]
-  unset nonlinear y
-  set ytics autofreq
-  if (p == 3) {
-    # A law that is not passive returns a thousand times the energy of the others.
-    set yrange [*:*]
-    set nonlinear y via asinh(y) inverse sinh(y)
-    set ytics (0)
-    do for [power = (P_most > 100 ? 1 : 0):7:(P_most > 1000 ? 2 : 1)] { set ytics add (10**power, -10**power) }
-    set arrow 1 from graph 0, first 0 to graph 1, first 0 nohead dashtype 2 linecolor rgb red
-  } else {
-    unset arrow 1
-    if (p == 4 && is_cut) { set yrange [0:stiff_most] } else { set yrange [0:*] }
+set border 2
+shown(run, q) = strcol('run') eq run ? column(word(quantities, q)) : NaN
+shown_reference(law, q) = strcol('run') eq '' && strcol('law') eq law ? column(word(quantities, q)) : NaN
+set arrow 1 from graph 0, first 0 to graph 1, first 0 nohead linewidth 1 linecolor rgb grey
+do for [q = 1:3] {
+  set tmargin at screen from_top(top + (q - 1) * row_px)
+  set bmargin at screen from_top(top + q * row_px - 30)
+  room = 0.05 * (most[q] - least[q])
+  set yrange [least[q] < 0 ? least[q] - room : 0:most[q] + room]
+  if (q == 3) {
+    set xlabel 'time [s]' textcolor rgb ink
+    if (least[q] < 0) { eval(below_zero) }
   }
-  if (p == 2) { eval(key_above) } else { unset key }
-  if (p == 4) { set xlabel 'time [s]' }
-  runs = shown[p]
-  if (words(runs)) {
-    plot for [run in runs] data using 'time_s':(curve(run, word(quantities, p))) with lines linewidth 1.5 \
-        dashtype turn_of(runs, run) linecolor rgb colour_of_law(law_of(run)) title run
-  } else {
-    eval(no_data)
+  do for [r = 1:words(runs)] {
+    run = word(runs, r)
+    law = law_of[r]
+    set lmargin at screen from_left(left_px + (r - 1) * (panel_px + gap_px))
+    set rmargin at screen from_left(left_px + (r - 1) * (panel_px + gap_px) + panel_px)
+    if (r == 1) {
+      set label 13 word(units, q) at screen from_left(15), graph 0.5 center rotate textcolor rgb ink
+      set ytics format '%g'
+    } else {
+      unset label 13
+      set ytics format ''
+    }
+    set xtics format (q == 3 ? '%g' : '')
+    unset label 10
+    if (q == 1) {
+      set label 10 heading(run) at graph 0, screen from_top(head_px + 16) left font bold(11) textcolor rgb colour_of_law(law)
+    }
+    if (q == 3) {
+      # A device that is not simulated does not know P.
+      known = least_P = 0
+      stats data using (P = shown(run, q), P == P ? (known = 1, least_P = P < least_P ? P : least_P, 0) : 0) nooutput
+      set label 10 (known ? 'least P '.energy(least_P) : 'P not known') at graph 0, graph 1 left offset 0, 0.6 font ',10' \
+          textcolor rgb (least_P < -1e-6 ? red : ink)
+    }
+    plot data using 'time_s':(shown_reference(law, q)) with lines linewidth 3 linecolor rgb reference, \
+        data using 'time_s':(shown(run, q)) with lines linewidth 1.2 linecolor rgb colour_of_law(law)
+    eval(hide_head)
   }
-  unset label 1; unset label 2
 }
 unset multiplot

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
 
 namespace forcebound::lab {
 
@@ -68,13 +67,19 @@ std::string RunFigure::to_csv() const {
   return table.to_csv();
 }
 
-std::filesystem::path RunFigure::draw_to(const std::filesystem::path& png) const {
+std::string RunFigure::title() const {
+  // What the server simulates begins with its first part's name.
+  const std::string scene = info_.scene.empty() ? info_.simulated.substr(0, info_.simulated.find(':')) : info_.scene;
+  return file_ + ": " + info_.law + (scene.empty() ? "" : " on " + scene) + ", " + info_.rendering + " rendering";
+}
+
+std::filesystem::path RunFigure::draw_to(const std::filesystem::path& png, const Formats& formats) const {
   return draw({.script = "run",
                .csv = to_csv(),
-               .title = info_.law + (info_.scene.empty() ? "" : " on " + info_.scene),
+               .title = title(),
                .subtitle = info_.device + ", " + info_.operator_name +
                            (info_.network.empty() ? "" : ", network: " + info_.network)},
-              png);
+              png, formats);
 }
 
 }  // namespace forcebound::lab

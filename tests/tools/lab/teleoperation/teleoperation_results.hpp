@@ -35,7 +35,7 @@ struct TeleoperationGroup {
 /// is of.
 [[nodiscard]] nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& rows);
 
-/// Force error over tracking error, a panel for each network (teleoperation.gnuplot).
+/// Force error and tracking error, a row for each network and architecture (teleoperation.gnuplot).
 [[nodiscard]] Figure teleoperation_figure(const std::vector<TeleoperationGroup>& groups);
 
 }  // namespace forcebound::lab
