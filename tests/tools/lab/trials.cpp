@@ -159,12 +159,14 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Playe
                      {"displayed", "N/m"},
                      {"worst push", "N"},
                      {"off by", "%"}});
+  std::size_t untouched = 0;
   for (const PlayedTrial& trial : trials) {
     if (!trial.refused.empty()) {
       table.add_remark(trial.law, "refuses: " + trial.refused);
       continue;
     }
     const Json& s = trial.summary;
+    untouched += never_touched(s) ? 1 : 0;
     table.add({trial.law, trial.rendering, least_P_cell(s), cell_at(s, "/at_rest/fraction", 100, 1),
                cell_at(s, "/displayed_stiffness_N_per_m/median", 1, 0), text::fixed(trial.push_N, 2),
                trial.off_by ? text::fixed(100 * *trial.off_by, 1) : "-"});
@@ -174,7 +176,7 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Playe
                            text::fixed(settings.duration_s, 0) + " s, network \"" + settings.network +
                            "\" each way, seed " + std::to_string(settings.seed),
                        2) +
-         "\n\n" + table.to_text(colour) +
+         "\n\n" + table.to_text(colour) + untouched_in_words(untouched, trials.size()) +
          text::wrapped_below_descriptions(
              "\n  rendering   where forces are computed: remote, at the server; local, what can be at the client; no "
              "network: remote, with nothing late or lost\n"

@@ -23,6 +23,21 @@ namespace forcebound::lab {
   return text::fixed(scale * number_at(summary, path), decimals);
 }
 
+/// A line below a table of runs that says why there are dashes, where a hand never touched anything; else empty.
+[[nodiscard]] inline std::string untouched_in_words(std::size_t untouched, std::size_t runs) {
+  if (untouched == 0) return {};
+  const std::string which = untouched == runs ? "" : " in " + std::to_string(untouched) + " of " + std::to_string(runs);
+  return "\n  -           the hand never touched the scene" + which + ": nothing was felt that could be measured\n";
+}
+[[nodiscard]] inline bool never_touched(const nlohmann::ordered_json& summary) {
+  return number_at(summary, "/contact_ticks") == 0;
+}
+
+/// A network in a heading, where "none" would not say of what.
+[[nodiscard]] inline std::string network_in_words(const std::string& network) {
+  return network == "none" ? "no network" : network;
+}
+
 /// A least P in the tables' unit, mJ: 0 where it is within rounding of it, "-" where it is not known.
 [[nodiscard]] inline std::string millijoules(double least_P_J) {
   constexpr double kRounding_J = 1e-9;

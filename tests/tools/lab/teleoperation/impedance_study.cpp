@@ -113,10 +113,11 @@ std::string impedance_text(const std::vector<ImpedanceRow>& rows, double wall_N_
   text::Table table(columns);
   std::string heading;
   for (const ImpedanceRow& row : rows) {
-    const std::string now = std::string(row.in_contact ? "in contact, " : "free space, ") + row.network;
+    const std::string now =
+        std::string(row.in_contact ? "in contact, " : "free space, ") + network_in_words(row.network);
     if (now != heading) {
       table.add_heading(heading = now);
-      std::vector<text::Table::Cell> ideal{row.in_contact ? "the wall itself" : "nothing"};
+      std::vector<text::Table::Cell> ideal{row.in_contact ? "the wall itself" : "free space itself"};
       for (const double frequency_Hz : kFrequencies_Hz) {
         ideal.emplace_back(row.in_contact ? text::rounded(wall_N_per_m / (2 * std::numbers::pi * frequency_Hz)) + " -90"
                                           : "0");

@@ -114,7 +114,8 @@ text::Table teleoperation_table(const std::vector<TeleoperationGroup>& groups) {
   std::string heading;
   for (const TeleoperationGroup& group : groups) {
     const TeleoperationMeasures& m = group.median;
-    if (const std::string now = group.task + ", " + group.network; now != heading) table.add_heading(heading = now);
+    if (const std::string now = group.task + ", " + network_in_words(group.network); now != heading)
+      table.add_heading(heading = now);
     table.add({group.architecture, group.law, energy(m.leader_minimum_J), energy(m.follower_minimum_J),
                text::fixed(1e3 * m.tracking_rms_m, 1), text::fixed(m.force_error_rms_N, 1), text::fixed(m.peak_N, 0),
                std::to_string(group.succeeded) + "/" + std::to_string(group.runs) + (group.on_front ? " *" : "")});

@@ -218,7 +218,7 @@ std::string touch_text(const std::vector<TouchRow>& rows) {
   const double alone_N_per_m = rows.front().second.displayed_N_per_m;
   std::string network = rows.front().network;
   for (const TouchRow& row : rows) {
-    if (row.network != network) table.add_heading(network = row.network);
+    if (row.network != network) table.add_heading(network_in_words(network = row.network));
     const auto after = [](const Touch& touch) {
       return touch.felt ? text::fixed(1e3 * touch.felt_after_s, 0) : "never";
     };

@@ -62,6 +62,18 @@ TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
               ElementsAre("a.json", "-", "-", "-", "-", "-"));
 }
 
+TEST(ComparisonTable, SaysWhyThereAreDashesWhereAHandNeverTouched) {
+  const auto with_contact = [](int ticks) {
+    Json summary = summary_of("none", 0);
+    summary["contact_ticks"] = ticks;
+    return summary;
+  };
+  EXPECT_THAT(comparison_table({{"a.json", with_contact(0)}}), testing::HasSubstr("the hand never touched the scene:"));
+  EXPECT_THAT(comparison_table({{"a.json", with_contact(0)}, {"b.json", with_contact(5)}}),
+              testing::HasSubstr("the hand never touched the scene in 1 of 2:"));
+  EXPECT_THAT(comparison_table({{"a.json", with_contact(5)}}), testing::Not(testing::HasSubstr("never touched")));
+}
+
 // Its summaries said whether P was ok, but had no verdict.
 TEST(ComparisonTable, MarksARunOfVersion1ThatWasNotPassive) {
   EXPECT_EQ(least_P_cell(summary_of("none", -1.25)).mark, text::Table::Mark::alarm);

@@ -53,6 +53,15 @@ TEST(PlayTrials, PlaysEachLawWithoutANetworkAndThenWithEachRendering) {
   EXPECT_THAT(renderings_of(played(settings)), ElementsAre("fba-exact remote", "none remote"));
 }
 
+TEST(TrialsTable, SaysWhyThereAreDashesWhereTheHandNeverTouched) {
+  TrialsSettings settings = settings_for("sphere");
+  settings.hand = "press:from_m=0.2,to_m=0.19";
+  settings.duration_s = 0.2;
+  const std::string table = trials_table(settings, played(settings), text::Colour::none);
+  EXPECT_THAT(table, HasSubstr(" -       "));
+  EXPECT_THAT(table, HasSubstr("\n  -           the hand never touched the scene: "));
+}
+
 TEST(PlayTrials, TheDomeIsAsStiffAsWithoutANetworkWithLocalRenderingOnly) {
   const TrialsSettings settings = settings_for("dome");
   const std::vector<PlayedTrial> trials = played(settings);
