@@ -16,7 +16,7 @@ struct AllowedClient {
   PublicKey key;
   std::vector<std::string> scenes;          ///< by name; empty: all that the server has
   std::optional<double> rate_per_s_max;     ///< motions; nothing: the server's own limit
-  std::optional<std::size_t> sessions_max;  ///< at once; nothing: the server's own limit
+  std::optional<std::size_t> sessions_max;  ///< at once; nothing: one more while as many places are free as it has
   [[nodiscard]] bool may_use(std::string_view scene) const noexcept;
 };
 
@@ -27,7 +27,7 @@ struct AllowedClient {
 ///     public_key = "mDdhKl+gZ1ZbZ0fQhZ1sV8oM7wSO5xUjqkBbVvHZ0Dk="
 ///     scenes = ["wall", "palpation"]   # left out: all
 ///     rate_per_s_max = 1000            # motions; left out: the server's limit
-///     sessions_max = 2                 # at once; left out: the server's limit
+///     sessions_max = 2                 # at once; left out: one more while as many places are free as it has
 ///
 /// For set-up, and for handshakes, which never run on the tick's thread.
 class AllowedClients {

@@ -53,9 +53,15 @@ std::unique_ptr<SecureLink> secured(std::optional<ServerKeys> keys, const Server
   return std::make_unique<SecureLink>(std::move(*keys), limits, link, clock, security::fill_with_random, observer);
 }
 
+/// What tells a client from others, also from one that had its name before.
+std::string_view bytes_of(const security::PublicKey& key) noexcept {
+  return {reinterpret_cast<const char*>(key.bytes.data()), key.bytes.size()};
+}
+
 ClientRights rights_of(const security::AllowedClient* client) {
   if (client == nullptr) return {};
   return {.name = client->name,
+          .key = bytes_of(client->key),
           .scenes = client->scenes,
           .motions_per_s_max = client->rate_per_s_max,
           .sessions_max = client->sessions_max};
@@ -127,8 +133,8 @@ void UdpServer::run(const std::stop_token& wanted) {
 void UdpServer::replace_clients(security::AllowedClients clients) {
   if (!secure_) return;
   // Who is let in no more is told while there is still a key to tell it by.
-  server_.end_sessions_unless([&clients](const std::string& name) {
-    return std::ranges::find(clients.all(), name, &security::AllowedClient::name) != clients.all().end();
+  server_.end_sessions_unless([&clients](std::string_view key) {
+    return std::ranges::any_of(clients.all(), [&](const auto& client) { return bytes_of(client.key) == key; });
   });
   batch_.flush();
   secure_->replace_clients(std::move(clients));
@@ -205,7 +211,7 @@ std::optional<std::size_t> UdpServer::owner_of(const SecureLink::Content& conten
   if (!worker || *worker == place_.number) return std::nullopt;
   const auto heading = wire::heading_of(content.bytes);
   const auto* const sound = std::get_if<wire::Heading>(&heading);
-  const std::string_view client = content.client == nullptr ? std::string_view{} : content.client->name;
+  const std::string_view client = content.client == nullptr ? std::string_view{} : bytes_of(content.client->key);
   if (sound == nullptr || !place_.limits->has(sound->session, client)) return std::nullopt;
   return WorkerPlace::owner_of(sound->session, place_.workers);
 }

@@ -61,8 +61,8 @@ class UdpServer {
   /// From now on refuses who asks for a session, with this reason; those that are open go on.
   void admit_none(const std::string& why) { server_.admit_none(why); }
 
-  /// Lets in whom this list has, from now on; ends the keys of clients that it does not have. Without encryption, and
-  /// where there was no list, nothing happens.
+  /// Lets in whom this list has, from now on; ends the sessions and the keys of clients whose key it does not have,
+  /// also where another key has their name. Without encryption, and where there was no list, nothing happens.
   void replace_clients(security::AllowedClients clients);
 
   /// Ends all sessions.

@@ -36,8 +36,7 @@ Server::Server(ServerOptions options, EnvironmentLibrary environments, net::Data
       session_ids_(std::move(session_ids)),
       observer_(observer == nullptr ? nobody_ : *observer),
       memory_(options_.memory),
-      hellos_(Nanoseconds{std::chrono::seconds{1}} / std::max(1, options_.hellos_per_s_max),
-              std::max(1, options_.hellos_per_s_max), clock.now(), session_ids_()),
+      hellos_(options_.hellos_per_s_max, clock.now(), session_ids_()),
       refusals_(kRefusalInterval * options_.worker.workers, part_of(kRefusalsAtOnce, options_.worker), clock.now()),
       views_(Nanoseconds{std::chrono::seconds{1}} / part_of(options_.view.pieces_per_s_all, options_.worker),
              part_of(kViewPiecesAtOnce, options_.worker), clock.now()) {
@@ -136,7 +135,7 @@ bool Server::is_of_another(const wire::Message& message, const ClientRights& rig
   const auto* const bye = std::get_if<wire::Bye>(&message);
   if (motion == nullptr && bye == nullptr) return false;
   const auto found = sessions_.find(motion != nullptr ? motion->session : bye->session);
-  return found != sessions_.end() && found->second.client != rights.name;
+  return found != sessions_.end() && found->second.client != rights.key;
 }
 
 bool Server::is_dropped(const wire::Heading& heading, std::size_t bytes, const net::Address& from,
@@ -190,7 +189,7 @@ bool Server::end_session(std::uint64_t session) {
   return true;
 }
 
-std::size_t Server::end_sessions_unless(const std::function<bool(const std::string& client)>& may_stay) {
+std::size_t Server::end_sessions_unless(const std::function<bool(std::string_view key)>& may_stay) {
   std::vector<std::uint64_t> ending;
   for (const auto& [id, session] : sessions_) {
     if (!session.client.empty() && !may_stay(session.client)) ending.push_back(id);

@@ -23,7 +23,6 @@
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/scene_sender.hpp"
 #include "forcebound/server/session/shared_limits.hpp"
-#include "forcebound/server/session/source_buckets.hpp"
 #include "forcebound/server/session/view_sender.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/token_bucket.hpp"
@@ -138,9 +137,9 @@ class Server {
   /// Sends Bye to a client and ends its session; false: there is none of that number. The client may ask for another.
   bool end_session(std::uint64_t session);
 
-  /// The same for all sessions of clients that are known and whose names do not fulfil the condition.
+  /// The same for all sessions of clients that are known and whose keys do not fulfil the condition.
   /// @returns how many
-  std::size_t end_sessions_unless(const std::function<bool(const std::string& client)>& may_stay);
+  std::size_t end_sessions_unless(const std::function<bool(std::string_view key)>& may_stay);
 
   /// Tells which share of its time the thread that serves has not waited since the last call, and how many datagrams
   /// came meanwhile: what the system takes for datagrams is in no session's share. Of that time counts as much as
@@ -195,7 +194,7 @@ class Server {
     AnswerAllowance allowance{};
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
-    std::string client{};                   ///< who opened it, as the server's list has it; empty: not known
+    std::string client{};                   ///< the key of who opened it; empty: it is not known
     std::unique_ptr<SceneSender> sender{};  ///< null: nothing is handed over
     std::unique_ptr<ViewSender> view{};     ///< null: its client shows nothing
     bool wants_models = false;              ///< its client renders locally
@@ -246,6 +245,9 @@ class Server {
   /// shared scene or among those that its client may have. Of other workers' sessions such a one is asked for.
   [[nodiscard]] std::optional<Refused> refusal_of(const wire::Hello& hello, const EnvironmentKind& kind,
                                                   const Guest& guest, Nanoseconds now);
+
+  /// None: its client may have one more, if need be after evicting one of its own that does nothing.
+  [[nodiscard]] std::optional<Refused> refusal_of_client(const ClientRights& rights, Nanoseconds now);
 
   /// Among which sessions places are few.
   using Among = std::function<bool(const Session&)>;
@@ -316,7 +318,7 @@ class Server {
   MemoryBudget memory_;
   std::string admits_none_;  ///< why; empty: it does
   std::optional<std::size_t> elsewhere_{};
-  SourceBuckets hellos_;
+  HelloRate hellos_;
   time::TokenBucket refusals_;
   time::TokenBucket views_;               ///< pieces of pictures
   double busy_ = 0;                       ///< share of the thread's time for the sessions

@@ -304,7 +304,7 @@ Server::Session& Server::open(const wire::Hello& hello, std::shared_ptr<const En
   session.arrivals.counts.session = id;
   // What it may send is not what is answered: its numbers go on meanwhile.
   session.arrivals.motions_per_s_max = options_.motions_per_promised / period_s;
-  session.client = guest.rights.name;
+  session.client = guest.rights.key;
   session.wants_models = renders_locally(hello);
   if (session.wants_models && session.made.packed)
     session.sender = std::make_unique<SceneSender>(session.made.packed, options_.handover, now);

@@ -44,14 +44,7 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
     return Refused{RefusalReason::server_full, "this server takes " + std::to_string(options_.sessions_per_address) +
                                                    " sessions at once from each address, end one or try again later"};
   }
-  const auto of_client = [&](const Session& session) { return session.client == guest.rights.name; };
-  if (const auto most = guest.rights.sessions_max;
-      most && sessions_of(guest.rights.name) >= *most && !evict_one(now, of_client)) {
-    return Refused{RefusalReason::server_full,
-                   "client '" + printable(guest.rights.name) + "' has as many sessions as it may, " +
-                       std::to_string(*most) + ": end one or try again later",
-                   asks_others_for_place(guest.rights.name)};
-  }
+  if (auto refusal = refusal_of_client(guest.rights, now)) return refusal;
   if (std::string busy = refusal_of_load(kind, now); !busy.empty()) {
     return Refused{RefusalReason::server_full, std::move(busy)};
   }
@@ -69,16 +62,33 @@ std::optional<Server::Refused> Server::refusal_of(const wire::Hello& hello, cons
   return std::nullopt;
 }
 
+std::optional<Server::Refused> Server::refusal_of_client(const ClientRights& rights, Nanoseconds now) {
+  if (rights.key.empty()) return std::nullopt;
+  const auto of_client = [&](const Session& session) { return session.client == rights.key; };
+  const std::size_t has = sessions_of(rights.key);
+  const bool may = rights.sessions_max ? has < *rights.sessions_max
+                                       : has == 0 || is_fair_share(has, sessions_of_all(), options_.sessions_max);
+  if (may || evict_one(now, of_client)) return std::nullopt;
+  const std::string most = rights.sessions_max
+                               ? "as many sessions as it may, " + std::to_string(*rights.sessions_max)
+                               : "its share of this server's " + std::to_string(options_.sessions_max) + " sessions, " +
+                                     std::to_string(has) + " (sessions_max in the list of clients gives more)";
+  return Refused{RefusalReason::server_full,
+                 "client '" + printable(rights.name) + "' has " + most + ": end one or try again later",
+                 asks_others_for_place(rights.key)};
+}
+
 bool Server::hello_is_over_rate(const Guest& guest, Nanoseconds now) noexcept {
   if (guest.judged) return false;
   SharedLimits* const limits = options_.worker.limits;
-  return limits != nullptr ? !limits->take_hello(guest.address, now) : !hellos_.take(guest.address, now);
+  return limits != nullptr ? !limits->take_hello(guest.rights.key, guest.address, now)
+                           : !hellos_.take(guest.rights.key, guest.address, now);
 }
 
 SharedLimits::Place Server::place_for(std::uint64_t session, const Guest& guest) {
   if (options_.worker.limits == nullptr) return {};
   auto place = options_.worker.limits->take(
-      {.session = session, .address = guest.address, .client = std::string(guest.rights.name)},
+      {.session = session, .address = guest.address, .client = std::string(guest.rights.key)},
       {.all = options_.sessions_max,
        .of_address = options_.sessions_per_address,
        .of_client = guest.rights.sessions_max ? std::optional<std::size_t>(*guest.rights.sessions_max) : std::nullopt});

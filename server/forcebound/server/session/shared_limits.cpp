@@ -1,23 +1,34 @@
 #include "forcebound/server/session/shared_limits.hpp"
 
 #include <algorithm>
+#include <functional>
 
 namespace forcebound::server {
 
-SharedLimits::SharedLimits(int hellos_per_s_max, time::Nanoseconds now, std::uint64_t key)
-    : hellos_(time::Nanoseconds{std::chrono::seconds{1}} / std::max(1, hellos_per_s_max), std::max(1, hellos_per_s_max),
-              now, key) {}
+HelloRate::HelloRate(int per_s_max, time::Nanoseconds now, std::uint64_t key)
+    : of_sources_(time::Nanoseconds{std::chrono::seconds{1}} / std::max(1, per_s_max), std::max(1, per_s_max), now,
+                  key),
+      of_clients_(time::Nanoseconds{std::chrono::seconds{1}} / std::max(1, per_s_max), std::max(1, per_s_max)) {}
 
-bool SharedLimits::take_hello(const net::Address& from, time::Nanoseconds now) noexcept {
+bool HelloRate::take(std::string_view client, const net::Address& from, time::Nanoseconds now) noexcept {
+  if (client.empty()) return of_sources_.take(from, now);
+  return of_clients_.take(std::hash<std::string_view>{}(client), now);
+}
+
+SharedLimits::SharedLimits(int hellos_per_s_max, time::Nanoseconds now, std::uint64_t key)
+    : hellos_(hellos_per_s_max, now, key) {}
+
+bool SharedLimits::take_hello(std::string_view client, const net::Address& from, time::Nanoseconds now) noexcept {
   const std::lock_guard lock(guard_);
-  return hellos_.take(from, now);
+  return hellos_.take(client, from, now);
 }
 
 std::optional<SharedLimits::Place> SharedLimits::take(Asking asking, const Most& most) {
   const std::lock_guard lock(guard_);
   if (places_.size() >= most.all || places_.contains(asking.session)) return std::nullopt;
   if (most.of_address > 0 && count_of(asking.address) >= most.of_address) return std::nullopt;
-  if (most.of_client && count_of(std::string_view(asking.client)) >= *most.of_client) return std::nullopt;
+  const std::size_t has = asking.client.empty() ? 0 : count_of(std::string_view(asking.client));
+  if (most.of_client ? has >= *most.of_client : !is_fair_share(has, places_.size(), most.all)) return std::nullopt;
   places_.emplace(asking.session, Entry{.address = asking.address, .client = std::move(asking.client)});
   return Place(*this, asking.session);
 }

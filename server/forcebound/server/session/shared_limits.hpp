@@ -9,9 +9,30 @@
 #include <unordered_map>
 #include <utility>
 
+#include "forcebound/server/session/exact_buckets.hpp"
 #include "forcebound/server/session/source_buckets.hpp"
 
 namespace forcebound::server {
+
+/// Hellos in a second: of each client that is known, wherever it says to be, and else of each source.
+class HelloRate {
+ public:
+  /// @param key random
+  HelloRate(int per_s_max, time::Nanoseconds now, std::uint64_t key);
+
+  /// @param client its key; empty: it is not known
+  [[nodiscard]] bool take(std::string_view client, const net::Address& from, time::Nanoseconds now) noexcept;
+
+ private:
+  SourceBuckets of_sources_;
+  ExactBuckets of_clients_;
+};
+
+/// Whether a client without a limit of its own may have one more session: while as many places are free as it has, so
+/// that one alone gets half of them, and none takes the last from the others.
+[[nodiscard]] constexpr bool is_fair_share(std::size_t of_client, std::size_t of_all, std::size_t most) noexcept {
+  return of_all < most && of_client < most - of_all;
+}
 
 /// What the servers of one process (its workers) let in together: each session has a place here, so that limits hold
 /// for all of them, of sessions exactly, however many ask at once.
@@ -25,20 +46,20 @@ class SharedLimits {
   /// @param key random
   SharedLimits(int hellos_per_s_max, time::Nanoseconds now, std::uint64_t key);
 
-  /// Whether a Hello from there is within its source's rate.
-  [[nodiscard]] bool take_hello(const net::Address& from, time::Nanoseconds now) noexcept;
+  /// HelloRate's.
+  [[nodiscard]] bool take_hello(std::string_view client, const net::Address& from, time::Nanoseconds now) noexcept;
 
   /// Who asks. Its address is that of its Hello, also after it has moved.
   struct Asking {
     std::uint64_t session = 0;
     net::Address address;
-    std::string client{};
+    std::string client{};  ///< its key; empty: it is not known
   };
   /// Most sessions at once.
   struct Most {
     std::size_t all = 0;
-    std::size_t of_address = 0;  ///< 0: no such limit
-    std::optional<std::size_t> of_client{};
+    std::size_t of_address = 0;              ///< 0: no such limit
+    std::optional<std::size_t> of_client{};  ///< nothing: of one that is known, its fair share
   };
 
   /// A session's place; given back at its end.
@@ -106,7 +127,7 @@ class SharedLimits {
   [[nodiscard]] std::size_t count_of(std::string_view client) const noexcept;
 
   mutable std::mutex guard_;
-  SourceBuckets hellos_;
+  HelloRate hellos_;
   std::unordered_map<std::uint64_t, Entry> places_;
   std::mutex making_;
 };

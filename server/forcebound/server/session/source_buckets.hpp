@@ -9,11 +9,26 @@
 
 namespace forcebound::server {
 
-/// A token bucket for each source of datagrams, so that a flood from one uses up its own rate and no other's.
+/// Where a datagram comes from, whatever the port: an IPv4 address, or the first 56 bits of an IPv6 one, which is what
+/// a site is given (RFC 6177). Another number for each.
+[[nodiscard]] inline std::uint64_t source_of(const net::Address& from) noexcept {
+  const auto word = [&](std::size_t at) {
+    std::uint64_t value = 0;
+    for (std::size_t i = at; i < at + 8; ++i) value = value << 8U | from.ip[i];
+    return value;
+  };
+  // ::ffff:a.b.c.d (RFC 4291, section 2.5.5.2); not just any address with these two bytes in its lower half.
+  const bool is_ipv4 = word(0) == 0 && from.ip[8] == 0 && from.ip[9] == 0 && from.ip[10] == 0xff && from.ip[11] == 0xff;
+  constexpr std::uint64_t kWithinSite = 0xff;
+  return is_ipv4 ? word(8) : word(0) & ~kWithinSite;
+}
+
+/// A token bucket for each source of datagrams that may be forged, so that a flood from one uses up its own rate and no
+/// other's.
 ///
-/// A source is an IPv4 address, or the 64 bits of an IPv6 network, whatever the port. A fixed number of buckets is
-/// shared by all, by a keyed hash: memory and the total rate stay bounded however many sources are forged, and nobody
-/// who does not know the key can choose a bucket. [Stochastic fairness, McKenney 1990]
+/// A fixed number of buckets is shared by all, by a keyed hash: memory and the total rate stay bounded however many
+/// sources are forged, and nobody who does not know the key can choose a bucket. [Stochastic fairness, McKenney 1990]
+/// For who has shown where it receives there is ExactBuckets.
 ///
 /// Real time: `take` is noexcept, allocates nothing, O(1). Not thread-safe.
 class SourceBuckets {
@@ -29,21 +44,12 @@ class SourceBuckets {
   }
 
   [[nodiscard]] std::size_t index(const net::Address& from) const noexcept {
-    // ::ffff:a.b.c.d (RFC 4291, section 2.5.5.2); not just any address with these two bytes in its lower half.
-    const bool is_ipv4 =
-        word(from, 0) == 0 && from.ip[8] == 0 && from.ip[9] == 0 && from.ip[10] == 0xff && from.ip[11] == 0xff;
-    std::uint64_t hash = mixed(key_ ^ word(from, is_ipv4 ? 8 : 0));
+    std::uint64_t hash = mixed(key_ ^ source_of(from));
     hash = mixed(hash ^ key_);
     return static_cast<std::size_t>(hash % kBuckets);
   }
 
  private:
-  static std::uint64_t word(const net::Address& from, std::size_t at) noexcept {
-    std::uint64_t value = 0;
-    for (std::size_t i = at; i < at + 8; ++i) value = value << 8U | from.ip[i];
-    return value;
-  }
-
   // SplitMix64's finaliser [Steele, Lea and Flood 2014].
   static std::uint64_t mixed(std::uint64_t x) noexcept {
     x = (x ^ x >> 30U) * 0xbf58476d1ce4e5b9ULL;

@@ -71,6 +71,22 @@ TEST(EncryptedUdpServer, AnswersSealedDatagramsAndKnowsWhoseTheyAre) {
   EXPECT_EQ(server.server().counters().sends_failed, 0U);
 }
 
+TEST(EncryptedUdpServer, EndsASessionWhoseKeyWasReplacedUnderTheSameName) {
+  UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling(), nullptr, keys_with_anna_in_pull());
+  std::optional<std::jthread> thread(std::in_place, [&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) server.turn();
+  });
+  SecureAsker asker(server.address());
+  const auto welcome =
+      asker.ask<wire::Welcome>({wire::Hello{.client_nonce = 2, .degrees_of_freedom = 1, .period_s = 1e-3}});
+  thread.reset();
+  server.replace_clients(security::AllowedClients::parse(
+      "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(4) + "\"\n", "clients.toml"));
+  EXPECT_EQ(asker.hear<wire::Bye>().session, welcome.session);
+  EXPECT_EQ(server.server().sessions(), 0U);
+  EXPECT_EQ(server.encryption()->confirmed(), 0U);
+}
+
 TEST(EncryptedUdpServer, LetsNobodyInWithoutKeys) {
   UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling(), nullptr, keys_with_anna_in_pull());
   wire::Codec codec;

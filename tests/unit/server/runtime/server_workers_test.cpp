@@ -417,7 +417,11 @@ TEST_F(OneOfTwoWorkers, HandsKeysOverWithAMotionAndDoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   start(20);
   constexpr std::uint64_t kOfTheOther = 1;
-  const auto place = limits_.take({.session = kOfTheOther, .address = {}, .client = "anna"}, {.all = 1});
+  const security::KeyBytes anna = security::public_key(1).bytes;
+  const auto place = limits_.take({.session = kOfTheOther,
+                                   .address = {},
+                                   .client = std::string(reinterpret_cast<const char*>(anna.data()), anna.size())},
+                                  {.all = 1});
   ASSERT_TRUE(place.has_value());
   for (std::uint32_t i = 1; i <= 3; ++i) {
     const auto client = asker(i);

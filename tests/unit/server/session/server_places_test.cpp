@@ -62,7 +62,7 @@ class ServerPlaces : public testing::Test {
 };
 
 TEST_F(ServerPlaces, AClientThatComesBackAtAnotherWorkerGetsItsPlaceBack) {
-  const ClientRights anna{.name = "anna", .sessions_max = 1};
+  const ClientRights anna{.name = "anna", .key = "anna's key", .sessions_max = 1};
   serve();
   const std::uint64_t session = join(0, 1, anna);
   ASSERT_NE(session, 0U);
@@ -76,6 +76,18 @@ TEST_F(ServerPlaces, AClientThatComesBackAtAnotherWorkerGetsItsPlaceBack) {
   pass(seconds{0});
   EXPECT_NE(join(1, 2, anna), 0U);
   EXPECT_EQ(servers[0]->sessions(), 0U);
+}
+
+TEST_F(ServerPlaces, AreFairlySharedByKeysOverAllWorkers) {
+  const ClientRights stolen{.name = "anna", .key = "stolen key"};
+  serve({.sessions_max = 8});
+  std::uint16_t port = 0;
+  int held = 0;
+  for (int i = 0; i < 32; ++i) held += join(static_cast<std::size_t>(i) % kWorkers, ++port, stolen) != 0 ? 1 : 0;
+  EXPECT_EQ(held, 4);
+  for (std::size_t worker = 0; worker < kWorkers; ++worker) {
+    EXPECT_NE(join(worker, ++port, {.name = "bert", .key = "bert's key"}), 0U);
+  }
 }
 
 TEST_F(ServerPlaces, ForgedHellosAtOneWorkerKeepNobodyFromAnother) {

@@ -22,8 +22,16 @@ class ServerRights : public ServerFixture {
     return wanted;
   }
 
+  /// Another network for each.
+  static net::Address from_network(std::uint16_t number) {
+    net::Address from = address(1);
+    from.ip[12] = static_cast<std::uint8_t>(number >> 8U);
+    from.ip[13] = static_cast<std::uint8_t>(number & 0xffU);
+    return from;
+  }
+
   const std::array<std::string, 2> scenes{"sphere", "palpation"};
-  const ClientRights anna{.name = "anna", .scenes = scenes};
+  const ClientRights anna{.name = "anna", .key = "anna\'s key", .scenes = scenes};
 
  private:
   wire::Codec codec_;
@@ -49,12 +57,12 @@ TEST_F(ServerRights, DoNotGiveWhatTheServerDoesNotOffer) {
 }
 
 TEST_F(ServerRights, WithoutAListLetAClientUseEveryScene) {
-  arrive_with(hello_for("wall"), {.name = "bert"});
+  arrive_with(hello_for("wall"), {.name = "bert", .key = "bert\'s key"});
   EXPECT_EQ(only_answer<wire::Welcome>().scene, "wall");
 }
 
 TEST_F(ServerRights, BoundTheMotionsThatAreAnsweredAndLoseNoneOfTheirNumbers) {
-  const ClientRights bert{.name = "bert", .motions_per_s_max = 10};
+  const ClientRights bert{.name = "bert", .key = "bert\'s key", .motions_per_s_max = 10};
   arrive_with(hello(), bert);
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   constexpr std::uint64_t kMotions = 5000;
@@ -70,8 +78,8 @@ TEST_F(ServerRights, BoundTheMotionsThatAreAnsweredAndLoseNoneOfTheirNumbers) {
 }
 
 TEST_F(ServerRights, BoundTheSessionsOfAClientWhereverTheyComeFrom) {
-  const ClientRights two{.name = "anna", .sessions_max = 2};
-  const ClientRights others{.name = "bert", .sessions_max = 2};
+  const ClientRights two{.name = "anna", .key = "anna\'s key", .sessions_max = 2};
+  const ClientRights others{.name = "bert", .key = "bert\'s key", .sessions_max = 2};
   const auto join_as = [&](const ClientRights& rights, std::uint16_t number) {
     server->on_datagram(encoded(hello(number)), address(number), clock.time, rights);
     return answers();
@@ -89,9 +97,54 @@ TEST_F(ServerRights, BoundTheSessionsOfAClientWhereverTheyComeFrom) {
   EXPECT_TRUE(std::holds_alternative<wire::Welcome>(join_as(two, 5).at(0)));
 }
 
+TEST_F(ServerRights, WithoutAMostOfSessionsAreAFairShareOfThem) {
+  start({.sessions_max = 8});
+  const ClientRights stolen{.name = "anna", .key = "stolen key"};
+  const ClientRights other{.name = "bert", .key = "bert's key"};
+  std::uint16_t number = 0;
+  const auto enters = [&](const ClientRights& rights) {
+    ++number;
+    server->on_datagram(encoded(hello(number)), address(number), clock.time, rights);
+    const auto said = answers();
+    return !said.empty() && std::holds_alternative<wire::Welcome>(said.back());
+  };
+  int held = 0;
+  for (int i = 0; i < 64; ++i) held += enters(stolen) ? 1 : 0;
+  EXPECT_EQ(held, 4) << "half of what there is";
+  EXPECT_TRUE(enters(other));
+  EXPECT_TRUE(enters(other));
+  EXPECT_FALSE(enters(other)) << "as many as are free";
+  EXPECT_TRUE(enters({.name = "carl", .key = "carl's key"}));
+  EXPECT_TRUE(enters({.name = "carl", .key = "carl's key", .sessions_max = 2})) << "its entry in the list counts";
+}
+
+TEST_F(ServerRights, LeaveAPlaceToSomebodyElseWhereverThoseOfOneKeySayHelloFrom) {
+  start({.hellos_per_s_max = 50});
+  const ClientRights stolen{.name = "anna", .key = "stolen key", .sessions_max = 1};
+  const ClientRights other{.name = "bert", .key = "bert's key"};
+  for (std::uint16_t number = 1; number <= 5000; ++number) {
+    server->on_datagram(encoded(hello(number)), from_network(number), clock.time, stolen);
+  }
+  EXPECT_EQ(server->counters().hellos_over_rate, 5000U - 50U);
+  (void)answers();
+  server->on_datagram(encoded(hello(6000)), address(6000), clock.time, other);
+  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(answers().back()));
+}
+
+TEST_F(ServerRights, EndWithTheKeyAndNotWithTheName) {
+  const ClientRights stolen{.name = "anna", .key = "stolen key"};
+  const ClientRights replaced{.name = "anna", .key = "new key"};
+  arrive_with(hello(1), stolen);
+  const std::uint64_t session = only_answer<wire::Welcome>().session;
+  arrive_with(motion(session, 1), replaced);
+  EXPECT_EQ(server->counters().datagrams_of_others, 1U) << "another key, whatever its name";
+  EXPECT_EQ(server->end_sessions_unless([](std::string_view key) { return key == "new key"; }), 1U);
+  EXPECT_EQ(server->sessions(), 0U);
+}
+
 TEST_F(ServerRights, LeaveASessionToTheClientThatOpenedIt) {
-  const ClientRights other{.name = "bert"};
-  arrive_with(hello(), {.name = "anna"});
+  const ClientRights other{.name = "bert", .key = "bert\'s key"};
+  arrive_with(hello(), {.name = "anna", .key = "anna\'s key"});
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   arrive_with(motion(session, 1), other);
   arrive_with(wire::Bye{.session = session}, other);
@@ -102,7 +155,7 @@ TEST_F(ServerRights, LeaveASessionToTheClientThatOpenedIt) {
 }
 
 TEST_F(ServerRights, LetAClientThatWasCutOffBackIn) {
-  const ClientRights one{.name = "anna", .sessions_max = 1};
+  const ClientRights one{.name = "anna", .key = "anna\'s key", .sessions_max = 1};
   arrive_with(hello(1), one);
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   arrive_with(motion(session, 1), one);
@@ -117,7 +170,7 @@ TEST_F(ServerRights, LetAClientThatWasCutOffBackIn) {
 }
 
 TEST_F(ServerRights, WithoutARateAreTheServersOwn) {
-  const ClientRights bert{.name = "bert"};
+  const ClientRights bert{.name = "bert", .key = "bert\'s key"};
   arrive_with(hello(), bert);
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   for (std::uint64_t i = 1; i <= 1000; ++i) {

@@ -80,9 +80,9 @@ TEST(SharedLimits, GiveAPlaceBackOnceWhereverItWasMovedTo) {
 TEST(SharedLimits, LetASourceSayHelloAsOftenAsOneServerWould) {
   SharedLimits limits(5, 0s, 1);
   int taken = 0;
-  for (int i = 0; i < 20; ++i) taken += limits.take_hello(limited_address(1), 0s) ? 1 : 0;
+  for (int i = 0; i < 20; ++i) taken += limits.take_hello({}, limited_address(1), 0s) ? 1 : 0;
   EXPECT_EQ(taken, 5);
-  EXPECT_TRUE(limits.take_hello(limited_address(1), 1s));
+  EXPECT_TRUE(limits.take_hello({}, limited_address(1), 1s));
 }
 
 TEST(WorkerPlace, OwnsSessionsByTheLowestByteOfTheirNumber) {

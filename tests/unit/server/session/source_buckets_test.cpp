@@ -32,18 +32,32 @@ TEST(SourceBuckets, ForgedSourcesTogetherGetABoundedRate) {
   EXPECT_LE(taken, 50 * SourceBuckets::kBuckets);
 }
 
-TEST(SourceBuckets, AnIpv6NetworkIsOneSource) {
+TEST(SourceBuckets, AnIpv6SiteIsOneSource) {
   const SourceBuckets buckets(milliseconds{20}, 50, milliseconds{0}, 12345);
   net::Address one{.ip = {0x20, 1, 0xd, 0xb8, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, .port = 1};
   net::Address other = one;
   other.ip[15] = 99;
-  EXPECT_EQ(buckets.index(one), buckets.index(other));
+  EXPECT_EQ(source_of(one), source_of(other));
+  for (int network = 0; network < 256; ++network) {
+    other.ip[7] = static_cast<std::uint8_t>(network);
+    ASSERT_EQ(source_of(one), source_of(other)) << "all networks of its /56";
+  }
+  other.ip[6] = 8;
+  EXPECT_NE(source_of(one), source_of(other));
+  other = one;
   // Bytes as in an address of IPv4, which whoever has the network can choose.
   one.ip[10] = one.ip[11] = other.ip[10] = other.ip[11] = 0xff;
   for (std::uint8_t last = 0; last < 255; ++last) {
     other.ip[15] = last;
     ASSERT_EQ(buckets.index(one), buckets.index(other));
   }
+}
+
+TEST(SourceBuckets, EachIpv4AddressIsASourceWhateverThePort) {
+  EXPECT_EQ(source_of(ipv4(1, 1)), source_of(ipv4(1, 2)));
+  std::set<std::uint64_t> sources;
+  for (std::uint8_t last = 0; last < 255; ++last) sources.insert(source_of(ipv4(last)));
+  EXPECT_EQ(sources.size(), 255U);
 }
 
 TEST(SourceBuckets, SourcesSpreadOverBucketsAsTheKeySays) {
