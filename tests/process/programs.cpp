@@ -55,8 +55,11 @@ Client::Client(const std::string& server, const Words& arguments)
 
 int Client::expected_end() const {
   constexpr int kNotPassive = 3;
+  constexpr int kNeverConnected = 5;
   const nlohmann::json ended = summary();
-  return ended.is_object() && ended.value("verdict", "") == "not passive" ? kNotPassive : 0;
+  const std::string verdict = ended.is_object() ? ended.value("verdict", "") : "";
+  if (verdict == "not passive") return kNotPassive;
+  return verdict == "never connected" ? kNeverConnected : 0;
 }
 
 Ran run(const char* program, const Words& arguments, std::chrono::nanoseconds limit) {

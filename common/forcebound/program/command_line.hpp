@@ -18,19 +18,21 @@ class Validator;
 namespace forcebound::program {
 
 /// Exit codes. Wrong use: an option is unknown, lacks its value, has one that can never be right, or does not go with
-/// another. Failed: the command line is right, but a file, host or device cannot be used, or a run found no session.
-/// Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but of what it was to
-/// write (a recording, a summary, a log) something is missing. The first of not passive, failed and output lost that
-/// holds is returned.
+/// another. Failed: the command line is right, but a file, host or device cannot be used, or a run gave up since it
+/// found no session. Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but of
+/// what it was to write (a recording, a summary, a log) something is missing. Never connected: it ended when it was to,
+/// and had no session until then. The first of not passive, failed, never connected and output lost that holds is
+/// returned.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUse = 2;
 inline constexpr int kNotPassive = 3;
 inline constexpr int kOutputLost = 4;
+inline constexpr int kNeverConnected = 5;
 
 /// The last line of every program's --help.
 inline constexpr std::string_view kExitCodes =
-    "Exit code: 0 done, 1 failed, 2 wrong use, 3 NOT PASSIVE, 4 output lost.";
+    "Exit code: 0 done, 1 failed, 2 wrong use, 3 NOT PASSIVE, 4 output lost, 5 never connected.";
 
 /// The program ends after its command line: help, version or wrong use.
 struct End {

@@ -98,6 +98,7 @@ class Summary final : public TickSink {
 
   /// Whether its first line says NOT PASSIVE.
   [[nodiscard]] bool not_passive() const;
+  [[nodiscard]] bool connected() const noexcept { return connected_; }
 
   /// Whether its first line says RECORDING INCOMPLETE: records are missing.
   [[nodiscard]] bool recording_incomplete() const;
