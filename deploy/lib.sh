@@ -106,6 +106,14 @@ bare_debian() {
   say "A bare Debian ($suite) in $((SECONDS - start)) s"
 }
 
+# Before a client: without the rights to real-time scheduling, as another user has it, and so that clients do not keep a
+# server on this machine waiting.
+without_real_time=()
+if (($(id -u) == 0)); then
+  without_real_time=(prlimit --rtprio=0 --memlock=65536
+    setpriv --bounding-set -sys_nice,-ipc_lock,-sys_resource --inh-caps -all)
+fi
+
 # What a command has started in the background; all of it ends with the command.
 pids=()
 stop_all() {

@@ -41,6 +41,7 @@ class SealedConversation {
     start_server();
     network_.set_server_handler([this](std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
       const auto content = server_->take_in(datagram, from, now);
+      while (server_->has_waiting()) server_->answer_waiting(now);
       if (!content) return;
       from_client.insert(number_in(content->bytes));
       server_sent += server_->send(bytes_of(++server_number_), from) ? 1 : 0;

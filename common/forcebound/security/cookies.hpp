@@ -20,7 +20,9 @@ using Cookie = std::array<std::byte, kCookieBytes>;
 /// Real time: noexcept, no allocation, below 1 us. A moved-from one must not be used.
 class Cookies {
  public:
-  static constexpr time::Nanoseconds kPeriod = std::chrono::minutes(2);
+  /// Longer than a round trip (12 s has been observed), and so short that a client makes another request meanwhile: a
+  /// recorded one is of use for no longer.
+  static constexpr time::Nanoseconds kPeriod = std::chrono::seconds(20);
 
   /// @param key of this end alone; 32 random bytes
   explicit Cookies(SecretKey key) noexcept : key_(std::move(key)) {}

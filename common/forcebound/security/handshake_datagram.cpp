@@ -1,13 +1,16 @@
 #include "forcebound/security/handshake_datagram.hpp"
 
+#include <sodium.h>
+
 #include <algorithm>
 
 #include "forcebound/security/internal/little_end.hpp"
+#include "forcebound/security/internal/raw.hpp"
 
 namespace forcebound::security {
 namespace {
 
-constexpr std::array kHandshakeMark{std::byte{'F'}, std::byte{'H'}, std::byte{1}};
+constexpr std::array kHandshakeMark{std::byte{'F'}, std::byte{'H'}, std::byte{2}};
 constexpr std::size_t kKindAt = 3;
 constexpr std::size_t kPatternAt = 4;
 constexpr std::size_t kNumberAt = 5;
@@ -90,9 +93,12 @@ HandshakeDatagram read_handshake(std::span<const std::byte> datagram) noexcept {
   const std::byte kind = datagram[kKindAt];
   if (kind == kRequest) {
     const std::size_t bytes = Handshake::overhead(topic->pattern, 0);
-    if (rest.size() < kCookieBytes + bytes) return {};
-    HandshakeRequest request{.topic = *topic, .message = rest.subspan(kCookieBytes, bytes)};
+    constexpr std::size_t kBefore = kCookieBytes + 2 * kProofBytes;
+    if (rest.size() < kBefore + bytes) return {};
+    HandshakeRequest request{.topic = *topic, .message = rest.subspan(kBefore, bytes)};
     std::copy_n(rest.begin(), kCookieBytes, request.cookie.begin());
+    std::copy_n(rest.begin() + kCookieBytes, kProofBytes, request.proofs.own.begin());
+    std::copy_n(rest.begin() + kCookieBytes + kProofBytes, kProofBytes, request.proofs.shared.begin());
     return request;
   }
   if (kind == kOffer) {
@@ -106,8 +112,27 @@ HandshakeDatagram read_handshake(std::span<const std::byte> datagram) noexcept {
   return HandshakeAnswer{.topic = *topic, .message = rest};
 }
 
+RequestDigest digest_of(const HandshakeRequest& request) noexcept {
+  RequestDigest digest;
+  const HandshakePrologue prologue = prologue_of(request.topic);
+  ::crypto_generichash_blake2b_state state;
+  ::crypto_generichash_blake2b_init(&state, nullptr, 0, digest.size());
+  for (const std::span<const std::byte> part :
+       {std::span<const std::byte>(prologue), std::span<const std::byte>(request.cookie), request.message}) {
+    ::crypto_generichash_blake2b_update(&state, raw(part), part.size());
+  }
+  ::crypto_generichash_blake2b_final(&state, raw(digest), digest.size());
+  return digest;
+}
+
 std::size_t write(const HandshakeRequest& request, std::span<std::byte> out) noexcept {
-  return Joined(out).add(heading(kRequest, request.topic)).add(request.cookie).add(request.message).bytes();
+  return Joined(out)
+      .add(heading(kRequest, request.topic))
+      .add(request.cookie)
+      .add(request.proofs.own)
+      .add(request.proofs.shared)
+      .add(request.message)
+      .bytes();
 }
 
 std::size_t write(const CookieOffer& offer, std::span<std::byte> out) noexcept {

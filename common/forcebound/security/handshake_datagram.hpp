@@ -10,13 +10,14 @@
 #include "forcebound/security/cookies.hpp"
 #include "forcebound/security/keys.hpp"
 #include "forcebound/security/noise.hpp"
+#include "forcebound/security/request_proof.hpp"
 
 namespace forcebound::security {
 
 // How a session gets its keys. All datagrams begin with the same 12 bytes; numbers are little end first:
 //
 //     0   2  mark 'F' 'H'
-//     2   1  version, 1
+//     2   1  version, 2
 //     3   1  kind: 1 request, 2 cookie, 3 answer
 //     4   1  pattern: 1 IKpsk2, 2 NNpsk0
 //     5   1  number of the handshake
@@ -26,11 +27,12 @@ namespace forcebound::security {
 //     client                                                  server
 //     request without cookie, padded to 1200 bytes      ->
 //                                                       <-    cookie, and the server's public key: no state, no memory
-//     request with the cookie and Noise's first message ->
+//     request with the cookie, proofs (request_proof.hpp)
+//     and Noise's first message                         ->
 //                                                       <-    answer: Noise's second message
 //     sealed datagrams (channel.hpp), the first of which is a Hello, both ways
 //
-// A later handshake of the same session travels as the content of sealed datagrams, without cookie and padding.
+// A later handshake of the same session travels as the content of sealed datagrams, without cookie, proofs and padding.
 //
 // The first twelve bytes of the request are the handshake's prologue: who changes them on the way changes the keys at
 // one end. A cookie datagram is not authentic: the key in it is believed only after a handshake with it, and where a
@@ -57,10 +59,14 @@ struct HandshakeTopic {
 struct HandshakeRequest {
   HandshakeTopic topic;
   Cookie cookie{};  ///< zero: one is asked for
+  Proofs proofs{};  ///< of a first handshake, with the cookie
   /// Noise's first message, without payload; zeros where a cookie is asked for. Of a request that was read, it points
   /// into the datagram.
   std::span<const std::byte> message;
 };
+
+/// What its proofs are of: all of it but they.
+[[nodiscard]] RequestDigest digest_of(const HandshakeRequest& request) noexcept;
 
 /// Server to client.
 struct CookieOffer {

@@ -188,6 +188,7 @@ class ScriptedNetwork {
     if (datagram.to_server) {
       const net::Address from{.ip = {2}, .port = datagram.port};
       const auto opened = server_.take_in(datagram.bytes, from, clock_.time);
+      while (server_.has_waiting()) server_.answer_waiting(clock_.time);
       if (opened) on_opened(opened->bytes, 'c', changed);
       std::size_t answered = 0;
       for (const auto& sent : from_server_.sent) {

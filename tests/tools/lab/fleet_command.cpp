@@ -65,7 +65,7 @@ text::Table table_of(const FleetResult& result) {
   };
   add("arrival until the session", result.waits_s);
   add("failure until the session", result.outages_s);
-  add("a server held up by handshakes", result.hold_ups_s);
+  add("a handshake, until answered", result.handshakes_s);
   return table;
 }
 

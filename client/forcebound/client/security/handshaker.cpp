@@ -128,6 +128,9 @@ void Handshaker::write_message() {
   const auto written = handshake_->write({}, message_, random);
   security::wipe(random.data(), random.size());
   message_bytes_ = written.bytes;
+  proof_keys_ = {};
+  if (identity_.own && expected_) proof_keys_.own.emplace(*identity_.own, *expected_);
+  if (identity_.shared) proof_keys_.shared.emplace(*identity_.shared);
   if (written.result == security::HandshakeResult::done) return;
   handshake_.reset();
   set_problem("the server's public key cannot be anybody's: nothing is sent to it");
@@ -137,11 +140,12 @@ void Handshaker::say(Nanoseconds now) {
   Said said;
   const std::array<std::byte, security::kSealedRequestBytesMost> none{};
   const std::size_t bytes = security::Handshake::overhead(topic_.pattern, 0);
-  const security::HandshakeRequest request{
+  security::HandshakeRequest request{
       .topic = topic_,
       .cookie = cookie_,
       .message = std::span<const std::byte>(message_bytes_ > 0 ? message_ : none).first(bytes)};
   said.sealed = task_ == Wanted::next_key;
+  if (!said.sealed && message_bytes_ > 0) request.proofs = proof_keys_.of(security::digest_of(request));
   const std::size_t length = security::write(request, said.bytes);
   said.length = said.sealed ? length : security::kRequestBytes;
   if (!queues_->said.push(said)) return;  // the tick rests: later

@@ -127,6 +127,7 @@ class Handshaker {
   std::optional<security::Handshake> handshake_;
   std::array<std::byte, security::kSealedRequestBytesMost> message_{};
   std::size_t message_bytes_ = 0;
+  security::ProofKeys proof_keys_{};  ///< of the message's
   std::uint32_t session_client_ = 0;  ///< numbers of the session that there is
   std::uint32_t session_server_ = 0;
   Nanoseconds begun_{0};

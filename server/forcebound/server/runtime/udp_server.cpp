@@ -98,12 +98,14 @@ void UdpServer::turn() {
   const Nanoseconds before = clock_.now();
   // Who puts something beside mail that waits wakes nobody.
   const bool mail_waits = !mail_.empty() && !mail_[place_.number]->empty();
-  const auto arrived = mail_waits ? batch_.receive_all() : batch_.wait_for_some();
+  const bool work_waits = mail_waits || (secure_ && secure_->has_waiting());
+  const auto arrived = work_waits ? batch_.receive_all() : batch_.wait_for_some();
   note_busy(clock_.now() - before);
   unless_out_of_memory([this] { compiler_.deliver(); });
   if (!arrived.empty()) take_in(arrived);
   if (!mail_.empty()) take_in_mail();
   answer_all();
+  if (secure_ && secure_->has_waiting()) answer_handshake();
   const Nanoseconds now = clock_.now();
   turned_.store(now.count(), std::memory_order_relaxed);
   if (now < timer_) return;
@@ -112,6 +114,14 @@ void UdpServer::turn() {
   batch_.flush();
   note_figures();
   timer_ = now + kTimerPeriod;
+}
+
+/// One, so that the next motions wait for no more. What it takes is no load of the sessions, which come first.
+void UdpServer::answer_handshake() noexcept {
+  const Nanoseconds before = clock_.now();
+  secure_->answer_waiting(before);
+  batch_.flush();
+  waited_ += clock_.now() - before;
 }
 
 void UdpServer::note_busy(Nanoseconds waited) noexcept {

@@ -37,8 +37,8 @@ net::UdpLink listen_at(const net::Address& address);
 /// Single-threaded: environments and the observer are called in the thread that calls `turn` or `run`. A second thread
 /// of its own compiles newly requested scenes meanwhile.
 ///
-/// Real time: a turn with motions alone allocates nothing and waits only for datagrams. A handshake delays the answers
-/// of all by about 0.2 ms.
+/// Real time: a turn with motions alone allocates nothing and waits only for datagrams. Motions are answered before
+/// handshakes, of which a turn makes one: however many ask, that delays the answers of all by about 0.2 ms.
 class UdpServer {
  public:
   /// @param observer may be null; must outlive the server
@@ -113,6 +113,7 @@ class UdpServer {
   void take_in_handed(Nanoseconds now);
   void note_figures();
   void answer_all();
+  void answer_handshake() noexcept;
   void note_busy(Nanoseconds waited) noexcept;
 
   time::SteadyClock clock_;

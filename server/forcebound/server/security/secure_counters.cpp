@@ -13,7 +13,9 @@ void SecureCounters::add(const SecureCounters& other) noexcept {
   handshakes_full += other.handshakes_full;
   handshakes_not_authentic += other.handshakes_not_authentic;
   handshakes_malformed += other.handshakes_malformed;
+  handshakes_not_proven += other.handshakes_not_proven;
   handshakes_over_rate += other.handshakes_over_rate;
+  handshakes_crowded += other.handshakes_crowded;
   handshakes_overtaken += other.handshakes_overtaken;
   addresses_of_others += other.addresses_of_others;
   handshakes_failed += other.handshakes_failed;
@@ -35,7 +37,9 @@ std::string SecureCounters::text() const {
                      {"for which there was no room", handshakes_full},
                      {"not authentic", handshakes_not_authentic},
                      {"malformed or of another pattern", handshakes_malformed},
+                     {"not proven to be of who may come in", handshakes_not_proven},
                      {"over the rate", handshakes_over_rate},
+                     {"beyond those that may wait", handshakes_crowded},
                      {"overtaken by a newer one", handshakes_overtaken},
                      {"without memory for them", handshakes_failed},
                      {"not followed by a session", handshakes_unused},

@@ -18,7 +18,9 @@ struct SecureCounters {
   std::uint64_t handshakes_full = 0;           ///< no room for one more, or no memory
   std::uint64_t handshakes_not_authentic = 0;  ///< forged or damaged, or another server's or shared key
   std::uint64_t handshakes_malformed = 0;      ///< too short, of another pattern, or no request
+  std::uint64_t handshakes_not_proven = 0;     ///< not of a client of the list or the shared key, or recorded
   std::uint64_t handshakes_over_rate = 0;
+  std::uint64_t handshakes_crowded = 0;                      ///< too many waited, of all, of a source or of a client
   std::uint64_t handshakes_overtaken = 0;                    ///< requests for another key that came after a newer one
   std::uint64_t addresses_of_others = 0;                     ///< records from where another client was just heard
   std::uint64_t handshakes_failed = 0;                       ///< not answered for lack of memory or randomness

@@ -12,10 +12,15 @@ namespace forcebound::server {
 namespace {
 
 // Cookies cost little, so that a flood from forged addresses leaves some to others.
-constexpr Nanoseconds kUnprovenInterval = std::chrono::milliseconds{1};
-constexpr int kUnprovenAtOnce = 200;
+constexpr Nanoseconds kUnreachedInterval = std::chrono::milliseconds{1};
+constexpr int kUnreachedAtOnce = 200;
 constexpr Nanoseconds kHandshakeInterval = std::chrono::milliseconds{100};
 constexpr int kHandshakesAtOnce = 30;
+// So many are told why they do not come in that it takes a hundredth of the thread's time.
+constexpr Nanoseconds kUnprovenInterval = std::chrono::seconds{1};
+constexpr int kUnprovenAtOnce = 5;
+constexpr Nanoseconds kAllUnprovenInterval = std::chrono::milliseconds{10};
+constexpr int kAllUnprovenAtOnce = 10;
 // Of an address, where another client was heard.
 constexpr Nanoseconds kOwnsAfterSilence = std::chrono::seconds{1};
 
@@ -37,10 +42,13 @@ std::size_t peers_most(const SecureLimits& limits) noexcept {
   return limits.confirmed_most() + SecureLink::kUnconfirmedMost + 2 * moved_most;
 }
 
-security::SecretKey random_key(const SecureLink::FillRandom& fill_random) {
-  security::SecretKey key;
-  fill_random(*key);
-  return key;
+/// A quarter of the thread's time, and not so many at once that a motion waits longer for them than for a handshake.
+time::TokenBucket judgements_of(const RequestJudge& judge, Nanoseconds now) {
+  constexpr Nanoseconds kHash{30};
+  constexpr int kShare = 4;
+  constexpr int kHashesAtOnce = 8192;
+  const int hashes = static_cast<int>(judge.hashes());
+  return {kShare * hashes * kHash, std::max(1, kHashesAtOnce / hashes), now};
 }
 
 }  // namespace
@@ -54,11 +62,21 @@ SecureLink::SecureLink(ServerKeys keys, const SecureLimits& limits, net::Datagra
       fill_random_(std::move(fill_random)),
       observer_(observer == nullptr ? nobody_ : *observer),
       owners_(peers_most(limits), random<std::uint64_t>()),
-      cookies_(random_key(fill_random_)),
-      unproven_(kUnprovenInterval * limits.workers, std::max(1, kUnprovenAtOnce / static_cast<int>(limits.workers)),
-                clock.now(), random<std::uint64_t>()),
-      handshakes_(kHandshakeInterval, kHandshakesAtOnce, clock.now(), random<std::uint64_t>()) {
+      cookies_(random_key()),
+      unreached_(kUnreachedInterval * limits.workers, std::max(1, kUnreachedAtOnce / static_cast<int>(limits.workers)),
+                 clock.now(), random<std::uint64_t>()),
+      judge_(keys_),
+      judgements_(judgements_of(judge_, clock.now())),
+      handshakes_(kHandshakeInterval, kHandshakesAtOnce),
+      unproven_(kUnprovenInterval, kUnprovenAtOnce),
+      all_unproven_(kAllUnprovenInterval, kAllUnprovenAtOnce, clock.now()) {
   peers_.reserve(peers_most(limits));  // what moves here needs no memory
+}
+
+security::SecretKey SecureLink::random_key() {
+  security::SecretKey key;
+  fill_random_(*key);
+  return key;
 }
 
 SecureLink::~SecureLink() { security::wipe(plain_.data(), plain_.size()); }
@@ -94,7 +112,7 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
   note_address(number, peer, from, now);
   const auto content = std::span<const std::byte>(plain_).first(opened.bytes);
   if (security::is_handshake(content)) {
-    on_later(peer, opened, content, from, now);
+    on_later_request(number, opened, content, from);
     return std::nullopt;
   }
   return Content{.bytes = content, .client = peer.client, .keys = number};
@@ -135,9 +153,8 @@ std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving,
                                                                   Nanoseconds now) noexcept {
   const std::uint32_t number = moving.node_.key();
   Peer& peer = moving.node_.mapped();
-  const bool has_list = keys_.own && keys_.clients;
-  peer.client = has_list ? keys_.clients->find(peer.key) : nullptr;
-  if (has_list && peer.client == nullptr) {
+  peer.client = has_list() ? keys_.clients->find(peer.key) : nullptr;
+  if (has_list() && peer.client == nullptr) {
     limits_.moved->forget(number);
     return std::nullopt;
   }
@@ -194,7 +211,7 @@ void SecureLink::take_in_clear(std::span<const std::byte> datagram, const net::A
   ++counters_.in_clear;
   const auto checked_heading = wire::heading_of(datagram);
   const auto* const heading = std::get_if<wire::Heading>(&checked_heading);
-  if (heading == nullptr || !heading->is<wire::Hello>() || !unproven_.take(from, now)) return;
+  if (heading == nullptr || !heading->is<wire::Hello>() || !unreached_.take(from, now)) return;
   const auto decoded = codec_.decode(datagram, *heading);
   const auto* const message = std::get_if<wire::Message>(&decoded);
   const auto* const hello = message == nullptr ? nullptr : std::get_if<wire::Hello>(message);
@@ -220,7 +237,10 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
   std::array<std::byte, net::kDatagramBytesMax> datagram;
   for (int dropped = 0; dropped < kDroppedAtOnce; ++dropped) {
     const auto received = link_.receive(datagram);
-    if (!received) return std::nullopt;
+    if (!received) {
+      while (has_waiting()) answer_waiting(clock_.now());
+      return std::nullopt;
+    }
     const auto there = std::span(datagram).first(std::min(received->bytes, datagram.size()));
     const auto content = take_in(there, received->from, clock_.now());
     if (!content) continue;
@@ -233,6 +253,8 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
 void SecureLink::replace_clients(security::AllowedClients clients) {
   if (!keys_.clients) return;
   keys_.clients = std::move(clients);
+  judge_.replace(keys_);
+  judgements_ = judgements_of(judge_, clock_.now());
   for (auto next = peers_.begin(); next != peers_.end();) {
     const auto peer = next++;
     peer->second.client = keys_.clients->find(peer->second.key);

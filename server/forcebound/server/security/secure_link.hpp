@@ -15,8 +15,11 @@
 #include "forcebound/security/handshake_datagram.hpp"
 #include "forcebound/server/security/address_owners.hpp"
 #include "forcebound/server/security/moved_keys.hpp"
+#include "forcebound/server/security/request_judge.hpp"
 #include "forcebound/server/security/secure_counters.hpp"
 #include "forcebound/server/security/server_keys.hpp"
+#include "forcebound/server/security/waiting_handshakes.hpp"
+#include "forcebound/server/session/exact_buckets.hpp"
 #include "forcebound/server/session/observer.hpp"
 #include "forcebound/server/session/source_buckets.hpp"
 #include "forcebound/time/clock.hpp"
@@ -25,8 +28,8 @@
 
 namespace forcebound::server {
 
-/// How many a SecureLink has keys for, and how long. Each worker's link has these limits for itself, as has that for
-/// handshakes of a source.
+/// How many a SecureLink has keys for, and how long. Each worker's link has these limits for itself, as has those for
+/// handshakes.
 struct SecureLimits {
   std::size_t sessions_max = 64;                        ///< of the server behind it
   Nanoseconds idle_timeout = std::chrono::seconds{60};  ///< of its sessions
@@ -47,18 +50,25 @@ struct SecureLimits {
 /// behind it knows nothing. Answers handshakes (handshake_datagram.hpp), first ones in the clear, later ones in sealed
 /// datagrams.
 ///
-/// - **Nothing is kept for who asks**, nor computed but a hash, before it has sent a cookie back from its address. Then
-///   it has keys here for 10 s, as have 64 such at most, of whom the oldest goes first. A sealed datagram confirms that
-///   it is no copy of an earlier request: twice `sessions_max` and 8 more may be confirmed.
+/// - **Nothing is kept for who asks**, nor computed but hashes, before it has sent a cookie back from its address.
+/// - **Handshakes wait** (waiting_handshakes.hpp) for `answer_waiting`, which makes one at a time: records are opened
+///   before, however many ask.
+/// - **A request that is proven** (request_proof.hpp) is one of a client of the list, or by who knows the shared key,
+///   and no recorded one. It gets keys here for 10 s, as have 64 such at most, and of a client of the list two: another
+///   of its requests is answered when one of these is free. Without a list the source that has most of the 64 loses its
+///   oldest. A sealed datagram confirms the keys: twice `sessions_max` and 8 more may be confirmed.
+/// - **A request that is not proven** gets no keys. Whose key the list lacks is told so, and who has another shared key
+///   gets an answer that it cannot read; of all such 100 in a second, and of a source one.
 /// - **A client with a most of sessions** may have confirmed as many for each; the next takes the place of the one that
 ///   was silent longest.
 /// - **A copy of a request** gets the same answer again, and no keys of its own.
 /// - **A session of keys ends** when nothing was opened for 20 s longer than `idle_timeout`, or its key has expired.
 /// - **Keys move** to the worker that has the session or the shared scene of what was sealed with them, and stay there:
-/// all
-///   sessions under the same keys should be of one worker, or most of their motions are lost.
-/// - **No answer is longer than its question**, and there are limits to answers by source: cookies and refusals, which
-///   forged addresses can use up, apart from handshakes, which they cannot.
+///   all sessions under the same keys should be of one worker, or most of their motions are lost.
+/// - **No answer is longer than its question**, and there are limits to answers: of cookies and refusals by source,
+/// which
+///   forged addresses can use up, apart from handshakes, which they cannot; of these 10 a second and 30 at once for
+///   each client of the list, without one for each source.
 /// - **A Hello in the clear** is refused with the reason; all else in the clear is dropped.
 /// - **What goes to an address** is sealed by the session of keys of which the newest record came from there. A session
 ///   keeps its newest two addresses.
@@ -66,8 +76,8 @@ struct SecureLimits {
 /// Without a list of clients whoever knows the shared key is let in, and the server knows of nobody who it is.
 ///
 /// `now` is the clock's time. Randomness is an argument. Real time: `take_in` of records and `send` are noexcept and
-/// allocate nothing, about 1 us each. A handshake takes about 0.2 ms of the thread that calls `take_in`, and allocates;
-/// a source can cause 10 of them in a second. Not thread-safe.
+/// allocate nothing, about 1 us each. A handshake takes about 0.2 ms of the thread that calls `answer_waiting`, and
+/// allocates. Not thread-safe.
 class SecureLink final : public net::DatagramLink {
  public:
   using FillRandom = std::function<void(std::span<std::byte>)>;
@@ -117,15 +127,22 @@ class SecureLink final : public net::DatagramLink {
   /// The other worker that has the keys of this record.
   [[nodiscard]] std::optional<std::size_t> moved_to(std::span<const std::byte> record) const noexcept;
 
-  /// A datagram that arrived at `now`. Nothing if it has no content for the server.
+  /// A datagram that arrived at `now`. Nothing if it has no content for the server. A handshake waits for
+  /// `answer_waiting`.
   std::optional<Content> take_in(std::span<const std::byte> datagram, const net::Address& from,
                                  Nanoseconds now) noexcept;
+
+  /// Makes the handshake that has waited longest. To be called when no record waits to be opened.
+  void answer_waiting(Nanoseconds now) noexcept;
+
+  /// Whether a handshake waits.
+  [[nodiscard]] bool has_waiting() const noexcept { return !waiting_.empty(); }
 
   /// Seals it. False if nothing was opened from there, or the keys have expired.
   bool send(std::span<const std::byte> datagram, const net::Address& to) noexcept override;
 
-  /// `take_in` of what waits in the other link: the content of the oldest sealed datagram; after many without any,
-  /// nothing.
+  /// `take_in` of what waits in the other link, and when nothing does, the handshakes of it: the content of the oldest
+  /// sealed datagram; after many without any, nothing.
   std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override;
 
   /// Lets in whom this list has, from now on, and forgets the keys of clients that it does not have. Nothing changes
@@ -162,6 +179,7 @@ class SecureLink final : public net::DatagramLink {
     time::TokenBucket moves;  ///< to other workers
     const security::AllowedClient* client = nullptr;
     security::PublicKey key{};  ///< of IKpsk2
+    std::uint64_t charged = 0;  ///< who was for its handshake: RequestJudge's
     Answered answered{};
     std::uint64_t asked_at = 0;  ///< counter of the record with the newest later request, under the key that sealed it
     std::uint8_t asked_under = 0;  ///< the number of that key's handshake; 0: there was none
@@ -196,12 +214,21 @@ class SecureLink final : public net::DatagramLink {
   }
 
   // Handshakes.
+  using Waiting = WaitingHandshakes::Waiting;
   void on_request(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  void on_later_request(std::uint32_t keys, const security::Opened& record, std::span<const std::byte> content,
+                        const net::Address& from);
+  void judge(const security::HandshakeRequest& request, const net::Address& from, Nanoseconds now) noexcept;
+  void put(Waiting& waiting, const security::HandshakeRequest& request) noexcept;
   void offer_cookie(const security::HandshakeTopic& topic, const net::Address& from, Nanoseconds now);
-  void on_first(const security::HandshakeRequest& request, const net::Address& from, Nanoseconds now);
-  void on_later(Peer& peer, const security::Opened& record, std::span<const std::byte> content,
-                const net::Address& from, Nanoseconds now);
+  /// Whether a handshake was read for it.
+  bool answer(const Waiting& waiting, Nanoseconds now);
+  void on_first(const security::HandshakeRequest& request, std::uint64_t charged, const net::Address& from,
+                Nanoseconds now);
+  void refuse_unproven(const security::HandshakeRequest& request, const net::Address& from);
+  bool on_later(Peer& peer, const Waiting& waiting, Nanoseconds now);
   void answer_later(Peer& peer, const net::Address& from, Nanoseconds now);
+  void send_answer(const Answered& answered, const net::Address& to) noexcept;
   [[nodiscard]] bool install(Peer& peer, const security::HandshakeTopic& topic, const security::Handshake& handshake,
                              Nanoseconds now) noexcept;
   [[nodiscard]] bool fits(const security::HandshakeTopic& topic) const noexcept {
@@ -209,11 +236,17 @@ class SecureLink final : public net::DatagramLink {
   }
   [[nodiscard]] const Peer* asked_before(const security::HandshakeRequest& request) const noexcept;
   /// Nothing, and counted, if it is not authentic.
-  [[nodiscard]] std::optional<security::Handshake> read(const security::HandshakeRequest& request);
+  [[nodiscard]] std::optional<security::Handshake> read(const security::HandshakeRequest& request,
+                                                        const security::SecretKey* shared);
+  [[nodiscard]] const security::SecretKey* shared() const noexcept { return keys_.shared ? &*keys_.shared : nullptr; }
+  [[nodiscard]] bool has_list() const noexcept { return keys_.own && keys_.clients; }
+  /// Its entry in the list; null, counted and reported: it has none.
+  [[nodiscard]] const security::AllowedClient* listed(const security::Handshake& handshake, const net::Address& from);
   [[nodiscard]] Decision decide(const security::Handshake& handshake, const net::Address& from);
   /// Null if there is no memory for it.
-  [[nodiscard]] Peer* make_peer(const security::HandshakeTopic& topic, Nanoseconds now);
-  void make_room() noexcept;
+  [[nodiscard]] Peer* make_peer(const security::HandshakeTopic& topic, std::uint64_t charged, Nanoseconds now);
+  [[nodiscard]] std::size_t unconfirmed_of(std::uint64_t charged) const noexcept;
+  void make_room();
   /// Of its own numbers: forgets the session of keys that was silent longest of whoever has most; false: nobody has
   /// more than one more than who asks.
   [[nodiscard]] bool take_from_who_has_most(const security::Handshake& asking);
@@ -221,6 +254,7 @@ class SecureLink final : public net::DatagramLink {
   [[nodiscard]] bool write_answer(security::Handshake& handshake, const security::HandshakeRequest& request,
                                   const security::Admission& admission, Answered& answered);
   [[nodiscard]] std::uint32_t new_number();
+  [[nodiscard]] security::SecretKey random_key();
   template <class Value>
   [[nodiscard]] Value random() {
     Value value{};
@@ -240,8 +274,13 @@ class SecureLink final : public net::DatagramLink {
   std::size_t from_elsewhere_ = 0;  ///< of these: of another worker's numbers
   AddressOwners owners_;
   security::Cookies cookies_;
-  SourceBuckets unproven_;                           ///< answers to who has not shown that it receives at its address
-  SourceBuckets handshakes_;                         ///< of those who have
+  SourceBuckets unreached_;  ///< answers to who has not shown that it receives at its address
+  RequestJudge judge_;
+  time::TokenBucket judgements_;
+  ExactBuckets handshakes_;  ///< that are proven, by who is charged for them
+  ExactBuckets unproven_;    ///< by source
+  time::TokenBucket all_unproven_;
+  WaitingHandshakes waiting_;
   security::Locked<security::TransportKeys> fresh_;  ///< on their way from a handshake to a channel
   wire::Codec codec_;
   std::array<std::byte, net::kDatagramBytesMax> plain_{};

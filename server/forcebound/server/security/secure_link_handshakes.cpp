@@ -1,6 +1,7 @@
 // The link's answers to handshakes: whose client gets keys.
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <new>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "forcebound/server/security/secure_link.hpp"
 #include "forcebound/server/session/shared_limits.hpp"
+#include "forcebound/server/session/source_buckets.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -23,6 +25,10 @@ constexpr int kLaterAtOnce = 5;
 // Of a session of keys: to the worker of a shared scene, and to that of its session after a silence.
 constexpr Nanoseconds kMoveInterval = std::chrono::seconds{1};
 constexpr int kMovesAtOnce = 5;
+// Of a client of the list. More wait until one of these is confirmed or forgotten.
+constexpr std::size_t kUnconfirmedOfClient = 2;
+// Copies and what has been overtaken cost little.
+constexpr int kLooksAtOnce = 16;
 
 /// The bytes that name an address to cookies.
 std::array<std::byte, 18> named(const net::Address& address) noexcept {
@@ -43,18 +49,89 @@ void SecureLink::on_request(std::span<const std::byte> datagram, const net::Addr
     ++counters_.handshakes_malformed;
   } else if (!fits(request->topic) || !cookies_.is_good(request->cookie, named(from), now)) {
     offer_cookie(request->topic, from, now);
-  } else if (!handshakes_.take(from, now)) {
+  } else if (!judgements_.take(now)) {
     ++counters_.handshakes_over_rate;
-  } else if (const Peer* const before = asked_before(*request)) {
-    ++counters_.handshakes_again;
-    link_.send(std::span(before->answered.bytes).first(before->answered.length), from);
   } else {
-    on_first(*request, from, now);
+    judge(*request, from, now);
   }
 }
 
+void SecureLink::judge(const HandshakeRequest& request, const net::Address& from, Nanoseconds now) noexcept {
+  const auto charged = judge_.judge(request, from);
+  counters_.handshakes_not_proven += charged ? 0 : 1;
+  const std::uint64_t who = charged.value_or(source_of(from));
+  const bool in_time = charged ? handshakes_.take(who, now) : unproven_.take(who, now) && all_unproven_.take(now);
+  if (!in_time) {
+    ++counters_.handshakes_over_rate;
+    return;
+  }
+  Waiting waiting{.from = from, .who = who, .proven = charged.has_value()};
+  put(waiting, request);
+}
+
+void SecureLink::on_later_request(std::uint32_t keys, const security::Opened& record,
+                                  std::span<const std::byte> content, const net::Address& from) {
+  const auto parsed = security::read_handshake(content);
+  const auto* const request = std::get_if<HandshakeRequest>(&parsed);
+  if (request == nullptr || !fits(request->topic)) {
+    ++counters_.handshakes_malformed;
+    return;
+  }
+  Waiting waiting{.from = from, .who = keys, .keys = keys, .under = record.handshake, .record = record.counter};
+  put(waiting, *request);
+}
+
+void SecureLink::put(Waiting& waiting, const HandshakeRequest& request) noexcept {
+  waiting.topic = request.topic;
+  waiting.cookie = request.cookie;
+  waiting.proofs = request.proofs;
+  std::ranges::copy(request.message, waiting.message.begin());
+  waiting.message_bytes = request.message.size();
+  if (!waiting_.put(waiting)) ++counters_.handshakes_crowded;
+}
+
+void SecureLink::answer_waiting(Nanoseconds now) noexcept {
+  for (int looks = 0; looks < kLooksAtOnce; ++looks) {
+    const auto waiting = waiting_.take();
+    if (!waiting) return;
+    try {
+      if (answer(*waiting, now)) return;
+    } catch (const std::exception&) {  // no memory or no randomness: whoever asked asks again
+      ++counters_.handshakes_failed;
+    }
+  }
+}
+
+bool SecureLink::answer(const Waiting& waiting, Nanoseconds now) {
+  if (waiting.keys != 0) {
+    const auto peer = peers_.find(waiting.keys);
+    // Otherwise its keys have ended or moved meanwhile: its client asks again.
+    return peer != peers_.end() && on_later(peer->second, waiting, now);
+  }
+  const HandshakeRequest request = waiting.request();
+  if (!waiting.proven) {
+    refuse_unproven(request, waiting.from);
+    return true;
+  }
+  if (const Peer* const before = asked_before(request)) {
+    ++counters_.handshakes_again;
+    send_answer(before->answered, waiting.from);
+    return false;
+  }
+  if (has_list() && unconfirmed_of(waiting.who) >= kUnconfirmedOfClient) {
+    ++counters_.handshakes_crowded;
+    return false;
+  }
+  on_first(request, waiting.who, waiting.from, now);
+  return true;
+}
+
+void SecureLink::send_answer(const Answered& answered, const net::Address& to) noexcept {
+  link_.send(std::span(answered.bytes).first(answered.length), to);
+}
+
 void SecureLink::offer_cookie(const security::HandshakeTopic& topic, const net::Address& from, Nanoseconds now) {
-  if (!unproven_.take(from, now)) {
+  if (!unreached_.take(from, now)) {
     ++counters_.handshakes_over_rate;
     return;
   }
@@ -76,28 +153,32 @@ const SecureLink::Peer* SecureLink::asked_before(const HandshakeRequest& request
   return same == peers_.end() ? nullptr : &same->second;
 }
 
-std::optional<security::Handshake> SecureLink::read(const HandshakeRequest& request) {
+std::optional<security::Handshake> SecureLink::read(const HandshakeRequest& request,
+                                                    const security::SecretKey* shared) {
   const security::HandshakePrologue prologue = security::prologue_of(request.topic);
   security::Handshake handshake({.pattern = keys_.pattern(),
                                  .role = security::Role::responder,
                                  .prologue = prologue,
                                  .own = keys_.own ? &*keys_.own : nullptr,
-                                 .shared = keys_.shared ? &*keys_.shared : nullptr});
+                                 .shared = shared});
   if (handshake.read(request.message, {}).result == HandshakeResult::done) return handshake;
   ++counters_.handshakes_not_authentic;
   return std::nullopt;
 }
 
+const security::AllowedClient* SecureLink::listed(const security::Handshake& handshake, const net::Address& from) {
+  const security::AllowedClient* const client = keys_.clients->find(handshake.peer());
+  if (client != nullptr) return client;
+  ++counters_.handshakes_not_allowed;
+  observer_.on_refused(from, "the list of clients lacks its public key " + security::to_base64(handshake.peer().bytes));
+  return nullptr;
+}
+
 SecureLink::Decision SecureLink::decide(const security::Handshake& handshake, const net::Address& from) {
   Decision decision;
-  if (keys_.own && keys_.clients) {
-    decision.client = keys_.clients->find(handshake.peer());
-    if (decision.client == nullptr) {
-      ++counters_.handshakes_not_allowed;
-      observer_.on_refused(from,
-                           "the list of clients lacks its public key " + security::to_base64(handshake.peer().bytes));
-      return {.verdict = Verdict::not_allowed};
-    }
+  if (has_list()) {
+    decision.client = listed(handshake, from);
+    if (decision.client == nullptr) return {.verdict = Verdict::not_allowed};
   }
   if (!is_full() || take_from_who_has_most(handshake)) return decision;
   ++counters_.handshakes_full;
@@ -105,11 +186,23 @@ SecureLink::Decision SecureLink::decide(const security::Handshake& handshake, co
   return {.verdict = Verdict::full};
 }
 
-void SecureLink::on_first(const HandshakeRequest& request, const net::Address& from, Nanoseconds now) {
-  auto handshake = read(request);
+/// Whose key the list lacks is told so, and who has another shared key gets an answer that it cannot read. So does who
+/// has the right one: its proof was spoilt on the way, and what it could read would end its handshake. For the same
+/// reason nobody of the list is answered.
+void SecureLink::refuse_unproven(const HandshakeRequest& request, const net::Address& from) {
+  const security::SecretKey nobodys = random_key();
+  auto handshake = read(request, judge_.knows_shared(request) ? shared() : &nobodys);
+  if (!handshake || (has_list() && listed(*handshake, from) != nullptr)) return;
+  Answered refused;
+  if (write_answer(*handshake, request, {.verdict = Verdict::not_allowed}, refused)) send_answer(refused, from);
+}
+
+void SecureLink::on_first(const HandshakeRequest& request, std::uint64_t charged, const net::Address& from,
+                          Nanoseconds now) {
+  auto handshake = read(request, shared());
   if (!handshake) return;
   Decision decision = decide(*handshake, from);
-  Peer* const peer = decision.verdict == Verdict::let_in ? make_peer(request.topic, now) : nullptr;
+  Peer* const peer = decision.verdict == Verdict::let_in ? make_peer(request.topic, charged, now) : nullptr;
   if (peer == nullptr && decision.verdict == Verdict::let_in) {
     ++counters_.handshakes_full;
     decision.verdict = Verdict::full;
@@ -127,16 +220,17 @@ void SecureLink::on_first(const HandshakeRequest& request, const net::Address& f
     (void)install(*peer, request.topic, *handshake, now);  // the first number is never in use
     ++counters_.handshakes;
   }
-  link_.send(std::span(answered.bytes).first(answered.length), from);
+  send_answer(answered, from);
 }
 
-SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, Nanoseconds now) {
+SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, std::uint64_t charged, Nanoseconds now) {
   if (unconfirmed() >= kUnconfirmedMost) make_room();
   const std::uint32_t number = new_number();
   try {
     Peer peer{.channel = security::Channel({.own = number, .peer = topic.client}),
               .later = time::TokenBucket(kLaterInterval, kLaterAtOnce, now),
               .moves = time::TokenBucket(kMoveInterval, kMovesAtOnce, now),
+              .charged = charged,
               .heard = now};
     return &peers_.emplace(number, std::move(peer)).first->second;
   } catch (const std::bad_alloc&) {
@@ -164,11 +258,20 @@ bool SecureLink::take_from_who_has_most(const security::Handshake& asking) {
   return true;
 }
 
-void SecureLink::make_room() noexcept {
+std::size_t SecureLink::unconfirmed_of(std::uint64_t charged) const noexcept {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      peers_, [&](const auto& entry) { return !entry.second.confirmed && entry.second.charged == charged; }));
+}
+
+/// The oldest of whoever has most.
+void SecureLink::make_room() {
+  std::map<std::uint64_t, std::size_t> held;
+  for (const auto& [number, peer] : peers_) held[peer.charged] += peer.confirmed ? 0 : 1;
   auto oldest = peers_.end();
   for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
     if (peer->second.confirmed) continue;
-    if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
+    const auto rank = [&](const auto& entry) { return std::pair(held[entry.second.charged], -entry.second.heard); };
+    if (oldest == peers_.end() || rank(*peer) > rank(*oldest)) oldest = peer;
   }
   if (oldest == peers_.end()) return;
   ++counters_.handshakes_unused;
@@ -211,48 +314,47 @@ bool SecureLink::install(Peer& peer, const security::HandshakeTopic& topic, cons
   return installed;
 }
 
-void SecureLink::on_later(Peer& peer, const security::Opened& record, std::span<const std::byte> content,
-                          const net::Address& from, Nanoseconds now) {
-  const auto parsed = security::read_handshake(content);
-  const auto* const request = std::get_if<HandshakeRequest>(&parsed);
-  if (request == nullptr || !fits(request->topic) || request->topic.client != peer.channel.numbers().peer) {
+bool SecureLink::on_later(Peer& peer, const Waiting& waiting, Nanoseconds now) {
+  const HandshakeRequest request = waiting.request();
+  if (request.topic.client != peer.channel.numbers().peer) {
     ++counters_.handshakes_malformed;
-    return;
+    return false;
   }
-  const bool is_copy = !peer.answered.in_clear && peer.answered.topic == request->topic &&
-                       std::ranges::equal(peer.answered.asked, request->message.first(kAskedBytes));
+  const bool is_copy = !peer.answered.in_clear && peer.answered.topic == request.topic &&
+                       std::ranges::equal(peer.answered.asked, request.message.first(kAskedBytes));
   if (is_copy) {
     ++counters_.handshakes_again;
-    answer_later(peer, from, now);
-    return;
+    answer_later(peer, waiting.from, now);
+    return false;
   }
   // The client no longer has the keys of an earlier request that comes later.
-  if (record.handshake == peer.asked_under && record.counter < peer.asked_at) {
+  if (waiting.under == peer.asked_under && waiting.record < peer.asked_at) {
     ++counters_.handshakes_overtaken;
-    return;
+    return false;
   }
   if (!peer.later.take(now)) {
     ++counters_.handshakes_over_rate;
-    return;
+    return false;
   }
-  auto handshake = read(*request);
-  if (!handshake) return;
+  auto handshake = read(request, shared());
+  if (!handshake) return true;
   if (keys_.own && handshake->peer() != peer.key) {
     ++counters_.handshakes_not_allowed;
-    return;
+    return true;
   }
   Answered answered{.in_clear = false};
   const security::Admission admission{.verdict = Verdict::let_in, .server = peer.channel.numbers().own};
-  if (!write_answer(*handshake, *request, admission, answered)) return;
-  if (!install(peer, request->topic, *handshake, now)) {
+  if (!write_answer(*handshake, request, admission, answered)) return true;
+  if (!install(peer, request.topic, *handshake, now)) {
     ++counters_.handshakes_malformed;
-    return;
+    return true;
   }
   peer.answered = answered;
-  peer.asked_under = record.handshake;
-  peer.asked_at = record.counter;
+  peer.asked_under = waiting.under;
+  peer.asked_at = waiting.record;
   ++counters_.handshakes_later;
-  answer_later(peer, from, now);
+  answer_later(peer, waiting.from, now);
+  return true;
 }
 
 void SecureLink::answer_later(Peer& peer, const net::Address& from, Nanoseconds now) {

@@ -71,7 +71,7 @@ class Fleet {
       now_s_ = event.time_s;
       take(event);
     }
-    for (auto* values : {&result_.waits_s, &result_.outages_s, &result_.hold_ups_s}) std::ranges::sort(*values);
+    for (auto* values : {&result_.waits_s, &result_.outages_s, &result_.handshakes_s}) std::ranges::sort(*values);
     result_.sessions_mean = counted_s_ > 0 ? session_seconds_ / counted_s_ : 0;
     return std::move(result_);
   }
@@ -181,7 +181,7 @@ class Fleet {
     constexpr double kLeast = 0.01;  // of the core, in an overload
     const double takes_s = settings_.handshake_s / std::max(1 - load, kLeast);
     server.busy_until_s = std::max(server.busy_until_s, now_s_) + takes_s;
-    result_.hold_ups_s.push_back(server.busy_until_s - now_s_);
+    result_.handshakes_s.push_back(server.busy_until_s - now_s_);
     return server.busy_until_s;
   }
 

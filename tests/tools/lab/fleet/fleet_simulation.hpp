@@ -11,12 +11,12 @@ namespace forcebound::lab {
 ///
 /// What is assumed: sessions begin at random, independent of each other (Poisson), and last exponentially. A server is
 /// one core. Each client sends 1000 motions a second, evenly; one costs `motion_s` of its server's core. A client that
-/// begins, comes back or changes its address costs `handshake_s` beside that, during which all clients of that server
-/// wait. The allocator answers one client after the other. A node that fails takes its servers with it at once; their
-/// clients notice after `notice_s` and up to `spread_s` more, and ask for another server, as who finds none does again
-/// after `retry_s`. A client gets a place on the fullest server that has one, else on one that waits. The fleet looks
-/// every `look_s` whether fewer than `spares` servers wait for clients or are being started, starts what is missing,
-/// each serving after `start_s`, and ends what is too much.
+/// begins, comes back or changes its address costs `handshake_s` of what motions leave of the core, behind those who
+/// ask that server at the same time. The allocator answers one client after the other. A node that fails takes its
+/// servers with it at once; their clients notice after `notice_s` and up to `spread_s` more, and ask for another
+/// server, as who finds none does again after `retry_s`. A client gets a place on the fullest server that has one, else
+/// on one that waits. The fleet looks every `look_s` whether fewer than `spares` servers wait for clients or are being
+/// started, starts what is missing, each serving after `start_s`, and ends what is too much.
 struct FleetSettings {
   std::size_t clients = 100'000;
   double arrive_s = 1800;   ///< within which they all arrive
@@ -63,7 +63,7 @@ struct FleetResult {
   double sessions_mean = 0;            ///< over the second half of the arrivals
   std::vector<double> waits_s{};       ///< of arrivals, in ascending order
   std::vector<double> outages_s{};     ///< from the failure to the new session, in ascending order
-  std::vector<double> hold_ups_s{};    ///< of each handshake, how long the server's other clients waited, ascending
+  std::vector<double> handshakes_s{};  ///< from asking a server until it had answered, in ascending order
   std::vector<FleetMoment> moments{};  ///< each second
 };
 

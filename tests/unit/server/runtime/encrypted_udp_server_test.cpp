@@ -71,6 +71,32 @@ TEST(EncryptedUdpServer, AnswersSealedDatagramsAndKnowsWhoseTheyAre) {
   EXPECT_EQ(server.server().counters().sends_failed, 0U);
 }
 
+TEST(EncryptedUdpServer, MakesOneHandshakeATurn) {
+  UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling(), nullptr,
+                   ServerKeys{.shared = security::secret_key(3)});
+  const security::SecretKey shared = security::secret_key(3);
+  std::vector<ClientEnd> ends;
+  std::vector<net::UdpLink> links;
+  std::array<std::byte, net::kDatagramBytesMax> buffer{};
+  const SecureCounters& counters = server.encryption()->counters();
+  for (std::uint32_t number = 1; number <= 3; ++number) {
+    ends.emplace_back(ClientEnd::Keys{.shared = &shared}, number);
+    links.push_back(net::UdpLink::towards(server.address()));
+    links.back().send(ends.back().request(), server.address());
+    while (counters.cookies_offered < number) server.turn();
+    net::wait_readable(std::array{links.back().descriptor()}, std::chrono::seconds{10});
+    const auto received = links.back().receive(buffer);
+    ASSERT_TRUE(received.has_value());
+    ASSERT_TRUE(ends.back().take_offer(std::span(buffer).first(received->bytes)).has_value());
+  }
+  for (std::size_t i = 0; i < ends.size(); ++i) links[i].send(ends[i].request(), server.address());
+  while (counters.handshakes < ends.size()) {
+    const std::uint64_t before = counters.handshakes;
+    server.turn();
+    ASSERT_LE(counters.handshakes, before + 1);
+  }
+}
+
 TEST(EncryptedUdpServer, EndsASessionWhoseKeyWasReplacedUnderTheSameName) {
   UdpServer server(listen({"127.0.0.1", 0}), {.scene = "pull"}, pulling(), nullptr, keys_with_anna_in_pull());
   std::optional<std::jthread> thread(std::in_place, [&](const std::stop_token& stop) {

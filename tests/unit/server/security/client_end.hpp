@@ -38,6 +38,8 @@ class ClientEnd {
     topic_ = {.pattern = keys.own == nullptr ? security::Pattern::nn_psk0 : security::Pattern::ik_psk2,
               .handshake = 1,
               .client = number};
+    if (keys.own != nullptr) proof_keys_.own.emplace(*keys.own, *keys.server);
+    if (keys.shared != nullptr) proof_keys_.shared.emplace(*keys.shared);
     begin(1);
   }
 
@@ -64,9 +66,10 @@ class ClientEnd {
 
   /// As it goes within a sealed datagram.
   [[nodiscard]] Bytes later_request() const {
+    security::HandshakeRequest request{.topic = topic_, .cookie = cookie_, .message = message_};
+    request.proofs = proof_keys_.of(security::digest_of(request));
     Bytes datagram(security::kRequestBytes);
-    datagram.resize(
-        security::write(security::HandshakeRequest{.topic = topic_, .cookie = cookie_, .message = message_}, datagram));
+    datagram.resize(security::write(request, datagram));
     return datagram;
   }
 
@@ -78,6 +81,8 @@ class ClientEnd {
     cookie_ = offer->cookie;
     return offer->server;
   }
+
+  void set_cookie(const security::Cookie& cookie) { cookie_ = cookie; }
 
   /// What the server decided; nothing: it is no answer to the newest handshake.
   std::optional<security::Admission> take_answer(std::span<const std::byte> datagram, time::Nanoseconds now) {
@@ -124,6 +129,7 @@ class ClientEnd {
   }
 
   Keys keys_;
+  security::ProofKeys proof_keys_;
   security::HandshakeTopic topic_;
   security::Cookie cookie_{};
   std::optional<security::Handshake> noise_;

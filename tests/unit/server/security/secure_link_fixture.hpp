@@ -73,6 +73,7 @@ class SecureLinkFixture : public testing::Test {
                                                             const net::Address& from = at_port(1)) {
     const std::size_t before = inner.sent.size();
     const auto content = link->take_in(datagram, from, clock.time);
+    while (link->has_waiting()) link->answer_waiting(clock.time);
     std::size_t answered = 0;
     for (std::size_t i = before; i < inner.sent.size(); ++i) {
       answered += inner.sent[i].bytes.size();
@@ -95,6 +96,7 @@ class SecureLinkFixture : public testing::Test {
 
   /// Until the client has a cookie.
   void get_cookie(ClientEnd& client, const net::Address& from = at_port(1)) {
+    client.set_cookie({});
     EXPECT_FALSE(arrive(client.request(), from));
     EXPECT_TRUE(client.take_offer(only_answer()).has_value());
   }

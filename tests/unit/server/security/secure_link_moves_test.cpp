@@ -67,6 +67,7 @@ class SecureLinkMoves : public SecureLinkFixture {
     (void)other->take_in(client.request(), place(), clock.time);
     if (!client.take_offer(other_inner.sent.back().bytes)) return false;
     (void)other->take_in(client.request(), place(), clock.time);
+    other->answer_waiting(clock.time);
     const auto admission = client.take_answer(other_inner.sent.back().bytes, clock.time);
     return admission && admission->verdict == security::Verdict::let_in &&
            other->take_in(client.seal("hello", clock.time), place(), clock.time).has_value();

@@ -107,14 +107,14 @@ TEST(AFleet, NeverHasMoreServersOrSessionsThanItMay) {
   EXPECT_EQ(result.left, 20'000U) << "all have their turn";
 }
 
-TEST(AFleet, HoldsAServerUpForAllHandshakesAtOnceUnlessClientsSpreadThem) {
+TEST(AFleet, MakesTheLastOfAllAtOnceWaitForAllHandshakesUnlessClientsSpreadThem) {
   FleetSettings settings = ample();
   settings.failures_s = {500};
   // The allocator paces nobody.
   settings.allocate_s = 1e-7;
   const auto longest = [&](double spread_s) {
     settings.spread_s = spread_s;
-    return simulate_fleet(settings).hold_ups_s.back();
+    return simulate_fleet(settings).handshakes_s.back();
   };
   const double all_s = 64 * settings.handshake_s;
   EXPECT_GT(longest(0), all_s);
