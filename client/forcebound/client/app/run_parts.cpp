@@ -61,8 +61,8 @@ std::string_view encryption_in_words(const Options& options) {
 int exit_code_of(const Client& client, bool summary_written) {
   if (client.summary().not_passive()) return program::kNotPassive;
   if (!client.why_no_session().empty()) return program::kFailed;
-  if (!client.summary().connected()) return program::kNeverConnected;
-  return summary_written && client.recording_complete() ? program::kDone : program::kOutputLost;
+  if (!summary_written || !client.recording_complete()) return program::kOutputLost;
+  return client.summary().connected() ? program::kDone : program::kNeverConnected;
 }
 
 std::vector<record::RecordedFile> recorded_files(const std::string& device, const std::string& law,
