@@ -24,8 +24,10 @@ namespace forcebound {
 /// A handshake that a client's key has begun: its request, and what becomes of the answer.
 class BegunHandshake {
  public:
-  BegunHandshake(const security::KeyPair& own, const security::PublicKey& server, std::mt19937_64& random)
-      : topic_{.client = static_cast<std::uint32_t>(random() | 1U)}, proves_(own, server) {
+  /// @param proves of these two; must outlive it
+  BegunHandshake(const security::KeyPair& own, const security::PublicKey& server, const security::ProofKey& proves,
+                 std::mt19937_64& random)
+      : topic_{.client = static_cast<std::uint32_t>(random() | 1U)}, proves_(proves) {
     const security::HandshakePrologue prologue = security::prologue_of(topic_);
     noise_.emplace(security::HandshakeSetup{
         .role = security::Role::initiator, .prologue = prologue, .own = &own, .peer = &server});
@@ -79,7 +81,7 @@ class BegunHandshake {
   }
 
   security::HandshakeTopic topic_;
-  security::ProofKey proves_;
+  const security::ProofKey& proves_;
   std::optional<security::Handshake> noise_;
   std::vector<std::byte> message_;
   security::Channel channel_{security::SessionNumbers{}};
@@ -92,12 +94,17 @@ class KeyHolders {
  public:
   KeyHolders(const std::string& server, std::span<const std::string> keys)
       : server_(security::read_public_key(server)) {
-    for (const std::string& key : keys) keys_.push_back(security::read_key_pair(key));
+    proofs_.reserve(keys.size());
+    for (const std::string& key : keys) {
+      keys_.push_back(security::read_key_pair(key));
+      proofs_.emplace_back(keys_.back(), server_);
+    }
   }
 
   void begin(std::size_t count, std::mt19937_64& random) {
     for (std::size_t i = 0; i < count; ++i) {
-      begun_.push_back(std::make_unique<BegunHandshake>(keys_[i % keys_.size()], server_, random));
+      const std::size_t whose = i % keys_.size();
+      begun_.push_back(std::make_unique<BegunHandshake>(keys_[whose], server_, proofs_[whose], random));
     }
   }
 
@@ -107,6 +114,7 @@ class KeyHolders {
  private:
   security::PublicKey server_;
   std::vector<security::KeyPair> keys_;
+  std::vector<security::ProofKey> proofs_;
   std::vector<std::unique_ptr<BegunHandshake>> begun_;
 };
 

@@ -21,7 +21,7 @@ namespace forcebound::program {
 /// another. Failed: the command line is right, but a file, host or device cannot be used, or a run gave up since it
 /// found no session. Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but of
 /// what it was to write (a recording, a summary, a log) something is missing. Never connected: it ended when it was to,
-/// and had no session until then. The first of not passive, failed, never connected and output lost that holds is
+/// and had no session until then. The first of not passive, failed, output lost and never connected that holds is
 /// returned.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
