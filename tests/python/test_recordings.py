@@ -39,15 +39,25 @@ def test_a_truncated_recording_is_an_error_that_has_what_was_read(recorded, tmp_
     assert partial.ticks.tobytes() == ticks.tobytes()
 
 
+def test_a_damaged_recording_lacks_a_second_and_says_so(recorded, tmp_path):
+    whole = recordings.read(recorded).ticks
+    damaged = bytearray(recorded.read_bytes())
+    damaged[len(damaged) // 2] ^= 0xFF
+    file = tmp_path / "damaged.mcap"
+    file.write_bytes(damaged)
+    with pytest.raises(EOFError, match=r"damaged\.mcap: incomplete: 1 damaged record, with .* messages \(at byte \d+: "):
+        recordings.read(file)
+    partial = recordings.read(file, partial=True)
+    assert not partial.complete and "damaged" in partial.flaw
+    assert len(whole) - 1010 <= len(partial.ticks) < len(whole)
+    assert set(partial.ticks["tick"]) < set(whole["tick"])
+    assert partial.totals is not None and recordings.read(recorded).flaw == ""
+
+
 def test_a_file_that_is_no_recording_is_a_value_error_that_names_the_byte(recorded, tmp_path):
     file = tmp_path / "wrong.mcap"
     file.write_bytes(b"not a recording, but long enough to be looked at")
     with pytest.raises(ValueError, match=r"wrong\.mcap"):
-        recordings.read(file)
-    damaged = bytearray(recorded.read_bytes())
-    damaged[len(damaged) // 2] ^= 0xFF
-    file.write_bytes(damaged)
-    with pytest.raises(ValueError, match=r"wrong\.mcap: byte \d+"):
         recordings.read(file)
 
 

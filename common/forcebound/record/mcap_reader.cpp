@@ -1,19 +1,22 @@
 #include "forcebound/record/mcap_reader.hpp"
 
-#include <zlib.h>
-
+#include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "forcebound/record/internal/mcap_fields.hpp"
+#include "forcebound/record/internal/mcap_index.hpp"
 #include "forcebound/record/internal/zstd.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::record::mcap {
 namespace {
 
 constexpr std::string_view kZstd = "zstd";
-constexpr std::size_t kNameBytesMost = 1024;
+constexpr std::string_view kLz4 = "lz4";
 
 /// A chunk's content apart from its records.
 struct ChunkHead {
@@ -26,34 +29,70 @@ struct ChunkHead {
 
 class Reader {
  public:
-  Reader(std::istream& in, const std::string& name, const Visitor& visitor)
-      : in_(in), place_{name}, visitor_(visitor) {}
+  Reader(std::istream& in, const std::string& name, const Visitor& visitor) : in_(in), file_(name), visitor_(visitor) {}
 
   Ending run();
 
  private:
+  /// A record that begins at `begin`, by what its own head says or the index.
+  struct Head {
+    std::uint64_t begin = 0;
+    Opcode opcode = Opcode::none;
+    std::uint64_t length = 0;
+  };
+
   void measure();
-  bool at_its_end(Opcode opcode, std::uint64_t begin, std::uint64_t length);
+  std::optional<Head> next_head();
+  Head as_indexed(Head said);
+  bool is_readable(const Head& head);
+  bool go_on(const Head& unreadable);
+  std::string content_of(const Head& head);
+  void check_all(const Head& data_end, std::string_view content);
+  void count_damage(const std::string& what);
+  template <class Call>
+  void attempt(std::uint64_t offset, const Call& call);
+
   void record(Opcode opcode, std::uint64_t offset, std::string_view content);
-  std::string_view name_in(Fields& fields) const;
-  void schema(Fields fields);
-  void channel(Fields fields);
   void message(Fields fields, std::uint64_t offset);
+  void metadata(Fields fields, std::uint64_t offset);
   void attachment(Fields fields);
   ChunkHead chunk_head(Fields& fields);
   void chunk(Fields fields);
   void cut_chunk(std::uint64_t offset, std::string_view content);
-  void expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what) const;
-  std::uint64_t records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut);
+  void records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut);
+
+  [[noreturn]] void refuse(std::uint64_t byte, const std::string& what) const {
+    throw std::runtime_error(file_ + ": byte " + std::to_string(byte) + ": " + what);
+  }
 
   std::istream& in_;
-  Place place_;
+  const std::string& file_;
   const Visitor& visitor_;
   Ending ending_;
   bool ended_ = false;  ///< the file's last bytes are those of a complete one
+  std::optional<FileIndex> index_;
+  std::string head_bytes_;  ///< of the record that is read
+  std::uint32_t crc_ = 0;   ///< of all bytes before it, unless some were passed over, which is damage
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
 };
+
+void Reader::count_damage(const std::string& what) {
+  if (ending_.damaged++ == 0) ending_.damage = what;
+  if (visitor_.damage) visitor_.damage(what);
+}
+
+/// Counts it as damage where a record, or for a visitor its content, is not as it should be.
+template <class Call>
+void Reader::attempt(std::uint64_t offset, const Call& call) {
+  try {
+    call();
+  } catch (const Damage& damage) {
+    count_damage(damage.what());
+  } catch (const std::invalid_argument& error) {
+    count_damage(Damage(offset, error.what()).what());
+  }
+}
 
 void Reader::measure() {
   std::string magic(kMagic.size(), '\0');
@@ -67,107 +106,163 @@ void Reader::measure() {
   in_.clear();
   in_.seekg(0);
   in_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-  if (!in_ || magic != kMagic)
-    place_.refuse(0, "not an MCAP file of version 0: the magic bytes at its start are missing");
+  const std::string wrong = "the magic bytes at its start are missing";
+  if (!in_ || (magic != kMagic && !ended_)) refuse(0, "not an MCAP file of version 0: " + wrong);
+  if (magic != kMagic) count_damage(Damage(0, wrong).what());
+  if (ended_) attempt(ending_.size, [this] { index_ = read_index(in_, ending_.size); });
+  if (index_) {
+    schemas_ = index_->schemas;
+    channels_ = index_->channels;
+    ending_.messages_said = index_->messages.value_or(0);
+  }
+  crc_ = crc32_of(magic);
+  ending_.whole = kMagic.size();
 }
 
-/// Whether the record that begins there is not one to be visited: it ends the file, or is cut off.
-bool Reader::at_its_end(Opcode opcode, std::uint64_t begin, std::uint64_t length) {
-  const std::uint64_t left = ending_.size - begin - kRecordHeaderBytes;
-  if (length > left || opcode == Opcode::none) {
-    // A length may not exceed the rest of the file, so that a wrong one allocates no memory.
-    if (!ended_) {
-      ending_.kind = name_of(opcode);
-      ending_.declared = length;
-      return true;
-    }
-    if (opcode == Opcode::none) place_.refuse(begin, "a record of kind 0, which there is not");
-    place_.refuse(begin + kRecordHeaderBytes, "a record of " + std::to_string(length) + " bytes, where the file has " +
-                                                  std::to_string(left) + " left");
+/// The head of the record behind all that is whole so far; nothing: there is none.
+std::optional<Reader::Head> Reader::next_head() {
+  const std::uint64_t begin = ending_.whole;
+  if (index_ && begin >= index_->end) {
+    ending_.complete = true;
+    ending_.whole = ending_.size - kMagic.size();
+    return std::nullopt;
   }
-  if (opcode != Opcode::footer) return false;
-  ending_.complete = ended_;
-  ending_.whole = begin + kRecordHeaderBytes + length;
-  return true;
+  head_bytes_.resize(kRecordHeaderBytes);
+  in_.clear();
+  in_.seekg(static_cast<std::streamoff>(begin));
+  in_.read(head_bytes_.data(), static_cast<std::streamsize>(head_bytes_.size()));
+  if (!in_) return std::nullopt;
+  Fields fields(begin, head_bytes_);
+  Head head{.begin = begin, .opcode = Opcode{fields.number<std::uint8_t>()}};
+  head.length = fields.number<std::uint64_t>();
+  return index_ ? as_indexed(head) : head;
+}
+
+Reader::Head Reader::as_indexed(Head said) {
+  const auto known = index_->places.find(said.begin);
+  if (known == index_->places.end()) return said;
+  const auto& [opcode, length, name] = known->second;
+  if (said.opcode == opcode && said.length == length) return said;
+  count_damage(Damage(said.begin, "the head of the " + std::string(name_of(opcode)) + " is damaged").what());
+  return {said.begin, opcode, length};
+}
+
+/// Whether all of it is within the file, and nothing that the index has is within it.
+bool Reader::is_readable(const Head& head) {
+  if (head.opcode == Opcode::none) return false;
+  std::uint64_t limit = ending_.size;
+  if (index_) {
+    const auto next = index_->places.upper_bound(head.begin);
+    limit = next == index_->places.end() ? index_->end : next->first;
+  }
+  return head.length <= limit - std::min(limit, head.begin + kRecordHeaderBytes);
+}
+
+/// Behind a record whose end is not known, at the next one that is. False: the file ends there.
+bool Reader::go_on(const Head& unreadable) {
+  const std::uint64_t offset = unreadable.begin + kRecordHeaderBytes;
+  const std::uint64_t left = ending_.size - offset;
+  const std::string what = unreadable.opcode == Opcode::none
+                               ? "a record of kind 0, which there is not"
+                               : "a record of " + std::to_string(unreadable.length) + " bytes, where the file has " +
+                                     std::to_string(left) + " left";
+  if (index_) {
+    count_damage(Damage(offset, what).what());
+    const auto next = index_->places.upper_bound(unreadable.begin);
+    ending_.whole = next == index_->places.end() ? index_->end : next->first;
+    return true;
+  }
+  if (ended_ && ending_.only_index_is_lost) {
+    // Its damage is counted; what it is about has been read.
+    ending_.complete = true;
+    ending_.whole = ending_.size - kMagic.size();
+    return false;
+  }
+  const std::string rest = content_of({unreadable.begin, unreadable.opcode, left});
+  if (const auto found = find_records(rest)) {
+    count_damage(Damage(offset, what).what());
+    ending_.whole = offset + *found;
+    return true;
+  }
+  if (ended_) {
+    count_damage(Damage(offset, what).what());
+  } else {
+    ending_.kind = name_of(unreadable.opcode);
+    ending_.declared = unreadable.length;
+    if (unreadable.opcode == Opcode::chunk) attempt(offset, [&] { cut_chunk(offset, rest); });
+  }
+  return false;
+}
+
+std::string Reader::content_of(const Head& head) {
+  std::string content(head.length, '\0');
+  in_.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (!in_) refuse(head.begin + kRecordHeaderBytes, "cannot be read: " + std::string(std::strerror(errno)));
+  return content;
+}
+
+/// The checksum over all records covers what none of its own does: metadata, and heads of records.
+void Reader::check_all(const Head& data_end, std::string_view content) {
+  ending_.only_index_is_lost = true;
+  if (ending_.damaged > 0) return;
+  const std::uint64_t offset = data_end.begin + kRecordHeaderBytes;
+  const auto said = Fields(offset, content).number<std::uint32_t>();
+  if (said == 0 || said == crc_) return;
+  throw Damage(offset,
+               "the checksum of all records is wrong, though no chunk's is: settings, totals or an index are damaged");
 }
 
 Ending Reader::run() {
   measure();
-  ending_.whole = kMagic.size();
-  std::string content;
-  for (;;) {
-    const std::uint64_t begin = ending_.whole;
-    char head[kRecordHeaderBytes];
-    in_.read(head, sizeof head);
-    if (!in_) return ending_;
-    Fields header(place_, begin, std::string_view(head, sizeof head));
-    const Opcode opcode{header.number<std::uint8_t>()};
-    const auto length = header.number<std::uint64_t>();
-    const std::uint64_t offset = begin + kRecordHeaderBytes;
-    const bool last = at_its_end(opcode, begin, length);
-    if (last && (opcode != Opcode::chunk || ending_.complete)) return ending_;
-    content.resize(last ? ending_.size - offset : length);
-    in_.read(content.data(), static_cast<std::streamsize>(content.size()));
-    if (!in_) place_.refuse(offset, "cannot be read: " + std::string(std::strerror(errno)));
-    if (last) {
-      cut_chunk(offset, content);
-      return ending_;
+  while (const std::optional<Head> head = next_head()) {
+    if (!is_readable(*head)) {
+      if (go_on(*head)) continue;
+      break;
     }
-    if (opcode == Opcode::data_end) ending_.only_index_is_lost = true;
-    record(opcode, offset, content);
-    ending_.whole = offset + length;
+    const std::uint64_t offset = head->begin + kRecordHeaderBytes;
+    if (head->opcode == Opcode::footer) {
+      ending_.complete = ended_;
+      ending_.whole = offset + head->length;
+      break;
+    }
+    const std::string content = content_of(*head);
+    attempt(offset, [&] {
+      if (head->opcode == Opcode::data_end) {
+        check_all(*head, content);
+      } else if (!ending_.only_index_is_lost) {  // behind it all is said a second time
+        record(head->opcode, offset, content);
+      }
+    });
+    crc_ = crc32_of(content, crc32_of(head_bytes_, crc_));
+    ending_.whole = offset + head->length;
   }
+  return ending_;
 }
 
 void Reader::record(Opcode opcode, std::uint64_t offset, std::string_view content) {
-  const Fields fields(place_, offset, content);
+  const Fields fields(offset, content);
   switch (opcode) {
-    case Opcode::schema:
-      return schema(fields);
-    case Opcode::channel:
-      return channel(fields);
+    case Opcode::schema: {
+      Schema schema = schema_in(offset, content);
+      schemas_.emplace(schema.id, std::move(schema));
+      return;
+    }
+    case Opcode::channel: {
+      Channel channel = channel_in(offset, content);
+      channels_.emplace(channel.id, std::move(channel));
+      return;
+    }
     case Opcode::message:
       return message(fields, offset);
     case Opcode::chunk:
       return chunk(fields);
     case Opcode::attachment:
       return attachment(fields);
-    case Opcode::metadata: {
-      Fields metadata = fields;
-      const std::string name(metadata.text());
-      if (visitor_.metadata) visitor_.metadata(name, metadata.map());
-      return;
-    }
+    case Opcode::metadata:
+      return metadata(fields, offset);
     default:
       return;  // indexes, and additions of later versions
   }
-}
-
-/// Names are kept for as long as the file is read, 65,536 of them at most.
-std::string_view Reader::name_in(Fields& fields) const {
-  const std::uint64_t offset = fields.offset();
-  const std::string_view name = fields.text();
-  if (name.size() <= kNameBytesMost) return name;
-  place_.refuse(offset, "a name of " + std::to_string(name.size()) + " bytes; accepted are at most " +
-                            std::to_string(kNameBytesMost));
-}
-
-void Reader::schema(Fields fields) {
-  Schema schema;
-  schema.id = fields.number<std::uint16_t>();
-  schema.name = name_in(fields);
-  schema.encoding = name_in(fields);
-  fields.text();  // how it is written: known here
-  schemas_[schema.id] = std::move(schema);
-}
-
-void Reader::channel(Fields fields) {
-  Channel channel;
-  channel.id = fields.number<std::uint16_t>();
-  channel.schema_id = fields.number<std::uint16_t>();
-  channel.topic = name_in(fields);
-  channel.encoding = name_in(fields);
-  channels_[channel.id] = std::move(channel);
 }
 
 void Reader::message(Fields fields, std::uint64_t offset) {
@@ -180,11 +275,21 @@ void Reader::message(Fields fields, std::uint64_t offset) {
   message.data = fields.rest();
   const auto channel = channels_.find(id);
   if (channel == channels_.end()) {
-    place_.refuse(message.offset, "a message of channel " + std::to_string(id) + ", which was not declared before it");
+    throw Damage(offset, "a message of channel " + std::to_string(id) + ", which was not declared before it");
   }
   const Schema none;
   const auto schema = schemas_.find(channel->second.schema_id);
   if (visitor_.message) visitor_.message(schema == schemas_.end() ? none : schema->second, channel->second, message);
+  ++ending_.messages;
+}
+
+void Reader::metadata(Fields fields, std::uint64_t offset) {
+  std::string name(fields.text());
+  if (index_) {
+    const auto place = index_->places.find(offset - kRecordHeaderBytes);
+    if (place != index_->places.end()) name = place->second.name;
+  }
+  if (visitor_.metadata) visitor_.metadata(name, fields.map());
 }
 
 void Reader::attachment(Fields fields) {
@@ -201,30 +306,22 @@ void Reader::attachment(Fields fields) {
   if (visitor_.attachment) visitor_.attachment(attachment);
 }
 
-void Reader::expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what) const {
-  const auto actual =
-      static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-  if (said == 0 || said == actual) return;  // 0: none was made
-  char text[96];
-  std::snprintf(text, sizeof text, "the %s is damaged: its CRC-32 is 0x%08x, the file says 0x%08x", what, actual, said);
-  place_.refuse(offset, text);
-}
-
 ChunkHead Reader::chunk_head(Fields& fields) {
   ChunkHead head{.start = fields.offset()};
   fields.number<std::uint64_t>();  // earliest and latest log time
   fields.number<std::uint64_t>();
   head.size = fields.number<std::uint64_t>();
   head.crc = fields.number<std::uint32_t>();
-  const std::string compression(fields.text());
+  const std::string_view compression = fields.text();
   head.compressed = !compression.empty();
-  if (head.compressed && compression != kZstd) {
-    place_.refuse(head.start, "a chunk compressed with '" + compression +
-                                  "'; accepted are zstd and none ('mcap compress --compression zstd' makes them)");
+  if (compression == kLz4) {
+    refuse(head.start,
+           "a chunk compressed with 'lz4'; accepted are zstd and none ('mcap compress --compression zstd' makes them)");
   }
+  if (head.compressed && compression != kZstd) throw Damage(head.start, "a chunk with an unknown compression");
   if (head.compressed && head.size > kChunkBytesMost) {
-    place_.refuse(head.start, "a compressed chunk that would hold " + std::to_string(head.size) +
-                                  " bytes; accepted are at most " + std::to_string(kChunkBytesMost));
+    throw Damage(head.start, "a compressed chunk that would hold " + std::to_string(head.size) +
+                                 " bytes; accepted are at most " + std::to_string(kChunkBytesMost));
   }
   head.stored = fields.number<std::uint64_t>();
   return head;
@@ -239,11 +336,11 @@ void Reader::chunk(Fields fields) {
     decompressed = decompress(records, head.size);
     const std::uint64_t got = decompressed.bytes.size();
     if (!decompressed.problem.empty()) {
-      place_.refuse(head.start, "the compressed chunk is damaged: " + decompressed.problem);
+      throw Damage(head.start, "the compressed chunk is damaged: " + decompressed.problem);
     }
     if (got != head.size) {
-      place_.refuse(head.start, "a compressed chunk that holds " + std::to_string(got) + " bytes, where it says " +
-                                    std::to_string(head.size));
+      throw Damage(head.start, "a compressed chunk that holds " + std::to_string(got) + " bytes, where it says " +
+                                   std::to_string(head.size));
     }
     records = decompressed.bytes;
   }
@@ -257,43 +354,47 @@ void Reader::chunk(Fields fields) {
 void Reader::cut_chunk(std::uint64_t offset, std::string_view content) {
   constexpr std::size_t kFixed = 8 + 8 + 8 + 4 + 4 + 8;  // with an empty name of the compression
   if (content.size() < kFixed + kZstd.size()) return;
-  Fields fields(place_, offset, content);
+  Fields fields(offset, content);
   const ChunkHead head = chunk_head(fields);
+  const std::uint64_t messages_before = ending_.messages;
   if (!head.compressed) {
     // Zeros after a loss of power may begin within a record, which is cut off there.
     const std::string_view rest = fields.rest();
-    ending_.rescued = records_of(rest.substr(0, rest.find_last_not_of('\0') + 1), fields.offset(), false, true);
-    return;
+    records_of(rest.substr(0, rest.find_last_not_of('\0') + 1), fields.offset(), false, true);
+  } else {
+    const Decompressed decompressed = decompress(fields.rest(), head.size);
+    records_of(decompressed.bytes, head.start, true, true);
   }
-  const Decompressed decompressed = decompress(fields.rest(), head.size);
-  ending_.rescued = records_of(decompressed.bytes, head.start, true, true);
+  ending_.rescued = ending_.messages - messages_before;
 }
 
 /// @param offset of the records, or where they are compressed that of their chunk
-/// @param cut the last record may be cut off; else it is refused
-/// @returns the messages among them
-std::uint64_t Reader::records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut) {
-  std::uint64_t messages = 0;
-  Fields inner(place_, offset, records);
+/// @param cut the last record may be cut off; else that is damage
+void Reader::records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut) {
+  Fields inner(offset, records);
   while (!inner.rest().empty()) {
-    if (cut && inner.rest().size() < kRecordHeaderBytes) break;
+    if (cut && inner.rest().size() < kRecordHeaderBytes) return;
     const Opcode opcode{inner.number<std::uint8_t>()};
     const auto size = inner.number<std::uint64_t>();
     const std::uint64_t at = compressed ? offset : inner.offset();
-    if (cut && size > inner.rest().size()) break;
+    if (cut && size > inner.rest().size()) return;
     const std::string_view content = inner.take(size);
-    if (opcode == Opcode::chunk) place_.refuse(at, "a chunk within a chunk");
-    if (opcode == Opcode::none) place_.refuse(at, "a record of kind 0, which there is not");
-    record(opcode, at, content);
-    messages += opcode == Opcode::message ? 1U : 0U;
+    if (opcode == Opcode::chunk) throw Damage(at, "a chunk within a chunk");
+    if (opcode == Opcode::none) throw Damage(at, "a record of kind 0, which there is not");
+    attempt(at, [&] { record(opcode, at, content); });
   }
-  return messages;
 }
 
-}  // namespace
+std::string damage_in_words(const Ending& ending) {
+  std::string words = text::counted(ending.damaged, "damaged record");
+  if (ending.messages < ending.messages_said) {
+    words += ", with " + std::to_string(ending.messages_said - ending.messages) + " of " +
+             text::counted(ending.messages_said, "message");
+  }
+  return words + (ending.damaged > 1 ? " (the first at " : " (at ") + ending.damage + ")";
+}
 
-std::string in_words(const Ending& ending) {
-  if (ending.complete) return {};
+std::string end_in_words(const Ending& ending) {
   std::string words = "it ends at byte " + std::to_string(ending.size);
   if (ending.only_index_is_lost) return words + ", within the index behind its last record: all records are there";
   if (ending.whole == ending.size) return words + ", behind a whole record";
@@ -302,6 +403,14 @@ std::string in_words(const Ending& ending) {
            std::to_string(ending.whole);
   if (ending.rescued > 0) words += ", of which the first " + std::to_string(ending.rescued) + " messages are whole";
   return words;
+}
+
+}  // namespace
+
+std::string in_words(const Ending& ending) {
+  std::string words = ending.damaged > 0 ? damage_in_words(ending) : std::string();
+  if (ending.complete) return words;
+  return words + (words.empty() ? "" : "; ") + end_in_words(ending);
 }
 
 Ending read(std::istream& in, const std::string& name, const Visitor& visitor) {

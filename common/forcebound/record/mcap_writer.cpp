@@ -1,13 +1,12 @@
 #include "forcebound/record/mcap_writer.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <optional>
 #include <utility>
 
+#include "forcebound/record/internal/mcap_fields.hpp"
 #include "forcebound/record/internal/zstd.hpp"
 
 namespace forcebound::record::mcap {
@@ -15,10 +14,6 @@ namespace {
 
 constexpr std::uint64_t kChunkNanoseconds = 1'000'000'000;
 constexpr std::size_t kChunkBytes = std::size_t{4} << 20;
-
-std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0) {
-  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 }  // namespace
 

@@ -11,24 +11,35 @@
 namespace forcebound::record {
 namespace {
 
+constexpr std::string_view kOwnSchemas = "forcebound.";
+
 struct Dispatcher {
   RecordingSink& sink;
   Nanoseconds epoch{0};
   bool started = false;
+  bool damaged = false;
+
+  void start(const RunInfo& info) {
+    epoch = info.epoch;
+    started = true;
+    sink.on_start(info);
+  }
 
   void metadata(const std::string& name, const KeyValues& values) {
-    if (name == kInfoMetadata) {
-      const RunInfo info = run_info_from(values);
-      epoch = info.epoch;
-      started = true;
-      sink.on_start(info);
+    std::string problem;
+    if (name == kInfoMetadata && !started) {
+      start(run_info_from(values, &problem));
     } else if (name == kTotalsMetadata) {
       if (!started) throw std::invalid_argument("it comes before 'forcebound.run'");
-      sink.on_end(run_totals_from(values));
+      sink.on_end(run_totals_from(values, &problem));
     }
+    if (!problem.empty()) throw std::invalid_argument(problem);
   }
 
   void message(const mcap::Schema& schema, const mcap::Message& message) {
+    if (!schema.name.starts_with(kOwnSchemas)) return;
+    // Its settings may be what is damaged.
+    if (!started && damaged) start({});
     if (!started)
       throw std::invalid_argument("a message before the metadata 'forcebound.run': not a Forcebound recording");
     if (schema.name == kTickSchema) {
@@ -65,11 +76,12 @@ mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& si
   }
   Dispatcher dispatcher{sink};
   mcap::Visitor visitor;
+  visitor.damage = [&](const std::string&) { dispatcher.damaged = true; };
   visitor.metadata = [&](const std::string& name, const KeyValues& values) {
     try {
       dispatcher.metadata(name, values);
     } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(file.string() + ": metadata '" + name + "': " + error.what());
+      throw std::invalid_argument("metadata '" + name + "': " + error.what());
     }
   };
   visitor.attachment = [&](const mcap::Attachment& attachment) {
@@ -79,8 +91,7 @@ mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& si
     try {
       dispatcher.message(schema, message);
     } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(file.string() + ": byte " + std::to_string(message.offset) + ": topic '" +
-                               channel.topic + "': " + error.what());
+      throw std::invalid_argument("topic '" + channel.topic + "': " + error.what());
     }
   };
   mcap::Ending ending = mcap::read(in, file.string(), visitor);

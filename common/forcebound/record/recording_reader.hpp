@@ -21,15 +21,15 @@ class RecordingSink : public TickSink {
   virtual void on_file(const RecordedFile&) {}
 };
 
-/// Reads what RecordingWriter wrote; unknown topics are skipped.
+/// Reads what RecordingWriter wrote; unknown topics are skipped, and so is what is damaged. Settings that are damaged
+/// are those of RunInfo.
 ///
-/// @returns whether the file is complete, as a condition; that of a killed process is not. `mcap::in_words` says what
-/// is missing then.
-/// @throws std::runtime_error naming the file, the byte in it and what is wrong there.
+/// @returns whether all of the file is there and whole, as a condition; that of a killed process is not.
+/// `mcap::in_words` says what is missing then.
+/// @throws std::runtime_error naming the file and what is wrong with it: it cannot be read, or is no recording.
 mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& sink);
 
-/// For people, of a recording that is not complete: "run.mcap: incomplete: it ends at byte ...; shown is what is
-/// whole".
+/// For people, of a recording that is not whole: "run.mcap: incomplete: it ends at byte ...; shown is what is whole".
 [[nodiscard]] std::string incomplete_in_words(const std::filesystem::path& file, const mcap::Ending& ending);
 
 }  // namespace forcebound::record

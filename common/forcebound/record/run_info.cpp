@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::record {
@@ -128,11 +129,7 @@ struct Writer {
     if (value) (*this)(name, *value);
   }
   void operator()(const std::string& name, bool value) { out[name] = value ? "true" : "false"; }
-  void operator()(const std::string& name, double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    out[name] = text;
-  }
+  void operator()(const std::string& name, double value) { out[name] = text::to_text(value); }
 };
 
 template <class Number>
@@ -147,10 +144,19 @@ Number parse(const std::string& name, const std::string& text) {
 
 struct InfoReader {
   const KeyValues& in;
+  std::string* problem;
   template <class Value>
   void operator()(const std::string& name, Value& value) {
     const auto found = in.find(name);
-    if (found != in.end()) assign(name, found->second, value);
+    if (found == in.end()) return;
+    const Value standard = value;
+    try {
+      assign(name, found->second, value);
+    } catch (const std::invalid_argument& error) {
+      if (problem == nullptr) throw;
+      value = standard;
+      if (problem->empty()) *problem = error.what();
+    }
   }
   static void assign(const std::string&, const std::string& text, std::string& value) { value = text; }
   static void assign(const std::string&, const std::string& text, bool& value) { value = text == "true"; }
@@ -215,18 +221,18 @@ KeyValues to_key_values(const RunTotals& totals) {
   return values;
 }
 
-RunInfo run_info_from(const KeyValues& values) {
+RunInfo run_info_from(const KeyValues& values, std::string* problem) {
   RunInfo info;
-  each_field(info, InfoReader{values});
+  each_field(info, InfoReader{values, problem});
   // Version 1 did not say it; only a simulated device knows P.
   if (!values.contains("device_simulated")) info.device_simulated = info.audited;
   return info;
 }
 
-RunTotals run_totals_from(const KeyValues& recorded) {
+RunTotals run_totals_from(const KeyValues& recorded, std::string* problem) {
   const KeyValues values = by_present_names(recorded);
   RunTotals totals;
-  each_total(totals, InfoReader{values});
+  each_total(totals, InfoReader{values, problem});
   // Version 1 did not count it; it is the difference.
   const std::uint64_t elsewhere = totals.received + totals.lost_up + totals.lost_down;
   if (!values.contains("unanswered") && totals.sent > elsewhere) totals.unanswered = totals.sent - elsewhere;

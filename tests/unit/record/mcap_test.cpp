@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "forcebound/record/mcap_reader.hpp"
@@ -70,13 +71,13 @@ Contents read_all(const std::string& bytes) {
   return contents;
 }
 
-std::string refusal_of(const std::string& bytes) {
+/// What is said of a file that is refused, or not whole.
+std::string fault_of(const std::string& bytes) {
   try {
-    (void)read_all(bytes);
+    return in_words(read_all(bytes).ending);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
-  return {};
 }
 
 struct Piece {
@@ -263,15 +264,16 @@ TEST(Mcap, RefusesNamesThatWouldFillTheMemory) {
   put(content, std::string_view());
   std::string file(kMagic);
   put_record(file, Opcode::schema, content);
-  EXPECT_EQ(refusal_of(file), "f.mcap: byte 19: a name of 1025 bytes; accepted are at most 1024");
+  EXPECT_THAT(fault_of(file), StartsWith("1 damaged record (at byte 19: a name of 1025 bytes; accepted are at most "
+                                         "1024); it ends at byte"));
 }
 
 TEST(Mcap, RefusesACompressedChunkThatSaysThatItIsHuge) {
   const std::string frame = frame_of(std::string(100, 'x'));
   for (const std::uint64_t size : {std::uint64_t{kChunkBytesMost} + 1, std::uint64_t{1} << 40U, ~std::uint64_t{0}}) {
-    EXPECT_EQ(refusal_of(chunk_file(size, 0, "zstd", frame)), "f.mcap: byte 17: a compressed chunk that would hold " +
-                                                                  std::to_string(size) +
-                                                                  " bytes; accepted are at most 67108864");
+    EXPECT_EQ(fault_of(chunk_file(size, 0, "zstd", frame)),
+              "1 damaged record (at byte 17: a compressed chunk that would hold " + std::to_string(size) +
+                  " bytes; accepted are at most 67108864)");
   }
 }
 
@@ -279,23 +281,23 @@ TEST(Mcap, RefusesACompressedChunkThatHoldsMoreOrLessThanItSays) {
   std::string records;
   put_record(records, Opcode::message_index, std::string(1000, 'x'));
   const std::string frame = frame_of(records);
-  EXPECT_EQ(refusal_of(chunk_file(records.size(), 0, "zstd", frame)), "");
-  EXPECT_THAT(refusal_of(chunk_file(records.size() + 1, 0, "zstd", frame)),
+  EXPECT_EQ(fault_of(chunk_file(records.size(), 0, "zstd", frame)), "");
+  EXPECT_THAT(fault_of(chunk_file(records.size() + 1, 0, "zstd", frame)),
               HasSubstr("byte 17: a compressed chunk that holds 1009 bytes, where it says 1010"));
-  EXPECT_THAT(refusal_of(chunk_file(records.size() - 1, 0, "zstd", frame)), HasSubstr("holds more than it says"));
-  EXPECT_THAT(refusal_of(chunk_file(0, 0, "zstd", frame)), HasSubstr("holds more than it says"));
+  EXPECT_THAT(fault_of(chunk_file(records.size() - 1, 0, "zstd", frame)), HasSubstr("holds more than it says"));
+  EXPECT_THAT(fault_of(chunk_file(0, 0, "zstd", frame)), HasSubstr("holds more than it says"));
 }
 
 TEST(Mcap, RefusesACompressedChunkThatIsNoFrameOrCutOffOrFollowedByMore) {
   std::string records;
   put_record(records, Opcode::message_index, std::string(1000, 'x'));
   const std::string frame = frame_of(records);
-  EXPECT_THAT(refusal_of(chunk_file(records.size(), 0, "zstd", "no frame at all")),
+  EXPECT_THAT(fault_of(chunk_file(records.size(), 0, "zstd", "no frame at all")),
               HasSubstr("byte 17: the compressed chunk is damaged: "));
-  EXPECT_THAT(refusal_of(chunk_file(records.size(), 0, "zstd", "")), HasSubstr("the frame is cut off"));
-  EXPECT_THAT(refusal_of(chunk_file(records.size(), 0, "zstd", frame.substr(0, frame.size() - 1))),
+  EXPECT_THAT(fault_of(chunk_file(records.size(), 0, "zstd", "")), HasSubstr("the frame is cut off"));
+  EXPECT_THAT(fault_of(chunk_file(records.size(), 0, "zstd", frame.substr(0, frame.size() - 1))),
               HasSubstr("the frame is cut off"));
-  EXPECT_THAT(refusal_of(chunk_file(records.size(), 0, "zstd", frame + "x")), HasSubstr("bytes follow its end"));
+  EXPECT_THAT(fault_of(chunk_file(records.size(), 0, "zstd", frame + "x")), HasSubstr("bytes follow its end"));
 }
 
 TEST(Mcap, RefusesWrongChecksumsNamingBoth) {
@@ -303,19 +305,147 @@ TEST(Mcap, RefusesWrongChecksumsNamingBoth) {
   put_record(records, Opcode::message_index, std::string(1000, 'x'));
   const auto crc = static_cast<std::uint32_t>(
       crc32(0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size())));
-  EXPECT_EQ(refusal_of(chunk_file(records.size(), crc, "zstd", frame_of(records))), "");
-  EXPECT_THAT(refusal_of(chunk_file(records.size(), crc + 1, "zstd", frame_of(records))),
+  EXPECT_EQ(fault_of(chunk_file(records.size(), crc, "zstd", frame_of(records))), "");
+  EXPECT_THAT(fault_of(chunk_file(records.size(), crc + 1, "zstd", frame_of(records))),
               AllOf(HasSubstr("byte 17: the chunk is damaged: its CRC-32 is 0x"), HasSubstr(", the file says 0x")));
   std::string bytes = file_of(1, Compression::zstd);
   bytes[bytes.find("name = ")] ^= 1;
-  EXPECT_THAT(refusal_of(bytes), HasSubstr("the attachment is damaged: its CRC-32 is 0x"));
+  EXPECT_THAT(fault_of(bytes), HasSubstr("the attachment is damaged: its CRC-32 is 0x"));
 }
 
 TEST(Mcap, RefusesOtherCompressionsAndRecordsThatThereAreNot) {
-  EXPECT_THAT(refusal_of(chunk_file(10, 0, "lz4", "0123456789")),
+  EXPECT_THAT(fault_of(chunk_file(10, 0, "lz4", "0123456789")),
               HasSubstr("a chunk compressed with 'lz4'; accepted are zstd and none"));
-  EXPECT_THAT(refusal_of(chunk_file(4096, 0, "zstd", frame_of(std::string(4096, '\0')))),
+  EXPECT_THAT(fault_of(chunk_file(4096, 0, "zstd", frame_of(std::string(4096, '\0')))),
               HasSubstr("byte 17: a record of kind 0, which there is not"));
+}
+
+/// The numbers of the messages in each chunk of a file, in the file's order: [first, last).
+std::vector<std::pair<std::uint32_t, std::uint32_t>> messages_by_chunk(const std::string& bytes) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
+  std::uint32_t before = 0;
+  for (const Piece& piece : pieces_of(bytes)) {
+    if (piece.opcode != Opcode::chunk) continue;
+    const std::uint32_t until = read_all(bytes.substr(0, piece.end)).messages;
+    all.emplace_back(before, until);
+    before = until;
+  }
+  return all;
+}
+
+/// What is visited of a file that is not whole: the numbers of its messages.
+struct Rest {
+  std::vector<std::uint32_t> messages{};
+  int others = 0;  ///< metadata and attachments
+  Ending ending{};
+};
+
+Rest rest_of(const std::string& bytes) {
+  Rest rest;
+  std::istringstream in(bytes);
+  Visitor visitor;
+  visitor.message = [&](const Schema& schema, const Channel& channel, const Message& message) {
+    EXPECT_EQ(schema.name, "schema");
+    EXPECT_EQ(channel.topic, "/topic");
+    EXPECT_EQ(message.data, payload_of(message.sequence)) << "a message that is not as it was written";
+    rest.messages.push_back(message.sequence);
+  };
+  visitor.metadata = [&](const std::string&, const auto&) { ++rest.others; };
+  visitor.attachment = [&](const Attachment& attachment) {
+    EXPECT_EQ(attachment.data, "name = \"wall\"\n");
+    ++rest.others;
+  };
+  rest.ending = read(in, "f.mcap", visitor);
+  return rest;
+}
+
+/// The messages of `all` that are not in `rest`, by chunk.
+std::size_t chunks_lost(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& chunks,
+                        const std::vector<std::uint32_t>& rest) {
+  std::size_t lost = 0;
+  std::size_t there = 0;
+  for (const auto& [first, last] : chunks) {
+    const auto from = std::ranges::lower_bound(rest, first);
+    const auto count = static_cast<std::uint32_t>(std::ranges::lower_bound(rest, last) - from);
+    EXPECT_TRUE(count == 0 || count == last - first) << "part of a chunk: " << count << " of " << last - first;
+    lost += count == 0 ? 1U : 0U;
+    there += count;
+  }
+  EXPECT_EQ(there, rest.size());
+  return lost;
+}
+
+// The bytes of a small file, inverted and with their highest and lowest bit changed: of three chunks at most the one is
+// lost that the byte is in; nothing is shown that was not written, and all of it is said.
+TEST(Mcap, WithAnyByteChangedLosesAtMostTheChunkItIsInAndSaysSo) {
+  for (const Compression compression : {Compression::none, Compression::zstd}) {
+    const std::string bytes = file_of(2100, compression);
+    const auto chunks = messages_by_chunk(bytes);
+    ASSERT_EQ(chunks.size(), 3U);
+    const std::vector<Piece> pieces = pieces_of(bytes);
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+      const auto piece = std::ranges::find_if(pieces, [at](const Piece& p) { return p.begin <= at && at < p.end; });
+      const bool in_chunk = piece != pieces.end() && piece->opcode == Opcode::chunk;
+      // Behind a record's head one byte is as good as another.
+      constexpr std::size_t kHead = 60;
+      constexpr std::size_t kStep = 401;
+      if (piece != pieces.end() && at > piece->begin + kHead && at + kHead < piece->end && at % kStep != 0) continue;
+      for (const unsigned change : {0xFFU, 0x80U, 0x01U}) {
+        SCOPED_TRACE(testing::Message() << "byte " << at << " ^ " << change);
+        std::string damaged = bytes;
+        damaged[at] = static_cast<char>(static_cast<unsigned char>(damaged[at]) ^ change);
+        const Rest rest = rest_of(damaged);
+        const std::size_t lost = chunks_lost(chunks, rest.messages);
+        ASSERT_LE(lost, in_chunk ? 1U : 0U);
+        ASSERT_GE(rest.others, in_chunk ? 3 : 2);
+        ASSERT_EQ(in_words(rest.ending).empty(), static_cast<bool>(rest.ending));
+        if (lost > 0) {
+          ASSERT_EQ(rest.ending.damaged, 1U);
+          ASSERT_THAT(in_words(rest.ending), StartsWith("1 damaged record, with "));
+          ASSERT_THAT(in_words(rest.ending), HasSubstr(" of 2100 messages (at byte "));
+        }
+      }
+    }
+  }
+}
+
+// A killed process leaves no index: where a damaged record ends is then found by the next one.
+TEST(Mcap, WithoutItsIndexLosesAtMostTheChunkOfAChangedByteBehindTheFirst) {
+  for (const Compression compression : {Compression::none, Compression::zstd}) {
+    const std::string whole = file_of(2100, compression);
+    const std::vector<Piece> pieces = pieces_of(whole);
+    const auto end = std::ranges::find(pieces, Opcode::data_end, &Piece::opcode);
+    const std::string bytes = whole.substr(0, end->begin);
+    const auto chunks = messages_by_chunk(whole);
+    int chunk = 0;
+    for (const Piece& piece : pieces) {
+      if (piece.opcode != Opcode::chunk || ++chunk == 1) continue;  // the first declares the channels
+      for (std::size_t at = piece.begin; at < piece.end; at += at < piece.begin + 60 ? 1 : 997) {
+        SCOPED_TRACE(at);
+        std::string damaged = bytes;
+        damaged[at] = static_cast<char>(~damaged[at]);
+        const Rest rest = rest_of(damaged);
+        ASSERT_LE(chunks_lost(chunks, rest.messages), 1U);
+        ASSERT_FALSE(rest.ending);
+      }
+    }
+  }
+}
+
+TEST(Mcap, GoesOnBehindARecordThatItsVisitorFindsWrong) {
+  const std::string bytes = file_of(2100, Compression::zstd);
+  std::istringstream in(bytes);
+  std::uint32_t visited = 0;
+  Visitor visitor;
+  visitor.message = [&](const Schema&, const Channel&, const Message& message) {
+    if (message.sequence % 1000 == 7) throw std::invalid_argument("not as I want it");
+    ++visited;
+  };
+  const Ending ending = read(in, "f.mcap", visitor);
+  EXPECT_EQ(visited, 2097U);
+  EXPECT_EQ(ending.damaged, 3U);
+  EXPECT_THAT(in_words(ending), AllOf(StartsWith("3 damaged records, with 3 of 2100 messages (the first at byte "),
+                                      EndsWith(": not as I want it)")));
 }
 
 }  // namespace

@@ -11,19 +11,23 @@
 /// The contents of MCAP records, taken apart. Private to this folder.
 namespace forcebound::record::mcap {
 
-/// Errors that name file and byte.
-struct Place {
-  const std::string& file;
-  [[noreturn]] void refuse(std::uint64_t byte, const std::string& what) const {
-    throw std::runtime_error(file + ": byte " + std::to_string(byte) + ": " + what);
-  }
+/// A part of a file is not as it was written: "byte 17: what".
+class Damage : public std::runtime_error {
+ public:
+  Damage(std::uint64_t byte, const std::string& what)
+      : std::runtime_error("byte " + std::to_string(byte) + ": " + what) {}
 };
 
-/// Takes a record's content apart. What does not fit in it is refused.
+/// CRC-32 of the bytes before, then these.
+[[nodiscard]] std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0) noexcept;
+
+/// @throws Damage unless the bytes have the checksum that the file says; 0: it says none.
+void expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what);
+
+/// Takes a record's content apart. What does not fit in it is Damage.
 class Fields {
  public:
-  Fields(const Place& place, std::uint64_t offset, std::string_view content)
-      : place_(place), offset_(offset), rest_(content) {}
+  Fields(std::uint64_t offset, std::string_view content) : offset_(offset), rest_(content) {}
 
   template <std::unsigned_integral Number>
   Number number() {
@@ -37,8 +41,8 @@ class Fields {
   std::string_view text() { return take(number<std::uint32_t>()); }
   std::string_view take(std::uint64_t count) {
     if (count > rest_.size()) {
-      place_.refuse(offset_, "a field of " + std::to_string(count) + " bytes does not fit in the " +
-                                 std::to_string(rest_.size()) + " left of its record");
+      throw Damage(offset_, "a field of " + std::to_string(count) + " bytes does not fit in the " +
+                                std::to_string(rest_.size()) + " left of its record");
     }
     const std::string_view bytes = rest_.substr(0, count);
     rest_.remove_prefix(count);
@@ -48,7 +52,7 @@ class Fields {
   std::map<std::string, std::string> map() {
     std::map<std::string, std::string> values;
     const std::uint64_t start = offset_ + sizeof(std::uint32_t);
-    Fields entries(place_, start, text());
+    Fields entries(start, text());
     while (!entries.rest().empty()) {
       std::string key(entries.text());
       values[std::move(key)] = entries.text();
@@ -59,7 +63,6 @@ class Fields {
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
 
  private:
-  const Place& place_;
   std::uint64_t offset_;
   std::string_view rest_;
 };

@@ -53,13 +53,8 @@ const std::string& Recorded::scene() const noexcept {
 Recorded read_recorded(const std::filesystem::path& file) {
   Recorded recorded;
   Collector collector(recorded);
-  try {
-    const record::mcap::Ending ending = record::read_recording(file, collector);
-    if (!ending) recorded.flaw = record::incomplete_in_words(file, ending);
-  } catch (const std::runtime_error& error) {
-    if (recorded.ticks.empty()) throw;
-    recorded.flaw = std::string(error.what()) + "; shown is what comes before";
-  }
+  const record::mcap::Ending ending = record::read_recording(file, collector);
+  if (!ending) recorded.flaw = record::incomplete_in_words(file, ending);
   if (recorded.ticks.empty()) {
     throw std::runtime_error(file.string() + ": no message on topic /tick; a client's recording is needed" +
                              (collector.of_server() ? ", and this one is a server's" : ""));

@@ -102,7 +102,8 @@ class Recording:
     """What a recording has. A client's has ticks and forces, a server's motions and sent forces."""
 
     file: str
-    complete: bool  # it ends as it should; that of a killed process does not
+    complete: bool  # it ends as it should and nothing is damaged; that of a killed process does not end so
+    flaw: str  # what is missing, and which bytes are damaged; empty: nothing
     info: dict[str, str]  # the run's settings, as text
     totals: dict[str, str] | None  # what the session counted, as text; None: its end is missing
     summary: dict[str, Any] | None  # as the client prints and writes it; None: there are no ticks
@@ -113,7 +114,8 @@ class Recording:
 
 
 class TruncatedRecordingError(EOFError):
-    """A recording ends in the middle, as that of a killed process does. `recording` has all that came before."""
+    """A recording ends in the middle, as that of a killed process does, or part of it is damaged. `recording` has all
+    that is whole."""
 
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
@@ -125,16 +127,15 @@ class TruncatedRecordingError(EOFError):
         }
         read_so_far = ", ".join(f"{len(rows)} {name}" for name, rows in counted.items() if len(rows)) or "no records"
         super().__init__(
-            f"{recording.file}: the recording ends before its end record; read: {read_so_far}"
-            " (partial=True accepts that)"
+            f"{recording.file}: incomplete: {recording.flaw}; read: {read_so_far} (partial=True accepts that)"
         )
 
 
 def read(file: str | os.PathLike, *, partial: bool = False) -> Recording:
     """Reads a recording.
 
-    OSError if the file cannot be read; ValueError naming the byte where it is malformed; TruncatedRecordingError, an
-    EOFError that carries what was read, where it ends too early, unless `partial` accepts that.
+    OSError if the file cannot be read; ValueError if it is no recording; TruncatedRecordingError, an EOFError that
+    carries what was read, where it ends too early or part of it is damaged, unless `partial` accepts that.
     """
     path = os.fspath(file)
     with open(path, "rb"):

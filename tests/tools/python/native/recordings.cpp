@@ -73,21 +73,22 @@ class RecordedTables final : public record::RecordingSink {
   std::exception_ptr error_;
 };
 
-/// What the recording has, and as "complete" whether it ends as it should.
+/// What the recording has, as "complete" whether that is all, and as "flaw" what is missing.
 py::dict read(const std::string& file) {
   RecordedTables tables;
-  bool complete = false;
+  record::mcap::Ending ending;
   {
     const py::gil_scoped_release others_run;
     try {
-      complete = record::read_recording(file, tables).complete;
+      ending = record::read_recording(file, tables);
     } catch (const std::runtime_error& malformed) {
       throw std::invalid_argument(malformed.what());  // a ValueError in Python
     }
   }
   tables.rethrow();
   py::dict all = tables.to_python();
-  all["complete"] = complete;
+  all["complete"] = static_cast<bool>(ending);
+  all["flaw"] = record::mcap::in_words(ending);
   return all;
 }
 
